@@ -5,9 +5,10 @@
 !> derivatives where they are positive definite, else those of the convex model (see
 !> circle_products): so the norm is one.
 module asperity_circle_blocks
-  use asperity_circle_field, only: are_close, circle_set, close_by, comply, east, least_share, &
-                                   many, north, second_derivatives_between, steer_one, steer_other
-  use asperity_circle_products, only: raised_bends
+  use asperity_circle_field, only: are_close, circle_set, close_by, compliance, direction_x, &
+    least_share, &
+                                   many, direction_y, pair_hessian, first_slope, second_slope
+  use asperity_circle_products, only: convex_hessian
   use asperity_index_groups, only: gather_groups
   use asperity_kinds, only: real64
   implicit none
@@ -82,21 +83,21 @@ contains
 
   ! Factor of one block. Of the convex model pivots are raised where circles stand in one place;
   ! the exact one is left where a pivot is too small.
-  pure subroutine factor_block(set, member, slot, convex, m, h, is_definite)
+  pure subroutine factor_block(set, member, block_of, convex, m, h, is_definite)
     type(circle_set), intent(in) :: set
-    integer, intent(in) :: member(:), slot(:), m
+    integer, intent(in) :: member(:), block_of(:), m
     logical, intent(in) :: convex
     real(real64), intent(out) :: h(m, m)
     logical, intent(out) :: is_definite
-    real(real64) :: alone(m)
+    real(real64) :: isolated(m)
     integer :: i, j
 
     is_definite = .false.
-    call fill_block(set, member, slot, convex, m, h, alone)
+    call fill_block(set, member, block_of, convex, m, h, isolated)
     do j = 1, m
-      if (.not. h(j, j) > least_share * alone(j)) then
+      if (.not. h(j, j) > least_share * isolated(j)) then
         if (.not. convex) return
-        h(j, j) = alone(j)
+        h(j, j) = isolated(j)
         h(j + 1:, j) = 0.0_real64
       end if
       do i = j + 1, m
@@ -109,44 +110,45 @@ contains
 
   ! Second derivatives of a block as `multiply` has them, lower half, and what each circle has of
   ! them alone.
-  pure subroutine fill_block(set, member, slot, convex, m, h, alone)
+  pure subroutine fill_block(set, member, block_of, convex, m, h, isolated)
     type(circle_set), intent(in) :: set
-    integer, intent(in) :: member(:), slot(:), m
+    integer, intent(in) :: member(:), block_of(:), m
     logical, intent(in) :: convex
-    real(real64), intent(out) :: h(m, m), alone(m)
+    real(real64), intent(out) :: h(m, m), isolated(m)
     real(real64) :: b(3), x, y
     integer :: a, i, j, k, l
 
     h = 0.0_real64
     do a = 1, size(member)
       i = member(a)
-      associate (p => 3 * a - 2, grows => set%growth(i) / (3 * set%load(i)))
-        alone(p:p + 2) = [1 / set%stiffness(i), set%load(i) * set%curvature(i) * [1, 1]]
-        if (set%still(i)) alone(p + 1:p + 2) = 1.0_real64
-        b = set%bends(:, i)
-        if (convex) b = raised_bends(b, alone(p + 1))
-        if (set%still(i)) b = [1, 0, 1]
-        h(p, p) = alone(p) + merge(max(grows, 0.0_real64), grows, convex)
+      associate (p => 3 * a - 2, growth_term => set%displacement_growth(i) / (3 * set%load(i)))
+        isolated(p:p + 2) = [1 / set%stiffness(i), set%load(i) * set%curvature(i) * [1, 1]]
+        if (set%shift_fixed(i)) isolated(p + 1:p + 2) = 1.0_real64
+        b = set%hessian(:, i)
+        if (convex) b = convex_hessian(b, isolated(p + 1))
+        if (set%shift_fixed(i)) b = [1, 0, 1]
+        h(p, p) = isolated(p) + merge(max(growth_term, 0.0_real64), growth_term, convex)
         h(p + 1, p + 1) = b(1)
         h(p + 2, p + 1) = b(2)
         h(p + 2, p + 2) = b(3)
-        if (.not. (convex .or. set%still(i))) &
-          h(p + 1:p + 2, p) = set%move(:, i) * set%curvature(i) + set%steer(:, i)
+        if (.not. (convex .or. set%shift_fixed(i))) &
+          h(p + 1:p + 2, p) = set%shift(:, i) * set%curvature(i) + set%flat_slope(:, i)
         do l = set%tree%first(i), set%tree%first(i + 1) - 1
           j = set%tree%near(l)
-          if (slot(j) /= slot(i) .or. j < i) cycle
+          if (block_of(j) /= block_of(i) .or. j < i) cycle
           k = set%pair(l)
           associate (q => 3 * findloc(member, j, dim=1) - 2)
-            h(q, p) = set%terms(comply, k)
+            h(q, p) = set%terms(compliance, k)
             if (convex) cycle
-            x = set%terms(east, k)
-            y = set%terms(north, k)
-            if (.not. set%still(j)) h(q + 1:q + 2, p) = -set%terms(steer_one, k) * set%load(j) * &
-                                                        [x, y]
-            if (.not. set%still(i)) h(q, p + 1:p + 2) = set%terms(steer_other, k) * &
-                                                        set%load(i) * [x, y]
-            if (set%still(i) .or. set%still(j)) cycle
-            b = -set%load(i) * set%load(j) * second_derivatives_between(set, k)
+            x = set%terms(direction_x, k)
+            y = set%terms(direction_y, k)
+            if (.not. set%shift_fixed(j)) h(q + 1:q + 2, p) = -set%terms(first_slope, k) * &
+              set%load(j) * &
+                                                              [x, y]
+            if (.not. set%shift_fixed(i)) h(q, p + 1:p + 2) = set%terms(second_slope, k) * &
+                                                              set%load(i) * [x, y]
+            if (set%shift_fixed(i) .or. set%shift_fixed(j)) cycle
+            b = -set%load(i) * set%load(j) * pair_hessian(set, k)
             h(q + 1:q + 2, p + 1) = b(1:2)
             h(q + 1:q + 2, p + 2) = b(2:3)
           end associate

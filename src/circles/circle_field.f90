@@ -19,12 +19,13 @@ module asperity_circle_field
   use asperity_mutual_displacement, only: mutual_displacement, mutual_terms
   use asperity_problems, only: not_enough_memory
   use asperity_process, only: has_memory
-  use asperity_source_tree, only: plant_tree, source_tree, sum_sources
+  use asperity_source_tree, only: build_tree, source_tree, sum_sources
   implicit none
   private
 
-  public :: are_close, circle_set, find_field, from_other, inclination_factor, plant_circles, &
-            second_derivatives_between
+  public :: are_close, circle_set, find_field, relative_position, inclination_factor, &
+    list_near_circles, &
+            pair_hessian
 
   !> Sums of radii [1] below which a pair is near: farther off sums are by a tree; derived, the
   !> error of the Laplacian of 1/r there is 1e-4; test: summation_suite.f90.
@@ -64,74 +65,75 @@ module asperity_circle_field
   integer(int64), parameter :: bytes_of_pair = 136_int64, bytes_of_circle = 1600_int64
 
   ! Pairs [1] whose terms are found together; chosen, some MB; test: coupled_suite.f90.
-  integer, parameter :: a_batch = 65536
+  integer, parameter :: batch_size = 65536
 
   !> Circles under load, and their field. Sizes of all arrays: the number of circles.
   type :: circle_set
-    integer, allocatable :: number(:)            !! place in the list of pairs
+    integer, allocatable :: contact(:)           !! place in the list of pairs
     real(real64), allocatable :: x(:), y(:)      !! places without shift
     real(real64), allocatable :: curvature(:)    !! 1/R; 0 where a circle may not shift
-    logical, allocatable :: still(:)             !! may not shift
-    real(real64), allocatable :: move(:, :)      !! the shifts
+    logical, allocatable :: shift_fixed(:)       !! may not shift
+    real(real64), allocatable :: shift(:, :)     !! the shifts
     real(real64), allocatable :: load(:)         !! over the modulus
-    real(real64), allocatable :: counted(:)      !! load in the sum that is asked for, over `load`
-    real(real64), allocatable :: circle(:)       !! radius of the contact
+    real(real64), allocatable :: load_share(:)   !! load in the sum that is asked for, over `load`
+    real(real64), allocatable :: radius(:)       !! radius of the contact
     real(real64), allocatable :: stiffness(:)    !! of the load by the penetration, over the modulus
-    real(real64), allocatable :: lift(:)         !! u: displacement by the others
-    real(real64), allocatable :: growth(:)       !! d(lift)/d(log of the own radius)
-    real(real64), allocatable :: tilt(:, :)      !! slope with Hertz' weight
-    real(real64), allocatable :: steer(:, :)     !! slope of `lift`
-    real(real64), allocatable :: bends(:, :)     !! second derivatives by the own shift: xx, xy, yy
+    real(real64), allocatable :: displacement(:)  !! u: displacement by the others
+    real(real64), allocatable :: displacement_growth(:)  !! d(lift)/d(log of the own radius)
+    real(real64), allocatable :: slope(:, :)     !! slope with Hertz' weight
+    real(real64), allocatable :: flat_slope(:, :)  !! slope of `lift`
+    real(real64), allocatable :: hessian(:, :)   !! second derivatives by the own shift: xx, xy, yy
     !> field from outside: second derivatives xx, xy, yy, and the shift where it is zero
-    real(real64), allocatable :: outer(:, :)
+    real(real64), allocatable :: outer_field(:, :)
     !> second derivatives by the own shift over the load, without near circles: xx, xy, yy
-    real(real64), allocatable :: bowl(:, :)
+    real(real64), allocatable :: far_hessian(:, :)
     real(real64) :: energy = 0.0_real64          !! 1/2 sum V V G
     type(source_tree) :: tree                    !! of the places
-    real(real64), allocatable :: planted(:, :)   !! radii and shifts at planting (3, circle)
-    real(real64), allocatable :: moved(:, :)     !! shifts since then, where the field is known
+    real(real64), allocatable :: listed(:, :)    !! radii and shifts at planting (3, circle)
+    real(real64), allocatable :: shift_since(:, :)  !! shifts since then, where the field is known
     integer, allocatable :: pair(:)              !! of each near neighbour
     integer, allocatable :: one(:), other(:)     !! circles of each near pair
     real(real64), allocatable :: terms(:, :)     !! (quantity, near pair), see the constants below
   contains
-    procedure :: make_room                       !! for a number of circles
+    procedure :: allocate_arrays                   !! for a number of circles
   end type circle_set
 
   !> Numbers, chosen, of the quantities of a near pair: compliance; slope of lift of one and of the
   !> other; slope over distance and the rest of the bend, for the tilt; direction from the other to
   !> the one.
-  integer, parameter, public :: comply = 1, steer_one = 2, steer_other = 3, turn = 4, east = 6, &
-                                north = 7
+  integer, parameter, public :: compliance = 1, first_slope = 2, second_slope = 3, &
+    slope_over_distance = 4, direction_x = 6, &
+                                direction_y = 7
   !> Number, chosen, of the rest of the bend: second derivative along less that across the line of
   !> centres.
-  integer, parameter, public :: bend = 5
+  integer, parameter, public :: hessian_anisotropy = 5
 
 contains
 
   !> Makes room for circles, without shift. The expansions of its tree are kept.
-  subroutine make_room(self, n)
+  subroutine allocate_arrays(self, n)
     class(circle_set), intent(inout) :: self  !! gets new arrays, all zero
     integer, intent(in) :: n                  !! number of circles
 
-    if (allocated(self%outer)) deallocate (self%outer)
+    if (allocated(self%outer_field)) deallocate (self%outer_field)
     if (allocated(self%one)) deallocate (self%pair, self%one, self%other, self%terms)
-    self%number = spread(0, 1, n)
-    self%still = spread(.false., 1, n)
+    self%contact = spread(0, 1, n)
+    self%shift_fixed = spread(.false., 1, n)
     self%x = spread(0.0_real64, 1, n)
     self%y = self%x
     self%curvature = self%x
     self%load = self%x
-    self%counted = self%x
-    self%circle = self%x
+    self%load_share = self%x
+    self%radius = self%x
     self%stiffness = self%x
-    self%lift = self%x
-    self%growth = self%x
-    self%move = spread(self%x, 1, 2)
-    self%tilt = self%move
-    self%steer = self%move
-    self%bends = spread(self%x, 1, 3)
-    self%bowl = self%bends
-  end subroutine make_room
+    self%displacement = self%x
+    self%displacement_growth = self%x
+    self%shift = spread(self%x, 1, 2)
+    self%slope = self%shift
+    self%flat_slope = self%shift
+    self%hessian = spread(self%x, 1, 3)
+    self%far_hessian = self%hessian
+  end subroutine allocate_arrays
 
   !> Factor with which an inclined contact presses the surface down, over its vertical load.
   !>
@@ -146,17 +148,17 @@ contains
   end function inclination_factor
 
   !> Finds who is near whom. To be called when circles come, go or have grown.
-  subroutine plant_circles(set)
+  subroutine list_near_circles(set)
     type(circle_set), intent(inout) :: set  !! places, shifts and radii are set
     real(real64), allocatable :: planted(:, :)
     integer, allocatable :: cursor(:), near(:)
     integer :: i, j, k, pairs
 
     allocate (planted(3, size(set%x)))
-    planted(1, :) = set%circle
-    planted(2:, :) = set%move
-    call move_alloc(planted, set%planted)
-    call plant_tree(set%tree, set%x + set%move(1, :), set%y + set%move(2, :), set%circle, &
+    planted(1, :) = set%radius
+    planted(2:, :) = set%shift
+    call move_alloc(planted, set%listed)
+    call build_tree(set%tree, set%x + set%shift(1, :), set%y + set%shift(2, :), set%radius, &
                     near_factor)
     if (allocated(set%tree%failure)) return
     pairs = size(set%tree%near) / 2
@@ -165,7 +167,7 @@ contains
       set%tree%failure = not_enough_memory // ' for the near pairs of contacts'
       return
     end if
-    allocate (set%pair(2 * pairs), set%one(pairs), set%other(pairs), set%terms(north, pairs))
+    allocate (set%pair(2 * pairs), set%one(pairs), set%other(pairs), set%terms(direction_y, pairs))
     allocate (cursor(size(set%x)), source=set%tree%first(:size(set%x)))
     allocate (near, source=set%tree%near)
     pairs = 0
@@ -182,7 +184,7 @@ contains
         cursor([i, j]) = cursor([i, j]) + 1
       end do
     end do
-  end subroutine plant_circles
+  end subroutine list_near_circles
 
   !> Finds the field at every circle by all others.
   subroutine find_field(set)
@@ -192,27 +194,28 @@ contains
     integer :: from, k, n, to
 
     n = size(set%x)
-    set%moved = set%move - set%planted(2:, :)
-    allocate (far(6, n), batch(min(a_batch, size(set%one))))
-    call sum_sources(set%tree, set%load, hertz_spread * set%circle**2, far, set%moved)
+    set%shift_since = set%shift - set%listed(2:, :)
+    allocate (far(6, n), batch(min(batch_size, size(set%one))))
+    call sum_sources(set%tree, set%load, hertz_spread * set%radius**2, far, set%shift_since)
     !$omp parallel do schedule(static) if(n > many)
     do k = 1, n
-      associate (of => far(:, k), square => set%circle(k)**2)
-        of = of / pi
-        set%lift(k) = of(1) + flat_spread * square * of(2)
-        set%growth(k) = 2 * flat_spread * square * of(2)
-        set%tilt(:, k) = of(3:4)
-        set%bowl(:, k) = [set%curvature(k) + 0.5_real64 * of(2) + of(5), of(6), &
-                          set%curvature(k) + 0.5_real64 * of(2) - of(5)]
-        if (allocated(set%outer)) call add_outer(set, k)
-        set%bends(:, k) = set%load(k) * set%bowl(:, k)
-        set%steer(:, k) = set%tilt(:, k)
+      associate (far_field => far(:, k), square => set%radius(k)**2)
+        far_field = far_field / pi
+        set%displacement(k) = far_field(1) + flat_spread * square * far_field(2)
+        set%displacement_growth(k) = 2 * flat_spread * square * far_field(2)
+        set%slope(:, k) = far_field(3:4)
+        set%far_hessian(:, k) = [set%curvature(k) + 0.5_real64 * far_field(2) + far_field(5), &
+                                 far_field(6), &
+                                 set%curvature(k) + 0.5_real64 * far_field(2) - far_field(5)]
+        if (allocated(set%outer_field)) call add_outer_field(set, k)
+        set%hessian(:, k) = set%load(k) * set%far_hessian(:, k)
+        set%flat_slope(:, k) = set%slope(:, k)
       end associate
     end do
     !$omp end parallel do
-    set%energy = 0.5_real64 * sum(set%load * (far(1, :) + hertz_spread * set%circle**2 * far(2, :)))
-    do from = 1, size(set%one), a_batch
-      to = min(from + a_batch - 1, size(set%one))
+    set%energy = 0.5_real64 * sum(set%load * (far(1, :) + hertz_spread * set%radius**2 * far(2, :)))
+    do from = 1, size(set%one), batch_size
+      to = min(from + batch_size - 1, size(set%one))
       !$omp parallel do schedule(static) if(to - from > many)
       do k = from, to
         call find_terms(set, k, batch(k - from + 1))
@@ -221,7 +224,7 @@ contains
       ! The order of summation does not depend on the number of threads.
       !$omp parallel sections private(k) if(to - from > many)
       do k = from, to
-        call add_lifts(set, k, batch(k - from + 1))
+        call add_displacements(set, k, batch(k - from + 1))
       end do
       !$omp section
       do k = from, to
@@ -232,19 +235,19 @@ contains
   end subroutine find_field
 
   ! Adds the field from outside.
-  subroutine add_outer(set, k)
+  subroutine add_outer_field(set, k)
     type(circle_set), intent(inout) :: set
     integer, intent(in) :: k
-    real(real64) :: from(2), tilt(2)
+    real(real64) :: from(2), slope(2)
 
-    associate (b => set%outer(:, k))
-      from = set%move(:, k) - b(4:5)
-      tilt = b(1:2) * from(1) + b(2:3) * from(2)
-      set%lift(k) = set%lift(k) + 0.5_real64 * dot_product(tilt, from)
-      set%tilt(:, k) = set%tilt(:, k) + tilt
-      set%bowl(:, k) = set%bowl(:, k) + b(:3)
+    associate (outer_field => set%outer_field(:, k))
+      from = set%shift(:, k) - outer_field(4:5)
+      slope = outer_field(1:2) * from(1) + outer_field(2:3) * from(2)
+      set%displacement(k) = set%displacement(k) + 0.5_real64 * dot_product(slope, from)
+      set%slope(:, k) = set%slope(:, k) + slope
+      set%far_hessian(:, k) = set%far_hessian(:, k) + outer_field(:3)
     end associate
-  end subroutine add_outer
+  end subroutine add_outer_field
 
   ! The terms of one near pair, kept for products.
   subroutine find_terms(set, k, terms)
@@ -254,40 +257,40 @@ contains
     real(real64) :: from(2), r
 
     associate (i => set%one(k), j => set%other(k))
-      from = from_other(set, i, j)
+      from = relative_position(set, i, j)
       r = sqrt(sum(from**2))
-      call mutual_displacement(r, set%circle(i), set%circle(j), terms)
+      call mutual_displacement(r, set%radius(i), set%radius(j), terms)
     end associate
-    set%terms(comply, k) = terms%compliance
-    set%terms(steer_one, k) = terms%first_slope
-    set%terms(steer_other, k) = terms%second_slope
+    set%terms(compliance, k) = terms%compliance
+    set%terms(first_slope, k) = terms%first_slope
+    set%terms(second_slope, k) = terms%second_slope
     ! In one place the slope is zero and all directions are alike.
-    set%terms(turn, k) = terms%bend
-    set%terms(bend:north, k) = 0.0_real64
+    set%terms(slope_over_distance, k) = terms%bend
+    set%terms(hessian_anisotropy:direction_y, k) = 0.0_real64
     if (.not. r > 0.0_real64) return
-    set%terms(turn, k) = terms%slope / r
-    set%terms(bend, k) = terms%bend - terms%slope / r
-    set%terms(east:north, k) = from / r
+    set%terms(slope_over_distance, k) = terms%slope / r
+    set%terms(hessian_anisotropy, k) = terms%bend - terms%slope / r
+    set%terms(direction_x:direction_y, k) = from / r
   end subroutine find_terms
 
   ! Adds what two near circles do to each other: heights and bends.
-  subroutine add_lifts(set, k, terms)
+  subroutine add_displacements(set, k, terms)
     type(circle_set), intent(inout) :: set
     integer, intent(in) :: k
     type(mutual_terms), intent(in) :: terms
-    real(real64) :: both(3)
+    real(real64) :: hessian(3)
 
     associate (i => set%one(k), j => set%other(k), load => set%load)
       set%energy = set%energy + load(i) * load(j) * terms%mean
-      set%lift(i) = set%lift(i) + load(j) * terms%on_first
-      set%lift(j) = set%lift(j) + load(i) * terms%on_second
-      set%growth(i) = set%growth(i) + load(j) * terms%first_growth
-      set%growth(j) = set%growth(j) + load(i) * terms%second_growth
-      both = load(i) * load(j) * second_derivatives_between(set, k)
-      set%bends(:, i) = set%bends(:, i) + both
-      set%bends(:, j) = set%bends(:, j) + both
+      set%displacement(i) = set%displacement(i) + load(j) * terms%on_first
+      set%displacement(j) = set%displacement(j) + load(i) * terms%on_second
+      set%displacement_growth(i) = set%displacement_growth(i) + load(j) * terms%first_growth
+      set%displacement_growth(j) = set%displacement_growth(j) + load(i) * terms%second_growth
+      hessian = load(i) * load(j) * pair_hessian(set, k)
+      set%hessian(:, i) = set%hessian(:, i) + hessian
+      set%hessian(:, j) = set%hessian(:, j) + hessian
     end associate
-  end subroutine add_lifts
+  end subroutine add_displacements
 
   ! And slopes.
   subroutine add_slopes(set, k, terms)
@@ -295,43 +298,46 @@ contains
     integer, intent(in) :: k
     type(mutual_terms), intent(in) :: terms
 
-    associate (i => set%one(k), j => set%other(k), way => set%terms(east:north, k), &
+    associate (i => set%one(k), j => set%other(k), direction => &
+               set%terms(direction_x:direction_y, k), &
                load => set%load)
-      set%tilt(:, i) = set%tilt(:, i) + load(j) * terms%slope * way
-      set%tilt(:, j) = set%tilt(:, j) - load(i) * terms%slope * way
-      set%steer(:, i) = set%steer(:, i) + load(j) * terms%first_slope * way
-      set%steer(:, j) = set%steer(:, j) - load(i) * terms%second_slope * way
+      set%slope(:, i) = set%slope(:, i) + load(j) * terms%slope * direction
+      set%slope(:, j) = set%slope(:, j) - load(i) * terms%slope * direction
+      set%flat_slope(:, i) = set%flat_slope(:, i) + load(j) * terms%first_slope * direction
+      set%flat_slope(:, j) = set%flat_slope(:, j) - load(i) * terms%second_slope * direction
     end associate
   end subroutine add_slopes
 
   !> Whether circles are nearer, where they stand now, than some sums of their radii.
-  pure logical function are_close(set, a, b, sums)
+  pure logical function are_close(set, a, outer_field, sums)
     type(circle_set), intent(in) :: set   !! places, shifts and radii are set
-    integer, intent(in) :: a, b           !! circles with their places
+    integer, intent(in) :: a, outer_field  !! circles with their places
     real(real64), intent(in) :: sums      !! sums of radii
 
-    are_close = sum(from_other(set, a, b)**2) < (sums * (set%circle(a) + set%circle(b)))**2
+    are_close = sum(relative_position(set, a, outer_field)**2) < (sums * &
+      (set%radius(a) + set%radius(outer_field)))**2
   end function are_close
 
   !> Where a circle stands now, from another one.
-  pure function from_other(set, one, other) result(from)
+  pure function relative_position(set, one, other) result(from)
     type(circle_set), intent(in) :: set   !! places and shifts are set
     integer, intent(in) :: one, other     !! circles with their places
     real(real64) :: from(2)
 
     from = [set%x(one) - set%x(other), set%y(one) - set%y(other)] + &
-           (set%move(:, one) - set%move(:, other))
-  end function from_other
+           (set%shift(:, one) - set%shift(:, other))
+  end function relative_position
 
   !> Second derivatives of a near pair's compliance: xx, xy, yy.
-  pure function second_derivatives_between(set, k) result(bends)
+  pure function pair_hessian(set, k) result(bends)
     type(circle_set), intent(in) :: set  !! its field is known
     integer, intent(in) :: k             !! number of the pair
     real(real64) :: bends(3)             !! by the shift of one against the other
 
-    associate (x => set%terms(east, k), y => set%terms(north, k))
-      bends = set%terms(turn, k) * [1, 0, 1] + set%terms(bend, k) * [x * x, x * y, y * y]
+    associate (x => set%terms(direction_x, k), y => set%terms(direction_y, k))
+      bends = set%terms(slope_over_distance, k) * [1, 0, 1] + set%terms(hessian_anisotropy, k) * &
+        [x * x, x * y, y * y]
     end associate
-  end function second_derivatives_between
+  end function pair_hessian
 
 end module asperity_circle_field

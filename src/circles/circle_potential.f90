@@ -17,7 +17,7 @@ module asperity_circle_potential
   !> A state with its circles, their field and the gradient of the potential.
   type :: potential_state
     real(real64), allocatable :: penetration(:)   !! by pair
-    real(real64), allocatable :: move(:, :)       !! shifts (2, pair)
+    real(real64), allocatable :: shift(:, :)      !! shifts (2, pair)
     real(real64) :: closing = 0.0_real64          !! of the state
     type(circle_set) :: set                       !! circles and their field
     type(solve_state) :: state                    !! gradient and residual
@@ -42,7 +42,7 @@ contains
     type(potential_state), intent(out) :: before     !! copy of the state
 
     before%penetration = solution%penetration
-    before%move = solution%move
+    before%shift = solution%shift
     before%closing = solution%closing
     before%set = solution%set
     before%state = state
@@ -55,7 +55,7 @@ contains
     type(solve_state), intent(inout) :: state          !! gets its gradient
 
     solution%penetration = before%penetration
-    solution%move = before%move
+    solution%shift = before%shift
     solution%closing = before%closing
     solution%set = before%set
     state = before%state
@@ -70,35 +70,38 @@ contains
     type(solve_state), intent(in) :: state             !! gradient and residual of it
     real(real64), intent(out) :: change                !! of the potential
     real(real64), intent(out) :: noise                 !! rounding and summation error of the change
-    real(real64), dimension(size(before%penetration), 2) :: load, off
+    real(real64), dimension(size(before%penetration), 2) :: load, gradient
     real(real64) :: part(size(before%penetration))
     real(real64) :: all_work, relative
     integer :: circle(size(before%penetration), 2), i, n
 
     n = size(part)
     load = 0.0_real64
-    off = 0.0_real64
+    gradient = 0.0_real64
     circle = 0
-    call spread_out(before%set, before%state%off, load(:, 1), off(:, 1), circle(:, 1))
-    call spread_out(solution%set, state%off + (solution%closing - before%closing), load(:, 2), &
-                    off(:, 2), circle(:, 2))
+    call expand_by_pair(before%set, before%state%load_gradient, load(:, 1), gradient(:, 1), &
+                        circle(:, 1))
+    call expand_by_pair(solution%set, state%load_gradient + (solution%closing - before%closing), &
+                        load(:, 2), &
+                        gradient(:, 2), circle(:, 2))
     !$omp parallel do schedule(static) if(n > many)
     do i = 1, n
       part(i) = 0.0_real64
       if (all(circle(i, :) == 0)) cycle
       ! Where a contact is open what it feels is not known: that of the other state.
-      if (circle(i, 1) == 0) off(i, 1) = off(i, 2) - solution%penetration(i)
-      if (circle(i, 2) == 0) off(i, 2) = off(i, 1) - before%penetration(i)
-      part(i) = 0.5_real64 * sum(off(i, :)) * (load(i, 2) - load(i, 1)) + &
+      if (circle(i, 1) == 0) gradient(i, 1) = gradient(i, 2) - solution%penetration(i)
+      if (circle(i, 2) == 0) gradient(i, 2) = gradient(i, 1) - before%penetration(i)
+      part(i) = 0.5_real64 * sum(gradient(i, :)) * (load(i, 2) - load(i, 1)) + &
                 excess_work(pairs, law, i, before%penetration(i), solution%penetration(i))
       if (all(circle(i, :) > 0)) part(i) = part(i) + 0.5_real64 * dot_product( &
-        load(i, 1) * before%state%aside(:, circle(i, 1)) + &
-        load(i, 2) * state%aside(:, circle(i, 2)), solution%move(:, i) - before%move(:, i))
+        load(i, 1) * before%state%shift_gradient(:, circle(i, 1)) + &
+        load(i, 2) * state%shift_gradient(:, circle(i, 2)), solution%shift(:, i) - &
+          before%shift(:, i))
     end do
     !$omp end parallel do
     change = sum(part)
     all_work = before%set%energy + &
-               dot_product(before%set%load, before%penetration(before%set%number))
+               dot_product(before%set%load, before%penetration(before%set%contact))
     relative = merge(sum_error, error_of_few, size(before%set%x) > many)
     noise = relative * max(abs(before%closing), abs(solution%closing)) * &
             sum(abs(load(:, 2) - load(:, 1)))
@@ -115,17 +118,17 @@ contains
   end subroutine potential_change
 
   ! By pair: loads, gradients by load, and circles.
-  pure subroutine spread_out(set, off_of, load, off, circle)
+  pure subroutine expand_by_pair(set, gradient_by_circle, load, gradient, circle)
     type(circle_set), intent(in) :: set
-    real(real64), intent(in) :: off_of(:)
-    real(real64), intent(inout) :: load(:), off(:)
+    real(real64), intent(in) :: gradient_by_circle(:)
+    real(real64), intent(inout) :: load(:), gradient(:)
     integer, intent(inout) :: circle(:)
     integer :: k
 
-    load(set%number) = set%load
-    off(set%number) = off_of
-    circle(set%number) = [(k, k=1, size(set%number))]
-  end subroutine spread_out
+    load(set%contact) = set%load
+    gradient(set%contact) = gradient_by_circle
+    circle(set%contact) = [(k, k=1, size(set%contact))]
+  end subroutine expand_by_pair
 
   ! Height that its shift costs a contact; 0 where there is no circle.
   pure real(real64) function height_of_shift(set, k)
@@ -135,12 +138,13 @@ contains
 
     height_of_shift = 0.0_real64
     if (k == 0) return
-    height_of_shift = 0.5_real64 * set%curvature(k) * sum(set%move(:, k)**2)
-    if (.not. allocated(set%outer)) return
-    from = set%move(:, k) - set%outer(4:5, k)
+    height_of_shift = 0.5_real64 * set%curvature(k) * sum(set%shift(:, k)**2)
+    if (.not. allocated(set%outer_field)) return
+    from = set%shift(:, k) - set%outer_field(4:5, k)
     height_of_shift = height_of_shift + &
-           0.5_real64 * (set%outer(1, k) * from(1)**2 + set%outer(3, k) * from(2)**2) + &
-           set%outer(2, k) * from(1) * from(2)
+           0.5_real64 * (set%outer_field(1, k) * from(1)**2 + set%outer_field(3, k) * &
+                         from(2)**2) + &
+           set%outer_field(2, k) * from(1) * from(2)
   end function height_of_shift
 
   ! Change of the energy W of a contact between two penetrations: with dW/dV = p it is the mean

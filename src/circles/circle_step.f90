@@ -30,7 +30,7 @@ module asperity_circle_step
     type(circle_blocks), private :: blocks
     type(coarse_circles), private :: coarse
     ! Where the sum is kept: weights of the loads in it, and the preconditioned answer to them.
-    real(real64), allocatable, private :: counted(:), even(:, :)
+    real(real64), allocatable, private :: load_share(:), retraction(:, :)
   end type circle_model
 
   !> A step and what the model says of it.
@@ -48,15 +48,15 @@ contains
   subroutine prepare_model(set, model)
     type(circle_set), intent(inout) :: set      !! its field is known
     type(circle_model), intent(inout) :: model  !! gradient and kind are set
-    real(real64), allocatable :: even(:, :), ones(:, :)
-    real(real64) :: deep
+    real(real64), allocatable :: retraction(:, :), ones(:, :)
+    real(real64) :: mean_penetration
     integer :: i
 
     if (.not. allocated(model%weight)) allocate (model%weight, mold=model%gradient)
-    if (allocated(model%counted)) deallocate (model%counted)
-    deep = sum(set%load) / sum(set%stiffness)
+    if (allocated(model%load_share)) deallocate (model%load_share)
+    mean_penetration = sum(set%load) / sum(set%stiffness)
     model%weight(1, :) = 1.0_real64 / set%stiffness
-    model%weight(2, :) = sqrt(deep * set%curvature)
+    model%weight(2, :) = sqrt(mean_penetration * set%curvature)
     model%weight(3, :) = model%weight(2, :)
     call find_blocks(set, model%blocks)
     call factor_blocks(set, model%convex, model%blocks)
@@ -76,12 +76,12 @@ contains
       model%coarse%stiffness = sum_of_squares(model%coarse, model%coarse%answer(1, :))
     end if
     if (.not. model%keep_sum) return
-    ones(1, :) = set%counted
-    allocate (even, mold=ones)
-    call apply_preconditioner(model, ones, even)
-    even = even / sum(set%counted * even(1, :))
-    call move_alloc(even, model%even)
-    allocate (model%counted, source=set%counted)
+    ones(1, :) = set%load_share
+    allocate (retraction, mold=ones)
+    call apply_preconditioner(model, ones, retraction)
+    retraction = retraction / sum(set%load_share * retraction(1, :))
+    call move_alloc(retraction, model%retraction)
+    allocate (model%load_share, source=set%load_share)
   end subroutine prepare_model
 
   !> The step that lowers the model within a radius.
@@ -93,90 +93,94 @@ contains
     type(trust_step), intent(out) :: step           !! step that was found
     integer, intent(inout) :: products              !! made, counted on
     type(interruption), intent(in) :: interrupt     !! of the run: the step is of no use then
-    real(real64), allocatable, dimension(:, :) :: left, scaled, direction, image, here, along
-    real(real64) :: curvature, first, most, now, part
+    real(real64), allocatable, dimension(:, :) :: residual, preconditioned, direction, image, &
+      scaled_step, scaled_direction
+    real(real64) :: curvature, first_product, to_border, inner_product, step_length
     integer :: round
 
-    allocate (scaled, direction, image, here, along, mold=model%gradient)
-    allocate (left, source=-model%gradient)
+    allocate (preconditioned, direction, image, scaled_step, scaled_direction, mold=model%gradient)
+    allocate (residual, source=-model%gradient)
     allocate (step%change, mold=model%gradient)
     step%change = 0.0_real64
-    here = 0.0_real64
-    call apply_preconditioner(model, left, scaled)
-    direction = scaled
-    now = sum(left * scaled)
-    first = now
-    if (.not. now > 0.0_real64) return
+    scaled_step = 0.0_real64
+    call apply_preconditioner(model, residual, preconditioned)
+    direction = preconditioned
+    inner_product = sum(residual * preconditioned)
+    first_product = inner_product
+    if (.not. inner_product > 0.0_real64) return
     if (.not. radius > 0.0_real64) then
-      along = model%weight * direction
-      radius = sqrt(sum(along**2))
+      scaled_direction = model%weight * direction
+      radius = sqrt(sum(scaled_direction**2))
     end if
     do round = 1, most_rounds
-      if (.not. now > accuracy**2 * first .or. interrupt%is_asked()) exit
+      if (.not. inner_product > accuracy**2 * first_product .or. interrupt%is_asked()) exit
       call multiply(set, model%convex, direction, image)
       products = products + 1
-      along = model%weight * direction
+      scaled_direction = model%weight * direction
       curvature = sum(direction * image)
       step%curves_down = .not. curvature > 0.0_real64
-      most = to_border()
-      part = most
-      step%at_border = .not. curvature * most > now
-      if (.not. step%at_border) part = now / curvature
-      step%change = step%change + part * direction
-      here = here + part * along
-      left = left - part * image
+      to_border = distance_to_border()
+      step_length = to_border
+      step%at_border = .not. curvature * to_border > inner_product
+      if (.not. step%at_border) step_length = inner_product / curvature
+      step%change = step%change + step_length * direction
+      scaled_step = scaled_step + step_length * scaled_direction
+      residual = residual - step_length * image
       if (step%at_border) exit
-      call apply_preconditioner(model, left, scaled)
+      call apply_preconditioner(model, residual, preconditioned)
       ! Squares are not solved exactly: each direction against the last one (Polak and Ribiere).
-      direction = scaled - (part * sum(scaled * image) / now) * direction
-      now = sum(left * scaled)
+      direction = preconditioned - (step_length * sum(preconditioned * image) / inner_product) * &
+        direction
+      inner_product = sum(residual * preconditioned)
     end do
-    step%length = sqrt(sum(here**2))
-    step%decrease = 0.5_real64 * sum((left - model%gradient) * step%change)
+    step%length = sqrt(sum(scaled_step**2))
+    step%decrease = 0.5_real64 * sum((residual - model%gradient) * step%change)
 
   contains
 
     ! Part of the direction at which the step meets the border.
-    real(real64) function to_border() result(most)
+    real(real64) function distance_to_border() result(to_border)
       real(real64) :: a, b, c
 
-      a = sum(along**2)
-      b = sum(along * here)
-      c = max(0.0_real64, radius**2 - sum(here**2))
+      a = sum(scaled_direction**2)
+      b = sum(scaled_direction * scaled_step)
+      c = max(0.0_real64, radius**2 - sum(scaled_step**2))
       ! The root without cancellation.
       if (b > 0.0_real64) then
-        most = c / (b + sqrt(b**2 + a * c))
+        to_border = c / (b + sqrt(b**2 + a * c))
       else
-        most = (sqrt(b**2 + a * c) - b) / a
+        to_border = (sqrt(b**2 + a * c) - b) / a
       end if
-    end function to_border
+    end function distance_to_border
 
   end subroutine find_step
 
   ! Approximate solution of the model's equations: blocks alone, and what squares full of circles do
   ! to each other.
-  subroutine apply_preconditioner(model, left, scaled)
+  subroutine apply_preconditioner(model, residual, preconditioned)
     type(circle_model), intent(inout) :: model
-    real(real64), intent(in) :: left(:, :)
-    real(real64), intent(out) :: scaled(:, :)
-    real(real64), allocatable :: lowered(:)
+    real(real64), intent(in) :: residual(:, :)
+    real(real64), intent(out) :: preconditioned(:, :)
+    real(real64), allocatable :: displacement(:)
     integer :: i
 
-    call solve_blocks(model%blocks, left, scaled)
+    call solve_blocks(model%blocks, residual, preconditioned)
     associate (coarse => model%coarse)
       if (allocated(coarse%square)) then
-        lowered = sum_of_squares(coarse, scaled(1, :))
-        where (coarse%stiffness > 0.0_real64) lowered = lowered / coarse%stiffness
-        lowered = lowered - shared_change(coarse, lowered)
+        displacement = sum_of_squares(coarse, preconditioned(1, :))
+        where (coarse%stiffness > 0.0_real64) displacement = displacement / coarse%stiffness
+        displacement = displacement - shared_change(coarse, displacement)
         !$omp parallel do schedule(static)
-        do i = 1, size(left, 2)
-          scaled(:, i) = scaled(:, i) - lowered(coarse%square(i)) * coarse%answer(:, i)
+        do i = 1, size(residual, 2)
+          preconditioned(:, i) = preconditioned(:, i) - displacement(coarse%square(i)) * &
+            coarse%answer(:, i)
         end do
         !$omp end parallel do
       end if
     end associate
-    if (allocated(model%counted)) &
-      scaled = scaled - model%even * sum(model%counted * scaled(1, :))
+    if (allocated(model%load_share)) &
+      preconditioned = preconditioned - model%retraction * &
+        sum(model%load_share * preconditioned(1, :))
   end subroutine apply_preconditioner
 
 end module asperity_circle_step

@@ -53,14 +53,14 @@ contains
   end subroutine gather_squares
 
   !> Displacement of squares by loads on squares.
-  function pressed_displacement(coarse, loads) result(lowered)
+  function pressed_displacement(coarse, loads) result(displacement)
     type(coarse_circles), intent(inout) :: coarse    !! squares, gathered before
     real(real64), intent(in) :: loads(:)             !! loads, one a square
-    real(real64) :: lowered(size(loads))
+    real(real64) :: displacement(size(loads))
     real(real64) :: on_lattice(coarse%columns, coarse%rows)
 
     call coarse%lattice%apply(reshape(loads, shape(on_lattice)), on_lattice)
-    lowered = reshape(on_lattice, shape(lowered))
+    displacement = reshape(on_lattice, shape(displacement))
   end function pressed_displacement
 
   !> Sums over the circles of each square.
@@ -78,12 +78,12 @@ contains
 
   !> Changes of penetration, by square, that take away what the equations leave over: x of
   !> (1 + P K) x = left, by conjugate gradients on (1 + sqrt(K) P sqrt(K)) sqrt(K) x = sqrt(K) left.
-  function shared_change(coarse, left) result(shared)
+  function shared_change(coarse, right_side) result(change)
     type(coarse_circles), intent(inout) :: coarse  !! with stiffness; stays
-    real(real64), intent(in) :: left(:)            !! by square; of those with stiffness
-    real(real64) :: shared(size(left))
-    real(real64), dimension(size(left)) :: root, rest, direction, image
-    real(real64) :: now, first, before, half
+    real(real64), intent(in) :: right_side(:)      !! by square; of those with stiffness
+    real(real64) :: change(size(right_side))
+    real(real64), dimension(size(right_side)) :: root, residual, direction, image
+    real(real64) :: square, first_square, last_square, half
     integer :: power, round
 
     ! K in a power of two of its own: the root of 2 K has other digits than that of K.
@@ -91,22 +91,22 @@ contains
     ! Half of it, as that of the largest number is none.
     half = scale(0.5_real64, power)
     root = sqrt(scale(coarse%stiffness, -power))
-    rest = root * left
-    direction = rest
-    shared = 0.0_real64
-    now = sum(rest**2)
-    first = now
+    residual = root * right_side
+    direction = residual
+    change = 0.0_real64
+    square = sum(residual**2)
+    first_square = square
     do round = 1, most_rounds
-      if (.not. now > enough**2 * first) exit
+      if (.not. square > enough**2 * first_square) exit
       image = direction + root * (2 * (half * pressed_displacement(coarse, root * direction)))
-      before = now
-      now = now / sum(direction * image)
-      shared = shared + now * direction
-      rest = rest - now * image
-      now = sum(rest**2)
-      direction = rest + (now / before) * direction
+      last_square = square
+      square = square / sum(direction * image)
+      change = change + square * direction
+      residual = residual - square * image
+      square = sum(residual**2)
+      direction = residual + (square / last_square) * direction
     end do
-    where (root > 0.0_real64) shared = shared / root
+    where (root > 0.0_real64) change = change / root
   end function shared_change
 
 end module asperity_coarse_circles

@@ -27,13 +27,13 @@ module asperity_coupled_contacts
   use asperity_circle_step, only: circle_model, find_step, prepare_model, trust_step
   use asperity_contact_law, only: contact_law
   use asperity_contact_pairs, only: contact_pairs, in_scene_units
-  use asperity_coupled_groups, only: find_groups, group_law, lift_out, most_in_group, &
-                                     put_back
+  use asperity_coupled_groups, only: find_groups, group_law, extract_group, most_in_group, &
+                                     insert_group
   use asperity_coupled_start, only: few_contacts, prepare_start, scale_start
   use asperity_coupled_state, only: coupled_solution, evaluate_state, find_carried_load, &
                                     penetration_without_load, raise_to_load, resolved_contacts, &
-                                    set_out, solve_state
-  use asperity_hidden_contacts, only: open_hidden
+                                    update_circles, solve_state
+  use asperity_hidden_contacts, only: release_hidden
   use asperity_kinds, only: real64
   use asperity_open_contacts, only: find_touching, may_touch, most_looks
   use asperity_problems, only: real_text
@@ -79,7 +79,7 @@ contains
 
   !> Solves at a given closing, or, where `target` is present, at a sum of the normal loads, or of
   !> the vertical ones, as the pairs have it.
-  recursive subroutine solve_coupled(pairs, law, solution, target, resolved, share)
+  recursive subroutine solve_coupled(pairs, law, solution, target, resolved, group_residual)
     type(contact_pairs), intent(in) :: pairs           !! those that may touch, ascending gap
     class(contact_law), intent(in), target :: law      !! of each contact
     !> closing: given, or found where there is a target; penetrations and shifts: a start when
@@ -87,22 +87,22 @@ contains
     type(coupled_solution), intent(inout) :: solution
     real(real64), intent(in), optional :: target       !! more than 0
     type(resolved_contacts), intent(in), optional :: resolved
-    real(real64), intent(in), optional :: share        !! residual of a group
+    real(real64), intent(in), optional :: group_residual  !! residual of a group
     type(solve_state) :: state
     type(potential_state) :: before
-    real(real64) :: borne, enough, last, least, looked, radius, slope
-    integer :: joined, loaded, lost, most
-    logical :: any_opened, eliminates, is_final, is_start, is_taken
+    real(real64) :: carried, required, last_residual, attainable, examined_residual, radius, slope
+    integer :: activated, circles, failed_steps, step_limit
+    logical :: any_released, eliminates, is_final, is_start, is_taken
 
     is_start = .not. allocated(solution%penetration)
-    any_opened = .false.
+    any_released = .false.
     call prepare_start(pairs, law, solution, state, target, resolved)
     if (pairs%interrupt%is_asked()) solution%failure = 'interrupted'
     if (allocated(solution%failure)) return
     if (is_start .and. .not. present(resolved)) then
-      call set_out(pairs, law, solution, state)
-      if (.not. allocated(solution%failure)) call open_hidden(pairs, solution, any_opened)
-      if (any_opened .and. present(target)) &
+      call update_circles(pairs, law, solution, state)
+      if (.not. allocated(solution%failure)) call release_hidden(pairs, solution, any_released)
+      if (any_released .and. present(target)) &
         call raise_to_load(pairs, law, state%target, solution%penetration)
     end if
     call evaluate_state(pairs, law, solution, state, resolved)
@@ -110,68 +110,72 @@ contains
         size(solution%set%x) <= few_contacts) call scale_start(pairs, law, solution, state)
     state%is_near = solution%is_near
     solution%is_near = .false.
-    most = most_steps
-    if (present(share)) most = min(most_repeats, most_looks * most_in_group / size(pairs%list))
+    step_limit = most_steps
+    if (present(group_residual)) step_limit = min(most_repeats, most_looks * most_in_group / &
+                                                  size(pairs%list))
     is_final = .false.
-    joined = -1
-    loaded = 0
-    lost = 0
-    looked = huge(looked)
-    last = huge(last)
+    activated = -1
+    circles = 0
+    failed_steps = 0
+    examined_residual = huge(examined_residual)
+    last_residual = huge(last_residual)
     radius = 0.0_real64
     eliminates = .false.
     do
       if (pairs%interrupt%is_asked()) solution%failure = 'interrupted'
       if (allocated(solution%failure)) return
-      least = merge(accepted, asked, lost > 0 .or. .not. state%residual < stagnates * last)
-      enough = merge(accepted, least, size(solution%set%x) > many)
-      if (present(share)) enough = max(enough, share)
+      attainable = merge(accepted, asked, failed_steps > 0 .or. .not. state%residual < stagnates * &
+                         last_residual)
+      required = merge(accepted, attainable, size(solution%set%x) > many)
+      if (present(group_residual)) required = max(required, group_residual)
       ! The pair list is complete only up to this compression. Beyond it the solution is invalid;
       ! the caller repeats the solve with all pairs.
       if (solution%closing > pairs%complete_to .and. state%residual < far_off) exit
-      if (state%residual <= enough .or. (state%is_near .and. solution%ending%iterations == 0) .or. &
-          (state%residual <= stagnates * looked .and. &
-           (joined /= 0 .or. may_touch(solution, state)))) then
-        looked = state%residual
-        call join_touching(pairs, law, least, state%residual <= enough, solution, state, &
-                           resolved, joined)
+      if (state%residual <= required .or. (state%is_near .and. &
+                                           solution%ending%iterations == 0) .or. &
+          (state%residual <= stagnates * examined_residual .and. &
+           (activated /= 0 .or. may_touch(solution, state)))) then
+        examined_residual = state%residual
+        call activate_touching(pairs, law, attainable, state%residual <= required, solution, &
+                               state, &
+                               resolved, activated)
         if (allocated(solution%failure)) return
-        if (state%residual <= enough .and. joined == 0) exit
+        if (state%residual <= required .and. activated == 0) exit
         ! Contacts that begin to touch are far from their loads: these are found by themselves.
-        if (joined > 0 .and. state%residual > stagnates * looked) &
-          eliminates = .not. present(share)
+        if (activated > 0 .and. state%residual > stagnates * examined_residual) &
+          eliminates = .not. present(group_residual)
       end if
-      if (lost > 1) exit
-      if (solution%ending%iterations >= most) exit
+      if (failed_steps > 1) exit
+      if (solution%ending%iterations >= step_limit) exit
       if (eliminates) call eliminate_contacts(pairs, law, solution, state, resolved)
       if (allocated(solution%failure)) return
-      if (size(solution%set%x) < loaded) joined = -1
-      loaded = size(solution%set%x)
+      if (size(solution%set%x) < circles) activated = -1
+      circles = size(solution%set%x)
       call remember_state(solution, state, before)
       call take_step(pairs, law, before, radius, solution, state, resolved, is_taken)
       if (allocated(solution%failure)) return
-      lost = merge(0, lost + 1, is_taken)
-      last = before%state%residual
+      failed_steps = merge(0, failed_steps + 1, is_taken)
+      last_residual = before%state%residual
       solution%ending%iterations = solution%ending%iterations + 1
-      if (size(solution%set%x) < loaded) joined = -1
-      loaded = size(solution%set%x)
+      if (size(solution%set%x) < circles) activated = -1
+      circles = size(solution%set%x)
       ! At the end the near pairs are those of the solution, whatever the way to it; once only, as a
       ! pair on the border may come and go.
       if (state%residual < least_left .and. .not. is_final) then
         is_final = .true.
-        state%plants_anew = size(solution%set%x) <= many
+        state%rebuilds_lists = size(solution%set%x) <= many
       end if
-      eliminates = .not. present(share) .and. &
-                   state%residual > max(stagnates * last, accepted)
+      eliminates = .not. present(group_residual) .and. &
+                   state%residual > max(stagnates * last_residual, accepted)
     end do
     solution%ending%residual = state%residual
-    solution%ending%converged = state%residual <= max(accepted, enough) .and. joined == 0
+    solution%ending%converged = state%residual <= max(accepted, required) .and. activated == 0
     if (solution%closing > pairs%complete_to) solution%ending%converged = .true.
     if (.not. present(target)) return
-    call find_carried_load(pairs, law, solution%penetration, 0.0_real64, borne, slope)
-    if (.not. borne >= (1.0_real64 - accepted) * state%target) solution%failure = &
+    call find_carried_load(pairs, law, solution%penetration, 0.0_real64, carried, slope)
+    if (.not. carried >= (1.0_real64 - accepted) * state%target) solution%failure = &
       'the load is larger than the surfaces carry before the centres of two asperities are ' // &
-      'level: ' // real_text(in_scene_units(pairs, borne * pairs%modulus, 1, 2)) // ' at most'
+      'level: ' // real_text(in_scene_units(pairs, carried * pairs%modulus, 1, 2)) // ' at most'
   end subroutine solve_coupled
 
   !> Takes the penetrations as they are: finds their circles and field, and the gaps of resolved
@@ -186,16 +190,18 @@ contains
 
     state%gap = pairs%list%gap
     call evaluate_state(pairs, law, solution, state, resolved)
-    where (resolved%is_one) resolved%gap = huge(1.0_real64)
-    do k = 1, size(solution%set%number)
-      i = solution%set%number(k)
-      if (resolved%is_one(i)) resolved%gap(i) = solution%closing - solution%set%lift(k) - &
-                                                solution%penetration(i)
+    where (resolved%is_resolved) resolved%gap = huge(1.0_real64)
+    do k = 1, size(solution%set%contact)
+      i = solution%set%contact(k)
+      if (resolved%is_resolved(i)) resolved%gap(i) = solution%closing - &
+        solution%set%displacement(k) - &
+                                                     solution%penetration(i)
     end do
   end subroutine adopt_penetrations
 
   ! Lets open contacts that touch carry load, as far as the potential does not increase.
-  subroutine join_touching(pairs, law, accuracy, is_complete, solution, state, resolved, joined)
+  subroutine activate_touching(pairs, law, accuracy, is_complete, solution, state, resolved, &
+                               activated)
     type(contact_pairs), intent(in) :: pairs
     class(contact_law), intent(in) :: law
     real(real64), intent(in) :: accuracy
@@ -203,24 +209,24 @@ contains
     type(coupled_solution), intent(inout) :: solution
     type(solve_state), intent(inout) :: state
     type(resolved_contacts), intent(in), optional :: resolved
-    integer, intent(out) :: joined
+    integer, intent(out) :: activated
     type(potential_state) :: before
     integer, allocatable :: number(:)
-    real(real64), allocatable :: deep(:), least(:)
+    real(real64), allocatable :: deep(:), unloaded(:)
     integer :: halving
     real(real64) :: change, noise
 
     call find_touching(pairs, law, accuracy, is_complete, solution, state, resolved, number)
-    joined = size(number)
-    if (allocated(solution%failure) .or. joined == 0) return
+    activated = size(number)
+    if (allocated(solution%failure) .or. activated == 0) return
     allocate (deep, source=solution%penetration(number))
-    allocate (least(size(number)))
-    least = penetration_without_load(pairs, law, number, deep)
+    allocate (unloaded(size(number)))
+    unloaded = penetration_without_load(pairs, law, number, deep)
     solution%penetration(number) = 0.0_real64
     call remember_state(solution, state, before)
     do halving = 0, most_looks
       solution%penetration = before%penetration
-      solution%penetration(number) = least + (deep - least) * 0.5_real64**halving
+      solution%penetration(number) = unloaded + (deep - unloaded) * 0.5_real64**halving
       if (state%target > 0.0_real64) &
       call raise_to_load(pairs, law, state%target, solution%penetration)
       call evaluate_state(pairs, law, solution, state, resolved)
@@ -230,8 +236,8 @@ contains
       if (change <= noise) return
     end do
     call restore_state(before, solution, state)
-    joined = 0
-  end subroutine join_touching
+    activated = 0
+  end subroutine activate_touching
 
   ! Nonlinear elimination: solves contacts with large residuals in the field of the others, group by
   ! group. The result is kept where the potential does not increase: a residual alone may decrease
@@ -247,10 +253,11 @@ contains
     real(real64) :: change, noise
     integer :: k
 
-    call find_groups(solution%set, state%miss, member, first)
+    call find_groups(solution%set, state%contact_residual, member, first)
     if (size(member) == 0) return
     ! Where most of many contacts are off, a step of all lowers the residual with fewer fields.
-    if (size(state%miss) > many .and. 2 * size(member) > size(state%miss)) return
+    if (size(state%contact_residual) > many .and. 2 * &
+        size(member) > size(state%contact_residual)) return
     call remember_state(solution, state, before)
     !$omp parallel do schedule(dynamic)
     do k = 1, size(first) - 1
@@ -273,14 +280,14 @@ contains
     type(solve_state), intent(in) :: state
     integer, intent(in) :: member(:)
     type(coupled_solution), intent(inout) :: solution
-    type(contact_pairs) :: alone
-    type(group_law) :: alone_law
-    type(coupled_solution) :: part
+    type(contact_pairs) :: group_pairs
+    type(group_law) :: law_of_group
+    type(coupled_solution) :: group
 
-    call lift_out(pairs, law, solution, state, member, alone, alone_law, part)
-    call solve_coupled(alone, alone_law, part, share=group_left * state%residual)
-    if (.not. allocated(part%failure)) &
-      call put_back(pairs, member, alone, alone_law, part, solution)
+    call extract_group(pairs, law, solution, state, member, group_pairs, law_of_group, group)
+    call solve_coupled(group_pairs, law_of_group, group, group_residual=group_left * state%residual)
+    if (.not. allocated(group%failure)) &
+      call insert_group(pairs, member, group_pairs, law_of_group, group, solution)
   end subroutine solve_group
 
   ! One step; the region shrinks until one is taken, or the step is lost in rounding.
@@ -295,40 +302,41 @@ contains
     logical, intent(out) :: is_taken
     type(circle_model) :: model
     type(trust_step) :: step
-    real(real64) :: change, left, noise, predicted, ratio
+    real(real64) :: change, forcing, noise, predicted, ratio
     real(real64) :: limit(size(before%set%x))
-    real(real64), allocatable :: part(:), slope(:)
+    real(real64), allocatable :: step_share(:), slope(:)
     integer :: n
 
     n = size(before%set%x)
     is_taken = .false.
     if (n == 0) return
-    allocate (model%gradient(3, n), part(n))
-    model%gradient(1, :) = before%state%off
-    model%gradient(2:, :) = spread(before%set%load, 1, 2) * before%state%aside
+    allocate (model%gradient(3, n), step_share(n))
+    model%gradient(1, :) = before%state%load_gradient
+    model%gradient(2:, :) = spread(before%set%load, 1, 2) * before%state%shift_gradient
     model%keep_sum = state%target > 0.0_real64
     model%convex = before%state%residual > far_off
     call prepare_model(solution%set, model)
     limit = largest_shifts(before%set)
-    left = min(stagnates, max(least_left, sqrt(before%state%residual)))
+    forcing = min(stagnates, max(least_left, sqrt(before%state%residual)))
     ! The last step of many need not go below what is accepted.
-    if (n > many) left = max(left, group_left * accepted / before%state%residual)
+    if (n > many) forcing = max(forcing, group_left * accepted / before%state%residual)
     do
-      call find_step(solution%set, model, left, radius, step, solution%products, pairs%interrupt)
+      call find_step(solution%set, model, forcing, radius, step, solution%products, pairs%interrupt)
       if (.not. step%decrease > 0.0_real64 .or. pairs%interrupt%is_asked()) return
-      part = 1.0_real64 / max(1.0_real64, abs(step%change(1, :)) / (before%set%stiffness * &
-             maxval(before%penetration(before%set%number))), norm2(step%change(2:, :), 1) / limit)
+      step_share = 1.0_real64 / max(1.0_real64, abs(step%change(1, :)) / (before%set%stiffness * &
+                   maxval(before%penetration(before%set%contact))), norm2(step%change(2:, :), 1) / &
+                   limit)
       slope = -sum(model%gradient * step%change, 1)
-      associate (number => before%set%number)
+      associate (number => before%set%contact)
         solution%penetration = before%penetration
         solution%penetration(number) = penetration_after(before%penetration(number), &
-          before%set%load, before%set%stiffness, part * step%change(1, :))
-        solution%move(:, number) = before%move(:, number) + &
-                                   spread(part, 1, 2) * step%change(2:, :)
+          before%set%load, before%set%stiffness, step_share * step%change(1, :))
+        solution%shift(:, number) = before%shift(:, number) + &
+                                    spread(step_share, 1, 2) * step%change(2:, :)
         ! Its gap at the field of the last state. It may touch again elsewhere (join_touching).
         if (.not. model%convex) then
-          where (before%state%off > opens_from * before%penetration(number)) &
-            solution%penetration(number) = before%penetration(number) - before%state%off
+          where (before%state%load_gradient > opens_from * before%penetration(number)) &
+            solution%penetration(number) = before%penetration(number) - before%state%load_gradient
         end if
       end associate
       if (state%target > 0.0_real64) &
@@ -337,7 +345,8 @@ contains
       if (allocated(solution%failure)) return
       predicted = step%decrease
       ! The part t of a Newton step decreases the model by its slope times t (1 - t/2).
-      if (any(part < 1.0_real64)) predicted = sum(slope * part * (1.0_real64 - 0.5_real64 * part))
+      if (any(step_share < 1.0_real64)) predicted = sum(slope * step_share * &
+                                                        (1.0_real64 - 0.5_real64 * step_share))
       call potential_change(pairs, law, before, solution, state, change, noise)
       ratio = -change / predicted
       if (.not. ratio >= poor) then
@@ -351,7 +360,7 @@ contains
       is_taken = ratio > taken
       if (is_taken) return
       call restore_state(before, solution, state)
-      state%plants_anew = .false.
+      state%rebuilds_lists = .false.
       if (before%state%residual <= accepted) return
       if (.not. predicted > noise) return
       if (.not. model%convex) then
@@ -364,15 +373,15 @@ contains
   ! Shifts of a step at most: the own radius, or half of a circle around.
   function largest_shifts(set) result(limit)
     type(circle_set), intent(in) :: set
-    real(real64) :: limit(size(set%circle))
+    real(real64) :: limit(size(set%radius))
     integer :: k
 
-    limit = set%circle
+    limit = set%radius
     do k = 1, size(set%one)
       associate (i => set%one(k), j => set%other(k))
         if (.not. are_close(set, i, j, 1.0_real64)) cycle
-        limit(i) = max(limit(i), 0.5_real64 * set%circle(j))
-        limit(j) = max(limit(j), 0.5_real64 * set%circle(i))
+        limit(i) = max(limit(i), 0.5_real64 * set%radius(j))
+        limit(j) = max(limit(j), 0.5_real64 * set%radius(i))
       end associate
     end do
   end function largest_shifts

@@ -16,15 +16,15 @@ module asperity_coupled_groups
   implicit none
   private
 
-  public :: find_groups, group_law, lift_out, put_back
+  public :: find_groups, group_law, extract_group, insert_group
 
   !> The law of some contacts of a list by their places among themselves.
   type, extends(contact_law) :: group_law
     class(contact_law), pointer :: whole => null()  !! law of the list
-    integer, allocatable :: number(:)               !! places in the list
+    integer, allocatable :: contact(:)              !! places in the list
     !> The field of the others on a circle falls or grows as its square, with its penetration: by
-    !> this factor it must go deeper.
-    real(real64), allocatable :: deeper(:)
+    !> this factor it must go softening.
+    real(real64), allocatable :: softening(:)
   contains
     procedure :: respond
   end type group_law
@@ -46,103 +46,106 @@ contains
     real(real64), intent(in) :: penetration          !! vertical, past first touch; less than zc
     type(contact_response), intent(out) :: response  !! load and stiffness
 
-    associate (deeper => self%deeper(number))
-      call self%whole%respond(pair, self%number(number), penetration / deeper, response)
-      response%stiffness = response%stiffness / deeper
+    associate (softening => self%softening(number))
+      call self%whole%respond(pair, self%contact(number), penetration / softening, response)
+      response%stiffness = response%stiffness / softening
     end associate
   end subroutine respond
 
   !> Who is off by much, with those close by, as circles in the order of their groups.
-  subroutine find_groups(set, miss, member, first)
+  subroutine find_groups(set, contact_residual, member, first)
     type(circle_set), intent(in) :: set             !! its field is known
-    real(real64), intent(in) :: miss(:)             !! how far its equations are off, by circle
+    real(real64), intent(in) :: contact_residual(:)  !! how far its equations are off, by circle
     integer, allocatable, intent(out) :: member(:)  !! numbers of the circles
     integer, allocatable, intent(out) :: first(:)   !! where a group begins; one more than groups
-    logical :: is_off(size(miss)), is_one(size(miss)), joins(size(set%one))
+    logical :: has_large_residual(size(contact_residual)), is_member(size(contact_residual)), &
+      is_linked(size(set%one))
     integer :: k
 
-    is_off = miss > share_off * maxval(miss)
-    is_one = is_off
-    !$omp parallel do schedule(static) if(size(joins) > many)
-    do k = 1, size(joins)
+    has_large_residual = contact_residual > share_off * maxval(contact_residual)
+    is_member = has_large_residual
+    !$omp parallel do schedule(static) if(size(is_linked) > many)
+    do k = 1, size(is_linked)
       associate (a => set%one(k), b => set%other(k))
-        joins(k) = .not. (set%still(a) .or. set%still(b))
-        if (joins(k)) joins(k) = are_close(set, a, b, close_by)
+        is_linked(k) = .not. (set%shift_fixed(a) .or. set%shift_fixed(b))
+        if (is_linked(k)) is_linked(k) = are_close(set, a, b, close_by)
       end associate
     end do
     !$omp end parallel do
-    do k = 1, size(joins)
+    do k = 1, size(is_linked)
       associate (a => set%one(k), b => set%other(k))
-        if (.not. joins(k)) cycle
-        if (is_off(a) .or. is_off(b)) is_one([a, b]) = .true.
+        if (.not. is_linked(k)) cycle
+        if (has_large_residual(a) .or. has_large_residual(b)) is_member([a, b]) = .true.
       end associate
     end do
-    joins = joins .and. is_one(set%one) .and. is_one(set%other)
-    call gather_groups(set%one, set%other, joins, is_one, most_in_group, member, first)
+    is_linked = is_linked .and. is_member(set%one) .and. is_member(set%other)
+    call gather_groups(set%one, set%other, is_linked, is_member, most_in_group, member, first)
   end subroutine find_groups
 
   !> A group as a scene of its own, in the field of all others as it is now.
-  subroutine lift_out(pairs, law, solution, state, member, alone, alone_law, part)
+  subroutine extract_group(pairs, law, solution, state, member, group_pairs, law_of_group, group)
     type(contact_pairs), intent(in) :: pairs          !! pairs of the position
     class(contact_law), intent(in), target :: law     !! of each contact
     type(coupled_solution), intent(in) :: solution    !! loads, shifts and field are set
     type(solve_state), intent(in) :: state            !! gaps of all pairs
     integer, intent(in) :: member(:)                  !! circles of the group
-    type(contact_pairs), intent(out) :: alone         !! pairs of the group
-    type(group_law), intent(out) :: alone_law         !! of its contacts
-    type(coupled_solution), intent(out) :: part       !! start of the group
-    type(solve_state) :: inside
-    real(real64) :: away(2)
+    type(contact_pairs), intent(out) :: group_pairs   !! pairs of the group
+    type(group_law), intent(out) :: law_of_group      !! of its contacts
+    type(coupled_solution), intent(out) :: group      !! start of the group
+    type(solve_state) :: group_state
+    real(real64) :: offset(2)
     integer :: i
 
-    associate (number => solution%set%number(member), set => solution%set)
-      alone%modulus = pairs%modulus
-      alone%list = pairs%list(number)
-      alone_law%whole => law
-      alone_law%number = number
-      alone_law%deeper = spread(1.0_real64, 1, size(number))
-      part%closing = solution%closing
-      part%penetration = solution%penetration(number)
-      part%move = solution%move(:, number)
-      inside%gap = state%gap(number)
-      call evaluate_state(alone, alone_law, part, inside)
-      allocate (part%outer(5, size(member)))
+    associate (number => solution%set%contact(member), set => solution%set)
+      group_pairs%modulus = pairs%modulus
+      group_pairs%list = pairs%list(number)
+      law_of_group%whole => law
+      law_of_group%contact = number
+      law_of_group%softening = spread(1.0_real64, 1, size(number))
+      group%closing = solution%closing
+      group%penetration = solution%penetration(number)
+      group%shift = solution%shift(:, number)
+      group_state%gap = state%gap(number)
+      call evaluate_state(group_pairs, law_of_group, group, group_state)
+      allocate (group%outer_field(5, size(member)))
       do i = 1, size(member)
-        associate (k => member(i), pair => alone%list(i), p => part%penetration(i))
-          away = pair%radius * (set%tilt(:, k) - part%set%tilt(:, i))
-          pair%x = pair%x - away(1)
-          pair%y = pair%y - away(2)
-          part%move(:, i) = part%move(:, i) + away
-          part%outer(:, i) = [(set%bends(:, k) - part%set%bends(:, i)) / set%load(k), &
-                              part%move(:, i)]
+        associate (k => member(i), pair => group_pairs%list(i), p => group%penetration(i))
+          offset = pair%radius * (set%slope(:, k) - group%set%slope(:, i))
+          pair%x = pair%x - offset(1)
+          pair%y = pair%y - offset(2)
+          group%shift(:, i) = group%shift(:, i) + offset
+          group%outer_field(:, i) = [(set%hessian(:, k) - group%set%hessian(:, i)) / set%load(k), &
+                                     group%shift(:, i)]
           ! d(lift)/d(log of the radius) is twice that by the log of the penetration.
-          alone_law%deeper(i) = max(least_share, 1.0_real64 + 0.5_real64 * &
-                                    (set%growth(k) - part%set%growth(i)) / p)
-          pair%gap = state%gap(number(i)) + set%lift(k) - part%set%lift(i) - 0.5_real64 * &
-                     set%curvature(k) * dot_product(away, part%move(:, i) + set%move(:, k)) - &
-                     (alone_law%deeper(i) - 1.0_real64) * p
-          p = p * alone_law%deeper(i)
+          law_of_group%softening(i) = max(least_share, 1.0_real64 + 0.5_real64 * &
+                                          (set%displacement_growth(k) - &
+                                           group%set%displacement_growth(i)) / p)
+          pair%gap = state%gap(number(i)) + set%displacement(k) - group%set%displacement(i) - &
+            0.5_real64 * &
+                     set%curvature(k) * dot_product(offset, group%shift(:, i) + set%shift(:, k)) - &
+                     (law_of_group%softening(i) - 1.0_real64) * p
+          p = p * law_of_group%softening(i)
         end associate
       end do
     end associate
-  end subroutine lift_out
+  end subroutine extract_group
 
   !> Takes the solution of a group over.
-  subroutine put_back(pairs, member, alone, alone_law, part, solution)
+  subroutine insert_group(pairs, member, group_pairs, law_of_group, group, solution)
     type(contact_pairs), intent(in) :: pairs           !! pairs of the position
     integer, intent(in) :: member(:)                   !! circles of the group
-    type(contact_pairs), intent(in) :: alone           !! pairs of the group
-    type(group_law), intent(in) :: alone_law           !! of its contacts
-    type(coupled_solution), intent(in) :: part         !! solution of the group
+    type(contact_pairs), intent(in) :: group_pairs     !! pairs of the group
+    type(group_law), intent(in) :: law_of_group        !! of its contacts
+    type(coupled_solution), intent(in) :: group        !! solution of the group
     type(coupled_solution), intent(inout) :: solution  !! solution of all, gets it
     integer :: i, k
 
     do k = 1, size(member)
-      i = solution%set%number(member(k))
-      solution%penetration(i) = part%penetration(k) / alone_law%deeper(k)
-      solution%move(:, i) = part%move(:, k) + [alone%list(k)%x - pairs%list(i)%x, &
-                                               alone%list(k)%y - pairs%list(i)%y]
+      i = solution%set%contact(member(k))
+      solution%penetration(i) = group%penetration(k) / law_of_group%softening(k)
+      solution%shift(:, i) = group%shift(:, k) + [group_pairs%list(k)%x - pairs%list(i)%x, &
+                                                  group_pairs%list(k)%y - pairs%list(i)%y]
     end do
-  end subroutine put_back
+  end subroutine insert_group
 
 end module asperity_coupled_groups

@@ -30,7 +30,7 @@ contains
     real(real64), intent(in), optional :: target           !! normal load asked for
     type(resolved_contacts), intent(in), optional :: resolved  !! those solved elsewhere
     type(coarse_circles) :: coarse
-    logical :: fresh
+    logical :: is_isolated
     integer :: n
 
     n = size(pairs%list)
@@ -43,18 +43,18 @@ contains
       allocate (state%order(n))
       call sort_keys(real(coarse%square, real64), state%order)
     end if
-    fresh = .not. allocated(solution%penetration)
-    if (fresh) then
+    is_isolated = .not. allocated(solution%penetration)
+    if (is_isolated) then
       solution%penetration = solution%closing - state%gap
       if (present(target)) solution%penetration = -state%gap
-      allocate (solution%move(2, n), source=0.0_real64)
+      allocate (solution%shift(2, n), source=0.0_real64)
     end if
     if (present(target)) then
       state%target = target / pairs%modulus
       call raise_to_load(pairs, law, state%target, solution%penetration)
     end if
-    if (fresh .and. count(solution%penetration > 0.0_real64) > few_contacts) &
-      call lower_squares(pairs, law, state%target, coarse, solution%penetration)
+    if (is_isolated .and. count(solution%penetration > 0.0_real64) > few_contacts) &
+      call displace_squares(pairs, law, state%target, coarse, solution%penetration)
   end subroutine prepare_start
 
   !> Scales the penetrations of isolated contacts by the factor t with which the potential is least
@@ -67,7 +67,7 @@ contains
     real(real64) :: ratio, t, work
     integer :: i
 
-    work = dot_product(solution%set%load, solution%penetration(solution%set%number))
+    work = dot_product(solution%set%load, solution%penetration(solution%set%contact))
     if (.not. work > 0.0_real64) return
     ! t + ratio t**(3/2) = 1, by Newton's method from above.
     ratio = 2 * solution%set%energy / work
@@ -81,7 +81,7 @@ contains
 
   ! Squares as contacts: each presses all others down by the mean of 1/r over both, and its law is
   ! that of its contacts, lowered alike. Newton's method on them.
-  subroutine lower_squares(pairs, law, target, coarse, penetration)
+  subroutine displace_squares(pairs, law, target, coarse, penetration)
     type(contact_pairs), intent(in) :: pairs
     class(contact_law), intent(in) :: law
     real(real64), intent(in) :: target
@@ -89,12 +89,12 @@ contains
     real(real64), intent(inout) :: penetration(:)
     type(contact_response) :: answer
     real(real64), allocatable :: load(:), stiffness(:)
-    real(real64), allocatable, dimension(:) :: loads, lowered, left, change, even
+    real(real64), allocatable, dimension(:) :: loads, displacement, residual, change, uniform
     integer :: i, step
 
     allocate (load(size(penetration)), stiffness(size(penetration)))
     coarse%stiffness = spread(0.0_real64, 1, coarse%columns * coarse%rows)
-    allocate (lowered(coarse%columns * coarse%rows), source=0.0_real64)
+    allocate (displacement(coarse%columns * coarse%rows), source=0.0_real64)
     do step = 1, most_repeats
       if (pairs%interrupt%is_asked()) return
       load = 0.0_real64
@@ -109,21 +109,22 @@ contains
       !$omp end parallel do
       coarse%stiffness = max(0.5_real64 * coarse%stiffness, sum_of_squares(coarse, stiffness))
       loads = sum_of_squares(coarse, load)
-      left = lowered - pressed_displacement(coarse, loads)
+      residual = displacement - pressed_displacement(coarse, loads)
       ! A part that all have alike is the compression, and far more than the rest.
       if (target > 0.0_real64) &
-        left = left - dot_product(coarse%stiffness, left) / sum(coarse%stiffness)
-      change = change_everywhere(left)
+        residual = residual - dot_product(coarse%stiffness, residual) / sum(coarse%stiffness)
+      change = change_everywhere(residual)
       if (target > 0.0_real64) then
-        even = change_everywhere(spread(1.0_real64, 1, size(loads)))
-        change = change - even * (sum(coarse%stiffness * change) / sum(coarse%stiffness * even))
+        uniform = change_everywhere(spread(1.0_real64, 1, size(loads)))
+        change = change - uniform * (sum(coarse%stiffness * change) / &
+                                     sum(coarse%stiffness * uniform))
       end if
       ! A load is convex in its penetration: it falls by less than its slope says.
       where (loads > 0.0_real64) change = max(change, -0.9_real64 * loads / coarse%stiffness)
       ! Lowered by that, and not by what the new loads press: many press by much more than any
       ! penetrates, so that 1 % of it may be all.
       penetration = penetration + change(coarse%square)
-      lowered = lowered - change
+      displacement = displacement - change
       if (target > 0.0_real64) call raise_to_load(pairs, law, target, penetration)
       if (maxval(change) - minval(change) < 0.01_real64 * maxval(penetration)) exit
     end do
@@ -131,15 +132,15 @@ contains
   contains
 
     ! Also where nothing answers.
-    function change_everywhere(left) result(shared)
-      real(real64), intent(in) :: left(:)
-      real(real64) :: shared(size(left))
+    function change_everywhere(residual) result(change)
+      real(real64), intent(in) :: residual(:)
+      real(real64) :: change(size(residual))
 
-      shared = shared_change(coarse, left)
-      shared = merge(shared, left - pressed_displacement(coarse, coarse%stiffness * shared), &
+      change = shared_change(coarse, residual)
+      change = merge(change, residual - pressed_displacement(coarse, coarse%stiffness * change), &
                      coarse%stiffness > 0.0_real64)
     end function change_everywhere
 
-  end subroutine lower_squares
+  end subroutine displace_squares
 
 end module asperity_coupled_start

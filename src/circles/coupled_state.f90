@@ -1,7 +1,7 @@
 !> Coupled contacts between two steps: what the solver carries, and the residual of its equations.
 module asperity_coupled_state
   use asperity_circle_field, only: circle_set, find_field, inclination_factor, many, most_repeats, &
-                                   plant_circles
+                                   list_near_circles
   use asperity_contact_law, only: contact_law, contact_response
   use asperity_contact_pairs, only: contact_pairs
   use asperity_kinds, only: real64
@@ -11,7 +11,7 @@ module asperity_coupled_state
   private
 
   public :: answer_at, coupled_solution, evaluate_state, find_carried_load, &
-            penetration_without_load, raise_to_load, resolved_contacts, set_out, solve_state
+            penetration_without_load, raise_to_load, resolved_contacts, update_circles, solve_state
 
   !> Penetration of a contact that touches nowhere [length]: no step raises it above 0; chosen;
   !> test: coupled_suite.f90.
@@ -19,8 +19,8 @@ module asperity_coupled_state
 
   !> Contacts that are solved elsewhere: their answer to what is around them, by pair of all.
   type :: resolved_contacts
-    logical, allocatable :: is_one(:)       !! this pair is
-    real(real64), allocatable :: x(:), y(:) !! centre of its pressure
+    logical, allocatable :: is_resolved(:)  !! this pair is
+    real(real64), allocatable :: x(:), y(:)  !! centre of its pressure
     !> that makes its law answer with its load; huge: open. Of others: their own, with what they
     !> feel of pressures that are not those of circles
     real(real64), allocatable :: gap(:)
@@ -30,8 +30,8 @@ module asperity_coupled_state
   type :: coupled_solution
     real(real64) :: closing = 0.0_real64            !! past first touch of all
     real(real64), allocatable :: penetration(:)     !! not positive where open
-    real(real64), allocatable :: move(:, :)         !! shifts (2, pair)
-    real(real64), allocatable :: outer(:, :)        !! field from outside, as `circle_set` has it
+    real(real64), allocatable :: shift(:, :)        !! shifts (2, pair)
+    real(real64), allocatable :: outer_field(:, :)  !! field from outside, as `circle_set` has it
     type(circle_set) :: set                         !! those that carry load, with their field
     type(solve_ending) :: ending                    !! residual over the largest penetration
     logical :: is_near = .false.                    !! given: the start is a solution nearby
@@ -43,15 +43,15 @@ module asperity_coupled_state
   !> State of the solver from step to step.
   type :: solve_state
     real(real64), allocatable :: gap(:)             !! of every pair
-    real(real64), allocatable :: off(:)             !! gradient by load, by circle
-    real(real64), allocatable :: aside(:, :)        !! gradient by shift over load (2, circle)
-    real(real64), allocatable :: miss(:)            !! how far its equations are off, by circle
+    real(real64), allocatable :: load_gradient(:)   !! gradient by load, by circle
+    real(real64), allocatable :: shift_gradient(:, :)  !! gradient by shift over load (2, circle)
+    real(real64), allocatable :: contact_residual(:)  !! how far its equations are off, by circle
     real(real64) :: target = -1.0_real64            !! load over modulus; below 0: not asked
     real(real64) :: residual = 0.0_real64           !! over the largest penetration
     logical :: is_near = .false.                    !! the start was a solution nearby
-    logical :: plants_anew = .false.                !! near pairs are found anew at the next field
+    logical :: rebuilds_lists = .false.             !! near pairs are found anew at the next field
     integer, allocatable :: order(:)                !! of pairs in which circles are kept, if any
-    real(real64), allocatable :: stood(:)           !! penetrations when open ones were looked at
+    real(real64), allocatable :: examined(:)        !! penetrations when open ones were looked at
     type(source_tree) :: open_tree                  !! circles and open contacts
   end type solve_state
 
@@ -107,7 +107,7 @@ contains
     class(contact_law), intent(in) :: law                 !! of each contact
     real(real64), intent(in) :: target                    !! load over modulus
     real(real64), intent(inout) :: penetration(:)         !! penetrations, one a pair
-    real(real64) :: low, high, by, total, slope, most, before
+    real(real64) :: low, high, rise, total, slope, most, last_rise
     integer :: i, try
 
     ! No more than until the first centres are level.
@@ -119,37 +119,37 @@ contains
     !$omp end parallel do
     low = -maxval(penetration)
     high = most
-    by = min(max(0.0_real64, low), most)
-    before = by
+    rise = min(max(0.0_real64, low), most)
+    last_rise = rise
     do try = 1, 200
-      call find_carried_load(pairs, law, penetration, by, total, slope)
+      call find_carried_load(pairs, law, penetration, rise, total, slope)
       if (abs(total - target) <= 1.0e-13_real64 * target) exit
       if (total < target) then
-        low = by
+        low = rise
       else
-        high = by
+        high = rise
       end if
       if (.not. high - low > epsilon(high) * max(abs(low), abs(high))) exit
-      before = by
-      by = 0.5_real64 * (low + high)
+      last_rise = rise
+      rise = 0.5_real64 * (low + high)
       ! Newton's method on load**(2/3), nearly straight.
       if (total > 0.0_real64 .and. slope > 0.0_real64) &
-        by = before + 1.5_real64 * total / slope * &
+        rise = last_rise + 1.5_real64 * total / slope * &
              ((target / total)**(2.0_real64 / 3.0_real64) - 1.0_real64)
-      if (by <= low .or. by >= high) then
-        by = 0.5_real64 * (low + high)
-        if (high >= most .and. total < target) by = max(by, most - 0.1_real64 * (most - low))
+      if (rise <= low .or. rise >= high) then
+        rise = 0.5_real64 * (low + high)
+        if (high >= most .and. total < target) rise = max(rise, most - 0.1_real64 * (most - low))
       end if
     end do
-    penetration = penetration + by
+    penetration = penetration + rise
   end subroutine raise_to_load
 
   !> Load of all contacts where all penetrate by so much more.
-  subroutine find_carried_load(pairs, law, penetration, by, total, slope)
+  subroutine find_carried_load(pairs, law, penetration, rise, total, slope)
     type(contact_pairs), intent(in) :: pairs              !! pairs of the position
     class(contact_law), intent(in) :: law                 !! of each contact
     real(real64), intent(in) :: penetration(:)            !! penetrations, one a pair
-    real(real64), intent(in) :: by                        !! penetration added to each
+    real(real64), intent(in) :: rise                      !! penetration added to each
     real(real64), intent(out) :: total                    !! load over modulus, or the vertical one
     real(real64), intent(out) :: slope                    !! derivative by the penetration
     type(contact_response) :: response
@@ -162,8 +162,8 @@ contains
     !$omp parallel do schedule(static) private(i, response) if(size(load) > 1)
     do part = 1, size(load)
       do i = many * (part - 1) + 1, min(many * part, size(penetration))
-        if (.not. penetration(i) + by > 0.0_real64) cycle
-        call law%respond(pairs%list(i), i, penetration(i) + by, response)
+        if (.not. penetration(i) + rise > 0.0_real64) cycle
+        call law%respond(pairs%list(i), i, penetration(i) + rise, response)
         load(part) = load(part) + merge(response%vertical_load, response%load, pairs%vertical)
         stiffness(part) = stiffness(part) + &
                           response%stiffness / merge(1.0_real64, response%cosine, pairs%vertical)
@@ -175,26 +175,26 @@ contains
   end subroutine find_carried_load
 
   !> The circles of the present penetrations, and who is near whom.
-  subroutine set_out(pairs, law, solution, state, resolved)
+  subroutine update_circles(pairs, law, solution, state, resolved)
     type(contact_pairs), intent(in) :: pairs               !! pairs of the position
     class(contact_law), intent(in) :: law                  !! of each contact
     type(coupled_solution), intent(inout) :: solution      !! penetrations, shifts; gets circles
     type(solve_state), intent(inout) :: state              !! gets room for what is left over
     type(resolved_contacts), intent(in), optional :: resolved  !! those solved elsewhere
-    logical :: same
+    logical :: is_same
 
-    call gather_circles(pairs, law, solution, state, resolved, same)
+    call gather_circles(pairs, law, solution, state, resolved, is_same)
     associate (set => solution%set)
       if (size(set%x) == 0) return
-      if (same) same = all(set%circle < outgrown * set%planted(1, :) .and. &
-                           set%planted(1, :) < outgrown * set%circle .and. &
-                           norm2(set%move - set%planted(2:, :), 1) < set%planted(1, :))
-      if (same .and. .not. state%plants_anew) return
-      call plant_circles(set)
-      state%plants_anew = .false.
+      if (is_same) is_same = all(set%radius < outgrown * set%listed(1, :) .and. &
+                                 set%listed(1, :) < outgrown * set%radius .and. &
+                                 norm2(set%shift - set%listed(2:, :), 1) < set%listed(1, :))
+      if (is_same .and. .not. state%rebuilds_lists) return
+      call list_near_circles(set)
+      state%rebuilds_lists = .false.
       if (allocated(set%tree%failure)) solution%failure = set%tree%failure
     end associate
-  end subroutine set_out
+  end subroutine update_circles
 
   !> The circles of the present penetrations, their field, and what the equations leave over.
   subroutine evaluate_state(pairs, law, solution, state, resolved)
@@ -204,109 +204,111 @@ contains
     type(coupled_solution), intent(inout) :: solution
     type(solve_state), intent(inout) :: state              !! gets gradient and residual
     type(resolved_contacts), intent(in), optional :: resolved  !! those solved elsewhere
-    real(real64) :: deepest, aside
+    real(real64) :: largest, shift_residual
     integer :: i, k
 
-    call set_out(pairs, law, solution, state, resolved)
+    call update_circles(pairs, law, solution, state, resolved)
     state%residual = 0.0_real64
     associate (set => solution%set)
       if (size(set%x) == 0 .or. allocated(solution%failure)) return
       call find_field(set)
       solution%fields = solution%fields + 1
-      deepest = maxval(solution%penetration(set%number))
+      largest = maxval(solution%penetration(set%contact))
       !$omp parallel do schedule(static) private(i) if(size(set%x) > many)
       do k = 1, size(set%x)
-        i = set%number(k)
-        state%off(k) = solution%penetration(i) + state%gap(i) + set%lift(k) + &
-                       0.5_real64 * set%curvature(k) * sum(set%move(:, k)**2)
-        state%aside(:, k) = set%curvature(k) * set%move(:, k) + set%tilt(:, k)
-        if (set%still(k)) state%aside(:, k) = 0.0_real64
+        i = set%contact(k)
+        state%load_gradient(k) = solution%penetration(i) + state%gap(i) + set%displacement(k) + &
+                                 0.5_real64 * set%curvature(k) * sum(set%shift(:, k)**2)
+        state%shift_gradient(:, k) = set%curvature(k) * set%shift(:, k) + set%slope(:, k)
+        if (set%shift_fixed(k)) state%shift_gradient(:, k) = 0.0_real64
       end do
       !$omp end parallel do
       if (state%target > 0.0_real64) &
-        solution%closing = dot_product(set%stiffness, state%off) / sum(set%stiffness)
-      !$omp parallel do schedule(static) private(aside) if(size(set%x) > many)
+        solution%closing = dot_product(set%stiffness, state%load_gradient) / sum(set%stiffness)
+      !$omp parallel do schedule(static) private(shift_residual) if(size(set%x) > many)
       do k = 1, size(set%x)
-        state%off(k) = state%off(k) - solution%closing
+        state%load_gradient(k) = state%load_gradient(k) - solution%closing
         ! A shift that is off changes the penetration by no more than this times the slopes.
-        aside = 0.0_real64
-        if (.not. set%still(k)) aside = norm2(state%aside(:, k)) / set%curvature(k) * &
-          (norm2(set%tilt(:, k)) + set%curvature(k) * norm2(set%move(:, k)))
-        state%miss(k) = max(abs(state%off(k)), aside)
+        shift_residual = 0.0_real64
+        if (.not. set%shift_fixed(k)) shift_residual = norm2(state%shift_gradient(:, k)) / &
+          set%curvature(k) * &
+          (norm2(set%slope(:, k)) + set%curvature(k) * norm2(set%shift(:, k)))
+        state%contact_residual(k) = max(abs(state%load_gradient(k)), shift_residual)
       end do
       !$omp end parallel do
-      state%residual = maxval(state%miss) / deepest
+      state%residual = maxval(state%contact_residual) / largest
       ! A sum that is no number is no solution.
-      if (.not. sum(abs(state%off)) <= huge(deepest)) state%residual = huge(deepest)
+      if (.not. sum(abs(state%load_gradient)) <= huge(largest)) state%residual = huge(largest)
     end associate
   end subroutine evaluate_state
 
   ! Sets out the circles of those that carry load.
-  subroutine gather_circles(pairs, law, solution, state, resolved, same)
+  subroutine gather_circles(pairs, law, solution, state, resolved, is_same)
     type(contact_pairs), intent(in) :: pairs
     class(contact_law), intent(in) :: law
     type(coupled_solution), intent(inout) :: solution
     type(solve_state), intent(inout) :: state
     type(resolved_contacts), intent(in), optional :: resolved
-    logical, intent(out) :: same  ! the same contacts as before
+    logical, intent(out) :: is_same ! the same contacts as before
     type(contact_response), allocatable :: answer(:)
-    integer, allocatable :: number(:)
-    logical, allocatable :: bears(:)
-    real(real64) :: inclined, place(2)
+    integer, allocatable :: contact(:)
+    logical, allocatable :: is_loaded(:)
+    real(real64) :: factor, place(2)
     integer :: i, k, n
 
     if (allocated(state%order)) then
-      number = pack(state%order, solution%penetration(state%order) > 0.0_real64)
+      contact = pack(state%order, solution%penetration(state%order) > 0.0_real64)
     else
-      number = pack([(i, i=1, size(state%gap))], solution%penetration > 0.0_real64)
+      contact = pack([(i, i=1, size(state%gap))], solution%penetration > 0.0_real64)
     end if
-    allocate (answer(size(number)), bears(size(number)))
-    !$omp parallel do schedule(static) if(size(number) > many)
-    do k = 1, size(number)
-      answer(k) = answer_at(pairs, law, number(k), solution%penetration(number(k)))
+    allocate (answer(size(contact)), is_loaded(size(contact)))
+    !$omp parallel do schedule(static) if(size(contact) > many)
+    do k = 1, size(contact)
+      answer(k) = answer_at(pairs, law, contact(k), solution%penetration(contact(k)))
       ! A load that underflows over the modulus is none.
-      bears(k) = answer(k)%vertical_load / max(1.0_real64, pairs%modulus) > 0.0_real64
+      is_loaded(k) = answer(k)%vertical_load / max(1.0_real64, pairs%modulus) > 0.0_real64
     end do
     !$omp end parallel do
-    n = count(bears)
-    if (n < size(number)) then
-      number = pack(number, bears)
-      answer = pack(answer, bears)
+    n = count(is_loaded)
+    if (n < size(contact)) then
+      contact = pack(contact, is_loaded)
+      answer = pack(answer, is_loaded)
     end if
     associate (set => solution%set)
-      same = .false.
-      if (allocated(set%number)) then
-        if (size(set%number) == n) same = all(set%number == number)
+      is_same = .false.
+      if (allocated(set%contact)) then
+        if (size(set%contact) == n) is_same = all(set%contact == contact)
       end if
-      if (.not. same) call set%make_room(n)
-      if (allocated(state%off)) deallocate (state%off, state%aside, state%miss)
-      allocate (state%off(n), state%aside(2, n), state%miss(n))
-      set%number = number
-      if (allocated(solution%outer)) set%outer = solution%outer(:, set%number)
-      !$omp parallel do schedule(static) private(i, inclined, place) if(n > many) &
-      !$omp   reduction(.and.:same)
+      if (.not. is_same) call set%allocate_arrays(n)
+      if (allocated(state%load_gradient)) deallocate (state%load_gradient, state%shift_gradient, &
+                                                      state%contact_residual)
+      allocate (state%load_gradient(n), state%shift_gradient(2, n), state%contact_residual(n))
+      set%contact = contact
+      if (allocated(solution%outer_field)) set%outer_field = solution%outer_field(:, set%contact)
+      !$omp parallel do schedule(static) private(i, factor, place) if(n > many) &
+      !$omp   reduction(.and.:is_same)
       do k = 1, n
-        i = number(k)
+        i = contact(k)
         place = [pairs%list(i)%x, pairs%list(i)%y]
         set%curvature(k) = 1.0_real64 / pairs%list(i)%radius
-        set%move(:, k) = solution%move(:, i)
-        set%still(k) = .false.
-        if (present(resolved)) set%still(k) = resolved%is_one(i)
-        if (set%still(k)) then
+        set%shift(:, k) = solution%shift(:, i)
+        set%shift_fixed(k) = .false.
+        if (present(resolved)) set%shift_fixed(k) = resolved%is_resolved(i)
+        if (set%shift_fixed(k)) then
           place = [resolved%x(i), resolved%y(i)]
           set%curvature(k) = 0.0_real64
-          set%move(:, k) = 0.0_real64
+          set%shift(:, k) = 0.0_real64
         end if
         ! A centre of pressure has moved: the neighbour lists must be rebuilt.
-        if (any(abs(place - [set%x(k), set%y(k)]) > 0.0_real64)) same = .false.
+        if (any(abs(place - [set%x(k), set%y(k)]) > 0.0_real64)) is_same = .false.
         set%x(k) = place(1)
         set%y(k) = place(2)
-        inclined = inclination_factor(answer(k)%cosine) / pairs%modulus
-        set%load(k) = answer(k)%vertical_load * inclined
-        set%stiffness(k) = answer(k)%stiffness * inclined
-        set%counted(k) = 1.0_real64 / inclination_factor(answer(k)%cosine)
-        if (.not. pairs%vertical) set%counted(k) = set%counted(k) / answer(k)%cosine
-        set%circle(k) = answer(k)%contact_radius
+        factor = inclination_factor(answer(k)%cosine) / pairs%modulus
+        set%load(k) = answer(k)%vertical_load * factor
+        set%stiffness(k) = answer(k)%stiffness * factor
+        set%load_share(k) = 1.0_real64 / inclination_factor(answer(k)%cosine)
+        if (.not. pairs%vertical) set%load_share(k) = set%load_share(k) / answer(k)%cosine
+        set%radius(k) = answer(k)%contact_radius
       end do
       !$omp end parallel do
     end associate

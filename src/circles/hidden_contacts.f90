@@ -11,7 +11,7 @@ module asperity_hidden_contacts
   implicit none
   private
 
-  public :: is_hidden, open_hidden, stand_out
+  public :: is_hidden, release_hidden, find_protrusion
 
   ! Height by which a cap stands out of the surface of a loaded one, over the penetration of that
   ! [1], up to which it stays open; chosen: its own load is below its 3/2th power, 0.3 %; test:
@@ -21,31 +21,32 @@ module asperity_hidden_contacts
 contains
 
   !> Opens the loaded contacts that are hidden in another one; of equals the one listed last.
-  subroutine open_hidden(pairs, solution, any_opened)
+  subroutine release_hidden(pairs, solution, any_released)
     type(contact_pairs), intent(in) :: pairs           !! pairs of the position
     type(coupled_solution), intent(inout) :: solution  !! its circles are set out; penetrations then
-    logical, intent(out) :: any_opened                 !! the circles must be set out again
-    logical :: opens(size(solution%set%x))
-    real(real64) :: over, under
+    logical, intent(out) :: any_released               !! the circles must be set out again
+    logical :: is_released(size(solution%set%x))
+    real(real64) :: share_of_second, share_of_first
     integer :: i, j, k
 
-    opens = .false.
-    any_opened = .false.
+    is_released = .false.
+    any_released = .false.
     associate (set => solution%set)
       if (.not. allocated(set%one)) return
       do k = 1, size(set%one)
         i = set%one(k)
         j = set%other(k)
-        if (opens(i) .or. opens(j) .or. set%still(i) .or. set%still(j)) cycle
-        over = standing_share(pairs, set, i, set%number(j))
-        under = standing_share(pairs, set, j, set%number(i))
-        opens(j) = over <= as_one .and. .not. under < over
-        opens(i) = under <= as_one .and. .not. opens(j)
+        if (is_released(i) .or. is_released(j) .or. set%shift_fixed(i) .or. &
+            set%shift_fixed(j)) cycle
+        share_of_second = protrusion_share(pairs, set, i, set%contact(j))
+        share_of_first = protrusion_share(pairs, set, j, set%contact(i))
+        is_released(j) = share_of_second <= as_one .and. .not. share_of_first < share_of_second
+        is_released(i) = share_of_first <= as_one .and. .not. is_released(j)
       end do
-      any_opened = any(opens)
-      if (any_opened) solution%penetration(pack(set%number, opens)) = far_below
+      any_released = any(is_released)
+      if (any_released) solution%penetration(pack(set%contact, is_released)) = far_below
     end associate
-  end subroutine open_hidden
+  end subroutine release_hidden
 
   !> Whether an open contact is hidden in one of the loaded ones.
   pure logical function is_hidden(pairs, set, near, i)
@@ -57,55 +58,55 @@ contains
 
     is_hidden = .true.
     do k = 1, size(near)
-      if (set%still(near(k))) cycle
-      if (standing_share(pairs, set, near(k), i) < as_one) return
+      if (set%shift_fixed(near(k))) cycle
+      if (protrusion_share(pairs, set, near(k), i) < as_one) return
     end do
     is_hidden = .false.
   end function is_hidden
 
   !> How far the surface of a pair stands out of a loaded one's, its host, at most, and how far from
   !> the middle of the host's circle. Paraboloids.
-  pure subroutine stand_out(pairs, set, host, i, reach, height, off, slope)
+  pure subroutine find_protrusion(pairs, set, host, i, reach, height, distance, slope)
     type(contact_pairs), intent(in) :: pairs    !! pairs of the position
     type(circle_set), intent(in) :: set         !! places and shifts are set
     integer, intent(in) :: host                 !! circle of the host
     integer, intent(in) :: i                    !! number of the pair
     real(real64), intent(in) :: reach           !! from the middle of the circle, at most
     real(real64), intent(out) :: height         !! below 0: it stands out nowhere
-    real(real64), intent(out) :: off            !! distance from the middle
+    real(real64), intent(out) :: distance       !! distance from the middle
     real(real64), intent(out) :: slope          !! how fast it rises in the middle of the circle
-    real(real64) :: along(2), sharper
+    real(real64) :: offset(2), sharper
 
-    associate (own => pairs%list(set%number(host)), pair => pairs%list(i), &
-               move => set%move(:, host))
-      along = move + [own%x - pair%x, own%y - pair%y]
+    associate (own => pairs%list(set%contact(host)), pair => pairs%list(i), &
+               shift => set%shift(:, host))
+      offset = shift + [own%x - pair%x, own%y - pair%y]
       ! Along its steepest line it stands out by a parabola: as far as its top, or to the end.
       sharper = 1.0_real64 / pair%radius - 1.0_real64 / own%radius
-      slope = norm2(along / pair%radius - move / own%radius)
-      off = reach
-      if (sharper * off > slope) off = slope / sharper
-      height = own%gap - pair%gap + off * (slope - 0.5_real64 * sharper * off) + &
-               0.5_real64 * (dot_product(move, move) / own%radius - &
-                             dot_product(along, along) / pair%radius)
+      slope = norm2(offset / pair%radius - shift / own%radius)
+      distance = reach
+      if (sharper * distance > slope) distance = slope / sharper
+      height = own%gap - pair%gap + distance * (slope - 0.5_real64 * sharper * distance) + &
+               0.5_real64 * (dot_product(shift, shift) / own%radius - &
+                             dot_product(offset, offset) / pair%radius)
     end associate
-  end subroutine stand_out
+  end subroutine find_protrusion
 
   ! The same over the host's penetration, within twice its circle: farther off the surfaces part by
   ! more than it can stand out. 2 where it is much blunter, or touches first beside it.
-  pure real(real64) function standing_share(pairs, set, host, i) result(share)
+  pure real(real64) function protrusion_share(pairs, set, host, i) result(share)
     type(contact_pairs), intent(in) :: pairs
     type(circle_set), intent(in) :: set
     integer, intent(in) :: host, i
-    real(real64) :: off, slope
+    real(real64) :: distance, slope
 
     share = 2.0_real64
-    associate (own => pairs%list(set%number(host)), pair => pairs%list(i), a => set%circle(host))
-      if (pair%radius < 2 * own%radius .and. norm2(set%move(:, host) + &
+    associate (own => pairs%list(set%contact(host)), pair => pairs%list(i), a => set%radius(host))
+      if (pair%radius < 2 * own%radius .and. norm2(set%shift(:, host) + &
           [set%x(host) - pair%x, set%y(host) - pair%y]) < as_one * a) then
-        call stand_out(pairs, set, host, i, 2 * a, share, off, slope)
+        call find_protrusion(pairs, set, host, i, 2 * a, share, distance, slope)
         share = share / a**2 * own%radius
       end if
     end associate
-  end function standing_share
+  end function protrusion_share
 
 end module asperity_hidden_contacts

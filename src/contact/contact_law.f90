@@ -36,7 +36,7 @@ module asperity_contact_law
       type(contact_pair), intent(in) :: pair          !! geometry of the contact
       integer, intent(in) :: number                   !! place of the pair in its list
       real(real64), intent(in) :: penetration         !! vertical, past first touch; less than zc
-      type(contact_response), intent(out) :: response !! loads, radius, pressure, stiffness
+      type(contact_response), intent(out) :: response  !! loads, radius, pressure, stiffness
     end subroutine respond_to
   end interface
 

@@ -57,7 +57,7 @@ module asperity_contact_pairs
     real(real64) :: y_displacement = 0.0_real64     !! of the upper surface, in the scene's unit
     type(interruption) :: interrupt                 !! ends the solve of the position when set
     type(work_count) :: progress_count              !! counts the states that are done
-    type(solution_start), pointer :: start => null() !! earlier solutions, or null
+    type(solution_start), pointer :: start => null()  !! earlier solutions, or null
     logical :: keeps_solution = .false.             !! keep the last solution in the result
     !> Gets the pressures of each solve by boundary elements; not associated: they are not kept.
     type(element_pressures), pointer :: pressures => null()

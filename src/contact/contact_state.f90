@@ -36,7 +36,7 @@ contains
     type(contact_pairs), intent(in) :: pairs  !! pairs of the position
     class(contact_law), intent(in) :: law     !! law of each contact
     real(real64), intent(in) :: closing       !! compression, length, 0 or more
-    type(contact_state), intent(out) :: state !! contacts at this compression
+    type(contact_state), intent(out) :: state  !! contacts at this compression
 
     state%closing = closing
     allocate (state%law, source=law)

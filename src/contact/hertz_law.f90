@@ -29,7 +29,7 @@ contains
     type(contact_pair), intent(in) :: pair          !! geometry of the contact
     integer, intent(in) :: number                   !! place of the pair in its list; not used
     real(real64), intent(in) :: penetration         !! vertical, past first touch; less than zc
-    type(contact_response), intent(out) :: response !! loads, radius, pressure, stiffness
+    type(contact_response), intent(out) :: response  !! loads, radius, pressure, stiffness
     real(real64) :: centres, root, sine_squared
 
     if (number < 0 .or. .not. penetration > 0.0_real64) return

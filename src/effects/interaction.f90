@@ -15,7 +15,7 @@ module asperity_interaction
   use asperity_joint_contacts, only: joint_solution, resolve_all, resolve_called_for, &
                                      resolve_none, solve_joint
   use asperity_kinds, only: not_computed, real64
-  use asperity_open_contacts, only: stand_apart
+  use asperity_open_contacts, only: are_separate
   use asperity_scene_values, only: effect_auto, effect_boundary, scene
   use asperity_solve_ending, only: solve_ending
   use asperity_theory_warnings, only: of_area, of_nested, add_warning, warning_kinds
@@ -198,7 +198,7 @@ contains
     closing = solution%coupled%closing
     allocate (found(1 + size(solution%area), apart), source=0.0_real64)
     associate (coupled => solution%coupled)
-      found(1, :) = [real(solution%cells, real64), solution%error, solution%area_error, &
+      found(1, :) = [real(solution%elements, real64), solution%error, solution%area_error, &
                      coupled%ending%residual, real(coupled%ending%iterations, real64), &
                      merge(solution%nested, 0.0_real64, which == resolve_none), &
                      merge(1.0_real64, 0.0_real64, is_one_solution(solution))]
@@ -207,8 +207,8 @@ contains
     found(2:, area) = solution%area
     found(2:, pressure) = solution%maximum_pressure
     found(2:, resolved) = merge(1.0_real64, 0.0_real64, solution%is_resolved)
-    found(2:, move_x) = solution%coupled%move(1, :)
-    found(2:, move_y) = solution%coupled%move(2, :)
+    found(2:, move_x) = solution%coupled%shift(1, :)
+    found(2:, move_y) = solution%coupled%shift(2, :)
 
   contains
 
@@ -223,8 +223,8 @@ contains
   logical function is_one_solution(solution)
     type(joint_solution), intent(in) :: solution
 
-    is_one_solution = .not. allocated(solution%failure) .and. solution%cells == 0
-    if (is_one_solution) is_one_solution = stand_apart(solution%coupled)
+    is_one_solution = .not. allocated(solution%failure) .and. solution%elements == 0
+    if (is_one_solution) is_one_solution = are_separate(solution%coupled)
   end function is_one_solution
 
 end module asperity_interaction

@@ -32,7 +32,7 @@ module asperity_element_answer
     type(element_contact), allocatable :: together(:)  !! by member
     type(element_contact), allocatable :: alone(:)     !! isolated, on the same elements
     logical, allocatable :: known_alone(:)          !! isolated load solved on them; else Hertz' law
-    integer :: cells = 0                            !! elements of the lattice
+    integer :: elements = 0                         !! number of elements of the lattice
     real(real64), allocatable :: beside(:)          !! displacement at each circle of the field
     real(real64) :: error = 0.0_real64              !! of the load, estimate
     real(real64) :: area_error = 0.0_real64         !! of the area, relative, root mean square

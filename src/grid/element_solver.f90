@@ -21,7 +21,7 @@ module asperity_element_solver
   implicit none
   private
 
-  public :: any_loaded, cluster_lattice, reach_of_cluster, solve_elements, is_resolved
+  public :: any_loaded, cluster_lattice, cluster_extent, solve_elements, is_resolved
 
   !> The lattice of a cluster, kept from one round to the next.
   type :: cluster_lattice
@@ -74,7 +74,7 @@ module asperity_element_solver
 contains
 
   !> The rectangle in plan in which the elements of a cluster lie; a point when nothing touches.
-  pure subroutine reach_of_cluster(pairs, members, closing, x0, x1, y0, y1)
+  pure subroutine cluster_extent(pairs, members, closing, x0, x1, y0, y1)
     type(contact_pairs), intent(in) :: pairs       !! pairs of the position
     integer, intent(in) :: members(:)              !! places of the contacts in the list of pairs
     real(real64), intent(in) :: closing            !! compression of the contacts [length]
@@ -90,7 +90,7 @@ contains
     y0 = low(2)
     x1 = high(1)
     y1 = high(2)
-  end subroutine reach_of_cluster
+  end subroutine cluster_extent
 
   !> Whether a contact is wide enough for elements of its own at its place: half of the digits of
   !! its coordinates are left for its radius.
@@ -152,7 +152,7 @@ contains
         if (pairs%interrupt%is_asked()) answer%failure = 'interrupted'
         return
       end if
-      answer%cells = size(lattice%elements%force)
+      answer%elements = size(lattice%elements%force)
       if (associated(pairs%pressures)) &
         call keep_elements(lattice%elements, members(shapes%pair), answer%loaded)
       if (allocated(outside%x)) &
@@ -444,31 +444,31 @@ contains
 
   ! Finds the box of the loaded elements and their neighbours, and of contacts smaller than an
   ! element that the displacement there leaves loaded.
-  pure subroutine find_loaded(task, cells, box)
+  pure subroutine find_loaded(task, lattice, box)
     type(cluster_task), intent(in) :: task
-    type(element_lattice), intent(in) :: cells
+    type(element_lattice), intent(in) :: lattice
     real(real64), intent(out) :: box(4)
     real(real64) :: reach
     integer :: i, j, n
 
     box(:2) = huge(reach)
     box(3:) = -huge(reach)
-    do j = 1, size(cells%force, 2)
-      do i = 1, size(cells%force, 1)
-        if (.not. cells%force(i, j) > 0.0_real64) cycle
-        box(:2) = min(box(:2), ([i, j] - 2 + [cells%left, cells%bottom]) * cells%side)
-        box(3:) = max(box(3:), ([i, j] + 1 + [cells%left, cells%bottom]) * cells%side)
+    do j = 1, size(lattice%force, 2)
+      do i = 1, size(lattice%force, 1)
+        if (.not. lattice%force(i, j) > 0.0_real64) cycle
+        box(:2) = min(box(:2), ([i, j] - 2 + [lattice%left, lattice%bottom]) * lattice%side)
+        box(3:) = max(box(3:), ([i, j] + 1 + [lattice%left, lattice%bottom]) * lattice%side)
       end do
     end do
     do n = 1, size(task%shapes)
-      associate (one => task%shapes(n), x => task%shapes(n)%x - cells%x, &
-                 y => task%shapes(n)%y - cells%y)
+      associate (one => task%shapes(n), x => task%shapes(n)%x - lattice%x, &
+                 y => task%shapes(n)%y - lattice%y)
         if (all([x, y] > box(:2) .and. [x, y] < box(3:))) cycle
-        i = floor(x / cells%side) - cells%left + 1
-        j = floor(y / cells%side) - cells%bottom + 1
-        if (min(i, j) < 1 .or. i > size(cells%force, 1) .or. j > size(cells%force, 2)) cycle
-        if (.not. one%penetration > task%displacement(i, j) * cells%depth) cycle
-        reach = min(one%reach, cells%side)
+        i = floor(x / lattice%side) - lattice%left + 1
+        j = floor(y / lattice%side) - lattice%bottom + 1
+        if (min(i, j) < 1 .or. i > size(lattice%force, 1) .or. j > size(lattice%force, 2)) cycle
+        if (.not. one%penetration > task%displacement(i, j) * lattice%depth) cycle
+        reach = min(one%reach, lattice%side)
         box(:2) = min(box(:2), [x, y] - reach)
         box(3:) = max(box(3:), [x, y] + reach)
       end associate
@@ -503,9 +503,9 @@ contains
   ! Least gap of a contact in the displacement by elements and contacts outside, or 0: at its first
   ! touch and half its isolated radius from there, as the displacement may leave it loaded beside
   ! its first touch only.
-  pure real(real64) function least_gap(profile, cells, outside, modulus) result(gap)
+  pure real(real64) function least_gap(profile, lattice, outside, modulus) result(gap)
     type(gap_shape), intent(in) :: profile
-    type(element_lattice), intent(in) :: cells
+    type(element_lattice), intent(in) :: lattice
     type(outside_field), intent(in) :: outside
     real(real64), intent(in) :: modulus
     real(real64) :: place(2, 5)
@@ -516,7 +516,7 @@ contains
     do i = 1, size(place, 2)
       associate (x => place(1, i), y => place(2, i))
         gap = min(gap, gap_at(profile, x, y) + &
-                       field_of_elements(cells, profile%x + x, profile%y + y) + &
+                       field_of_elements(lattice, profile%x + x, profile%y + y) + &
                        outside_at(outside, modulus, profile%x + x, profile%y + y))
       end associate
     end do

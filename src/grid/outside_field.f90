@@ -19,7 +19,7 @@ module asperity_outside_field
     real(real64), allocatable :: at_nodes(:, :)
     real(real64), allocatable :: x(:)             !! circles near by: centre; not allocated: none
     real(real64), allocatable :: y(:)             !! centre
-    real(real64), allocatable :: circle(:)        !! radius; 0: a force at a point
+    real(real64), allocatable :: radius(:)        !! radius; 0: a force at a point
     real(real64), allocatable :: load(:)          !! under the pressure of Hertz
     integer, allocatable :: pair(:)               !! place in the list of pairs
   end type outside_field
@@ -30,7 +30,7 @@ contains
   subroutine add_outside(outside, modulus, lattice)
     type(outside_field), intent(in) :: outside      !! field of the contacts outside
     real(real64), intent(in) :: modulus             !! combined modulus, > 0
-    type(element_lattice), intent(inout) :: lattice !! gets its gaps changed
+    type(element_lattice), intent(inout) :: lattice  !! gets its gaps changed
     real(real64) :: x, y
     integer :: i, j
 
@@ -42,7 +42,7 @@ contains
     do j = 1, size(lattice%gap, 2)
       do i = 1, size(lattice%gap, 1)
         if (lattice%owner(i, j) == 0) cycle
-        lattice%gap(i, j) = lattice%gap(i, j) + sum(outside%load * beside_circle(outside%circle, &
+        lattice%gap(i, j) = lattice%gap(i, j) + sum(outside%load * beside_circle(outside%radius, &
           hypot(x + (i - 0.5_real64) * lattice%side - outside%x, &
                 y + (j - 0.5_real64) * lattice%side - outside%y))) / (modulus * lattice%depth)
       end do
@@ -58,7 +58,7 @@ contains
     field = 0.0_real64
     if (allocated(outside%at_nodes)) field = sum(between_nodes(outside, x, y, 0.0_real64, [1, 1]))
     if (allocated(outside%x)) field = field + sum(outside%load * &
-      beside_circle(outside%circle, hypot(x - outside%x, y - outside%y))) / modulus
+      beside_circle(outside%radius, hypot(x - outside%x, y - outside%y))) / modulus
   end function outside_at
 
   ! Field interpolated between the nodes at the centres of columns and rows of elements.

@@ -7,18 +7,18 @@
 !> Beside a large circle B is 2/3 a**2 times what its field bends more along than across, if more.
 !> Where circles overlap, one of the two takes from the other at most a share of the smaller load.
 module asperity_circle_error
-  use asperity_circle_field, only: are_close, bend, from_other, many
+  use asperity_circle_field, only: are_close, hessian_anisotropy, relative_position, many
   use asperity_constants, only: pi
   use asperity_contact_pairs, only: contact_pair, contact_pairs
   use asperity_coupled_contacts, only: coupled_solution
   use asperity_circle_step, only: circle_model, find_step, prepare_model, trust_step
-  use asperity_hidden_contacts, only: stand_out
+  use asperity_hidden_contacts, only: find_protrusion
   use asperity_kinds, only: real64
-  use asperity_source_tree, only: plant_tree, source_tree
+  use asperity_source_tree, only: build_tree, source_tree
   implicit none
   private
 
-  public :: find_errors, open_about
+  public :: find_errors, find_open_neighbours
 
   ! Largest share of the smaller load that two overlapping contacts take from each other: all of it
   ! where one centre is inside the other circle, else this (measured on two to thirty caps against
@@ -51,7 +51,7 @@ contains
 
   !> Errors of the loads of elastic contacts over the modulus: a bound that is observed, not proved.
   !> Zero where a contact is open and near to none.
-  subroutine find_errors(pairs, solution, hosts, error, sphere_error, of_closing, nested)
+  subroutine find_errors(pairs, solution, hosts, error, sphere_error, compression_share, nested)
     type(contact_pairs), intent(in) :: pairs           !! pairs of the position
     type(coupled_solution), intent(inout) :: solution  !! solved contacts, as they are
     integer, intent(out) :: hosts(:)                   !! circle that hides an open pair, else 0
@@ -59,13 +59,13 @@ contains
     real(real64), intent(out) :: sphere_error(:)       !! errors of spheres as paraboloids, by pair
     !> relative error of the closing at a load over that of the load L at a closing c:
     !! L/(c dL/dc), 2/3 for a Hertz contact alone
-    real(real64), intent(out) :: of_closing
+    real(real64), intent(out) :: compression_share
     !> share of the load on contacts that overlap the circle of one at least `blunter` times
     !! blunter: their errors may be larger than indicated
     real(real64), intent(out) :: nested
     type(source_tree) :: tree
     integer, allocatable :: number(:)
-    real(real64) :: weight(size(solution%set%number)), tangent
+    real(real64) :: weight(size(solution%set%contact)), tangent
     logical :: is_nested(size(weight))
     integer :: i, j, k, l
 
@@ -73,25 +73,25 @@ contains
     sphere_error = 0.0_real64
     hosts = 0
     call find_weights(pairs, solution, weight, tangent)
-    of_closing = sum(solution%set%load) / (solution%closing * tangent)
+    compression_share = sum(solution%set%load) / (solution%closing * tangent)
     associate (set => solution%set)
-      !$omp parallel do private(i) schedule(static) if(size(set%number) > many)
-      do k = 1, size(set%number)
-        i = set%number(k)
-        call judge_circle(pairs, solution, k, error(i), sphere_error(i), is_nested(k))
+      !$omp parallel do private(i) schedule(static) if(size(set%contact) > many)
+      do k = 1, size(set%contact)
+        i = set%contact(k)
+        call estimate_contact_error(pairs, solution, k, error(i), sphere_error(i), is_nested(k))
         error(i) = weight(k) * error(i)
         sphere_error(i) = weight(k) * sphere_error(i)
       end do
       !$omp end parallel do
       nested = sum(set%load, mask=is_nested) / sum(set%load)
-      call open_about(pairs, solution, 1.0_real64, tree, number)
+      call find_open_neighbours(pairs, solution, 1.0_real64, tree, number)
       do l = 1, size(number)
         i = number(l)
         do k = tree%first(l), tree%first(l + 1) - 1
-          j = set%number(tree%near(k))
+          j = set%contact(tree%near(k))
           if (hosts(i) == 0) hosts(i) = j
           error(i) = error(i) + weight(tree%near(k)) * 2 * first_order * &
-                     set%circle(tree%near(k)) * higher_by(pairs, solution, i, tree%near(k))
+                     set%radius(tree%near(k)) * mean_protrusion(pairs, solution, i, tree%near(k))
         end do
       end do
     end associate
@@ -132,7 +132,7 @@ contains
   end subroutine find_weights
 
   !> Finds the open pairs that could touch, and the circles near them.
-  subroutine open_about(pairs, solution, radii, tree, number)
+  subroutine find_open_neighbours(pairs, solution, radii, tree, number)
     type(contact_pairs), intent(in) :: pairs        !! pairs of the position
     type(coupled_solution), intent(in) :: solution  !! solution of all contacts
     real(real64), intent(in) :: radii               !! radii of a circle that reach to its pairs
@@ -142,59 +142,61 @@ contains
     integer :: i
 
     is_open = pairs%list%gap < solution%closing
-    is_open(solution%set%number) = .false.
+    is_open(solution%set%contact) = .false.
     number = pack([(i, i=1, size(is_open))], is_open)
     associate (set => solution%set)
-      call plant_tree(tree, [set%x + set%move(1, :), pairs%list(number)%x], &
-                      [set%y + set%move(2, :), pairs%list(number)%y], &
-                      [set%circle, spread(0.0_real64, 1, size(number))], radii, size(set%x))
+      call build_tree(tree, [set%x + set%shift(1, :), pairs%list(number)%x], &
+                      [set%y + set%shift(2, :), pairs%list(number)%y], &
+                      [set%radius, spread(0.0_real64, 1, size(number))], radii, size(set%x))
     end associate
-  end subroutine open_about
+  end subroutine find_open_neighbours
 
   ! Errors of one contact.
-  subroutine judge_circle(pairs, solution, k, error, sphere_error, is_nested)
+  subroutine estimate_contact_error(pairs, solution, k, error, sphere_error, is_nested)
     type(contact_pairs), intent(in) :: pairs
     type(coupled_solution), intent(in) :: solution
     integer, intent(in) :: k
     real(real64), intent(out) :: error, sphere_error
     logical, intent(out) :: is_nested
-    real(real64) :: a, p, r, way(2), apart, distance, emitted, overlap, closest, shift, gone
+    real(real64) :: a, p, r, offset(2), apart, distance, emission, overlap, least_ratio, shift, &
+      apart_emission
     integer :: l, j
 
     associate (set => solution%set)
-      a = set%circle(k)
-      p = solution%penetration(set%number(k))
-      r = pairs%list(set%number(k))%radius
+      a = set%radius(k)
+      p = solution%penetration(set%contact(k))
+      r = pairs%list(set%contact(k))%radius
       overlap = 0.0_real64
-      closest = huge(1.0_real64)
+      least_ratio = huge(1.0_real64)
       is_nested = .false.
       do l = set%tree%first(k), set%tree%first(k + 1) - 1
         j = set%tree%near(l)
-        distance = norm2(from_other(set, j, k))
-        if (.not. distance < a + set%circle(j)) cycle
-        closest = min(closest, distance / max(a, set%circle(j)))
-        is_nested = is_nested .or. pairs%list(set%number(j))%radius >= blunter * r
+        distance = norm2(relative_position(set, j, k))
+        if (.not. distance < a + set%radius(j)) cycle
+        least_ratio = min(least_ratio, distance / max(a, set%radius(j)))
+        is_nested = is_nested .or. pairs%list(set%contact(j))%radius >= blunter * r
         ! Half of the error of both.
         overlap = overlap + 0.5_real64 * min(set%load(k), set%load(j)) * &
-          merge(1.0_real64, taken, distance < max(a, set%circle(j)))
+          merge(1.0_real64, taken, distance < max(a, set%radius(j)))
       end do
-      call find_harmonics(.true., error, emitted)
+      call find_harmonics(.true., error, emission)
       if (overlap > 0.0_real64) then
-        call find_harmonics(.false., apart, gone)
+        call find_harmonics(.false., apart, apart_emission)
         ! Where a centre is inside the other's circle harmonics mean nothing.
-        if (closest < 1.0_real64) error = huge(1.0_real64)
-        error = min(error + emitted, apart + gone + overlap)
-        emitted = 0.0_real64
+        if (least_ratio < 1.0_real64) error = huge(1.0_real64)
+        error = min(error + emission, apart + apart_emission + overlap)
+        emission = 0.0_real64
       end if
-      shift = norm2(set%move(:, k))
+      shift = norm2(set%shift(:, k))
       if (shift > steep * a) error = max(error, load_gain(r, p, steep * shift**2 / (4 * r)))
-      error = error + emitted
+      error = error + emission
       ! An inclined contact is an ellipse that neighbours see as a circle.
-      associate (pair => pairs%list(set%number(k)), &
-                 taken_off => max(0.0_real64, solution%closing - pairs%list(set%number(k))%gap - p))
-        error = error + set%load(k) * inclined * taken_off / (p + taken_off) * &
+      associate (pair => pairs%list(set%contact(k)), &
+                 displacement => max(0.0_real64, solution%closing - &
+                                     pairs%list(set%contact(k))%gap - p))
+        error = error + set%load(k) * inclined * displacement / (p + displacement) * &
                 (pair%d / pair%zc)**2
-        sphere_error = set%load(k) * fourth_power * sphere_share(pair, min(p, taken_off))
+        sphere_error = set%load(k) * fourth_power * sphere_share(pair, min(p, displacement))
       end associate
     end associate
 
@@ -202,33 +204,33 @@ contains
 
     ! Own gain, and that of the neighbours. A second harmonic is a complex number: b at twice the
     ! angle of the neighbour.
-    subroutine find_harmonics(all_of_them, gain, emission)
-      logical, intent(in) :: all_of_them
-      real(real64), intent(out) :: gain, emission
+    subroutine find_harmonics(with_overlapping, gain, neighbour_gain)
+      logical, intent(in) :: with_overlapping
+      real(real64), intent(out) :: gain, neighbour_gain
       real(real64) :: b(solution%set%tree%first(k):solution%set%tree%first(k + 1) - 1), square
       complex(real64) :: second(lbound(b, 1):ubound(b, 1))
 
       associate (set => solution%set, near => solution%set%tree%near)
         do l = lbound(b, 1), ubound(b, 1)
           j = near(l)
-          way = from_other(set, j, k)
+          offset = relative_position(set, j, k)
           ! In one place nothing is known: a large bound.
-          square = max(sum(way**2), 1.0e-6_real64 * a**2)
+          square = max(sum(offset**2), 1.0e-6_real64 * a**2)
           b(l) = 1.0_real64 / (sqrt(square) * max(square - a**2, 0.1_real64 * square))
-          if (square > (a + set%circle(j))**2) &
-            b(l) = max(b(l), set%terms(bend, set%pair(l)) * pi / 3)
+          if (square > (a + set%radius(j))**2) &
+            b(l) = max(b(l), set%terms(hessian_anisotropy, set%pair(l)) * pi / 3)
           b(l) = 2 * set%load(j) * a**2 / pi * b(l)
-          if (square < (a + set%circle(j))**2 .and. .not. all_of_them) b(l) = 0.0_real64
-          second(l) = b(l) * cmplx(way(1), way(2), real64)**2 / square
+          if (square < (a + set%radius(j))**2 .and. .not. with_overlapping) b(l) = 0.0_real64
+          second(l) = b(l) * cmplx(offset(1), offset(2), real64)**2 / square
         end do
         gain = r / (4 * a) * (abs(sum(second))**2 + 1.0_real64 / 18 * sum(b)**2)
-        emission = first_order * r / (4 * a) * sum( &
-          p / solution%penetration(set%number(near(lbound(b, 1):ubound(b, 1)))) * &
+        neighbour_gain = first_order * r / (4 * a) * sum( &
+          p / solution%penetration(set%contact(near(lbound(b, 1):ubound(b, 1)))) * &
           abs(real(second * conjg(sum(second))) + 1.0_real64 / 18 * b * sum(b)))
       end associate
     end subroutine find_harmonics
 
-  end subroutine judge_circle
+  end subroutine estimate_contact_error
 
   ! Relative loss of load of a sphere against its paraboloid: p/(10 R) under a flat, to first order
   ! (the next term of the gap is r**4/(8 R**3)). A plane has the radius 0, and no such term.
@@ -255,20 +257,20 @@ contains
   ! Mean over a circle, weighed as a flat punch, of how far the surface of an open pair stands above
   ! that of the circle's own: of a cap with its top in the circle the volume of its paraboloid, else
   ! of a plane (along a line all of the weight lies evenly). No more than at the highest place.
-  pure real(real64) function higher_by(pairs, solution, i, k) result(mean)
+  pure real(real64) function mean_protrusion(pairs, solution, i, k) result(mean)
     type(contact_pairs), intent(in) :: pairs
     type(coupled_solution), intent(in) :: solution
     integer, intent(in) :: i, k
-    real(real64) :: off, slope, part
+    real(real64) :: distance, slope, part
 
-    associate (a => solution%set%circle(k), own => pairs%list(solution%set%number(k)))
-      call stand_out(pairs, solution%set, k, i, a, mean, off, slope)
+    associate (a => solution%set%radius(k), own => pairs%list(solution%set%contact(k)))
+      call find_protrusion(pairs, solution%set, k, i, a, mean, distance, slope)
       mean = max(0.0_real64, mean)
       part = 4 * slope * a
-      if (off < a) part = 2 * (1.0_real64 / pairs%list(i)%radius - 1.0_real64 / own%radius) * &
-                          a**2 * sqrt(1.0_real64 - (off / a)**2)
+      if (distance < a) part = 2 * (1.0_real64 / pairs%list(i)%radius - 1.0_real64 / own%radius) * &
+                               a**2 * sqrt(1.0_real64 - (distance / a)**2)
       if (mean < part) mean = mean**2 / part
     end associate
-  end function higher_by
+  end function mean_protrusion
 
 end module asperity_circle_error

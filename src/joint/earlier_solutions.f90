@@ -70,7 +70,7 @@ contains
       ! Open pairs begin open: of their penetration an upper bound is known, and the solver finds
       ! those that touch now.
       allocate (solution%penetration(size(pairs%list)), source=far_below)
-      allocate (solution%move(2, size(pairs%list)), source=0.0_real64)
+      allocate (solution%shift(2, size(pairs%list)), source=0.0_real64)
       do j = n, 1, -1
         weight = lagrange_weights(here, at(:j))
         do i = 1, min(size(pairs%list), size(of(node(1))%gap))
@@ -78,8 +78,8 @@ contains
           ! Where a pair was open its shift may be another one than that with which it closed.
           if (known_in(i, far_below / 2) == j) solution%penetration(i) = &
             sum([(weight(k) * of(node(k))%penetration(i), k=1, j)])
-          if (known_in(i, 0.0_real64) == j) solution%move(:, i) = &
-            [(sum([(weight(k) * of(node(k))%move(l, i), k=1, j)]), l=1, 2)]
+          if (known_in(i, 0.0_real64) == j) solution%shift(:, i) = &
+            [(sum([(weight(k) * of(node(k))%shift(l, i), k=1, j)]), l=1, 2)]
         end do
       end do
     end associate
@@ -164,7 +164,7 @@ contains
       new%lower = pairs%list(:n)%lower
       new%gap = pairs%list(:n)%gap
       new%penetration = merge(penetration(:n), far_below, abs(penetration(:n)) > tiny(closing))
-      new%move = move(:, :n)
+      new%shift = move(:, :n)
     end associate
   end subroutine keep_solution
 

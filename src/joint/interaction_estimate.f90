@@ -1,6 +1,6 @@
 !> How much interaction may lower the load, from contacts each solved alone.
 module asperity_interaction_estimate
-  use asperity_circle_field, only: circle_set, find_field, inclination_factor, plant_circles
+  use asperity_circle_field, only: circle_set, find_field, inclination_factor, list_near_circles
   use asperity_constants, only: pi
   use asperity_contact_law, only: contact_law, contact_response
   use asperity_contact_pairs, only: contact_pairs
@@ -36,13 +36,13 @@ contains
     share = 0.0_real64
     n = count(pairs%list%gap < closing)
     if (n < 2) return
-    call set%make_room(n)
+    call set%allocate_arrays(n)
     set%x = pairs%list(:n)%x
     set%y = pairs%list(:n)%y
     do i = 1, n
       call law%respond(pairs%list(i), i, min(closing - pairs%list(i)%gap, &
                        deepest * pairs%list(i)%zc), response)
-      set%circle(i) = response%contact_radius
+      set%radius(i) = response%contact_radius
       set%load(i) = response%vertical_load * inclination_factor(response%cosine) / pairs%modulus
       set%stiffness(i) = response%stiffness * inclination_factor(response%cosine) / pairs%modulus
     end do
@@ -51,15 +51,16 @@ contains
     share = 1.0_real64
     ! It is if even the farthest were enough for that.
     span = hypot(maxval(set%x) - minval(set%x), maxval(set%y) - minval(set%y)) + &
-           2 * maxval(set%circle)
+           2 * maxval(set%radius)
     if (sum(set%stiffness) - dot_product(set%stiffness, set%load) / sum(set%load) > pi * span) &
       return
-    call plant_circles(set)
+    call list_near_circles(set)
     if (allocated(set%tree%failure)) return
     call find_field(set)
-    share = min(1.0_real64, max(dot_product(set%stiffness, set%lift) / sum(set%load), &
-                sum(set%stiffness / set%load * set%circle**2 * (set%lift + set%growth)) / &
-                (1.5_real64 * sum(set%circle**2))))
+    share = min(1.0_real64, max(dot_product(set%stiffness, set%displacement) / sum(set%load), &
+                sum(set%stiffness / set%load * set%radius**2 * &
+                    (set%displacement + set%displacement_growth)) / &
+                (1.5_real64 * sum(set%radius**2))))
   end function estimate_of_interaction
 
 end module asperity_interaction_estimate

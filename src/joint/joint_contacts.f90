@@ -11,7 +11,7 @@
 !> One cluster of all contacts needs no Hertzian contacts. Its compression at a load is found by
 !> secants in a bracket, with elements of a coarse tolerance first.
 module asperity_joint_contacts
-  use asperity_circle_error, only: find_errors, open_about
+  use asperity_circle_error, only: find_errors, find_open_neighbours
   use asperity_outside_field, only: outside_field
   use asperity_element_solver, only: any_loaded, cluster_lattice, deviations
   use asperity_circle_field, only: are_close
@@ -28,7 +28,7 @@ module asperity_joint_contacts
   use asperity_kinds, only: real64
   use asperity_near_tops, only: find_near_tops
   use asperity_problems, only: decimal_text, real_text
-  use asperity_resolved_answers, only: answer_with, share_out
+  use asperity_resolved_answers, only: represent_clusters, distribute_loads
   use asperity_resolved_clusters, only: area_per_load, cluster, form_clusters, solve_clusters
   use asperity_source_tree, only: source_tree
   implicit none
@@ -40,9 +40,9 @@ module asperity_joint_contacts
   type :: joint_solution
     type(coupled_solution) :: coupled               !! compression, penetrations, circles
     real(real64), allocatable :: area(:)            !! in plan, by pair
-    real(real64), allocatable :: maximum_pressure(:) !! by pair; below 0: that of its law
+    real(real64), allocatable :: maximum_pressure(:)  !! by pair; below 0: that of its law
     logical, allocatable :: is_resolved(:)          !! by pair
-    integer :: clusters = 0, cells = 0              !! of the resolved; number of elements
+    integer :: clusters = 0, elements = 0           !! of the resolved; number of elements
     integer :: rounds = 0                           !! of Hertzian contacts and clusters
     real(real64) :: error = 0.0_real64              !! estimate, a share of load or closing
     real(real64) :: area_error = 0.0_real64         !! estimate, a share of the area
@@ -81,10 +81,10 @@ module asperity_joint_contacts
     real(real64) :: area_tolerance = 0.0_real64      ! least relative error of the area
     real(real64), allocatable :: target              ! normal load, or at a given compression
     logical, allocatable :: is_near(:), is_host(:)   ! by pair: first touches are near
-    real(real64), allocatable :: circle(:)           ! by pair: least radius for clusters
+    real(real64), allocatable :: radius(:)           ! by pair: least radius for clusters
     !> errors of load and area as a Hertzian contact, and of the load as a paraboloid, by pair
     real(real64), allocatable :: error(:), area_error(:), sphere_error(:)
-    real(real64) :: of_closing = 1.0_real64          ! error of the compression over that of a load
+    real(real64) :: compression_share = 1.0_real64   ! error of the compression over that of a load
     real(real64) :: last_change = 0.0_real64         ! relative, of the load in the last round
     type(resolved_contacts) :: resolved
     type(cluster), allocatable :: clusters(:)
@@ -101,13 +101,14 @@ module asperity_joint_contacts
 contains
 
   !> Solves at the compression in `solution%coupled`, or at a load.
-  subroutine solve_joint(pairs, law, which, tolerance, cells_tolerance, area_tolerance, solution, &
+  subroutine solve_joint(pairs, law, which, tolerance, cluster_tolerance, area_tolerance, &
+                         solution, &
                          target)
     type(contact_pairs), intent(in), target :: pairs   !! pairs that may touch, ascending gap
     class(contact_law), intent(in), target :: law      !! contact law of each pair
     integer, intent(in) :: which                       !! contacts resolved: `resolve_none` ...
     real(real64), intent(in) :: tolerance              !! relative error of load and area
-    real(real64), intent(in) :: cells_tolerance        !! relative error of the load on elements
+    real(real64), intent(in) :: cluster_tolerance      !! relative error of the load on elements
     real(real64), intent(in) :: area_tolerance         !! least relative error of the area
     type(joint_solution), intent(inout) :: solution    !! compression; then all components
     real(real64), intent(in), optional :: target       !! normal load [force]
@@ -120,29 +121,30 @@ contains
     task%law => law
     task%which = which
     task%tolerance = tolerance
-    task%elements_tolerance = merge(cells_tolerance, elements_share * tolerance, &
+    task%elements_tolerance = merge(cluster_tolerance, elements_share * tolerance, &
                                     which == resolve_all)
     task%area_tolerance = area_tolerance
     if (present(target)) task%target = target
     associate (n => size(pairs%list))
       allocate (task%is_near(n), task%is_host(n), solution%is_resolved(n), source=.false.)
-      allocate (task%circle(n), task%error(n), task%area_error(n), task%sphere_error(n), &
+      allocate (task%radius(n), task%error(n), task%area_error(n), task%sphere_error(n), &
                 source=0.0_real64)
     end associate
     expected = solution%coupled%closing
     if (which /= resolve_none) call find_near_tops(pairs, law, along, expected, task%is_near, &
-                                                   task%is_host, task%circle, target)
-    if (any(task%is_near)) call begin_with_near(task, solution)
-    is_whole = is_one_cluster(pairs, task%is_near, task%circle, task%clusters)
+                                                   task%is_host, task%radius, target)
+    if (any(task%is_near)) call start_with_near_tops(task, solution)
+    is_whole = is_one_cluster(pairs, task%is_near, task%radius, task%clusters)
     if (is_whole) then
       call solve_one_cluster(task, solution, expected, is_whole)
-      if (.not. (allocated(solution%failure) .or. is_whole)) call add_near(task, solution, expected)
+      if (.not. (allocated(solution%failure) .or. is_whole)) call add_near_tops(task, solution, &
+                                                                                expected)
     end if
     if (.not. (allocated(solution%failure) .or. is_whole)) call solve_with_circles(task, solution)
     if (allocated(solution%failure)) return
     if (allocated(task%clusters)) then
       solution%clusters = size(task%clusters)
-      solution%cells = sum(task%clusters%answer%cells)
+      solution%elements = sum(task%clusters%answer%elements)
       if (associated(pairs%pressures)) then
         call join_elements(task%clusters%answer%loaded, pairs%pressures)
         pairs%pressures%closing = solution%coupled%closing
@@ -157,41 +159,41 @@ contains
 
   ! Begins anew with the contacts whose first touches are near, which are no Hertzian contacts: of
   ! those near to each other one represents the others.
-  subroutine begin_with_near(task, solution)
+  subroutine start_with_near_tops(task, solution)
     type(joint_task), intent(inout) :: task
     type(joint_solution), intent(inout) :: solution
 
     solution%is_resolved = task%is_near
     if (allocated(solution%coupled%penetration)) &
-      deallocate (solution%coupled%penetration, solution%coupled%move)
+      deallocate (solution%coupled%penetration, solution%coupled%shift)
     solution%coupled%is_near = .false.
     associate (list => task%pairs%list)
       task%resolved = resolved_contacts(task%is_near, list%x, list%y, list%gap)
     end associate
-  end subroutine begin_with_near
+  end subroutine start_with_near_tops
 
   ! Adds the contacts whose first touches are near at a compression, and begins anew with them.
-  subroutine add_near(task, solution, closing, has_grown)
+  subroutine add_near_tops(task, solution, closing, has_grown)
     type(joint_task), intent(inout) :: task
     type(joint_solution), intent(inout) :: solution
     real(real64), intent(in) :: closing
     logical, intent(out), optional :: has_grown
     logical, dimension(size(task%is_near)) :: near, host
-    real(real64) :: at, radius(size(near))
+    real(real64) :: compression, radius(size(near))
 
-    at = closing
-    call find_near_tops(task%pairs, task%law, along, at, near, host, radius)
+    compression = closing
+    call find_near_tops(task%pairs, task%law, along, compression, near, host, radius)
     if (present(has_grown)) then
       has_grown = any(near .and. .not. task%is_near)
       if (.not. has_grown) return
     end if
     task%is_host = host .or. (task%is_host .and. .not. near)
     task%is_near = task%is_near .or. near
-    task%circle = max(task%circle, radius)
+    task%radius = max(task%radius, radius)
     if (allocated(task%clusters)) deallocate (task%clusters)
     solution%rounds = 0
-    call begin_with_near(task, solution)
-  end subroutine add_near
+    call start_with_near_tops(task, solution)
+  end subroutine add_near_tops
 
   ! Solves Hertzian contacts, and clusters where some are resolved.
   subroutine solve_with_circles(task, solution)
@@ -210,16 +212,16 @@ contains
       if (has_failed(solution)) return
       more = allocated(task%target) .and. task%which /= resolve_none
       ! The radii at the load are known with its compression.
-      if (more) call add_near(task, solution, solution%coupled%closing, more)
+      if (more) call add_near_tops(task, solution, solution%coupled%closing, more)
     end do
-    if (sum(solution%coupled%set%load) > 0.0_real64) call judge_circles(task, solution)
+    if (sum(solution%coupled%set%load) > 0.0_real64) call estimate_circle_errors(task, solution)
     if (task%which == resolve_all) &
       solution%is_resolved = task%pairs%list%gap < solution%coupled%closing
     if (any(solution%is_resolved)) call alternate_blocks(task, solution)
   end subroutine solve_with_circles
 
   ! Estimates the errors of Hertzian contacts and chooses those that are resolved.
-  subroutine judge_circles(task, solution)
+  subroutine estimate_circle_errors(task, solution)
     type(joint_task), intent(inout) :: task
     type(joint_solution), intent(inout) :: solution
     integer :: hosts(size(task%error))
@@ -227,21 +229,21 @@ contains
 
     associate (coupled => solution%coupled, set => solution%coupled%set)
       call find_errors(task%pairs, coupled, hosts, task%error, task%sphere_error, &
-                       task%of_closing, solution%nested)
+                       task%compression_share, solution%nested)
       where (task%is_near)
         task%error = 0.0_real64
         task%sphere_error = 0.0_real64
       end where
-      task%area_error(set%number) = pi * set%circle**2 * min(1.0_real64, area_per_load * &
-                                                             task%error(set%number) / set%load)
+      task%area_error(set%contact) = pi * set%radius**2 * min(1.0_real64, area_per_load * &
+                                                              task%error(set%contact) / set%load)
       allowed = (1 - elements_share) * task%tolerance * sum(set%load)
       ! Contacts of loads that underflow are too shallow for elements.
       if (task%which == resolve_called_for .and. allowed > tiny(allowed)) call choose_resolved( &
         task%pairs, coupled, max(2 * task%error, task%error + task%sphere_error, &
           task%area_error * sum(set%load) * task%tolerance / (max(task%tolerance, &
-            task%area_tolerance) * pi * sum(set%circle**2))) / allowed, hosts, solution%is_resolved)
+            task%area_tolerance) * pi * sum(set%radius**2))) / allowed, hosts, solution%is_resolved)
     end associate
-  end subroutine judge_circles
+  end subroutine estimate_circle_errors
 
   ! Solves clusters and Hertzian contacts in turns until the total load settles.
   subroutine alternate_blocks(task, solution)
@@ -253,14 +255,15 @@ contains
 
     tolerance = merge(task%elements_tolerance, task%tolerance, task%which == resolve_all)
     more = .true.
-    associate (pairs => task%pairs, coupled => solution%coupled, is_one => solution%is_resolved)
+    associate (pairs => task%pairs, coupled => solution%coupled, is_resolved => &
+               solution%is_resolved)
       do
         if (more) then
           if (allocated(task%clusters)) call move_alloc(task%clusters, former)
-          call form_clusters(pairs, coupled, is_one, task%circle, task%clusters)
+          call form_clusters(pairs, coupled, is_resolved, task%radius, task%clusters)
           if (allocated(former)) call keep_lattices(former, task%clusters)
-          task%resolved = resolved_contacts(is_one, pairs%list%x, pairs%list%y, pairs%list%gap)
-          if (size(task%clusters) == 1 .and. all(is_one(coupled%set%number))) then
+          task%resolved = resolved_contacts(is_resolved, pairs%list%x, pairs%list%y, pairs%list%gap)
+          if (size(task%clusters) == 1 .and. all(is_resolved(coupled%set%contact))) then
             now = coupled%closing
             call solve_one_cluster(task, solution, now)
             return
@@ -270,10 +273,10 @@ contains
         call solve_clusters(pairs, coupled, task%elements_tolerance, task%area_tolerance, &
                             task%clusters, solution%failure)
         if (allocated(solution%failure)) return
-        call reach_others(pairs, task%clusters, is_one, more)
+        call add_close_contacts(pairs, task%clusters, is_resolved, more)
         if (more) cycle
         task%clusters%is_solved = .false.
-        call answer_with(pairs, task%law, task%clusters, coupled, task%resolved, .false.)
+        call represent_clusters(pairs, task%law, task%clusters, coupled, task%resolved, .false.)
         if (has_failed(solution)) return
         ! The change of the load by the coupling is not in the field that the clusters were solved
         ! in. At a given load it is that of their loads at the compression they were solved at.
@@ -288,7 +291,7 @@ contains
           return
         end if
       end do
-      call share_out(pairs, task%law, task%clusters, coupled, task%resolved)
+      call distribute_loads(pairs, task%law, task%clusters, coupled, task%resolved)
     end associate
     if (has_failed(solution)) return
   end subroutine alternate_blocks
@@ -300,22 +303,23 @@ contains
     real(real64) :: total, area
     integer :: k
 
-    associate (coupled => solution%coupled, is_one => solution%is_resolved)
+    associate (coupled => solution%coupled, is_resolved => solution%is_resolved)
       area = sum(solution%area)
-      if (area > 0.0_real64) solution%area_error = sum(task%area_error, mask=.not. is_one) / area
+      if (area > 0.0_real64) solution%area_error = sum(task%area_error, mask=.not. is_resolved) / &
+        area
       if (area > 0.0_real64 .and. allocated(task%clusters)) &
         solution%area_error = solution%area_error + deviations * norm2([( &
           task%clusters(k)%answer%area_error * sum(solution%area(task%clusters(k)%members)), &
           k=1, size(task%clusters))]) / area
       total = sum(coupled%set%load)
       if (.not. total > 0.0_real64) return
-      solution%error = sum(task%error + task%sphere_error, mask=.not. is_one) / total
+      solution%error = sum(task%error + task%sphere_error, mask=.not. is_resolved) / total
       if (allocated(task%clusters)) then
         ! Neighbours turn the line of centres of an inclined contact, and its load along it.
-        associate (set => coupled%set, pair => task%pairs%list(coupled%set%number))
+        associate (set => coupled%set, pair => task%pairs%list(coupled%set%contact))
           if (allocated(task%target)) solution%error = solution%error + &
             sum(set%load * (pair%d / pair%zc)**2 * max(0.0_real64, coupled%closing - pair%gap - &
-                coupled%penetration(set%number)) / pair%zc, mask=is_one(set%number)) / total
+                coupled%penetration(set%contact)) / pair%zc, mask=is_resolved(set%contact)) / total
         end associate
         ! Errors by elements add up, as all clusters have too little load. They are independent of
         ! the residuals and of the last change, which alternates and contracts.
@@ -323,7 +327,7 @@ contains
           task%clusters(k)%answer%ending%residual * sum(task%clusters(k)%answer%together%load), &
           k=1, size(task%clusters))])) / (task%pairs%modulus * total), task%last_change])
       end if
-      if (allocated(task%target)) solution%error = task%of_closing * solution%error
+      if (allocated(task%target)) solution%error = task%compression_share * solution%error
     end associate
   end subroutine estimate_errors
 
@@ -334,33 +338,33 @@ contains
     logical, intent(in) :: is_out(:)
     type(coupled_solution), intent(inout) :: coupled
     real(real64), intent(in), optional :: target
-    type(contact_pairs) :: part
-    type(group_law) :: part_law
-    type(coupled_solution) :: found
-    type(resolved_contacts) :: none
+    type(contact_pairs) :: host_pairs
+    type(group_law) :: law_of_hosts
+    type(coupled_solution) :: solved
+    type(resolved_contacts) :: no_circles
     integer :: i
 
-    part_law%whole => law
-    part_law%number = pack([(i, i=1, size(is_out))], .not. is_out)
-    part_law%deeper = spread(1.0_real64, 1, size(part_law%number))
-    part%modulus = pairs%modulus
-    part%vertical = pairs%vertical
-    part%complete_to = pairs%complete_to
-    part%interrupt = pairs%interrupt
-    part%list = pairs%list(part_law%number)
-    found%closing = coupled%closing
-    call solve_coupled(part, part_law, found, target)
+    law_of_hosts%whole => law
+    law_of_hosts%contact = pack([(i, i=1, size(is_out))], .not. is_out)
+    law_of_hosts%softening = spread(1.0_real64, 1, size(law_of_hosts%contact))
+    host_pairs%modulus = pairs%modulus
+    host_pairs%vertical = pairs%vertical
+    host_pairs%complete_to = pairs%complete_to
+    host_pairs%interrupt = pairs%interrupt
+    host_pairs%list = pairs%list(law_of_hosts%contact)
+    solved%closing = coupled%closing
+    call solve_coupled(host_pairs, law_of_hosts, solved, target)
     allocate (coupled%penetration(size(is_out)), source=far_below)
-    allocate (coupled%move(2, size(is_out)), source=0.0_real64)
-    coupled%penetration(part_law%number) = found%penetration
-    coupled%move(:, part_law%number) = found%move
-    coupled%closing = found%closing
-    if (allocated(found%failure)) coupled%failure = found%failure
-    if (allocated(found%failure)) return
-    none = resolved_contacts(spread(.false., 1, size(is_out)), pairs%list%x, pairs%list%y, &
-                             pairs%list%gap)
-    call adopt_penetrations(pairs, law, coupled, none)
-    coupled%ending = found%ending
+    allocate (coupled%shift(2, size(is_out)), source=0.0_real64)
+    coupled%penetration(law_of_hosts%contact) = solved%penetration
+    coupled%shift(:, law_of_hosts%contact) = solved%shift
+    coupled%closing = solved%closing
+    if (allocated(solved%failure)) coupled%failure = solved%failure
+    if (allocated(solved%failure)) return
+    no_circles = resolved_contacts(spread(.false., 1, size(is_out)), pairs%list%x, pairs%list%y, &
+                                   pairs%list%gap)
+    call adopt_penetrations(pairs, law, coupled, no_circles)
+    coupled%ending = solved%ending
   end subroutine solve_hosts
 
   ! Solves one cluster of all contacts at a compression, or at a load. The cluster grows by contacts
@@ -372,13 +376,13 @@ contains
     real(real64), intent(inout) :: closing        ! expected; then that of the load
     logical, intent(out), optional :: is_whole
     logical, dimension(size(task%is_near)) :: is_member, near, host
-    type(cluster), allocatable :: found(:)
+    type(cluster), allocatable :: solved(:)
     type(cluster_lattice) :: fresh                ! no elements yet
     type(load_search) :: search
-    real(real64) :: load, slope, at, share, radius(size(near))
+    real(real64) :: load, slope, compression, share, radius(size(near))
     integer :: k
 
-    task%of_closing = 1.0_real64
+    task%compression_share = 1.0_real64
     ! The elements are those of the compression of the load, which coarse ones find.
     share = task%elements_tolerance
     if (allocated(task%target)) share = max(share, settled)
@@ -389,7 +393,7 @@ contains
     call begin_search(search)
     associate (coupled => solution%coupled, pairs => task%pairs)
       coupled%penetration = spread(far_below, 1, size(pairs%list))
-      coupled%move = spread(spread(0.0_real64, 1, 2), 2, size(pairs%list))
+      coupled%shift = spread(spread(0.0_real64, 1, 2), 2, size(pairs%list))
       do
         if (solution%rounds == most_rounds) then
           solution%failure = 'the load of the boundary elements was not met'
@@ -397,7 +401,7 @@ contains
         end if
         solution%rounds = solution%rounds + 1
         coupled%closing = closing
-        task%resolved%is_one = is_member .and. pairs%list%gap < closing
+        task%resolved%is_resolved = is_member .and. pairs%list%gap < closing
         call press_one_cluster(task, solution, share)
         if (allocated(solution%failure)) return
         if (.not. allocated(task%target)) exit
@@ -405,17 +409,17 @@ contains
         load = load * pairs%modulus
         if (abs(load - task%target) > task%target * &
             merge(share, settled * share, share > task%elements_tolerance)) then
-          call take_secant(search, load, task%target, closing, task%of_closing)
+          call take_secant(search, load, task%target, closing, task%compression_share)
           cycle
         end if
         ! Near at this compression, or loaded by it: the area of a blunt contact that the probes of
         ! `any_loaded` miss may count.
-        at = closing
-        call find_near_tops(pairs, task%law, along, at, near, host, radius)
+        compression = closing
+        call find_near_tops(pairs, task%law, along, compression, near, host, radius)
         if (any(near .and. .not. is_member) .or. any_loaded(pairs, pack([(k, k=1, &
             size(is_member))], .not. is_member), closing, outside_field(), &
             task%clusters(1)%lattice)) then
-          is_whole = is_one_cluster(pairs, near, radius, found)
+          is_whole = is_one_cluster(pairs, near, radius, solved)
           if (.not. is_whole) return
           is_member = is_member .or. near
         else if (share <= task%elements_tolerance) then
@@ -427,10 +431,10 @@ contains
         ! The load at this compression changes: the bracket does not hold.
         call begin_search(search)
       end do
-      solution%is_resolved = task%resolved%is_one
+      solution%is_resolved = task%resolved%is_resolved
       if (allocated(task%target)) call raise_to_load(pairs, task%law, task%target / pairs%modulus, &
                                              coupled%penetration)
-      call share_out(pairs, task%law, task%clusters, coupled, task%resolved)
+      call distribute_loads(pairs, task%law, task%clusters, coupled, task%resolved)
     end associate
     if (has_failed(solution)) return
   end subroutine solve_one_cluster
@@ -446,13 +450,13 @@ contains
       if (allocated(one%host)) deallocate (one%host)
       ! Members change with the compression.
       if (allocated(one%change)) deallocate (one%change, one%taken)
-      call coupled%set%make_room(0)
-      one%members = pack([(k, k=1, size(task%is_near))], task%resolved%is_one)
+      call coupled%set%allocate_arrays(0)
+      one%members = pack([(k, k=1, size(task%is_near))], task%resolved%is_resolved)
       one%is_solved = .false.
       call solve_clusters(task%pairs, coupled, tolerance, task%area_tolerance, task%clusters, &
                           solution%failure)
       if (allocated(solution%failure)) return
-      call answer_with(task%pairs, task%law, task%clusters, coupled, task%resolved, .true.)
+      call represent_clusters(task%pairs, task%law, task%clusters, coupled, task%resolved, .true.)
       coupled%ending = one%answer%ending
       if (has_failed(solution)) return
     end associate
@@ -469,11 +473,11 @@ contains
 
   ! Next compression: by a power of the load, then by secants; bisection outside the bracket, or
   ! doubling while it is open.
-  subroutine take_secant(search, load, target, closing, of_closing)
+  subroutine take_secant(search, load, target, closing, compression_share)
     type(load_search), intent(inout) :: search
     real(real64), intent(in) :: load, target    ! load at `closing`, and the prescribed one
     real(real64), intent(inout) :: closing
-    real(real64), intent(inout) :: of_closing   ! d log closing/d log load
+    real(real64), intent(inout) :: compression_share ! d log closing/d log load
     real(real64) :: next
 
     if (load < target) search%low = closing
@@ -483,8 +487,9 @@ contains
       if (earlier(2) <= 0.0_real64) then
         next = least + (closing - least) * min(2.0_real64, (target / load)**search%power)
       else
-        of_closing = load / (closing - least) * (closing - earlier(1)) / (load - earlier(2))
-        if (of_closing > 0.0_real64 .and. of_closing < 1.0_real64) search%power = of_closing
+        compression_share = load / (closing - least) * (closing - earlier(1)) / (load - earlier(2))
+        if (compression_share > 0.0_real64 .and. compression_share < 1.0_real64) search%power = &
+          compression_share
       end if
       if (.not. (next > search%low .and. next < search%high)) &
         next = merge(0.5_real64 * (search%low + search%high), least + 2 * (closing - least), &
@@ -513,19 +518,19 @@ contains
   end subroutine keep_lattices
 
   ! Whether the contacts that are loaded by geometry are near and form one cluster.
-  logical function is_one_cluster(pairs, is_near, circle, clusters) result(is_one)
+  logical function is_one_cluster(pairs, is_near, radius, clusters) result(is_single)
     type(contact_pairs), intent(in) :: pairs
     logical, intent(in) :: is_near(:)
-    real(real64), intent(in) :: circle(:)                   ! radius by pair; 0: open
+    real(real64), intent(in) :: radius(:)                   ! radius by pair; 0: open
     type(cluster), allocatable, intent(out) :: clusters(:)  ! allocated where it is one
-    type(coupled_solution) :: none
+    type(coupled_solution) :: no_circles
 
-    is_one = any(is_near) .and. all(is_near .or. .not. circle > 0.0_real64)
-    if (.not. is_one) return
-    call none%set%make_room(0)
-    call form_clusters(pairs, none, is_near, circle, clusters)
-    is_one = size(clusters) == 1
-    if (.not. is_one) deallocate (clusters)
+    is_single = any(is_near) .and. all(is_near .or. .not. radius > 0.0_real64)
+    if (.not. is_single) return
+    call no_circles%set%allocate_arrays(0)
+    call form_clusters(pairs, no_circles, is_near, radius, clusters)
+    is_single = size(clusters) == 1
+    if (.not. is_single) deallocate (clusters)
   end function is_one_cluster
 
   ! Whether a solve has failed, with the message in `solution`.
@@ -548,17 +553,17 @@ contains
     type(joint_task), intent(in) :: task
     type(joint_solution), intent(inout) :: solution
     type(contact_response) :: response
-    real(real64) :: bend, most
+    real(real64) :: growth_ratio, most
     integer :: i, k, m
 
     allocate (solution%area(size(task%is_near)), source=0.0_real64)
     allocate (solution%maximum_pressure(size(task%is_near)), source=-1.0_real64)
     associate (coupled => solution%coupled, set => solution%coupled%set, pairs => task%pairs)
-      do k = 1, size(set%number)
-        i = set%number(k)
+      do k = 1, size(set%contact)
+        i = set%contact(k)
         if (solution%is_resolved(i)) cycle
-        bend = max(set%growth(k) / coupled%penetration(i), 0.0_real64)
-        solution%area(i) = pi * set%circle(k)**2 * (2 + bend) / (2 + 3 * bend)
+        growth_ratio = max(set%displacement_growth(k) / coupled%penetration(i), 0.0_real64)
+        solution%area(i) = pi * set%radius(k)**2 * (2 + growth_ratio) / (2 + 3 * growth_ratio)
       end do
       if (.not. allocated(task%clusters)) return
       do k = 1, size(task%clusters)
@@ -566,7 +571,7 @@ contains
           do m = 1, size(one%members)
             i = one%members(m)
             if (.not. coupled%penetration(i) > 0.0_real64) cycle
-            call task%law%respond(pairs%list(i), i, coupled%closing - one%lowered - &
+            call task%law%respond(pairs%list(i), i, coupled%closing - one%displacement - &
                                   pairs%list(i)%gap, response)
             most = merge(1.0_real64, huge(most), answer%known_alone(m))
             solution%area(i) = pi * response%contact_radius**2 * &
@@ -580,47 +585,47 @@ contains
   end subroutine set_areas
 
   ! Adds to the resolved until the errors of the others are no more than 1.
-  subroutine choose_resolved(pairs, coupled, error, hosts, is_one)
+  subroutine choose_resolved(pairs, coupled, error, hosts, is_resolved)
     type(contact_pairs), intent(in) :: pairs     ! pairs of the position
     type(coupled_solution), intent(in) :: coupled   ! solved
     real(real64), intent(in) :: error(:)            ! by pair, over what all may be off by
     integer, intent(in) :: hosts(:)                 ! circle that hides an open pair, else 0
-    logical, intent(inout) :: is_one(:)             ! by pair: resolved
+    logical, intent(inout) :: is_resolved(:)        ! by pair: resolved
     type(source_tree) :: tree
     integer, allocatable :: number(:), member(:), first(:)
     integer :: order(size(error)), i, k, l, next
-    real(real64) :: over, gone
+    real(real64) :: excess, resolved_error
 
     associate (set => coupled%set)
       call gather_groups(set%one, set%other, &
                          [(are_close(set, set%one(k), set%other(k), along), k=1, size(set%one))], &
-                         spread(.true., 1, size(set%number)), size(set%number), member, first)
-      call open_about(pairs, coupled, along, tree, number)
+                         spread(.true., 1, size(set%contact)), size(set%contact), member, first)
+      call find_open_neighbours(pairs, coupled, along, tree, number)
       call sort_keys(-error, order)
       next = 1
       do
         do k = 1, size(first) - 1
-          associate (group => set%number(member(first(k):first(k + 1) - 1)))
-            is_one(group) = any(is_one(group))
+          associate (group => set%contact(member(first(k):first(k + 1) - 1)))
+            is_resolved(group) = any(is_resolved(group))
           end associate
         end do
         do i = 1, size(number)
           do l = tree%first(i), tree%first(i + 1) - 1
-            if (is_one(set%number(tree%near(l)))) is_one(number(i)) = .true.
+            if (is_resolved(set%contact(tree%near(l)))) is_resolved(number(i)) = .true.
           end do
         end do
-        over = sum(error, mask=.not. is_one) - 1.0_real64
-        if (.not. over > 0.0_real64) exit
+        excess = sum(error, mask=.not. is_resolved) - 1.0_real64
+        if (.not. excess > 0.0_real64) exit
         ! The largest errors, half of what is too much at a time: their neighbours, which follow,
         ! may be most of the rest.
-        gone = 0.0_real64
-        do while (gone < over - gone .and. next <= size(order))
+        resolved_error = 0.0_real64
+        do while (resolved_error < excess - resolved_error .and. next <= size(order))
           i = order(next)
           next = next + 1
-          if (is_one(i)) cycle
-          is_one(i) = .true.
-          if (hosts(i) > 0) is_one(hosts(i)) = .true.
-          gone = gone + error(i)
+          if (is_resolved(i)) cycle
+          is_resolved(i) = .true.
+          if (hosts(i) > 0) is_resolved(hosts(i)) = .true.
+          resolved_error = resolved_error + error(i)
         end do
       end do
     end associate
@@ -628,30 +633,31 @@ contains
 
   ! Also resolves Hertzian contacts that are close to the loaded members of a cluster: a contact in
   ! a ring around another has its centre there.
-  subroutine reach_others(pairs, clusters, is_one, more)
+  subroutine add_close_contacts(pairs, clusters, is_resolved, more)
     type(contact_pairs), intent(in) :: pairs      ! pairs of the position
     type(cluster), intent(in) :: clusters(:)      ! solved
-    logical, intent(inout) :: is_one(:)           ! by pair: resolved
+    logical, intent(inout) :: is_resolved(:)      ! by pair: resolved
     logical, intent(out) :: more                  ! contacts than before
     integer :: k, l
 
     more = .false.
     do k = 1, size(clusters)
-      associate (o => clusters(k)%outside, all => clusters(k)%answer%together, &
+      associate (o => clusters(k)%outside, together => clusters(k)%answer%together, &
                  list => pairs%list(clusters(k)%members))
         if (.not. allocated(o%pair)) cycle
         do l = 1, size(o%pair)
           ! In another cluster.
-          if (is_one(o%pair(l))) cycle
+          if (is_resolved(o%pair(l))) cycle
           ! Radii of Hertzian contacts by their loads.
-          if (.not. any(all%load > 0.0_real64 .and. hypot(all%x - o%x(l), all%y - o%y(l)) < &
-              along * (o%circle(l) + (0.75_real64 * all%load / pairs%modulus * &
+          if (.not. any(together%load > 0.0_real64 .and. &
+                        hypot(together%x - o%x(l), together%y - o%y(l)) < &
+              along * (o%radius(l) + (0.75_real64 * together%load / pairs%modulus * &
                                       list%radius)**(1.0_real64 / 3)))) cycle
-          is_one(o%pair(l)) = .true.
+          is_resolved(o%pair(l)) = .true.
           more = .true.
         end do
       end associate
     end do
-  end subroutine reach_others
+  end subroutine add_close_contacts
 
 end module asperity_joint_contacts

@@ -9,14 +9,14 @@
 !> other's sphere does not count.
 module asperity_near_tops
   use asperity_element_solver, only: is_resolved
-  use asperity_circle_field, only: circle_set, find_field, inclination_factor, plant_circles
+  use asperity_circle_field, only: circle_set, find_field, inclination_factor, list_near_circles
   use asperity_contact_law, only: contact_law, contact_response
   use asperity_contact_pairs, only: contact_pair, contact_pairs
   use asperity_coupled_state, only: answer_at, raise_to_load
   use asperity_index_groups, only: gather_groups
   use asperity_key_sort, only: sort_keys
   use asperity_kinds, only: real64
-  use asperity_source_tree, only: plant_tree, source_tree
+  use asperity_source_tree, only: build_tree, source_tree
   implicit none
   private
 
@@ -25,14 +25,14 @@ module asperity_near_tops
 contains
 
   !> Finds the contacts whose first touches are near, with all contacts that their circles touch.
-  subroutine find_near_tops(pairs, law, along, closing, is_near, is_host, circle, target)
+  subroutine find_near_tops(pairs, law, reach, closing, is_near, is_host, radius, target)
     type(contact_pairs), intent(in) :: pairs         !! pairs of the position
     class(contact_law), intent(in) :: law            !! contact law of each pair
-    real(real64), intent(in) :: along                !! sums of radii below which circles touch
+    real(real64), intent(in) :: reach                !! sums of radii below which circles touch
     real(real64), intent(inout) :: closing           !! compression; at a load: its lower bound
     logical, intent(out) :: is_near(:)               !! by pair: is near to another, or touches one
     logical, intent(out) :: is_host(:)               !! of those near to each other: largest load
-    real(real64), intent(out) :: circle(:)           !! contact radius by pair; 0: open
+    real(real64), intent(out) :: radius(:)           !! contact radius by pair; 0: open
     real(real64), intent(in), optional :: target     !! normal load [force]
     type(circle_set) :: set
     type(source_tree) :: tree
@@ -43,11 +43,11 @@ contains
 
     is_near = .false.
     is_host = .false.
-    circle = 0.0_real64
+    radius = 0.0_real64
     call isolate_contacts(pairs, law, closing, p, set, target)
-    if (.not. allocated(set%number)) return
-    allocate (number, source=set%number)
-    call plant_tree(tree, set%x, set%y, set%circle, along)
+    if (.not. allocated(set%contact)) return
+    allocate (number, source=set%contact)
+    call build_tree(tree, set%x, set%y, set%radius, reach)
     if (allocated(tree%failure)) return
     one = [((k, l=tree%first(k), tree%first(k + 1) - 1), k=1, size(number))]
     other = tree%near(:size(one))
@@ -59,13 +59,13 @@ contains
     else
       call find_factor(set, p(number), factor)
       if (allocated(set%tree%failure)) return
-      set%circle = sqrt(factor) * set%circle
+      set%radius = sqrt(factor) * set%radius
       tops = [(are_near(pairs, set, p, one(l), other(l)), l=1, size(one))]
       if (.not. any(tops)) return
     end if
     call gather_groups(one, other, tops .or. &
                        hypot(set%x(one) - set%x(other), set%y(one) - set%y(other)) < &
-                       along * (set%circle(one) + set%circle(other)), &
+                       reach * (set%radius(one) + set%radius(other)), &
                        spread(.true., 1, size(number)), size(number), member, first)
     is_near(number(pack(one, tops))) = .true.
     is_near(number(pack(other, tops))) = .true.
@@ -74,7 +74,7 @@ contains
         if (any(is_near(group))) is_near(group) = .true.
       end associate
     end do
-    circle(number) = set%circle
+    radius(number) = set%radius
     call choose_hosts(set, tree, tops, is_near, is_host)
   end subroutine find_near_tops
 
@@ -98,18 +98,18 @@ contains
     end if
     number = pack([(i, i=1, size(p))], p > 0.0_real64)
     if (size(number) < 2) return
-    call set%make_room(size(number))
+    call set%allocate_arrays(size(number))
     set%x = pairs%list(number)%x
     set%y = pairs%list(number)%y
     do k = 1, size(number)
       answer = answer_at(pairs, law, number(k), p(number(k)))
-      set%circle(k) = answer%contact_radius
+      set%radius(k) = answer%contact_radius
       set%load(k) = answer%vertical_load * inclination_factor(answer%cosine) / pairs%modulus
     end do
-    set%number = number
+    set%contact = number
     ! Penetrations beyond a sphere are refused of Hertzian contacts.
-    if (any(set%circle > smaller_radius(pairs%list(number))) .or. &
-        .not. sum(set%load) > 0.0_real64) deallocate (set%number)
+    if (any(set%radius > smaller_radius(pairs%list(number))) .or. &
+        .not. sum(set%load) > 0.0_real64) deallocate (set%contact)
   end subroutine isolate_contacts
 
   ! Finds the factor of the penetrations of isolated contacts that minimises the potential.
@@ -120,10 +120,10 @@ contains
     real(real64) :: ratio, before
 
     factor = 1.0_real64
-    call plant_circles(set)
+    call list_near_circles(set)
     if (allocated(set%tree%failure)) return
     call find_field(set)
-    ratio = dot_product(set%load, set%lift) / dot_product(set%load, p)
+    ratio = dot_product(set%load, set%displacement) / dot_product(set%load, p)
     ! Newton's method from above on a convex function falls to the root, up to rounding.
     do
       before = factor
@@ -140,14 +140,14 @@ contains
     logical, intent(in) :: tops(:)              ! by pair of circles, as `tree` lists them
     logical, intent(in) :: is_near(:)
     logical, intent(inout) :: is_host(:)
-    integer :: order(size(set%number)), i, l
+    integer :: order(size(set%contact)), i, l
 
-    is_host(set%number) = is_near(set%number)
+    is_host(set%contact) = is_near(set%contact)
     call sort_keys(-set%load, order)
     do i = 1, size(order)
-      if (.not. is_host(set%number(order(i)))) cycle
+      if (.not. is_host(set%contact(order(i)))) cycle
       do l = tree%first(order(i)), tree%first(order(i) + 1) - 1
-        if (tops(l)) is_host(set%number(tree%near(l))) = .false.
+        if (tops(l)) is_host(set%contact(tree%near(l))) = .false.
       end do
     end do
   end subroutine choose_hosts
@@ -161,10 +161,10 @@ contains
     real(real64) :: square
 
     square = (set%x(a) - set%x(b))**2 + (set%y(a) - set%y(b))**2
-    are_near = square < max(set%circle(a), set%circle(b))**2 .and. &
-               is_resolved(set%x(a), set%y(a), max(set%circle(a), set%circle(b)))
+    are_near = square < max(set%radius(a), set%radius(b))**2 .and. &
+               is_resolved(set%x(a), set%y(a), max(set%radius(a), set%radius(b)))
     if (.not. are_near) return
-    associate (i => set%number(a), j => set%number(b))
+    associate (i => set%contact(a), j => set%contact(b))
       are_near = .not. (is_hidden(pairs%list(i), pairs%list(j), p(i), p(j), square) .or. &
                         is_hidden(pairs%list(j), pairs%list(i), p(j), p(i), square))
     end associate

@@ -1,6 +1,6 @@
 !> Results of the boundary elements of clusters, passed on to the Hertzian contacts.
 module asperity_resolved_answers
-  use asperity_circle_field, only: circle_set, from_other
+  use asperity_circle_field, only: circle_set, relative_position
   use asperity_outside_field, only: beside_circle
   use asperity_contact_law, only: contact_law, contact_response
   use asperity_contact_pairs, only: contact_pair, contact_pairs
@@ -12,12 +12,12 @@ module asperity_resolved_answers
   implicit none
   private
 
-  public :: answer_with, share_out
+  public :: represent_clusters, distribute_loads
 
   ! The law of one contact of a list.
   type, extends(contact_law) :: law_of_one
     class(contact_law), pointer :: whole => null()
-    integer :: number = 0                           ! place in the list
+    integer :: contact = 0                          ! place in the list
   contains
     procedure :: respond => respond_as_one
   end type law_of_one
@@ -36,32 +36,32 @@ contains
     real(real64), intent(in) :: penetration          !! vertical, past first touch; less than zc
     type(contact_response), intent(out) :: response  !! response of the contact
 
-    call self%whole%respond(pair, self%number + number - 1, penetration, response)
+    call self%whole%respond(pair, self%contact + number - 1, penetration, response)
   end subroutine respond_as_one
 
   !> Represents the clusters by contacts that carry their loads at the centres of their pressures.
-  subroutine answer_with(pairs, law, clusters, coupled, resolved, each)
+  subroutine represent_clusters(pairs, law, clusters, coupled, resolved, each)
     type(contact_pairs), intent(in) :: pairs            !! pairs of the position
     class(contact_law), intent(in) :: law               !! of each contact
     type(cluster), intent(inout) :: clusters(:)         !! solved; get loads and hosts
     type(coupled_solution), intent(inout) :: coupled    !! gets their penetrations
     type(resolved_contacts), intent(inout) :: resolved  !! those on cells: all but places and gaps
     logical, intent(in) :: each                         !! each contact represents itself
-    type(contact_response) :: free
-    type(circle_set) :: old
-    real(real64), dimension(size(pairs%list)) :: used
-    integer, dimension(size(pairs%list)) :: before, now
+    type(contact_response) :: isolated
+    type(circle_set) :: old_set
+    real(real64), dimension(size(pairs%list)) :: former_gap
+    integer, dimension(size(pairs%list)) :: old_circle, new_circle
     real(real64) :: share
     integer :: i, k, m
 
-    old = coupled%set
-    used = resolved%gap
+    old_set = coupled%set
+    former_gap = resolved%gap
     do k = 1, size(clusters)
       associate (answer => clusters(k)%answer, members => clusters(k)%members)
         resolved%x(members) = answer%together%x
         resolved%y(members) = answer%together%y
         coupled%penetration(members) = far_below
-        coupled%move(:, members) = 0.0_real64
+        coupled%shift(:, members) = 0.0_real64
         clusters(k)%load = 0 * answer%together%load
         do m = 1, size(members)
           i = members(m)
@@ -72,52 +72,56 @@ contains
           share = answer%together(m)%load / answer%alone(m)%load
           if (answer%known_alone(m)) share = min(1.0_real64, share)
           call law%respond(pairs%list(i), i, &
-                           coupled%closing - clusters(k)%lowered - pairs%list(i)%gap, free)
-          clusters(k)%load(m) = share * free%vertical_load
+                           coupled%closing - clusters(k)%displacement - pairs%list(i)%gap, isolated)
+          clusters(k)%load(m) = share * isolated%vertical_load
         end do
       end associate
       call find_hosts(pairs, law, clusters(k), coupled, resolved, each)
     end do
     call adopt_penetrations(pairs, law, coupled, resolved)
     if (allocated(coupled%failure)) return
-    before = 0
-    now = 0
-    before(old%number) = [(i, i=1, size(old%number))]
-    now(coupled%set%number) = [(i, i=1, size(coupled%set%number))]
-    where (.not. resolved%is_one) resolved%gap = pairs%list%gap
+    old_circle = 0
+    new_circle = 0
+    old_circle(old_set%contact) = [(i, i=1, size(old_set%contact))]
+    new_circle(coupled%set%contact) = [(i, i=1, size(coupled%set%contact))]
+    where (.not. resolved%is_resolved) resolved%gap = pairs%list%gap
     do k = 1, size(clusters)
       associate (members => clusters(k)%members, gap => resolved%gap)
         ! The cells were solved under the others' old loads. With these the equations shall hold, so
         ! that the coupling lets each cluster respond to what the others have become since: without,
         ! 6500 contacts with 700 on cells took more than twenty times as long.
         gap(members) = gap(members) + &
-          merge(by_others(coupled%set, now(members)) - by_others(old, before(members)), &
-                0.0_real64, before(members) > 0 .and. now(members) > 0)
-        call apply_change(clusters(k), used(members), gap)
-        call lift_others(clusters(k), coupled%set, pack(now(members), now(members) > 0), resolved)
+          merge(displacement_by_others(coupled%set, new_circle(members)) - &
+                displacement_by_others(old_set, old_circle(members)), &
+                0.0_real64, old_circle(members) > 0 .and. new_circle(members) > 0)
+        call apply_change(clusters(k), former_gap(members), gap)
+        call correct_outside_gaps(clusters(k), coupled%set, pack(new_circle(members), &
+                                                                 new_circle(members) > 0), resolved)
       end associate
     end do
-  end subroutine answer_with
+  end subroutine represent_clusters
 
   ! Gaps between the last ones and those that the cells call for, by the secant of the last two
   ! rounds (Aitken), where a cluster answers to the closing more stiffly than its circles: a ring
   ! around a contact grows in all its length, and rounds would alternate without end.
-  subroutine apply_change(one, used, gap)
+  subroutine apply_change(one, former_gap, gap)
     type(cluster), intent(inout) :: one
-    real(real64), intent(in) :: used(:)        ! by member
+    real(real64), intent(in) :: former_gap(:)  ! by member
     real(real64), intent(inout) :: gap(:)      ! by pair
-    real(real64) :: change(size(used)), taken(size(used))
+    real(real64) :: change(size(former_gap)), share_applied(size(former_gap))
 
-    change = gap(one%members) - used
-    taken = 1.0_real64
+    change = gap(one%members) - former_gap
+    share_applied = 1.0_real64
     if (allocated(one%change)) then
       where (max(abs(change), abs(one%change)) < -far_below .and. &
              sign(1.0_real64, one%change) * (one%change - change) > 0.0_real64) &
-        taken = max(least_taken, min(1.0_real64, one%taken * (one%change / (one%change - change))))
-      gap(one%members) = merge(used + taken * change, gap(one%members), taken < 1.0_real64)
+        share_applied = max(least_taken, min(1.0_real64, one%taken * &
+                                             (one%change / (one%change - change))))
+      gap(one%members) = merge(former_gap + share_applied * change, gap(one%members), &
+                               share_applied < 1.0_real64)
     end if
     one%change = change
-    one%taken = taken
+    one%taken = share_applied
   end subroutine apply_change
 
   ! Members of which one has its centre in the other's circle are one circle for all others, with
@@ -131,36 +135,36 @@ contains
     type(resolved_contacts), intent(inout) :: resolved
     logical, intent(in) :: each
     real(real64), dimension(size(one%members)) :: load, circle
-    integer, dimension(size(one%members)) :: was
-    logical :: joined
+    integer, dimension(size(one%members)) :: former_host
+    logical :: merged
     integer :: a, b, m
 
     load = one%load
     if (.not. allocated(one%host)) one%host = [(m, m=1, size(load))]
-    was = one%host
+    former_host = one%host
     one%host = [(m, m=1, size(load))]
     do m = 1, size(load)
       call set_circle(m)
     end do
-    joined = .not. each
-    do while (joined)
-      joined = .false.
+    merged = .not. each
+    do while (merged)
+      merged = .false.
       do a = 1, size(load)
         do b = 1, size(load)
           if (a == b .or. load(b) > load(a) .or. .not. load(b) > 0.0_real64) cycle
           associate (i => one%members(a), j => one%members(b), x => resolved%x, y => resolved%y, &
-                     part => load(b) / (load(a) + load(b)))
-            if (was(a) /= was(b) .and. &
+                     weight => load(b) / (load(a) + load(b)))
+            if (former_host(a) /= former_host(b) .and. &
                 .not. hypot(x(i) - x(j), y(i) - y(j)) < max(circle(a), circle(b))) cycle
-            x(i) = x(i) + part * (x(j) - x(i))
-            y(i) = y(i) + part * (y(j) - y(i))
+            x(i) = x(i) + weight * (x(j) - x(i))
+            y(i) = y(i) + weight * (y(j) - y(i))
             coupled%penetration(j) = far_below
           end associate
           where (one%host == b) one%host = a
           load(a) = load(a) + load(b)
           load(b) = 0.0_real64
           call set_circle(a)
-          joined = .true.
+          merged = .true.
         end do
       end do
     end do
@@ -184,14 +188,14 @@ contains
   end subroutine find_hosts
 
   !> Distributes the loads of hosts over the contacts that they represent, as on the elements.
-  subroutine share_out(pairs, law, clusters, coupled, resolved)
+  subroutine distribute_loads(pairs, law, clusters, coupled, resolved)
     type(contact_pairs), intent(in) :: pairs            !! pairs of the position
     class(contact_law), intent(in) :: law               !! of each contact
     type(cluster), intent(in) :: clusters(:)            !! clusters that are represented
     type(coupled_solution), intent(inout) :: coupled    !! gets penetrations and circles of all
     type(resolved_contacts), intent(inout) :: resolved  !! gets their places
     type(contact_response) :: response
-    real(real64) :: borne
+    real(real64) :: load_ratio
     integer :: host, i, k, m
 
     do k = 1, size(clusters)
@@ -200,24 +204,24 @@ contains
           i = one%members(host)
           if (count(one%host == host) < 2 .or. .not. coupled%penetration(i) > 0.0_real64) cycle
           call law%respond(pairs%list(i), i, coupled%penetration(i), response)
-          borne = response%vertical_load / sum(one%load, mask=one%host == host)
+          load_ratio = response%vertical_load / sum(one%load, mask=one%host == host)
           do m = 1, size(one%members)
             if (one%host(m) /= host) cycle
             i = one%members(m)
             resolved%x(i) = one%answer%together(m)%x
             resolved%y(i) = one%answer%together(m)%y
-            coupled%penetration(i) = penetration_at(pairs, law, i, borne * one%load(m), &
+            coupled%penetration(i) = penetration_at(pairs, law, i, load_ratio * one%load(m), &
                                                     coupled%closing - pairs%list(i)%gap)
           end do
         end do
       end associate
     end do
     call adopt_penetrations(pairs, law, coupled, resolved)
-  end subroutine share_out
+  end subroutine distribute_loads
 
   ! Adds the difference between the displacements of circles outside by elements and by circles.
   ! Without it estimates would be below the error in 7 % of the dense scenes at a tolerance of .001.
-  subroutine lift_others(one, set, circles, resolved)
+  subroutine correct_outside_gaps(one, set, circles, resolved)
     type(cluster), intent(in) :: one
     type(circle_set), intent(in) :: set
     integer, intent(in) :: circles(:)        ! in the places of the members
@@ -227,35 +231,37 @@ contains
     if (.not. allocated(one%answer%beside)) return
     do l = 1, size(one%answer%beside)
       associate (n => one%outside%pair(l))
-        if (.not. resolved%is_one(n)) resolved%gap(n) = resolved%gap(n) + one%answer%beside(l) - &
-          sum(set%load(circles) * beside_circle(set%circle(circles), hypot( &
+        if (.not. resolved%is_resolved(n)) resolved%gap(n) = resolved%gap(n) + &
+          one%answer%beside(l) - &
+          sum(set%load(circles) * beside_circle(set%radius(circles), hypot( &
             set%x(circles) - one%outside%x(l), set%y(circles) - one%outside%y(l))))
       end associate
     end do
-  end subroutine lift_others
+  end subroutine correct_outside_gaps
 
   ! Displacement of the members of a cluster by all others.
-  pure function by_others(set, circle) result(lift)
+  pure function displacement_by_others(set, circle) result(displacement)
     type(circle_set), intent(in) :: set
     integer, intent(in) :: circle(:)         ! of each member, 0: none
-    real(real64) :: lift(size(circle))
+    real(real64) :: displacement(size(circle))
     type(mutual_terms) :: terms
     integer :: m, n
 
-    lift = 0.0_real64
+    displacement = 0.0_real64
     do m = 1, size(circle)
       if (circle(m) == 0) cycle
-      lift(m) = set%lift(circle(m))
+      displacement(m) = set%displacement(circle(m))
       do n = 1, size(circle)
         if (n == m .or. circle(n) == 0) cycle
         associate (i => circle(m), j => circle(n))
-          call mutual_displacement(norm2(from_other(set, i, j)), set%circle(i), set%circle(j), &
+          call mutual_displacement(norm2(relative_position(set, i, j)), set%radius(i), &
+                                   set%radius(j), &
                                    terms)
-          lift(m) = lift(m) - set%load(j) * terms%on_first
+          displacement(m) = displacement(m) - set%load(j) * terms%on_first
         end associate
       end do
     end do
-  end function by_others
+  end function displacement_by_others
 
   ! Where a law has a vertical load.
   real(real64) function penetration_at(pairs, law, i, load, most) result(p)
@@ -263,18 +269,18 @@ contains
     class(contact_law), intent(in), target :: law
     integer, intent(in) :: i
     real(real64), intent(in) :: load, most
-    type(contact_pairs) :: alone
-    type(law_of_one) :: alone_law
-    real(real64) :: found(1)
+    type(contact_pairs) :: one_pair
+    type(law_of_one) :: law_of_pair
+    real(real64) :: penetration(1)
 
-    alone%modulus = pairs%modulus
-    alone%vertical = .true.
-    alone%list = pairs%list(i:i)
-    alone_law%whole => law
-    alone_law%number = i
-    found = most
-    call raise_to_load(alone, alone_law, load / pairs%modulus, found)
-    p = found(1)
+    one_pair%modulus = pairs%modulus
+    one_pair%vertical = .true.
+    one_pair%list = pairs%list(i:i)
+    law_of_pair%whole => law
+    law_of_pair%contact = i
+    penetration = most
+    call raise_to_load(one_pair, law_of_pair, load / pairs%modulus, penetration)
+    p = penetration(1)
   end function penetration_at
 
 end module asperity_resolved_answers

@@ -71,7 +71,7 @@ contains
   !> Prepares the components of a map.
   pure subroutine plan_waves(spec, waves)
     type(map_spec), intent(in) :: spec    !! specification, checked for faults
-    type(map_waves), intent(out) :: waves !! tables to draw from
+    type(map_waves), intent(out) :: waves  !! tables to draw from
     real(real128) :: roll_off, power, left
     integer(int128) :: total
     integer :: i, k, piece
@@ -165,7 +165,7 @@ contains
   pure subroutine draw_waves(waves, i, components)
     type(map_waves), intent(in) :: waves             !! tables of `plan_waves`
     integer, intent(in) :: i                         !! wave number along x, 0 to `most(1)`
-    integer(int64), intent(out) :: components(:, 0:) !! part, wave number along y modulo the period
+    integer(int64), intent(out) :: components(:, 0:)  !! part, wave number along y modulo the period
     integer(int64) :: amplitude_here, part(2)
     integer :: j, k
 

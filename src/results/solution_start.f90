@@ -13,7 +13,7 @@ module asperity_solution_start
     !> Pairs that may touch at this compression, in order of gap: indices of asperities, gaps,
     !> penetrations, shifts (2, pair).
     integer, allocatable :: upper(:), lower(:)
-    real(real64), allocatable :: gap(:), penetration(:), move(:, :)
+    real(real64), allocatable :: gap(:), penetration(:), shift(:, :)
   end type contact_solution
 
   !> Solutions of one position.

@@ -24,7 +24,7 @@ module asperity_effect_path
   !> Control of one state.
   type :: path_step
     integer :: control = to_closing    !! `to_closing`, `to_load`, `stay` or `as_before`
-    real(real64) :: value = 0.0_real64 !! compression or load, in the unit of the pairs
+    real(real64) :: value = 0.0_real64  !! compression or load, in the unit of the pairs
     real(real64) :: time = 0.0_real64  !! time since the end of loading
     !> requested load, in the unit of the pairs; huge: none, or that of `as_before`
     real(real64) :: load = huge(1.0_real64)

@@ -38,7 +38,7 @@ module asperity_scene_results
     real(real64) :: area_difference = not_computed      !! relative to the area of the map
     real(real64) :: load_difference = huge(1.0_real64)  !! relative, at the same separation
     real(real64) :: load_uncertain = 0.0_real64         !! uncertainty of it by coarser pixels
-    real(real64) :: stiffness_difference = not_computed !! relative to that of the map
+    real(real64) :: stiffness_difference = not_computed  !! relative to that of the map
     type(map_shares) :: shares                          !! shares of the load on artefacts
   end type map_record
 

@@ -201,10 +201,10 @@ contains
   pure subroutine add_translated(ways, way, from, box, sums)
     type(translations), intent(in) :: ways             !! translations of all ways
     integer, intent(in) :: way                         !! number of the way
-    real(real64), contiguous, intent(in) :: from(:, :) !! moments of boxes
+    real(real64), contiguous, intent(in) :: from(:, :)  !! moments of boxes
     !> for each lane the box that it comes from, mirrored in x, in y, in both; or 0
     integer, intent(in) :: box(0:3, lanes)
-    real(real64), contiguous, intent(inout) :: sums(:, :) !! by lane and term, as many as count
+    real(real64), contiguous, intent(inout) :: sums(:, :)  !! by lane and term, as many as count
     real(real64) :: panel(lanes, size(sums, 2), 0:3), part(size(sums, 2), 0:3), total(lanes)
     real(real64) :: same(2), other(2)
     integer :: i, k, lane, q

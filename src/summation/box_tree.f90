@@ -9,7 +9,7 @@ module asperity_box_tree
   implicit none
   private
 
-  public :: plant_boxes, square_box, touching
+  public :: build_boxes, square_box, touching
 
   ! Levels below the root: circles may coincide.
   integer, parameter :: deepest = 24
@@ -38,7 +38,7 @@ module asperity_box_tree
 contains
 
   !> Sorts circles into boxes.
-  subroutine plant_boxes(place, sources, targets, order, boxes, level)
+  subroutine build_boxes(place, sources, targets, order, boxes, level)
     real(real64), intent(inout) :: place(:, :)  !! x, y and reach, rows; ordered by boxes then
     integer, intent(in) :: sources              !! so many are the first
     integer, intent(in) :: targets              !! so many are the last; they may be the same
@@ -64,7 +64,7 @@ contains
       if (size(boxes) < level(i + 1)) exit
       level = [level, size(boxes) + 1]
     end do
-  end subroutine plant_boxes
+  end subroutine build_boxes
 
   !> The boxes that touch one, itself included.
   pure function touching(this) result(near)

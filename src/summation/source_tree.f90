@@ -7,14 +7,14 @@
 module asperity_source_tree
   use asperity_box_expansions, only: add_dipole, add_field, add_moments, add_translated, down, &
                                      lanes, prepare_translations, translations, up
-  use asperity_box_tree, only: plant_boxes, square_box, touching
+  use asperity_box_tree, only: build_boxes, square_box, touching
   use asperity_kinds, only: int64, real64
   use asperity_problems, only: not_enough_memory
   use asperity_process, only: has_memory
   implicit none
   private
 
-  public :: source_tree, plant_tree, sum_sources
+  public :: source_tree, build_tree, sum_sources
 
   ! Fewest places for which threads are started.
   integer, parameter :: many = 512
@@ -48,7 +48,7 @@ module asperity_source_tree
 contains
 
   !> Plants circles at their places and finds which are near each other.
-  subroutine plant_tree(tree, x, y, reach, near_factor, sources)
+  subroutine build_tree(tree, x, y, reach, near_factor, sources)
     !> the tree; one that was planted before keeps its expansions between boxes
     type(source_tree), intent(inout) :: tree
     real(real64), intent(in) :: x(:)         !! places of all points
@@ -80,14 +80,14 @@ contains
     tree%circle(:, 1) = x
     tree%circle(:, 2) = y
     tree%circle(:, 3) = near_factor * reach
-    call plant_boxes(tree%circle(:, :3), tree%sources, size(x) - tree%before, tree%order, &
+    call build_boxes(tree%circle(:, :3), tree%sources, size(x) - tree%before, tree%order, &
                      tree%boxes, tree%level)
     call list_near(tree)
     if (size(tree%level) < 4) return
     if (.not. allocated(tree%ways%way)) call prepare_translations(tree%ways)
     allocate (tree%moment(tree%ways%terms, size(tree%boxes)), &
               tree%field(tree%ways%terms, size(tree%boxes)))
-  end subroutine plant_tree
+  end subroutine build_tree
 
   ! Counts the near sources of every target, then lists them.
   subroutine list_near(tree)

@@ -7,9 +7,9 @@ module asperity_coupled_suite
   use asperity_circle_field, only: many
   use asperity_contact_pairs, only: contact_pairs
   use asperity_coupled_contacts, only: coupled_solution, solve_coupled
-  use asperity_coupled_groups, only: find_groups, group_law, lift_out, put_back
+  use asperity_coupled_groups, only: find_groups, group_law, extract_group, insert_group
   use asperity_coupled_scenes, only: depth, known_scene, known_scenes, lay_known, random, &
-                                     set_out, share_of, solve_at
+                                     update_circles, share_of, solve_at
   use asperity_coupled_start, only: prepare_start
   use asperity_coupled_state, only: evaluate_state, raise_to_load, solve_state
   use asperity_hertz_law, only: hertz_law
@@ -106,14 +106,14 @@ contains
         p = 0.5_real64 * (p + 1.0_real64 - terms%on_first * load - shift**2 / 2)
         if (abs(p - before) < 1.0e-15_real64) exit
       end do
-      call set_out([0.0_real64, distances(i)], zeros, zeros, pairs, law)
+      call update_circles([0.0_real64, distances(i)], zeros, zeros, pairs, law)
       call solve_at(pairs, law, solution)
       call expect_solved(error, solution, 'two')
       ! From five sums of radii on two terms of the series act: the next is (a/r)**4 of the first.
       call check(error, solution%penetration(1) / depth, p, &
                  merge(2.0e-10_real64, 2 * terms%on_first * load / distances(i)**4, &
                        distances(i) < 10 * sqrt(p)), 'penetration')
-      call check(error, solution%move(1, 2) / sqrt(depth), shift, &
+      call check(error, solution%shift(1, 2) / sqrt(depth), shift, &
                  merge(1.0e-9_real64, 2 * shift / distances(i)**2, &
                        distances(i) < 10 * sqrt(p)), 'shift')
       call check(error, solution%penetration(2) / solution%penetration(1), 1.0_real64, &
@@ -129,17 +129,17 @@ contains
     real(real64) :: closing, p, zeros(2)
 
     zeros = 0.0_real64
-    call set_out([0.0_real64, 1000.0_real64], zeros, zeros, pairs, law)
+    call update_circles([0.0_real64, 1000.0_real64], zeros, zeros, pairs, law)
     call solve_at(pairs, law, solution)
     p = solution%penetration(1) / depth
     ! A point load: V/(pi E r) = 4/(3 pi) p**1.5/r, in units of depth and circle.
     closing = p + 4 / (3 * pi) * p**1.5_real64 / 1000
     call check(error, closing, 1.0_real64, 1.0e-9_real64, 'far apart')
-    call set_out(zeros(:1), zeros(:1), zeros(:1), pairs, law)
+    call update_circles(zeros(:1), zeros(:1), zeros(:1), pairs, law)
     call solve_at(pairs, law, solution)
     call expect_solved(error, solution, 'one')
     call check(error, share_of(pairs, solution), 1.0_real64, 1.0e-12_real64, 'one alone')
-    call set_out(zeros(:0), zeros(:0), zeros(:0), pairs, law)
+    call update_circles(zeros(:0), zeros(:0), zeros(:0), pairs, law)
     call solve_at(pairs, law, solution)
     call expect_solved(error, solution, 'none')
     call check(error, size(solution%penetration), 0, 'of none')
@@ -155,15 +155,15 @@ contains
     type(coupled_solution) :: solution
     real(real64), parameter :: apart_by(4) = [0.0_real64, 1.0e-12_real64, 1.0e-8_real64, &
                                               1.0e-3_real64]
-    real(real64) :: around(5), east(5), off(5), shape(5), told, share, nested, zeros(5)
+    real(real64) :: around(5), direction_x(5), off(5), shape(5), told, share, nested, zeros(5)
     integer :: hosts(5), i, k, n
 
     zeros = 0.0_real64
     around = 0.3_real64 + [(2 * pi * i / 5, i=1, 5)]
     do n = 2, 5
       do k = 1, size(apart_by)
-        east = apart_by(k) * cos(around)
-        call set_out(east(:n), apart_by(k) * sin(around(:n)), zeros(:n), pairs, law)
+        direction_x = apart_by(k) * cos(around)
+        call update_circles(direction_x(:n), apart_by(k) * sin(around(:n)), zeros(:n), pairs, law)
         call solve_at(pairs, law, solution)
         call expect_solved(error, solution, 'in one place')
         call check(error, size(solution%set%x), 1, 'one contact in one place')
@@ -177,7 +177,7 @@ contains
                    told >= 0.1_real64 * apart_by(k) - 1.0e-12_real64, 'error in one place')
       end do
     end do
-    call set_out(zeros(:2), zeros(:2), [0.0_real64, 1.0_real64 - 1.0e-12_real64], pairs, law)
+    call update_circles(zeros(:2), zeros(:2), [0.0_real64, 1.0_real64 - 1.0e-12_real64], pairs, law)
     call solve_at(pairs, law, solution)
     call expect_solved(error, solution, 'a hidden one')
     call check(error, .not. solution%penetration(2) > 0.0_real64, 'a hidden one must open')
@@ -192,9 +192,9 @@ contains
     type(coupled_solution) :: solution, again
     real(real64) :: target
 
-    call set_out([0.0_real64, 2.5_real64, 0.0_real64, 9.0_real64], &
-                 [0.0_real64, 0.0_real64, 3.0_real64, 1.0_real64], &
-                 [0.0_real64, 0.1_real64, 0.2_real64, 0.9_real64], pairs, law)
+    call update_circles([0.0_real64, 2.5_real64, 0.0_real64, 9.0_real64], &
+                        [0.0_real64, 0.0_real64, 3.0_real64, 1.0_real64], &
+                        [0.0_real64, 0.1_real64, 0.2_real64, 0.9_real64], pairs, law)
     target = 2.0_real64 * depth**1.5_real64
     call solve_coupled(pairs, law, solution, target)
     call expect_solved(error, solution, 'at a load')
@@ -207,8 +207,8 @@ contains
                                  max(solution%penetration, 0.0_real64))) / depth, 0.0_real64, &
                1.0e-9_real64, 'the same at that closing')
     ! One contact with its centres level bears less than 4/3 E sqrt(R) (4 R)**1.5.
-    call set_out([0.0_real64], [0.0_real64], [0.0_real64], pairs, law)
-    deallocate (solution%penetration, solution%move)
+    call update_circles([0.0_real64], [0.0_real64], [0.0_real64], pairs, law)
+    deallocate (solution%penetration, solution%shift)
     call solve_coupled(pairs, law, solution, 11.0_real64 * law%modulus)
     call check(error, allocated(solution%failure), 'a load out of reach')
   end subroutine load_met
@@ -228,8 +228,8 @@ contains
       before = -1.0_real64
       largest = 0.0_real64
       do i = 0, steps
-        call set_out([0.0_real64, distance], [0.0_real64, 0.0_real64], &
-                     [0.0_real64, 0.9_real64 - 0.7_real64 * i / steps], pairs, law)
+        call update_circles([0.0_real64, distance], [0.0_real64, 0.0_real64], &
+                            [0.0_real64, 0.9_real64 - 0.7_real64 * i / steps], pairs, law)
         call solve_at(pairs, law, solution)
         call expect_solved(error, solution, 'at the rim')
         associate (p => solution%penetration(2))
@@ -259,7 +259,7 @@ contains
       y(i) = 3.1_real64 * sqrt(real(contacts, real64)) * random(seed)
       gap(i) = real(i - 1, real64) / contacts
     end do
-    call set_out(x, y, gap, pairs, law)
+    call update_circles(x, y, gap, pairs, law)
   end subroutine crowd
 
   ! Enough of them for threads to start: also, one and two give the same bytes.
@@ -290,7 +290,7 @@ contains
     type(coupled_solution), intent(in) :: solution
     character(24 * size(solution%penetration)) :: bytes
 
-    bytes = transfer([solution%penetration, solution%move], bytes)
+    bytes = transfer([solution%penetration, solution%shift], bytes)
   end function bytes_of
 
   ! A tenth of a circle apart, heights within 1e-4 of the depth: steps on the way open all of them.
@@ -302,14 +302,15 @@ contains
     integer, parameter :: turns(4) = [17, 29, 37, 41]
     real(real64), allocatable :: gap(:)
     real(real64) :: share
-    integer :: i, side, turn
+    integer :: i, side, slope_over_distance
 
     do side = 6, 14, 2
-      do turn = 1, size(turns)
-        gap = [(1.0e-6_real64 * modulo(turns(turn) * i, side**2), i=0, side**2 - 1)]
-        call set_out([(0.1_real64 * modulo(i, side), i=0, side**2 - 1)], &
-                     [(0.1_real64 * (i - modulo(i, side)) / side, i=0, side**2 - 1)], gap, pairs, &
-                     law)
+      do slope_over_distance = 1, size(turns)
+        gap = [(1.0e-6_real64 * modulo(turns(slope_over_distance) * i, side**2), i=0, side**2 - 1)]
+        call update_circles([(0.1_real64 * modulo(i, side), i=0, side**2 - 1)], &
+                            [(0.1_real64 * (i - modulo(i, side)) / side, i=0, side**2 - 1)], gap, &
+                              pairs, &
+                            law)
         call solve_at(pairs, law, solution)
         call expect_solved(error, solution, 'packed')
         ! More than one of them bears alone, less than a flat punch on a circle around them all.
@@ -333,9 +334,9 @@ contains
     real(real64) :: load(side**2), level(size(some))
     integer :: i, j, k
 
-    call set_out([(apart * modulo(i, side), i=0, side**2 - 1)], &
-                 [(apart * (i - modulo(i, side)) / side, i=0, side**2 - 1)], &
-                 spread(0.0_real64, 1, side**2), pairs, law)
+    call update_circles([(apart * modulo(i, side), i=0, side**2 - 1)], &
+                        [(apart * (i - modulo(i, side)) / side, i=0, side**2 - 1)], &
+                        spread(0.0_real64, 1, side**2), pairs, law)
     call prepare_start(pairs, law, solution, state, &
                  law%modulus * side**2 * 4.0_real64 / 3.0_real64 * depth**1.5_real64)
     call check(error, all(solution%penetration > 0.0_real64), 'some are open')
@@ -360,8 +361,9 @@ contains
     real(real64) :: penetration(6), before(6), load, change
     integer :: k
 
-    call set_out([(1.0_real64 * k, k=1, 6)], spread(0.0_real64, 1, 6), spread(0.0_real64, 1, 6), &
-                 pairs, law)
+    call update_circles([(1.0_real64 * k, k=1, 6)], spread(0.0_real64, 1, 6), &
+                        spread(0.0_real64, 1, 6), &
+                        pairs, law)
     before = depth * [0.5_real64, 0.2_real64, 0.0_real64, -0.1_real64, -0.4_real64, -3.0_real64]
     do k = -2, 2
       load = 10.0_real64**k * depth**1.5_real64
@@ -388,21 +390,21 @@ contains
 
     call crowd(300, pairs, law)
     call solve_at(pairs, law, solved)
-    do k = 1, size(solved%set%number), 7
+    do k = 1, size(solved%set%contact), 7
       solution = solved
       state = solve_state()
-      i = solved%set%number(k)
+      i = solved%set%contact(k)
       state%gap = pairs%list%gap
       solution%penetration(i) = 0.5_real64 * solved%penetration(i)
       call evaluate_state(pairs, law, solution, state)
-      call find_groups(solution%set, state%miss, member, first)
-      call check(error, any(member == findloc(solution%set%number, i, 1)), 'not in a group')
+      call find_groups(solution%set, state%contact_residual, member, first)
+      call check(error, any(member == findloc(solution%set%contact, i, 1)), 'not in a group')
       if (allocated(error)) return
-      call check(error, size(member) < size(solved%set%number) / 2, 'nearly all')
+      call check(error, size(member) < size(solved%set%contact) / 2, 'nearly all')
       if (size(first) > 2) cycle
-      call lift_out(pairs, law, solution, state, member, alone, alone_law, part)
-      call solve_coupled(alone, alone_law, part, share=1.0e-8_real64)
-      call put_back(pairs, member, alone, alone_law, part, solution)
+      call extract_group(pairs, law, solution, state, member, alone, alone_law, part)
+      call solve_coupled(alone, alone_law, part, group_residual=1.0e-8_real64)
+      call insert_group(pairs, member, alone, alone_law, part, solution)
       ! The field of the others is known to the second order of the change.
       call check(error, solution%penetration(i) / solved%penetration(i), 1.0_real64, &
                  0.02_real64, 'penetration')
@@ -425,9 +427,9 @@ contains
     call crowd(4500, pairs, law)
     call solve_at(pairs, law, two)
     call solve_coupled(pairs, law, three, 100.0_real64 * depth**1.5_real64)
-    call set_out([(apart_by * modulo(i, side), i=0, side**2 - 1)], &
-                 [(apart_by * (i - modulo(i, side)) / side, i=0, side**2 - 1)], &
-                 [(1.0e-3_real64 * modulo(37 * i, 101) / 101, i=0, side**2 - 1)], pairs, law)
+    call update_circles([(apart_by * modulo(i, side), i=0, side**2 - 1)], &
+                        [(apart_by * (i - modulo(i, side)) / side, i=0, side**2 - 1)], &
+                        [(1.0e-3_real64 * modulo(37 * i, 101) / 101, i=0, side**2 - 1)], pairs, law)
     call solve_at(pairs, law, four)
     call check(error, one%ending%iterations <= 8 .and. one%fields <= 16, 'crowd')
     call check(error, two%ending%iterations <= 8 .and. two%fields <= 17, 'large crowd')
@@ -445,8 +447,8 @@ contains
 
     do i = 0, 30
       distance = 1.2_real64 * 1.25_real64**i
-      call set_out([0.0_real64, distance, 0.0_real64], [0.0_real64, 0.0_real64, distance], &
-                   [0.0_real64, 0.1_real64, 0.4_real64], pairs, law)
+      call update_circles([0.0_real64, distance, 0.0_real64], [0.0_real64, 0.0_real64, distance], &
+                          [0.0_real64, 0.1_real64, 0.4_real64], pairs, law)
       call solve_at(pairs, law, solution)
       loss = 1.0_real64 - share_of(pairs, solution)
       share = estimate_of_interaction(pairs, law, depth)

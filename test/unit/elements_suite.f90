@@ -8,7 +8,7 @@ module asperity_elements_suite
   use asperity_element_influence, only: mean_influence
   use asperity_element_answer, only: element_answer
   use asperity_outside_field, only: outside_field
-  use asperity_element_solver, only: cluster_lattice, reach_of_cluster, solve_elements
+  use asperity_element_solver, only: cluster_lattice, cluster_extent, solve_elements
   use asperity_chebyshev_basis, only: chebyshev_nodes
   use asperity_contact_pairs, only: contact_pair, contact_pairs
   use asperity_kinds, only: real64
@@ -550,13 +550,13 @@ contains
     pairs%list(2) = pair_at(0.56_real64, 0.58_real64, 0.0_real64, 0.0_real64, 2.0_real64)
     call solve(pairs, [1.0e-2_real64, 0.9e-2_real64], 1.0e-4_real64, both)
     ! Each lies outside the other.
-    allocate (field%x(1), field%y(1), field%circle(1), field%load(1))
+    allocate (field%x(1), field%y(1), field%radius(1), field%load(1))
     field%load = 4.0_real64 / 3.0_real64 * 0.7_real64 * 1.0e-3_real64
     do i = 1, 9
       j = modulo(i, 2) + 1
       field%x = pairs%list(3 - j)%x
       field%y = pairs%list(3 - j)%y
-      field%circle = (0.75_real64 * field%load / 0.7_real64)**(1.0_real64 / 3.0_real64)
+      field%radius = (0.75_real64 * field%load / 0.7_real64)**(1.0_real64 / 3.0_real64)
       call solve_anew(pairs, [j], 0.0_real64, field, shares, one)
       load = field%load(1)
       field%load = one%together(1)%load
@@ -568,9 +568,9 @@ contains
     ! The same circle through nodes.
     field%load = load
     a = (0.75_real64 * load / 0.7_real64)**(1.0_real64 / 3.0_real64)
-    field%circle = a
+    field%radius = a
     call solve_anew(pairs, [2], 0.0_real64, field, shares, one)
-    call reach_of_cluster(pairs, [2], 0.0_real64, nodes%x0, nodes%x1, nodes%y0, nodes%y1)
+    call cluster_extent(pairs, [2], 0.0_real64, nodes%x0, nodes%x1, nodes%y0, nodes%y1)
     call check(error, nodes%x1 - nodes%x0, 2.0_real64 * sqrt(2.0_real64 * 0.9e-2_real64), &
                1.0e-12_real64, 'rectangle')
     allocate (nodes%at_nodes(n, n))

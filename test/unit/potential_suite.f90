@@ -2,13 +2,13 @@
 !> solver ends. Truths: differences of the energy itself.
 module asperity_potential_suite
   use asperity_circle_blocks, only: circle_blocks, factor_blocks, find_blocks, solve_blocks
-  use asperity_circle_field, only: circle_set, find_field, plant_circles
+  use asperity_circle_field, only: circle_set, find_field, list_near_circles
   use asperity_circle_products, only: multiply
   use asperity_circle_step, only: circle_model, find_step, prepare_model, trust_step
   use asperity_contact_pairs, only: contact_pairs
   use asperity_coupled_contacts, only: coupled_solution
   use asperity_coupled_scenes, only: depth, known_scene, known_scenes, lay_known, random, &
-                                     set_out, solve_at
+                                     update_circles, solve_at
   use asperity_hertz_law, only: hertz_law
   use asperity_interruption, only: interruption
   use asperity_kinds, only: int64, real64
@@ -47,18 +47,18 @@ contains
     integer :: i
 
     seed = 7_int64
-    call set%make_room(n)
+    call set%allocate_arrays(n)
     do i = 1, n
-      set%number(i) = i
+      set%contact(i) = i
       set%x(i) = side * random(seed)
       set%y(i) = side * random(seed)
-      set%move(1, i) = 0.2_real64 * random(seed)
-      set%move(2, i) = 0.2_real64 * random(seed)
+      set%shift(1, i) = 0.2_real64 * random(seed)
+      set%shift(2, i) = 0.2_real64 * random(seed)
       set%load(i) = 0.1_real64 + 1.2_real64 * random(seed)
     end do
     set%curvature = 1.0_real64
     call load_up(set)
-    call plant_circles(set)
+    call list_near_circles(set)
     call find_field(set)
   end subroutine scatter
 
@@ -66,8 +66,8 @@ contains
   subroutine load_up(set)
     type(circle_set), intent(inout) :: set
 
-    set%circle = (0.75_real64 * set%load)**third
-    set%stiffness = 2 * set%circle
+    set%radius = (0.75_real64 * set%load)**third
+    set%stiffness = 2 * set%radius
   end subroutine load_up
 
   ! Three changes of a set: state = (load, shift along x and y; circle).
@@ -77,7 +77,7 @@ contains
     type(circle_set), intent(inout) :: after
 
     after%load = before%load + step * change(1, :)
-    after%move = before%move + step * change(2:, :)
+    after%shift = before%shift + step * change(2:, :)
     call load_up(after)
     call find_field(after)
   end subroutine change_by
@@ -86,16 +86,16 @@ contains
   pure real(real64) function potential(set)
     type(circle_set), intent(in) :: set
 
-    potential = sum(0.6_real64 * set%circle**2 * set%load) + set%energy + &
-                sum(set%load * set%curvature * sum(set%move**2, 1)) / 2
+    potential = sum(0.6_real64 * set%radius**2 * set%load) + set%energy + &
+                sum(set%load * set%curvature * sum(set%shift**2, 1)) / 2
   end function potential
 
   pure function gradient_of(set) result(gradient)
     type(circle_set), intent(in) :: set
     real(real64) :: gradient(3, size(set%x))
 
-    gradient(1, :) = set%circle**2 + set%lift + set%curvature * sum(set%move**2, 1) / 2
-    gradient(2:, :) = spread(set%load, 1, 2) * (spread(set%curvature, 1, 2) * set%move + set%tilt)
+    gradient(1, :) = set%radius**2 + set%displacement + set%curvature * sum(set%shift**2, 1) / 2
+    gradient(2:, :) = spread(set%load, 1, 2) * (spread(set%curvature, 1, 2) * set%shift + set%slope)
   end function gradient_of
 
   ! A direction: all at random, or one number of one circle.
@@ -213,7 +213,7 @@ contains
       call check(error, maxval(abs(image(:rows, :))) > 0.1_real64, 'nothing to compare')
       if (loads_only) cycle
       ! A circle that may not shift has no derivatives by its shift.
-      set%still(1) = .true.
+      set%shift_fixed(1) = .true.
       call multiply(set, .false., change, image)
       call check(error, maxval(abs(image(2:, 1))), 0.0_real64, 0.0_real64, 'still')
     end do
@@ -232,8 +232,8 @@ contains
     seed = 19_int64
     call scatter(n, 3.0_real64, set)
     ! Stiff against shifts: the second derivatives are positive definite.
-    set%bowl([1, 3], :) = set%bowl([1, 3], :) + 20
-    set%bends([1, 3], :) = set%bends([1, 3], :) + 20 * spread(set%load, 1, 2)
+    set%far_hessian([1, 3], :) = set%far_hessian([1, 3], :) + 20
+    set%hessian([1, 3], :) = set%hessian([1, 3], :) + 20 * spread(set%load, 1, 2)
     set%stiffness = 0.3_real64 * set%stiffness
     call find_blocks(set, blocks)
     call check(error, size(blocks%first), 2, 'one block')
@@ -295,18 +295,18 @@ contains
 
     seed = 29_int64
     call scatter(n, 30.0_real64, set)
-    set%counted = [(1 + 0.01_real64 * i, i=1, n)]
+    set%load_share = [(1 + 0.01_real64 * i, i=1, n)]
     allocate (model%gradient, source=direction(n, seed, .false.))
     model%keep_sum = .true.
     call prepare_model(set, model)
     products = 0
     radius = 1.0e6_real64
     call find_step(set, model, 1.0e-10_real64, radius, step, products, never)
-    call check(error, sum(set%counted * step%change(1, :)), 0.0_real64, &
+    call check(error, sum(set%load_share * step%change(1, :)), 0.0_real64, &
                1.0e-12_real64 * sum(abs(step%change(1, :))), 'sum of the loads')
     ! What is left is one multiple of the weights: the Lagrangian is stationary.
     call multiply(set, .false., step%change, image)
-    rest = (image(1, :) + model%gradient(1, :)) / set%counted
+    rest = (image(1, :) + model%gradient(1, :)) / set%load_share
     call check(error, maxval(rest) - minval(rest), 0.0_real64, 1.0e-8_real64, 'multiplier')
     call check(error, maxval(abs(image(2:, :) + model%gradient(2:, :))), 0.0_real64, &
                1.0e-8_real64, 'shifts')
@@ -334,7 +334,7 @@ contains
       y(i) = 12 * random(seed)
       gap(i) = i / 40.0_real64
     end do
-    call set_out(x, y, gap, pairs, law)
+    call update_circles(x, y, gap, pairs, law)
     call solve_at(pairs, law, solution)
     call try_about(error, pairs, solution, 'thirty')
   end subroutine least
@@ -364,9 +364,9 @@ contains
       end if
       size_of = 0.2_real64 * random(seed)
       other%load = solution%set%load * (1 + size_of * change(1, :))
-      other%move = solution%set%move + 0.5_real64 * size_of * change(2:, :) * &
-                   spread(solution%set%circle, 1, 2)
-      other%circle = solution%set%circle * (other%load / solution%set%load)**third
+      other%shift = solution%set%shift + 0.5_real64 * size_of * change(2:, :) * &
+                    spread(solution%set%radius, 1, 2)
+      other%radius = solution%set%radius * (other%load / solution%set%load)**third
       call find_field(other)
       energy = total(other)
       call check(error, energy > least_energy, trim(what) // ': less energy')
@@ -378,9 +378,9 @@ contains
     real(real64) function total(set)
       type(circle_set), intent(in) :: set
 
-      total = sum(set%load * (0.6_real64 * set%circle**2 * set%curvature + &
-                              pairs%list(set%number)%gap - depth + &
-                              set%curvature * sum(set%move**2, 1) / 2)) + set%energy
+      total = sum(set%load * (0.6_real64 * set%radius**2 * set%curvature + &
+                              pairs%list(set%contact)%gap - depth + &
+                              set%curvature * sum(set%shift**2, 1) / 2)) + set%energy
     end function total
 
   end subroutine try_about

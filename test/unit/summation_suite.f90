@@ -9,7 +9,7 @@ module asperity_summation_suite
   use, intrinsic :: iso_fortran_env, only: int64
   use asperity_kinds, only: real64
   use asperity_random_philox, only: philox_block
-  use asperity_source_tree, only: plant_tree, source_tree, sum_sources
+  use asperity_source_tree, only: build_tree, source_tree, sum_sources
   use asperity_testing, only: check, error_type, new_unittest, unittest_type
   !$ use omp_lib, only: omp_get_max_threads, omp_set_num_threads
   implicit none
@@ -178,7 +178,7 @@ contains
     one = clustered(3000)
     other = one
     other%charge = uniform(3000, 12)
-    call plant_tree(tree, one%x, one%y, one%reach, factor)
+    call build_tree(tree, one%x, one%y, one%reach, factor)
     of_one = sum_over(tree, one, one)
     of_other = sum_over(tree, other, other)
     forth = sum(other%charge * (of_one%potential + one%spread * of_one%lap))
@@ -212,7 +212,7 @@ contains
                 some%x - merge(step, 0.0_real64, way == 1)]
       goal%y = [some%y, some%y + merge(step, 0.0_real64, way == 2), &
                 some%y - merge(step, 0.0_real64, way == 2)]
-      call plant_tree(tree, [some%x, goal%x], [some%y, goal%y], &
+      call build_tree(tree, [some%x, goal%x], [some%y, goal%y], &
                       [some%reach, some%reach, some%reach, some%reach], factor, n)
       found = sum_over(tree, some, goal)
       if (way == 2) found%slope_x = found%slope_y
@@ -234,10 +234,10 @@ contains
     usual = 1
     !$ usual = omp_get_max_threads()
     !$ call omp_set_num_threads(1)
-    call plant_tree(tree, some%x, some%y, some%reach, factor)
+    call build_tree(tree, some%x, some%y, some%reach, factor)
     of_one = sum_over(tree, some, some)
     !$ call omp_set_num_threads(2)
-    call plant_tree(tree, some%x, some%y, some%reach, factor)
+    call build_tree(tree, some%x, some%y, some%reach, factor)
     of_two = sum_over(tree, some, some)
     !$ call omp_set_num_threads(usual)
     call check(error, all(bits(of_one) == bits(of_two)), 'other bytes with two threads')
@@ -266,10 +266,10 @@ contains
     same = .not. present(targets)
     if (same) then
       goal = sources
-      call plant_tree(tree, sources%x, sources%y, sources%reach, near_factor)
+      call build_tree(tree, sources%x, sources%y, sources%reach, near_factor)
     else
       goal = targets
-      call plant_tree(tree, [sources%x, goal%x], [sources%y, goal%y], &
+      call build_tree(tree, [sources%x, goal%x], [sources%y, goal%y], &
                       [sources%reach, goal%reach], near_factor, size(sources%x))
       goal%move = 0.0_real64
     end if
