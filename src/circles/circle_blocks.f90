@@ -1,9 +1,7 @@
-!> Small blocks of circles and the factors of their second derivatives: the norm of steps and their
-!> preconditioner.
+!> Block-Jacobi preconditioner of the coupled contacts, which is also the norm of their steps.
 !>
-!> Circles that overlap or nearly touch are in one block. A block holds the exact second
-!> derivatives where they are positive definite, else those of the convex model (see
-!> circle_products): so the norm is one.
+!> Circles that overlap or nearly touch form a block. Its matrix is the exact Hessian where that is
+!> positive definite, else that of the convex model (circle_products), factored as L D L'.
 module asperity_circle_blocks
   use asperity_circle_field, only: are_close, circle_set, close_by, compliance, direction_x, &
     least_share, &
@@ -16,11 +14,11 @@ module asperity_circle_blocks
 
   public :: circle_blocks, factor_blocks, find_blocks, solve_blocks
 
-  !> Factors of the blocks.
+  !> Blocks of circles and their factors.
   type :: circle_blocks
     integer, allocatable :: member(:), first(:)     !! circles of each block
-    integer, allocatable :: slot(:)                 !! block of each circle
-    integer, allocatable :: start(:)                !! where its factor begins
+    integer, allocatable :: block_of(:)             !! block of each circle
+    integer, allocatable :: start(:)                !! first element of each block in `factor`
     real(real64), allocatable :: factor(:)          !! L of L D L', with D as its diagonal
   end type circle_blocks
 
@@ -32,7 +30,7 @@ contains
 
   !> Finds the blocks.
   subroutine find_blocks(set, blocks)
-    type(circle_set), intent(in) :: set          !! places and near pairs are known
+    type(circle_set), intent(in) :: set          !! circles with their near pairs
     type(circle_blocks), intent(out) :: blocks   !! of all circles, not factored
     logical :: overlap(size(set%one)), near(size(set%one))
     integer :: k, m
@@ -43,8 +41,8 @@ contains
       near(k) = are_close(set, set%one(k), set%other(k), close_by) .and. .not. overlap(k)
     end do
     !$omp end parallel do
-    ! Those that overlap come first.
-    allocate (blocks%slot(size(set%x)))
+    ! Pairs that overlap are linked first, as the size of a block is limited.
+    allocate (blocks%block_of(size(set%x)))
     call gather_groups([pack(set%one, overlap), pack(set%one, near)], &
                        [pack(set%other, overlap), pack(set%other, near)], &
                        spread(.true., 1, count(overlap) + count(near)), &
@@ -54,14 +52,14 @@ contains
     do k = 1, size(blocks%first) - 1
       m = blocks%first(k + 1) - blocks%first(k)
       blocks%start(k + 1) = blocks%start(k) + (3 * m)**2
-      blocks%slot(blocks%member(blocks%first(k):blocks%first(k + 1) - 1)) = k
+      blocks%block_of(blocks%member(blocks%first(k):blocks%first(k + 1) - 1)) = k
     end do
     allocate (blocks%factor(blocks%start(size(blocks%start)) - 1))
   end subroutine find_blocks
 
   !> Factors the blocks.
   subroutine factor_blocks(set, convex, blocks)
-    type(circle_set), intent(in) :: set           !! its field is known
+    type(circle_set), intent(in) :: set           !! circles with their field
     logical, intent(in) :: convex                 !! the convex model in place of the exact one
     type(circle_blocks), intent(inout) :: blocks  !! members of blocks are set
     integer :: k
@@ -72,17 +70,19 @@ contains
       associate (member => blocks%member(blocks%first(k):blocks%first(k + 1) - 1), &
                  factor => blocks%factor(blocks%start(k):blocks%start(k + 1) - 1))
         is_definite = .false.
-        if (.not. convex) call factor_block(set, member, blocks%slot, .false., 3 * size(member), &
-                                            factor, is_definite)
-        if (.not. is_definite) call factor_block(set, member, blocks%slot, .true., &
-                                                 3 * size(member), factor, is_definite)
+        if (.not. convex) &
+          call factor_block(set, member, blocks%block_of, .false., 3 * size(member), factor, &
+                            is_definite)
+        if (.not. is_definite) &
+          call factor_block(set, member, blocks%block_of, .true., 3 * size(member), factor, &
+                            is_definite)
       end associate
     end do
     !$omp end parallel do
   end subroutine factor_blocks
 
-  ! Factor of one block. Of the convex model pivots are raised where circles stand in one place;
-  ! the exact one is left where a pivot is too small.
+  ! Factors one block. The convex model raises pivots, which vanish for concentric circles; the
+  ! exact model is not definite where a pivot is too small.
   pure subroutine factor_block(set, member, block_of, convex, m, h, is_definite)
     type(circle_set), intent(in) :: set
     integer, intent(in) :: member(:), block_of(:), m
@@ -108,8 +108,8 @@ contains
     is_definite = .true.
   end subroutine factor_block
 
-  ! Second derivatives of a block as `multiply` has them, lower half, and what each circle has of
-  ! them alone.
+  ! Fills the lower half of a block with the second derivatives of `multiply`, and a vector with
+  ! those of isolated contacts.
   pure subroutine fill_block(set, member, block_of, convex, m, h, isolated)
     type(circle_set), intent(in) :: set
     integer, intent(in) :: member(:), block_of(:), m
@@ -121,7 +121,7 @@ contains
     h = 0.0_real64
     do a = 1, size(member)
       i = member(a)
-      associate (p => 3 * a - 2, growth_term => set%displacement_growth(i) / (3 * set%load(i)))
+      associate (p => 3 * a - 2, growth_term => set%growth(i) / (3 * set%load(i)))
         isolated(p:p + 2) = [1 / set%stiffness(i), set%load(i) * set%curvature(i) * [1, 1]]
         if (set%shift_fixed(i)) isolated(p + 1:p + 2) = 1.0_real64
         b = set%hessian(:, i)

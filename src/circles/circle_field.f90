@@ -1,18 +1,19 @@
-!> Contacts under load as circles with Hertz' pressure, and what they do to each other.
+!> Hertzian contacts on one half-space: their potential energy and the field of their pressures.
 !>
-!> One potential has loads V and shifts s as its variables; g gap, R radius, p(V) penetration:
+!> The potential has loads V and lateral shifts s as its variables; g gap, R radius, c compression,
+!> p(V) penetration:
 !>
 !>     Phi = sum W(V_i) + 1/2 sum V_i V_j G_ij + sum V_i (g_i + s_i**2/(2 R_i)) - c sum V_i
 !>
 !> W' = p, and G_ij is the displacement by a unit load with Hertz' pressure on circle j, mean with
 !> Hertz' pressure on circle i, at the shifted places. As a circle grows with the third root of its
-!> load, d(V_i V_j G_ij)/dV_i = V_j M_ij, the mean with a flat punch on i, which is the exact loss
-!> of approach to first order (reciprocal theorem). So dPhi/dV = p + u + g + s**2/(2 R) - c, and
-!> dPhi/ds = V (s/R + slope of the field): equilibrium makes Phi stationary.
+!> load, d(V_i V_j G_ij)/dV_i = V_j M_ij, the mean with the pressure of a flat punch on i, which is
+!> the exact displacement u of contact i to first order (reciprocal theorem). So dPhi/dV = p + u + g
+!> + s**2/(2 R) - c, and dPhi/ds = V (s/R + slope of the field): Phi is stationary at equilibrium.
 !>
-!> Loads here are over the combined modulus. Near pairs act by closed forms; all others by two terms
-!> of their series, which a tree sums: with five sums of radii as the least distance the rest is
-!> below 7e-5 times the share of the area in contact, over the penetration.
+!> Loads are over the combined modulus. The field of near pairs is in closed form, that of all
+!> others two terms of a series, summed by a tree: from `near_factor` sums of radii on, the
+!> remainder over the penetration is below 7e-5 times the share of the area in contact.
 module asperity_circle_field
   use asperity_constants, only: pi
   use asperity_kinds, only: int64, real64
@@ -23,9 +24,8 @@ module asperity_circle_field
   implicit none
   private
 
-  public :: are_close, circle_set, find_field, relative_position, inclination_factor, &
-    list_near_circles, &
-            pair_hessian
+  public :: are_close, circle_set, find_field, inclination_factor, list_near_circles, &
+            pair_hessian, relative_position
 
   !> Sums of radii [1] below which a pair is near: farther off sums are by a tree; derived, the
   !> error of the Laplacian of 1/r there is 1e-4; test: summation_suite.f90.
@@ -67,50 +67,47 @@ module asperity_circle_field
   ! Pairs [1] whose terms are found together; chosen, some MB; test: coupled_suite.f90.
   integer, parameter :: batch_size = 65536
 
-  !> Circles under load, and their field. Sizes of all arrays: the number of circles.
+  !> Loaded contacts, one a circle, and their field. Arrays have one element, or column, a circle.
   type :: circle_set
-    integer, allocatable :: contact(:)           !! place in the list of pairs
-    real(real64), allocatable :: x(:), y(:)      !! places without shift
-    real(real64), allocatable :: curvature(:)    !! 1/R; 0 where a circle may not shift
-    logical, allocatable :: shift_fixed(:)       !! may not shift
-    real(real64), allocatable :: shift(:, :)     !! the shifts
-    real(real64), allocatable :: load(:)         !! over the modulus
-    real(real64), allocatable :: load_share(:)   !! load in the sum that is asked for, over `load`
-    real(real64), allocatable :: radius(:)       !! radius of the contact
-    real(real64), allocatable :: stiffness(:)    !! of the load by the penetration, over the modulus
-    real(real64), allocatable :: displacement(:)  !! u: displacement by the others
-    real(real64), allocatable :: displacement_growth(:)  !! d(lift)/d(log of the own radius)
-    real(real64), allocatable :: slope(:, :)     !! slope with Hertz' weight
-    real(real64), allocatable :: flat_slope(:, :)  !! slope of `lift`
-    real(real64), allocatable :: hessian(:, :)   !! second derivatives by the own shift: xx, xy, yy
-    !> field from outside: second derivatives xx, xy, yy, and the shift where it is zero
-    real(real64), allocatable :: outer_field(:, :)
-    !> second derivatives by the own shift over the load, without near circles: xx, xy, yy
+    integer, allocatable :: contact(:)           !! index in the list of pairs
+    real(real64), allocatable :: x(:), y(:)      !! first touches [length]
+    real(real64), allocatable :: curvature(:)    !! 1/R [1/length]; 0 where the shift is fixed
+    logical, allocatable :: shift_fixed(:)       !! the centre of pressure stays at x, y
+    real(real64), allocatable :: shift(:, :)     !! lateral shift s of the centre (2, circle)
+    real(real64), allocatable :: load(:)         !! V: load over the modulus, more than 0
+    real(real64), allocatable :: load_share(:)   !! part in the prescribed total load, over `load`
+    real(real64), allocatable :: radius(:)       !! contact radius a [length]
+    real(real64), allocatable :: stiffness(:)    !! dV/dp, p penetration
+    real(real64), allocatable :: displacement(:) !! u: displacement by neighbours [length]
+    real(real64), allocatable :: growth(:)       !! du/d(log a) [length]
+    !> slope of the field, mean with Hertz' pressure and with that of a flat punch (2, circle)
+    real(real64), allocatable :: slope(:, :), flat_slope(:, :)
+    real(real64), allocatable :: hessian(:, :)   !! second derivatives of Phi by s: xx, xy, yy
+    !> the same over V, without near circles
     real(real64), allocatable :: far_hessian(:, :)
+    !> field from outside: second derivatives xx, xy, yy, and the shift where its slope is zero
+    real(real64), allocatable :: outer_field(:, :)
     real(real64) :: energy = 0.0_real64          !! 1/2 sum V V G
-    type(source_tree) :: tree                    !! of the places
-    real(real64), allocatable :: listed(:, :)    !! radii and shifts at planting (3, circle)
-    real(real64), allocatable :: shift_since(:, :)  !! shifts since then, where the field is known
-    integer, allocatable :: pair(:)              !! of each near neighbour
+    type(source_tree) :: tree                    !! of the centres
+    real(real64), allocatable :: listed(:, :)    !! radii, shifts of the neighbour lists (3, circle)
+    real(real64), allocatable :: shift_since(:, :)  !! shifts less those, at the last field
+    integer, allocatable :: pair(:)              !! near pair of each entry of the neighbour lists
     integer, allocatable :: one(:), other(:)     !! circles of each near pair
-    real(real64), allocatable :: terms(:, :)     !! (quantity, near pair), see the constants below
+    real(real64), allocatable :: terms(:, :)     !! (quantity, near pair): indices below
   contains
-    procedure :: allocate_arrays                   !! for a number of circles
+    procedure :: allocate_arrays
   end type circle_set
 
-  !> Numbers, chosen, of the quantities of a near pair: compliance; slope of lift of one and of the
-  !> other; slope over distance and the rest of the bend, for the tilt; direction from the other to
-  !> the one.
+  !> Indices, chosen, of the quantities of a near pair: compliance M; slope of the displacement of
+  !> the first and of the second circle; second derivatives of G across the line of centres, and
+  !> along it less across; direction from the second circle to the first.
   integer, parameter, public :: compliance = 1, first_slope = 2, second_slope = 3, &
-    slope_over_distance = 4, direction_x = 6, &
-                                direction_y = 7
-  !> Number, chosen, of the rest of the bend: second derivative along less that across the line of
-  !> centres.
-  integer, parameter, public :: hessian_anisotropy = 5
+                                slope_over_distance = 4, hessian_anisotropy = 5, &
+                                direction_x = 6, direction_y = 7
 
 contains
 
-  !> Makes room for circles, without shift. The expansions of its tree are kept.
+  !> Allocates the arrays, filled with zeros. The tree keeps its expansions.
   subroutine allocate_arrays(self, n)
     class(circle_set), intent(inout) :: self  !! gets new arrays, all zero
     integer, intent(in) :: n                  !! number of circles
@@ -127,7 +124,7 @@ contains
     self%radius = self%x
     self%stiffness = self%x
     self%displacement = self%x
-    self%displacement_growth = self%x
+    self%growth = self%x
     self%shift = spread(self%x, 1, 2)
     self%slope = self%shift
     self%flat_slope = self%shift
@@ -137,27 +134,27 @@ contains
 
   !> Factor with which an inclined contact presses the surface down, over its vertical load.
   !>
-  !> Seen through its vertical gap on a level half-space, as cells see it, a shallow pair of slope m
-  !> carries (1 + m**2)**(1/4) of Hertz' load along the line of centres, which is (1 + m**2)**(3/4)
-  !> of its vertical part. Circles and cells must press alike; the theory is good to the order m**2
-  !> in either way.
+  !> With its vertical gap on a level half-space, as boundary elements have it, a shallow pair of
+  !> slope m carries (1 + m**2)**(1/4) of Hertz' load along the line of centres, which is
+  !> (1 + m**2)**(3/4) of its vertical part. The factor makes the field of a Hertzian contact that
+  !> of elements; both are exact to the order m**2.
   elemental real(real64) function inclination_factor(cosine)
     real(real64), intent(in) :: cosine  !! of the contact's inclination, more than 0
 
     inclination_factor = 1.0_real64 / (cosine * sqrt(cosine))
   end function inclination_factor
 
-  !> Finds who is near whom. To be called when circles come, go or have grown.
+  !> Builds the tree and the neighbour lists. They are valid for these circles as long as radii and
+  !> shifts change little.
   subroutine list_near_circles(set)
-    type(circle_set), intent(inout) :: set  !! places, shifts and radii are set
-    real(real64), allocatable :: planted(:, :)
+    type(circle_set), intent(inout) :: set  !! centres and radii; gets tree, lists and pairs
     integer, allocatable :: cursor(:), near(:)
     integer :: i, j, k, pairs
 
-    allocate (planted(3, size(set%x)))
-    planted(1, :) = set%radius
-    planted(2:, :) = set%shift
-    call move_alloc(planted, set%listed)
+    if (allocated(set%listed)) deallocate (set%listed)
+    allocate (set%listed(3, size(set%x)))
+    set%listed(1, :) = set%radius
+    set%listed(2:, :) = set%shift
     call build_tree(set%tree, set%x + set%shift(1, :), set%y + set%shift(2, :), set%radius, &
                     near_factor)
     if (allocated(set%tree%failure)) return
@@ -178,7 +175,7 @@ contains
         pairs = pairs + 1
         set%one(pairs) = i
         set%other(pairs) = j
-        ! Each lists those before it first.
+        ! Neighbours of lower index come first in each list.
         set%pair(cursor([i, j])) = pairs
         set%tree%near(cursor([i, j])) = [j, i]
         cursor([i, j]) = cursor([i, j]) + 1
@@ -186,9 +183,9 @@ contains
     end do
   end subroutine list_near_circles
 
-  !> Finds the field at every circle by all others.
+  !> Finds the field of all other circles at each circle.
   subroutine find_field(set)
-    type(circle_set), intent(inout) :: set  !! planted; loads, radii and shifts are set
+    type(circle_set), intent(inout) :: set  !! loads, radii, shifts, lists; gets field and terms
     real(real64), allocatable :: far(:, :)
     type(mutual_terms), allocatable :: batch(:)
     integer :: from, k, n, to
@@ -202,7 +199,7 @@ contains
       associate (far_field => far(:, k), square => set%radius(k)**2)
         far_field = far_field / pi
         set%displacement(k) = far_field(1) + flat_spread * square * far_field(2)
-        set%displacement_growth(k) = 2 * flat_spread * square * far_field(2)
+        set%growth(k) = 2 * flat_spread * square * far_field(2)
         set%slope(:, k) = far_field(3:4)
         set%far_hessian(:, k) = [set%curvature(k) + 0.5_real64 * far_field(2) + far_field(5), &
                                  far_field(6), &
@@ -238,42 +235,42 @@ contains
   subroutine add_outer_field(set, k)
     type(circle_set), intent(inout) :: set
     integer, intent(in) :: k
-    real(real64) :: from(2), slope(2)
+    real(real64) :: offset(2), slope(2)
 
-    associate (outer_field => set%outer_field(:, k))
-      from = set%shift(:, k) - outer_field(4:5)
-      slope = outer_field(1:2) * from(1) + outer_field(2:3) * from(2)
-      set%displacement(k) = set%displacement(k) + 0.5_real64 * dot_product(slope, from)
+    associate (outer => set%outer_field(:, k))
+      offset = set%shift(:, k) - outer(4:5)
+      slope = outer(1:2) * offset(1) + outer(2:3) * offset(2)
+      set%displacement(k) = set%displacement(k) + 0.5_real64 * dot_product(slope, offset)
       set%slope(:, k) = set%slope(:, k) + slope
-      set%far_hessian(:, k) = set%far_hessian(:, k) + outer_field(:3)
+      set%far_hessian(:, k) = set%far_hessian(:, k) + outer(:3)
     end associate
   end subroutine add_outer_field
 
-  ! The terms of one near pair, kept for products.
+  ! Finds the terms of one near pair and keeps those that products need.
   subroutine find_terms(set, k, terms)
     type(circle_set), intent(inout) :: set
     integer, intent(in) :: k
     type(mutual_terms), intent(out) :: terms
-    real(real64) :: from(2), r
+    real(real64) :: offset(2), r
 
     associate (i => set%one(k), j => set%other(k))
-      from = relative_position(set, i, j)
-      r = sqrt(sum(from**2))
+      offset = relative_position(set, i, j)
+      r = sqrt(sum(offset**2))
       call mutual_displacement(r, set%radius(i), set%radius(j), terms)
     end associate
     set%terms(compliance, k) = terms%compliance
     set%terms(first_slope, k) = terms%first_slope
     set%terms(second_slope, k) = terms%second_slope
-    ! In one place the slope is zero and all directions are alike.
+    ! Concentric circles: the slope is zero and all directions are alike.
     set%terms(slope_over_distance, k) = terms%bend
     set%terms(hessian_anisotropy:direction_y, k) = 0.0_real64
     if (.not. r > 0.0_real64) return
     set%terms(slope_over_distance, k) = terms%slope / r
     set%terms(hessian_anisotropy, k) = terms%bend - terms%slope / r
-    set%terms(direction_x:direction_y, k) = from / r
+    set%terms(direction_x:direction_y, k) = offset / r
   end subroutine find_terms
 
-  ! Adds what two near circles do to each other: heights and bends.
+  ! Adds displacements and second derivatives of a near pair.
   subroutine add_displacements(set, k, terms)
     type(circle_set), intent(inout) :: set
     integer, intent(in) :: k
@@ -284,23 +281,22 @@ contains
       set%energy = set%energy + load(i) * load(j) * terms%mean
       set%displacement(i) = set%displacement(i) + load(j) * terms%on_first
       set%displacement(j) = set%displacement(j) + load(i) * terms%on_second
-      set%displacement_growth(i) = set%displacement_growth(i) + load(j) * terms%first_growth
-      set%displacement_growth(j) = set%displacement_growth(j) + load(i) * terms%second_growth
+      set%growth(i) = set%growth(i) + load(j) * terms%first_growth
+      set%growth(j) = set%growth(j) + load(i) * terms%second_growth
       hessian = load(i) * load(j) * pair_hessian(set, k)
       set%hessian(:, i) = set%hessian(:, i) + hessian
       set%hessian(:, j) = set%hessian(:, j) + hessian
     end associate
   end subroutine add_displacements
 
-  ! And slopes.
+  ! Adds the slopes of a near pair.
   subroutine add_slopes(set, k, terms)
     type(circle_set), intent(inout) :: set
     integer, intent(in) :: k
     type(mutual_terms), intent(in) :: terms
 
-    associate (i => set%one(k), j => set%other(k), direction => &
-               set%terms(direction_x:direction_y, k), &
-               load => set%load)
+    associate (i => set%one(k), j => set%other(k), load => set%load, &
+               direction => set%terms(direction_x:direction_y, k))
       set%slope(:, i) = set%slope(:, i) + load(j) * terms%slope * direction
       set%slope(:, j) = set%slope(:, j) - load(i) * terms%slope * direction
       set%flat_slope(:, i) = set%flat_slope(:, i) + load(j) * terms%first_slope * direction
@@ -308,35 +304,35 @@ contains
     end associate
   end subroutine add_slopes
 
-  !> Whether circles are nearer, where they stand now, than some sums of their radii.
-  pure logical function are_close(set, a, outer_field, sums)
-    type(circle_set), intent(in) :: set   !! places, shifts and radii are set
-    integer, intent(in) :: a, outer_field  !! circles with their places
-    real(real64), intent(in) :: sums      !! sums of radii
+  !> Whether the centres of two circles are nearer than a multiple of the sum of their radii.
+  pure logical function are_close(set, one, other, sums)
+    type(circle_set), intent(in) :: set   !! circles with centres and radii
+    integer, intent(in) :: one, other     !! indices of the circles
+    real(real64), intent(in) :: sums      !! multiple of the sum of radii
 
-    are_close = sum(relative_position(set, a, outer_field)**2) < (sums * &
-      (set%radius(a) + set%radius(outer_field)))**2
+    are_close = sum(relative_position(set, one, other)**2) < &
+                (sums * (set%radius(one) + set%radius(other)))**2
   end function are_close
 
-  !> Where a circle stands now, from another one.
-  pure function relative_position(set, one, other) result(from)
-    type(circle_set), intent(in) :: set   !! places and shifts are set
-    integer, intent(in) :: one, other     !! circles with their places
-    real(real64) :: from(2)
+  !> Position of the centre of a circle relative to that of another one.
+  pure function relative_position(set, one, other) result(offset)
+    type(circle_set), intent(in) :: set   !! circles with their centres
+    integer, intent(in) :: one, other     !! indices of the circles
+    real(real64) :: offset(2)
 
-    from = [set%x(one) - set%x(other), set%y(one) - set%y(other)] + &
-           (set%shift(:, one) - set%shift(:, other))
+    offset = [set%x(one) - set%x(other), set%y(one) - set%y(other)] + &
+             (set%shift(:, one) - set%shift(:, other))
   end function relative_position
 
-  !> Second derivatives of a near pair's compliance: xx, xy, yy.
-  pure function pair_hessian(set, k) result(bends)
-    type(circle_set), intent(in) :: set  !! its field is known
-    integer, intent(in) :: k             !! number of the pair
-    real(real64) :: bends(3)             !! by the shift of one against the other
+  !> Second derivatives of the compliance G of a near pair by the relative shift: xx, xy, yy.
+  pure function pair_hessian(set, k) result(hessian)
+    type(circle_set), intent(in) :: set  !! circles with their field
+    integer, intent(in) :: k             !! index of the pair
+    real(real64) :: hessian(3)
 
     associate (x => set%terms(direction_x, k), y => set%terms(direction_y, k))
-      bends = set%terms(slope_over_distance, k) * [1, 0, 1] + set%terms(hessian_anisotropy, k) * &
-        [x * x, x * y, y * y]
+      hessian = set%terms(slope_over_distance, k) * [1, 0, 1] + &
+                set%terms(hessian_anisotropy, k) * [x * x, x * y, y * y]
     end associate
   end function pair_hessian
 

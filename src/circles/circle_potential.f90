@@ -1,8 +1,8 @@
-!> Change of the potential of circles between two states.
+!> Change of the potential energy of coupled contacts between two states.
 !>
-!> Near a solution the change is smaller than what its sums have as rounding error; there it is the
-!> mean of both gradients times the change of the state, which is exact to third order (as in the
-!> approximate Wolfe conditions of Hager and Zhang, SIAM J. Optim. 16 (2005) 170).
+!> Near a solution the change is smaller than the rounding errors of the two potentials. There it is
+!> the mean of both gradients times the change of the state, which is exact to third order (as in
+!> the approximate Wolfe conditions of Hager and Zhang, SIAM J. Optim. 16 (2005) 170).
 module asperity_circle_potential
   use asperity_circle_field, only: circle_set, inclination_factor, many, sum_error
   use asperity_contact_law, only: contact_law, contact_response
@@ -14,11 +14,11 @@ module asperity_circle_potential
 
   public :: potential_change, potential_state, remember_state, restore_state
 
-  !> A state with its circles, their field and the gradient of the potential.
+  !> Copy of a state with its circles, their field and the gradient of the potential.
   type :: potential_state
-    real(real64), allocatable :: penetration(:)   !! by pair
-    real(real64), allocatable :: shift(:, :)      !! shifts (2, pair)
-    real(real64) :: closing = 0.0_real64          !! of the state
+    real(real64), allocatable :: penetration(:)   !! by pair [length], > 0 where loaded
+    real(real64), allocatable :: shift(:, :)      !! lateral shifts (2, pair) [length]
+    real(real64) :: closing = 0.0_real64          !! compression [length]
     type(circle_set) :: set                       !! circles and their field
     type(solve_state) :: state                    !! gradient and residual
   end type potential_state
@@ -61,12 +61,12 @@ contains
     state = before%state
   end subroutine restore_state
 
-  !> Potential now less that before, at the compression before.
+  !> Potential of a state less that of an earlier one, at the compression of the earlier one.
   subroutine potential_change(pairs, law, before, solution, state, change, noise)
     type(contact_pairs), intent(in) :: pairs           !! pairs of the position
     class(contact_law), intent(in) :: law              !! of each contact
-    type(potential_state), intent(in) :: before        !! the state before
-    type(coupled_solution), intent(in) :: solution     !! the state now, evaluated
+    type(potential_state), intent(in) :: before        !! the earlier state
+    type(coupled_solution), intent(in) :: solution     !! the state, evaluated
     type(solve_state), intent(in) :: state             !! gradient and residual of it
     real(real64), intent(out) :: change                !! of the potential
     real(real64), intent(out) :: noise                 !! rounding and summation error of the change
@@ -88,7 +88,7 @@ contains
     do i = 1, n
       part(i) = 0.0_real64
       if (all(circle(i, :) == 0)) cycle
-      ! Where a contact is open what it feels is not known: that of the other state.
+      ! No gradient is known of an open contact: that of the other state is taken.
       if (circle(i, 1) == 0) gradient(i, 1) = gradient(i, 2) - solution%penetration(i)
       if (circle(i, 2) == 0) gradient(i, 2) = gradient(i, 1) - before%penetration(i)
       part(i) = 0.5_real64 * sum(gradient(i, :)) * (load(i, 2) - load(i, 1)) + &
@@ -117,7 +117,7 @@ contains
     end do
   end subroutine potential_change
 
-  ! By pair: loads, gradients by load, and circles.
+  ! Expands loads, gradients by load, and indices of circles from circles to pairs.
   pure subroutine expand_by_pair(set, gradient_by_circle, load, gradient, circle)
     type(circle_set), intent(in) :: set
     real(real64), intent(in) :: gradient_by_circle(:)
@@ -130,7 +130,7 @@ contains
     circle(set%contact) = [(k, k=1, size(set%contact))]
   end subroutine expand_by_pair
 
-  ! Height that its shift costs a contact; 0 where there is no circle.
+  ! Increase of the gap of a contact by its shift; 0 where there is no circle.
   pure real(real64) function height_of_shift(set, k)
     type(circle_set), intent(in) :: set
     integer, intent(in) :: k
@@ -182,7 +182,7 @@ contains
     excess_work = (high - low) * excess_work
   end function excess_work
 
-  ! Load of the potential: over the modulus, with what an inclined contact presses.
+  ! Load V of the potential: over the modulus, times the factor of an inclined contact.
   real(real64) function load_at(pairs, law, i, p) result(load)
     type(contact_pairs), intent(in) :: pairs
     class(contact_law), intent(in) :: law

@@ -1,9 +1,9 @@
-!> Products of the second derivatives of the circles' potential with changes of loads and shifts.
+!> Products of the Hessian of the potential with changes of loads and shifts.
 !>
-!> `exact` takes all second derivatives of near pairs, and of far pairs those by loads: the rest is
-!> of the order (circle/distance)**3. `convex` leaves out what may be negative: the decrease of a
-!> load with its own radius, load with shift, and shift with shift of other circles; its second
-!> derivatives by a circle's own shift are raised until they are positive.
+!> The exact model has all second derivatives of near pairs, and of far pairs those by loads: the
+!> others are of the order (radius/distance)**3. The convex model leaves out the terms that may be
+!> negative: negative growth by the own radius, load with shift, and shift with shift of other
+!> circles. It raises the second derivatives by the own shift until they are positive definite.
 module asperity_circle_products
   use asperity_circle_field, only: hessian_anisotropy, circle_set, compliance, direction_x, &
     flat_spread, least_share, many, &
@@ -19,7 +19,7 @@ module asperity_circle_products
 
 contains
 
-  !> Shift to where a slope vanishes to first order, downwards in any case.
+  !> Newton step of a shift, with a raised Hessian: a direction of descent in any case.
   pure function lowest_shift(hessian, isolated, slope) result(shift)
     real(real64), intent(in) :: hessian(3)  !! second derivatives by the shift: xx, xy, yy
     real(real64), intent(in) :: isolated   !! second derivative without neighbours, more than 0
@@ -34,7 +34,7 @@ contains
     shift = -[h(3) * s(1) - h(2) * s(2), h(1) * s(2) - h(2) * s(1)] / (h(1) * h(3) - h(2)**2)
   end function lowest_shift
 
-  !> Second derivatives by a shift with a share of the identity added so that they are positive.
+  !> Second derivatives by a shift, with a share of the identity added so that they are definite.
   pure function convex_hessian(hessian, isolated) result(raised)
     real(real64), intent(in) :: hessian(3)  !! second derivatives: xx, xy, yy
     real(real64), intent(in) :: isolated   !! second derivative without neighbours, more than 0
@@ -45,9 +45,9 @@ contains
                                                            hessian(2))))
   end function convex_hessian
 
-  !> Second derivatives of the potential times changes of loads and shifts.
+  !> Multiplies the Hessian of the potential by changes of loads and shifts.
   subroutine multiply(set, convex, change, image)
-    type(circle_set), intent(inout) :: set      !! its field is known; not changed but for its tree
+    type(circle_set), intent(inout) :: set      !! circles with their field; only its tree changes
     logical, intent(in) :: convex               !! the convex model in place of the exact one
     real(real64), intent(in) :: change(:, :)    !! (3, circle): of load, of shift along x and y
     real(real64), intent(out) :: image(:, :)    !! product, load and shift (3, circle)
@@ -68,7 +68,7 @@ contains
     !$omp   private(i, j, k, l, row, relative_shift, slope_own, slope_other, direction)
     do i = 1, n
       row(1) = far(1, i) / pi + change(1, i) / set%stiffness(i)
-      associate (growth_term => set%displacement_growth(i) / (3 * set%load(i)))
+      associate (growth_term => set%growth(i) / (3 * set%load(i)))
         row(1) = row(1) + merge(max(0.0_real64, growth_term), growth_term, convex) * &
           change(1, i)
       end associate
@@ -106,7 +106,7 @@ contains
     !$omp end parallel do
   end subroutine multiply
 
-  ! Second derivatives xx, xy, yy times a shift; none where a circle may not shift.
+  ! Second derivatives xx, xy, yy times a shift; zero where the shift is fixed.
   pure function own_hessian_product(set, i, hessian, shift) result(slope)
     type(circle_set), intent(in) :: set
     integer, intent(in) :: i

@@ -1,13 +1,13 @@
-!> A step of the trust-region method: conjugate gradients on the second derivatives, cut at the
-!> border of the region.
+!> Solves the trust-region subproblem: min g'd + d'H d/2 for |d| <= radius.
 !>
 !> Method: truncated conjugate gradients (Steihaug, SIAM J. Numer. Anal. 20 (1983) 626; Toint 1981;
 !> Nocedal and Wright, Numerical Optimization, 2006, algorithm 7.2) in the norm of the blocks. The
-!> first iterate is the preconditioned gradient, so that a step lowers the model by a share of
-!> Cauchy's step at least, which is what convergence needs (Conn, Gould and Toint, Trust-Region
-!> Methods, 2000, theorem 6.4.6). Many circles are preconditioned by their blocks and by squares
-!> full of circles (two levels). Exits: the gradient of the model has fallen to a share; the border
-!> is met; the potential curves down (then on to the border).
+!> first iterate is the preconditioned gradient, so that a step decreases the model by a share of
+!> the decrease by Cauchy's step, as convergence requires (Conn, Gould and Toint, Trust-Region
+!> Methods, 2000, theorem 6.4.6). Preconditioner: block Jacobi, and a coarse level of squares for
+!> more than `circles_in_one` circles. Exits: the gradient of the model has fallen to a given share;
+!> the border is reached; the curvature along a direction is negative (the step then ends on the
+!> border).
 module asperity_circle_step
   use asperity_circle_blocks, only: circle_blocks, factor_blocks, find_blocks, solve_blocks
   use asperity_circle_field, only: circle_set, most_rounds
@@ -24,31 +24,31 @@ module asperity_circle_step
   !> Quadratic model of the potential about a state.
   type :: circle_model
     real(real64), allocatable :: gradient(:, :)     !! (3, circle): by load, by shift along x and y
-    logical :: keep_sum = .false.                   !! changes of the loads add up to zero
-    logical :: convex = .false.                     !! without what may curve down
-    real(real64), allocatable :: weight(:, :)       !! of changes in the norm
+    logical :: keep_sum = .false.                   !! the sum of the loads is constrained
+    logical :: convex = .false.                     !! the convex model in place of the exact one
+    real(real64), allocatable :: weight(:, :)       !! of changes, in the norm
     type(circle_blocks), private :: blocks
     type(coarse_circles), private :: coarse
-    ! Where the sum is kept: weights of the loads in it, and the preconditioned answer to them.
-    real(real64), allocatable, private :: load_share(:), retraction(:, :)
+    ! Under the constraint: weights of the loads in the sum, and their preconditioned direction.
+    real(real64), allocatable, private :: load_share(:), projection(:, :)
   end type circle_model
 
-  !> A step and what the model says of it.
+  !> A step and its prediction by the model.
   type :: trust_step
     real(real64), allocatable :: change(:, :)       !! (3, circle): of load, of shift
     real(real64) :: length = 0.0_real64             !! in the norm of the blocks
-    real(real64) :: decrease = 0.0_real64           !! of the model, 0 or more
-    logical :: at_border = .false.                  !! of the region
-    logical :: curves_down = .false.                !! the model does along a direction
+    real(real64) :: decrease = 0.0_real64           !! predicted, of the potential, 0 or more
+    logical :: at_border = .false.                  !! the step ends on the border of the region
+    logical :: curves_down = .false.                !! the last direction has negative curvature
   end type trust_step
 
 contains
 
   !> Factors the blocks of a model and prepares its squares.
   subroutine prepare_model(set, model)
-    type(circle_set), intent(inout) :: set      !! its field is known
+    type(circle_set), intent(inout) :: set      !! circles with their field
     type(circle_model), intent(inout) :: model  !! gradient and kind are set
-    real(real64), allocatable :: retraction(:, :), ones(:, :)
+    real(real64), allocatable :: projection(:, :), ones(:, :)
     real(real64) :: mean_penetration
     integer :: i
 
@@ -64,7 +64,7 @@ contains
     ones(1, :) = 1.0_real64
     if (size(set%x) > circles_in_one) then
       call gather_squares(set%x, set%y, model%coarse)
-      ! A block is in one square: what it answers is then known by the sum.
+      ! A block is in one square, so that the sums of its response are known.
       do i = 1, size(model%blocks%first) - 1
         associate (member => model%blocks%member(model%blocks%first(i): &
                                                  model%blocks%first(i + 1) - 1))
@@ -77,22 +77,22 @@ contains
     end if
     if (.not. model%keep_sum) return
     ones(1, :) = set%load_share
-    allocate (retraction, mold=ones)
-    call apply_preconditioner(model, ones, retraction)
-    retraction = retraction / sum(set%load_share * retraction(1, :))
-    call move_alloc(retraction, model%retraction)
+    allocate (projection, mold=ones)
+    call apply_preconditioner(model, ones, projection)
+    projection = projection / sum(set%load_share * projection(1, :))
+    call move_alloc(projection, model%projection)
     allocate (model%load_share, source=set%load_share)
   end subroutine prepare_model
 
-  !> The step that lowers the model within a radius.
+  !> Finds a step that decreases the model within the region.
   subroutine find_step(set, model, accuracy, radius, step, products, interrupt)
-    type(circle_set), intent(inout) :: set          !! of the model; not changed but for its tree
+    type(circle_set), intent(inout) :: set          !! circles of the model; only its tree changes
     type(circle_model), intent(inout) :: model      !! model that is prepared
     real(real64), intent(in) :: accuracy            !! share of the gradient that may remain
     real(real64), intent(inout) :: radius           !! of the region; 0: becomes the first length
     type(trust_step), intent(out) :: step           !! step that was found
-    integer, intent(inout) :: products              !! made, counted on
-    type(interruption), intent(in) :: interrupt     !! of the run: the step is of no use then
+    integer, intent(inout) :: products              !! number of products with the Hessian so far
+    type(interruption), intent(in) :: interrupt     !! of the run: ends the iteration early
     real(real64), allocatable, dimension(:, :) :: residual, preconditioned, direction, image, &
       scaled_step, scaled_direction
     real(real64) :: curvature, first_product, to_border, inner_product, step_length
@@ -128,7 +128,7 @@ contains
       residual = residual - step_length * image
       if (step%at_border) exit
       call apply_preconditioner(model, residual, preconditioned)
-      ! Squares are not solved exactly: each direction against the last one (Polak and Ribiere).
+      ! The coarse level is not solved exactly: flexible conjugate gradients (Polak and Ribiere).
       direction = preconditioned - (step_length * sum(preconditioned * image) / inner_product) * &
         direction
       inner_product = sum(residual * preconditioned)
@@ -138,7 +138,7 @@ contains
 
   contains
 
-    ! Part of the direction at which the step meets the border.
+    ! Length along the direction at which the step reaches the border.
     real(real64) function distance_to_border() result(to_border)
       real(real64) :: a, b, c
 
@@ -155,8 +155,7 @@ contains
 
   end subroutine find_step
 
-  ! Approximate solution of the model's equations: blocks alone, and what squares full of circles do
-  ! to each other.
+  ! Applies the preconditioner: blocks, and their coupling by squares full of circles.
   subroutine apply_preconditioner(model, residual, preconditioned)
     type(circle_model), intent(inout) :: model
     real(real64), intent(in) :: residual(:, :)
@@ -179,7 +178,7 @@ contains
       end if
     end associate
     if (allocated(model%load_share)) &
-      preconditioned = preconditioned - model%retraction * &
+      preconditioned = preconditioned - model%projection * &
         sum(model%load_share * preconditioned(1, :))
   end subroutine apply_preconditioner
 

@@ -1,10 +1,10 @@
-!> Many circles as squares full of them: what they do to each other over long distances.
+!> Coarse level of many contacts: squares full of circles, coupled over long distances.
 !>
-!> The slow part of conjugate gradients on many contacts are changes of load that vary slowly from
-!> place to place: the sum of 1/r over contacts of the stiffness k, n to an area, acts on waves of
-!> number q as 2 pi n k/q beside the 1 of each alone. So the circles of each square of a grid share
-!> what they are lowered by, the mean of 1/r over two squares (Love 1929). Only a preconditioner and
-!> a start: they change how many steps are needed, not the result.
+!> Conjugate gradients on many contacts are slow for loads that vary slowly in space: the sum of 1/r
+!> over n contacts of stiffness k per area has the eigenvalue 2 pi n k/q for waves of number q,
+!> where an isolated contact has 1. On the coarse level the circles of a square of a grid share one
+!> displacement: the mean of 1/r over two squares (Love 1929) times the loads. It is a
+!> preconditioner and a start, and changes the number of steps, not the result.
 module asperity_coarse_circles
   use asperity_cell_convolution, only: cell_convolution
   use asperity_circle_field, only: most_rounds
@@ -18,9 +18,9 @@ module asperity_coarse_circles
 
   !> Circles gathered in squares. It owns the plans of a transform: it must not be copied.
   type :: coarse_circles
-    integer, allocatable :: square(:)             !! of each circle
-    !> changes that each circle answers with to one more penetration of all in its square, and the
-    !> sum of its loads over a square; to be set
+    integer, allocatable :: square(:)             !! index of the square of each circle
+    !> by the user: changes (3, circle) by a unit penetration of all circles of a square, and the
+    !> sum of the changes of load by square
     real(real64), allocatable :: answer(:, :), stiffness(:)
     integer :: columns = 0, rows = 0              !! of squares
     type(cell_convolution), private :: lattice    !! displacement of squares by loads on them
@@ -38,8 +38,8 @@ contains
 
   !> Gathers circles at their places.
   subroutine gather_squares(x, y, coarse)
-    real(real64), intent(in) :: x(:), y(:)           !! places, one at least
-    type(coarse_circles), intent(out) :: coarse      !! squares, their stiffness not set
+    real(real64), intent(in) :: x(:), y(:)           !! centres of circles, one at least [length]
+    type(coarse_circles), intent(out) :: coarse      !! squares without answer and stiffness
     real(real64) :: low(2), extent(2), side
 
     low = [minval(x), minval(y)]
@@ -54,8 +54,8 @@ contains
 
   !> Displacement of squares by loads on squares.
   function pressed_displacement(coarse, loads) result(displacement)
-    type(coarse_circles), intent(inout) :: coarse    !! squares, gathered before
-    real(real64), intent(in) :: loads(:)             !! loads, one a square
+    type(coarse_circles), intent(inout) :: coarse    !! squares of circles
+    real(real64), intent(in) :: loads(:)             !! loads over the modulus by square
     real(real64) :: displacement(size(loads))
     real(real64) :: on_lattice(coarse%columns, coarse%rows)
 
@@ -65,8 +65,8 @@ contains
 
   !> Sums over the circles of each square.
   pure function sum_of_squares(coarse, values) result(sums)
-    type(coarse_circles), intent(in) :: coarse   !! squares, gathered before
-    real(real64), intent(in) :: values(:)        !! values, one a circle
+    type(coarse_circles), intent(in) :: coarse   !! squares of circles
+    real(real64), intent(in) :: values(:)        !! values by circle
     real(real64) :: sums(coarse%columns * coarse%rows)
     integer :: i
 
@@ -76,19 +76,19 @@ contains
     end do
   end function sum_of_squares
 
-  !> Changes of penetration, by square, that take away what the equations leave over: x of
-  !> (1 + P K) x = left, by conjugate gradients on (1 + sqrt(K) P sqrt(K)) sqrt(K) x = sqrt(K) left.
+  !> Solves the coarse equations (1 + P K) x = b, K stiffness and P displacement by loads, with
+  !> conjugate gradients on (1 + sqrt(K) P sqrt(K)) sqrt(K) x = sqrt(K) b.
   function shared_change(coarse, right_side) result(change)
-    type(coarse_circles), intent(inout) :: coarse  !! with stiffness; stays
+    type(coarse_circles), intent(inout) :: coarse  !! with stiffness; only its work space changes
     real(real64), intent(in) :: right_side(:)      !! by square; of those with stiffness
     real(real64) :: change(size(right_side))
     real(real64), dimension(size(right_side)) :: root, residual, direction, image
     real(real64) :: square, first_square, last_square, half
     integer :: power, round
 
-    ! K in a power of two of its own: the root of 2 K has other digits than that of K.
+    ! K is scaled by a power of two, so that its root has the same digits in any unit; half of the
+    ! power does not overflow.
     power = exponent(maxval(coarse%stiffness))
-    ! Half of it, as that of the largest number is none.
     half = scale(0.5_real64, power)
     root = sqrt(scale(coarse%stiffness, -power))
     residual = root * right_side

@@ -10,16 +10,16 @@
 !> Method: trust region with truncated conjugate gradients (circle_step; Nocedal and Wright,
 !> Numerical Optimization, 2006, algorithm 4.1). Far from the solution the model is convex: every
 !> bounded model converges (Conn, Gould and Toint, Trust-Region Methods, 2000, theorem 6.4.6). Where
-!> a step has left more than a share of the residual, or contacts begin to touch, the contacts with
+!> a step has left more than a share of the residual, or contacts are activated, the contacts with
 !> the largest residuals are first solved in the field of the others (nonlinear elimination; Cai and
-!> Li, SIAM J. Sci. Comput. 33 (2011) 746). Active set: a contact opens where its penetration falls
-!> to 0, or where the field exceeds its penetration many times; open contacts that touch get the
-!> largest share 1, 1/2, 1/4, ... of their penetration with which the potential does not increase
-!> (Armijo's backtracking).
+!> Li, SIAM J. Sci. Comput. 33 (2011) 746). Active set: a contact is released where its penetration
+!> falls to 0, or where the field exceeds its penetration many times; open contacts that touch are
+!> activated with the largest share 1, 1/2, 1/4, ... of their penetration with which the potential
+!> does not increase (Armijo's backtracking).
 !>
-!> Exits: residual over the largest penetration small enough and no open contact touches
-!> (converged); compression beyond the complete pair list (the caller repeats); two steps without a
-!> decrease, or too many steps (not converged); no memory, interrupted (failure).
+!> Exits: the residual is small enough and no open contact touches (converged); compression beyond
+!> the complete pair list (the caller repeats); two steps without a decrease, or too many steps (not
+!> converged); no memory, interrupted (failure).
 module asperity_coupled_contacts
   use asperity_circle_field, only: are_close, circle_set, many, most_repeats
   use asperity_circle_potential, only: potential_change, potential_state, remember_state, &
@@ -77,17 +77,18 @@ contains
 
   ! Long: one iteration with all its exits.
 
-  !> Solves at a given closing, or, where `target` is present, at a sum of the normal loads, or of
-  !> the vertical ones, as the pairs have it.
+  !> Solves at a given compression or, where `target` is present, at a total load: the normal or the
+  !> vertical one, by `pairs%vertical`.
   recursive subroutine solve_coupled(pairs, law, solution, target, resolved, group_residual)
     type(contact_pairs), intent(in) :: pairs           !! those that may touch, ascending gap
     class(contact_law), intent(in), target :: law      !! of each contact
-    !> closing: given, or found where there is a target; penetrations and shifts: a start when
+    !> compression: given, or found where there is a target; penetrations and shifts: a start where
     !> allocated
     type(coupled_solution), intent(inout) :: solution
-    real(real64), intent(in), optional :: target       !! more than 0
+    real(real64), intent(in), optional :: target       !! total load [force], more than 0
     type(resolved_contacts), intent(in), optional :: resolved
-    real(real64), intent(in), optional :: group_residual  !! residual of a group
+    !> the contacts are a group in the field of others: residual that suffices
+    real(real64), intent(in), optional :: group_residual
     type(solve_state) :: state
     type(potential_state) :: before
     real(real64) :: carried, required, last_residual, attainable, examined_residual, radius, slope
@@ -111,8 +112,8 @@ contains
     state%is_near = solution%is_near
     solution%is_near = .false.
     step_limit = most_steps
-    if (present(group_residual)) step_limit = min(most_repeats, most_looks * most_in_group / &
-                                                  size(pairs%list))
+    if (present(group_residual)) &
+      step_limit = min(most_repeats, most_looks * most_in_group / size(pairs%list))
     is_final = .false.
     activated = -1
     circles = 0
@@ -124,24 +125,23 @@ contains
     do
       if (pairs%interrupt%is_asked()) solution%failure = 'interrupted'
       if (allocated(solution%failure)) return
-      attainable = merge(accepted, asked, failed_steps > 0 .or. .not. state%residual < stagnates * &
-                         last_residual)
+      attainable = merge(accepted, asked, failed_steps > 0 .or. &
+                         .not. state%residual < stagnates * last_residual)
       required = merge(accepted, attainable, size(solution%set%x) > many)
       if (present(group_residual)) required = max(required, group_residual)
       ! The pair list is complete only up to this compression. Beyond it the solution is invalid;
       ! the caller repeats the solve with all pairs.
       if (solution%closing > pairs%complete_to .and. state%residual < far_off) exit
-      if (state%residual <= required .or. (state%is_near .and. &
-                                           solution%ending%iterations == 0) .or. &
+      if (state%residual <= required .or. &
+          (state%is_near .and. solution%ending%iterations == 0) .or. &
           (state%residual <= stagnates * examined_residual .and. &
            (activated /= 0 .or. may_touch(solution, state)))) then
         examined_residual = state%residual
         call activate_touching(pairs, law, attainable, state%residual <= required, solution, &
-                               state, &
-                               resolved, activated)
+                               state, resolved, activated)
         if (allocated(solution%failure)) return
         if (state%residual <= required .and. activated == 0) exit
-        ! Contacts that begin to touch are far from their loads: these are found by themselves.
+        ! Activated contacts are far from their loads: elimination finds these first.
         if (activated > 0 .and. state%residual > stagnates * examined_residual) &
           eliminates = .not. present(group_residual)
       end if
@@ -159,8 +159,8 @@ contains
       solution%ending%iterations = solution%ending%iterations + 1
       if (size(solution%set%x) < circles) activated = -1
       circles = size(solution%set%x)
-      ! At the end the near pairs are those of the solution, whatever the way to it; once only, as a
-      ! pair on the border may come and go.
+      ! At the end the near pairs are those of the solution, whatever the start. Once only: a pair
+      ! on the border may enter and leave the lists.
       if (state%residual < least_left .and. .not. is_final) then
         is_final = .true.
         state%rebuilds_lists = size(solution%set%x) <= many
@@ -178,12 +178,12 @@ contains
       'level: ' // real_text(in_scene_units(pairs, carried * pairs%modulus, 1, 2)) // ' at most'
   end subroutine solve_coupled
 
-  !> Takes the penetrations as they are: finds their circles and field, and the gaps of resolved
-  !> contacts with which the equations hold for them.
+  !> Finds circles and field of given penetrations, and the gaps of resolved contacts with which
+  !> the equations hold for them.
   subroutine adopt_penetrations(pairs, law, solution, resolved)
     type(contact_pairs), intent(in) :: pairs               !! pairs of the position
     class(contact_law), intent(in) :: law                  !! of each contact
-    type(coupled_solution), intent(inout) :: solution      !! all but its circles is set
+    type(coupled_solution), intent(inout) :: solution      !! penetrations; gets circles and field
     type(resolved_contacts), intent(inout) :: resolved     !! gets its gaps
     type(solve_state) :: state
     integer :: i, k
@@ -193,13 +193,12 @@ contains
     where (resolved%is_resolved) resolved%gap = huge(1.0_real64)
     do k = 1, size(solution%set%contact)
       i = solution%set%contact(k)
-      if (resolved%is_resolved(i)) resolved%gap(i) = solution%closing - &
-        solution%set%displacement(k) - &
-                                                     solution%penetration(i)
+      if (resolved%is_resolved(i)) resolved%gap(i) = &
+        solution%closing - solution%set%displacement(k) - solution%penetration(i)
     end do
   end subroutine adopt_penetrations
 
-  ! Lets open contacts that touch carry load, as far as the potential does not increase.
+  ! Activates open contacts that touch, as far as the potential does not increase.
   subroutine activate_touching(pairs, law, accuracy, is_complete, solution, state, resolved, &
                                activated)
     type(contact_pairs), intent(in) :: pairs
@@ -211,24 +210,24 @@ contains
     type(resolved_contacts), intent(in), optional :: resolved
     integer, intent(out) :: activated
     type(potential_state) :: before
-    integer, allocatable :: number(:)
+    integer, allocatable :: contact(:)
     real(real64), allocatable :: deep(:), unloaded(:)
     integer :: halving
     real(real64) :: change, noise
 
-    call find_touching(pairs, law, accuracy, is_complete, solution, state, resolved, number)
-    activated = size(number)
+    call find_touching(pairs, law, accuracy, is_complete, solution, state, resolved, contact)
+    activated = size(contact)
     if (allocated(solution%failure) .or. activated == 0) return
-    allocate (deep, source=solution%penetration(number))
-    allocate (unloaded(size(number)))
-    unloaded = penetration_without_load(pairs, law, number, deep)
-    solution%penetration(number) = 0.0_real64
+    allocate (deep, source=solution%penetration(contact))
+    allocate (unloaded(size(contact)))
+    unloaded = penetration_without_load(pairs, law, contact, deep)
+    solution%penetration(contact) = 0.0_real64
     call remember_state(solution, state, before)
     do halving = 0, most_looks
       solution%penetration = before%penetration
-      solution%penetration(number) = unloaded + (deep - unloaded) * 0.5_real64**halving
+      solution%penetration(contact) = unloaded + (deep - unloaded) * 0.5_real64**halving
       if (state%target > 0.0_real64) &
-      call raise_to_load(pairs, law, state%target, solution%penetration)
+        call raise_to_load(pairs, law, state%target, solution%penetration)
       call evaluate_state(pairs, law, solution, state, resolved)
       if (allocated(solution%failure)) return
       if (size(before%set%x) == 0) return
@@ -255,9 +254,9 @@ contains
 
     call find_groups(solution%set, state%contact_residual, member, first)
     if (size(member) == 0) return
-    ! Where most of many contacts are off, a step of all lowers the residual with fewer fields.
-    if (size(state%contact_residual) > many .and. 2 * &
-        size(member) > size(state%contact_residual)) return
+    ! Where most of many contacts have large residuals, a step of all needs fewer fields.
+    if (size(state%contact_residual) > many .and. &
+        2 * size(member) > size(state%contact_residual)) return
     call remember_state(solution, state, before)
     !$omp parallel do schedule(dynamic)
     do k = 1, size(first) - 1
@@ -273,7 +272,7 @@ contains
     call restore_state(before, solution, state)
   end subroutine eliminate_contacts
 
-  ! Solves some contacts under the field of all others; those of other groups stay as they are.
+  ! Solves one group in the field of all other contacts.
   recursive subroutine solve_group(pairs, law, state, member, solution)
     type(contact_pairs), intent(in) :: pairs
     class(contact_law), intent(in), target :: law
@@ -290,7 +289,8 @@ contains
       call insert_group(pairs, member, group_pairs, law_of_group, group, solution)
   end subroutine solve_group
 
-  ! One step; the region shrinks until one is taken, or the step is lost in rounding.
+  ! Takes one step. The region shrinks until the decrease of the potential is a share of the
+  ! predicted one, or less than its rounding error.
   subroutine take_step(pairs, law, before, radius, solution, state, resolved, is_taken)
     type(contact_pairs), intent(in) :: pairs
     class(contact_law), intent(in) :: law
@@ -318,7 +318,7 @@ contains
     call prepare_model(solution%set, model)
     limit = largest_shifts(before%set)
     forcing = min(stagnates, max(least_left, sqrt(before%state%residual)))
-    ! The last step of many need not go below what is accepted.
+    ! The last step of a large set need not go below the accepted residual.
     if (n > many) forcing = max(forcing, group_left * accepted / before%state%residual)
     do
       call find_step(solution%set, model, forcing, radius, step, solution%products, pairs%interrupt)
@@ -327,34 +327,34 @@ contains
                    maxval(before%penetration(before%set%contact))), norm2(step%change(2:, :), 1) / &
                    limit)
       slope = -sum(model%gradient * step%change, 1)
-      associate (number => before%set%contact)
+      associate (contact => before%set%contact)
         solution%penetration = before%penetration
-        solution%penetration(number) = penetration_after(before%penetration(number), &
+        solution%penetration(contact) = penetration_after(before%penetration(contact), &
           before%set%load, before%set%stiffness, step_share * step%change(1, :))
-        solution%shift(:, number) = before%shift(:, number) + &
+        solution%shift(:, contact) = before%shift(:, contact) + &
                                     spread(step_share, 1, 2) * step%change(2:, :)
-        ! Its gap at the field of the last state. It may touch again elsewhere (join_touching).
+        ! Release: the penetration is the negative gap in the field of the last state.
         if (.not. model%convex) then
-          where (before%state%load_gradient > opens_from * before%penetration(number)) &
-            solution%penetration(number) = before%penetration(number) - before%state%load_gradient
+          where (before%state%load_gradient > opens_from * before%penetration(contact)) &
+            solution%penetration(contact) = before%penetration(contact) - before%state%load_gradient
         end if
       end associate
       if (state%target > 0.0_real64) &
-      call raise_to_load(pairs, law, state%target, solution%penetration)
+        call raise_to_load(pairs, law, state%target, solution%penetration)
       call evaluate_state(pairs, law, solution, state, resolved)
       if (allocated(solution%failure)) return
       predicted = step%decrease
-      ! The part t of a Newton step decreases the model by its slope times t (1 - t/2).
-      if (any(step_share < 1.0_real64)) predicted = sum(slope * step_share * &
-                                                        (1.0_real64 - 0.5_real64 * step_share))
+      ! A share t of a Newton step decreases the model by the slope times t (1 - t/2).
+      if (any(step_share < 1.0_real64)) &
+        predicted = sum(slope * step_share * (1.0_real64 - 0.5_real64 * step_share))
       call potential_change(pairs, law, before, solution, state, change, noise)
       ratio = -change / predicted
       if (.not. ratio >= poor) then
         radius = shrink * step%length
       else if (ratio > good .and. (step%at_border .or. model%convex)) then
-        ! The region of the convex model follows its steps, also those within it (Dennis and
-        ! Schnabel, Numerical Methods for Unconstrained Optimization, 1983, algorithms A6.4.4 and
-        ! A6.4.5): in a wide one the first exact step would let a few contacts run away.
+        ! The radius also follows steps inside the region of the convex model (Dennis and Schnabel,
+        ! Numerical Methods for Unconstrained Optimization, 1983, algorithms A6.4.4 and A6.4.5): in
+        ! a wide region the first exact step would move a few contacts too far.
         radius = grow * step%length
       end if
       is_taken = ratio > taken
@@ -370,7 +370,7 @@ contains
     end do
   end subroutine take_step
 
-  ! Shifts of a step at most: the own radius, or half of a circle around.
+  ! Largest shift in one step: the own radius, or half the radius of a circle that overlaps.
   function largest_shifts(set) result(limit)
     type(circle_set), intent(in) :: set
     real(real64) :: limit(size(set%radius))
@@ -386,9 +386,9 @@ contains
     end do
   end function largest_shifts
 
-  ! Penetration at a changed load. To first order it is p + dV/k. Where the load grows it follows a
-  ! power law, V ~ p**(k p/V), which is exact for Hertz' law: along the tangent small loads would
-  ! become far too large. Where the load falls the tangent is above the law.
+  ! Penetration at a changed load, to first order p + dV/k, k stiffness. Where the load increases it
+  ! follows a power law, V ~ p**(k p/V), exact for Hertz' law: along the tangent small loads would
+  ! become far too large. Where the load decreases the tangent is above the law.
   elemental real(real64) function penetration_after(p, load, stiffness, change) result(after)
     real(real64), intent(in) :: p, load, stiffness, change
 

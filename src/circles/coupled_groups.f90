@@ -1,11 +1,10 @@
-!> The few contacts that hold all others back, group by group, each as a scene of its own.
+!> Groups of contacts with large residuals, each a small problem in the field of all others.
 !>
-!> One near pair far from its solution keeps the steps of all contacts short. So the contacts whose
-!> equations are off by much more than the mean are solved by themselves, with those close by, under
-!> the field that the others have now: its value, slope, bend and what a circle feels more of it as
-!> it grows. (Nonlinear elimination: Cai and Li, SIAM J. Sci. Comput. 33, 746, 2011.) A slope t is
-!> nothing but another place of first touch, s**2/(2 R) + t s = (s + R t)**2/(2 R) - R t**2/2; what
-!> is felt of the square of a radius, nothing but a softer contact.
+!> One near pair far from its solution shortens the steps of all contacts. Nonlinear elimination
+!> (Cai and Li, SIAM J. Sci. Comput. 33 (2011) 746): the contacts with large residuals and those
+!> close to them are solved first, in a fixed field of the others: value, slope, second derivatives
+!> and growth with the radius. A slope t moves the first touch, s**2/(2 R) + t s = (s + R t)**2/(2
+!> R) - R t**2/2. Growth with the square of the radius makes a contact softer.
 module asperity_coupled_groups
   use asperity_circle_field, only: are_close, circle_set, close_by, least_share, many
   use asperity_contact_law, only: contact_law, contact_response
@@ -18,12 +17,11 @@ module asperity_coupled_groups
 
   public :: find_groups, group_law, extract_group, insert_group
 
-  !> The law of some contacts of a list by their places among themselves.
+  !> Contact law of a group, by the indices of its members in the group.
   type, extends(contact_law) :: group_law
     class(contact_law), pointer :: whole => null()  !! law of the list
-    integer, allocatable :: contact(:)              !! places in the list
-    !> The field of the others on a circle falls or grows as its square, with its penetration: by
-    !> this factor it must go softening.
+    integer, allocatable :: contact(:)              !! index of each member in the list
+    !> penetration over that without growth of the field with the radius
     real(real64), allocatable :: softening(:)
   contains
     procedure :: respond
@@ -38,11 +36,11 @@ module asperity_coupled_groups
 
 contains
 
-  !> The answer of a contact of the group.
+  !> Response of a contact of the group.
   pure subroutine respond(self, pair, number, penetration, response)
     class(group_law), intent(in) :: self             !! law of the group
     type(contact_pair), intent(in) :: pair           !! pair that touches
-    integer, intent(in) :: number                    !! place in the group
+    integer, intent(in) :: number                    !! index in the group
     real(real64), intent(in) :: penetration          !! vertical, past first touch; less than zc
     type(contact_response), intent(out) :: response  !! load and stiffness
 
@@ -52,14 +50,14 @@ contains
     end associate
   end subroutine respond
 
-  !> Who is off by much, with those close by, as circles in the order of their groups.
+  !> Finds contacts with large residuals, with those close to them, in groups.
   subroutine find_groups(set, contact_residual, member, first)
-    type(circle_set), intent(in) :: set             !! its field is known
-    real(real64), intent(in) :: contact_residual(:)  !! how far its equations are off, by circle
-    integer, allocatable, intent(out) :: member(:)  !! numbers of the circles
-    integer, allocatable, intent(out) :: first(:)   !! where a group begins; one more than groups
-    logical :: has_large_residual(size(contact_residual)), is_member(size(contact_residual)), &
-      is_linked(size(set%one))
+    type(circle_set), intent(in) :: set              !! circles with their near pairs
+    real(real64), intent(in) :: contact_residual(:)  !! error of the equations, by circle [length]
+    integer, allocatable, intent(out) :: member(:)   !! indices of circles, group by group
+    integer, allocatable, intent(out) :: first(:)    !! first member of each group, and one more
+    logical, dimension(size(contact_residual)) :: has_large_residual, is_member
+    logical :: is_linked(size(set%one))
     integer :: k
 
     has_large_residual = contact_residual > share_off * maxval(contact_residual)
@@ -82,11 +80,11 @@ contains
     call gather_groups(set%one, set%other, is_linked, is_member, most_in_group, member, first)
   end subroutine find_groups
 
-  !> A group as a scene of its own, in the field of all others as it is now.
+  !> Sets up a group as contacts of its own, in the field of all others.
   subroutine extract_group(pairs, law, solution, state, member, group_pairs, law_of_group, group)
     type(contact_pairs), intent(in) :: pairs          !! pairs of the position
     class(contact_law), intent(in), target :: law     !! of each contact
-    type(coupled_solution), intent(in) :: solution    !! loads, shifts and field are set
+    type(coupled_solution), intent(in) :: solution    !! loads, shifts and field of all contacts
     type(solve_state), intent(in) :: state            !! gaps of all pairs
     integer, intent(in) :: member(:)                  !! circles of the group
     type(contact_pairs), intent(out) :: group_pairs   !! pairs of the group
@@ -96,16 +94,16 @@ contains
     real(real64) :: offset(2)
     integer :: i
 
-    associate (number => solution%set%contact(member), set => solution%set)
+    associate (contact => solution%set%contact(member), set => solution%set)
       group_pairs%modulus = pairs%modulus
-      group_pairs%list = pairs%list(number)
+      group_pairs%list = pairs%list(contact)
       law_of_group%whole => law
-      law_of_group%contact = number
-      law_of_group%softening = spread(1.0_real64, 1, size(number))
+      law_of_group%contact = contact
+      law_of_group%softening = spread(1.0_real64, 1, size(contact))
       group%closing = solution%closing
-      group%penetration = solution%penetration(number)
-      group%shift = solution%shift(:, number)
-      group_state%gap = state%gap(number)
+      group%penetration = solution%penetration(contact)
+      group%shift = solution%shift(:, contact)
+      group_state%gap = state%gap(contact)
       call evaluate_state(group_pairs, law_of_group, group, group_state)
       allocate (group%outer_field(5, size(member)))
       do i = 1, size(member)
@@ -116,13 +114,12 @@ contains
           group%shift(:, i) = group%shift(:, i) + offset
           group%outer_field(:, i) = [(set%hessian(:, k) - group%set%hessian(:, i)) / set%load(k), &
                                      group%shift(:, i)]
-          ! d(lift)/d(log of the radius) is twice that by the log of the penetration.
+          ! du/d(log a) is twice du/d(log p).
           law_of_group%softening(i) = max(least_share, 1.0_real64 + 0.5_real64 * &
-                                          (set%displacement_growth(k) - &
-                                           group%set%displacement_growth(i)) / p)
-          pair%gap = state%gap(number(i)) + set%displacement(k) - group%set%displacement(i) - &
-            0.5_real64 * &
-                     set%curvature(k) * dot_product(offset, group%shift(:, i) + set%shift(:, k)) - &
+                                          (set%growth(k) - group%set%growth(i)) / p)
+          pair%gap = state%gap(contact(i)) + set%displacement(k) - group%set%displacement(i) - &
+                     0.5_real64 * set%curvature(k) * &
+                     dot_product(offset, group%shift(:, i) + set%shift(:, k)) - &
                      (law_of_group%softening(i) - 1.0_real64) * p
           p = p * law_of_group%softening(i)
         end associate
@@ -130,14 +127,14 @@ contains
     end associate
   end subroutine extract_group
 
-  !> Takes the solution of a group over.
+  !> Copies the solution of a group into that of all contacts.
   subroutine insert_group(pairs, member, group_pairs, law_of_group, group, solution)
     type(contact_pairs), intent(in) :: pairs           !! pairs of the position
     integer, intent(in) :: member(:)                   !! circles of the group
     type(contact_pairs), intent(in) :: group_pairs     !! pairs of the group
     type(group_law), intent(in) :: law_of_group        !! of its contacts
     type(coupled_solution), intent(in) :: group        !! solution of the group
-    type(coupled_solution), intent(inout) :: solution  !! solution of all, gets it
+    type(coupled_solution), intent(inout) :: solution  !! of all; gets penetrations and shifts
     integer :: i, k
 
     do k = 1, size(member)

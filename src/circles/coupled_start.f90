@@ -1,4 +1,4 @@
-!> Where the iteration of coupled contacts begins.
+!> Start of the iteration of coupled contacts.
 module asperity_coupled_start
   use asperity_circle_field, only: inclination_factor, many, most_repeats
   use asperity_coarse_circles, only: coarse_circles, gather_squares, pressed_displacement, &
@@ -20,15 +20,15 @@ module asperity_coupled_start
 
 contains
 
-  !> A start: the contacts as they were before, or alone, at the load or the closing; where they are
-  !> many, lowered by what squares full of them do to each other.
+  !> Prepares a start: given penetrations, or those of isolated contacts, at the compression or the
+  !> load; of more than `few_contacts`, with their coupling on the coarse level of squares.
   subroutine prepare_start(pairs, law, solution, state, target, resolved)
     type(contact_pairs), intent(in) :: pairs               !! pairs of the position
     class(contact_law), intent(in) :: law                  !! of each contact
     type(coupled_solution), intent(inout) :: solution      !! gets what is not allocated
-    type(solve_state), intent(out) :: state                !! ready for the first residual
-    real(real64), intent(in), optional :: target           !! normal load asked for
-    type(resolved_contacts), intent(in), optional :: resolved  !! those solved elsewhere
+    type(solve_state), intent(out) :: state                !! gaps, target and order of pairs
+    real(real64), intent(in), optional :: target           !! given total load [force]
+    type(resolved_contacts), intent(in), optional :: resolved  !! contacts on boundary elements
     type(coarse_circles) :: coarse
     logical :: is_isolated
     integer :: n
@@ -38,7 +38,7 @@ contains
     state%gap = pairs%list%gap
     if (present(resolved)) state%gap = resolved%gap
     if (n > few_contacts) then
-      ! Square by square: neighbours are near in memory, too.
+      ! In the order of squares neighbours are near in memory.
       call gather_squares(pairs%list%x, pairs%list%y, coarse)
       allocate (state%order(n))
       call sort_keys(real(coarse%square, real64), state%order)
@@ -57,8 +57,8 @@ contains
       call displace_squares(pairs, law, state%target, coarse, solution%penetration)
   end subroutine prepare_start
 
-  !> Scales the penetrations of isolated contacts by the factor t with which the potential is least
-  !> by Hertz' powers: its parts grow as t**(5/2) (contacts), t**3 (interaction), -t**(3/2) (work).
+  !> Scales the penetrations of isolated contacts by the factor t that minimises the potential: its
+  !> parts are proportional to t**(5/2) (contacts), t**3 (interaction) and -t**(3/2) (work).
   subroutine scale_start(pairs, law, solution, state)
     type(contact_pairs), intent(in) :: pairs           !! pairs of the position
     class(contact_law), intent(in) :: law              !! of each contact
@@ -79,8 +79,8 @@ contains
     call evaluate_state(pairs, law, solution, state)
   end subroutine scale_start
 
-  ! Squares as contacts: each presses all others down by the mean of 1/r over both, and its law is
-  ! that of its contacts, lowered alike. Newton's method on them.
+  ! Reduces penetrations by the displacements of squares, each one contact with the laws of its
+  ! members at one common displacement, by Newton's method.
   subroutine displace_squares(pairs, law, target, coarse, penetration)
     type(contact_pairs), intent(in) :: pairs
     class(contact_law), intent(in) :: law
@@ -110,7 +110,7 @@ contains
       coarse%stiffness = max(0.5_real64 * coarse%stiffness, sum_of_squares(coarse, stiffness))
       loads = sum_of_squares(coarse, load)
       residual = displacement - pressed_displacement(coarse, loads)
-      ! A part that all have alike is the compression, and far more than the rest.
+      ! The common part is the compression, far more than the differences.
       if (target > 0.0_real64) &
         residual = residual - dot_product(coarse%stiffness, residual) / sum(coarse%stiffness)
       change = change_everywhere(residual)
@@ -119,10 +119,10 @@ contains
         change = change - uniform * (sum(coarse%stiffness * change) / &
                                      sum(coarse%stiffness * uniform))
       end if
-      ! A load is convex in its penetration: it falls by less than its slope says.
+      ! A load is convex in its penetration: it decreases by less than its tangent.
       where (loads > 0.0_real64) change = max(change, -0.9_real64 * loads / coarse%stiffness)
-      ! Lowered by that, and not by what the new loads press: many press by much more than any
-      ! penetrates, so that 1 % of it may be all.
+      ! The displacement is changed, not computed from the new loads: it may be a hundred times a
+      ! penetration, and 1 % of it all of one.
       penetration = penetration + change(coarse%square)
       displacement = displacement - change
       if (target > 0.0_real64) call raise_to_load(pairs, law, target, penetration)
@@ -131,7 +131,7 @@ contains
 
   contains
 
-    ! Also where nothing answers.
+    ! Change of the displacement of all squares, also those without load.
     function change_everywhere(residual) result(change)
       real(real64), intent(in) :: residual(:)
       real(real64) :: change(size(residual))

@@ -1,4 +1,8 @@
-!> Coupled contacts between two steps: what the solver carries, and the residual of its equations.
+!> State of the solver of coupled contacts, and the residual of its equations.
+!>
+!> With penetrations p and shifts s given, the equations of loaded contacts are r_i = p_i + g_i +
+!> u_i + s_i**2/(2 R_i) - c = 0 and s_i/R_i + slope_i = 0 (circle_field). The residual is the
+!> largest error of them, as a penetration, over the largest penetration.
 module asperity_coupled_state
   use asperity_circle_field, only: circle_set, find_field, inclination_factor, many, most_repeats, &
                                    list_near_circles
@@ -17,42 +21,42 @@ module asperity_coupled_state
   !> test: coupled_suite.f90.
   real(real64), parameter, public :: far_below = -1.0e-3_real64 * huge(1.0_real64)
 
-  !> Contacts that are solved elsewhere: their answer to what is around them, by pair of all.
+  !> Contacts that boundary elements resolve, as the Hertzian contacts see them; arrays by pair.
   type :: resolved_contacts
-    logical, allocatable :: is_resolved(:)  !! this pair is
-    real(real64), allocatable :: x(:), y(:)  !! centre of its pressure
-    !> that makes its law answer with its load; huge: open. Of others: their own, with what they
-    !> feel of pressures that are not those of circles
+    logical, allocatable :: is_resolved(:)   !! the pair is one of them
+    real(real64), allocatable :: x(:), y(:)  !! centre of its pressure [length]
+    !> gap with which its law has the load on elements, huge where open; for a Hertzian contact its
+    !> own gap, with the difference of displacements by elements and by circles [length]
     real(real64), allocatable :: gap(:)
   end type resolved_contacts
 
-  !> Coupled contacts, by pair.
+  !> Solution of coupled contacts.
   type :: coupled_solution
-    real(real64) :: closing = 0.0_real64            !! past first touch of all
-    real(real64), allocatable :: penetration(:)     !! not positive where open
-    real(real64), allocatable :: shift(:, :)        !! shifts (2, pair)
-    real(real64), allocatable :: outer_field(:, :)  !! field from outside, as `circle_set` has it
-    type(circle_set) :: set                         !! those that carry load, with their field
-    type(solve_ending) :: ending                    !! residual over the largest penetration
-    logical :: is_near = .false.                    !! given: the start is a solution nearby
-    integer :: products = 0                         !! of the matrix, in all steps
-    integer :: fields = 0                           !! found in all steps
-    character(len=:), allocatable :: failure        !! why there is none
+    real(real64) :: closing = 0.0_real64            !! compression c since first touch [length]
+    real(real64), allocatable :: penetration(:)     !! by pair [length], 0 or less where open
+    real(real64), allocatable :: shift(:, :)        !! lateral shifts (2, pair) [length]
+    real(real64), allocatable :: outer_field(:, :)  !! field from outside, as in `circle_set`
+    type(circle_set) :: set                         !! loaded contacts and their field
+    type(solve_ending) :: ending                    !! convergence, iterations, residual
+    logical :: is_near = .false.                    !! input: the start is a solution nearby
+    integer :: products = 0                         !! products with the Hessian, all steps
+    integer :: fields = 0                           !! evaluations of the field, all steps
+    character(len=:), allocatable :: failure        !! message, where there is no solution
   end type coupled_solution
 
-  !> State of the solver from step to step.
+  !> State of the solver between two steps.
   type :: solve_state
-    real(real64), allocatable :: gap(:)             !! of every pair
-    real(real64), allocatable :: load_gradient(:)   !! gradient by load, by circle
-    real(real64), allocatable :: shift_gradient(:, :)  !! gradient by shift over load (2, circle)
-    real(real64), allocatable :: contact_residual(:)  !! how far its equations are off, by circle
-    real(real64) :: target = -1.0_real64            !! load over modulus; below 0: not asked
-    real(real64) :: residual = 0.0_real64           !! over the largest penetration
+    real(real64), allocatable :: gap(:)             !! first touch of every pair [length]
+    real(real64), allocatable :: load_gradient(:)   !! dPhi/dV by circle [length]
+    real(real64), allocatable :: shift_gradient(:, :)  !! dPhi/ds over V (2, circle) [1]
+    real(real64), allocatable :: contact_residual(:)   !! error of the equations, by circle [length]
+    real(real64) :: target = -1.0_real64            !! given load over modulus; below 0: none
+    real(real64) :: residual = 0.0_real64           !! largest error over the largest penetration
     logical :: is_near = .false.                    !! the start was a solution nearby
-    logical :: rebuilds_lists = .false.             !! near pairs are found anew at the next field
-    integer, allocatable :: order(:)                !! of pairs in which circles are kept, if any
-    real(real64), allocatable :: examined(:)        !! penetrations when open ones were looked at
-    type(source_tree) :: open_tree                  !! circles and open contacts
+    logical :: rebuilds_lists = .false.             !! the next field has new neighbour lists
+    integer, allocatable :: order(:)                !! order of pairs, square by square
+    real(real64), allocatable :: examined(:)        !! penetrations when open contacts were examined
+    type(source_tree) :: open_tree                  !! circles, and open contacts as targets
   end type solve_state
 
   ! Growth of a circle [1] from which on it has other near neighbours, as has one that has moved by
@@ -66,7 +70,7 @@ module asperity_coupled_state
 
 contains
 
-  !> Answer of a contact to a penetration; no centres pass each other.
+  !> Response of a contact to a penetration, at most that at which the centres are level.
   pure function answer_at(pairs, law, i, penetration) result(answer)
     type(contact_pairs), intent(in) :: pairs     !! pairs of the position
     class(contact_law), intent(in) :: law        !! of each contact
@@ -101,7 +105,10 @@ contains
     end do
   end function penetration_without_load
 
-  !> Raises all penetrations alike until the contacts carry the target.
+  !> Adds one number to all penetrations so that the contacts carry a given load.
+  !>
+  !> Newton's method on load**(2/3), nearly linear, in a bracket; bisection where a step leaves it.
+  !> Exits: the load is met to 1e-13; the bracket is as narrow as rounding allows.
   subroutine raise_to_load(pairs, law, target, penetration)
     type(contact_pairs), intent(in) :: pairs              !! pairs of the position
     class(contact_law), intent(in) :: law                 !! of each contact
@@ -110,7 +117,7 @@ contains
     real(real64) :: low, high, rise, total, slope, most, last_rise
     integer :: i, try
 
-    ! No more than until the first centres are level.
+    ! At most until the centres of one contact are level.
     most = huge(most)
     !$omp parallel do schedule(static) reduction(min:most) if(size(penetration) > many)
     do i = 1, size(penetration)
@@ -132,7 +139,6 @@ contains
       if (.not. high - low > epsilon(high) * max(abs(low), abs(high))) exit
       last_rise = rise
       rise = 0.5_real64 * (low + high)
-      ! Newton's method on load**(2/3), nearly straight.
       if (total > 0.0_real64 .and. slope > 0.0_real64) &
         rise = last_rise + 1.5_real64 * total / slope * &
              ((target / total)**(2.0_real64 / 3.0_real64) - 1.0_real64)
@@ -144,7 +150,7 @@ contains
     penetration = penetration + rise
   end subroutine raise_to_load
 
-  !> Load of all contacts where all penetrate by so much more.
+  !> Total load of all contacts with a common rise of their penetrations.
   subroutine find_carried_load(pairs, law, penetration, rise, total, slope)
     type(contact_pairs), intent(in) :: pairs              !! pairs of the position
     class(contact_law), intent(in) :: law                 !! of each contact
@@ -174,12 +180,12 @@ contains
     slope = sum(stiffness) / pairs%modulus
   end subroutine find_carried_load
 
-  !> The circles of the present penetrations, and who is near whom.
+  !> Updates the circles of loaded contacts, and rebuilds their neighbour lists where needed.
   subroutine update_circles(pairs, law, solution, state, resolved)
     type(contact_pairs), intent(in) :: pairs               !! pairs of the position
     class(contact_law), intent(in) :: law                  !! of each contact
     type(coupled_solution), intent(inout) :: solution      !! penetrations, shifts; gets circles
-    type(solve_state), intent(inout) :: state              !! gets room for what is left over
+    type(solve_state), intent(inout) :: state              !! gets room for gradient and residual
     type(resolved_contacts), intent(in), optional :: resolved  !! those solved elsewhere
     logical :: is_same
 
@@ -196,7 +202,7 @@ contains
     end associate
   end subroutine update_circles
 
-  !> The circles of the present penetrations, their field, and what the equations leave over.
+  !> Updates circles and field, and finds gradient and residual.
   subroutine evaluate_state(pairs, law, solution, state, resolved)
     type(contact_pairs), intent(in) :: pairs               !! pairs of the position
     class(contact_law), intent(in) :: law                  !! of each contact
@@ -228,7 +234,7 @@ contains
       !$omp parallel do schedule(static) private(shift_residual) if(size(set%x) > many)
       do k = 1, size(set%x)
         state%load_gradient(k) = state%load_gradient(k) - solution%closing
-        ! A shift that is off changes the penetration by no more than this times the slopes.
+        ! Change of the penetration by the error of the shift, to first order.
         shift_residual = 0.0_real64
         if (.not. set%shift_fixed(k)) shift_residual = norm2(state%shift_gradient(:, k)) / &
           set%curvature(k) * &
@@ -237,12 +243,12 @@ contains
       end do
       !$omp end parallel do
       state%residual = maxval(state%contact_residual) / largest
-      ! A sum that is no number is no solution.
+      ! NaN or infinity in the gradient is no solution.
       if (.not. sum(abs(state%load_gradient)) <= huge(largest)) state%residual = huge(largest)
     end associate
   end subroutine evaluate_state
 
-  ! Sets out the circles of those that carry load.
+  ! Sets the circles of the contacts that carry load.
   subroutine gather_circles(pairs, law, solution, state, resolved, is_same)
     type(contact_pairs), intent(in) :: pairs
     class(contact_law), intent(in) :: law

@@ -1,8 +1,8 @@
-!> Caps that hardly stand out of the cap of another contact: they are a part of that contact.
+!> Caps that hardly protrude from the cap of another contact: they are a part of that contact.
 !>
-!> The potential of circles has several minima where the top of a cap lies in the circle of another
-!> one. That in which the cap alone in its place carries the load is the least: equal caps in one
-!> place are one surface. Such caps stay open.
+!> The potential has several minima where the top of a cap lies in the contact circle of another
+!> one. It is least where one of the two carries the load: equal caps in one place are one surface.
+!> Caps that protrude by less than `as_one` stay open.
 module asperity_hidden_contacts
   use asperity_circle_field, only: circle_set
   use asperity_contact_pairs, only: contact_pairs
@@ -20,11 +20,11 @@ module asperity_hidden_contacts
 
 contains
 
-  !> Opens the loaded contacts that are hidden in another one; of equals the one listed last.
+  !> Releases the loaded contacts that are hidden in another one; of equals the one listed last.
   subroutine release_hidden(pairs, solution, any_released)
     type(contact_pairs), intent(in) :: pairs           !! pairs of the position
-    type(coupled_solution), intent(inout) :: solution  !! its circles are set out; penetrations then
-    logical, intent(out) :: any_released               !! the circles must be set out again
+    type(coupled_solution), intent(inout) :: solution  !! circles; gets penetrations
+    logical, intent(out) :: any_released               !! circles are those of earlier penetrations
     logical :: is_released(size(solution%set%x))
     real(real64) :: share_of_second, share_of_first
     integer :: i, j, k
@@ -64,23 +64,23 @@ contains
     is_hidden = .false.
   end function is_hidden
 
-  !> How far the surface of a pair stands out of a loaded one's, its host, at most, and how far from
-  !> the middle of the host's circle. Paraboloids.
+  !> Finds the largest height of the paraboloid of a pair above that of a loaded pair, its host, and
+  !> its distance from the centre of the host's circle.
   pure subroutine find_protrusion(pairs, set, host, i, reach, height, distance, slope)
     type(contact_pairs), intent(in) :: pairs    !! pairs of the position
-    type(circle_set), intent(in) :: set         !! places and shifts are set
+    type(circle_set), intent(in) :: set         !! circles with centres and shifts
     integer, intent(in) :: host                 !! circle of the host
     integer, intent(in) :: i                    !! number of the pair
-    real(real64), intent(in) :: reach           !! from the middle of the circle, at most
-    real(real64), intent(out) :: height         !! below 0: it stands out nowhere
+    real(real64), intent(in) :: reach           !! largest distance that is searched [length]
+    real(real64), intent(out) :: height         !! protrusion [length], < 0: nowhere above the host
     real(real64), intent(out) :: distance       !! distance from the middle
-    real(real64), intent(out) :: slope          !! how fast it rises in the middle of the circle
+    real(real64), intent(out) :: slope          !! of that height at the centre of the circle
     real(real64) :: offset(2), sharper
 
     associate (own => pairs%list(set%contact(host)), pair => pairs%list(i), &
                shift => set%shift(:, host))
       offset = shift + [own%x - pair%x, own%y - pair%y]
-      ! Along its steepest line it stands out by a parabola: as far as its top, or to the end.
+      ! Along the steepest line the height is a parabola: its maximum, or the end of the reach.
       sharper = 1.0_real64 / pair%radius - 1.0_real64 / own%radius
       slope = norm2(offset / pair%radius - shift / own%radius)
       distance = reach
@@ -91,8 +91,8 @@ contains
     end associate
   end subroutine find_protrusion
 
-  ! The same over the host's penetration, within twice its circle: farther off the surfaces part by
-  ! more than it can stand out. 2 where it is much blunter, or touches first beside it.
+  ! Protrusion over the host's penetration, within twice its radius: farther away the surfaces
+  ! separate by more. 2 where the cap is much blunter, or touches first beside the circle.
   pure real(real64) function protrusion_share(pairs, set, host, i) result(share)
     type(contact_pairs), intent(in) :: pairs
     type(circle_set), intent(in) :: set

@@ -1,7 +1,7 @@
-!> Open contacts that touch on the surface which the loaded ones leave.
+!> Open contacts that touch the surface deformed by the loaded ones.
 !>
-!> An open contact stands at the shift s at which s**2/(2 R) + u(x + s) is least; it touches where
-!> that and its gap are less than the compression.
+!> An open contact is at the shift s that minimises s**2/(2 R) + u(x + s), with u the displacement
+!> by the loaded contacts. It touches where this minimum and its gap are less than the compression.
 module asperity_open_contacts
   use asperity_circle_field, only: circle_set, hertz_spread, many, most_repeats, near_factor, &
                                    sum_error
@@ -27,20 +27,20 @@ module asperity_open_contacts
 
 contains
 
-  !> Places of the open contacts that touch, with their penetrations and shifts.
+  !> Finds the open contacts that touch, with their penetrations and shifts.
   !>
-  !> Of many only those are examined again, unless `is_complete`, that a change of the field twice
-  !> as large as any at the loaded ones would let touch: outside the loads a field and its changes
-  !> are nowhere larger than where loads are.
+  !> In a large set, unless `is_complete`, only those are examined again that would touch by a
+  !> change of the field twice as large as any at the loaded contacts: outside the loads a field and
+  !> its changes are nowhere larger.
   subroutine find_touching(pairs, law, accuracy, is_complete, solution, state, resolved, number)
     type(contact_pairs), intent(in) :: pairs               !! pairs of the position
     class(contact_law), intent(in) :: law                  !! of each contact
-    real(real64), intent(in) :: accuracy                   !! over the largest penetration
+    real(real64), intent(in) :: accuracy                   !! least penetration over the largest
     logical, intent(in) :: is_complete                     !! all open contacts are examined
     type(coupled_solution), intent(inout) :: solution      !! evaluated; gets penetrations, shifts
-    type(solve_state), intent(inout) :: state              !! gets what it examined
-    type(resolved_contacts), intent(in), optional :: resolved  !! those solved elsewhere
-    integer, allocatable, intent(out) :: number(:)         !! places in the list
+    type(solve_state), intent(inout) :: state              !! gets the examined penetrations
+    type(resolved_contacts), intent(in), optional :: resolved  !! contacts on boundary elements
+    integer, allocatable, intent(out) :: number(:)         !! indices of those that touch
     logical, allocatable :: is_open(:), touches(:)
     type(contact_response) :: answer
     real(real64) :: lowest
@@ -65,7 +65,7 @@ contains
     where (is_open .and. .not. touches) &
       solution%penetration = min(solution%penetration, 0.0_real64)
     number = pack([(i, i=1, size(touches))], touches)
-    ! A load that underflows is none.
+    ! A contact whose load underflows stays open.
     do i = 1, size(number)
       answer = answer_at(pairs, law, number(i), solution%penetration(number(i)))
       touches(number(i)) = answer%vertical_load > 0.0_real64
@@ -77,15 +77,14 @@ contains
   !> Whether an open contact may touch after the changes since the open ones were examined.
   pure logical function may_touch(solution, state)
     type(coupled_solution), intent(in) :: solution         !! loads, shifts and field are set
-    type(solve_state), intent(in) :: state                 !! what was examined
+    type(solve_state), intent(in) :: state                 !! with the examined penetrations
 
     may_touch = .true.
     if (allocated(state%examined)) may_touch = any(solution%penetration <= 0.0_real64 .and. &
       state%gap < solution%closing .and. state%examined > -largest_change(solution, state))
   end function may_touch
 
-  ! Twice the largest change of a penetration since the open contacts were examined: outside the
-  ! loads a field and its changes are nowhere larger than where loads are.
+  ! Twice the largest change of a penetration since the open contacts were examined.
   pure real(real64) function largest_change(solution, state)
     type(coupled_solution), intent(in) :: solution
     type(solve_state), intent(in) :: state
@@ -115,17 +114,17 @@ contains
     end associate
   end function are_separate
 
-  ! For each open contact the shift at which it is lowest, s**2/(2 R) + u(x + s), and how far it
-  ! penetrates there: near neighbours act exactly, the others by value and slope. The far field
-  ! is curved, so its linear extrapolation holds only near the place of its evaluation: a contact
-  ! that penetrates at its former shift keeps that shift.
+  ! Finds for each open contact the shift that minimises s**2/(2 R) + u(x + s), and its penetration
+  ! there: near circles act exactly, the others by value and slope. The far field is curved, so its
+  ! linear extrapolation holds only near the place of its evaluation: a contact that penetrates at
+  ! its former shift keeps that shift.
   subroutine minimise_gaps(pairs, number, state, lowest, solution, touches)
     type(contact_pairs), intent(in) :: pairs
-    integer, intent(in) :: number(:)               ! places of the open ones in the list
+    integer, intent(in) :: number(:)               ! indices of open contacts in the list
     type(solve_state), intent(inout) :: state      ! gaps; gets its tree
     real(real64), intent(in) :: lowest             ! penetration of one that touches
     type(coupled_solution), intent(inout) :: solution
-    logical, intent(inout) :: touches(:)           ! of all pairs
+    logical, intent(inout) :: touches(:)           ! by pair
     real(real64), allocatable :: field(:, :)
     real(real64) :: height_after, height_before, far(3), shift(2)
     integer :: i, k, n
@@ -134,7 +133,7 @@ contains
     n = size(number)
     allocate (field(6, n))
     associate (set => solution%set)
-      ! Near where they are: far off a tilted surface moves them past many a circle.
+      ! The lists are at the shifted places: an inclined surface moves contacts past circles.
       call build_tree(state%open_tree, &
                       [set%x + set%shift(1, :), pairs%list(number)%x + solution%shift(1, number)], &
                       [set%y + set%shift(2, :), pairs%list(number)%y + solution%shift(2, number)], &
@@ -154,7 +153,7 @@ contains
                                              state%open_tree%first(k + 1) - 1), &
                    p => solution%penetration(i), reach => solution%closing - state%gap(i), &
                    shift_gain => 0.5_real64 * pairs%list(i)%radius * dot_product(far(2:), far(2:)))
-          ! Near circles only push down: without them it would not touch, by a shift's worth.
+          ! Near circles only displace the surface downwards: without them an upper bound.
           p = reach - far(1) + shift_gain + dot_product(far(2:), shift)
           if (p + shift_gain < 0.0_real64) cycle
           if (is_hidden(pairs, set, near, i)) then
@@ -174,8 +173,8 @@ contains
     end associate
   end subroutine minimise_gaps
 
-  ! The lowest place of one contact, by Newton's method that only goes down. Long: a place, a field
-  ! and a start each are several values.
+  ! Minimises the height of one contact over its shift, by Newton's method with backtracking. Long:
+  ! a place, a field and a start each are several values.
   pure subroutine find_lowest_place(x, y, radius, set, near, far, accuracy, shift, height_before, &
                                     lowest)
     real(real64), intent(in) :: x, y, radius
@@ -209,7 +208,7 @@ contains
 
   contains
 
-    ! At a shift: value, slopes, second derivatives xx, xy, yy.
+    ! Height at a shift: value, slopes, second derivatives xx, xy, yy.
     pure function height_at(s)
       real(real64), intent(in) :: s(2)
       real(real64) :: height_at(6), dx, dy, r, slope_over_distance, anisotropy

@@ -59,7 +59,7 @@ contains
     call find_field(set)
     share = min(1.0_real64, max(dot_product(set%stiffness, set%displacement) / sum(set%load), &
                 sum(set%stiffness / set%load * set%radius**2 * &
-                    (set%displacement + set%displacement_growth)) / &
+                    (set%displacement + set%growth)) / &
                 (1.5_real64 * sum(set%radius**2))))
   end function estimate_of_interaction
 

@@ -562,7 +562,7 @@ contains
       do k = 1, size(set%contact)
         i = set%contact(k)
         if (solution%is_resolved(i)) cycle
-        growth_ratio = max(set%displacement_growth(k) / coupled%penetration(i), 0.0_real64)
+        growth_ratio = max(set%growth(k) / coupled%penetration(i), 0.0_real64)
         solution%area(i) = pi * set%radius(k)**2 * (2 + growth_ratio) / (2 + 3 * growth_ratio)
       end do
       if (.not. allocated(task%clusters)) return
