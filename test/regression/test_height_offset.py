@@ -49,6 +49,7 @@ def check_same(found, expected, digits):
         assert approach == pytest.approx(there, abs=1e-3 * digits), (found, expected)
 
 
+@pytest.mark.long
 @pytest.mark.parametrize("arithmetic", DIGITS)
 @pytest.mark.parametrize("control", CONTROLS)
 def test_two_spheres(control, arithmetic, asperity, tmp_path):
