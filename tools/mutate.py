@@ -8,6 +8,8 @@
     mutate.py --seed 1 --note 7 TEXT          adds a remark, e.g. the test that was added
     mutate.py --seed 1 --report FILE          writes the record as a page
     mutate.py --tests                         prints the tests that are run
+    mutate.py --constants                     changes the constants of the solvers of interaction
+    mutate.py --constants circle_error:taken  repeats those whose names contain this
 
 A mutant is the program with one operator or one number changed: a comparison, a sign, a bound by
 one, a constant times 1.3, .and. for .or., min for max. It is drawn by the seed, is built in a copy
@@ -16,11 +18,16 @@ once; the first failure ends both. The tree itself is never changed. Finished mu
 build/mutants/seed-N.json: a run that was cut short continues there. A change that does not compile,
 or that gives the same object code, is drawn again.
 
+--constants takes each constant of the table of docs/theory/interaction.md, once times 1.3 and once
+over 1.3, and runs the test file that its comment names, at first without slow tests. The outcomes
+are written to reference_output/interaction/constants.csv.
+
 Only the changed file is compiled anew when its module file stays the same, as nothing else can
 depend on the change then; otherwise fpm compiles what uses it, too.
 """
 
 import argparse
+import csv
 import fcntl
 import hashlib
 import json
@@ -41,6 +48,8 @@ from pathlib import Path
 ROOT = Path(__file__).resolve().parents[1]
 # Checks of bounds end a mutant early; -O1 halves the time of the tests against -O0.
 FLAGS = "-O1 -g0 -fcheck=bounds -fopenmp"
+# A constant breaks no bound, and its suites take half the time.
+CONSTANT_FLAGS = "-O1 -g0 -fopenmp"
 # The quick harness: tests that need no other build, chosen so that every module of src runs.
 QUICK = [
     "test/regression/test_slips.py", "test/regression/test_summary.py",
@@ -90,9 +99,13 @@ QUICK_WITHOUT = [
 # left for a busy machine.
 TEST_LIMIT = 240
 MUTANT_LIMIT = 1800
+# Seconds: the test file of a constant.
+FILE_LIMIT = 300
 # Statuses of pytest that say nothing about the program: internal error, usage, no test found.
 PYTEST_FAULTS = (3, 4, 5)
 # An allocation without end ends the mutant, not the machine: a process gets 8 GiB.
+PYTEST = [sys.executable, "-m", "pytest", "--rootdir", ".", "-q", "-x", "-rfE", "--tb=line",
+          "-p", "no:cacheprovider", "-p", "mutate"]
 LIMITED = ["sh", "-c", 'ulimit -v 8388608; exec "$@"', "sh"]
 # Folders that are drawn once at most: src/original is frozen, and archives compare its output.
 SELDOM = {"src", "src/original", "src/arithmetic"}
@@ -317,6 +330,86 @@ def draws(seed, slot, paths):
             yield {"file": path, **change}
 
 
+# The constants of the solvers of interaction
+
+def named_constants():
+    """Those of the table that have a source; the others are rules of quadrature."""
+    sys.path.insert(0, str(ROOT / "test/support"))
+    table = __import__("constants_table")
+    return {f"{one.file}:{one.name}": one for room in table.ROOMS
+            for one in table.constants(room) if one.source}
+
+
+def scaled_constants():
+    """Both mutants of each constant: its value times 1.3 and over 1.3."""
+    for name, one in named_constants().items():
+        (path,) = (ROOT / "src" / one.room).glob(f"{one.file}.[fF]90")
+        lines = path.read_text(encoding="utf-8").split("\n")
+        for places in statements(lines):
+            text = "".join(char for _, _, char in places)
+            found = re.match(rf".*\bparameter\b.*::.*?\b{one.name}\b *(\([^()]*\))? *= *", text)
+            if found:
+                break
+        begin = found.end()
+        end = begin + parts_at_commas(text[begin:])[0][1]
+        line, column = places[begin][:2]
+        # Whole numbers are rounded away from the value.
+        up = f"(({text[begin:end]})*13 + 9)/10" if text.startswith("integer") else \
+            f"({text[begin:end]})*13/10"
+        for kind, new in (("up", up), ("down", f"({text[begin:end]})*10/13")):
+            yield {"number": 0, "constant": name, "test": one.test,
+                   "file": str(path.relative_to(ROOT)), "line": line + 1, "kind": kind,
+                   "before": lines[line],
+                   "after": lines[line][:column] + new + lines[line][column + end - begin:]}
+
+
+def run_constants(copies, record, names):
+    """Judges the constants that the record lacks, or those that are named, by their tests."""
+    def key(mutant):
+        return mutant["constant"], mutant["test"], mutant["before"], mutant["after"]
+
+    old = {key(mutant): mutant for mutant in record.data["mutants"]}
+    record.data["mutants"] = [old.get(key(mutant), mutant) for mutant in scaled_constants()]
+    todo = [mutant for mutant in record.data["mutants"] if mutant["test"] and (any(
+        name in mutant["constant"] for name in names) if names else "outcome" not in mutant)]
+    slow = (ROOT / "test/slow_tests.txt").read_text(encoding="utf-8")
+    for marks in ("not slow", "slow"):
+        for test in sorted({mutant["test"] for mutant in todo}):
+            (path,) = (ROOT / "test").glob(f"*/{test}")
+            if re.search(r"def \w+\((.*\b)?venv\b", path.read_text(encoding="utf-8")):
+                failed = "needs the Python package of the mutant"
+            else:
+                failed = copies[0].test(test=test, marks=marks)
+            if failed:
+                print(f"left out, unchanged program: {test}, {marks}: {failed}", flush=True)
+                todo = [mutant for mutant in todo if mutant["test"] != test]
+        for mutant in todo:
+            mutant["marks"] = marks
+        run(copies, [(repeat, record, mutant) for mutant in todo])
+        todo = [mutant for mutant in todo
+                if mutant["outcome"] == "survived" and f"/{mutant['test']}::" in slow]
+
+
+def write_constants(record, path):
+    """A row for each constant: whether its test sees the changes, and the first that fails.
+
+    A row without an outcome in the record is kept as it is.
+    """
+    words = {"noticed": "seen", "survived": "not seen"}
+    with open(path, "a+", encoding="utf-8", newline="") as file:
+        file.seek(0)
+        old = {tuple(row[:2]): row for row in csv.reader(file)}
+        file.truncate(0)
+        table = csv.writer(file, lineterminator="\n")
+        table.writerow(["constant", "test", "up", "down", "first test that fails"])
+        for up, down in zip(*[iter(record.data["mutants"])] * 2, strict=True):
+            outcomes = [mutant.get("outcome", "") for mutant in (up, down)]
+            row = [up["constant"], up["test"],
+                   *(words.get(outcome, outcome) for outcome in outcomes),
+                   up.get("by") or down.get("by", "")]
+            table.writerow(row if any(outcomes) else old.get(tuple(row[:2]), row))
+
+
 # The copy and its build
 
 def tracked_files():
@@ -336,14 +429,16 @@ def commands_in(folder):
 class Copy:
     """A copy of the tree in which mutants are built and tested."""
 
-    def __init__(self, folder):
+    def __init__(self, folder, flags):
+        self.flags = flags
         self.tree = folder / "tree"
         self.kept = folder / "build"
         self.log = folder / "log"
         self.scratch = folder / "modules"
         self.stopped = False
         tools = [ROOT / ".venv/bin", Path(sys.executable).parent]
-        self.environment = {**os.environ, "OMP_NUM_THREADS": "2", "PYTHONDONTWRITEBYTECODE": "1",
+        self.environment = {**os.environ, "OMP_NUM_THREADS": "2", "OMP_WAIT_POLICY": "passive",
+                            "PYTHONDONTWRITEBYTECODE": "1",
                             "PATH": ":".join([*map(str, tools), os.environ["PATH"]]),
                             "PYTHONPATH": str(Path(__file__).resolve().parent)}
 
@@ -390,7 +485,7 @@ class Copy:
 
     def fpm(self):
         """Builds program and unit tests; True when that succeeds."""
-        return self.call(["fpm", "build", "--no-prune", "--tests", "--flag", FLAGS])
+        return self.call(["fpm", "build", "--no-prune", "--tests", "--flag", self.flags])
 
     def call(self, command):
         with open(self.log, "w", encoding="utf-8") as log:
@@ -461,8 +556,18 @@ class Copy:
         finally:
             target.write_text(text, encoding="utf-8")
 
-    def test(self, path=""):
-        """Runs both kinds of test at once; the first failure, or '' when all pass.
+    def commands_of(self, test, marks):
+        """Runs one test file: a suite of the unit tests, or tests of the harness with a mark."""
+        if test.endswith("_suite.f90"):
+            main = (self.tree / "test/unit/main.f90").read_text(encoding="utf-8")
+            collect = re.search(rf"use asperity_{test[:-4]}, only: (\w+)", main)[1]
+            title = re.search(rf"run_suite\('(.*)', {collect},", main)[1]
+            return {"unit": [str(self.program("test/unit")), title]}
+        (path,) = (self.tree / "test").glob(f"*/{test}")
+        return {"harness": [*PYTEST, "-m", marks, str(path.relative_to(self.tree))]}
+
+    def test(self, path="", test="", marks=""):
+        """Runs both kinds of test at once, or one file; the first failure, or '' when all pass.
 
         Tests whose names share a word with the path of the changed file come first.
         """
@@ -473,10 +578,11 @@ class Copy:
         environment = {**self.environment, "ASPERITY_EXE": str(self.program("app/asperity"))}
         folder = self.log.parent
         commands = {"unit": [str(self.program("test/unit"))],
-                    "harness": [sys.executable, "-m", "pytest", "--rootdir", ".", "-q", "-x",
-                                "-rfE", "--tb=line", "-p", "no:cacheprovider", "-p", "mutate",
-                                "-m", "not once and not long",
+                    "harness": [*PYTEST, "-m", "not once and not long",
                                 *[f"--deselect={name}" for name in QUICK_WITHOUT], *order]}
+        limit = MUTANT_LIMIT
+        if test:
+            commands, limit = self.commands_of(test, marks), FILE_LIMIT
         running, verdict = {}, ""
         for name, command in commands.items():
             with open(folder / f"{name}.log", "w", encoding="utf-8") as log:
@@ -502,8 +608,8 @@ class Copy:
                                                  f"ended with status {status}")
                     if status is not None:
                         del running[name]
-                if not verdict and time.monotonic() - start > MUTANT_LIMIT:
-                    verdict = f"no end within {MUTANT_LIMIT} s"
+                if not verdict and time.monotonic() - start > limit:
+                    verdict = f"no end within {limit} s"
             return verdict
         finally:
             for child in running.values():
@@ -626,7 +732,7 @@ def judge(copy, mutant):
     if why:
         mutant["outcome"] = why
         return False
-    mutant["by"] = copy.test(mutant["file"])
+    mutant["by"] = copy.test(mutant["file"], mutant.get("test"), mutant.get("marks"))
     mutant["outcome"] = "noticed" if mutant["by"] else "survived"
     mutant["seconds"] = round(time.monotonic() - start)
     return True
@@ -657,29 +763,33 @@ def repeat(copy, record, mutant):
         tell(mutant)
 
 
-def run(copies, record, options):
-    """Judges the mutants that the record lacks, or those to be repeated, in each copy one."""
+def tasks_of(record, options):
+    """The mutants that the record lacks, or those to be repeated."""
+    if options.again is None:
+        files = source_files(options.folder, options.without)
+        finished = {mutant["number"] for mutant in record.data["mutants"]}
+        return [(draw_and_judge, record, options, number, files[folder])
+                for number, folder in enumerate(slots(options.seed, files, options.number), 1)
+                if number not in finished]
+    again = options.again or [mutant["number"] for mutant in record.data["mutants"]
+                              if mutant["outcome"] == "survived"]
+    return [(repeat, record, record.mutant(number)) for number in again]
+
+
+def run(copies, tasks):
+    """Judges mutants, in each copy one at a time."""
     spare = queue.SimpleQueue()
     for copy in copies:
+        copy.stopped = False
         spare.put(copy)
 
     def in_a_copy(task, *words):
         copy = spare.get()
         try:
-            task(copy, record, *words)
+            task(copy, *words)
         finally:
             spare.put(copy)
 
-    if options.again is None:
-        files = source_files(options.folder, options.without)
-        finished = {mutant["number"] for mutant in record.data["mutants"]}
-        tasks = [(draw_and_judge, options, number, files[folder])
-                 for number, folder in enumerate(slots(options.seed, files, options.number), 1)
-                 if number not in finished]
-    else:
-        again = options.again or [mutant["number"] for mutant in record.data["mutants"]
-                                  if mutant["outcome"] == "survived"]
-        tasks = [(repeat, record.mutant(number)) for number in again]
     pool = ThreadPoolExecutor(len(copies))
     try:
         for done in [pool.submit(in_a_copy, *task) for task in tasks]:
@@ -729,6 +839,8 @@ def arguments(words):
     parser.add_argument("--equivalent", nargs=2, metavar=("MUTANT", "REASON"),
                         help="mark a survivor that can change no result")
     parser.add_argument("--note", nargs=2, metavar=("MUTANT", "TEXT"), help="add a remark")
+    parser.add_argument("--constants", nargs="*", metavar="NAME",
+                        help="judge the constants of the solvers by their own tests")
     parser.add_argument("--report", type=Path, metavar="FILE", help="write the record as a page")
     options = parser.parse_args(words)
     options.folder = options.folder or ["src"]
@@ -751,7 +863,9 @@ def main(words=None):
         return 0
     folder = ROOT / "build/mutants"
     folder.mkdir(parents=True, exist_ok=True)
-    record = Record(folder / f"seed-{options.seed}.json", options.seed)
+    constants = options.constants is not None
+    seed = "constants" if constants else options.seed
+    record = Record(folder / f"seed-{seed}.json", seed)
     if options.equivalent or options.note:
         number, text = options.equivalent or options.note
         mutant = record.mutant(int(number))
@@ -770,17 +884,25 @@ def main(words=None):
     signal.signal(signal.SIGTERM, lambda *_: sys.exit(143))
     with open(folder / "lock", "w", encoding="utf-8") as lock:
         fcntl.flock(lock, fcntl.LOCK_EX)
-        print("tests:", *tests(), sep="\n  ", flush=True)
-        copies = [Copy(folder / f"copy{number}") for number in range(1, options.jobs + 1)]
+        if not constants:
+            print("tests:", *tests(), sep="\n  ", flush=True)
+        name, flags = ("constants", CONSTANT_FLAGS) if constants else ("copy", FLAGS)
+        copies = [Copy(folder / f"{name}{number}", flags)
+                  for number in range(1, options.jobs + 1)]
         copies[0].bring_up()
-        check_unchanged(copies[0])
+        if not constants:
+            check_unchanged(copies[0])
         for copy in copies[1:]:
             copy.bring_up(copies[0])
         record.data["commit"] = record.data["commit"] or subprocess.run(
             ["git", "describe", "--always", "--dirty"], cwd=ROOT, text=True, capture_output=True,
             check=False).stdout.strip()
-        run(copies, record, options)
-    survivors = [mutant for mutant in record.data["mutants"] if mutant["outcome"] == "survived"]
+        if constants:
+            run_constants(copies, record, options.constants)
+            write_constants(record, ROOT / "reference_output/interaction/constants.csv")
+        else:
+            run(copies, tasks_of(record, options))
+    survivors = [mutant for mutant in record.data["mutants"] if mutant.get("outcome") == "survived"]
     print(f"{len(record.data['mutants'])} mutants, {len(survivors)} survived; record: "
           f"{record.path.relative_to(ROOT)}")
     return 1 if survivors else 0

@@ -149,6 +149,22 @@ def test_every_line_of_src_is_read(mutate):
     assert looked_at > 10000
 
 
+def test_constants_are_scaled(mutate):
+    """Two changes of each constant of the table, on its line, of its own value alone."""
+    found = {(one["constant"], one["kind"]): one for one in mutate.scaled_constants()}
+    for name, kind, expected in (
+            ("element_solver:box_elements", "up", "((24)*13 + 9)/10"),
+            ("element_solver:box_elements", "down", "(24)*10/13"),
+            ("circle_field:most_rounds", "up", "= ((400)*13 + 9)/10, most_repeats = 40"),
+            ("circle_field:most_repeats", "down", "= 400, most_repeats = (40)*10/13"),
+            ("element_solver:lattice_offset", "up", "= ([0.29_real64, 0.13_real64])*13/10")):
+        assert expected in found[name, kind]["after"]
+    assert len(found) == 2 * len(mutate.named_constants()) > 100
+    for one in found.values():
+        lines = (ROOT / one["file"]).read_text(encoding="utf-8").split("\n")
+        assert lines[one["line"] - 1] == one["before"] != one["after"]
+
+
 def test_a_mutant_is_found_and_undone(mutate, tmp_path, monkeypatch, capsys):
     """A small project: the tested function's mutants are noticed, the other's survive."""
     for name, text in PROJECT.items():
