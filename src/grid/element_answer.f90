@@ -13,8 +13,8 @@ module asperity_element_answer
   ! Root mean square of the relative error of the area of a scene on n elements in the radius of its
   ! largest contact, times n**(3/2): the number of lattice points in a circle is in error by the
   ! root of the radius (Kendall 1948). Measured: 0.83, 0.29 and 0.10 % at 6, 12 and 24, five times
-  ! that at most (178 scenes of 2 to 40 contacts against test/truth/dense_truth.py; test:
-  ! estimates of areas in test/regression/test_dense.py).
+  ! that at most (178 scenes of 2 to 40 contacts against test/truth/dense_truth.py; test: areas and
+  ! their error estimates in test/unit/elements_suite.f90).
   real(real64), parameter, public :: area_error = 0.12_real64
 
   !> A contact on boundary elements. Loads, lengths and pressures in the units of the pairs.

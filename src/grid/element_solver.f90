@@ -61,7 +61,7 @@ module asperity_element_solver
   ! rim add up; test: areas in test/regression/test_dense.py).
   real(real64), parameter :: lattice_offset(2) = [0.29_real64, 0.13_real64]
   !> Number of standard deviations of an area, and of a load, that its error estimate holds (chosen;
-  !! test: estimates in test/regression/test_dense.py).
+  !! test: areas and their error estimates in test/unit/elements_suite.f90).
   real(real64), parameter, public :: deviations = 3.0_real64
   ! Residual of the gaps over the deepest penetration: so much while the box is searched, then so
   ! much times the tolerance of the load, whose error is then 0.44 of the residual in the root mean

@@ -36,6 +36,8 @@ contains
     suite = [ &
       new_unittest('influence of a cell against quadrature', influence_by_quadrature), &
       new_unittest('an aligned pair is Hertz, down to 1e-12 of the radius', single_is_hertz), &
+      new_unittest('the area of a contact is within its tolerance and its error estimate', &
+                   area_is_estimated), &
       new_unittest('an inclined pair is that of its vertical gap', inclined_pair), &
       new_unittest('contacts smaller than a cell alone are Hertz', smaller_than_cells), &
       new_unittest('a lattice stays while it is fine enough', lattice_stays), &
@@ -197,6 +199,28 @@ contains
       call check(error, outcome%together(1)%pressure / p0, 1.0_real64, 0.005_real64, 'pressure')
     end do
   end subroutine single_is_hertz
+
+  ! One contact on elements of many sizes against Hertz: the error estimate of an area is one
+  ! standard deviation.
+  subroutine area_is_estimated(error)
+    type(error_type), allocatable, intent(out) :: error
+    type(contact_pairs) :: pairs
+    type(element_answer) :: answer
+    type(outside_field) :: nothing
+    real(real64), parameter :: depth = 1.0e-4_real64
+    real(real64) :: deviation, tolerance
+    integer :: i
+
+    pairs%modulus = 1.0_real64
+    pairs%list = [pair_at(0.0_real64, 0.0_real64, 0.0_real64, 0.0_real64, 2.0_real64)]
+    do i = 0, 100
+      tolerance = 0.004_real64 * 1.02_real64**i
+      call solve_anew(pairs, [1], depth, nothing, [0.01_real64, tolerance], answer)
+      deviation = abs(answer%together(1)%area / (pi * depth) - 1.0_real64)
+      call check(error, deviation <= tolerance, 'tolerance')
+      call check(error, deviation <= 3 * answer%area_error, 'error estimate')
+    end do
+  end subroutine area_is_estimated
 
   ! To first order in the penetration: an elliptical contact of curvatures 1/(R c**3) and 1/(R c),
   ! c the cosine. The eccentricity lowers its load by less than the square of the slope squared,
