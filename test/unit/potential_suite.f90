@@ -301,7 +301,7 @@ contains
     call prepare_model(set, model)
     products = 0
     radius = 1.0e6_real64
-    call find_step(set, model, 1.0e-10_real64, radius, step, products, never)
+    call find_step(set, model, 1.0e-9_real64, radius, step, products, never)
     call check(error, sum(set%load_share * step%change(1, :)), 0.0_real64, &
                1.0e-12_real64 * sum(abs(step%change(1, :))), 'sum of the loads')
     ! What is left is one multiple of the weights: the Lagrangian is stationary.
