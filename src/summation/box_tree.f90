@@ -1,174 +1,185 @@
-!> A tree of square boxes over circles.
+!> A tree of square boxes over points with reaches (the centres and radii of circles).
 !>
-!> Boxes that touch are split as long as they hold so many circles that smaller ones cost less. A
-!> circle rests in the smallest box around it that is at least twice as wide as its reach: circles
-!> in boxes of a level that do not touch are never near, and expansions are smooth over every
-!> circle. (Fast multipole method: Greengard, Rokhlin, J. Comput. Phys. 73, 325, 1987.)
+!> A box is split where the pairs of points between it and a touching box of its level outnumber
+!> `split_pairs`, the number from which on expansions are faster than direct sums. A point belongs
+!> to the smallest box around it that is at least twice as wide as its reach: points in boxes of one
+!> level that do not touch are never near each other, and expansions are smooth over every circle
+!> (fast multipole method: Greengard and Rokhlin, J. Comput. Phys. 73, 325, 1987).
 module asperity_box_tree
   use asperity_kinds, only: real64
   implicit none
   private
 
-  public :: build_boxes, square_box, touching
+  public :: build_boxes, square_box, touching_boxes, as_source, as_target, first_point, &
+            last_own_point, last_point
 
-  ! Levels below the root: circles may coincide.
-  integer, parameter :: deepest = 24
-  ! Pairs of circles above which two boxes that touch are split (measured).
-  real(real64), parameter :: worth_a_split = 1600.0_real64
-  ! Fewest circles that threads sort: a level of fewer takes less than a millisecond.
-  integer, parameter :: many = 8192
-  ! Pairs of sources and targets up to which all are summed one by one: 600 circles, where trees of
-  ! any depth took as long (measured) and expansions need not be prepared.
-  real(real64), parameter :: few_pairs = 3.6e5_real64
+  ! Rows and columns of `square_box%points`.
+  integer, parameter :: first_point = 1, last_own_point = 2, last_point = 3
+  integer, parameter :: as_source = 1, as_target = 2
 
-  !> A box.
+  ! Largest number of levels below the root, as points may coincide (chosen).
+  integer, parameter :: max_levels = 24
+  ! Number of pairs of points of two touching boxes above which they are split (measured).
+  real(real64), parameter :: split_pairs = 1600.0_real64
+  ! Number of points above which threads sort them (measured: a level of fewer takes less than a
+  ! millisecond).
+  integer, parameter :: thread_threshold = 8192
+  ! Number of pairs of sources and targets up to which all are summed directly (measured: with 600
+  ! points trees of any depth take equally long, and no expansions have to be prepared).
+  real(real64), parameter :: direct_pairs = 3.6e5_real64
+
+  !> A square box.
   type :: square_box
-    real(real64) :: middle(2) = 0.0_real64  !! place
-    real(real64) :: half = 0.5_real64       !! of the width
-    !> of its sources and of its targets, in the order of the boxes: the first, the last that is in
-    !> no child, the last
-    integer :: circles(3, 2) = 0
-    integer :: parent = 0                   !! the box around it
-    integer :: quarter = 0                  !! of that, 0 to 3, first in x
-    integer :: child(2) = [1, 0]            !! the first and the last of its quarters
-    !> the box of its level so many columns and rows away if their parents touch, or 0
-    integer :: around(-3:3, -3:3) = 0
+    real(real64) :: centre(2) = 0.0_real64   !! position of the centre [length]
+    real(real64) :: half_width = 0.5_real64  !! half of the width [length]
+    !> (row, kind): indices of its sources and of its targets in the order of the boxes: the first,
+    !> the last that belongs to no child, the last
+    integer :: points(3, 2) = 0
+    integer :: parent = 0                    !! index of the parent
+    integer :: quadrant = 0                  !! in the parent: 1 if right, plus 2 if upper
+    integer :: children(2) = [1, 0]          !! indices of the first and the last child
+    !> box of its level at an offset in columns and rows if the parents touch, else 0
+    integer :: neighbour(-3:3, -3:3) = 0
   end type square_box
 
 contains
 
-  !> Sorts circles into boxes.
-  subroutine build_boxes(place, sources, targets, order, boxes, level)
-    real(real64), intent(inout) :: place(:, :)  !! x, y and reach, rows; ordered by boxes then
-    integer, intent(in) :: sources              !! so many are the first
-    integer, intent(in) :: targets              !! so many are the last; they may be the same
-    integer, allocatable, intent(out) :: order(:)  !! which circle comes where
-    type(square_box), allocatable, intent(out) :: boxes(:)  !! level by level
-    integer, allocatable, intent(out) :: level(:)  !! the first box of each level, and one more
+  !> Sorts points into boxes.
+  subroutine build_boxes(points, sources, targets, order, boxes, level_start)
+    !> (point, 3): x, y and reach, 0 or more [length]; on return in the order of the boxes
+    real(real64), intent(inout) :: points(:, :)
+    integer, intent(in) :: sources              !! number of sources, the first points
+    integer, intent(in) :: targets              !! number of targets, the last points; may overlap
+    integer, allocatable, intent(out) :: order(:)  !! original index of each ordered point
+    type(square_box), allocatable, intent(out) :: boxes(:)  !! boxes, level by level
+    integer, allocatable, intent(out) :: level_start(:)  !! first box of each level, last box + 1
     real(real64) :: low(2), high(2)
     integer :: i
 
-    order = [(i, i=1, size(place, 1))]
+    order = [(i, i=1, size(points, 1))]
     allocate (boxes(1))
-    boxes(1)%circles(:, 1) = [1, sources, sources]
-    boxes(1)%circles(:, 2) = [size(order) - targets + 1, size(order), size(order)]
-    boxes(1)%around(0, 0) = 1
-    level = [1, 2]
-    if (real(sources, real64) * targets <= few_pairs) return
-    low = minval(place(:, :2), 1)
-    high = maxval(place(:, :2), 1)
-    boxes(1)%middle = 0.5_real64 * (low + high)
-    if (any(high > low)) boxes%half = 0.5_real64 * maxval(high - low)
-    do i = 1, deepest
-      call divide_boxes(place, order, boxes, level(i))
-      if (size(boxes) < level(i + 1)) exit
-      level = [level, size(boxes) + 1]
+    boxes(1)%points(:, as_source) = [1, sources, sources]
+    boxes(1)%points(:, as_target) = [size(order) - targets + 1, size(order), size(order)]
+    boxes(1)%neighbour(0, 0) = 1
+    level_start = [1, 2]
+    if (real(sources, real64) * targets <= direct_pairs) return
+    low = minval(points(:, :2), 1)
+    high = maxval(points(:, :2), 1)
+    boxes(1)%centre = 0.5_real64 * (low + high)
+    if (any(high > low)) boxes%half_width = 0.5_real64 * maxval(high - low)
+    do i = 1, max_levels
+      call divide_boxes(points, order, boxes, level_start(i))
+      if (size(boxes) < level_start(i + 1)) exit
+      level_start = [level_start, size(boxes) + 1]
     end do
   end subroutine build_boxes
 
-  !> The boxes that touch one, itself included.
-  pure function touching(this) result(near)
-    type(square_box), intent(in) :: this  !! box of a level with its neighbours known
-    integer, allocatable :: near(:)       !! those of its level
+  !> Indices of the boxes of the same level that touch a box, itself included.
+  pure function touching_boxes(box) result(touching)
+    type(square_box), intent(in) :: box   !! box with its neighbours set
+    integer, allocatable :: touching(:)   !! indices among all boxes
 
-    near = pack(this%around(-1:1, -1:1), this%around(-1:1, -1:1) > 0)
-  end function touching
+    touching = pack(box%neighbour(-1:1, -1:1), box%neighbour(-1:1, -1:1) > 0)
+  end function touching_boxes
 
-  ! Makes the next level from boxes that are split.
-  subroutine divide_boxes(place, order, boxes, from)
-    real(real64), intent(inout) :: place(:, :)
+  ! Splits boxes of the last level and appends their children as the next level.
+  subroutine divide_boxes(points, order, boxes, first_box)
+    real(real64), intent(inout) :: points(:, :)
     integer, intent(inout) :: order(:)
     type(square_box), allocatable, intent(inout) :: boxes(:)
-    integer, intent(in) :: from  ! first box of the last level
-    type(square_box), allocatable :: new(:)
-    integer, allocatable :: run(:, :, :, :)
-    integer :: a, b, i, k, n, shift(2)
-    logical :: split(size(boxes))
+    integer, intent(in) :: first_box  ! first box of the last level
+    type(square_box), allocatable :: children(:)
+    integer, allocatable :: bounds(:, :, :, :)
+    integer :: a, b, i, k, n, offset(2)
+    logical :: is_split(size(boxes))
 
-    split = .false.
-    do a = from, size(boxes)
-      associate (near => touching(boxes(a)))
-        split(a) = max(maxval(number_of(1, boxes(near))) * number_of(2, boxes(a)), &
-                       maxval(number_of(2, boxes(near))) * number_of(1, boxes(a))) > worth_a_split
+    is_split = .false.
+    do a = first_box, size(boxes)
+      associate (touching => touching_boxes(boxes(a)))
+        is_split(a) = max( &
+          maxval(point_count(as_source, boxes(touching))) * point_count(as_target, boxes(a)), &
+          maxval(point_count(as_target, boxes(touching))) * point_count(as_source, boxes(a))) > &
+          split_pairs
       end associate
     end do
-    allocate (run(3, -1:3, 2, from:size(boxes)))
-    !$omp parallel do schedule(dynamic) if(size(order) > many)
-    do a = from, size(boxes)
-      if (split(a)) call sort_into_quarters(place, order, boxes(a), run(:, :, :, a))
+    allocate (bounds(3, -1:3, 2, first_box:size(boxes)))
+    !$omp parallel do schedule(dynamic) if(size(order) > thread_threshold)
+    do a = first_box, size(boxes)
+      if (is_split(a)) call sort_into_quadrants(points, order, boxes(a), bounds(:, :, :, a))
     end do
     !$omp end parallel do
-    allocate (new(4 * count(split)))
+    allocate (children(4 * count(is_split)))
     n = 0
-    do a = from, size(boxes)
-      if (.not. split(a)) cycle
-      associate (this => boxes(a))
-        this%circles(2, :) = run(2, -1, :, a)
-        this%child(1) = size(boxes) + n + 1
+    do a = first_box, size(boxes)
+      if (.not. is_split(a)) cycle
+      associate (box => boxes(a))
+        box%points(last_own_point, :) = bounds(last_own_point, -1, :, a)
+        box%children(1) = size(boxes) + n + 1
         do k = 0, 3
-          if (all(run(1, k, :, a) > run(3, k, :, a))) cycle
+          if (all(bounds(first_point, k, :, a) > bounds(last_point, k, :, a))) cycle
           n = n + 1
-          new(n)%circles = run(:, k, :, a)
-          new(n)%half = 0.5_real64 * this%half
-          new(n)%middle = this%middle + ([mod(k, 2), k / 2] - 0.5_real64) * this%half
-          new(n)%parent = a
-          new(n)%quarter = k
+          children(n)%points = bounds(:, k, :, a)
+          children(n)%half_width = 0.5_real64 * box%half_width
+          children(n)%centre = box%centre + ([mod(k, 2), k / 2] - 0.5_real64) * box%half_width
+          children(n)%parent = a
+          children(n)%quadrant = k
         end do
-        this%child(2) = size(boxes) + n
+        box%children(2) = size(boxes) + n
       end associate
     end do
-    boxes = [boxes, new(:n)]
+    boxes = [boxes, children(:n)]
     do a = size(boxes) - n + 1, size(boxes)
-      associate (near => touching(boxes(boxes(a)%parent)))
-        do i = 1, size(near)
-          do b = boxes(near(i))%child(1), boxes(near(i))%child(2)
-            shift = nint(0.5_real64 * (boxes(b)%middle - boxes(a)%middle) / boxes(a)%half)
-            boxes(a)%around(shift(1), shift(2)) = b
+      associate (touching => touching_boxes(boxes(boxes(a)%parent)))
+        do i = 1, size(touching)
+          do b = boxes(touching(i))%children(1), boxes(touching(i))%children(2)
+            offset = nint(0.5_real64 * (boxes(b)%centre - boxes(a)%centre) / boxes(a)%half_width)
+            boxes(a)%neighbour(offset(1), offset(2)) = b
           end do
         end do
       end associate
     end do
   end subroutine divide_boxes
 
-  ! Orders the circles of a box: those that rest in it, then quarter by quarter.
-  subroutine sort_into_quarters(place, order, this, run)
-    real(real64), intent(inout) :: place(:, :)
+  ! Sorts the points of a box: first those that belong to no child, then by quadrant.
+  subroutine sort_into_quadrants(points, order, box, bounds)
+    real(real64), intent(inout) :: points(:, :)
     integer, intent(inout) :: order(:)
-    type(square_box), intent(in) :: this
-    integer, intent(out) :: run(3, -1:3, 2)  ! of sources and targets: first, last, last
-    real(real64), allocatable :: places(:, :)
-    integer, allocatable :: names(:), part(:), chosen(:)
+    type(square_box), intent(in) :: box
+    integer, intent(out) :: bounds(3, -1:3, 2)  ! `points` of the box itself (-1) and of quadrants
+    real(real64), allocatable :: box_points(:, :)
+    integer, allocatable :: indices(:), quadrant(:), chosen(:)
     integer :: b, i, k, l
 
-    do l = 1, 2
-      i = this%circles(1, l)
-      ! Sources that are the targets have been sorted.
-      if (l == 2 .and. all(this%circles(:, 1) == this%circles(:, 2))) then
-        run(:, :, 2) = run(:, :, 1)
+    do l = as_source, as_target
+      i = box%points(first_point, l)
+      ! Sources that are the targets, too, are already sorted.
+      if (l == as_target .and. all(box%points(:, as_source) == box%points(:, as_target))) then
+        bounds(:, :, as_target) = bounds(:, :, as_source)
         return
       end if
-      places = place(i:this%circles(3, l), :)
-      names = order(i:this%circles(3, l))
-      part = merge(1, 0, places(:, 1) > this%middle(1)) + &
-             merge(2, 0, places(:, 2) > this%middle(2))
-      where (2 * places(:, 3) > this%half) part = -1
+      box_points = points(i:box%points(last_point, l), :)
+      indices = order(i:box%points(last_point, l))
+      quadrant = merge(1, 0, box_points(:, 1) > box%centre(1)) + &
+                 merge(2, 0, box_points(:, 2) > box%centre(2))
+      where (2 * box_points(:, 3) > box%half_width) quadrant = -1
       do k = -1, 3
-        chosen = pack([(b, b=1, size(part))], part == k)
+        chosen = pack([(b, b=1, size(quadrant))], quadrant == k)
         b = i + size(chosen) - 1
-        place(i:b, :) = places(chosen, :)
-        order(i:b) = names(chosen)
-        run(:, k, l) = [i, b, b]
+        points(i:b, :) = box_points(chosen, :)
+        order(i:b) = indices(chosen)
+        bounds(:, k, l) = [i, b, b]
         i = b + 1
       end do
     end do
-  end subroutine sort_into_quarters
+  end subroutine sort_into_quadrants
 
-  ! How many sources or targets a box has.
-  elemental real(real64) function number_of(kind_of, this)
-    integer, intent(in) :: kind_of
-    type(square_box), intent(in) :: this
+  ! Number of sources or of targets of a box.
+  elemental real(real64) function point_count(kind_of_point, box)
+    integer, intent(in) :: kind_of_point  ! `as_source` or `as_target`
+    type(square_box), intent(in) :: box
 
-    number_of = this%circles(3, kind_of) - this%circles(1, kind_of) + 1.0_real64
-  end function number_of
+    point_count = box%points(last_point, kind_of_point) - &
+                  box%points(first_point, kind_of_point) + 1.0_real64
+  end function point_count
 
 end module asperity_box_tree

@@ -1,11 +1,11 @@
-!> Displacements at all cells of a rectangular lattice by forces on all its cells, through FFTW 3
-!> (Frigo and Johnson, Proc. IEEE 93, 2005).
+!> Displacements of all elements of a rectangular lattice by forces on all elements: a discrete
+!> convolution by fast Fourier transforms with FFTW 3 (Frigo and Johnson, Proc. IEEE 93, 2005).
 !>
-!> The influence depends on the offset of two cells alone. On a lattice padded with zeros to twice
-!> its size the periodic images do not reach it: the sum is exact but for rounding. On a periodic
-!> lattice the influence is known by its transform. Rows are transformed one by one, those of zeros
-!> not at all, then columns, which go forward and back at once: bytes do not depend on the number of
-!> threads.
+!> The influence of a force depends only on the offset of two elements. On a lattice that is padded
+!> with zeros to twice its size the periodic images have no effect: the sum is exact to rounding. On
+!> a periodic lattice the influence is given by its transform. Rows are transformed one by one,
+!> without those of the padding; each column is transformed, multiplied and transformed back by one
+!> thread: the bytes of the result do not depend on the number of threads.
 module asperity_cell_convolution
   use, intrinsic :: iso_c_binding, only: c_associated, c_double, c_double_complex, c_int, c_loc, &
                                          c_null_ptr, c_ptr
@@ -20,16 +20,17 @@ module asperity_cell_convolution
 
   public :: cell_convolution, padded_length
 
-  !> A sum over one lattice. It owns its plans: it must not be copied.
+  !> The convolution for one lattice. It owns its plans: it must not be copied.
   type :: cell_convolution
     private
-    real(real64), public :: norm = 0.0_real64  !! the matrix of the sum has no larger eigenvalue
-    integer :: wide = 0  ! padded
-    integer :: high = 0
-    ! By wave number along and across, half of them: it is the same at the mirror images. Of the
-    ! influence and of its rough inverse.
+    real(real64), public :: norm = 0.0_real64  !! upper bound of the eigenvalues of the matrix
+    integer :: columns = 0  ! number of columns of the padded lattice
+    integer :: rows = 0     ! number of rows of the padded lattice
+    ! (wave number in y, wave number in x, operator): spectrum of the influence and of its
+    ! approximate inverse over the number of padded elements. Half of the wave numbers are kept in
+    ! each direction: the influence is the same at mirrored offsets.
     real(c_double), allocatable :: spectrum(:, :, :)
-    complex(c_double_complex), allocatable :: transform(:, :)  ! by wave number across and row
+    complex(c_double_complex), allocatable :: transform(:, :)  ! (wave number in x, row)
     type(c_ptr) :: plans(4) = c_null_ptr
   contains
     procedure :: prepare => prepare_plane
@@ -38,139 +39,151 @@ module asperity_cell_convolution
     final :: destroy_plans
   end type cell_convolution
 
-  ! The plans: of a row, of a column, of a column back, of a row back.
-  integer, parameter :: of_row = 1, of_column = 2, column_back = 3, row_back = 4
+  ! Indices of the plans for transforms of a row and of a column, forward and back.
+  integer, parameter :: row_forward = 1, column_forward = 2, column_back = 3, row_back = 4
+  ! Indices of the operators in the spectrum.
+  integer, parameter :: of_influence = 1, of_inverse = 2
 
-  ! Columns that are gathered at once, which share lines of the cache; numbers of a transform from
-  ! which on threads are worth it.
-  integer, parameter :: at_once = 8, many = 30000
+  ! Number of columns that are copied together, as they share lines of the cache (chosen).
+  integer, parameter :: block_columns = 8
+  ! Size of a transform above which threads share it (chosen).
+  integer, parameter :: thread_threshold = 30000
 
 contains
 
-  !> Prepares the sum for an influence that is the same at an offset and at its mirror images.
+  !> Prepares the convolution with an influence that is the same at mirrored offsets.
   subroutine prepare_plane(self, influence)
-    class(cell_convolution), intent(inout), target :: self  !! not prepared before
-    real(real64), intent(in) :: influence(0:, 0:)          !! by offset, of the lattice's size
+    class(cell_convolution), intent(inout), target :: self  !! convolution without plans
+    !> (columns, rows): displacement at an offset by a unit force; of the size of the lattice
+    real(real64), intent(in) :: influence(0:, 0:)
     real(c_double), allocatable, target :: row(:)
     complex(c_double_complex), allocatable, target :: column(:)
     integer :: i, j, n
 
     call make_plans(self, padded_length(2 * size(influence, 1) - 1), &
                     padded_length(2 * size(influence, 2) - 1), size(influence, 2))
-    allocate (row(0:self%wide - 1), column(0:self%high - 1))
+    allocate (row(0:self%columns - 1), column(0:self%rows - 1))
     n = size(influence, 1)
     row = 0.0_c_double
     do j = 0, ubound(influence, 2)
       row(:n - 1) = influence(:, j)
-      row(self%wide - n + 1:) = influence(n - 1:1:-1, j)
-      call fftw_real_to_complex(self%plans(of_row), c_loc(row), c_loc(self%transform(0, j)))
+      row(self%columns - n + 1:) = influence(n - 1:1:-1, j)
+      call fftw_real_to_complex(self%plans(row_forward), c_loc(row), c_loc(self%transform(0, j)))
     end do
     n = size(influence, 2)
     do i = 0, ubound(self%transform, 1)
       column = (0.0_c_double, 0.0_c_double)
       column(:n - 1) = real(self%transform(i, :), c_double)
-      column(self%high - n + 1:) = column(n - 1:1:-1)
-      call fftw_complex(self%plans(of_column), c_loc(column), c_loc(column))
-      self%spectrum(:, i, 1) = real(column(:self%high / 2), c_double)
+      column(self%rows - n + 1:) = column(n - 1:1:-1)
+      call fftw_complex(self%plans(column_forward), c_loc(column), c_loc(column))
+      self%spectrum(:, i, of_influence) = real(column(:self%rows / 2), c_double)
     end do
     call scale_spectrum(self)
   end subroutine prepare_plane
 
-  !> Prepares the sum for displacements by pressures on a periodic half-space, over the modulus: a
-  !> wave of number q has 2/q (Johnson, Contact Mechanics, 1985, section 13.2). The mean has 0.
+  !> Prepares the convolution for displacements times the modulus by pressures on a periodic
+  !> half-space: 2/q for a wave of number q (Johnson, Contact Mechanics, 1985, section 13.2), 0 for
+  !> the mean pressure.
   subroutine prepare_periodic(self, columns, rows, side_x, side_y)
-    class(cell_convolution), intent(inout), target :: self  !! not prepared before
-    integer, intent(in) :: columns, rows                   !! of the lattice
-    real(real64), intent(in) :: side_x, side_y             !! of a cell
+    class(cell_convolution), intent(inout), target :: self  !! convolution without plans
+    integer, intent(in) :: columns, rows                   !! numbers of columns and rows
+    real(real64), intent(in) :: side_x, side_y             !! sides of an element [length]
     integer :: i, j
 
     call make_plans(self, columns, rows, rows)
     do i = 0, columns / 2
       do j = 0, rows / 2
-        self%spectrum(j, i, 1) = 0.0_real64
-        if (i + j > 0) self%spectrum(j, i, 1) = 1.0_real64 / &
+        self%spectrum(j, i, of_influence) = 0.0_real64
+        if (i + j > 0) self%spectrum(j, i, of_influence) = 1.0_real64 / &
           (pi * hypot(i / (columns * side_x), j / (rows * side_y)))
       end do
     end do
     call scale_spectrum(self)
   end subroutine prepare_periodic
 
-  ! There and back the transforms multiply by the size.
+  ! Sets the norm and the spectrum of the approximate inverse, and divides both spectra by the
+  ! number of padded elements, by which the transforms forward and back multiply.
   subroutine scale_spectrum(self)
     class(cell_convolution), intent(inout) :: self
-    real(c_double) :: across(0:self%wide / 2), along(0:self%high / 2)
+    real(c_double) :: square_x(0:self%columns / 2), square_y(0:self%rows / 2)
     integer :: i
 
-    ! The lattice's matrix is a part of the padded one, whose eigenvalues these are.
-    self%norm = maxval(abs(self%spectrum(:, :, 1)))
-    across = [(sin(i * pi / self%wide)**2, i=0, self%wide / 2)]
-    along = [(sin(i * pi / self%high)**2 + sin(pi / self%wide)**2 + sin(pi / self%high)**2, &
-              i=0, self%high / 2)]
-    do i = 0, self%wide / 2
-      self%spectrum(:, i, 2) = sqrt(across(i) + along)
+    ! The spectrum holds the eigenvalues of the padded matrix, of which that of the lattice is a
+    ! principal submatrix.
+    self%norm = maxval(abs(self%spectrum(:, :, of_influence)))
+    square_x = [(sin(i * pi / self%columns)**2, i=0, self%columns / 2)]
+    square_y = [(sin(i * pi / self%rows)**2 + sin(pi / self%columns)**2 + sin(pi / self%rows)**2, &
+              i=0, self%rows / 2)]
+    do i = 0, self%columns / 2
+      self%spectrum(:, i, of_inverse) = sqrt(square_x(i) + square_y)
     end do
-    self%spectrum = self%spectrum / (real(self%wide, c_double) * self%high)
+    self%spectrum = self%spectrum / (real(self%columns, c_double) * self%rows)
   end subroutine scale_spectrum
 
-  ! Room and plans for a lattice of so many rows that is padded to `wide` by `high`.
-  subroutine make_plans(self, wide, high, rows)
+  ! Allocates the arrays and makes the plans for a lattice of `rows` rows that is padded to
+  ! `padded_columns` by `padded_rows`.
+  subroutine make_plans(self, padded_columns, padded_rows, rows)
     class(cell_convolution), intent(inout), target :: self
-    integer, intent(in) :: wide, high, rows
+    integer, intent(in) :: padded_columns, padded_rows, rows
 
-    self%wide = wide
-    self%high = high
-    allocate (self%transform(0:wide / 2, 0:rows - 1), self%spectrum(0:high / 2, 0:wide / 2, 2))
-    ! Planning without measuring touches no array.
+    self%columns = padded_columns
+    self%rows = padded_rows
+    allocate (self%transform(0:padded_columns / 2, 0:rows - 1), &
+              self%spectrum(0:padded_rows / 2, 0:padded_columns / 2, 2))
+    ! Plans by estimate do not write to the arrays.
     associate (row => c_loc(self%spectrum), waves => c_loc(self%transform))
       !$omp critical (fftw_plans)
       self%plans = [ &
-        fftw_plan_real_to_complex(int(wide, c_int), row, waves, fftw_estimate), &
-        fftw_plan_complex(int(high, c_int), waves, waves, fftw_forward, fftw_estimate), &
-        fftw_plan_complex(int(high, c_int), waves, waves, fftw_backward, fftw_estimate), &
-        fftw_plan_complex_to_real(int(wide, c_int), waves, row, fftw_estimate)]
+        fftw_plan_real_to_complex(int(padded_columns, c_int), row, waves, fftw_estimate), &
+        fftw_plan_complex(int(padded_rows, c_int), waves, waves, fftw_forward, fftw_estimate), &
+        fftw_plan_complex(int(padded_rows, c_int), waves, waves, fftw_backward, fftw_estimate), &
+        fftw_plan_complex_to_real(int(padded_columns, c_int), waves, row, fftw_estimate)]
       !$omp end critical (fftw_plans)
     end associate
   end subroutine make_plans
 
-  !> Sums influence times force, on the lattice that it was prepared for; or nearly the inverse.
+  !> Convolves forces with the influence, or displacements with its approximate inverse, on the
+  !> lattice of the preparation.
   !>
-  !> The inverse is, but for a factor, that of an influence like 1/r, with a transform as 1/k, of
-  !> wave number k. On a lattice k is as the root of the sum of the squares of sin(pi i/n), as for
-  !> the second difference. The lowest k there is added: none is 0. So it is symmetric and positive
-  !> definite, also on a part of the cells.
-  subroutine apply_influence(self, from, to, inverse)
-    class(cell_convolution), intent(inout), target :: self  !! convolution with influence and
-                                                                   !! plans
-    real(real64), intent(in) :: from(:, :)                 !! forces on all cells; or displacements
-    real(real64), intent(out) :: to(:, :)                  !! displacements at all; or forces
-    logical, intent(in), optional :: inverse               !! from displacements to forces
+  !> The transform of an influence like 1/r is proportional to 1/k, with the wave number k. Up to a
+  !> factor the inverse is therefore k, for the second difference on a lattice of n points the root
+  !> of the sum of sin(pi i/n)**2 over both directions. The square of the lowest k is added, which
+  !> makes the inverse symmetric and positive definite, also on a part of the elements.
+  subroutine apply_influence(self, force, displacement, inverse)
+    class(cell_convolution), intent(inout), target :: self  !! prepared convolution
+    real(real64), intent(in) :: force(:, :)                !! forces; if inverse, displacements
+    real(real64), intent(out) :: displacement(:, :)        !! displacements; if inverse, forces
+    logical, intent(in), optional :: inverse               !! whether the inverse is applied
     real(c_double), allocatable, target :: row(:)
     complex(c_double_complex), allocatable, target :: column(:, :)
-    integer :: i, j, k, m, n, last, which
+    integer :: i, j, k, m, n, last, operator_index
 
-    which = 1
-    if (present(inverse)) which = merge(2, 1, inverse)
-    m = size(from, 1)
-    n = size(from, 2)
-    !$omp parallel private(row, column, k, last) if(size(self%transform) > many)
-    allocate (row(self%wide), column(0:self%high - 1, 0:at_once - 1))
+    operator_index = of_influence
+    if (present(inverse)) operator_index = merge(of_inverse, of_influence, inverse)
+    m = size(force, 1)
+    n = size(force, 2)
+    !$omp parallel private(row, column, k, last) if(size(self%transform) > thread_threshold)
+    allocate (row(self%columns), column(0:self%rows - 1, 0:block_columns - 1))
     !$omp do schedule(static)
     do j = 1, n
-      row(:m) = from(:, j)
+      row(:m) = force(:, j)
       row(m + 1:) = 0.0_c_double
-      call fftw_real_to_complex(self%plans(of_row), c_loc(row), c_loc(self%transform(0, j - 1)))
+      call fftw_real_to_complex(self%plans(row_forward), c_loc(row), &
+                                c_loc(self%transform(0, j - 1)))
     end do
     !$omp end do
     !$omp do schedule(static)
-    do i = 0, self%wide / 2, at_once
-      last = min(at_once - 1, self%wide / 2 - i)
+    do i = 0, self%columns / 2, block_columns
+      last = min(block_columns - 1, self%columns / 2 - i)
       column(:n - 1, :last) = transpose(self%transform(i:i + last, :n - 1))
       do k = 0, last
         column(n:, k) = (0.0_c_double, 0.0_c_double)
-        call fftw_complex(self%plans(of_column), c_loc(column(0, k)), c_loc(column(0, k)))
-        column(:self%high / 2, k) = column(:self%high / 2, k) * self%spectrum(:, i + k, which)
-        column(self%high / 2 + 1:, k) = column(self%high / 2 + 1:, k) * &
-                                       self%spectrum((self%high - 1) / 2:1:-1, i + k, which)
+        call fftw_complex(self%plans(column_forward), c_loc(column(0, k)), c_loc(column(0, k)))
+        associate (spectrum => self%spectrum(:, i + k, operator_index), middle => self%rows / 2)
+          column(:middle, k) = column(:middle, k) * spectrum
+          column(middle + 1:, k) = column(middle + 1:, k) * &
+                                   self%spectrum((self%rows - 1) / 2:1:-1, i + k, operator_index)
+        end associate
         call fftw_complex(self%plans(column_back), c_loc(column(0, k)), c_loc(column(0, k)))
       end do
       self%transform(i:i + last, :n - 1) = transpose(column(:n - 1, :last))
@@ -179,12 +192,13 @@ contains
     !$omp do schedule(static)
     do j = 1, n
       call fftw_complex_to_real(self%plans(row_back), c_loc(self%transform(0, j - 1)), c_loc(row))
-      to(:, j) = row(:m)
+      displacement(:, j) = row(:m)
     end do
     !$omp end do
     !$omp end parallel
   end subroutine apply_influence
 
+  ! Releases the plans when the convolution ends.
   subroutine destroy_plans(self)
     type(cell_convolution), intent(inout) :: self
     integer :: i
@@ -198,10 +212,10 @@ contains
     self%plans = c_null_ptr
   end subroutine destroy_plans
 
-  !> A length from n on, an eighth more at most, that is a power of 2 times 16 at most: FFTW is
-  !> quick with powers of 2, 3, 5 and 7 and one factor of 11 or 13.
+  !> Length of at least n and at most n plus an eighth that is at most 16 times a power of 2: FFTW
+  !> is efficient for powers of 2, 3, 5 and 7 and one factor of 11 or 13.
   pure integer function padded_length(n)
-    integer, intent(in) :: n  !! 1 or more
+    integer, intent(in) :: n  !! least length, 1 or more
     integer :: step
 
     step = 2**max(0, exponent(real(n)) - 4)

@@ -1,13 +1,15 @@
-!> Sums of 1/r of many sources in a plane at many places, in time proportional to their number.
+!> Sums of 1/r over many sources in a plane at many targets, in time proportional to their number.
 !>
-!> Source j is a circle with charge q_j and spread w_j and the potential q_j (1 + w_j Laplacian) 1/r
-!> = q_j (1/r + w_j / r**3). Circles that are near each other, by the reaches they are planted with,
-!> are listed and left to the caller. All others are summed: those in boxes that touch place by
-!> place, those in other boxes by expansions (asperity_box_expansions).
+!> Source j is a circle with the charge q_j and the second moment w_j [length**2], a quarter of the
+!> mean square of the radius at which the charge lies. Its potential at a distance r is
+!> q_j (1 + w_j Laplacian) 1/r = q_j (1/r + w_j/r**3). Sources near a target, by the reaches of
+!> both, are listed for the caller and not summed. All others are: those in touching boxes directly
+!> (P2P), those in other boxes by expansions (fast multipole method, asperity_box_expansions).
 module asperity_source_tree
-  use asperity_box_expansions, only: add_dipole, add_field, add_moments, add_translated, down, &
-                                     lanes, prepare_translations, translations, up
-  use asperity_box_tree, only: build_boxes, square_box, touching
+  use asperity_box_expansions, only: add_dipole, add_field, add_moments, add_translated, l2l, &
+                                     lanes, m2m, prepare_translations, translations
+  use asperity_box_tree, only: as_source, as_target, build_boxes, first_point, last_own_point, &
+                               last_point, square_box, touching_boxes
   use asperity_kinds, only: int64, real64
   use asperity_problems, only: not_enough_memory
   use asperity_process, only: has_memory
@@ -16,119 +18,129 @@ module asperity_source_tree
 
   public :: source_tree, build_tree, sum_sources
 
-  ! Fewest places for which threads are started.
-  integer, parameter :: many = 512
-  ! Bytes of a circle without near ones. A million circles that are both took 210 each
-  ! all over a square, 200 in clusters (measured); the rest is for worse.
-  integer(int64), parameter :: bytes_per_circle = 200_int64
+  ! Number of targets above which threads share the work (chosen).
+  integer, parameter :: thread_threshold = 512
+  ! Memory [bytes] of a point without its list of near sources (measured: 210 for each of a million
+  ! points that are sources and targets, uniform over a square, 200 in clusters).
+  integer(int64), parameter :: bytes_per_point = 200_int64
   character(*), parameter :: no_memory = not_enough_memory // ' for the sum over all contacts'
+  ! Columns of `source_tree%points`: position at which the tree was built, reach times near_factor;
+  ! then position in the sum, charge, second moment and dipole. While near sources are listed, the
+  ! fourth column is the index of the point.
+  integer, parameter :: listed_x = 1, listed_y = 2, listed_reach = 3, point_index = 4
+  integer, parameter :: shifted_x = 4, shifted_y = 5, point_charge = 6, point_moment = 7, &
+                        dipole_x = 8, dipole_y = 9
 
-  !> Sources and targets at their places.
+  !> Sources and targets, sorted into boxes.
   type :: source_tree
-    !> where the near sources of a target begin in `near`
+    !> index in `near` of the first source near each target, and one index more
     integer, allocatable :: first(:)
     !> sources near each target, without itself, in the order of the boxes
     integer, allocatable :: near(:)
-    !> why the tree could not be planted; not allocated when all is well
+    !> error message if there was no memory for the tree, else not allocated
     character(:), allocatable :: failure
-    ! Circles: which are sources, as the first; of all others the number is less by `before`.
-    integer, private :: sources = 0, before = 0
-    ! In the order of the boxes: their numbers; planted place, near_factor * reach, place, charge,
-    ! spread, dipole.
+    ! Number of sources, which are the first points; index of the point before the first target.
+    integer, private :: sources = 0, target_offset = 0
+    ! In the order of the boxes: the original indices, and the points (point, column).
     integer, allocatable, private :: order(:)
-    real(real64), allocatable, private :: circle(:, :)
+    real(real64), allocatable, private :: points(:, :)
     type(square_box), allocatable, private :: boxes(:)
-    ! The first box of each level.
-    integer, allocatable, private :: level(:)
-    type(translations), private :: ways
-    ! By box: moments of its sources, and coefficients of the field in it.
+    ! First box of each level, and the number of boxes plus 1.
+    integer, allocatable, private :: level_start(:)
+    type(translations), private :: translation
+    ! (term, box): moments of the sources of a box, and expansion of the far field in it.
     real(real64), allocatable, private :: moment(:, :), field(:, :)
   end type source_tree
 
 contains
 
-  !> Plants circles at their places and finds which are near each other.
+  !> Sorts points into boxes and lists the sources near each target.
   subroutine build_tree(tree, x, y, reach, near_factor, sources)
-    !> the tree; one that was planted before keeps its expansions between boxes
+    !> the tree; the translations of one that was built earlier are used again
     type(source_tree), intent(inout) :: tree
-    real(real64), intent(in) :: x(:)         !! places of all points
-    real(real64), intent(in) :: y(:)         !! places of all points
-    real(real64), intent(in) :: reach(:)     !! reaches, none negative
-    !> circles whose places are nearer than this times the sum of their reaches are near
+    real(real64), intent(in) :: x(:)         !! positions x of all points [length]
+    real(real64), intent(in) :: y(:)         !! positions y of all points [length]
+    real(real64), intent(in) :: reach(:)     !! reaches of all points, 0 or more [length]
+    !> two points are near if their distance is below this times the sum of their reaches
     real(real64), intent(in) :: near_factor
-    !> so many are the sources, and all others the targets; absent: all are both, and none acts on
-    !> itself
+    !> number of sources, the first points; the others are the targets; absent: each point is both,
+    !> and has no effect on itself
     integer, intent(in), optional :: sources
 
     tree%sources = size(x)
-    tree%before = 0
+    tree%target_offset = 0
     if (present(sources)) then
       tree%sources = sources
-      tree%before = sources
+      tree%target_offset = sources
     end if
     if (allocated(tree%failure)) deallocate (tree%failure)
     if (allocated(tree%near)) deallocate (tree%near)
-    if (allocated(tree%circle)) deallocate (tree%circle)
+    if (allocated(tree%points)) deallocate (tree%points)
     if (allocated(tree%moment)) deallocate (tree%moment, tree%field)
-    tree%first = [1, spread(0, 1, size(x) - tree%before)]
+    tree%first = [1, spread(0, 1, size(x) - tree%target_offset)]
     allocate (tree%near(0))
-    if (.not. has_memory(bytes_per_circle * size(x))) then
+    if (.not. has_memory(bytes_per_point * size(x))) then
       tree%failure = no_memory
       return
     end if
-    allocate (tree%circle(size(x), 9))
-    tree%circle(:, 1) = x
-    tree%circle(:, 2) = y
-    tree%circle(:, 3) = near_factor * reach
-    call build_boxes(tree%circle(:, :3), tree%sources, size(x) - tree%before, tree%order, &
-                     tree%boxes, tree%level)
+    allocate (tree%points(size(x), dipole_y))
+    tree%points(:, listed_x) = x
+    tree%points(:, listed_y) = y
+    tree%points(:, listed_reach) = near_factor * reach
+    call build_boxes(tree%points(:, :listed_reach), tree%sources, size(x) - tree%target_offset, &
+                     tree%order, tree%boxes, tree%level_start)
     call list_near(tree)
-    if (size(tree%level) < 4) return
-    if (.not. allocated(tree%ways%way)) call prepare_translations(tree%ways)
-    allocate (tree%moment(tree%ways%terms, size(tree%boxes)), &
-              tree%field(tree%ways%terms, size(tree%boxes)))
+    if (size(tree%level_start) < 4) return
+    if (.not. allocated(tree%translation%matrix)) call prepare_translations(tree%translation)
+    allocate (tree%moment(tree%translation%terms, size(tree%boxes)), &
+              tree%field(tree%translation%terms, size(tree%boxes)))
   end subroutine build_tree
 
-  ! Counts the near sources of every target, then lists them.
+  ! Sets `first` and `near`: counts the near sources of every target, then lists them.
   subroutine list_near(tree)
     type(source_tree), intent(inout) :: tree
-    real(real64), allocatable :: about(:, :)
-    real(real64) :: here(3), apart
-    integer, allocatable :: name(:), found(:)
+    real(real64), allocatable :: source(:, :)
+    real(real64) :: point(3), distance_squared
+    integer, allocatable :: source_index(:), near(:)
     integer :: a, i, j, k, n
     integer(int64) :: pairs
-    logical :: listing
+    logical :: is_listing
 
-    tree%circle(:, 4) = tree%order
-    listing = .false.
+    tree%points(:, point_index) = tree%order
+    is_listing = .false.
     do
-      !$omp parallel do schedule(dynamic, 16) private(about, here, apart, name, found, i, j, k, n) &
-      !$omp   if(size(tree%first) > many)
+      !$omp parallel do schedule(dynamic, 16) &
+      !$omp   private(source, point, distance_squared, source_index, near, i, j, k, n) &
+      !$omp   if(size(tree%first) > thread_threshold)
       do a = 1, size(tree%boxes)
-        about = sources_about(tree, a, 4)
-        if (size(about) == 0) cycle
-        name = int(about(:, 4))
-        found = name
-        do i = tree%boxes(a)%circles(1, 2), tree%boxes(a)%circles(2, 2)
-          k = tree%order(i) - tree%before
-          here = tree%circle(i, :3)
+        source = touching_sources(tree, a, point_index)
+        if (size(source) == 0) cycle
+        source_index = int(source(:, point_index))
+        near = source_index
+        do i = tree%boxes(a)%points(first_point, as_target), &
+               tree%boxes(a)%points(last_own_point, as_target)
+          k = tree%order(i) - tree%target_offset
+          point = tree%points(i, :listed_reach)
           n = 0
-          ! No branch, as it would be mispredicted: the next name overwrites that of a far circle.
-          do j = 1, size(name)
-            found(n + 1) = name(j)
-            apart = (about(j, 1) - here(1))**2 + (about(j, 2) - here(2))**2
-            n = n + iand(merge(1, 0, apart < (about(j, 3) + here(3))**2), &
-                         merge(1, 0, name(j) /= tree%order(i)))
+          ! Without a branch, which would be mispredicted: an index that is not near is overwritten
+          ! by the next one.
+          do j = 1, size(source_index)
+            near(n + 1) = source_index(j)
+            distance_squared = (source(j, listed_x) - point(listed_x))**2 + &
+                               (source(j, listed_y) - point(listed_y))**2
+            n = n + iand(merge(1, 0, distance_squared < &
+                               (source(j, listed_reach) + point(listed_reach))**2), &
+                         merge(1, 0, source_index(j) /= tree%order(i)))
           end do
-          if (listing) then
-            tree%near(tree%first(k):tree%first(k + 1) - 1) = found(:n)
+          if (is_listing) then
+            tree%near(tree%first(k):tree%first(k + 1) - 1) = near(:n)
           else
             tree%first(k + 1) = n
           end if
         end do
       end do
       !$omp end parallel do
-      if (listing) exit
+      if (is_listing) exit
       pairs = sum(int(tree%first(2:), int64))
       if (pairs > huge(i) - 1 .or. .not. has_memory(4_int64 * pairs + 1_int64)) then
         tree%failure = no_memory
@@ -139,231 +151,252 @@ contains
       end do
       deallocate (tree%near)
       allocate (tree%near(pairs))
-      listing = .true.
+      is_listing = .true.
     end do
   end subroutine list_near
 
-  ! The sources that act one by one on the targets that rest in a box: none if there are none.
-  pure function sources_about(tree, box, columns) result(about)
+  ! The first columns of the sources that are summed directly for the targets that belong to a box
+  ! and to none of its children: those in the boxes that touch it or one of its ancestors. Without
+  ! such targets there is none.
+  pure function touching_sources(tree, box, columns) result(source)
     type(source_tree), intent(in) :: tree
-    integer, intent(in) :: box, columns  ! so many of the circles' numbers
-    real(real64), allocatable :: about(:, :)
-    integer :: run(2, 9 * size(tree%level)), a, i, j, n
+    integer, intent(in) :: box, columns  ! index of the box; number of columns
+    real(real64), allocatable :: source(:, :)
+    integer :: bounds(2, 9 * size(tree%level_start)), a, i, j, n
 
     n = 0
     a = box
-    if (tree%boxes(a)%circles(2, 2) < tree%boxes(a)%circles(1, 2)) a = 0
+    if (tree%boxes(a)%points(last_own_point, as_target) < &
+        tree%boxes(a)%points(first_point, as_target)) a = 0
     do while (a > 0)
-      associate (near => tree%boxes(touching(tree%boxes(a))))
-        run(1, n + 1:n + size(near)) = near%circles(1, 1)
-        ! Those that rest deeper act in the levels below.
-        run(2, n + 1:n + size(near)) = near%circles(merge(3, 2, a == box), 1)
-        n = n + size(near)
+      associate (touching => tree%boxes(touching_boxes(tree%boxes(a))))
+        bounds(1, n + 1:n + size(touching)) = touching%points(first_point, as_source)
+        ! Beside an ancestor only the sources that belong to none of the children: those of the
+        ! children are summed by boxes of the levels below.
+        bounds(2, n + 1:n + size(touching)) = &
+          touching%points(merge(last_point, last_own_point, a == box), as_source)
+        n = n + size(touching)
       end associate
       a = tree%boxes(a)%parent
     end do
-    allocate (about(sum(run(2, :n) - run(1, :n) + 1), columns))
+    allocate (source(sum(bounds(2, :n) - bounds(1, :n) + 1), columns))
     a = 0
     do i = 1, n
       do j = 1, columns
-        about(a + 1:a + 1 + run(2, i) - run(1, i), j) = tree%circle(run(1, i):run(2, i), j)
+        source(a + 1:a + 1 + bounds(2, i) - bounds(1, i), j) = &
+          tree%points(bounds(1, i):bounds(2, i), j)
       end do
-      a = a + 1 + run(2, i) - run(1, i)
+      a = a + 1 + bounds(2, i) - bounds(1, i)
     end do
-  end function sources_about
+  end function touching_sources
 
-  !> Sums over all sources that are not near.
+  !> Sums the potentials of all sources that are not near each target.
   !>
-  !> Moves shift places without a change of what is near and of what is summed how: all sums are
-  !> smooth functions of charges and moves. Moves must be small against the reaches. Targets that
-  !> are the sources move with them. Laplacian and slopes are those of the potential with spread.
-  subroutine sum_sources(tree, charge, spreading, value, move, rough, dipole)
+  !> Shifts change positions, but not which sources are near and which are summed directly: all sums
+  !> are smooth functions of charges and shifts. Shifts must be small against the reaches. Targets
+  !> that are the sources are shifted with them. The Laplacian, the slopes and the second
+  !> derivatives include the second moments. Without expansions all sums are exact.
+  subroutine sum_sources(tree, charge, second_moment, value, shift, rough, dipole)
     type(source_tree), intent(inout) :: tree           !! tree of the sources
-    real(real64), intent(in) :: charge(:)              !! charges of the sources
-    real(real64), intent(in) :: spreading(:)              !! of sources, at most reach**2
-    !> (6, target): potential, its Laplacian in the plane, slopes in x and y, half of what it bends
-    !! more in x than in y, bend in xy
+    real(real64), intent(in) :: charge(:)              !! charges q of the sources
+    real(real64), intent(in) :: second_moment(:)       !! w of the sources, at most reach**2
+    !> (6, target): potential, its Laplacian in the plane, its slopes in x and y, half of the
+    !! difference of its second derivatives in x and in y, its mixed second derivative
     real(real64), intent(out) :: value(:, :)
-    real(real64), intent(in), optional :: move(:, :)   !! (2, source): in x and y
-    !> only the potential, and to 1e-4 or so; mean by the target's spread
+    real(real64), intent(in), optional :: shift(:, :)  !! (2, source): shifts in x and y [length]
+    !> whether only the potential is summed, to about 1e-4, as a mean over the target by its second
+    !! moment; without expansions all values are summed, exactly
     logical, intent(in), optional :: rough
-    !> (2, source), with `rough`: dipoles d at the sources, with the potential d * (x - x_j)/r**3;
-    !! slopes are then summed, too
+    !> (2, source), only with `rough`: dipoles d of the sources, with the potential
+    !! d * (x - x_j)/r**3; slopes are then summed, too
     real(real64), intent(in), optional :: dipole(:, :)
-    real(real64), allocatable :: about(:, :)
+    real(real64), allocatable :: source(:, :)
     integer :: a, columns, i, k, terms
-    logical :: is_rough
+    logical :: is_low_order
 
-    ! Without expansions all sums are exact.
-    terms = merge(tree%ways%terms, 0, allocated(tree%moment))
-    is_rough = .false.
-    if (present(rough)) is_rough = rough .and. terms > 0
-    if (is_rough) terms = tree%ways%rough_terms
-    columns = merge(9, 7, present(dipole))
-    !$omp parallel private(about, a, i, k) if(size(tree%order) > many)
+    terms = merge(tree%translation%terms, 0, allocated(tree%moment))
+    is_low_order = .false.
+    if (present(rough)) is_low_order = rough .and. terms > 0
+    if (is_low_order) terms = tree%translation%low_order_terms
+    columns = merge(dipole_y, point_moment, present(dipole))
+    !$omp parallel private(source, a, i, k) if(size(tree%order) > thread_threshold)
     !$omp do
     do i = 1, size(tree%order)
       k = tree%order(i)
-      tree%circle(i, 4:) = 0.0_real64
-      tree%circle(i, 4:5) = tree%circle(i, :2)
+      tree%points(i, shifted_x:) = 0.0_real64
+      tree%points(i, shifted_x:shifted_y) = tree%points(i, listed_x:listed_y)
       if (k > tree%sources) cycle
-      tree%circle(i, 6:7) = [charge(k), spreading(k)]
-      if (present(move)) tree%circle(i, 4:5) = tree%circle(i, 4:5) + move(:, k)
-      if (present(dipole)) tree%circle(i, 8:9) = dipole(:, k)
+      tree%points(i, point_charge:point_moment) = [charge(k), second_moment(k)]
+      if (present(shift)) tree%points(i, shifted_x:shifted_y) = &
+        tree%points(i, shifted_x:shifted_y) + shift(:, k)
+      if (present(dipole)) tree%points(i, dipole_x:dipole_y) = dipole(:, k)
     end do
     !$omp end do
-    do i = size(tree%level) - 1, 3, -1
+    do i = size(tree%level_start) - 1, 3, -1
       call gather_moments(tree, i, terms, present(dipole))
     end do
-    do i = 3, size(tree%level) - 1
+    do i = 3, size(tree%level_start) - 1
       call distribute_fields(tree, i, terms)
     end do
     !$omp do schedule(dynamic, 16)
     do a = 1, size(tree%boxes)
-      about = sources_about(tree, a, columns)
-      do i = tree%boxes(a)%circles(1, 2), tree%boxes(a)%circles(2, 2)
-        k = tree%order(i) - tree%before
+      source = touching_sources(tree, a, columns)
+      do i = tree%boxes(a)%points(first_point, as_target), &
+             tree%boxes(a)%points(last_own_point, as_target)
+        k = tree%order(i) - tree%target_offset
         if (present(dipole)) then
-          value(:, k) = dipole_sum(about, tree%circle(i, :))
-        else if (is_rough) then
-          value(:, k) = [1, 0, 0, 0, 0, 0] * rough_sum(about, tree%circle(i, :))
+          value(:, k) = dipole_sum(source, tree%points(i, :))
+        else if (is_low_order) then
+          value(:, k) = [1, 0, 0, 0, 0, 0] * low_order_sum(source, tree%points(i, :))
         else
-          value(:, k) = direct_sum(about, tree%circle(i, :))
+          value(:, k) = direct_sum(source, tree%points(i, :))
         end if
-        ! Boxes of the first two levels touch.
-        if (a >= tree%level(min(3, size(tree%level)))) call add_field(tree%ways, &
-          (tree%circle(i, 4:5) - tree%boxes(a)%middle) / tree%boxes(a)%half, tree%boxes(a)%half, &
-          tree%field(:terms, a), present(dipole), value(:, k))
+        ! All boxes of the first two levels touch: they have no far field.
+        if (a >= tree%level_start(min(3, size(tree%level_start)))) call add_field( &
+          tree%translation, &
+          (tree%points(i, shifted_x:shifted_y) - tree%boxes(a)%centre) / &
+          tree%boxes(a)%half_width, tree%boxes(a)%half_width, tree%field(:terms, a), &
+          present(dipole), value(:, k))
       end do
     end do
     !$omp end do
     !$omp end parallel
   end subroutine sum_sources
 
-  ! Field of the sources at a target by direct summation. The near sources were selected by the same
-  ! distances when the tree was built; a source has no effect at its own position.
-  pure function direct_sum(about, here) result(value)
-    real(real64), contiguous, intent(in) :: about(:, :)
-    real(real64), intent(in) :: here(:)
-    real(real64) :: value(6), phi, lap, gx, gy, more_x, xy, counts, dx, dy, square, charge
-    real(real64) :: spreading, third, fifth
+  ! Values at a target by direct summation over sources that are not near by the positions at which
+  ! the tree was built, which also leaves out the target itself.
+  pure function direct_sum(source, point) result(value)
+    real(real64), contiguous, intent(in) :: source(:, :)
+    real(real64), intent(in) :: point(:)
+    real(real64) :: value(6), phi, laplacian, slope_x, slope_y, anisotropy, mixed, factor, dx, dy
+    real(real64) :: inverse_square, charge, moment, third, fifth
     integer :: k
 
     phi = 0.0_real64
-    lap = 0.0_real64
-    gx = 0.0_real64
-    gy = 0.0_real64
-    more_x = 0.0_real64
-    xy = 0.0_real64
-    !$omp simd reduction(+:phi, lap, gx, gy, more_x, xy) &
-    !$omp   private(counts, dx, dy, square, charge, spreading, third, fifth)
-    do k = 1, size(about, 1)
-      ! 1, or 0 when they are near or, without reaches, coincide.
-      counts = 0.5_real64 + &
-        sign(0.5_real64, (about(k, 1) - here(1))**2 + (about(k, 2) - here(2))**2 - &
-                         ((about(k, 3) + here(3))**2 + tiny(here)))
-      dx = here(4) - about(k, 4)
-      dy = here(5) - about(k, 5)
-      square = 1.0_real64 / ((dx**2 + dy**2) * counts + (1.0_real64 - counts))
-      charge = about(k, 6) * counts
-      spreading = charge * about(k, 7) * square
-      third = sqrt(square)
-      phi = phi + (charge + spreading) * third
-      third = third * square
-      lap = lap + (charge + 9.0_real64 * spreading) * third
-      fifth = (3.0_real64 * charge + 15.0_real64 * spreading) * third * square
-      third = (charge + 3.0_real64 * spreading) * third
-      gx = gx - third * dx
-      gy = gy - third * dy
-      more_x = more_x + 0.5_real64 * fifth * (dx**2 - dy**2)
-      xy = xy + fifth * dx * dy
+    laplacian = 0.0_real64
+    slope_x = 0.0_real64
+    slope_y = 0.0_real64
+    anisotropy = 0.0_real64
+    mixed = 0.0_real64
+    !$omp simd reduction(+:phi, laplacian, slope_x, slope_y, anisotropy, mixed) &
+    !$omp   private(factor, dx, dy, inverse_square, charge, moment, third, fifth)
+    do k = 1, size(source, 1)
+      ! 1, or 0 if the source is near or, without reaches, at the same position.
+      factor = 0.5_real64 + sign(0.5_real64, &
+        (source(k, listed_x) - point(listed_x))**2 + (source(k, listed_y) - point(listed_y))**2 - &
+        ((source(k, listed_reach) + point(listed_reach))**2 + tiny(point)))
+      dx = point(shifted_x) - source(k, shifted_x)
+      dy = point(shifted_y) - source(k, shifted_y)
+      inverse_square = 1.0_real64 / ((dx**2 + dy**2) * factor + (1.0_real64 - factor))
+      charge = source(k, point_charge) * factor
+      moment = charge * source(k, point_moment) * inverse_square
+      third = sqrt(inverse_square)
+      phi = phi + (charge + moment) * third
+      third = third * inverse_square
+      laplacian = laplacian + (charge + 9.0_real64 * moment) * third
+      fifth = (3.0_real64 * charge + 15.0_real64 * moment) * third * inverse_square
+      third = (charge + 3.0_real64 * moment) * third
+      slope_x = slope_x - third * dx
+      slope_y = slope_y - third * dy
+      anisotropy = anisotropy + 0.5_real64 * fifth * (dx**2 - dy**2)
+      mixed = mixed + fifth * dx * dy
     end do
-    value = [phi, lap, gx, gy, more_x, xy]
+    value = [phi, laplacian, slope_x, slope_y, anisotropy, mixed]
   end function direct_sum
 
-  ! The same, only the potential, and but for terms in 1/r**5; mean by the target's spread.
-  pure function rough_sum(about, here) result(phi)
-    real(real64), contiguous, intent(in) :: about(:, :)
-    real(real64), intent(in) :: here(:)
-    real(real64) :: phi, counts, square
+  ! Potential at a target as by `direct_sum`, without terms in 1/r**5, as a mean over the target by
+  ! its second moment.
+  pure function low_order_sum(source, point) result(phi)
+    real(real64), contiguous, intent(in) :: source(:, :)
+    real(real64), intent(in) :: point(:)
+    real(real64) :: phi, factor, square
     integer :: k
 
     phi = 0.0_real64
-    !$omp simd reduction(+:phi) private(counts, square)
-    do k = 1, size(about, 1)
-      counts = 0.5_real64 + &
-        sign(0.5_real64, (about(k, 1) - here(1))**2 + (about(k, 2) - here(2))**2 - &
-                         ((about(k, 3) + here(3))**2 + tiny(here)))
-      square = ((here(4) - about(k, 4))**2 + (here(5) - about(k, 5))**2) * counts + &
-               (1.0_real64 - counts)
-      ! A move may have made r small.
-      phi = phi + about(k, 6) * counts / &
-            sqrt(max(square - 2.0_real64 * (about(k, 7) + here(7)), 0.5_real64 * square))
+    !$omp simd reduction(+:phi) private(factor, square)
+    do k = 1, size(source, 1)
+      factor = 0.5_real64 + sign(0.5_real64, &
+        (source(k, listed_x) - point(listed_x))**2 + (source(k, listed_y) - point(listed_y))**2 - &
+        ((source(k, listed_reach) + point(listed_reach))**2 + tiny(point)))
+      square = ((point(shifted_x) - source(k, shifted_x))**2 + &
+                (point(shifted_y) - source(k, shifted_y))**2) * factor + (1.0_real64 - factor)
+      ! The lower limit is for distances that shifts have made small.
+      phi = phi + source(k, point_charge) * factor / &
+            sqrt(max(square - 2.0_real64 * (source(k, point_moment) + point(point_moment)), &
+                     0.5_real64 * square))
     end do
-  end function rough_sum
+  end function low_order_sum
 
-  ! The same with dipoles, and slopes.
-  pure function dipole_sum(about, here) result(value)
-    real(real64), contiguous, intent(in) :: about(:, :)
-    real(real64), intent(in) :: here(:)
-    real(real64) :: value(6), phi, gx, gy, along, charge, counts, dx, dy, square, third
+  ! Potential and slopes at a target as by `low_order_sum`, with dipoles.
+  pure function dipole_sum(source, point) result(value)
+    real(real64), contiguous, intent(in) :: source(:, :)
+    real(real64), intent(in) :: point(:)
+    real(real64) :: value(6), phi, slope_x, slope_y, dipole, charge, factor, dx, dy, square, third
     integer :: k
 
     phi = 0.0_real64
-    gx = 0.0_real64
-    gy = 0.0_real64
-    !$omp simd reduction(+:phi, gx, gy) &
-    !$omp   private(along, charge, counts, dx, dy, square, third)
-    do k = 1, size(about, 1)
-      counts = 0.5_real64 + &
-        sign(0.5_real64, (about(k, 1) - here(1))**2 + (about(k, 2) - here(2))**2 - &
-                         ((about(k, 3) + here(3))**2 + tiny(here)))
-      dx = here(4) - about(k, 4)
-      dy = here(5) - about(k, 5)
-      square = (dx**2 + dy**2) * counts + (1.0_real64 - counts)
-      square = 1.0_real64 / max(square - 2.0_real64 * (about(k, 7) + here(7)), 0.5_real64 * square)
-      charge = about(k, 6) * counts
+    slope_x = 0.0_real64
+    slope_y = 0.0_real64
+    !$omp simd reduction(+:phi, slope_x, slope_y) &
+    !$omp   private(dipole, charge, factor, dx, dy, square, third)
+    do k = 1, size(source, 1)
+      factor = 0.5_real64 + sign(0.5_real64, &
+        (source(k, listed_x) - point(listed_x))**2 + (source(k, listed_y) - point(listed_y))**2 - &
+        ((source(k, listed_reach) + point(listed_reach))**2 + tiny(point)))
+      dx = point(shifted_x) - source(k, shifted_x)
+      dy = point(shifted_y) - source(k, shifted_y)
+      square = (dx**2 + dy**2) * factor + (1.0_real64 - factor)
+      square = 1.0_real64 / max(square - 2.0_real64 * &
+                                (source(k, point_moment) + point(point_moment)), &
+                                0.5_real64 * square)
+      charge = source(k, point_charge) * factor
       third = sqrt(square)
-      along = (about(k, 8) * dx + about(k, 9) * dy) * square * counts
-      phi = phi + (charge + along) * third
+      dipole = (source(k, dipole_x) * dx + source(k, dipole_y) * dy) * square * factor
+      phi = phi + (charge + dipole) * third
       third = third * square
-      gx = gx + (about(k, 8) * counts - (charge + 3.0_real64 * along) * dx) * third
-      gy = gy + (about(k, 9) * counts - (charge + 3.0_real64 * along) * dy) * third
+      slope_x = slope_x + (source(k, dipole_x) * factor - &
+                           (charge + 3.0_real64 * dipole) * dx) * third
+      slope_y = slope_y + (source(k, dipole_y) * factor - &
+                           (charge + 3.0_real64 * dipole) * dy) * third
     end do
-    value = [phi, 0.0_real64, gx, gy, 0.0_real64, 0.0_real64]
+    value = [phi, 0.0_real64, slope_x, slope_y, 0.0_real64, 0.0_real64]
   end function dipole_sum
 
-  ! Moments of the boxes of a level, from their children and from what rests in them. All threads
-  ! come here together.
-  subroutine gather_moments(tree, l, terms, with_dipoles)
+  ! Upward pass for one level: sets the moments of its boxes from those of their children (M2M) and
+  ! from the sources that belong to no child (P2M). All threads call it together.
+  subroutine gather_moments(tree, level, terms, with_dipoles)
     type(source_tree), intent(inout) :: tree
-    integer, intent(in) :: l, terms
+    integer, intent(in) :: level, terms
     logical, intent(in) :: with_dipoles
     real(real64) :: sums(lanes, terms)
-    integer :: a, b, begin, box(0:3, lanes), i
+    integer :: a, b, first_box, i, source_box(0:3, lanes)
 
     !$omp do schedule(dynamic)
-    do begin = tree%level(l), tree%level(l + 1) - 1, lanes
-      box = 0
-      do a = begin, min(begin + lanes, tree%level(l + 1)) - 1
-        do b = tree%boxes(a)%child(1), tree%boxes(a)%child(2)
-          box(tree%boxes(b)%quarter, a - begin + 1) = b
+    do first_box = tree%level_start(level), tree%level_start(level + 1) - 1, lanes
+      source_box = 0
+      do a = first_box, min(first_box + lanes, tree%level_start(level + 1)) - 1
+        do b = tree%boxes(a)%children(1), tree%boxes(a)%children(2)
+          source_box(tree%boxes(b)%quadrant, a - first_box + 1) = b
         end do
       end do
       sums = 0.0_real64
-      call add_translated(tree%ways, up, tree%moment, box, sums)
-      do a = begin, min(begin + lanes, tree%level(l + 1)) - 1
-        associate (this => tree%boxes(a))
-          tree%moment(:terms, a) = sums(a - begin + 1, :)
-          do i = this%circles(1, 1), this%circles(2, 1)
-            ! Rough fields give no Laplacian: without spread what two circles do stays symmetric.
-            call add_moments(tree%ways, (tree%circle(i, 4:5) - this%middle) / this%half, &
-                             tree%circle(i, 6), &
-                             merge(tree%circle(i, 7) / this%half**2, 0.0_real64, &
-                                   terms == tree%ways%terms), tree%moment(:terms, a))
-            if (with_dipoles) call add_dipole(tree%ways, &
-              (tree%circle(i, 4:5) - this%middle) / this%half, tree%circle(i, 8:9) / this%half, &
-              tree%moment(:terms, a))
+      call add_translated(tree%translation, m2m, tree%moment, source_box, sums)
+      do a = first_box, min(first_box + lanes, tree%level_start(level + 1)) - 1
+        associate (box => tree%boxes(a))
+          tree%moment(:terms, a) = sums(a - first_box + 1, :)
+          do i = box%points(first_point, as_source), box%points(last_own_point, as_source)
+            ! Fields of low order have no Laplacian: without second moments the effects of two
+            ! circles on each other stay symmetric.
+            call add_moments( &
+              tree%translation, &
+              (tree%points(i, shifted_x:shifted_y) - box%centre) / box%half_width, &
+              tree%points(i, point_charge), &
+              merge(tree%points(i, point_moment) / box%half_width**2, 0.0_real64, &
+                    terms == tree%translation%terms), tree%moment(:terms, a))
+            if (with_dipoles) call add_dipole( &
+              tree%translation, &
+              (tree%points(i, shifted_x:shifted_y) - box%centre) / box%half_width, &
+              tree%points(i, dipole_x:dipole_y) / box%half_width, tree%moment(:terms, a))
           end do
         end associate
       end do
@@ -371,44 +404,45 @@ contains
     !$omp end do
   end subroutine gather_moments
 
-  ! Fields in the boxes of a level: from the box around, and from boxes that do not touch while
-  ! those around them do. All threads come here together.
-  subroutine distribute_fields(tree, l, terms)
+  ! Downward pass for one level: sets the fields in its boxes by the moments of the boxes that do
+  ! not touch them while their parents touch (M2L), and by the field in the parent (L2L). All
+  ! threads call it together.
+  subroutine distribute_fields(tree, level, terms)
     type(source_tree), intent(inout) :: tree
-    integer, intent(in) :: l, terms
+    integer, intent(in) :: level, terms
     real(real64) :: sums(lanes, terms)
-    integer :: a, begin, box(0:3, lanes), column, n, row
+    integer :: a, column, first_box, n, row, source_box(0:3, lanes)
 
     !$omp do schedule(dynamic)
-    do begin = tree%level(l), tree%level(l + 1) - 1, lanes
-      n = min(lanes, tree%level(l + 1) - begin)
-      box = 0
+    do first_box = tree%level_start(level), tree%level_start(level + 1) - 1, lanes
+      n = min(lanes, tree%level_start(level + 1) - first_box)
+      source_box = 0
       sums = 0.0_real64
       do row = 0, 3
         do column = 0, 3
           if (max(row, column) < 2) cycle
           do a = 1, n
-            associate (this => tree%boxes(begin + a - 1))
-              box(:, a) = [this%around(column, row), this%around(-column, row), &
-                           this%around(column, -row), this%around(-column, -row)]
+            associate (box => tree%boxes(first_box + a - 1))
+              source_box(:, a) = [box%neighbour(column, row), box%neighbour(-column, row), &
+                                  box%neighbour(column, -row), box%neighbour(-column, -row)]
             end associate
           end do
-          if (column == 0) box(1::2, :) = 0
-          if (row == 0) box(2:, :) = 0
-          call add_translated(tree%ways, 4 * row + column, tree%moment, box, sums)
+          if (column == 0) source_box(1::2, :) = 0
+          if (row == 0) source_box(2:, :) = 0
+          call add_translated(tree%translation, 4 * row + column, tree%moment, source_box, sums)
         end do
       end do
-      sums = sums / tree%boxes(begin)%half
-      if (l > 3) then
-        box = 0
+      sums = sums / tree%boxes(first_box)%half_width
+      if (level > 3) then
+        source_box = 0
         do a = 1, n
-          associate (this => tree%boxes(begin + a - 1))
-            box(this%quarter, a) = this%parent
+          associate (box => tree%boxes(first_box + a - 1))
+            source_box(box%quadrant, a) = box%parent
           end associate
         end do
-        call add_translated(tree%ways, down, tree%field, box, sums)
+        call add_translated(tree%translation, l2l, tree%field, source_box, sums)
       end if
-      tree%field(:terms, begin:begin + n - 1) = transpose(sums(:n, :))
+      tree%field(:terms, first_box:first_box + n - 1) = transpose(sums(:n, :))
     end do
     !$omp end do
   end subroutine distribute_fields
