@@ -1,10 +1,11 @@
 !> Displacement of one element of a lattice by the pressure on another: Love's rectangle.
 !>
 !> Love (1929) gives the displacement of a half-space at a point under uniform pressure on a
-!> rectangle (Johnson, Contact Mechanics, 1985, section 3.4, eq. 3.25). It is taken at the centres
-!> of elements where heights are samples. Where a surface is known between them it is averaged over
-!> the receiving element as well: then the equations are those of the least energy among all
-!> pressures that are uniform on each element, and the total load comes out an order better.
+!> rectangle (Johnson, Contact Mechanics, 1985, section 3.4, eq. 3.25). For height maps, whose
+!> heights are values at points, it is evaluated at the centres of elements (collocation). For
+!> surfaces that are functions it is also averaged over the receiving element (Galerkin's method):
+!> the solution then has the least energy of all pressures that are uniform on each element, and the
+!> error of the total load is one order smaller.
 module asperity_element_influence
   use asperity_constants, only: pi
   use asperity_kinds, only: real64
@@ -13,20 +14,21 @@ module asperity_element_influence
 
   public :: centre_influence, mean_influence
 
-  ! Offset, in sides, from which on the mean is a series: the rounding of the closed form grows,
-  ! what the series leaves out falls, and both are 1.4e-10 of the mean there (derived; test:
+  ! Offset, in sides, from which on the mean is computed by a series: there the rounding error of
+  ! the closed form and the truncation error of the series are both 1.4e-10 of it (derived; test:
   ! influence by quadrature in test/unit/elements_suite.f90).
   integer, parameter :: far_offset = 20
 
 contains
 
-  !> Displacement times the modulus at the centres of elements with the sides 1 and `other`, by unit
-  !> pressure on one. At an offset of n sides rounding leaves 1e-16 n**2 of it.
-  pure function centre_influence(columns, rows, other) result(table)
-    integer, intent(in) :: columns, rows       !! of the lattice
-    real(real64), intent(in) :: other          !! side of an element along y, over that along x
-    real(real64), allocatable :: table(:, :)   !! by offset
-    real(real64), allocatable :: corner(:, :)  ! double integral of 1/r
+  !> Displacement times the modulus at the centres of elements with the sides 1 and `side_ratio`, by
+  !> unit pressure on one element. The relative rounding error at an offset of n sides is 1e-16
+  !> n**2.
+  pure function centre_influence(columns, rows, side_ratio) result(table)
+    integer, intent(in) :: columns, rows       !! numbers of columns and rows of the lattice
+    real(real64), intent(in) :: side_ratio     !! side of an element along y, over that along x
+    real(real64), allocatable :: table(:, :)   !! (columns, rows): by offset
+    real(real64), allocatable :: corner(:, :)  ! double integral of 1/r up to a corner, over pi
     real(real64) :: x, y
     integer :: i, j
 
@@ -34,7 +36,7 @@ contains
     do j = 0, rows
       do i = 0, columns
         x = i - 0.5_real64
-        y = other * (j - 0.5_real64)
+        y = side_ratio * (j - 0.5_real64)
         corner(i, j) = (x * asinh(y / abs(x)) + y * asinh(x / abs(y))) / pi
       end do
     end do
@@ -42,11 +44,12 @@ contains
             (corner(1:, :rows - 1) - corner(:columns - 1, :rows - 1))
   end function centre_influence
 
-  !> Mean displacement times the modulus of square elements of side 1 by a unit force on one: the
-  !> mean of 1/r over both, over pi. Where elements have side h it is the entry over h.
+  !> Mean displacement times the modulus of square elements of side 1 by a unit force on one
+  !> element: the mean of 1/r over both elements, over pi. For elements of side h it is divided by
+  !> h.
   pure function mean_influence(columns, rows) result(table)
-    integer, intent(in) :: columns, rows      !! of the lattice
-    real(real64), allocatable :: table(:, :)  !! by offset
+    integer, intent(in) :: columns, rows      !! numbers of columns and rows of the lattice
+    real(real64), allocatable :: table(:, :)  !! (0:columns - 1, 0:rows - 1): by offset
     integer :: i, j
 
     allocate (table(0:columns - 1, 0:rows - 1))
@@ -61,7 +64,8 @@ contains
     end do
   end function mean_influence
 
-  ! Second differences, in both directions, of a function whose fourth derivative d4/dx2dy2 is 1/r.
+  ! Mean of 1/r over two elements at an offset: second differences, in both directions, of the
+  ! function whose derivative d4/dx2dy2 is 1/r.
   pure function near_mean(i, j) result(mean)
     integer, intent(in) :: i, j
     real(real64) :: mean
@@ -76,7 +80,7 @@ contains
     end do
   end function near_mean
 
-  ! Fourfold integral of 1/r: Love's logarithms, integrated twice more.
+  ! Integral of 1/r, twice in x and twice in y.
   pure function fourfold_integral(x, y) result(k)
     real(real64), intent(in) :: x, y  ! 0 or more
     real(real64) :: k
@@ -86,10 +90,10 @@ contains
       k = k + 0.5_real64 * x * y * (x * asinh(y / x) + y * asinh(x / y))
   end function fourfold_integral
 
-  ! Taylor's series of the mean: the difference of two places in the elements has the moments 1/6,
-  ! 1/15 and 1/36 (xx, xxxx, xxyy).
+  ! Mean of 1/r over two elements at an offset by Taylor's series: the difference of two points of
+  ! the elements has the moments 1/6 (xx), 1/15 (xxxx) and 1/36 (xxyy).
   pure function far_mean(x, y) result(mean)
-    real(real64), intent(in) :: x, y  ! not both small
+    real(real64), intent(in) :: x, y  ! offset in sides, at least one of both large
     real(real64) :: mean, r2, r
 
     r2 = x * x + y * y

@@ -1,16 +1,26 @@
 !> A cluster of contacts resolved on boundary elements, under the field of the contacts outside.
 !>
-!> The two bodies are one half-space of the combined modulus under a rigid surface, the sum of both
-!> profiles; the gap is vertical, also where a pair is inclined. There are no periodic images and no
-!> end of the half-space. The elements are as fine as the tolerances of load and area require.
+!> Problem: a half-space of the combined modulus under a rigid surface, the sum of both profiles;
+!> the gap is vertical, also where a pair is inclined. Find the pressures >= 0 of least energy at a
+!> given compression (asperity_element_forces), on square elements of uniform pressure.
+!>
+!> Method: the elements of one lattice are halved until the changes of load and area, extrapolated
+!> with the order 3/2 of the elements, are below their tolerances (Richardson), and as small as the
+!> scatter of areas and the smallest contacts require. The lattice covers a window, which is
+!> extended where contacts outside it are loaded.
+!>
+!> Exits: converged; or a message in `failure`, where penetrations are too large or too small for
+!> the model, memory is short, the pressures do not converge or the run is interrupted. Modifies the
+!> lattice, which is used again at the next compression of the same order.
 module asperity_element_solver
   use asperity_cell_convolution, only: cell_convolution
   use asperity_element_answer, only: area_error, element_answer, element_contact, find_contacts, &
                                      keep_elements
   use asperity_element_influence, only: mean_influence
-  use asperity_element_lattice, only: box_of, element_lattice, gap_at, gap_shape, lay_elements, &
-                                    gap_of_pair
-  use asperity_outside_field, only: add_outside, field_of_elements, outside_at, outside_field
+  use asperity_element_lattice, only: bounding_box, element_lattice, gap_at, gap_of_pair, &
+                                      gap_shape, lay_elements
+  use asperity_outside_field, only: add_outside_field, element_displacement, &
+                                    outside_displacement, outside_field
   use asperity_constants, only: pi
   use asperity_contact_pairs, only: contact_pair, contact_pairs
   use asperity_element_forces, only: find_forces, force_bounds
@@ -23,27 +33,27 @@ module asperity_element_solver
 
   public :: any_loaded, cluster_lattice, cluster_extent, solve_elements, is_resolved
 
-  !> The lattice of a cluster, kept from one round to the next.
+  !> Lattice of a cluster, kept for the next compression.
   type :: cluster_lattice
-    real(real64) :: x = 0.0_real64            !! origin, in plan
-    real(real64) :: y = 0.0_real64            !! origin, in plan
-    type(element_lattice) :: elements         !! last lattice solved; without forces: none
-    real(real64) :: window(4) = 0.0_real64    !! x, y of two corners from its origin
-    real(real64) :: deepest = 0.0_real64      !! penetration when it was laid
-    !> relative error of load and area that the change by the last halving leaves
-    real(real64) :: left(2) = 0.0_real64
+    real(real64) :: x = 0.0_real64            !! origin in plan
+    real(real64) :: y = 0.0_real64            !! origin in plan
+    type(element_lattice) :: elements         !! last solved lattice; without forces: none
+    real(real64) :: window(4) = 0.0_real64    !! x, y of two corners of its elements from the origin
+    real(real64) :: largest_penetration = 0.0_real64  !! penetration for which it was laid
+    !> relative discretisation errors of load and area, by the changes in the last halving
+    real(real64) :: halving_error(2) = 0.0_real64
   end type cluster_lattice
 
-  ! Contacts of a cluster and what is asked of their solution.
+  ! Contacts of a cluster and the accuracy of their solution.
   type :: cluster_task
     type(contact_pairs), pointer :: pairs => null()
     type(outside_field), pointer :: outside => null()
     type(gap_shape), allocatable :: shapes(:)        ! members that penetrate
-    integer :: origin = 1                            ! shape with the largest isolated load
+    integer :: origin = 1                            ! index of that with the largest isolated load
     real(real64) :: tolerance(2) = 0.0_real64        ! relative errors of load and area
-    real(real64) :: worth(2) = 0.0_real64            ! load, area: smaller ones count as this
+    real(real64) :: reference(2) = 0.0_real64        ! least load and area they are relative to
     real(real64) :: totals(2) = 0.0_real64           ! load and area on the last lattice
-    real(real64), allocatable :: displacement(:, :)  ! on the last lattice, over its scale
+    real(real64), allocatable :: displacement(:, :)  ! by element of the last lattice, over depth
   end type cluster_task
 
   ! Elements along the longer side of the box of a cluster while the box is searched; half as many
@@ -73,59 +83,59 @@ module asperity_element_solver
 
 contains
 
-  !> The rectangle in plan in which the elements of a cluster lie; a point when nothing touches.
+  !> Finds the rectangle in plan in which the elements of a cluster lie; a point if no member
+  !> penetrates.
   pure subroutine cluster_extent(pairs, members, closing, x0, x1, y0, y1)
     type(contact_pairs), intent(in) :: pairs       !! pairs of the position
-    integer, intent(in) :: members(:)              !! places of the contacts in the list of pairs
+    integer, intent(in) :: members(:)              !! contacts, indices in the list of pairs
     real(real64), intent(in) :: closing            !! compression of the contacts [length]
-    real(real64), intent(out) :: x0, x1, y0, y1    !! lower and upper sides in plan
+    real(real64), intent(out) :: x0, x1, y0, y1    !! lower and upper limits in plan
     type(gap_shape), allocatable :: shapes(:)
     real(real64) :: low(2), high(2)
 
     call find_shapes(pairs, members, closing, shapes)
     low = [pairs%list(members(1))%x, pairs%list(members(1))%y]
     high = low
-    if (size(shapes) > 0) call box_of(shapes, 0.0_real64, 0.0_real64, low, high)
+    if (size(shapes) > 0) call bounding_box(shapes, 0.0_real64, 0.0_real64, low, high)
     x0 = low(1)
     y0 = low(2)
     x1 = high(1)
     y1 = high(2)
   end subroutine cluster_extent
 
-  !> Whether a contact is wide enough for elements of its own at its place: half of the digits of
-  !! its coordinates are left for its radius.
+  !> Whether the coordinates of a contact resolve its radius: at least half of their digits are
+  !> finer than the radius.
   elemental logical function is_resolved(x, y, contact_radius)
-    real(real64), intent(in) :: x, y            !! first touch, in plan
-    real(real64), intent(in) :: contact_radius  !! in the same unit
+    real(real64), intent(in) :: x, y            !! position of first touch in plan
+    real(real64), intent(in) :: contact_radius  !! contact radius, same unit
 
     is_resolved = contact_radius > sqrt(epsilon(x)) * max(abs(x), abs(y))
   end function is_resolved
 
-  !> Solves a cluster at a compression.
+  !> Solves a cluster at a compression (problem, method and exits: see the module).
   !>
-  !> The elements of one lattice, in the box of the loaded ones, are halved until load and area
-  !> change by no more than the tolerances allow. Only lattices of one origin are compared.
-  !> Members that touch at the same place share one contact: its load is stored at the first.
-  subroutine solve_elements(pairs, members, closing, outside, tolerance, worth, lattice, answer)
+  !> Only lattices of one origin are compared. The load of members with the same position of first
+  !> touch is stored at the first one.
+  subroutine solve_elements(pairs, members, closing, outside, tolerance, reference, lattice, answer)
     type(contact_pairs), intent(in), target :: pairs       !! pairs of the position
-    integer, intent(in) :: members(:)                      !! contacts, places in the list of pairs
+    integer, intent(in) :: members(:)                      !! contacts, indices in the list of pairs
     real(real64), intent(in) :: closing                    !! compression of the contacts [length]
     type(outside_field), intent(in), target :: outside     !! field of contacts not in the cluster
     real(real64), intent(in) :: tolerance(2)               !! relative errors of load and area
-    real(real64), intent(in) :: worth(2)                   !! load, area: smaller ones count as this
-    type(cluster_lattice), intent(inout) :: lattice        !! last lattice, kept while it suffices
-    type(element_answer), intent(out) :: answer            !! contacts, or a failure
+    real(real64), intent(in) :: reference(2)               !! least load and area they refer to
+    type(cluster_lattice), intent(inout) :: lattice        !! last lattice, used again if possible
+    type(element_answer), intent(out) :: answer            !! contacts and errors, or a failure
     type(cluster_task) :: task
-    real(real64) :: first
+    real(real64) :: first_side
 
     task%pairs => pairs
     task%outside => outside
     task%tolerance = tolerance
-    task%worth = worth
-    allocate (answer%together(size(members)), answer%alone(size(members)))
-    allocate (answer%known_alone(size(members)), source=.false.)
-    answer%together%x = pairs%list(members)%x
-    answer%together%y = pairs%list(members)%y
+    task%reference = reference
+    allocate (answer%contacts(size(members)), answer%isolated(size(members)))
+    allocate (answer%is_isolated_solved(size(members)), source=.false.)
+    answer%contacts%x = pairs%list(members)%x
+    answer%contacts%y = pairs%list(members)%y
     call find_shapes(pairs, members, closing, task%shapes)
     associate (shapes => task%shapes)
       if (size(shapes) == 0) then
@@ -139,11 +149,11 @@ contains
       end if
       if (allocated(answer%failure)) return
       if (is_kept(lattice, maxval(shapes%penetration))) then
-        call press_in_window(task, lattice, answer, lattice%elements%side, &
+        call solve_in_window(task, lattice, answer, lattice%elements%side, &
                              gap_residual * tolerance(1))
       else
-        call find_box(task, lattice, answer, first)
-        call halve_elements(task, first, lattice, answer)
+        call find_box(task, lattice, answer, first_side)
+        call halve_elements(task, first_side, lattice, answer)
       end if
       if (.not. allocated(answer%failure)) call estimate_errors(task, lattice, answer)
       if (.not. allocated(answer%failure)) call solve_isolated(task, lattice, answer)
@@ -154,141 +164,146 @@ contains
       end if
       answer%elements = size(lattice%elements%force)
       if (associated(pairs%pressures)) &
-        call keep_elements(lattice%elements, members(shapes%pair), answer%loaded)
+        call keep_elements(lattice%elements, members(shapes%pair), answer%pressures)
       if (allocated(outside%x)) &
-        answer%beside = field_of_elements(lattice%elements, outside%x, outside%y)
+        answer%outside_displacement = element_displacement(lattice%elements, outside%x, outside%y)
     end associate
   end subroutine solve_elements
 
-  ! Whether the last lattice suffices. Its elements are smaller than required by a factor from 1 to
-  ! the root of 2, and the radius of a contact is as the root of the penetration. A new lattice has
-  ! another discretisation error, with which the iteration of Hertzian contacts and boundary
-  ! elements would not settle.
-  pure logical function is_kept(lattice, deepest)
+  ! Whether the last lattice is used again. Its elements are smaller than required by a factor from
+  ! 1 to the root of 2, and the radius of a contact is proportional to the root of the penetration.
+  ! A new lattice would change the discretisation error, and the iteration of Hertzian contacts and
+  ! boundary elements would not converge.
+  pure logical function is_kept(lattice, largest_penetration)
     type(cluster_lattice), intent(in) :: lattice
-    real(real64), intent(in) :: deepest           ! penetration
+    real(real64), intent(in) :: largest_penetration
 
-    is_kept = allocated(lattice%elements%force) .and. 2 * deepest > lattice%deepest .and. &
-              deepest < 2 * lattice%deepest
+    is_kept = allocated(lattice%elements%force) .and. &
+              2 * largest_penetration > lattice%largest_penetration .and. &
+              largest_penetration < 2 * lattice%largest_penetration
   end function is_kept
 
-  ! Finds the box that the contact fills, and the side of the first elements that are halved.
-  subroutine find_box(task, lattice, answer, first)
+  ! Finds the window around the loaded elements, and the side of the first elements that are halved.
+  subroutine find_box(task, lattice, answer, first_side)
     type(cluster_task), intent(inout) :: task
     type(cluster_lattice), intent(inout) :: lattice
     type(element_answer), intent(inout) :: answer
-    real(real64), intent(out) :: first
-    real(real64) :: width, side, moved(2), low(2), high(2)
+    real(real64), intent(out) :: first_side
+    real(real64) :: side, box_side, origin_shift(2), low(2), high(2)
 
     associate (shapes => task%shapes, k => task%origin)
       if (allocated(lattice%elements%force)) deallocate (lattice%elements%force)
-      lattice%deepest = maxval(shapes%penetration)
+      lattice%largest_penetration = maxval(shapes%penetration)
       k = maxloc(shapes%contact_radius * shapes%penetration * shapes%cosine, 1)
-      call box_of(shapes, shapes(k)%x, shapes(k)%y, low, high)
-      width = maxval(high - low) / box_elements
-      lattice%x = shapes(k)%x - lattice_offset(1) * width
-      lattice%y = shapes(k)%y - lattice_offset(2) * width
-      call box_of(shapes, lattice%x, lattice%y, low, high)
+      call bounding_box(shapes, shapes(k)%x, shapes(k)%y, low, high)
+      side = maxval(high - low) / box_elements
+      lattice%x = shapes(k)%x - lattice_offset(1) * side
+      lattice%y = shapes(k)%y - lattice_offset(2) * side
+      call bounding_box(shapes, lattice%x, lattice%y, low, high)
       lattice%window = [low, high]
-      ! Each round halves the side of the box, or of its elements, at least.
+      ! Each iteration reduces the side of the window, or of its elements, at least by half.
       do
-        call press_in_window(task, lattice, answer, width, gap_residual)
+        call solve_in_window(task, lattice, answer, side, gap_residual)
         if (allocated(answer%failure)) return
         if (.not. task%totals(1) > 0.0_real64) then
-          ! No element is loaded: the contact may be smaller than an element.
-          if (least_elements * width < shapes(k)%contact_radius) exit
-          width = 0.5_real64 * width
+          ! No element is loaded: the loaded contact may be smaller than an element.
+          if (least_elements * side < shapes(k)%contact_radius) exit
+          side = 0.5_real64 * side
           cycle
         end if
-        side = longer_side(lattice%window)
-        call find_loaded(task, lattice%elements, lattice%window)
-        ! The loaded elements are no fewer than on the first lattice that is halved.
-        if (2 * longer_side(lattice%window) > side) exit
-        width = longer_side(lattice%window) / box_elements
+        box_side = longer_side(lattice%window)
+        call find_loaded_box(task, lattice%elements, lattice%window)
+        ! The window then has at least as many elements as the first lattice that is halved.
+        if (2 * longer_side(lattice%window) > box_side) exit
+        side = longer_side(lattice%window) / box_elements
       end do
-      first = 2 * longer_side(lattice%window) / box_elements
-      ! One halving leads from above the required side to below it, in equal ratios.
+      first_side = 2 * longer_side(lattice%window) / box_elements
+      ! One halving goes from sqrt(2) times the required side to 1/sqrt(2) times it.
       if (task%totals(1) > 0.0_real64) &
-        first = min(first, sqrt(2.0_real64) * required_side(task, lattice, answer))
-      moved = [shapes(k)%x, shapes(k)%y] - lattice_offset * first - [lattice%x, lattice%y]
-      lattice%x = lattice%x + moved(1)
-      lattice%y = lattice%y + moved(2)
-      lattice%window = lattice%window - [moved, moved]
+        first_side = min(first_side, sqrt(2.0_real64) * required_side(task, lattice, answer))
+      origin_shift = [shapes(k)%x, shapes(k)%y] - lattice_offset * first_side - &
+                     [lattice%x, lattice%y]
+      lattice%x = lattice%x + origin_shift(1)
+      lattice%y = lattice%y + origin_shift(2)
+      lattice%window = lattice%window - [origin_shift, origin_shift]
     end associate
   end subroutine find_box
 
-  ! Halves the elements until the changes of load and area are within their tolerances.
-  subroutine halve_elements(task, first, lattice, answer)
+  ! Halves the elements until the errors of load and area are within their tolerances.
+  subroutine halve_elements(task, first_side, lattice, answer)
     type(cluster_task), intent(inout) :: task
-    real(real64), intent(in) :: first                ! side of the elements that are halved first
+    real(real64), intent(in) :: first_side
     type(cluster_lattice), intent(inout) :: lattice
     type(element_answer), intent(inout) :: answer
-    real(real64) :: width, before(2)
+    real(real64) :: side, previous_totals(2)
 
     if (allocated(answer%failure)) return
-    width = first
-    lattice%left = 0.0_real64
-    call press_in_window(task, lattice, answer, width, gap_residual * task%tolerance(1))
+    side = first_side
+    lattice%halving_error = 0.0_real64
+    call solve_in_window(task, lattice, answer, side, gap_residual * task%tolerance(1))
     do while (.not. allocated(answer%failure) .and. task%totals(1) > 0.0_real64)
-      before = task%totals
-      width = 0.5_real64 * width
-      call press_in_window(task, lattice, answer, width, gap_residual * task%tolerance(1))
+      previous_totals = task%totals
+      side = 0.5_real64 * side
+      call solve_in_window(task, lattice, answer, side, gap_residual * task%tolerance(1))
       if (allocated(answer%failure)) return
-      lattice%left = error_left(abs(task%totals / before - 1.0_real64))
-      if (all(lattice%left <= allowed_errors(task)) .and. &
-          width < required_side(task, lattice, answer)) exit
-      ! The place of the lattice is rounded to the place of the contact: further halving would
-      ! converge slowly. The change is the estimate.
+      lattice%halving_error = remaining_error(abs(task%totals / previous_totals - 1.0_real64))
+      if (all(lattice%halving_error <= allowed_errors(task)) .and. &
+          side < required_side(task, lattice, answer)) exit
+      ! The rounding of coordinates is not small against the contact: further halving would converge
+      ! slowly. The last change is the error estimate.
       associate (largest => task%shapes(task%origin))
         if (.not. is_resolved(largest%x, largest%y, largest%contact_radius)) exit
       end associate
-      ! No error falls faster than with the third power of the side: a tolerance that is out of
-      ! reach is refused before its elements are solved.
-      call check_memory(lattice, width * min(0.5_real64, &
-        minval(allowed_errors(task) / max(lattice%left, tiny(width)))**(1.0_real64 / 3)), answer)
+      ! The errors decrease at most with the third power of the side: the memory for a tolerance
+      ! is checked ahead of time.
+      call check_memory(lattice, side * min(0.5_real64, minval(allowed_errors(task) / &
+        max(lattice%halving_error, tiny(side)))**(1.0_real64 / 3)), answer)
     end do
   end subroutine halve_elements
 
   ! Estimates the errors of load and area. The change by halving can be small by chance: the scatter
-  ! is a lower bound, up to what a change of the tolerance leaves.
+  ! of loads is a lower bound, but not above the error for a change equal to the tolerance.
   subroutine estimate_errors(task, lattice, answer)
     type(cluster_task), intent(in) :: task
     type(cluster_lattice), intent(in) :: lattice
     type(element_answer), intent(inout) :: answer
 
-    answer%error = max(lattice%left(1) * task%totals(1), &
-                       min(deviations * norm2(answer%together%error), error_left( &
-                           task%tolerance(1)) * max(task%worth(1), task%totals(1))))
-    if (lattice%left(1) > 0.0_real64 .and. task%totals(1) > 0.0_real64) answer%area_error = &
-      max(lattice%left(2) / deviations, &
+    answer%error = max(lattice%halving_error(1) * task%totals(1), &
+                       min(deviations * norm2(answer%contacts%error), &
+                           remaining_error(task%tolerance(1)) * &
+                           max(task%reference(1), task%totals(1))))
+    if (lattice%halving_error(1) > 0.0_real64 .and. task%totals(1) > 0.0_real64) &
+      answer%area_error = max(lattice%halving_error(2) / deviations, &
           area_error * (lattice%elements%side / largest_radius(lattice, answer))**1.5_real64)
   end subroutine estimate_errors
 
-  ! Relative errors that load and area may have.
+  ! Tolerated errors of load and area, relative to those on the last lattice.
   function allowed_errors(task) result(share)
     type(cluster_task), intent(in) :: task
     real(real64) :: share(2)
 
-    share = task%tolerance * max(1.0_real64, task%worth / max(task%totals, tiny(share)))
+    share = task%tolerance * max(1.0_real64, task%reference / max(task%totals, tiny(share)))
   end function allowed_errors
 
-  ! Side of the elements that the scatter of areas and the smallest loaded contacts require.
-  real(real64) function required_side(task, lattice, answer) result(width)
+  ! Largest side of the elements that meets the tolerance of the area, by its scatter, and resolves
+  ! the smallest loaded contact.
+  real(real64) function required_side(task, lattice, answer) result(side)
     type(cluster_task), intent(in) :: task
     type(cluster_lattice), intent(in) :: lattice
     type(element_answer), intent(in) :: answer
     real(real64) :: share(2)
 
     share = allowed_errors(task)
-    width = largest_radius(lattice, answer) * &
+    side = largest_radius(lattice, answer) * &
            (share(2) / (deviations * area_error))**(2.0_real64 / 3.0_real64)
-    if (sqrt(minval(answer%together%area, mask=answer%together%area > 0.0_real64) / pi) < &
-        least_elements * width) &
-      width = min(width, sqrt(0.5_real64) * longer_side(lattice%window) / box_elements)
+    if (sqrt(minval(answer%contacts%area, mask=answer%contacts%area > 0.0_real64) / pi) < &
+        least_elements * side) &
+      side = min(side, sqrt(0.5_real64) * longer_side(lattice%window) / box_elements)
   end function required_side
 
-  ! Largest radius of a contact, or of circles with the area and the rim of the loaded elements, as
-  ! contacts that merge have no rim between them. A circle of radius a has 8 a/h sides on its rim.
+  ! Largest radius of a contact, or of equal circles with the total area and rim of the loaded
+  ! elements, as contacts that merge have no rim between them. The rim of a circle of radius a has
+  ! 8 a/h sides.
   real(real64) function largest_radius(lattice, answer) result(radius)
     type(cluster_lattice), intent(in) :: lattice
     type(element_answer), intent(in) :: answer
@@ -301,30 +316,32 @@ contains
     sides = count(loaded(:columns - 1, :) .neqv. loaded(2:, :)) + &
             count(loaded(:, :rows - 1) .neqv. loaded(:, 2:)) + count(loaded(1, :)) + &
             count(loaded(columns, :)) + count(loaded(:, 1)) + count(loaded(:, rows))
-    radius = max(sqrt(maxval(answer%together%area) / pi), &
+    radius = max(sqrt(maxval(answer%contacts%area) / pi), &
                  8 * count(loaded) * lattice%elements%side / (pi * max(1, sides)))
   end function largest_radius
 
-  ! Solves all contacts in the box, which grows where its rim is loaded; sets the totals.
-  subroutine press_in_window(task, lattice, answer, width, residual)
+  ! Solves all contacts in the window with elements of a side, and sets the totals. The window is
+  ! extended where elements on its rim, or contacts outside it, are loaded.
+  subroutine solve_in_window(task, lattice, answer, side, residual)
     type(cluster_task), intent(inout) :: task
     type(cluster_lattice), intent(inout) :: lattice
     type(element_answer), intent(inout) :: answer
-    real(real64), intent(in) :: width, residual       ! side; of gaps over the deepest penetration
+    real(real64), intent(in) :: side      ! side of an element
+    real(real64), intent(in) :: residual  ! residual of the gaps over the largest penetration
     type(element_lattice) :: next
     real(real64) :: rim(4), growth, low(2), high(2)
     logical :: is_complete
 
-    call box_of(task%shapes, lattice%x, lattice%y, low, high)
-    growth = width
+    call bounding_box(task%shapes, lattice%x, lattice%y, low, high)
+    growth = side
     task%totals = 0.0_real64
     do
-      call check_memory(lattice, width, answer)
+      call check_memory(lattice, side, answer)
       if (allocated(answer%failure)) return
-      call lay_elements(task%shapes, lattice%x, lattice%y, width, lattice%window, next)
-      if (allocated(lattice%elements%force)) call start_from(lattice%elements, next)
-      call add_outside(task%outside, task%pairs%modulus, next)
-      call press_elements(task, residual, next, answer)
+      call lay_elements(task%shapes, lattice%x, lattice%y, side, lattice%window, next)
+      if (allocated(lattice%elements%force)) call transfer_forces(lattice%elements, next)
+      call add_outside_field(task%outside, task%pairs%modulus, next)
+      call solve_lattice(task, residual, next, answer)
       if (allocated(answer%failure)) return
       lattice%elements = next
       associate (force => next%force)
@@ -335,28 +352,28 @@ contains
       end associate
       growth = 2 * growth
       lattice%window = lattice%window + growth * rim * [-1, -1, 1, 1]
-      call add_missed(task, lattice, is_complete)
+      call extend_window(task, lattice, is_complete)
       if (is_complete .and. .not. any(rim > 0.0_real64)) exit
     end do
-    associate (together => answer%together)
-      together%load = 0.0_real64
-      together%area = 0.0_real64
-      together%pressure = 0.0_real64
-      together%error = 0.0_real64
-      call find_contacts(task%pairs%modulus, task%shapes, lattice%elements, together)
-      task%totals = [sum(together%load), sum(together%area)]
+    associate (contacts => answer%contacts)
+      contacts%load = 0.0_real64
+      contacts%area = 0.0_real64
+      contacts%pressure = 0.0_real64
+      contacts%error = 0.0_real64
+      call find_contacts(task%pairs%modulus, task%shapes, lattice%elements, contacts)
+      task%totals = [sum(contacts%load), sum(contacts%area)]
     end associate
-  end subroutine press_in_window
+  end subroutine solve_in_window
 
-  ! Refuses elements of a side that need more memory than allowed or left.
-  subroutine check_memory(lattice, width, answer)
+  ! Sets a failure if elements of a side need more memory than is allowed or available.
+  subroutine check_memory(lattice, side, answer)
     type(cluster_lattice), intent(in) :: lattice
-    real(real64), intent(in) :: width            ! side
+    real(real64), intent(in) :: side
     type(element_answer), intent(inout) :: answer
     real(real64) :: bytes
 
-    ! 17 arrays of 8 bytes, and spectra and transform of twice the size in both directions.
-    bytes = 8 * (17 + 4) * product((lattice%window(3:) - lattice%window(:2)) / width + 2)
+    ! 17 arrays of 8 bytes; 4 more for two spectra and a transform of the padded lattice.
+    bytes = 8 * (17 + 4) * product((lattice%window(3:) - lattice%window(:2)) / side + 2)
     if (.not. bytes < bytes_allowed) then
       answer%failure = 'the boundary elements would need more than 2 GiB of memory'
     else if (.not. has_memory(nint(bytes, int64))) then
@@ -364,32 +381,32 @@ contains
     end if
   end subroutine check_memory
 
-  ! Widens the box to each contact outside it that the displacement there leaves loaded.
-  subroutine add_missed(task, lattice, is_complete)
+  ! Extends the window to each contact outside it that is loaded in the displacement there.
+  subroutine extend_window(task, lattice, is_complete)
     type(cluster_task), intent(in) :: task
     type(cluster_lattice), intent(inout) :: lattice
     logical, intent(out) :: is_complete
-    real(real64) :: place(2), gap, reach
+    real(real64) :: position(2), gap, reach
     integer :: n
 
     is_complete = .true.
     do n = 1, size(task%shapes)
-      associate (one => task%shapes(n))
-        place = [one%x - lattice%x, one%y - lattice%y]
-        if (all(place > lattice%window(:2) .and. place < lattice%window(3:))) cycle
-        gap = least_gap(one, lattice%elements, task%outside, task%pairs%modulus)
+      associate (contact => task%shapes(n))
+        position = [contact%x - lattice%x, contact%y - lattice%y]
+        if (all(position > lattice%window(:2) .and. position < lattice%window(3:))) cycle
+        gap = least_gap(contact, lattice%elements, task%outside, task%pairs%modulus)
         if (.not. gap < 0.0_real64) cycle
         is_complete = .false.
-        reach = one%contact_radius * sqrt(min(1.0_real64, -gap / one%penetration)) + &
+        reach = contact%contact_radius * sqrt(min(1.0_real64, -gap / contact%penetration)) + &
                 lattice%elements%side
-        lattice%window(:2) = min(lattice%window(:2), place - reach)
-        lattice%window(3:) = max(lattice%window(3:), place + reach)
+        lattice%window(:2) = min(lattice%window(:2), position - reach)
+        lattice%window(3:) = max(lattice%window(3:), position + reach)
       end associate
     end do
-  end subroutine add_missed
+  end subroutine extend_window
 
-  ! Finds the forces on a lattice; `residual` of the gaps is over the deepest penetration.
-  subroutine press_elements(task, residual, next, answer)
+  ! Finds the forces on a lattice to a residual of the gaps over the largest penetration.
+  subroutine solve_lattice(task, residual, next, answer)
     type(cluster_task), intent(inout) :: task
     real(real64), intent(in) :: residual
     type(element_lattice), intent(inout) :: next
@@ -404,47 +421,48 @@ contains
                      answer%ending, task%pairs%interrupt, displacement=task%displacement)
     if (.not. answer%ending%converged) &
       answer%failure = 'the pressures on the boundary elements did not converge'
-  end subroutine press_elements
+  end subroutine solve_lattice
 
-  ! Solves each contact by itself, nothing outside, on the same lattice, so that the errors of the
-  ! elements cancel in the ratio.
+  ! Solves each isolated contact on the elements of the cluster, as the discretisation errors then
+  ! cancel in the ratio of loads. Contacts smaller than that have the load of Hertz' law.
   subroutine solve_isolated(task, lattice, answer)
     type(cluster_task), intent(inout) :: task
     type(cluster_lattice), intent(in) :: lattice
     type(element_answer), intent(inout) :: answer
     type(element_lattice) :: next
     type(solve_ending) :: ending
-    real(real64) :: middle(2), width
+    real(real64) :: centre(2), side
     integer :: i
 
     ending = answer%ending
     do i = 1, size(task%shapes)
-      associate (one => task%shapes(i))
-        answer%alone(one%pair) = hertz_contact(task%pairs%modulus, one)
-        answer%known_alone(one%pair) = one%contact_radius > least_elements * lattice%elements%side
-        if (.not. answer%known_alone(one%pair)) cycle
+      associate (contact => task%shapes(i))
+        answer%isolated(contact%pair) = hertz_contact(task%pairs%modulus, contact)
+        answer%is_isolated_solved(contact%pair) = &
+          contact%contact_radius > least_elements * lattice%elements%side
+        if (.not. answer%is_isolated_solved(contact%pair)) cycle
         if (size(task%shapes) == 1 .and. .not. (allocated(task%outside%x) .or. &
-                                                allocated(task%outside%at_nodes))) then
-          answer%alone = answer%together
+                                                allocated(task%outside%node_displacement))) then
+          answer%isolated = answer%contacts
           return
         end if
-        width = lattice%elements%side * 2.0_real64**max(0, ceiling(log(one%contact_radius / &
+        side = lattice%elements%side * 2.0_real64**max(0, ceiling(log(contact%contact_radius / &
           (2 * box_elements * lattice%elements%side)) / log(2.0_real64)))
-        middle = [one%x - lattice%x, one%y - lattice%y]
-        call lay_elements(task%shapes(i:i), lattice%x, lattice%y, width, &
-                       [middle - one%contact_radius - width, middle + one%contact_radius + width], &
-                       next)
-        call press_elements(task, gap_residual * task%tolerance(1), next, answer)
+        centre = [contact%x - lattice%x, contact%y - lattice%y]
+        call lay_elements(task%shapes(i:i), lattice%x, lattice%y, side, &
+                          [centre - contact%contact_radius - side, &
+                           centre + contact%contact_radius + side], next)
+        call solve_lattice(task, gap_residual * task%tolerance(1), next, answer)
         if (allocated(answer%failure)) return
-        call find_contacts(task%pairs%modulus, task%shapes(i:i), next, answer%alone)
+        call find_contacts(task%pairs%modulus, task%shapes(i:i), next, answer%isolated)
       end associate
     end do
     answer%ending = ending
   end subroutine solve_isolated
 
   ! Finds the box of the loaded elements and their neighbours, and of contacts smaller than an
-  ! element that the displacement there leaves loaded.
-  pure subroutine find_loaded(task, lattice, box)
+  ! element that are loaded in the displacement there.
+  pure subroutine find_loaded_box(task, lattice, box)
     type(cluster_task), intent(in) :: task
     type(element_lattice), intent(in) :: lattice
     real(real64), intent(out) :: box(4)
@@ -461,34 +479,34 @@ contains
       end do
     end do
     do n = 1, size(task%shapes)
-      associate (one => task%shapes(n), x => task%shapes(n)%x - lattice%x, &
+      associate (contact => task%shapes(n), x => task%shapes(n)%x - lattice%x, &
                  y => task%shapes(n)%y - lattice%y)
         if (all([x, y] > box(:2) .and. [x, y] < box(3:))) cycle
         i = floor(x / lattice%side) - lattice%left + 1
         j = floor(y / lattice%side) - lattice%bottom + 1
         if (min(i, j) < 1 .or. i > size(lattice%force, 1) .or. j > size(lattice%force, 2)) cycle
-        if (.not. one%penetration > task%displacement(i, j) * lattice%depth) cycle
-        reach = min(one%reach, lattice%side)
+        if (.not. contact%penetration > task%displacement(i, j) * lattice%depth) cycle
+        reach = min(contact%reach, lattice%side)
         box(:2) = min(box(:2), [x, y] - reach)
         box(3:) = max(box(3:), [x, y] + reach)
       end associate
     end do
-  end subroutine find_loaded
+  end subroutine find_loaded_box
 
-  ! Longer side of a box, given by the coordinates of two corners.
+  ! Longer side of a box, given by x, y of two corners.
   pure real(real64) function longer_side(box)
     real(real64), intent(in) :: box(4)
 
     longer_side = maxval(box(3:) - box(:2))
   end function longer_side
 
-  !> Whether the displacement by a cluster leaves any of these contacts loaded.
+  !> Whether any of the contacts outside a cluster is loaded in the displacement by the cluster.
   pure logical function any_loaded(pairs, others, closing, outside, lattice)
     type(contact_pairs), intent(in) :: pairs         !! pairs of the position
-    integer, intent(in) :: others(:)                 !! contacts that are no members
+    integer, intent(in) :: others(:)                 !! contacts outside, indices of pairs
     real(real64), intent(in) :: closing              !! compression of the contacts [length]
-    type(outside_field), intent(in) :: outside       !! of the contacts that are no members
-    type(cluster_lattice), intent(in) :: lattice     !! lattice of the cluster, solved
+    type(outside_field), intent(in) :: outside       !! field of the contacts outside
+    type(cluster_lattice), intent(in) :: lattice     !! solved lattice of the cluster
     type(gap_shape), allocatable :: shapes(:)
     integer :: i
 
@@ -500,37 +518,38 @@ contains
     end do
   end function any_loaded
 
-  ! Least gap of a contact in the displacement by elements and contacts outside, or 0: at its first
-  ! touch and half its isolated radius from there, as the displacement may leave it loaded beside
-  ! its first touch only.
+  ! Least gap of a contact in the displacement by elements and by contacts outside, or 0 if that is
+  ! positive: at first touch and half an isolated contact radius from there, as a contact can be
+  ! loaded beside first touch only.
   pure real(real64) function least_gap(profile, lattice, outside, modulus) result(gap)
     type(gap_shape), intent(in) :: profile
     type(element_lattice), intent(in) :: lattice
     type(outside_field), intent(in) :: outside
     real(real64), intent(in) :: modulus
-    real(real64) :: place(2, 5)
+    real(real64) :: position(2, 5)
     integer :: i
 
-    place = 0.5_real64 * profile%contact_radius * reshape([0, 0, -1, 0, 1, 0, 0, -1, 0, 1], [2, 5])
+    position = 0.5_real64 * profile%contact_radius * &
+               reshape([0, 0, -1, 0, 1, 0, 0, -1, 0, 1], [2, 5])
     gap = 0.0_real64
-    do i = 1, size(place, 2)
-      associate (x => place(1, i), y => place(2, i))
+    do i = 1, size(position, 2)
+      associate (x => position(1, i), y => position(2, i))
         gap = min(gap, gap_at(profile, x, y) + &
-                       field_of_elements(lattice, profile%x + x, profile%y + y) + &
-                       outside_at(outside, modulus, profile%x + x, profile%y + y))
+                       element_displacement(lattice, profile%x + x, profile%y + y) + &
+                       outside_displacement(outside, modulus, profile%x + x, profile%y + y))
       end associate
     end do
   end function least_gap
 
-  ! Relative error that is left where halving the elements changed a result by `change`: errors fall
-  ! as the power 3/2 of the side of the elements, those of loads by a higher one.
-  elemental real(real64) function error_left(change)
+  ! Relative error after halving the elements changed a result by `change`: errors are proportional
+  ! to the power 3/2 of the side of the elements, those of loads to a higher power.
+  elemental real(real64) function remaining_error(change)
     real(real64), intent(in) :: change
 
-    error_left = change / (2.0_real64**1.5_real64 - 1.0_real64)
-  end function error_left
+    remaining_error = change / (2.0_real64**1.5_real64 - 1.0_real64)
+  end function remaining_error
 
-  ! Penetration at which the centres of a pair are level, or a centre comes to the plane.
+  ! Penetration at which the centres of a pair are at equal height, or a centre is in the plane.
   elemental real(real64) function level_height(pair)
     type(contact_pair), intent(in) :: pair
 
@@ -538,7 +557,7 @@ contains
     if (.not. min(pair%upper_radius, pair%lower_radius) > 0.0_real64) level_height = pair%radius
   end function level_height
 
-  ! The members that penetrate; a shape's pair is its place among the members.
+  ! Finds the gaps of the members that penetrate; `pair` is the index among the members.
   pure subroutine find_shapes(pairs, members, closing, shapes)
     type(contact_pairs), intent(in) :: pairs
     integer, intent(in) :: members(:)
@@ -557,43 +576,44 @@ contains
     end do
   end subroutine find_shapes
 
-  ! A contact alone as Hertz has it. A sphere's slope curves it more, by 1/cosine across and by its
-  ! third power along: the radius of a circle as large as the ellipse.
+  ! The isolated contact by Hertz' law. By its inclination a vertical section of a sphere has the
+  ! curvature over the cosine across the slope, and over its third power along it: the radius is
+  ! that of the circle of equal area.
   pure type(element_contact) function hertz_contact(modulus, profile) result(contact)
     real(real64), intent(in) :: modulus
     type(gap_shape), intent(in) :: profile
 
-    associate (circle => profile%contact_radius * profile%cosine)
+    associate (radius => profile%contact_radius * profile%cosine)
       contact%x = profile%x
       contact%y = profile%y
-      contact%load = 4.0_real64 / 3.0_real64 * modulus * circle * profile%penetration
-      contact%area = pi * circle**2
-      if (circle > 0.0_real64) &
-        contact%pressure = 2.0_real64 / pi * modulus * profile%penetration / circle
+      contact%load = 4.0_real64 / 3.0_real64 * modulus * radius * profile%penetration
+      contact%area = pi * radius**2
+      if (radius > 0.0_real64) &
+        contact%pressure = 2.0_real64 / pi * modulus * profile%penetration / radius
     end associate
   end function hertz_contact
 
-  ! The pressures of one lattice as a start on another.
-  pure subroutine start_from(known, next)
-    type(element_lattice), intent(in) :: known
+  ! Sets the forces on a lattice to those of the pressures on a solved one.
+  pure subroutine transfer_forces(solved, next)
+    type(element_lattice), intent(in) :: solved
     type(element_lattice), intent(inout) :: next
     real(real64) :: factor, ratio
     integer :: i, j, k, l
 
-    ratio = next%side / known%side
-    factor = ratio * (known%depth / next%depth)
+    ratio = next%side / solved%side
+    factor = ratio * (solved%depth / next%depth)
     do j = 1, size(next%force, 2)
-      l = floor(((next%bottom + j - 0.5_real64) * next%side + next%y - known%y) / known%side) - &
-          known%bottom + 1
+      l = floor(((next%bottom + j - 0.5_real64) * next%side + next%y - solved%y) / solved%side) - &
+          solved%bottom + 1
       do i = 1, size(next%force, 1)
         if (next%owner(i, j) == 0) cycle
-        k = floor(((next%left + i - 0.5_real64) * next%side + next%x - known%x) / known%side) - &
-            known%left + 1
+        k = floor(((next%left + i - 0.5_real64) * next%side + next%x - solved%x) / solved%side) - &
+            solved%left + 1
         next%force(i, j) = 0.0_real64
-        if (min(k, l) < 1 .or. k > size(known%force, 1) .or. l > size(known%force, 2)) cycle
-        next%force(i, j) = factor * known%force(k, l)
+        if (min(k, l) < 1 .or. k > size(solved%force, 1) .or. l > size(solved%force, 2)) cycle
+        next%force(i, j) = factor * solved%force(k, l)
       end do
     end do
-  end subroutine start_from
+  end subroutine transfer_forces
 
 end module asperity_element_solver

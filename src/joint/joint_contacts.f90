@@ -146,7 +146,7 @@ contains
       solution%clusters = size(task%clusters)
       solution%elements = sum(task%clusters%answer%elements)
       if (associated(pairs%pressures)) then
-        call join_elements(task%clusters%answer%loaded, pairs%pressures)
+        call join_elements(task%clusters%answer%pressures, pairs%pressures)
         pairs%pressures%closing = solution%coupled%closing
       end if
     end if
@@ -324,7 +324,7 @@ contains
         ! Errors by elements add up, as all clusters have too little load. They are independent of
         ! the residuals and of the last change, which alternates and contracts.
         solution%error = solution%error + norm2([(sum(task%clusters%answer%error) + norm2([( &
-          task%clusters(k)%answer%ending%residual * sum(task%clusters(k)%answer%together%load), &
+          task%clusters(k)%answer%ending%residual * sum(task%clusters(k)%answer%contacts%load), &
           k=1, size(task%clusters))])) / (task%pairs%modulus * total), task%last_change])
       end if
       if (allocated(task%target)) solution%error = task%compression_share * solution%error
@@ -573,11 +573,11 @@ contains
             if (.not. coupled%penetration(i) > 0.0_real64) cycle
             call task%law%respond(pairs%list(i), i, coupled%closing - one%displacement - &
                                   pairs%list(i)%gap, response)
-            most = merge(1.0_real64, huge(most), answer%known_alone(m))
+            most = merge(1.0_real64, huge(most), answer%is_isolated_solved(m))
             solution%area(i) = pi * response%contact_radius**2 * &
-                               min(most, answer%together(m)%area / answer%alone(m)%area)
+                               min(most, answer%contacts(m)%area / answer%isolated(m)%area)
             solution%maximum_pressure(i) = response%maximum_pressure * &
-              min(most, answer%together(m)%pressure / answer%alone(m)%pressure)
+              min(most, answer%contacts(m)%pressure / answer%isolated(m)%pressure)
           end do
         end associate
       end do
@@ -642,7 +642,7 @@ contains
 
     more = .false.
     do k = 1, size(clusters)
-      associate (o => clusters(k)%outside, together => clusters(k)%answer%together, &
+      associate (o => clusters(k)%outside, together => clusters(k)%answer%contacts, &
                  list => pairs%list(clusters(k)%members))
         if (.not. allocated(o%pair)) cycle
         do l = 1, size(o%pair)

@@ -1,7 +1,7 @@
 !> Results of the boundary elements of clusters, passed on to the Hertzian contacts.
 module asperity_resolved_answers
   use asperity_circle_field, only: circle_set, relative_position
-  use asperity_outside_field, only: beside_circle
+  use asperity_outside_field, only: circle_displacement
   use asperity_contact_law, only: contact_law, contact_response
   use asperity_contact_pairs, only: contact_pair, contact_pairs
   use asperity_coupled_contacts, only: adopt_penetrations, coupled_solution, resolved_contacts
@@ -58,19 +58,19 @@ contains
     former_gap = resolved%gap
     do k = 1, size(clusters)
       associate (answer => clusters(k)%answer, members => clusters(k)%members)
-        resolved%x(members) = answer%together%x
-        resolved%y(members) = answer%together%y
+        resolved%x(members) = answer%contacts%x
+        resolved%y(members) = answer%contacts%y
         coupled%penetration(members) = far_below
         coupled%shift(:, members) = 0.0_real64
-        clusters(k)%load = 0 * answer%together%load
+        clusters(k)%load = 0 * answer%contacts%load
         do m = 1, size(members)
           i = members(m)
-          if (.not. (answer%together(m)%load > 0.0_real64 .and. &
-                     answer%alone(m)%load > 0.0_real64)) cycle
+          if (.not. (answer%contacts(m)%load > 0.0_real64 .and. &
+                     answer%isolated(m)%load > 0.0_real64)) cycle
           ! Together over alone: how a pair is inclined counts as it does in its law. Neighbours
           ! never raise a load: more than 1 is what the cells are not solved to.
-          share = answer%together(m)%load / answer%alone(m)%load
-          if (answer%known_alone(m)) share = min(1.0_real64, share)
+          share = answer%contacts(m)%load / answer%isolated(m)%load
+          if (answer%is_isolated_solved(m)) share = min(1.0_real64, share)
           call law%respond(pairs%list(i), i, &
                            coupled%closing - clusters(k)%displacement - pairs%list(i)%gap, isolated)
           clusters(k)%load(m) = share * isolated%vertical_load
@@ -208,8 +208,8 @@ contains
           do m = 1, size(one%members)
             if (one%host(m) /= host) cycle
             i = one%members(m)
-            resolved%x(i) = one%answer%together(m)%x
-            resolved%y(i) = one%answer%together(m)%y
+            resolved%x(i) = one%answer%contacts(m)%x
+            resolved%y(i) = one%answer%contacts(m)%y
             coupled%penetration(i) = penetration_at(pairs, law, i, load_ratio * one%load(m), &
                                                     coupled%closing - pairs%list(i)%gap)
           end do
@@ -228,12 +228,12 @@ contains
     type(resolved_contacts), intent(inout) :: resolved
     integer :: l
 
-    if (.not. allocated(one%answer%beside)) return
-    do l = 1, size(one%answer%beside)
+    if (.not. allocated(one%answer%outside_displacement)) return
+    do l = 1, size(one%answer%outside_displacement)
       associate (n => one%outside%pair(l))
         if (.not. resolved%is_resolved(n)) resolved%gap(n) = resolved%gap(n) + &
-          one%answer%beside(l) - &
-          sum(set%load(circles) * beside_circle(set%radius(circles), hypot( &
+          one%answer%outside_displacement(l) - &
+          sum(set%load(circles) * circle_displacement(set%radius(circles), hypot( &
             set%x(circles) - one%outside%x(l), set%y(circles) - one%outside%y(l))))
       end associate
     end do

@@ -1,7 +1,7 @@
 !> Clusters of contacts on boundary elements, each in the field of all others.
 module asperity_resolved_clusters
   use asperity_element_answer, only: element_answer
-  use asperity_outside_field, only: beside_circle, outside_field
+  use asperity_outside_field, only: circle_displacement, outside_field
   use asperity_element_solver, only: cluster_lattice, cluster_extent, solve_elements
   use asperity_chebyshev_basis, only: chebyshev_nodes
   use asperity_circle_field, only: circle_set, hertz_spread, near_factor
@@ -109,8 +109,8 @@ contains
     !$omp parallel do schedule(dynamic) if(size(clusters) > 1)
     do k = 1, size(clusters)
       associate (one => clusters(k))
-        if (allocated(one%outside%at_nodes)) &
-          one%outside%at_nodes = one%outside%at_nodes - one%displacement
+        if (allocated(one%outside%node_displacement)) &
+          one%outside%node_displacement = one%outside%node_displacement - one%displacement
         if (one%is_solved) cycle
         call solve_elements(pairs, one%members, coupled%closing - one%displacement, one%outside, &
                          [tolerance, max(area_per_load * tolerance, area_tolerance)], reference, &
@@ -211,16 +211,16 @@ contains
         do l = tree%first(n + i), tree%first(n + i + 1) - 1
           j = tree%near(l)
           if (cluster_of(j) == k .or. is_beside(j)) cycle
-          field(i) = field(i) + set%load(j) * beside_circle(set%radius(j), &
+          field(i) = field(i) + set%load(j) * circle_displacement(set%radius(j), &
             hypot(x(n + i) - (set%x(j) + set%shift(1, j)), &
                   y(n + i) - (set%y(j) + set%shift(2, j))))
         end do
       end do
-      o%at_nodes = reshape(field, [nodes, nodes])
+      o%node_displacement = reshape(field, [nodes, nodes])
       ! A lower bound of the field: it changes less between nodes than from node to node.
       one%displacement = &
         max(0.0_real64, minval(field) - (maxval(field) - minval(field)) / nodes) + &
-        sum(set%load(beside) * beside_circle(set%radius(beside), hypot( &
+        sum(set%load(beside) * circle_displacement(set%radius(beside), hypot( &
           abs(o%x - middle(1)) + 0.5_real64 * (o%x1 - o%x0), &
           abs(o%y - middle(2)) + 0.5_real64 * (o%y1 - o%y0))))
     end associate

@@ -65,11 +65,11 @@ contains
     real(real64), allocatable :: profile(:, :)   !! elevation by column and row
     integer :: i, j
 
-    allocate (profile(grid%cells(1), grid%cells(2)))
+    allocate (profile(grid%elements(1), grid%elements(2)))
     !$omp parallel do schedule(dynamic) private(i)
-    do j = 1, grid%cells(2), block
-      do i = 1, grid%cells(1), block
-        call fill_block([i, j], min([i, j] + block - 1, grid%cells))
+    do j = 1, grid%elements(2), block
+      do i = 1, grid%elements(1), block
+        call fill_block([i, j], min([i, j] + block - 1, grid%elements))
       end do
     end do
     !$omp end parallel do

@@ -126,8 +126,8 @@ contains
     first = merge(1, size(position%states), of_all)
     call check_memory(grid, size(position%states) - first + 1, failure)
     if (allocated(failure)) return
-    surfaces%columns = grid%cells(1)
-    surfaces%rows = grid%cells(2)
+    surfaces%columns = grid%elements(1)
+    surfaces%rows = grid%elements(2)
     surfaces%pixel_spacing = grid%side
     surfaces%height = sum_of(elevation_of(upper, grid), elevation_of(lower, grid))
     allocate (position%fields(size(position%states) - first + 1))
@@ -182,10 +182,10 @@ contains
     numbers = (high - grid%low) / side * (1.0_real64 - 1.0e-12_real64)
     ! As real numbers: they may be beyond the range of integers.
     numbers = max(1.0_real64, aint(numbers) + merge(1, 0, aint(numbers) < numbers))
-    grid%cells = int(min(numbers, real(most_cells, real64)))
+    grid%elements = int(min(numbers, real(most_cells, real64)))
     grid%side = side
     call check_memory(grid, 1, failure)
-    grid%low = 0.5_real64 * (grid%low + high) - 0.5_real64 * side * grid%cells
+    grid%low = 0.5_real64 * (grid%low + high) - 0.5_real64 * side * grid%elements
 
   contains
 
@@ -208,7 +208,7 @@ contains
     character(len=:), allocatable, intent(inout) :: failure
     integer(int64) :: cells
 
-    cells = product(int(grid%cells, int64))
+    cells = product(int(grid%elements, int64))
     if (has_memory(bytes_of_cell * cells + room_of_fields(cells, states))) return
     failure = not_enough_memory // ' for the fields of ' // decimal_text(states) // ' states'
     if (states == 1) failure = failure(:len(failure) - 1)

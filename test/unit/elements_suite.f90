@@ -103,13 +103,13 @@ contains
   real(real64) function total(answer)
     type(element_answer), intent(in) :: answer
 
-    total = sum(answer%together%load)
+    total = sum(answer%contacts%load)
   end function total
 
   real(real64) function alone_total(answer)
     type(element_answer), intent(in) :: answer
 
-    alone_total = sum(answer%alone%load)
+    alone_total = sum(answer%isolated%load)
   end function alone_total
 
   ! Mean of 1/r: Love's displacement at a point, and Gauss over the receiving cell.
@@ -194,9 +194,9 @@ contains
       call check(error, total(outcome) / hertz, 1.0_real64, allowed, 'load over Hertz')
       call check(error, alone_total(outcome) / total(outcome), 1.0_real64, asked / 3.0_real64, &
                  'alone')
-      call check(error, outcome%together(1)%area / (pi * depths(i)), 1.0_real64, 0.007_real64, &
+      call check(error, outcome%contacts(1)%area / (pi * depths(i)), 1.0_real64, 0.007_real64, &
                  'area')
-      call check(error, outcome%together(1)%pressure / p0, 1.0_real64, 0.005_real64, 'pressure')
+      call check(error, outcome%contacts(1)%pressure / p0, 1.0_real64, 0.005_real64, 'pressure')
     end do
   end subroutine single_is_hertz
 
@@ -266,10 +266,10 @@ contains
     do i = 1, many
       cosine = pairs%list(1 + i)%zc / pairs%list(1 + i)%s
       hertz = 4.0_real64 / 3.0_real64 * cosine * tip * sqrt(1.0e-3_real64 * tip)
-      call check(error, outcome%alone(1 + i)%load / hertz, 1.0_real64, 1.0e-12_real64, 'load')
-      call check(error, outcome%alone(1 + i)%area / (pi * cosine**2 * 1.0e-3_real64 * tip), &
+      call check(error, outcome%isolated(1 + i)%load / hertz, 1.0_real64, 1.0e-12_real64, 'load')
+      call check(error, outcome%isolated(1 + i)%area / (pi * cosine**2 * 1.0e-3_real64 * tip), &
                  1.0_real64, 1.0e-12_real64, 'area')
-      call check(error, outcome%alone(1 + i)%pressure * outcome%alone(1 + i)%area / hertz, &
+      call check(error, outcome%isolated(1 + i)%pressure * outcome%isolated(1 + i)%area / hertz, &
                  1.5_real64, 1.0e-12_real64, 'pressure')
     end do
   end subroutine smaller_than_cells
@@ -304,10 +304,10 @@ contains
     nothing%x1 = 1.0_real64
     nothing%y0 = -1.0_real64
     nothing%y1 = 1.0_real64
-    allocate (nothing%at_nodes(2, 2), source=1.0e-2_real64)
+    allocate (nothing%node_displacement(2, 2), source=1.0e-2_real64)
     call solve_elements(pairs, [1], 5.0e-4_real64, nothing, shares, no_more, lattice, outcome)
     call check(error, outcome%ending%converged, 'lifted: not converged')
-    call check(error, outcome%together(1)%load, 0.0_real64, 0.0_real64, 'lifted: a load')
+    call check(error, outcome%contacts(1)%load, 0.0_real64, 0.0_real64, 'lifted: a load')
   end subroutine lattice_stays
 
   ! The second contact is below the displacement by the first at one closing, and above it at
@@ -328,10 +328,10 @@ contains
     pairs%list(2) = pair_at(apart, 0.0_real64, 0.0_real64, 0.0_real64, 2.0_real64)
     pairs%list%gap = [0.0_real64, 0.98e-4_real64]
     call solve_elements(pairs, [1, 2], 1.0e-4_real64, nothing, shares, no_more, lattice, outcome)
-    call check(error, outcome%together(2)%load, 0.0_real64, tiny(0.0_real64), 'open')
+    call check(error, outcome%contacts(2)%load, 0.0_real64, tiny(0.0_real64), 'open')
     call solve_elements(pairs, [1, 2], shut, nothing, shares, no_more, lattice, outcome)
     beside = 4.0_real64 / 3.0_real64 * sqrt(shut) * shut / (acos(-1.0_real64) * apart)
-    call check(error, outcome%together(2)%load / (4.0_real64 / 3.0_real64 * &
+    call check(error, outcome%contacts(2)%load / (4.0_real64 / 3.0_real64 * &
                (shut - pairs%list(2)%gap - beside)**1.5_real64), 1.0_real64, 0.005_real64, 'load')
   end subroutine far_from_lattice
 
@@ -373,7 +373,7 @@ contains
       factor = (lowered / depth) * sqrt(lowered / depth)
       call solve(pairs, [depth, depth], asked, outcome)
       call check(error, total(outcome) / alone_total(outcome), factor, 5.0e-4_real64, 'factor')
-      call check(error, outcome%together(1)%load / outcome%together(2)%load, 1.0_real64, &
+      call check(error, outcome%contacts(1)%load / outcome%contacts(2)%load, 1.0_real64, &
                  5.0e-4_real64, 'two alike')
     end do
   end subroutine two_apart
@@ -418,7 +418,7 @@ contains
     call solve(pairs, [0.013997549934151452_real64, 0.013920271076202782_real64], &
                1.0e-4_real64, outcome)
     call check(error, total(outcome), 431.63_real64, 0.13_real64, 'total')
-    call check(error, outcome%together(1)%load, 216.63_real64, 0.1_real64, 'first')
+    call check(error, outcome%contacts(1)%load, 216.63_real64, 0.1_real64, 'first')
     call check(error, total(outcome) / alone_total(outcome), 0.74361_real64, 2.0e-4_real64, &
                'factor')
   end subroutine two_overlapping
@@ -442,15 +442,15 @@ contains
     ! a tenth of what is left to the small one.
     slope = (plain(0.1_real64, 0.499_real64) - plain(0.1_real64, 0.501_real64)) / 2.0e-3_real64
     hertz = 4.0_real64 / 3.0_real64 * (small + 0.5_real64 * slope**2)**1.5_real64
-    call check(error, outcome%together(2)%load / hertz, 1.0_real64, 0.1_real64, 'small load')
+    call check(error, outcome%contacts(2)%load / hertz, 1.0_real64, 0.1_real64, 'small load')
     ! Without that it opens.
     call solve(pairs, [depth, 0.9_real64 * field], asked, outcome)
-    call check(error, outcome%together(2)%load, 0.0_real64, 0.0_real64, 'open')
-    call check(error, outcome%alone(2)%load > 0.0_real64, 'alone it touches')
+    call check(error, outcome%contacts(2)%load, 0.0_real64, 0.0_real64, 'open')
+    call check(error, outcome%isolated(2)%load > 0.0_real64, 'alone it touches')
     ! A contact a million times smaller than the cells.
     call solve(pairs, [depth, 1.0e-14_real64], asked, outcome)
     call check(error, outcome%ending%converged, 'not converged')
-    call check(error, outcome%together(2)%load, 0.0_real64, 0.0_real64, 'too small for the cells')
+    call check(error, outcome%contacts(2)%load, 0.0_real64, 0.0_real64, 'too small for the cells')
   end subroutine small_and_large
 
   subroutine nine(error)
@@ -468,9 +468,9 @@ contains
     end do
     depth = 1.0e-2_real64
     call solve(pairs, depth, asked, outcome)
-    corners = outcome%together([1, 3, 7, 9])%load
+    corners = outcome%contacts([1, 3, 7, 9])%load
     call check(error, maxval(corners) / minval(corners), 1.0_real64, 2.0e-3_real64, 'corners')
-    call check(error, minloc(outcome%together%load, 1), 5, 'the middle is not the least')
+    call check(error, minloc(outcome%contacts%load, 1), 5, 'the middle is not the least')
     call check(error, total(outcome) < 0.7_real64 * alone_total(outcome), 'no interaction')
   end subroutine nine
 
@@ -486,7 +486,7 @@ contains
       pairs%list(i) = pair_at(1.0_real64, 1.0_real64, 0.0_real64, 0.0_real64, 2.0_real64)
     end do
     call solve(pairs, [1.0e-2_real64, 0.0_real64, -1.0_real64], asked, one)
-    call check(error, one%together(2)%load + one%together(3)%load, 0.0_real64, 0.0_real64, 'open')
+    call check(error, one%contacts(2)%load + one%contacts(3)%load, 0.0_real64, 0.0_real64, 'open')
     ! Three times the same surface is the same surface.
     call solve(pairs, spread(1.0e-2_real64, 1, 3), asked, outcome)
     call check(error, total(outcome), total(one), 1.0e-12_real64, 'coincident')
@@ -495,7 +495,7 @@ contains
     ! One whose own overlap lies within a deeper one's.
     call solve(pairs, [1.0e-3_real64, 1.0e-2_real64, 1.0e-12_real64], asked, outcome)
     call check(error, total(outcome), total(one), 1.0e-12_real64, 'covered')
-    call check(error, outcome%together(2)%load, total(one), 1.0e-12_real64, 'load of the deepest')
+    call check(error, outcome%contacts(2)%load, total(one), 1.0e-12_real64, 'load of the deepest')
     call solve(pairs, [0.0_real64, 0.0_real64, 0.0_real64], asked, outcome)
     call check(error, outcome%ending%converged, 'nothing touches: not converged')
     call check(error, total(outcome), 0.0_real64, 0.0_real64, 'nothing touches: a load')
@@ -583,12 +583,13 @@ contains
       field%radius = (0.75_real64 * field%load / 0.7_real64)**(1.0_real64 / 3.0_real64)
       call solve_anew(pairs, [j], 0.0_real64, field, shares, one)
       load = field%load(1)
-      field%load = one%together(1)%load
+      field%load = one%contacts(1)%load
     end do
-    call check(error, one%together(1)%load / both%together(2)%load, 1.0_real64, 2.0e-4_real64, '2')
-    call check(error, load / both%together(1)%load, 1.0_real64, 2.0e-4_real64, '1')
-    call check(error, one%together(1)%x, both%together(2)%x, 1.0e-4_real64, 'centre')
-    call check(error, one%alone(1)%load / both%alone(2)%load, 1.0_real64, 1.0e-4_real64, 'alone')
+    call check(error, one%contacts(1)%load / both%contacts(2)%load, 1.0_real64, 2.0e-4_real64, '2')
+    call check(error, load / both%contacts(1)%load, 1.0_real64, 2.0e-4_real64, '1')
+    call check(error, one%contacts(1)%x, both%contacts(2)%x, 1.0e-4_real64, 'centre')
+    call check(error, one%isolated(1)%load / both%isolated(2)%load, 1.0_real64, 1.0e-4_real64, &
+               'alone')
     ! The same circle through nodes.
     field%load = load
     a = (0.75_real64 * load / 0.7_real64)**(1.0_real64 / 3.0_real64)
@@ -597,23 +598,24 @@ contains
     call cluster_extent(pairs, [2], 0.0_real64, nodes%x0, nodes%x1, nodes%y0, nodes%y1)
     call check(error, nodes%x1 - nodes%x0, 2.0_real64 * sqrt(2.0_real64 * 0.9e-2_real64), &
                1.0e-12_real64, 'rectangle')
-    allocate (nodes%at_nodes(n, n))
+    allocate (nodes%node_displacement(n, n))
     x = 0.5_real64 * (nodes%x0 + nodes%x1 + chebyshev_nodes(n) * (nodes%x1 - nodes%x0))
     y = 0.5_real64 * (nodes%y0 + nodes%y1 + chebyshev_nodes(n) * (nodes%y1 - nodes%y0))
     do j = 1, n
       do i = 1, n
-        nodes%at_nodes(i, j) = plain(a, hypot(x(i) - pairs%list(1)%x, y(j) - pairs%list(1)%y)) * &
-                               load / (4.0_real64 / 3.0_real64 * 0.7_real64 * a**3)
+        nodes%node_displacement(i, j) = plain(a, hypot(x(i) - pairs%list(1)%x, y(j) - &
+                                                       pairs%list(1)%y)) * &
+                                        load / (4.0_real64 / 3.0_real64 * 0.7_real64 * a**3)
       end do
     end do
     call solve_anew(pairs, [2], 0.0_real64, nodes, shares, both)
-    call check(error, both%together(1)%load / one%together(1)%load, 1.0_real64, 1.0e-6_real64, &
+    call check(error, both%contacts(1)%load / one%contacts(1)%load, 1.0_real64, 1.0e-6_real64, &
                'nodes')
     ! A field that lifts all load off.
-    nodes%at_nodes = 1.0e-2_real64
+    nodes%node_displacement = 1.0e-2_real64
     call solve_anew(pairs, [2], 0.0_real64, nodes, shares, both)
     call check(error, both%ending%converged, 'lifted: not converged')
-    call check(error, both%together(1)%load, 0.0_real64, 0.0_real64, 'lifted: a load')
+    call check(error, both%contacts(1)%load, 0.0_real64, 0.0_real64, 'lifted: a load')
   end subroutine outside
 
   ! More overlap everywhere is more load. So the load lies between those of two spheres of radius 1:
@@ -637,7 +639,7 @@ contains
     hertz = 4.0_real64 / 3.0_real64 * 1.0e-3_real64
     call check(error, total(answer) > 0.999_real64 * hertz, 'tiny caps: less than without')
     call check(error, total(answer) < 1.15_real64**1.5_real64 * hertz, 'tiny caps: too much')
-    call check(error, answer%together(2)%load > 0.0_real64, 'the cap that stands out is open')
+    call check(error, answer%contacts(2)%load > 0.0_real64, 'the cap that stands out is open')
     ! So far apart that the cells between them are too many.
     pairs%list(3) = pair_at(1.0e5_real64, 1.0e5_real64, 0.0_real64, 0.0_real64, 2.0_real64)
     call solve(pairs, [1.0e-2_real64, 0.9e-2_real64, 0.6e-2_real64], asked, answer)
@@ -659,9 +661,9 @@ contains
     pairs%list(2) = pair_at(0.2_real64, 0.1_real64, 0.0_real64, 0.2_real64, 2.0_real64)
     call solve(pairs, depth, asked, one)
     call solve(pairs, depth, asked, other)
-    call check(error, all(transfer(one%together%load, [0]) == transfer(other%together%load, [0])), &
+    call check(error, all(transfer(one%contacts%load, [0]) == transfer(other%contacts%load, [0])), &
                'loads differ')
-    call check(error, all(transfer(one%alone%load, [0]) == transfer(other%alone%load, [0])), &
+    call check(error, all(transfer(one%isolated%load, [0]) == transfer(other%isolated%load, [0])), &
                'loads alone differ')
   end subroutine repeatable
 

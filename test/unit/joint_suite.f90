@@ -209,11 +209,11 @@ contains
     call check(error, solution%clusters, 2, 'clusters')
     call solve_elements(pairs, [(i, i=1, 5)], depth, nothing, [5.0e-4_real64, 0.005_real64], &
                      spread(0.0_real64, 1, 2), lattice, answer)
-    together = sum(answer%together%load) / sum(answer%alone%load)
+    together = sum(answer%contacts%load) / sum(answer%isolated%load)
     call check(error, share_of(pairs, solution%coupled) / together, 1.0_real64, 1.0e-3_real64, &
                'load')
     ! Each of both is within half a percent.
-    call check(error, sum(solution%area) / sum(answer%together%area), 1.0_real64, 0.01_real64, &
+    call check(error, sum(solution%area) / sum(answer%contacts%area), 1.0_real64, 0.01_real64, &
                'area')
   end subroutine clusters
 
