@@ -13,8 +13,9 @@ module asperity_box_tree
   public :: build_boxes, square_box, touching_boxes, as_source, as_target, first_point, &
             last_own_point, last_point
 
-  ! Rows and columns of `square_box%points`.
+  !> Rows of `square_box%points`: first point, last point that belongs to no child, last point.
   integer, parameter :: first_point = 1, last_own_point = 2, last_point = 3
+  !> Columns of `square_box%points`: sources, targets.
   integer, parameter :: as_source = 1, as_target = 2
 
   ! Largest number of levels below the root, as points may coincide (chosen).
@@ -32,8 +33,8 @@ module asperity_box_tree
   type :: square_box
     real(real64) :: centre(2) = 0.0_real64   !! position of the centre [length]
     real(real64) :: half_width = 0.5_real64  !! half of the width [length]
-    !> (row, kind): indices of its sources and of its targets in the order of the boxes: the first,
-    !> the last that belongs to no child, the last
+    !> indices of its sources and targets in the order of the boxes: `first_point` ... by row,
+    !> `as_source` ... by column
     integer :: points(3, 2) = 0
     integer :: parent = 0                    !! index of the parent
     integer :: quadrant = 0                  !! in the parent: 1 if right, plus 2 if upper

@@ -150,7 +150,7 @@ contains
   !> of the sum of sin(pi i/n)**2 over both directions. The square of the lowest k is added, which
   !> makes the inverse symmetric and positive definite, also on a part of the elements.
   subroutine apply_influence(self, force, displacement, inverse)
-    class(cell_convolution), intent(inout), target :: self  !! prepared convolution
+    class(cell_convolution), intent(inout), target :: self  !! convolution with its plans
     real(real64), intent(in) :: force(:, :)                !! forces; if inverse, displacements
     real(real64), intent(out) :: displacement(:, :)        !! displacements; if inverse, forces
     logical, intent(in), optional :: inverse               !! whether the inverse is applied
