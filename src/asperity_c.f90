@@ -144,8 +144,9 @@ contains
     if (new%problems%count() == 0 .and. .not. allocated(new%failure)) then
       allocate (new%solutions(size(results%positions)))
       do which = 1, size(new%solutions)
-        call move_alloc(results%positions(which)%start%of, new%solutions(which)%of)
-        if (allocated(new%solutions(which)%of) .or. .not. associated(chosen%reuse%earlier)) cycle
+        call move_alloc(results%positions(which)%start%solutions, new%solutions(which)%solutions)
+        if (allocated(new%solutions(which)%solutions) .or. &
+            .not. associated(chosen%reuse%earlier)) cycle
         if (which <= size(chosen%reuse%earlier)) &
           new%solutions(which) = chosen%reuse%earlier(which)
       end do

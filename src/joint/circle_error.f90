@@ -1,11 +1,15 @@
-!> Errors of contacts as Hertzian contacts, contact by contact.
+!> Errors of contacts that are solved as Hertzian contacts, contact by contact: indicators by the
+!> first neglected terms, tested against boundary elements, not proved bounds.
 !>
-!> Away from overlap the missing part is ellipticity: the harmonics n >= 2 of the neighbours' field
-!> on the edge of a circle. The load gains E R/(2 a) (U0**2 + 1/2 sum U_n**2) to second order, and
-!> the oval contact displaces its neighbours less. Of a point load V at r the harmonics from 2 on
-!> are below B = 2 V a**2/(pi E r (r**2 - a**2)), and those above 2 add up to B**2/18 at most.
-!> Beside a large circle B is 2/3 a**2 times what its field bends more along than across, if more.
-!> Where circles overlap, one of the two takes from the other at most a share of the smaller load.
+!> Separate contacts: the neglected part is ellipticity, by the harmonics n >= 2 of the field of the
+!> neighbours on the edge of the circle. The load increases by E R/(2 a) (U0**2 + 1/2 sum U_n**2) to
+!> second order, and the elliptic contact displaces its neighbours less. For a point load V at the
+!> distance r the harmonic 2 is at most B = 2 V a**2/(pi E r (r**2 - a**2)), and those above 2 add
+!> at most B**2/18. For a large circle nearby B is 2/3 a**2 times the difference of the second
+!> derivatives of its field along and across the line of centres, if that is larger.
+!>
+!> Overlapping circles: one contact takes at most a share of the smaller of the two loads from the
+!> other.
 module asperity_circle_error
   use asperity_circle_field, only: are_close, hessian_anisotropy, relative_position, many
   use asperity_constants, only: pi
@@ -49,29 +53,29 @@ module asperity_circle_error
 
 contains
 
-  !> Errors of the loads of elastic contacts over the modulus: a bound that is observed, not proved.
-  !> Zero where a contact is open and near to none.
-  subroutine find_errors(pairs, solution, hosts, error, sphere_error, compression_share, nested)
+  !> Estimates the errors of the loads of elastic contacts, over the modulus. They are 0 for open
+  !> contacts that no circle covers.
+  subroutine find_errors(pairs, solution, covering, error, sphere_error, compression_share, nested)
     type(contact_pairs), intent(in) :: pairs           !! pairs of the position
-    type(coupled_solution), intent(inout) :: solution  !! solved contacts, as they are
-    integer, intent(out) :: hosts(:)                   !! circle that hides an open pair, else 0
-    real(real64), intent(out) :: error(:)              !! errors by pair, with those at neighbours
-    real(real64), intent(out) :: sphere_error(:)       !! errors of spheres as paraboloids, by pair
-    !> relative error of the closing at a load over that of the load L at a closing c:
-    !! L/(c dL/dc), 2/3 for a Hertz contact alone
+    type(coupled_solution), intent(inout) :: solution  !! solved contacts, not modified
+    integer, intent(out) :: covering(:)                !! by open pair: contact that covers it, or 0
+    real(real64), intent(out) :: error(:)              !! by pair, including those of neighbours
+    real(real64), intent(out) :: sphere_error(:)       !! by pair, of spheres as paraboloids
+    !> relative error of the compression c at a prescribed load over that of the load L at a
+    !! prescribed compression, L/(c dL/dc): 2/3 for an isolated Hertzian contact
     real(real64), intent(out) :: compression_share
-    !> share of the load on contacts that overlap the circle of one at least `blunter` times
-    !! blunter: their errors may be larger than indicated
+    !> share of the load on contacts that overlap the circle of a contact with at least `blunter`
+    !! times their radius: their errors may be larger than estimated
     real(real64), intent(out) :: nested
     type(source_tree) :: tree
-    integer, allocatable :: number(:)
+    integer, allocatable :: open_pairs(:)
     real(real64) :: weight(size(solution%set%contact)), tangent
     logical :: is_nested(size(weight))
     integer :: i, j, k, l
 
     error = 0.0_real64
     sphere_error = 0.0_real64
-    hosts = 0
+    covering = 0
     call find_weights(pairs, solution, weight, tangent)
     compression_share = sum(solution%set%load) / (solution%closing * tangent)
     associate (set => solution%set)
@@ -84,12 +88,12 @@ contains
       end do
       !$omp end parallel do
       nested = sum(set%load, mask=is_nested) / sum(set%load)
-      call find_open_neighbours(pairs, solution, 1.0_real64, tree, number)
-      do l = 1, size(number)
-        i = number(l)
+      call find_open_neighbours(pairs, solution, 1.0_real64, tree, open_pairs)
+      do l = 1, size(open_pairs)
+        i = open_pairs(l)
         do k = tree%first(l), tree%first(l + 1) - 1
           j = set%contact(tree%near(k))
-          if (hosts(i) == 0) hosts(i) = j
+          if (covering(i) == 0) covering(i) = j
           error(i) = error(i) + weight(tree%near(k)) * 2 * first_order * &
                      set%radius(tree%near(k)) * mean_protrusion(pairs, solution, i, tree%near(k))
         end do
@@ -97,9 +101,10 @@ contains
     end associate
   end subroutine find_errors
 
-  ! Gain of the total load over that of one contact: as it bears more, its neighbours bear less. To
-  ! first order the total changes with the gap of contact i by x_i, where all gaps together change
-  ! the loads by x.
+  ! Finds the change of the total load over that of the load of one contact, as the loads of its
+  ! neighbours then decrease. To first order the total load changes with the gap of contact i by
+  ! x_i, where x are the changes of the loads by an equal change of all gaps. `tangent` is the sum
+  ! of x.
   subroutine find_weights(pairs, solution, weight, tangent)
     type(contact_pairs), intent(in) :: pairs
     type(coupled_solution), intent(inout) :: solution
@@ -115,12 +120,12 @@ contains
     radius = huge(radius)**0.25_real64
     call prepare_model(solution%set, model)
     call find_step(solution%set, model, weight_left, radius, step, products, pairs%interrupt)
-    ! Conjugate gradients come to it from below.
+    ! A lower bound, as conjugate gradients increase it in each iteration.
     tangent = sum(step%change(1, :))
     associate (set => solution%set)
       do k = 1, size(weight)
         weight(k) = step%change(1, k)
-        ! Circles that overlap are one contact.
+        ! Overlapping circles count as one contact.
         do l = set%tree%first(k), set%tree%first(k + 1) - 1
           associate (j => set%tree%near(l))
             if (are_close(set, k, j, 1.0_real64)) weight(k) = weight(k) + step%change(1, j)
@@ -131,42 +136,42 @@ contains
     end associate
   end subroutine find_weights
 
-  !> Finds the open pairs that could touch, and the circles near them.
-  subroutine find_open_neighbours(pairs, solution, radii, tree, number)
+  !> Finds the open pairs of negative undeformed gap, and the circles near them.
+  subroutine find_open_neighbours(pairs, solution, radii, tree, open_pairs)
     type(contact_pairs), intent(in) :: pairs        !! pairs of the position
     type(coupled_solution), intent(in) :: solution  !! solution of all contacts
-    real(real64), intent(in) :: radii               !! radii of a circle that reach to its pairs
-    type(source_tree), intent(inout) :: tree        !! circles of the solution; targets: open pairs
-    integer, allocatable, intent(out) :: number(:)  !! places of the open pairs in the list
+    real(real64), intent(in) :: radii               !! distance up to which circles are near, radii
+    type(source_tree), intent(inout) :: tree        !! sources: loaded circles; targets: open pairs
+    integer, allocatable, intent(out) :: open_pairs(:)  !! indices in the list of pairs
     logical :: is_open(size(pairs%list))
     integer :: i
 
     is_open = pairs%list%gap < solution%closing
     is_open(solution%set%contact) = .false.
-    number = pack([(i, i=1, size(is_open))], is_open)
+    open_pairs = pack([(i, i=1, size(is_open))], is_open)
     associate (set => solution%set)
-      call build_tree(tree, [set%x + set%shift(1, :), pairs%list(number)%x], &
-                      [set%y + set%shift(2, :), pairs%list(number)%y], &
-                      [set%radius, spread(0.0_real64, 1, size(number))], radii, size(set%x))
+      call build_tree(tree, [set%x + set%shift(1, :), pairs%list(open_pairs)%x], &
+                      [set%y + set%shift(2, :), pairs%list(open_pairs)%y], &
+                      [set%radius, spread(0.0_real64, 1, size(open_pairs))], radii, size(set%x))
     end associate
   end subroutine find_open_neighbours
 
-  ! Errors of one contact.
+  ! Estimates the errors of the load of one contact, and whether it is nested (see `find_errors`).
   subroutine estimate_contact_error(pairs, solution, k, error, sphere_error, is_nested)
     type(contact_pairs), intent(in) :: pairs
     type(coupled_solution), intent(in) :: solution
     integer, intent(in) :: k
     real(real64), intent(out) :: error, sphere_error
     logical, intent(out) :: is_nested
-    real(real64) :: a, p, r, offset(2), apart, distance, emission, overlap, least_ratio, shift, &
-      apart_emission
+    real(real64) :: a, p, r, offset(2), distance, least_ratio, shift
+    real(real64) :: neighbour_gain, overlap_error, separate_error, separate_neighbour_gain
     integer :: l, j
 
     associate (set => solution%set)
       a = set%radius(k)
       p = solution%penetration(set%contact(k))
       r = pairs%list(set%contact(k))%radius
-      overlap = 0.0_real64
+      overlap_error = 0.0_real64
       least_ratio = huge(1.0_real64)
       is_nested = .false.
       do l = set%tree%first(k), set%tree%first(k + 1) - 1
@@ -175,22 +180,23 @@ contains
         if (.not. distance < a + set%radius(j)) cycle
         least_ratio = min(least_ratio, distance / max(a, set%radius(j)))
         is_nested = is_nested .or. pairs%list(set%contact(j))%radius >= blunter * r
-        ! Half of the error of both.
-        overlap = overlap + 0.5_real64 * min(set%load(k), set%load(j)) * &
+        ! Each of the two contacts gets half of their error.
+        overlap_error = overlap_error + 0.5_real64 * min(set%load(k), set%load(j)) * &
           merge(1.0_real64, taken, distance < max(a, set%radius(j)))
       end do
-      call find_harmonics(.true., error, emission)
-      if (overlap > 0.0_real64) then
-        call find_harmonics(.false., apart, apart_emission)
-        ! Where a centre is inside the other's circle harmonics mean nothing.
+      call find_harmonics(.true., error, neighbour_gain)
+      if (overlap_error > 0.0_real64) then
+        call find_harmonics(.false., separate_error, separate_neighbour_gain)
+        ! Harmonics are no estimate where the centre of one contact is inside the other.
         if (least_ratio < 1.0_real64) error = huge(1.0_real64)
-        error = min(error + emission, apart + apart_emission + overlap)
-        emission = 0.0_real64
+        error = min(error + neighbour_gain, &
+                    separate_error + separate_neighbour_gain + overlap_error)
+        neighbour_gain = 0.0_real64
       end if
       shift = norm2(set%shift(:, k))
       if (shift > steep * a) error = max(error, load_gain(r, p, steep * shift**2 / (4 * r)))
-      error = error + emission
-      ! An inclined contact is an ellipse that neighbours see as a circle.
+      error = error + neighbour_gain
+      ! An inclined contact is an ellipse, and its field is computed as that of a circle.
       associate (pair => pairs%list(set%contact(k)), &
                  displacement => max(0.0_real64, solution%closing - &
                                      pairs%list(set%contact(k))%gap - p))
@@ -202,38 +208,39 @@ contains
 
   contains
 
-    ! Own gain, and that of the neighbours. A second harmonic is a complex number: b at twice the
-    ! angle of the neighbour.
-    subroutine find_harmonics(with_overlapping, gain, neighbour_gain)
+    ! Finds the gain of the contact's own load by ellipticity, and that of its neighbours. The
+    ! second harmonic of a neighbour is a complex number with the modulus b and twice its azimuth.
+    subroutine find_harmonics(with_overlapping, gain, gain_of_neighbours)
       logical, intent(in) :: with_overlapping
-      real(real64), intent(out) :: gain, neighbour_gain
+      real(real64), intent(out) :: gain, gain_of_neighbours
       real(real64) :: b(solution%set%tree%first(k):solution%set%tree%first(k + 1) - 1), square
-      complex(real64) :: second(lbound(b, 1):ubound(b, 1))
+      complex(real64) :: second_harmonic(lbound(b, 1):ubound(b, 1))
 
       associate (set => solution%set, near => solution%set%tree%near)
         do l = lbound(b, 1), ubound(b, 1)
           j = near(l)
           offset = relative_position(set, j, k)
-          ! In one place nothing is known: a large bound.
+          ! Coincident centres: a large bound.
           square = max(sum(offset**2), 1.0e-6_real64 * a**2)
           b(l) = 1.0_real64 / (sqrt(square) * max(square - a**2, 0.1_real64 * square))
           if (square > (a + set%radius(j))**2) &
             b(l) = max(b(l), set%terms(hessian_anisotropy, set%pair(l)) * pi / 3)
           b(l) = 2 * set%load(j) * a**2 / pi * b(l)
           if (square < (a + set%radius(j))**2 .and. .not. with_overlapping) b(l) = 0.0_real64
-          second(l) = b(l) * cmplx(offset(1), offset(2), real64)**2 / square
+          second_harmonic(l) = b(l) * cmplx(offset(1), offset(2), real64)**2 / square
         end do
-        gain = r / (4 * a) * (abs(sum(second))**2 + 1.0_real64 / 18 * sum(b)**2)
-        neighbour_gain = first_order * r / (4 * a) * sum( &
+        gain = r / (4 * a) * (abs(sum(second_harmonic))**2 + 1.0_real64 / 18 * sum(b)**2)
+        gain_of_neighbours = first_order * r / (4 * a) * sum( &
           p / solution%penetration(set%contact(near(lbound(b, 1):ubound(b, 1)))) * &
-          abs(real(second * conjg(sum(second))) + 1.0_real64 / 18 * b * sum(b)))
+          abs(real(second_harmonic * conjg(sum(second_harmonic))) + 1.0_real64 / 18 * b * sum(b)))
       end associate
     end subroutine find_harmonics
 
   end subroutine estimate_contact_error
 
-  ! Relative loss of load of a sphere against its paraboloid: p/(10 R) under a flat, to first order
-  ! (the next term of the gap is r**4/(8 R**3)). A plane has the radius 0, and no such term.
+  ! Relative decrease of the load of a sphere from that of its paraboloid: p/(10 R) under a plane,
+  ! to first order (the next term of the gap is r**4/(8 R**3)). A plane has the radius 0 and no
+  ! term.
   pure real(real64) function sphere_share(pair, p) result(share)
     type(contact_pair), intent(in) :: pair
     real(real64), intent(in) :: p
@@ -244,32 +251,33 @@ contains
     share = min(0.5_real64, share * pair%radius**2 * p / 10)
   end function sphere_share
 
-  ! Load that a contact gains by a rise of its penetration.
-  pure real(real64) function load_gain(radius, p, rise)
-    real(real64), intent(in) :: radius, p, rise
+  ! Increase of the load of a contact over the modulus by an increase of its penetration.
+  pure real(real64) function load_gain(radius, p, increase)
+    real(real64), intent(in) :: radius, p, increase
 
-    ! Powers of ratios: the same digits in any unit.
+    ! Powers of ratios: the digits do not depend on the unit.
     load_gain = 4.0_real64 / 3.0_real64 * radius**2 * &
-             (max(0.0_real64, (p + rise) / radius)**1.5_real64 - &
-              max(0.0_real64, p / radius)**1.5_real64)
+                (max(0.0_real64, (p + increase) / radius)**1.5_real64 - &
+                 max(0.0_real64, p / radius)**1.5_real64)
   end function load_gain
 
-  ! Mean over a circle, weighed as a flat punch, of how far the surface of an open pair stands above
-  ! that of the circle's own: of a cap with its top in the circle the volume of its paraboloid, else
-  ! of a plane (along a line all of the weight lies evenly). No more than at the highest place.
+  ! Mean over a circle, with the pressure of a flat punch as weight, of the height of the surface of
+  ! an open pair above the surface of the contact itself: of a paraboloid if its top is in the
+  ! circle, else of a plane (in one direction the weight is uniform).
   pure real(real64) function mean_protrusion(pairs, solution, i, k) result(mean)
     type(contact_pairs), intent(in) :: pairs
     type(coupled_solution), intent(in) :: solution
     integer, intent(in) :: i, k
-    real(real64) :: distance, slope, part
+    real(real64) :: distance, slope, protrusion_range
 
     associate (a => solution%set%radius(k), own => pairs%list(solution%set%contact(k)))
       call find_protrusion(pairs, solution%set, k, i, a, mean, distance, slope)
       mean = max(0.0_real64, mean)
-      part = 4 * slope * a
-      if (distance < a) part = 2 * (1.0_real64 / pairs%list(i)%radius - 1.0_real64 / own%radius) * &
-                               a**2 * sqrt(1.0_real64 - (distance / a)**2)
-      if (mean < part) mean = mean**2 / part
+      protrusion_range = 4 * slope * a
+      if (distance < a) protrusion_range = &
+        2 * (1.0_real64 / pairs%list(i)%radius - 1.0_real64 / own%radius) * &
+        a**2 * sqrt(1.0_real64 - (distance / a)**2)
+      if (mean < protrusion_range) mean = mean**2 / protrusion_range
     end associate
   end function mean_protrusion
 

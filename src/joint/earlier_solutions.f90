@@ -1,9 +1,9 @@
 !> Starts of coupled contacts from earlier solutions of the same position.
 !>
 !> Penetrations and shifts at a load P, or at a compression c, are interpolated between earlier
-!> solutions, with Lagrange's polynomials in P**(2/3) or c: isolated contacts of equal height are
-!> linear in both. The start moves the first iterate alone: the equations and their tolerance are
-!> those of a solve without it.
+!> solutions with Lagrange's polynomials in P**(2/3) or c, as the penetrations of isolated contacts
+!> of equal height are linear in both. A start changes only the first iterate: the equations and
+!> their tolerance are those of a solve without one.
 module asperity_earlier_solutions
   use asperity_contact_pairs, only: contact_pairs
   use asperity_coupled_state, only: coupled_solution, far_below
@@ -12,7 +12,7 @@ module asperity_earlier_solutions
   implicit none
   private
 
-  public :: closing_expected, keep_solution, mark_crowded, start_from_earlier
+  public :: expected_compression, keep_solution, mark_crowded, start_from_earlier
 
   ! Solutions of a position that are kept, between which is interpolated (measured on 50 loads: 4
   ! save no more iterations; test: loads one after the other in
@@ -25,138 +25,142 @@ module asperity_earlier_solutions
 
 contains
 
-  !> Sets a start from the earlier solutions of the position; without one that serves the solution
-  !> stays as it is.
+  !> Sets the start from the earlier solutions of the position. Without a solution of the same pairs
+  !> at a similar load or compression the start is not changed.
   subroutine start_from_earlier(pairs, solution, target)
     type(contact_pairs), intent(in) :: pairs            !! pairs of the position
-    type(coupled_solution), intent(inout) :: solution   !! closing; gets penetrations and shifts
-    real(real64), intent(in), optional :: target        !! load, more than 0
-    real(real64), allocatable :: at(:), weight(:)
-    integer, allocatable :: node(:)
-    real(real64) :: here
+    type(coupled_solution), intent(inout) :: solution   !! compression, penetrations, shifts
+    real(real64), intent(in), optional :: target        !! prescribed load, > 0
+    real(real64), allocatable :: node_value(:), weight(:)
+    integer, allocatable :: node_index(:)
+    real(real64) :: value
     integer :: i, j, k, l, n
 
     if (.not. associated(pairs%start)) return
-    if (.not. allocated(pairs%start%of)) return
+    if (.not. allocated(pairs%start%solutions)) return
     if (present(target)) then
-      here = hertz_power(target / pairs%modulus)
+      value = hertz_power(target / pairs%modulus)
       if (target / pairs%modulus >= pairs%start%crowded_load) return
     else
-      here = solution%closing
-      if (here >= pairs%start%crowded_from) return
+      value = solution%closing
+      if (value >= pairs%start%crowded_compression) return
     end if
-    allocate (at(size(pairs%start%of)), node(0))
-    associate (of => pairs%start%of)
-      do k = 1, size(of)
-        at(k) = of(k)%closing
-        if (present(target)) at(k) = hertz_power(of(k)%load(merge(2, 1, pairs%vertical)))
-        if (.not. (is_of(pairs, of(k)) .and. at(k) < farthest * here .and. &
-                   here < farthest * at(k))) at(k) = -1.0_real64
+    allocate (node_value(size(pairs%start%solutions)), node_index(0))
+    associate (solutions => pairs%start%solutions)
+      do k = 1, size(solutions)
+        node_value(k) = solutions(k)%closing
+        if (present(target)) &
+          node_value(k) = hertz_power(solutions(k)%load(merge(2, 1, pairs%vertical)))
+        if (.not. (has_same_pairs(pairs, solutions(k)) .and. &
+                   node_value(k) < farthest * value .and. &
+                   value < farthest * node_value(k))) node_value(k) = -1.0_real64
       end do
-      do while (any(at > 0.0_real64))
-        k = minloc(abs(at - here), 1, at > 0.0_real64)
-        node = [node, k]
-        at(k) = -at(k)
+      do while (any(node_value > 0.0_real64))
+        k = minloc(abs(node_value - value), 1, node_value > 0.0_real64)
+        node_index = [node_index, k]
+        node_value(k) = -node_value(k)
       end do
-      if (size(node) == 0) return
-      at = -at(node)
-      n = farthest_order(here, at)
-      weight = lagrange_weights(here, at(:n))
+      if (size(node_index) == 0) return
+      node_value = -node_value(node_index)
+      n = interpolation_order(value, node_value)
+      weight = lagrange_weights(value, node_value(:n))
       solution%is_near = .true.
       if (present(target)) then
-        solution%closing = sum([(weight(k) * of(node(k))%closing, k=1, n)])
-        if (n == 1) solution%closing = solution%closing * (here / at(1))
+        solution%closing = sum([(weight(k) * solutions(node_index(k))%closing, k=1, n)])
+        if (n == 1) solution%closing = solution%closing * (value / node_value(1))
       end if
-      ! Open pairs begin open: of their penetration an upper bound is known, and the solver finds
-      ! those that touch now.
+      ! Pairs that were open start open: their penetration has an upper bound only, and the solver
+      ! activates those that touch at this load.
       allocate (solution%penetration(size(pairs%list)), source=far_below)
       allocate (solution%shift(2, size(pairs%list)), source=0.0_real64)
       do j = n, 1, -1
-        weight = lagrange_weights(here, at(:j))
-        do i = 1, min(size(pairs%list), size(of(node(1))%gap))
-          if (.not. of(node(1))%penetration(i) > 0.0_real64) cycle
-          ! Where a pair was open its shift may be another one than that with which it closed.
-          if (known_in(i, far_below / 2) == j) solution%penetration(i) = &
-            sum([(weight(k) * of(node(k))%penetration(i), k=1, j)])
-          if (known_in(i, 0.0_real64) == j) solution%shift(:, i) = &
-            [(sum([(weight(k) * of(node(k))%shift(l, i), k=1, j)]), l=1, 2)]
+        weight = lagrange_weights(value, node_value(:j))
+        do i = 1, min(size(pairs%list), size(solutions(node_index(1))%gap))
+          if (.not. solutions(node_index(1))%penetration(i) > 0.0_real64) cycle
+          ! The shift of a pair that was open in an earlier solution may be different.
+          if (known_count(i, far_below / 2) == j) solution%penetration(i) = &
+            sum([(weight(k) * solutions(node_index(k))%penetration(i), k=1, j)])
+          if (known_count(i, 0.0_real64) == j) solution%shift(:, i) = &
+            [(sum([(weight(k) * solutions(node_index(k))%shift(l, i), k=1, j)]), l=1, 2)]
         end do
       end do
     end associate
 
   contains
 
-    ! In how many nodes, from the nearest on, a penetration is more than a number.
-    pure integer function known_in(i, least) result(number)
+    ! Number of solutions, from the nearest on, in which a penetration is above a limit.
+    pure integer function known_count(i, lower_limit) result(number)
       integer, intent(in) :: i
-      real(real64), intent(in) :: least
+      real(real64), intent(in) :: lower_limit
 
       do number = 0, n - 1
-        associate (one => pairs%start%of(node(number + 1)))
-          if (i > size(one%gap)) return
-          if (.not. one%penetration(i) > least) return
+        associate (kept_solution => pairs%start%solutions(node_index(number + 1)))
+          if (i > size(kept_solution%gap)) return
+          if (.not. kept_solution%penetration(i) > lower_limit) return
         end associate
       end do
-    end function known_in
+    end function known_count
 
   end subroutine start_from_earlier
 
-  ! Nodes, the nearest first, that lie far enough apart for a value that is not between them.
-  pure integer function farthest_order(here, at) result(n)
-    real(real64), intent(in) :: here, at(:)
+  ! Number of nodes, the nearest first, of an interpolation: the distance of the value from the
+  ! nearest one is at most twice their range.
+  pure integer function interpolation_order(value, node_value) result(n)
+    real(real64), intent(in) :: value, node_value(:)
 
-    do n = size(at), 2, -1
-      if (abs(here - at(1)) <= 2 * (maxval(at(:n)) - minval(at(:n)))) return
+    do n = size(node_value), 2, -1
+      if (abs(value - node_value(1)) <= &
+          2 * (maxval(node_value(:n)) - minval(node_value(:n)))) return
     end do
-  end function farthest_order
+  end function interpolation_order
 
-  ! Lagrange's weights of nodes in a value.
-  pure function lagrange_weights(here, at) result(weight)
-    real(real64), intent(in) :: here, at(:)
-    real(real64) :: weight(size(at))
+  ! Lagrange's weights of the nodes at a value.
+  pure function lagrange_weights(value, node_value) result(weight)
+    real(real64), intent(in) :: value, node_value(:)
+    real(real64) :: weight(size(node_value))
     integer :: j, k
 
     weight = 1.0_real64
-    do k = 1, size(at)
-      do j = 1, size(at)
-        if (j /= k) weight(k) = weight(k) * (here - at(j)) / (at(k) - at(j))
+    do k = 1, size(node_value)
+      do j = 1, size(node_value)
+        if (j /= k) &
+          weight(k) = weight(k) * (value - node_value(j)) / (node_value(k) - node_value(j))
       end do
     end do
   end function lagrange_weights
 
-  !> Adds a solution to the earlier ones of its position, as far as these are of the same pairs.
-  subroutine keep_solution(pairs, closing, load, penetration, move, start)
+  !> Adds a solution to the earlier ones of its position. Earlier ones of other pairs, of the same
+  !> compression, and the farthest of more than `most_kept` are dropped.
+  subroutine keep_solution(pairs, closing, load, penetration, shift, start)
     type(contact_pairs), intent(in) :: pairs           !! pairs of the position
     real(real64), intent(in) :: closing                !! compression of the contacts
-    real(real64), intent(in) :: load(2)                !! normal and vertical
+    real(real64), intent(in) :: load(2)                !! sum of normal and of vertical loads
     real(real64), intent(in) :: penetration(:)         !! penetrations by pair, <= 0 where open
-    real(real64), intent(in) :: move(:, :)             !! shifts (2, pair)
+    real(real64), intent(in) :: shift(:, :)            !! shifts (2, pair)
     type(solution_start), intent(out) :: start         !! earlier solutions and this one
-    logical, allocatable :: stays(:)
-    integer :: k, n, used
+    logical, allocatable :: is_kept(:)
+    integer :: k, n, kept
 
-    allocate (stays(0))
+    allocate (is_kept(0))
     if (associated(pairs%start)) then
-      if (allocated(pairs%start%of)) then
-        stays = [(is_of(pairs, pairs%start%of(k)) .and. &
-                  abs(pairs%start%of(k)%closing - closing) > sqrt(epsilon(closing)) * closing, &
-                  k=1, size(pairs%start%of))]
-        if (count(stays) >= most_kept) &
-          stays(maxloc(abs(pairs%start%of%closing - closing), 1, stays)) = .false.
+      if (allocated(pairs%start%solutions)) then
+        is_kept = [(has_same_pairs(pairs, pairs%start%solutions(k)) .and. &
+                    abs(pairs%start%solutions(k)%closing - closing) > &
+                    sqrt(epsilon(closing)) * closing, k=1, size(pairs%start%solutions))]
+        if (count(is_kept) >= most_kept) &
+          is_kept(maxloc(abs(pairs%start%solutions%closing - closing), 1, is_kept)) = .false.
       end if
-    end if
-    if (associated(pairs%start)) then
-      start%crowded_from = pairs%start%crowded_from
+      start%crowded_compression = pairs%start%crowded_compression
       start%crowded_load = pairs%start%crowded_load
     end if
-    allocate (start%of(count(stays) + 1))
-    used = 1
-    do k = 1, size(stays)
-      if (.not. stays(k)) cycle
-      used = used + 1
-      start%of(used) = pairs%start%of(k)
+    allocate (start%solutions(count(is_kept) + 1))
+    kept = 1
+    do k = 1, size(is_kept)
+      if (.not. is_kept(k)) cycle
+      kept = kept + 1
+      start%solutions(kept) = pairs%start%solutions(k)
     end do
-    associate (new => start%of(1))
+    associate (new => start%solutions(1))
       n = count(pairs%list%gap < closing)
       new%closing = closing
       new%load = load / pairs%modulus
@@ -164,11 +168,12 @@ contains
       new%lower = pairs%list(:n)%lower
       new%gap = pairs%list(:n)%gap
       new%penetration = merge(penetration(:n), far_below, abs(penetration(:n)) > tiny(closing))
-      new%shift = move(:, :n)
+      new%shift = shift(:, :n)
     end associate
   end subroutine keep_solution
 
-  !> Keeps the earlier solutions, and the compression and load of one that depends on its start.
+  !> Keeps the earlier solutions, and marks the compression and load of a solution that depends on
+  !> its start: from the least of them on no start is set.
   subroutine mark_crowded(pairs, closing, load, start)
     type(contact_pairs), intent(in) :: pairs     !! pairs of the position
     real(real64), intent(in) :: closing          !! compression of the contacts
@@ -176,50 +181,51 @@ contains
     type(solution_start), intent(out) :: start   !! earlier solutions, marked
 
     if (associated(pairs%start)) start = pairs%start
-    start%crowded_from = min(start%crowded_from, closing)
+    start%crowded_compression = min(start%crowded_compression, closing)
     start%crowded_load = min(start%crowded_load, load / pairs%modulus)
   end subroutine mark_crowded
 
-  !> Compression expected under the load of the pairs from the earlier solution under the nearest
-  !> load, by Hertz' law; 0 where there is none.
-  pure real(real64) function closing_expected(pairs) result(closing)
+  !> Compression at the prescribed load of the pairs, extrapolated by Hertz' law from the earlier
+  !> solution of the most similar load; 0 where there is none.
+  pure real(real64) function expected_compression(pairs) result(closing)
     type(contact_pairs), intent(in) :: pairs   !! pairs of the position
     real(real64), allocatable :: ratio(:)
     integer :: k
 
     closing = 0.0_real64
     if (.not. (associated(pairs%start) .and. pairs%target > 0.0_real64)) return
-    if (.not. allocated(pairs%start%of)) return
+    if (.not. allocated(pairs%start%solutions)) return
     if (pairs%target / pairs%modulus >= pairs%start%crowded_load) return
-    associate (of => pairs%start%of)
-      allocate (ratio(size(of)))
-      do k = 1, size(of)
+    associate (solutions => pairs%start%solutions)
+      allocate (ratio(size(solutions)))
+      do k = 1, size(solutions)
         ratio(k) = hertz_power(pairs%target / &
-                               (pairs%modulus * of(k)%load(merge(2, 1, pairs%vertical))))
+                               (pairs%modulus * solutions(k)%load(merge(2, 1, pairs%vertical))))
       end do
       k = minloc(abs(log(ratio)), 1)
-      if (ratio(k) < farthest) closing = of(k)%closing * ratio(k)
+      if (ratio(k) < farthest) closing = solutions(k)%closing * ratio(k)
     end associate
-  end function closing_expected
+  end function expected_compression
 
-  ! Power of a load with which the compression of a Hertzian contact is linear.
+  ! Power 2/3 of a load, proportional to the compression of a Hertzian contact.
   elemental real(real64) function hertz_power(load)
     real(real64), intent(in) :: load
 
     hertz_power = load**(2.0_real64 / 3.0_real64)
   end function hertz_power
 
-  ! Whether a solution is one of these pairs: those that both have are the same.
-  pure logical function is_of(pairs, one)
+  ! Whether an earlier solution is of the same pairs, as far as both lists reach.
+  pure logical function has_same_pairs(pairs, kept_solution)
     type(contact_pairs), intent(in) :: pairs
-    type(contact_solution), intent(in) :: one
+    type(contact_solution), intent(in) :: kept_solution
     integer :: n
 
-    n = min(size(pairs%list), count(one%gap <= pairs%complete_to))
-    is_of = n > 0
-    if (is_of) is_of = all(pairs%list(:n)%upper == one%upper(:n) .and. &
-                           pairs%list(:n)%lower == one%lower(:n) .and. &
-                           .not. abs(pairs%list(:n)%gap - one%gap(:n)) > 0.0_real64)
-  end function is_of
+    n = min(size(pairs%list), count(kept_solution%gap <= pairs%complete_to))
+    has_same_pairs = n > 0
+    if (has_same_pairs) has_same_pairs = &
+      all(pairs%list(:n)%upper == kept_solution%upper(:n) .and. &
+          pairs%list(:n)%lower == kept_solution%lower(:n) .and. &
+          .not. abs(pairs%list(:n)%gap - kept_solution%gap(:n)) > 0.0_real64)
+  end function has_same_pairs
 
 end module asperity_earlier_solutions

@@ -1,4 +1,4 @@
-!> How much interaction may lower the load, from contacts each solved alone.
+!> Upper estimate of the effect of interaction on load and area, from isolated contacts.
 module asperity_interaction_estimate
   use asperity_circle_field, only: circle_set, find_field, inclination_factor, list_near_circles
   use asperity_constants, only: pi
@@ -15,19 +15,20 @@ module asperity_interaction_estimate
 
 contains
 
-  !> Share of the total vertical load, or of the area, that interaction takes away at most, 0 to 1.
+  !> Share of the total vertical load, or of the area, by which interaction reduces it at most, 0 to
+  !> 1.
   !>
-  !> First order: sum over i and j of k_i M_ij V_j over the sum of V, all of contacts alone; an area
-  !> falls by 2/3 of what its load does, and by how much faster neighbours press its edge. It is
-  !> above the truth: together the contacts carry less than alone, so they displace each other
-  !> less; a load that is convex in the penetration falls by less than its slope at the start
-  !> says; and contacts that find their place aside on the tilted surface keep more still. A law
-  !> that is not convex, or circles deep in each other, may leave the proof but not the size of the
-  !> answer.
+  !> First order: the sum over i and j of k_i M_ij V_j over the sum of V, with the loads V and
+  !> stiffnesses k of isolated contacts and the displacements M_ij by unit loads. An area decreases
+  !> by 2/3 of the relative decrease of its load and by the faster displacement at its edge. It is
+  !> an upper bound: interacting contacts carry smaller loads and displace each other less; a load
+  !> that is convex in the penetration decreases by less than its tangent indicates; and shifts of
+  !> the contacts on the sloping surface reduce the effect. For laws that are not convex and circles
+  !> that overlap deeply the bound is not proved; its order of magnitude holds.
   function estimate_of_interaction(pairs, law, closing) result(share)
-    type(contact_pairs), intent(in) :: pairs   !! those that may touch, ascending gap
-    class(contact_law), intent(in) :: law      !! of each contact
-    real(real64), intent(in) :: closing        !! past first touch of all
+    type(contact_pairs), intent(in) :: pairs   !! pairs that may touch, ascending gap
+    class(contact_law), intent(in) :: law      !! contact law of each pair
+    real(real64), intent(in) :: closing        !! compression from first touch [length]
     real(real64) :: share, span
     type(circle_set) :: set
     type(contact_response) :: response
@@ -47,9 +48,9 @@ contains
       set%stiffness(i) = response%stiffness * inclination_factor(response%cosine) / pairs%modulus
     end do
     if (.not. sum(set%load) > 0.0_real64) return
-    ! Without the memory to ask, the answer is that it may be all.
+    ! The result where there is no memory for the field.
     share = 1.0_real64
-    ! It is if even the farthest were enough for that.
+    ! It is also 1 if the first-order sum reaches it with all contacts at the largest distance.
     span = hypot(maxval(set%x) - minval(set%x), maxval(set%y) - minval(set%y)) + &
            2 * maxval(set%radius)
     if (sum(set%stiffness) - dot_product(set%stiffness, set%load) / sum(set%load) > pi * span) &

@@ -1,15 +1,19 @@
 !> Contacts that share a half-space: Hertzian contacts, and boundary elements for the others.
 !>
-!> All contacts are coupled as Hertzian contacts. Those whose indicated error is too large, with all
-!> that are close to them, are solved on boundary elements, a cluster on a lattice, in the field of
-!> all others. A cluster returns its loads and the centres of its pressures. The Hertzian contacts
-!> are coupled again with contacts that carry these loads there. This is block coordinate descent
-!> (Gauss and Seidel) between clusters and Hertzian contacts, with the derivatives of all loads in
-!> the second block. Exits: converged, where the total load changes by `settled` times the tolerance
-!> at most; not converged after `most_rounds` rounds.
+!> Problem: find the loads of all contacts at a compression, or at a total normal load, to a
+!> relative error of the total load or of the compression, and of the area.
 !>
-!> One cluster of all contacts needs no Hertzian contacts. Its compression at a load is found by
-!> secants in a bracket, with elements of a coarse tolerance first.
+!> Method: all contacts are coupled as Hertzian contacts, and their errors are estimated. Those of
+!> large errors, with all that are close to them, are solved on boundary elements: clusters of them
+!> on one lattice each, in the field of all contacts outside. A cluster returns its loads and
+!> centres of pressure, and the Hertzian contacts are coupled again with contacts that carry these
+!> loads there. This is block coordinate descent (Gauss and Seidel) between clusters and Hertzian
+!> contacts, with the derivatives of all loads in the second block. A single cluster of all contacts
+!> needs no Hertzian contacts; its compression at a load is found by secants in a bracket, at first
+!> with elements of a coarse tolerance.
+!>
+!> Exits: converged, where the last change of the total load is at most `settled` times the
+!> tolerance; a message in `failure`, where a solve failed or after `most_rounds` iterations.
 module asperity_joint_contacts
   use asperity_circle_error, only: find_errors, find_open_neighbours
   use asperity_outside_field, only: outside_field
@@ -39,15 +43,15 @@ module asperity_joint_contacts
   !> Solution of the contacts of a position.
   type :: joint_solution
     type(coupled_solution) :: coupled               !! compression, penetrations, circles
-    real(real64), allocatable :: area(:)            !! in plan, by pair
+    real(real64), allocatable :: area(:)            !! by pair: contact area in plan
     real(real64), allocatable :: maximum_pressure(:)  !! by pair; below 0: that of its law
-    logical, allocatable :: is_resolved(:)          !! by pair
-    integer :: clusters = 0, elements = 0           !! of the resolved; number of elements
-    integer :: rounds = 0                           !! of Hertzian contacts and clusters
-    real(real64) :: error = 0.0_real64              !! estimate, a share of load or closing
-    real(real64) :: area_error = 0.0_real64         !! estimate, a share of the area
+    logical, allocatable :: is_resolved(:)          !! by pair: solved on boundary elements
+    integer :: clusters = 0, elements = 0           !! numbers of clusters and of their elements
+    integer :: rounds = 0                           !! iterations of clusters and Hertzian contacts
+    real(real64) :: error = 0.0_real64              !! relative error of the load or compression
+    real(real64) :: area_error = 0.0_real64         !! relative error of the area, estimate
     real(real64) :: nested = 0.0_real64             !! share of the load on nested contacts
-    character(len=:), allocatable :: failure        !! why there is none
+    character(len=:), allocatable :: failure        !! error message; not allocated if solved
   end type joint_solution
 
   !> Which contacts are resolved by boundary elements.
@@ -71,42 +75,43 @@ module asperity_joint_contacts
   ! a small one is a third of the true one; test: errors in test/regression/test_dense.py).
   real(real64), parameter :: along = 1.1_real64
 
-  ! A position, what is asked of its solution, and what the stages leave to each other.
+  ! A position, the accuracy of its solution, and the intermediate results of the stages.
   type :: joint_task
     type(contact_pairs), pointer :: pairs => null()
     class(contact_law), pointer :: law => null()
-    integer :: which = resolve_none                  ! `resolve_none` ...
+    integer :: choice = resolve_none                 ! contacts to resolve: `resolve_none` ...
     real(real64) :: tolerance = 0.0_real64           ! relative error of load and area
     real(real64) :: elements_tolerance = 0.0_real64  ! relative error of loads on elements
     real(real64) :: area_tolerance = 0.0_real64      ! least relative error of the area
-    real(real64), allocatable :: target              ! normal load, or at a given compression
-    logical, allocatable :: is_near(:), is_host(:)   ! by pair: first touches are near
+    real(real64), allocatable :: target              ! normal load; else at a compression
+    logical, allocatable :: is_near(:)               ! by pair: resolved as first touches are near
+    logical, allocatable :: is_representative(:)     ! by pair: represents those that are near it
     real(real64), allocatable :: radius(:)           ! by pair: least radius for clusters
-    !> errors of load and area as a Hertzian contact, and of the load as a paraboloid, by pair
+    !> by pair: errors of load and area as a Hertzian contact, and of the load as a paraboloid
     real(real64), allocatable :: error(:), area_error(:), sphere_error(:)
     real(real64) :: compression_share = 1.0_real64   ! error of the compression over that of a load
-    real(real64) :: last_change = 0.0_real64         ! relative, of the load in the last round
+    real(real64) :: last_change = 0.0_real64         ! relative, of the load in the last iteration
     type(resolved_contacts) :: resolved
     type(cluster), allocatable :: clusters(:)
   end type joint_task
 
   ! Search of the compression at a load, by secants in a bracket.
   type :: load_search
-    real(real64) :: least = 0.0_real64                 ! first touch of all contacts
-    real(real64) :: low = 0.0_real64, high = 0.0_real64
-    real(real64) :: earlier(2) = 0.0_real64            ! compression and load before the last
-    real(real64) :: power = 2.0_real64 / 3.0_real64    ! of the load, as Hertz' law has it at first
+    real(real64) :: first_touch = 0.0_real64               ! compression of load 0
+    real(real64) :: low = 0.0_real64, high = 0.0_real64    ! bracket of the compression
+    real(real64) :: previous(2) = 0.0_real64               ! previous compression and its load
+    real(real64) :: power = 2.0_real64 / 3.0_real64        ! compression ~ load**power; Hertz: 2/3
   end type load_search
 
 contains
 
-  !> Solves at the compression in `solution%coupled`, or at a load.
-  subroutine solve_joint(pairs, law, which, tolerance, cluster_tolerance, area_tolerance, &
-                         solution, &
-                         target)
+  !> Solves the contacts at the compression in `solution%coupled`, or at a load (problem, method and
+  !> exits: see the module).
+  subroutine solve_joint(pairs, law, choice, tolerance, cluster_tolerance, area_tolerance, &
+                         solution, target)
     type(contact_pairs), intent(in), target :: pairs   !! pairs that may touch, ascending gap
     class(contact_law), intent(in), target :: law      !! contact law of each pair
-    integer, intent(in) :: which                       !! contacts resolved: `resolve_none` ...
+    integer, intent(in) :: choice                      !! contacts to resolve: `resolve_none` ...
     real(real64), intent(in) :: tolerance              !! relative error of load and area
     real(real64), intent(in) :: cluster_tolerance      !! relative error of the load on elements
     real(real64), intent(in) :: area_tolerance         !! least relative error of the area
@@ -114,33 +119,33 @@ contains
     real(real64), intent(in), optional :: target       !! normal load [force]
     type(joint_task) :: task
     real(real64) :: expected
-    logical :: is_whole
+    logical :: is_single
 
     if (associated(pairs%pressures)) pairs%pressures%closing = -1.0_real64
     task%pairs => pairs
     task%law => law
-    task%which = which
+    task%choice = choice
     task%tolerance = tolerance
     task%elements_tolerance = merge(cluster_tolerance, elements_share * tolerance, &
-                                    which == resolve_all)
+                                    choice == resolve_all)
     task%area_tolerance = area_tolerance
     if (present(target)) task%target = target
     associate (n => size(pairs%list))
-      allocate (task%is_near(n), task%is_host(n), solution%is_resolved(n), source=.false.)
+      allocate (task%is_near(n), task%is_representative(n), solution%is_resolved(n), source=.false.)
       allocate (task%radius(n), task%error(n), task%area_error(n), task%sphere_error(n), &
                 source=0.0_real64)
     end associate
     expected = solution%coupled%closing
-    if (which /= resolve_none) call find_near_tops(pairs, law, along, expected, task%is_near, &
-                                                   task%is_host, task%radius, target)
+    if (choice /= resolve_none) call find_near_tops(pairs, law, along, expected, task%is_near, &
+                                                    task%is_representative, task%radius, target)
     if (any(task%is_near)) call start_with_near_tops(task, solution)
-    is_whole = is_one_cluster(pairs, task%is_near, task%radius, task%clusters)
-    if (is_whole) then
-      call solve_one_cluster(task, solution, expected, is_whole)
-      if (.not. (allocated(solution%failure) .or. is_whole)) call add_near_tops(task, solution, &
-                                                                                expected)
+    is_single = is_one_cluster(pairs, task%is_near, task%radius, task%clusters)
+    if (is_single) then
+      call solve_one_cluster(task, solution, expected, is_single)
+      if (.not. (allocated(solution%failure) .or. is_single)) &
+        call add_near_tops(task, solution, expected)
     end if
-    if (.not. (allocated(solution%failure) .or. is_whole)) call solve_with_circles(task, solution)
+    if (.not. (allocated(solution%failure) .or. is_single)) call solve_blocks(task, solution)
     if (allocated(solution%failure)) return
     if (allocated(task%clusters)) then
       solution%clusters = size(task%clusters)
@@ -150,15 +155,14 @@ contains
         pairs%pressures%closing = solution%coupled%closing
       end if
     end if
-    ! Open contacts are below 0, as 0 is a contact at first touch.
+    ! Penetrations of open contacts are negative, as 0 is a contact at first touch.
     where (solution%coupled%penetration < 0.5_real64 * far_below) &
       solution%coupled%penetration = -tiny(1.0_real64)
     call set_areas(task, solution)
     call estimate_errors(task, solution)
   end subroutine solve_joint
 
-  ! Begins anew with the contacts whose first touches are near, which are no Hertzian contacts: of
-  ! those near to each other one represents the others.
+  ! Resets the solution with the contacts in `is_near` resolved from the start.
   subroutine start_with_near_tops(task, solution)
     type(joint_task), intent(inout) :: task
     type(joint_solution), intent(inout) :: solution
@@ -172,63 +176,66 @@ contains
     end associate
   end subroutine start_with_near_tops
 
-  ! Adds the contacts whose first touches are near at a compression, and begins anew with them.
+  ! Adds the contacts whose first touches are near at a compression to `is_near`, and resets the
+  ! solution. With `has_grown` only if there are new ones.
   subroutine add_near_tops(task, solution, closing, has_grown)
     type(joint_task), intent(inout) :: task
     type(joint_solution), intent(inout) :: solution
     real(real64), intent(in) :: closing
     logical, intent(out), optional :: has_grown
-    logical, dimension(size(task%is_near)) :: near, host
-    real(real64) :: compression, radius(size(near))
+    logical, dimension(size(task%is_near)) :: near_tops, representative
+    real(real64) :: compression, radius(size(near_tops))
 
     compression = closing
-    call find_near_tops(task%pairs, task%law, along, compression, near, host, radius)
+    call find_near_tops(task%pairs, task%law, along, compression, near_tops, representative, radius)
     if (present(has_grown)) then
-      has_grown = any(near .and. .not. task%is_near)
+      has_grown = any(near_tops .and. .not. task%is_near)
       if (.not. has_grown) return
     end if
-    task%is_host = host .or. (task%is_host .and. .not. near)
-    task%is_near = task%is_near .or. near
+    task%is_representative = representative .or. (task%is_representative .and. .not. near_tops)
+    task%is_near = task%is_near .or. near_tops
     task%radius = max(task%radius, radius)
     if (allocated(task%clusters)) deallocate (task%clusters)
     solution%rounds = 0
     call start_with_near_tops(task, solution)
   end subroutine add_near_tops
 
-  ! Solves Hertzian contacts, and clusters where some are resolved.
-  subroutine solve_with_circles(task, solution)
+  ! Solves Hertzian contacts, estimates their errors, and alternates with clusters where contacts
+  ! are resolved. Of contacts near each other only the representatives are Hertzian contacts.
+  subroutine solve_blocks(task, solution)
     type(joint_task), intent(inout) :: task
     type(joint_solution), intent(inout) :: solution
-    logical :: more
+    logical :: has_grown
 
-    more = .true.
-    do while (more)
+    has_grown = .true.
+    do while (has_grown)
       if (any(task%is_near)) then
-        call solve_hosts(task%pairs, task%law, task%is_near .and. .not. task%is_host, &
-                         solution%coupled, task%target)
+        call solve_representatives(task%pairs, task%law, &
+                                   task%is_near .and. .not. task%is_representative, &
+                                   solution%coupled, task%target)
       else
         call solve_coupled(task%pairs, task%law, solution%coupled, task%target)
       end if
       if (has_failed(solution)) return
-      more = allocated(task%target) .and. task%which /= resolve_none
-      ! The radii at the load are known with its compression.
-      if (more) call add_near_tops(task, solution, solution%coupled%closing, more)
+      has_grown = allocated(task%target) .and. task%choice /= resolve_none
+      ! At a load the radii are estimated again with the compression that was found.
+      if (has_grown) call add_near_tops(task, solution, solution%coupled%closing, has_grown)
     end do
     if (sum(solution%coupled%set%load) > 0.0_real64) call estimate_circle_errors(task, solution)
-    if (task%which == resolve_all) &
+    if (task%choice == resolve_all) &
       solution%is_resolved = task%pairs%list%gap < solution%coupled%closing
     if (any(solution%is_resolved)) call alternate_blocks(task, solution)
-  end subroutine solve_with_circles
+  end subroutine solve_blocks
 
-  ! Estimates the errors of Hertzian contacts and chooses those that are resolved.
+  ! Estimates the errors of Hertzian contacts, and chooses those that are resolved.
   subroutine estimate_circle_errors(task, solution)
     type(joint_task), intent(inout) :: task
     type(joint_solution), intent(inout) :: solution
-    integer :: hosts(size(task%error))
+    integer :: covering(size(task%error))
     real(real64) :: allowed
 
     associate (coupled => solution%coupled, set => solution%coupled%set)
-      call find_errors(task%pairs, coupled, hosts, task%error, task%sphere_error, &
+      call find_errors(task%pairs, coupled, covering, task%error, task%sphere_error, &
                        task%compression_share, solution%nested)
       where (task%is_near)
         task%error = 0.0_real64
@@ -237,35 +244,36 @@ contains
       task%area_error(set%contact) = pi * set%radius**2 * min(1.0_real64, area_per_load * &
                                                               task%error(set%contact) / set%load)
       allowed = (1 - elements_share) * task%tolerance * sum(set%load)
-      ! Contacts of loads that underflow are too shallow for elements.
-      if (task%which == resolve_called_for .and. allowed > tiny(allowed)) call choose_resolved( &
+      ! Elements do not resolve contacts whose loads underflow.
+      if (task%choice == resolve_called_for .and. allowed > tiny(allowed)) call choose_resolved( &
         task%pairs, coupled, max(2 * task%error, task%error + task%sphere_error, &
-          task%area_error * sum(set%load) * task%tolerance / (max(task%tolerance, &
-            task%area_tolerance) * pi * sum(set%radius**2))) / allowed, hosts, solution%is_resolved)
+          task%area_error * sum(set%load) * task%tolerance / &
+          (max(task%tolerance, task%area_tolerance) * pi * sum(set%radius**2))) / allowed, &
+        covering, solution%is_resolved)
     end associate
   end subroutine estimate_circle_errors
 
-  ! Solves clusters and Hertzian contacts in turns until the total load settles.
+  ! Solves clusters and Hertzian contacts in turns until the total load converges.
   subroutine alternate_blocks(task, solution)
     type(joint_task), intent(inout) :: task
     type(joint_solution), intent(inout) :: solution
-    type(cluster), allocatable :: former(:)
-    real(real64) :: before, now, tolerance
-    logical :: more
+    type(cluster), allocatable :: previous_clusters(:)
+    real(real64) :: closing, load, previous_load, tolerance
+    logical :: has_grown
 
-    tolerance = merge(task%elements_tolerance, task%tolerance, task%which == resolve_all)
-    more = .true.
-    associate (pairs => task%pairs, coupled => solution%coupled, is_resolved => &
-               solution%is_resolved)
+    tolerance = merge(task%elements_tolerance, task%tolerance, task%choice == resolve_all)
+    has_grown = .true.
+    associate (pairs => task%pairs, coupled => solution%coupled, &
+               is_resolved => solution%is_resolved)
       do
-        if (more) then
-          if (allocated(task%clusters)) call move_alloc(task%clusters, former)
+        if (has_grown) then
+          if (allocated(task%clusters)) call move_alloc(task%clusters, previous_clusters)
           call form_clusters(pairs, coupled, is_resolved, task%radius, task%clusters)
-          if (allocated(former)) call keep_lattices(former, task%clusters)
+          if (allocated(previous_clusters)) call keep_lattices(previous_clusters, task%clusters)
           task%resolved = resolved_contacts(is_resolved, pairs%list%x, pairs%list%y, pairs%list%gap)
           if (size(task%clusters) == 1 .and. all(is_resolved(coupled%set%contact))) then
-            now = coupled%closing
-            call solve_one_cluster(task, solution, now)
+            closing = coupled%closing
+            call solve_one_cluster(task, solution, closing)
             return
           end if
         end if
@@ -273,18 +281,18 @@ contains
         call solve_clusters(pairs, coupled, task%elements_tolerance, task%area_tolerance, &
                             task%clusters, solution%failure)
         if (allocated(solution%failure)) return
-        call add_close_contacts(pairs, task%clusters, is_resolved, more)
-        if (more) cycle
+        call add_close_contacts(pairs, task%clusters, is_resolved, has_grown)
+        if (has_grown) cycle
         task%clusters%is_solved = .false.
         call represent_clusters(pairs, task%law, task%clusters, coupled, task%resolved, .false.)
         if (has_failed(solution)) return
-        ! The change of the load by the coupling is not in the field that the clusters were solved
-        ! in. At a given load it is that of their loads at the compression they were solved at.
-        before = sum(coupled%set%load)
+        ! The change of the load by this coupling is the error of the field in which the clusters
+        ! were solved. At a prescribed load it is that of their loads at the last compression.
+        previous_load = sum(coupled%set%load)
         call solve_coupled(pairs, task%law, coupled, task%target, task%resolved)
         if (has_failed(solution)) return
-        now = sum(coupled%set%load)
-        task%last_change = abs(now - before) / max(now, tiny(now))
+        load = sum(coupled%set%load)
+        task%last_change = abs(load - previous_load) / max(load, tiny(load))
         if (task%last_change <= settled * tolerance) exit
         if (solution%rounds == most_rounds) then
           solution%failure = 'Hertzian contacts and boundary elements did not converge together'
@@ -296,7 +304,7 @@ contains
     if (has_failed(solution)) return
   end subroutine alternate_blocks
 
-  ! Estimates the errors of load, or compression at a load, and area.
+  ! Estimates the errors of the load, or of the compression at a load, and of the area.
   subroutine estimate_errors(task, solution)
     type(joint_task), intent(in) :: task
     type(joint_solution), intent(inout) :: solution
@@ -305,8 +313,8 @@ contains
 
     associate (coupled => solution%coupled, is_resolved => solution%is_resolved)
       area = sum(solution%area)
-      if (area > 0.0_real64) solution%area_error = sum(task%area_error, mask=.not. is_resolved) / &
-        area
+      if (area > 0.0_real64) &
+        solution%area_error = sum(task%area_error, mask=.not. is_resolved) / area
       if (area > 0.0_real64 .and. allocated(task%clusters)) &
         solution%area_error = solution%area_error + deviations * norm2([( &
           task%clusters(k)%answer%area_error * sum(solution%area(task%clusters(k)%members)), &
@@ -315,14 +323,14 @@ contains
       if (.not. total > 0.0_real64) return
       solution%error = sum(task%error + task%sphere_error, mask=.not. is_resolved) / total
       if (allocated(task%clusters)) then
-        ! Neighbours turn the line of centres of an inclined contact, and its load along it.
+        ! Shifts by neighbours change the inclination of a contact, and with it its normal load.
         associate (set => coupled%set, pair => task%pairs%list(coupled%set%contact))
           if (allocated(task%target)) solution%error = solution%error + &
             sum(set%load * (pair%d / pair%zc)**2 * max(0.0_real64, coupled%closing - pair%gap - &
                 coupled%penetration(set%contact)) / pair%zc, mask=is_resolved(set%contact)) / total
         end associate
-        ! Errors by elements add up, as all clusters have too little load. They are independent of
-        ! the residuals and of the last change, which alternates and contracts.
+        ! Discretisation errors add up, as they reduce the loads of all clusters. The last change,
+        ! which alternates and contracts, is independent of them.
         solution%error = solution%error + norm2([(sum(task%clusters%answer%error) + norm2([( &
           task%clusters(k)%answer%ending%residual * sum(task%clusters(k)%answer%contacts%load), &
           k=1, size(task%clusters))])) / (task%pairs%modulus * total), task%last_change])
@@ -331,66 +339,68 @@ contains
     end associate
   end subroutine estimate_errors
 
-  ! Solves Hertzian contacts but those in `is_out`, which are open.
-  subroutine solve_hosts(pairs, law, is_out, coupled, target)
+  ! Solves the Hertzian contacts without those in `is_excluded`, which are set open.
+  subroutine solve_representatives(pairs, law, is_excluded, coupled, target)
     type(contact_pairs), intent(in) :: pairs
     class(contact_law), intent(in), target :: law
-    logical, intent(in) :: is_out(:)
+    logical, intent(in) :: is_excluded(:)
     type(coupled_solution), intent(inout) :: coupled
     real(real64), intent(in), optional :: target
-    type(contact_pairs) :: host_pairs
-    type(group_law) :: law_of_hosts
+    type(contact_pairs) :: representative_pairs
+    type(group_law) :: representative_law
     type(coupled_solution) :: solved
-    type(resolved_contacts) :: no_circles
+    type(resolved_contacts) :: no_contacts
     integer :: i
 
-    law_of_hosts%whole => law
-    law_of_hosts%contact = pack([(i, i=1, size(is_out))], .not. is_out)
-    law_of_hosts%softening = spread(1.0_real64, 1, size(law_of_hosts%contact))
-    host_pairs%modulus = pairs%modulus
-    host_pairs%vertical = pairs%vertical
-    host_pairs%complete_to = pairs%complete_to
-    host_pairs%interrupt = pairs%interrupt
-    host_pairs%list = pairs%list(law_of_hosts%contact)
+    representative_law%whole => law
+    representative_law%contact = pack([(i, i=1, size(is_excluded))], .not. is_excluded)
+    representative_law%softening = spread(1.0_real64, 1, size(representative_law%contact))
+    representative_pairs%modulus = pairs%modulus
+    representative_pairs%vertical = pairs%vertical
+    representative_pairs%complete_to = pairs%complete_to
+    representative_pairs%interrupt = pairs%interrupt
+    representative_pairs%list = pairs%list(representative_law%contact)
     solved%closing = coupled%closing
-    call solve_coupled(host_pairs, law_of_hosts, solved, target)
-    allocate (coupled%penetration(size(is_out)), source=far_below)
-    allocate (coupled%shift(2, size(is_out)), source=0.0_real64)
-    coupled%penetration(law_of_hosts%contact) = solved%penetration
-    coupled%shift(:, law_of_hosts%contact) = solved%shift
+    call solve_coupled(representative_pairs, representative_law, solved, target)
+    allocate (coupled%penetration(size(is_excluded)), source=far_below)
+    allocate (coupled%shift(2, size(is_excluded)), source=0.0_real64)
+    coupled%penetration(representative_law%contact) = solved%penetration
+    coupled%shift(:, representative_law%contact) = solved%shift
     coupled%closing = solved%closing
     if (allocated(solved%failure)) coupled%failure = solved%failure
     if (allocated(solved%failure)) return
-    no_circles = resolved_contacts(spread(.false., 1, size(is_out)), pairs%list%x, pairs%list%y, &
-                                   pairs%list%gap)
-    call adopt_penetrations(pairs, law, coupled, no_circles)
+    no_contacts = resolved_contacts(spread(.false., 1, size(is_excluded)), &
+                                    pairs%list%x, pairs%list%y, pairs%list%gap)
+    call adopt_penetrations(pairs, law, coupled, no_contacts)
     coupled%ending = solved%ending
-  end subroutine solve_hosts
+  end subroutine solve_representatives
 
-  ! Solves one cluster of all contacts at a compression, or at a load. The cluster grows by contacts
-  ! that are loaded at its load. `is_whole` is false where these are no part of it: the compression
-  ! is then an upper bound. Without it all contacts that penetrate are members.
-  subroutine solve_one_cluster(task, solution, closing, is_whole)
+  ! Solves one cluster of all contacts at a compression, or at a load. Contacts that are loaded at
+  ! its load become members. `is_single` is false where these are not near it: `closing` is then an
+  ! upper bound. Without `is_single` all contacts that penetrate are members. Exits: solved, or a
+  ! message in `failure` after `most_rounds` iterations.
+  subroutine solve_one_cluster(task, solution, closing, is_single)
     type(joint_task), intent(inout) :: task
     type(joint_solution), intent(inout) :: solution
-    real(real64), intent(inout) :: closing        ! expected; then that of the load
-    logical, intent(out), optional :: is_whole
-    logical, dimension(size(task%is_near)) :: is_member, near, host
+    real(real64), intent(inout) :: closing        ! start; compression of the load
+    logical, intent(out), optional :: is_single
+    logical, dimension(size(task%is_near)) :: is_member, near_tops, representative
     type(cluster), allocatable :: solved(:)
-    type(cluster_lattice) :: fresh                ! no elements yet
+    type(cluster_lattice) :: empty_lattice        ! without elements
     type(load_search) :: search
-    real(real64) :: load, slope, compression, share, radius(size(near))
+    real(real64) :: load, slope, compression, share, radius(size(near_tops))
     integer :: k
 
     task%compression_share = 1.0_real64
-    ! The elements are those of the compression of the load, which coarse ones find.
+    ! The load is searched with elements of a coarse tolerance first: the elements of the final
+    ! tolerance are then laid for its compression.
     share = task%elements_tolerance
     if (allocated(task%target)) share = max(share, settled)
-    is_member = .not. present(is_whole)
+    is_member = .not. present(is_single)
     is_member(task%clusters(1)%members) = .true.
-    if (present(is_whole)) is_whole = .true.
-    search%least = minval(task%pairs%list%gap)
-    call begin_search(search)
+    if (present(is_single)) is_single = .true.
+    search%first_touch = minval(task%pairs%list%gap)
+    call reset_search(search)
     associate (coupled => solution%coupled, pairs => task%pairs)
       coupled%penetration = spread(far_below, 1, size(pairs%list))
       coupled%shift = spread(spread(0.0_real64, 1, 2), 2, size(pairs%list))
@@ -402,138 +412,141 @@ contains
         solution%rounds = solution%rounds + 1
         coupled%closing = closing
         task%resolved%is_resolved = is_member .and. pairs%list%gap < closing
-        call press_one_cluster(task, solution, share)
+        call solve_cluster_elements(task, solution, share)
         if (allocated(solution%failure)) return
         if (.not. allocated(task%target)) exit
         call find_carried_load(pairs, task%law, coupled%penetration, 0.0_real64, load, slope)
         load = load * pairs%modulus
         if (abs(load - task%target) > task%target * &
             merge(share, settled * share, share > task%elements_tolerance)) then
-          call take_secant(search, load, task%target, closing, task%compression_share)
+          call update_compression(search, load, task%target, closing, task%compression_share)
           cycle
         end if
-        ! Near at this compression, or loaded by it: the area of a blunt contact that the probes of
-        ! `any_loaded` miss may count.
+        ! Contacts near at this compression become members, too: the points at which `any_loaded`
+        ! computes the gap may miss a blunt contact of considerable area.
         compression = closing
-        call find_near_tops(pairs, task%law, along, compression, near, host, radius)
-        if (any(near .and. .not. is_member) .or. any_loaded(pairs, pack([(k, k=1, &
-            size(is_member))], .not. is_member), closing, outside_field(), &
-            task%clusters(1)%lattice)) then
-          is_whole = is_one_cluster(pairs, near, radius, solved)
-          if (.not. is_whole) return
-          is_member = is_member .or. near
+        call find_near_tops(pairs, task%law, along, compression, near_tops, representative, radius)
+        if (any(near_tops .and. .not. is_member) .or. &
+            any_loaded(pairs, pack([(k, k=1, size(is_member))], .not. is_member), closing, &
+                       outside_field(), task%clusters(1)%lattice)) then
+          is_single = is_one_cluster(pairs, near_tops, radius, solved)
+          if (.not. is_single) return
+          is_member = is_member .or. near_tops
         else if (share <= task%elements_tolerance) then
           exit
         else
           share = task%elements_tolerance
-          task%clusters(1)%lattice = fresh
+          task%clusters(1)%lattice = empty_lattice
         end if
-        ! The load at this compression changes: the bracket does not hold.
-        call begin_search(search)
+        ! The load at this compression changes: the bracket is no longer valid.
+        call reset_search(search)
       end do
       solution%is_resolved = task%resolved%is_resolved
-      if (allocated(task%target)) call raise_to_load(pairs, task%law, task%target / pairs%modulus, &
-                                             coupled%penetration)
+      if (allocated(task%target)) &
+        call raise_to_load(pairs, task%law, task%target / pairs%modulus, coupled%penetration)
       call distribute_loads(pairs, task%law, task%clusters, coupled, task%resolved)
     end associate
     if (has_failed(solution)) return
   end subroutine solve_one_cluster
 
-  ! Solves the one cluster at the compression, with nothing outside.
-  subroutine press_one_cluster(task, solution, tolerance)
+  ! Solves the one cluster of all resolved contacts at the compression in `solution`.
+  subroutine solve_cluster_elements(task, solution, tolerance)
     type(joint_task), intent(inout) :: task
     type(joint_solution), intent(inout) :: solution
     real(real64), intent(in) :: tolerance          ! relative error of the load
     integer :: k
 
-    associate (one => task%clusters(1), coupled => solution%coupled)
-      if (allocated(one%host)) deallocate (one%host)
-      ! Members change with the compression.
-      if (allocated(one%change)) deallocate (one%change, one%taken)
+    associate (this_cluster => task%clusters(1), coupled => solution%coupled)
+      if (allocated(this_cluster%representative)) deallocate (this_cluster%representative)
+      ! The members depend on the compression.
+      if (allocated(this_cluster%change)) &
+        deallocate (this_cluster%change, this_cluster%applied_share)
       call coupled%set%allocate_arrays(0)
-      one%members = pack([(k, k=1, size(task%is_near))], task%resolved%is_resolved)
-      one%is_solved = .false.
+      this_cluster%members = pack([(k, k=1, size(task%is_near))], task%resolved%is_resolved)
+      this_cluster%is_solved = .false.
       call solve_clusters(task%pairs, coupled, tolerance, task%area_tolerance, task%clusters, &
                           solution%failure)
       if (allocated(solution%failure)) return
       call represent_clusters(task%pairs, task%law, task%clusters, coupled, task%resolved, .true.)
-      coupled%ending = one%answer%ending
+      coupled%ending = this_cluster%answer%ending
       if (has_failed(solution)) return
     end associate
-  end subroutine press_one_cluster
+  end subroutine solve_cluster_elements
 
-  ! Forgets bracket and secant.
-  subroutine begin_search(search)
+  ! Resets bracket and secant.
+  subroutine reset_search(search)
     type(load_search), intent(inout) :: search
 
-    search%low = search%least
+    search%low = search%first_touch
     search%high = huge(search%high)
-    search%earlier = [search%least, 0.0_real64]
-  end subroutine begin_search
+    search%previous = [search%first_touch, 0.0_real64]
+  end subroutine reset_search
 
-  ! Next compression: by a power of the load, then by secants; bisection outside the bracket, or
-  ! doubling while it is open.
-  subroutine take_secant(search, load, target, closing, compression_share)
+  ! Sets the next compression: by a power of the load at first, then by secants. A step out of the
+  ! bracket is replaced by bisection, or by doubling while there is no upper limit.
+  subroutine update_compression(search, load, target, closing, compression_share)
     type(load_search), intent(inout) :: search
     real(real64), intent(in) :: load, target    ! load at `closing`, and the prescribed one
     real(real64), intent(inout) :: closing
     real(real64), intent(inout) :: compression_share ! d log closing/d log load
-    real(real64) :: next
+    real(real64) :: next_closing
 
     if (load < target) search%low = closing
     if (load > target) search%high = closing
-    associate (least => search%least, earlier => search%earlier)
-      next = closing + (target - load) * (closing - earlier(1)) / (load - earlier(2))
-      if (earlier(2) <= 0.0_real64) then
-        next = least + (closing - least) * min(2.0_real64, (target / load)**search%power)
+    associate (first_touch => search%first_touch, previous => search%previous)
+      next_closing = closing + (target - load) * (closing - previous(1)) / (load - previous(2))
+      if (previous(2) <= 0.0_real64) then
+        next_closing = first_touch + &
+               (closing - first_touch) * min(2.0_real64, (target / load)**search%power)
       else
-        compression_share = load / (closing - least) * (closing - earlier(1)) / (load - earlier(2))
-        if (compression_share > 0.0_real64 .and. compression_share < 1.0_real64) search%power = &
-          compression_share
+        compression_share = load / (closing - first_touch) * (closing - previous(1)) / &
+                            (load - previous(2))
+        if (compression_share > 0.0_real64 .and. compression_share < 1.0_real64) &
+          search%power = compression_share
       end if
-      if (.not. (next > search%low .and. next < search%high)) &
-        next = merge(0.5_real64 * (search%low + search%high), least + 2 * (closing - least), &
-                     search%high < huge(next))
-      earlier = [closing, load]
+      if (.not. (next_closing > search%low .and. next_closing < search%high)) &
+        next_closing = merge(0.5_real64 * (search%low + search%high), &
+                     first_touch + 2 * (closing - first_touch), search%high < huge(next_closing))
+      previous = [closing, load]
     end associate
-    closing = next
-  end subroutine take_secant
+    closing = next_closing
+  end subroutine update_compression
 
-  ! Clusters whose members stay keep their lattices and, as long as the circles stay, their answers.
-  subroutine keep_lattices(former, clusters)
-    type(cluster), intent(in) :: former(:)
+  ! Copies lattices and answers from previous clusters of the same members.
+  subroutine keep_lattices(previous_clusters, clusters)
+    type(cluster), intent(in) :: previous_clusters(:)
     type(cluster), intent(inout) :: clusters(:)
     integer :: i, k
 
     do k = 1, size(clusters)
-      do i = 1, size(former)
-        if (size(former(i)%members) /= size(clusters(k)%members)) cycle
-        if (any(former(i)%members /= clusters(k)%members)) cycle
-        clusters(k)%lattice = former(i)%lattice
-        clusters(k)%answer = former(i)%answer
-        clusters(k)%is_solved = former(i)%is_solved
+      do i = 1, size(previous_clusters)
+        if (size(previous_clusters(i)%members) /= size(clusters(k)%members)) cycle
+        if (any(previous_clusters(i)%members /= clusters(k)%members)) cycle
+        clusters(k)%lattice = previous_clusters(i)%lattice
+        clusters(k)%answer = previous_clusters(i)%answer
+        clusters(k)%is_solved = previous_clusters(i)%is_solved
         exit
       end do
     end do
   end subroutine keep_lattices
 
-  ! Whether the contacts that are loaded by geometry are near and form one cluster.
+  ! Whether all contacts of positive radius are near each other and form one cluster.
   logical function is_one_cluster(pairs, is_near, radius, clusters) result(is_single)
     type(contact_pairs), intent(in) :: pairs
     logical, intent(in) :: is_near(:)
     real(real64), intent(in) :: radius(:)                   ! radius by pair; 0: open
-    type(cluster), allocatable, intent(out) :: clusters(:)  ! allocated where it is one
-    type(coupled_solution) :: no_circles
+    type(cluster), allocatable, intent(out) :: clusters(:)  ! allocated only then
+    type(coupled_solution) :: no_contacts
 
     is_single = any(is_near) .and. all(is_near .or. .not. radius > 0.0_real64)
     if (.not. is_single) return
-    call no_circles%set%allocate_arrays(0)
-    call form_clusters(pairs, no_circles, is_near, radius, clusters)
+    call no_contacts%set%allocate_arrays(0)
+    call form_clusters(pairs, no_contacts, is_near, radius, clusters)
     is_single = size(clusters) == 1
     if (.not. is_single) deallocate (clusters)
   end function is_one_cluster
 
-  ! Whether a solve has failed, with the message in `solution`.
+  ! Whether the coupled solve has failed; the message is then copied to `solution%failure`.
   logical function has_failed(solution)
     type(joint_solution), intent(inout) :: solution
 
@@ -547,13 +560,14 @@ contains
     has_failed = allocated(solution%failure)
   end function has_failed
 
-  ! Sets areas in plan and pressures. The area of a Hertzian contact is exact for a field that bends
-  ! as a paraboloid; on elements the ratio to the isolated contact multiplies that of the law.
+  ! Sets areas in plan and maximum pressures. The area of a Hertzian contact is exact for a field of
+  ! constant second derivatives; on elements the ratio to the isolated contact multiplies that of
+  ! the law.
   subroutine set_areas(task, solution)
     type(joint_task), intent(in) :: task
     type(joint_solution), intent(inout) :: solution
     type(contact_response) :: response
-    real(real64) :: growth_ratio, most
+    real(real64) :: growth_ratio, upper_limit
     integer :: i, k, m
 
     allocate (solution%area(size(task%is_near)), source=0.0_real64)
@@ -567,94 +581,93 @@ contains
       end do
       if (.not. allocated(task%clusters)) return
       do k = 1, size(task%clusters)
-        associate (one => task%clusters(k), answer => task%clusters(k)%answer)
-          do m = 1, size(one%members)
-            i = one%members(m)
+        associate (this_cluster => task%clusters(k), answer => task%clusters(k)%answer)
+          do m = 1, size(this_cluster%members)
+            i = this_cluster%members(m)
             if (.not. coupled%penetration(i) > 0.0_real64) cycle
-            call task%law%respond(pairs%list(i), i, coupled%closing - one%displacement - &
+            call task%law%respond(pairs%list(i), i, coupled%closing - this_cluster%displacement - &
                                   pairs%list(i)%gap, response)
-            most = merge(1.0_real64, huge(most), answer%is_isolated_solved(m))
+            upper_limit = merge(1.0_real64, huge(upper_limit), answer%is_isolated_solved(m))
             solution%area(i) = pi * response%contact_radius**2 * &
-                               min(most, answer%contacts(m)%area / answer%isolated(m)%area)
+                               min(upper_limit, answer%contacts(m)%area / answer%isolated(m)%area)
             solution%maximum_pressure(i) = response%maximum_pressure * &
-              min(most, answer%contacts(m)%pressure / answer%isolated(m)%pressure)
+              min(upper_limit, answer%contacts(m)%pressure / answer%isolated(m)%pressure)
           end do
         end associate
       end do
     end associate
   end subroutine set_areas
 
-  ! Adds to the resolved until the errors of the others are no more than 1.
-  subroutine choose_resolved(pairs, coupled, error, hosts, is_resolved)
-    type(contact_pairs), intent(in) :: pairs     ! pairs of the position
-    type(coupled_solution), intent(in) :: coupled   ! solved
-    real(real64), intent(in) :: error(:)            ! by pair, over what all may be off by
-    integer, intent(in) :: hosts(:)                 ! circle that hides an open pair, else 0
-    logical, intent(inout) :: is_resolved(:)        ! by pair: resolved
+  ! Adds contacts to those resolved until the sum of the errors of the others is at most 1.
+  subroutine choose_resolved(pairs, coupled, error, covering, is_resolved)
+    type(contact_pairs), intent(in) :: pairs
+    type(coupled_solution), intent(in) :: coupled   ! solved Hertzian contacts
+    real(real64), intent(in) :: error(:)            ! by pair, over the tolerated sum of errors
+    integer, intent(in) :: covering(:)              ! by open pair: contact that covers it, or 0
+    logical, intent(inout) :: is_resolved(:)
     type(source_tree) :: tree
-    integer, allocatable :: number(:), member(:), first(:)
-    integer :: order(size(error)), i, k, l, next
+    integer, allocatable :: open_pairs(:), member(:), first(:)
+    integer :: order(size(error)), i, k, l, next_rank
     real(real64) :: excess, resolved_error
 
     associate (set => coupled%set)
       call gather_groups(set%one, set%other, &
                          [(are_close(set, set%one(k), set%other(k), along), k=1, size(set%one))], &
                          spread(.true., 1, size(set%contact)), size(set%contact), member, first)
-      call find_open_neighbours(pairs, coupled, along, tree, number)
+      call find_open_neighbours(pairs, coupled, along, tree, open_pairs)
       call sort_keys(-error, order)
-      next = 1
+      next_rank = 1
       do
         do k = 1, size(first) - 1
           associate (group => set%contact(member(first(k):first(k + 1) - 1)))
             is_resolved(group) = any(is_resolved(group))
           end associate
         end do
-        do i = 1, size(number)
+        do i = 1, size(open_pairs)
           do l = tree%first(i), tree%first(i + 1) - 1
-            if (is_resolved(set%contact(tree%near(l)))) is_resolved(number(i)) = .true.
+            if (is_resolved(set%contact(tree%near(l)))) is_resolved(open_pairs(i)) = .true.
           end do
         end do
         excess = sum(error, mask=.not. is_resolved) - 1.0_real64
         if (.not. excess > 0.0_real64) exit
-        ! The largest errors, half of what is too much at a time: their neighbours, which follow,
-        ! may be most of the rest.
+        ! Contacts of the largest errors, up to half of the excess in one pass: the contacts close
+        ! to them, which are resolved with them, may have most of the rest.
         resolved_error = 0.0_real64
-        do while (resolved_error < excess - resolved_error .and. next <= size(order))
-          i = order(next)
-          next = next + 1
+        do while (resolved_error < excess - resolved_error .and. next_rank <= size(order))
+          i = order(next_rank)
+          next_rank = next_rank + 1
           if (is_resolved(i)) cycle
           is_resolved(i) = .true.
-          if (hosts(i) > 0) is_resolved(hosts(i)) = .true.
+          if (covering(i) > 0) is_resolved(covering(i)) = .true.
           resolved_error = resolved_error + error(i)
         end do
       end do
     end associate
   end subroutine choose_resolved
 
-  ! Also resolves Hertzian contacts that are close to the loaded members of a cluster: a contact in
-  ! a ring around another has its centre there.
-  subroutine add_close_contacts(pairs, clusters, is_resolved, more)
-    type(contact_pairs), intent(in) :: pairs      ! pairs of the position
-    type(cluster), intent(in) :: clusters(:)      ! solved
-    logical, intent(inout) :: is_resolved(:)      ! by pair: resolved
-    logical, intent(out) :: more                  ! contacts than before
+  ! Adds Hertzian contacts that are close to loaded members of a cluster to those resolved: the
+  ! centre of pressure of a ring is inside the contact that it surrounds.
+  subroutine add_close_contacts(pairs, clusters, is_resolved, has_grown)
+    type(contact_pairs), intent(in) :: pairs
+    type(cluster), intent(in) :: clusters(:)      ! solved clusters
+    logical, intent(inout) :: is_resolved(:)
+    logical, intent(out) :: has_grown             ! whether contacts were added
     integer :: k, l
 
-    more = .false.
+    has_grown = .false.
     do k = 1, size(clusters)
-      associate (o => clusters(k)%outside, together => clusters(k)%answer%contacts, &
+      associate (outside => clusters(k)%outside, contacts => clusters(k)%answer%contacts, &
                  list => pairs%list(clusters(k)%members))
-        if (.not. allocated(o%pair)) cycle
-        do l = 1, size(o%pair)
-          ! In another cluster.
-          if (is_resolved(o%pair(l))) cycle
-          ! Radii of Hertzian contacts by their loads.
-          if (.not. any(together%load > 0.0_real64 .and. &
-                        hypot(together%x - o%x(l), together%y - o%y(l)) < &
-              along * (o%radius(l) + (0.75_real64 * together%load / pairs%modulus * &
-                                      list%radius)**(1.0_real64 / 3)))) cycle
-          is_resolved(o%pair(l)) = .true.
-          more = .true.
+        if (.not. allocated(outside%pair)) cycle
+        do l = 1, size(outside%pair)
+          if (is_resolved(outside%pair(l))) cycle
+          ! Members count with the radii of Hertzian contacts of their loads.
+          if (.not. any(contacts%load > 0.0_real64 .and. &
+                        hypot(contacts%x - outside%x(l), contacts%y - outside%y(l)) < &
+                        along * (outside%radius(l) + (0.75_real64 * contacts%load / &
+                                 pairs%modulus * list%radius)**(1.0_real64 / 3)))) cycle
+          is_resolved(outside%pair(l)) = .true.
+          has_grown = .true.
         end do
       end associate
     end do

@@ -1,4 +1,7 @@
-!> Clusters of contacts on boundary elements, each in the field of all others.
+!> Clusters of contacts on boundary elements, each in the field of the contacts outside it.
+!>
+!> The field of near contacts is computed element by element, that of far ones is interpolated
+!> between Chebyshev nodes on the rectangle of the cluster, with fast multipole sums at the nodes.
 module asperity_resolved_clusters
   use asperity_element_answer, only: element_answer
   use asperity_outside_field, only: circle_displacement, outside_field
@@ -18,17 +21,17 @@ module asperity_resolved_clusters
 
   !> A cluster of resolved contacts.
   type :: cluster
-    integer, allocatable :: members(:)              !! places in the list of pairs
-    type(cluster_lattice) :: lattice                !! its elements
+    integer, allocatable :: members(:)              !! contacts, indices in the list of pairs
+    type(cluster_lattice) :: lattice                !! lattice of its elements
     type(element_answer) :: answer                  !! solution on its elements
-    logical :: is_solved = .false.                  !! in the present field of the others
-    real(real64), allocatable :: load(:)            !! vertical, by its law; 0: open
-    integer, allocatable :: host(:)                 !! member that represents it among circles
-    real(real64) :: displacement = 0.0_real64       !! displacement of the cluster by the others
-    !> changes of the gaps of its circles required by its elements in the last round, and the share
-    !! of them that was applied
-    real(real64), allocatable :: change(:), taken(:)
-    type(outside_field) :: outside                  !! field of the others
+    logical :: is_solved = .false.                  !! solved in the present field of the others
+    real(real64), allocatable :: load(:)            !! by member: vertical load by its law; 0: open
+    integer, allocatable :: representative(:)       !! by member: member that carries its load
+    real(real64) :: displacement = 0.0_real64       !! lower bound of the displacement by the others
+    !> by member: change of its gap that the elements required in the last iteration, and the share
+    !> of it that was applied
+    real(real64), allocatable :: change(:), applied_share(:)
+    type(outside_field) :: outside                  !! field of the contacts outside
   end type cluster
 
   ! Sums of radii between members of two clusters at least, and half diagonals of a cluster from its
@@ -47,44 +50,45 @@ module asperity_resolved_clusters
 
 contains
 
-  !> Members nearer to each other than `far_off` sums of their radii share a lattice.
+  !> Groups resolved contacts: those nearer than `far_off` sums of their radii share a cluster.
   subroutine form_clusters(pairs, coupled, is_resolved, radius, clusters)
     type(contact_pairs), intent(in) :: pairs                 !! pairs of the position
     type(coupled_solution), intent(in) :: coupled            !! solution of Hertzian contacts
-    logical, intent(in) :: is_resolved(:)                    !! by pair: resolved
-    real(real64), intent(in) :: radius(:)                    !! by pair: radius at least
-    type(cluster), allocatable, intent(out) :: clusters(:)   !! clusters, not solved yet
+    logical, intent(in) :: is_resolved(:)                    !! by pair: whether it is resolved
+    real(real64), intent(in) :: radius(:)                    !! by pair: least contact radius
+    type(cluster), allocatable, intent(out) :: clusters(:)   !! clusters with their members
     type(source_tree) :: tree
-    integer, allocatable :: number(:), circle_of(:), member(:), first(:)
+    integer, allocatable :: resolved_pairs(:), circle_index(:), member(:), first(:)
     real(real64), allocatable :: reach(:)
     integer :: i, k, l
 
-    number = pack([(i, i=1, size(pairs%list))], is_resolved)
-    allocate (circle_of(size(pairs%list)), source=0)
-    circle_of(coupled%set%contact) = [(i, i=1, size(coupled%set%contact))]
-    reach = radius(number)
-    do i = 1, size(number)
-      if (circle_of(number(i)) > 0) reach(i) = max(reach(i), &
-                                                   coupled%set%radius(circle_of(number(i))))
+    resolved_pairs = pack([(i, i=1, size(pairs%list))], is_resolved)
+    allocate (circle_index(size(pairs%list)), source=0)
+    circle_index(coupled%set%contact) = [(i, i=1, size(coupled%set%contact))]
+    reach = radius(resolved_pairs)
+    do i = 1, size(resolved_pairs)
+      k = circle_index(resolved_pairs(i))
+      if (k > 0) reach(i) = max(reach(i), coupled%set%radius(k))
     end do
-    call build_tree(tree, pairs%list(number)%x, pairs%list(number)%y, reach, far_off)
-    call gather_groups([((i, l=tree%first(i), tree%first(i + 1) - 1), i=1, size(number))], &
+    call build_tree(tree, pairs%list(resolved_pairs)%x, pairs%list(resolved_pairs)%y, reach, &
+                    far_off)
+    call gather_groups([((i, l=tree%first(i), tree%first(i + 1) - 1), i=1, size(resolved_pairs))], &
                        tree%near, spread(.true., 1, size(tree%near)), &
-                       spread(.true., 1, size(number)), size(number), member, first)
+                       spread(.true., 1, size(resolved_pairs)), size(resolved_pairs), member, first)
     allocate (clusters(size(first) - 1))
     do k = 1, size(clusters)
-      clusters(k)%members = number(member(first(k):first(k + 1) - 1))
+      clusters(k)%members = resolved_pairs(member(first(k):first(k + 1) - 1))
     end do
   end subroutine form_clusters
 
-  !> Solves all clusters, each in the field of the Hertzian contacts that are no members.
+  !> Solves all clusters, each in the field of the Hertzian contacts outside it.
   subroutine solve_clusters(pairs, coupled, tolerance, area_tolerance, clusters, failure)
     type(contact_pairs), intent(in) :: pairs              !! pairs of the position
     type(coupled_solution), intent(in) :: coupled         !! solution of Hertzian contacts
-    real(real64), intent(in) :: tolerance              !! share of the load that halving may change
-    real(real64), intent(in) :: area_tolerance            !! share of the area, at least
-    type(cluster), intent(inout) :: clusters(:)           !! get their answers
-    character(len=:), allocatable, intent(inout) :: failure  !! no memory, or not converged
+    real(real64), intent(in) :: tolerance                 !! relative error of the load of a cluster
+    real(real64), intent(in) :: area_tolerance            !! least relative error of its area
+    type(cluster), intent(inout) :: clusters(:)           !! lattices, answers, fields are set
+    character(len=:), allocatable, intent(inout) :: failure  !! error message if it did not converge
     integer, allocatable :: cluster_of(:)
     integer :: k, pass
     real(real64) :: reference(2)
@@ -95,7 +99,8 @@ contains
     end do
     clusters%displacement = 0.0_real64
     if (size(clusters) > 1 .or. any(cluster_of(coupled%set%contact) == 0)) then
-      ! The displacement of the whole cluster by the others makes its lattice smaller.
+      ! The rectangle of a cluster depends on its displacement by the others, and that on the
+      ! rectangle: a fixed-point iteration.
       do pass = 1, 3
         call find_outside_field(pairs, coupled, cluster_of(coupled%set%contact), clusters, failure)
         if (allocated(failure)) return
@@ -103,18 +108,20 @@ contains
     else
       clusters(1)%outside = outside_field()
     end if
-    ! Areas scatter: their squares add up.
+    ! The errors of areas are independent: their squares add up.
     reference = [pairs%modulus * sum(coupled%set%load) / size(clusters), &
                  pi * sum(coupled%set%radius**2) / sqrt(real(size(clusters), real64))]
     !$omp parallel do schedule(dynamic) if(size(clusters) > 1)
     do k = 1, size(clusters)
-      associate (one => clusters(k))
-        if (allocated(one%outside%node_displacement)) &
-          one%outside%node_displacement = one%outside%node_displacement - one%displacement
-        if (one%is_solved) cycle
-        call solve_elements(pairs, one%members, coupled%closing - one%displacement, one%outside, &
-                         [tolerance, max(area_per_load * tolerance, area_tolerance)], reference, &
-                         one%lattice, one%answer)
+      associate (this_cluster => clusters(k))
+        if (allocated(this_cluster%outside%node_displacement)) &
+          this_cluster%outside%node_displacement = &
+            this_cluster%outside%node_displacement - this_cluster%displacement
+        if (this_cluster%is_solved) cycle
+        call solve_elements(pairs, this_cluster%members, &
+                            coupled%closing - this_cluster%displacement, this_cluster%outside, &
+                            [tolerance, max(area_per_load * tolerance, area_tolerance)], &
+                            reference, this_cluster%lattice, this_cluster%answer)
       end associate
     end do
     !$omp end parallel do
@@ -124,12 +131,11 @@ contains
     end do
   end subroutine solve_clusters
 
-  ! Finds the field of the other contacts on the rectangle of each cluster, and a bound that it is
-  ! nowhere below.
+  ! Finds the field of the contacts outside on the rectangle of each cluster, and its lower bound.
   subroutine find_outside_field(pairs, coupled, cluster_of, clusters, failure)
     type(contact_pairs), intent(in) :: pairs
     type(coupled_solution), intent(in) :: coupled
-    integer, intent(in) :: cluster_of(:)     ! cluster of each circle, 0: none
+    integer, intent(in) :: cluster_of(:)     ! by circle: index of its cluster; 0: none
     type(cluster), intent(inout) :: clusters(:)
     character(len=:), allocatable, intent(inout) :: failure
     type(source_tree) :: tree
@@ -159,82 +165,89 @@ contains
   end subroutine find_outside_field
 
   ! Places the nodes of a cluster on its rectangle.
-  subroutine place_nodes(pairs, closing, one, x, y, reach)
+  subroutine place_nodes(pairs, closing, this_cluster, x, y, reach)
     type(contact_pairs), intent(in) :: pairs
     real(real64), intent(in) :: closing                    ! compression of the contacts
-    type(cluster), intent(inout) :: one                    ! gets its rectangle
-    real(real64), intent(out) :: x(:), y(:), reach(:)      ! by node; circles within it are near
+    type(cluster), intent(inout) :: this_cluster           ! its rectangle is set
+    real(real64), intent(out) :: x(:), y(:)                ! positions of the nodes
+    real(real64), intent(out) :: reach(:)                  ! of a node: circles within it are near
     real(real64) :: node(nodes)
 
     node = chebyshev_nodes(nodes)
-    associate (o => one%outside)
-      call cluster_extent(pairs, one%members, closing - one%displacement, o%x0, o%x1, o%y0, o%y1)
-      x = reshape(spread(0.5_real64 * (o%x0 + o%x1 + node * (o%x1 - o%x0)), 2, nodes), shape(x))
-      y = reshape(spread(0.5_real64 * (o%y0 + o%y1 + node * (o%y1 - o%y0)), 1, nodes), shape(y))
+    associate (outside => this_cluster%outside)
+      call cluster_extent(pairs, this_cluster%members, closing - this_cluster%displacement, &
+                          outside%x0, outside%x1, outside%y0, outside%y1)
+      x = reshape(spread(0.5_real64 * (outside%x0 + outside%x1 + &
+                                       node * (outside%x1 - outside%x0)), 2, nodes), shape(x))
+      y = reshape(spread(0.5_real64 * (outside%y0 + outside%y1 + &
+                                       node * (outside%y1 - outside%y0)), 1, nodes), shape(y))
       ! Members are near all nodes.
-      associate (half => 0.5_real64 * hypot(o%x1 - o%x0, o%y1 - o%y0), &
-                 list => pairs%list(one%members))
-        reach = half + max(far_off * half, maxval(hypot(list%x - o%x0, list%y - o%y0)))
+      associate (half_diagonal => 0.5_real64 * hypot(outside%x1 - outside%x0, &
+                                                     outside%y1 - outside%y0), &
+                 list => pairs%list(this_cluster%members))
+        reach = half_diagonal + max(far_off * half_diagonal, &
+                                    maxval(hypot(list%x - outside%x0, list%y - outside%y0)))
       end associate
     end associate
   end subroutine place_nodes
 
-  ! Sets the field of the others at the nodes of a cluster: circles beside it by themselves, element
-  ! by element, the others by interpolation. Long: circles, nodes and sums each are several arrays.
-  subroutine set_outside_field(pairs, set, cluster_of, tree, x, y, far, k, one)
+  ! Sets the field of the contacts outside a cluster: the list of near circles, and the displacement
+  ! by all others at the nodes. Long: circles, nodes and sums are several arrays each.
+  subroutine set_outside_field(pairs, set, cluster_of, tree, x, y, far_field, k, this_cluster)
     type(contact_pairs), intent(in) :: pairs
     type(circle_set), intent(in) :: set
-    integer, intent(in) :: cluster_of(:)        ! of each circle, 0: none
+    integer, intent(in) :: cluster_of(:)        ! by circle: index of its cluster; 0: none
     type(source_tree), intent(in) :: tree       ! circles near each node
     real(real64), intent(in) :: x(:), y(:)      ! nodes of all clusters
-    real(real64), intent(in) :: far(:)          ! field of the circles that are far, by node
-    integer, intent(in) :: k                    ! number of the cluster
-    type(cluster), intent(inout) :: one
-    real(real64) :: half, middle(2), field(nodes**2)
-    integer, allocatable :: beside(:)
+    real(real64), intent(in) :: far_field(:)    ! by node: displacement by circles that are not near
+    integer, intent(in) :: k                    ! index of the cluster
+    type(cluster), intent(inout) :: this_cluster
+    real(real64) :: half_diagonal, centre(2), field(nodes**2)
+    integer, allocatable :: near_circles(:)
     integer :: i, j, l, n
 
     n = nodes**2 * (k - 1)
-    associate (o => one%outside)
-      half = 0.5_real64 * hypot(o%x1 - o%x0, o%y1 - o%y0)
-      if (.not. half > 0.0_real64) return
-      middle = 0.5_real64 * [o%x0 + o%x1, o%y0 + o%y1]
-      beside = tree%near(tree%first(n + 1):tree%first(n + 2) - 1)
-      beside = pack(beside, cluster_of(beside) /= k .and. is_beside(beside))
-      o%x = set%x(beside) + set%shift(1, beside)
-      o%y = set%y(beside) + set%shift(2, beside)
-      o%pair = set%contact(beside)
-      o%radius = set%radius(beside)
-      o%load = set%load(beside) * pairs%modulus
-      field = far(n + 1:n + nodes**2)
+    associate (outside => this_cluster%outside)
+      half_diagonal = 0.5_real64 * hypot(outside%x1 - outside%x0, outside%y1 - outside%y0)
+      if (.not. half_diagonal > 0.0_real64) return
+      centre = 0.5_real64 * [outside%x0 + outside%x1, outside%y0 + outside%y1]
+      near_circles = tree%near(tree%first(n + 1):tree%first(n + 2) - 1)
+      near_circles = pack(near_circles, cluster_of(near_circles) /= k .and. &
+                          is_near_cluster(near_circles))
+      outside%x = set%x(near_circles) + set%shift(1, near_circles)
+      outside%y = set%y(near_circles) + set%shift(2, near_circles)
+      outside%pair = set%contact(near_circles)
+      outside%radius = set%radius(near_circles)
+      outside%load = set%load(near_circles) * pairs%modulus
+      field = far_field(n + 1:n + nodes**2)
       do i = 1, nodes**2
         do l = tree%first(n + i), tree%first(n + i + 1) - 1
           j = tree%near(l)
-          if (cluster_of(j) == k .or. is_beside(j)) cycle
+          if (cluster_of(j) == k .or. is_near_cluster(j)) cycle
           field(i) = field(i) + set%load(j) * circle_displacement(set%radius(j), &
             hypot(x(n + i) - (set%x(j) + set%shift(1, j)), &
                   y(n + i) - (set%y(j) + set%shift(2, j))))
         end do
       end do
-      o%node_displacement = reshape(field, [nodes, nodes])
-      ! A lower bound of the field: it changes less between nodes than from node to node.
-      one%displacement = &
+      outside%node_displacement = reshape(field, [nodes, nodes])
+      ! A lower bound of the field: its variation between nodes is below 1/nodes of its range.
+      this_cluster%displacement = &
         max(0.0_real64, minval(field) - (maxval(field) - minval(field)) / nodes) + &
-        sum(set%load(beside) * circle_displacement(set%radius(beside), hypot( &
-          abs(o%x - middle(1)) + 0.5_real64 * (o%x1 - o%x0), &
-          abs(o%y - middle(2)) + 0.5_real64 * (o%y1 - o%y0))))
+        sum(set%load(near_circles) * circle_displacement(set%radius(near_circles), hypot( &
+          abs(outside%x - centre(1)) + 0.5_real64 * (outside%x1 - outside%x0), &
+          abs(outside%y - centre(2)) + 0.5_real64 * (outside%y1 - outside%y0))))
     end associate
 
   contains
 
-    ! Whether a circle is so near to the cluster that its field is not interpolated.
-    elemental logical function is_beside(circle)
+    ! Whether a circle is too near to the cluster for the interpolation of its field.
+    elemental logical function is_near_cluster(circle)
       integer, intent(in) :: circle
 
-      is_beside = hypot(set%x(circle) + set%shift(1, circle) - middle(1), &
-                        set%y(circle) + set%shift(2, circle) - middle(2)) < &
-                  far_off * half + set%radius(circle)
-    end function is_beside
+      is_near_cluster = hypot(set%x(circle) + set%shift(1, circle) - centre(1), &
+                              set%y(circle) + set%shift(2, circle) - centre(2)) < &
+                        far_off * half_diagonal + set%radius(circle)
+    end function is_near_cluster
 
   end subroutine set_outside_field
 

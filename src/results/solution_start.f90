@@ -18,10 +18,10 @@ module asperity_solution_start
 
   !> Solutions of one position.
   type :: solution_start
-    type(contact_solution), allocatable :: of(:)   !! not allocated: none
+    type(contact_solution), allocatable :: solutions(:)  !! the latest first; not allocated: none
     !> Least compression, and its load over the modulus, at which a contact was inside the contact
     !> circle of another: from there on solutions depend on their start.
-    real(real64) :: crowded_from = huge(1.0_real64), crowded_load = huge(1.0_real64)
+    real(real64) :: crowded_compression = huge(1.0_real64), crowded_load = huge(1.0_real64)
   end type solution_start
 
   !> Solutions with which a run starts, and whether it keeps its own.

@@ -11,7 +11,7 @@ module asperity_effect_solver
   use asperity_contact_pairs, only: contact_pairs
   use asperity_contact_records, only: position_result, solve_method
   use asperity_contact_state, only: contact_state, start_state
-  use asperity_earlier_solutions, only: closing_expected
+  use asperity_earlier_solutions, only: expected_compression
   use asperity_effect_choice, only: choose_effects
   use asperity_effect_list, only: list_effects, list_left_out
   use asperity_effect_names, only: effect_on, effect_words, known_effects, why_not_together
@@ -125,7 +125,7 @@ contains
     call list_pairs(self%placed, m, .false., pairs, failure)
     if (allocated(failure)) return
     call take_start()
-    if (closing_expected(pairs) > pairs%complete_to) then
+    if (expected_compression(pairs) > pairs%complete_to) then
       call list_pairs(self%placed, m, .true., pairs, failure)
       if (allocated(failure)) return
     end if
