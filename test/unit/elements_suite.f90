@@ -216,7 +216,7 @@ contains
     do i = 0, 100
       tolerance = 0.004_real64 * 1.02_real64**i
       call solve_anew(pairs, [1], depth, nothing, [0.01_real64, tolerance], answer)
-      deviation = abs(answer%together(1)%area / (pi * depth) - 1.0_real64)
+      deviation = abs(answer%contacts(1)%area / (pi * depth) - 1.0_real64)
       call check(error, deviation <= tolerance, 'tolerance')
       call check(error, deviation <= 3 * answer%area_error, 'error estimate')
     end do
