@@ -216,7 +216,8 @@ contains
       else
         call solve_coupled(task%pairs, task%law, solution%coupled, task%target)
       end if
-      if (has_failed(solution)) return
+      call adopt_failure(solution)
+      if (allocated(solution%failure)) return
       has_grown = allocated(task%target) .and. task%choice /= resolve_none
       ! At a load the radii are estimated again with the compression that was found.
       if (has_grown) call add_near_tops(task, solution, solution%coupled%closing, has_grown)
@@ -285,12 +286,14 @@ contains
         if (has_grown) cycle
         task%clusters%is_solved = .false.
         call represent_clusters(pairs, task%law, task%clusters, coupled, task%resolved, .false.)
-        if (has_failed(solution)) return
+        call adopt_failure(solution)
+        if (allocated(solution%failure)) return
         ! The change of the load by this coupling is the error of the field in which the clusters
         ! were solved. At a prescribed load it is that of their loads at the last compression.
         previous_load = sum(coupled%set%load)
         call solve_coupled(pairs, task%law, coupled, task%target, task%resolved)
-        if (has_failed(solution)) return
+        call adopt_failure(solution)
+        if (allocated(solution%failure)) return
         load = sum(coupled%set%load)
         task%last_change = abs(load - previous_load) / max(load, tiny(load))
         if (task%last_change <= settled * tolerance) exit
@@ -301,7 +304,7 @@ contains
       end do
       call distribute_loads(pairs, task%law, task%clusters, coupled, task%resolved)
     end associate
-    if (has_failed(solution)) return
+    call adopt_failure(solution)
   end subroutine alternate_blocks
 
   ! Estimates the errors of the load, or of the compression at a load, and of the area.
@@ -323,7 +326,8 @@ contains
       if (.not. total > 0.0_real64) return
       solution%error = sum(task%error + task%sphere_error, mask=.not. is_resolved) / total
       if (allocated(task%clusters)) then
-        ! Shifts by neighbours change the inclination of a contact, and with it its normal load.
+        ! Displacements by neighbours change the inclination of the line of centres, and with it the
+        ! normal load at a vertical load.
         associate (set => coupled%set, pair => task%pairs%list(coupled%set%contact))
           if (allocated(task%target)) solution%error = solution%error + &
             sum(set%load * (pair%d / pair%zc)**2 * max(0.0_real64, coupled%closing - pair%gap - &
@@ -446,7 +450,7 @@ contains
         call raise_to_load(pairs, task%law, task%target / pairs%modulus, coupled%penetration)
       call distribute_loads(pairs, task%law, task%clusters, coupled, task%resolved)
     end associate
-    if (has_failed(solution)) return
+    call adopt_failure(solution)
   end subroutine solve_one_cluster
 
   ! Solves the one cluster of all resolved contacts at the compression in `solution`.
@@ -469,7 +473,7 @@ contains
       if (allocated(solution%failure)) return
       call represent_clusters(task%pairs, task%law, task%clusters, coupled, task%resolved, .true.)
       coupled%ending = this_cluster%answer%ending
-      if (has_failed(solution)) return
+      call adopt_failure(solution)
     end associate
   end subroutine solve_cluster_elements
 
@@ -488,7 +492,7 @@ contains
     type(load_search), intent(inout) :: search
     real(real64), intent(in) :: load, target    ! load at `closing`, and the prescribed one
     real(real64), intent(inout) :: closing
-    real(real64), intent(inout) :: compression_share ! d log closing/d log load
+    real(real64), intent(inout) :: compression_share  ! d log compression/d log load
     real(real64) :: next_closing
 
     if (load < target) search%low = closing
@@ -497,7 +501,7 @@ contains
       next_closing = closing + (target - load) * (closing - previous(1)) / (load - previous(2))
       if (previous(2) <= 0.0_real64) then
         next_closing = first_touch + &
-               (closing - first_touch) * min(2.0_real64, (target / load)**search%power)
+                       (closing - first_touch) * min(2.0_real64, (target / load)**search%power)
       else
         compression_share = load / (closing - first_touch) * (closing - previous(1)) / &
                             (load - previous(2))
@@ -506,7 +510,8 @@ contains
       end if
       if (.not. (next_closing > search%low .and. next_closing < search%high)) &
         next_closing = merge(0.5_real64 * (search%low + search%high), &
-                     first_touch + 2 * (closing - first_touch), search%high < huge(next_closing))
+                             first_touch + 2 * (closing - first_touch), &
+                             search%high < huge(next_closing))
       previous = [closing, load]
     end associate
     closing = next_closing
@@ -546,8 +551,8 @@ contains
     if (.not. is_single) deallocate (clusters)
   end function is_one_cluster
 
-  ! Whether the coupled solve has failed; the message is then copied to `solution%failure`.
-  logical function has_failed(solution)
+  ! Sets the failure of a solution if its coupled solve has failed.
+  subroutine adopt_failure(solution)
     type(joint_solution), intent(inout) :: solution
 
     if (allocated(solution%coupled%failure)) then
@@ -557,8 +562,7 @@ contains
                          real_text(solution%coupled%ending%residual, 'es9.1e3') // &
                          ', iteration ' // decimal_text(solution%coupled%ending%iterations)
     end if
-    has_failed = allocated(solution%failure)
-  end function has_failed
+  end subroutine adopt_failure
 
   ! Sets areas in plan and maximum pressures. The area of a Hertzian contact is exact for a field of
   ! constant second derivatives; on elements the ratio to the isolated contact multiplies that of
