@@ -140,8 +140,8 @@ contains
     call describe_numbers('', text)
     do i = 1, size(known_effects)
       associate (effect => known_effects(i))
-        call two_lines('  ' // effect%name, one_of(effect_words(pack(effect%ways, &
-                       effect%ways > 0))) // '; default ' // &
+        call two_lines('  ' // effect%name, one_of(effect_words(pack(effect%modes, &
+                       effect%modes > 0))) // '; default ' // &
                        trim(merge('''auto''                             ', &
                                   '''auto'' with its numbers, else ''off''', &
                                   effect%name == 'interaction')), effect%meaning, text)

@@ -7,12 +7,12 @@ module asperity_contact_state
   private
 
   public :: contact_state, start_state, answer_all, in_contact
-  public :: apart, move_x, move_y
-  public :: total_load, total_vertical_load, load_asked_for
+  public :: kept_results, shift_x, shift_y
+  public :: total_load, total_vertical_load, controlled_load
 
   !> Columns of `found`: shifts of coupled contacts; in the first row 1 where the solution is
   !> independent of its start.
-  integer, parameter :: move_x = 5, move_y = 6, apart = 7
+  integer, parameter :: shift_x = 5, shift_y = 6, kept_results = 7
 
   integer, parameter :: thread_threshold = 1000  ! number of pairs from which threads are started
 
@@ -83,15 +83,15 @@ contains
   end function total_vertical_load
 
   !> The total load that is prescribed: vertical loads or normal forces.
-  pure real(real64) function load_asked_for(pairs, state)
+  pure real(real64) function controlled_load(pairs, state)
     type(contact_pairs), intent(in) :: pairs  !! pairs of the position
     type(contact_state), intent(in) :: state  !! contacts of the position
 
     if (pairs%vertical) then
-      load_asked_for = total_vertical_load(state)
+      controlled_load = total_vertical_load(state)
     else
-      load_asked_for = total_load(state)
+      controlled_load = total_load(state)
     end if
-  end function load_asked_for
+  end function controlled_load
 
 end module asperity_contact_state

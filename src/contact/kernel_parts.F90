@@ -1,7 +1,7 @@
 !> The names of other modules that the kernel of each arithmetic uses.
 module asperity_kernel_parts
   use asperity_cell_reach, only: margin_of_arithmetic, squared_reach
-  use asperity_contact_records, only: add_rows, asked_normal, asked_vertical, by_events, &
+  use asperity_contact_records, only: add_rows, prescribed_normal, prescribed_vertical, by_events, &
                                       by_marching, contact_row, cut_rows, most_rows, &
                                       overlap_stable, position_result, solve_method, state_row
   use asperity_contact_pairs, only: contact_pairs, least_exponent

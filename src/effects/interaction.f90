@@ -8,7 +8,7 @@ module asperity_interaction
                                      length, plain
   use asperity_contact_law, only: contact_law
   use asperity_contact_pairs, only: contact_pairs
-  use asperity_contact_state, only: answer_all, apart, contact_state, move_x, move_y
+  use asperity_contact_state, only: answer_all, kept_results, contact_state, shift_x, shift_y
   use asperity_earlier_solutions, only: start_from_earlier
   use asperity_hertz_law, only: hertz_law
   use asperity_interaction_estimate, only: estimate_of_interaction
@@ -35,11 +35,12 @@ module asperity_interaction
     procedure :: closing_at_load
   end type interaction_effect
 
-  ! A solution is kept as an array. Columns of its first row, of all contacts; `apart` follows.
+  ! A solution is kept as an array. Columns of its first row, of all contacts; `kept_results` is
+  ! the next one.
   enum, bind(c)
     enumerator :: cells = 1, error, area_error, residual, iterations, nested
   end enum
-  ! Columns of its other rows, one row a pair; `move_x` and `move_y` follow.
+  ! Columns of its other rows, one row a pair; `shift_x` and `shift_y` follow.
   enum, bind(c)
     enumerator :: penetration = 1, area, pressure, resolved
   end enum
@@ -89,7 +90,7 @@ contains
     type(contact_pairs), intent(in) :: pairs        !! pairs of the position
     type(contact_state), intent(inout) :: state     !! gets the interacting contacts
     type(effect_outcome), intent(inout) :: outcome  !! gets columns, error and warnings
-    real(real64) :: together, alone
+    real(real64) :: coupled_load, isolated_load
 
     allocate (outcome%of_contacts(size(pairs%list), 2), outcome%of_state(5))
     outcome%of_contacts(:, 2) = state%answers%vertical_load
@@ -113,12 +114,12 @@ contains
       end where
       outcome%of_contacts(:, 1) = max(0.0_real64, &
                                       state%closing - pairs%list%gap - state%penetration)
-      alone = sum(outcome%of_contacts(:, 2))
-      together = sum(answers%vertical_load)
-      outcome%of_state = [alone, 1.0_real64, of_all(cells), &
+      isolated_load = sum(outcome%of_contacts(:, 2))
+      coupled_load = sum(answers%vertical_load)
+      outcome%of_state = [isolated_load, 1.0_real64, of_all(cells), &
                           sum(found(:, resolved), mask=answers%load > 0.0_real64), &
                           of_all(area_error)]
-      if (alone > 0.0_real64) outcome%of_state(2) = together / alone
+      if (isolated_load > 0.0_real64) outcome%of_state(2) = coupled_load / isolated_load
       outcome%error = of_all(error)
       if (of_all(nested) > warning_kinds(of_nested)%limit) &
         call add_warning(outcome%warnings, of_nested, of_all(nested), &
@@ -196,7 +197,7 @@ contains
       return
     end if
     closing = solution%coupled%closing
-    allocate (found(1 + size(solution%area), apart), source=0.0_real64)
+    allocate (found(1 + size(solution%area), kept_results), source=0.0_real64)
     associate (coupled => solution%coupled)
       found(1, :) = [real(solution%elements, real64), solution%error, solution%area_error, &
                      coupled%ending%residual, real(coupled%ending%iterations, real64), &
@@ -207,8 +208,8 @@ contains
     found(2:, area) = solution%area
     found(2:, pressure) = solution%maximum_pressure
     found(2:, resolved) = merge(1.0_real64, 0.0_real64, solution%is_resolved)
-    found(2:, move_x) = solution%coupled%shift(1, :)
-    found(2:, move_y) = solution%coupled%shift(2, :)
+    found(2:, shift_x) = solution%coupled%shift(1, :)
+    found(2:, shift_y) = solution%coupled%shift(2, :)
 
   contains
 

@@ -40,7 +40,7 @@ module asperity_effect_names
   !> An effect. Where a scene does not write how it is simulated, `asperity_scene_effects` does.
   type :: known_effect
     character(len=11) :: name = ''     !! in &effects
-    integer :: ways(4) = 0             !! how it may be called for, `off` first; 0: no more
+    integer :: modes(4) = 0            !! how it may be called for, `off` first; 0: no more
     character(len=72) :: meaning = ''  !! what it adds
     character(len=56) :: needs = ''    !! of the material, beside the combined modulus
     character(len=20) :: own(2) = ''   !! numbers that call for it where none of them is 0
@@ -123,7 +123,7 @@ module asperity_effect_names
   type :: refused_pair
     character(len=11) :: one, other  ! as in &effects
     character(len=72) :: why
-    character(len=8) :: way = ''     ! only where `one` is simulated in this way; blank: in any
+    character(len=8) :: mode = ''    ! only where `one` is simulated in this way; blank: in any
   end type refused_pair
 
   type(refused_pair), parameter :: refused(*) = [ &
@@ -178,12 +178,12 @@ contains
   end function why_not_together
 
   ! Whether a refusal holds for these two effects.
-  pure logical function is_refused_pair(refusal, one, way, other)
+  pure logical function is_refused_pair(refusal, one, mode, other)
     type(refused_pair), intent(in) :: refusal
-    character(len=*), intent(in) :: one, way, other
+    character(len=*), intent(in) :: one, mode, other
 
     is_refused_pair = refusal%one == one .and. refusal%other == other .and. &
-            (refusal%way == '' .or. refusal%way == way)
+            (refusal%mode == '' .or. refusal%mode == mode)
   end function is_refused_pair
 
 end module asperity_effect_names

@@ -32,8 +32,8 @@ contains
         associate (effect => known_effects(i))
           chosen = 1
           call fields%take_word('effects', trim(effect%name), &
-                                effect_words(pack(effect%ways, effect%ways > 0)), chosen)
-          if (chosen > 0) effects%modes(i) = effect%ways(chosen)
+                                effect_words(pack(effect%modes, effect%modes > 0)), chosen)
+          if (chosen > 0) effects%modes(i) = effect%modes(chosen)
           if (fields%has_name('effects', trim(effect%name))) effects%given(i) = by_word
         end associate
       end do

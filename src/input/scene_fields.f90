@@ -395,15 +395,15 @@ contains
     class(scene_fields), intent(inout) :: self
     character(len=*), intent(in) :: group, name
     integer, intent(in) :: wanted
-    integer(int64) :: there
+    integer(int64) :: given_values
 
     at = self%item_of(group, name)
     if (at == 0) return
-    there = values_at(self%list, at)
-    if (there == int(wanted, int64) .and. .not. self%list%items(at)%is_broken) return
+    given_values = values_at(self%list, at)
+    if (given_values == int(wanted, int64) .and. .not. self%list%items(at)%is_broken) return
     if (.not. self%list%items(at)%is_broken) then
       call self%complain_of(group, name, 'wrong number of values: found ' // &
-                            decimal_text(there) // ', expected ' // decimal_text(wanted))
+                            decimal_text(given_values) // ', expected ' // decimal_text(wanted))
     end if
     at = 0
   end function values_of

@@ -59,15 +59,15 @@ contains
     type(problem_list), intent(inout) :: other_files  !! what is wrong with the files
     type(decimal_value) :: pixel_spacing(2, 2)
     integer :: despike, edge, sides, unit(2)
-    logical :: there(2)
+    logical :: is_given(2)
 
     despike = 1
     unit = 0
     call take_edge()
     call fields%take_word('surfaces', 'map_despike', despike_words, despike)
-    there = [checked%upper%file /= '' .or. checked%map%upper%columns > 0, &
-             checked%lower%file /= '' .or. checked%map%lower%columns > 0]
-    sides = count(there)
+    is_given = [checked%upper%file /= '' .or. checked%map%upper%columns > 0, &
+                checked%lower%file /= '' .or. checked%map%lower%columns > 0]
+    sides = count(is_given)
     call take_spacing()
     if (sides == 2 .and. fields%value_count('surfaces', 'map_unit') == 2) then
       call fields%take_units('surfaces', 'map_unit', length_units, unit)
@@ -88,16 +88,16 @@ contains
       ! A refused spacing hides whether a map needs one.
       if (fields%has_name('surfaces', 'map_spacing') .and. &
           .not. all(is_length(decimal_to_real64(pixel_spacing)))) return
-      if (there(1)) call make_one(checked%upper, 1, maps%upper)
-      if (there(2)) call make_one(checked%lower, 2, maps%lower)
+      if (is_given(1)) call make_one(checked%upper, 1, maps%upper)
+      if (is_given(2)) call make_one(checked%lower, 2, maps%lower)
       if (other_files%count() > 0) return
       if (fields%has_name('surfaces', 'map_spacing') .and. sides == 2 .and. &
           maps%upper%own_spacing .and. maps%lower%own_spacing) &
         call fields%complain_of('surfaces', 'map_spacing', 'found although both maps have ' // &
                                 'their own, expected none')
       if (fields%has_name('surfaces', 'map_unit') .and. any(unit == 0)) return
-      if (there(1)) call convert_map(1, maps%upper, maps%lower)
-      if (there(2)) call convert_map(2, maps%lower, maps%upper)
+      if (is_given(1)) call convert_map(1, maps%upper, maps%lower)
+      if (is_given(2)) call convert_map(2, maps%lower, maps%upper)
       if (sides == 2) call compare_grids(maps%upper, maps%lower, fields)
     end associate
 

@@ -33,7 +33,7 @@ contains
   pure subroutine gauss_rule(nodes, weights)
     real(real128), intent(out) :: nodes(:)    !! nodes, in descending order
     real(real128), intent(out) :: weights(:)  !! weights of the nodes; their sum is 2
-    real(real128) :: x, before, here, next, slope
+    real(real128) :: x, before, value, next, slope
     integer :: i, k, step, n
 
     n = size(nodes)
@@ -42,14 +42,14 @@ contains
       x = cos(pi_128 * (i - 0.25_real128) / (n + 0.5_real128))
       do step = 1, 8
         before = 1.0_real128
-        here = x
+        value = x
         do k = 2, n
-          next = ((2 * k - 1) * x * here - (k - 1) * before) / k
-          before = here
-          here = next
+          next = ((2 * k - 1) * x * value - (k - 1) * before) / k
+          before = value
+          value = next
         end do
-        slope = n * (before - x * here) / ((1.0_real128 - x) * (1.0_real128 + x))
-        x = x - here / slope
+        slope = n * (before - x * value) / ((1.0_real128 - x) * (1.0_real128 + x))
+        x = x - value / slope
       end do
       nodes(i) = x
       weights(i) = 2 / ((1.0_real128 - x) * (1.0_real128 + x) * slope**2)

@@ -1,7 +1,7 @@
 !> The summary that `asperity solve` prints.
 module asperity_summary
   use asperity_contact_field, only: parts_in_words
-  use asperity_contact_records, only: asked_nothing, position_result, state_row
+  use asperity_contact_records, only: prescribed_nothing, position_result, state_row
   use asperity_decimal, only: decimal_to_real64
   use asperity_effect_names, only: known_effects
   use asperity_effects_summary, only: effects_in_words, write_effects
@@ -83,7 +83,7 @@ contains
     text = ''
     if (any(results%positions%error_estimate > not_computed)) &
       text = trim(merge('load       ', 'compression', &
-                        all(last_asked(results%positions) == asked_nothing))) // ' ' // &
+                        all(last_prescribed(results%positions) == prescribed_nothing))) // ' ' // &
              percent_text(maxval(results%positions%error_estimate))
     area_error = not_computed
     if (allocated(results%effects)) then
@@ -100,11 +100,11 @@ contains
   end function errors_in_words
 
   ! Which load the last state of each position was to meet.
-  pure elemental integer function last_asked(position)
+  pure elemental integer function last_prescribed(position)
     type(position_result), intent(in) :: position
 
-    last_asked = position%states(size(position%states))%asked
-  end function last_asked
+    last_prescribed = position%states(size(position%states))%prescribed
+  end function last_prescribed
 
   !> Limits reached, positions without contact, overlapping circles.
   subroutine write_remarks(scene_in, results, buffer)
@@ -285,22 +285,24 @@ contains
     real(real64), intent(in) :: accuracy        !! asked for, relative
     type(scene_results), intent(in) :: results  !! the way taken and its error bound
     type(text_buffer), intent(inout) :: buffer  !! gets the text
-    character(len=9) :: asked, promised
-    character(len=:), allocatable :: off
+    character(len=9) :: requested, promised
+    character(len=:), allocatable :: deviation
     real(real64) :: share
     integer :: e
 
-    write (asked, '(es9.1e3)') accuracy
+    write (requested, '(es9.1e3)') accuracy
     write (promised, '(es9.1e3)') results%error_bound
-    off = ''
+    deviation = ''
     do e = 1, size(known_effects)
       share = maxval(results%positions%left_out(e))
-      if (share > not_computed) off = off // ' (' // trim(known_effects(e)%name) // &
-                                      ' off, estimated influence ' // percent_text(share) // ')'
+      if (share > not_computed) deviation = deviation // ' (' // trim(known_effects(e)%name) // &
+                                            ' off, estimated influence ' // percent_text(share) // &
+                                              ')'
     end do
-    call buffer%line('accuracy' // asked // ': fastest method ' // results%way_taken // ', ' // &
+    call buffer%line('accuracy' // requested // ': fastest method ' // results%way_taken // &
+                     ', ' // &
                      trim(merge('estimated error', 'error bound    ', &
-                                allocated(results%effects))) // promised // off)
+                                allocated(results%effects))) // promised // deviation)
     call buffer%line(results%way_told)
   end subroutine write_choice
 

@@ -14,7 +14,7 @@ module asperity_contact_records
   private
 
   public :: contact_row, effect_record, position_result, solve_method, state_row
-  public :: asked_nothing, asked_normal, asked_vertical
+  public :: prescribed_nothing, prescribed_normal, prescribed_vertical
   public :: by_events, by_marching, overlap_stable, overlap_original
   public :: add_rows, are_finite, contact_radius, cut_rows, most_rows, room_of_a_state
 
@@ -33,7 +33,7 @@ module asperity_contact_records
   integer, parameter :: overlap_stable = 1, overlap_original = 2
 
   !> Load prescribed for a state: none, a sum of the normal forces, a sum of their vertical parts.
-  integer, parameter :: asked_nothing = 0, asked_normal = 1, asked_vertical = 2
+  integer, parameter :: prescribed_nothing = 0, prescribed_normal = 1, prescribed_vertical = 2
 
   !> Method of the solver. The default is that of every solve; others are for the accuracy study.
   type :: solve_method
@@ -75,8 +75,8 @@ module asperity_contact_records
     real(real64) :: greatest_pressure = 0.0_real64  !! at any point of a contact
     !> Work dissipated by plasticity since first contact [force length]; `not_computed` without it.
     real(real64) :: dissipated_work = not_computed
-    real(real64) :: load_asked = 0.0_real64      !! value of the prescribed load
-    integer :: asked = asked_nothing             !! prescribed load: an `asked_` number
+    real(real64) :: prescribed_load = 0.0_real64  !! value of the prescribed load
+    integer :: prescribed = prescribed_nothing    !! kind of load: a `prescribed_` number
     integer :: contacts = 0                      !! touching ones included
     integer :: first_row = 1                     !! its contacts are rows(first_row ...
     integer :: last_row = 0                      !! ... last_row) of the position

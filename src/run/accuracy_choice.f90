@@ -5,7 +5,7 @@
 !> that are off count with their estimated influence.
 module asperity_accuracy_choice
   use asperity_accuracy_bound, only: error_bound
-  use asperity_contact_records, only: asked_nothing, asked_vertical, state_row
+  use asperity_contact_records, only: prescribed_nothing, prescribed_vertical, state_row
   use asperity_decimal, only: decimal_to_real64
   use asperity_effect_names, only: known_effects
   use asperity_kinds, only: not_computed, real64
@@ -166,9 +166,11 @@ contains
     type(state_row), intent(in) :: state
 
     load_error = 0.0_real64
-    if (state%asked == asked_nothing .or. .not. abs(state%load_asked) > 0.0_real64) return
-    load_error = abs(merge(state%vertical_load, state%load, state%asked == asked_vertical) / &
-                 state%load_asked - 1.0_real64)
+    if (state%prescribed == prescribed_nothing .or. &
+        .not. abs(state%prescribed_load) > 0.0_real64) return
+    load_error = abs(merge(state%vertical_load, state%load, &
+                           state%prescribed == prescribed_vertical) / &
+                 state%prescribed_load - 1.0_real64)
   end function load_error
 
   !> Total error: that of loads and separation, or that of the area where it is larger.

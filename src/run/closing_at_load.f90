@@ -3,7 +3,7 @@ module asperity_closing_at_load
   use asperity_closing_at_pull, only: close_to_pull, has_attraction
   use asperity_contact_effect, only: effect_box, effect_outcome
   use asperity_contact_pairs, only: contact_pairs, in_scene_units
-  use asperity_contact_state, only: contact_state, load_asked_for, start_state
+  use asperity_contact_state, only: contact_state, controlled_load, start_state
   use asperity_effect_choice, only: choose_effects
   use asperity_effect_sequence, only: first_failure, found_state, simulate_effects
   use asperity_hertz_law, only: hertz_law
@@ -33,51 +33,51 @@ contains
   !>
   !> Where `auto` begins or ends to simulate an effect the load jumps. A load within the jump is
   !> carried with the effect, whose estimate equals its tolerance there; `called_for` is then set.
-  subroutine close_to_load(pairs, effects, target, time, there, failure)
+  subroutine close_to_load(pairs, effects, target, time, found, failure)
     type(contact_pairs), intent(in) :: pairs       !! pairs of the position
     type(effect_box), intent(in) :: effects(:)     !! effects; those in time act in `there` only
     real(real64), intent(in) :: target             !! load, < 0 for tension
     real(real64), intent(in) :: time               !! time since the end of loading, 0 or more
-    type(found_state), intent(inout) :: there      !! a guess of the compression; the state found
+    type(found_state), intent(inout) :: found      !! a guess of the compression; the state found
     character(len=:), allocatable, intent(out) :: failure   !! reason, when the load is not carried
     logical :: jumps, unloads
     integer :: i
 
-    if (allocated(there%called_for)) deallocate (there%called_for)
-    if (allocated(there%found)) deallocate (there%found)
+    if (allocated(found%called_for)) deallocate (found%called_for)
+    if (allocated(found%found)) deallocate (found%found)
     if (has_attraction(pairs, effects)) then
       unloads = .not. target > 0.0_real64
       if (.not. unloads) then
-        call simulate_effects(pairs, effects, time, there, .true.)
-        unloads = load_asked_for(pairs, there%state) > target
+        call simulate_effects(pairs, effects, time, found, .true.)
+        unloads = controlled_load(pairs, found%state) > target
       end if
-      if (unloads) call close_to_pull(pairs, effects, target, there, failure)
+      if (unloads) call close_to_pull(pairs, effects, target, found, failure)
       if (unloads) return
     end if
-    call search_load(pairs, effects, target, time, there, jumps, failure)
+    call search_load(pairs, effects, target, time, found, jumps, failure)
     if (.not. jumps) return
     ! The last state is just past the jump.
-    allocate (there%called_for(size(there%outcomes)))
-    do i = 1, size(there%outcomes)
-      there%called_for(i) = there%outcomes(i)%simulated /= 'off'
+    allocate (found%called_for(size(found%outcomes)))
+    do i = 1, size(found%outcomes)
+      found%called_for(i) = found%outcomes(i)%simulated /= 'off'
     end do
     deallocate (failure)
-    call search_load(pairs, effects, target, time, there, jumps, failure)
+    call search_load(pairs, effects, target, time, found, jumps, failure)
   end subroutine close_to_load
 
   !> Finds the compression at which the contacts carry a compressive load on loading, by a bracketed
   !> root search. It ends when the load is met to the tolerance of the effects; when no number is
   !> left within the bracket the upper end is used, if its load is accurate enough.
-  subroutine search_load(pairs, effects, target, time, there, jumps, failure)
+  subroutine search_load(pairs, effects, target, time, found, jumps, failure)
     type(contact_pairs), intent(in) :: pairs       !! pairs of the position
     type(effect_box), intent(in) :: effects(:)     !! effects; those in time act in `there` only
     real(real64), intent(in) :: target             !! load, 0 or more
     real(real64), intent(in) :: time               !! time since the end of loading, 0 or more
-    type(found_state), intent(inout) :: there      !! a guess, `called_for`; the state found
+    type(found_state), intent(inout) :: found      !! a guess, `called_for`; the state found
     logical, intent(out) :: jumps                  !! whether the load jumps past the target
     character(len=:), allocatable, intent(out) :: failure   !! reason, when the load is not carried
     type(root_bracket) :: bracket
-    real(real64) :: load, miss, nothing, greatest
+    real(real64) :: load, residual, nothing, greatest
     logical :: enough, inside
     integer :: i, try
 
@@ -86,13 +86,13 @@ contains
                            low_miss=-1.0_real64, high_miss=-1.0_real64, halving=4)
     enough = .false.
     greatest = 0.0_real64
-    call guess_closing(pairs, effects, target, time, bracket%high, there, failure)
+    call guess_closing(pairs, effects, target, time, bracket%high, found, failure)
     if (allocated(failure)) return
     nothing = least_closing * minval(pairs%list%gap + pairs%list%radius)
     do try = 1, most_tries
-      call simulate_effects(pairs, effects, time, there, .not. time > 0.0_real64)
-      load = load_asked_for(pairs, there%state)
-      call first_failure(effects, there%outcomes, failure)
+      call simulate_effects(pairs, effects, time, found, .not. time > 0.0_real64)
+      load = controlled_load(pairs, found%state)
+      call first_failure(effects, found%outcomes, failure)
       if (allocated(failure)) then
         ! The theory of a hold does not cover a smaller compression: the search goes on above it.
         if (.not. (time > 0.0_real64 .and. load < target)) return
@@ -100,24 +100,24 @@ contains
         deallocate (failure)
       end if
       if (target > 0.0_real64) then
-        if (abs(load - target) <= load_tolerance(effects, there%outcomes) * target) return
+        if (abs(load - target) <= load_tolerance(effects, found%outcomes) * target) return
       end if
       ! Results of the search of an effect are valid at its compression only.
-      if (allocated(there%found)) deallocate (there%found)
+      if (allocated(found%found)) deallocate (found%found)
       greatest = max(greatest, load)
-      miss = merge(1.0_real64, -1.0_real64, load > 0.0_real64)
-      if (target > 0.0_real64) miss = (max(load, 0.0_real64) / target)**two_thirds - 1.0_real64
-      call narrow_bracket(bracket, there%closing, miss, miss < 0.0_real64)
-      enough = enough .or. .not. miss < 0.0_real64
+      residual = merge(1.0_real64, -1.0_real64, load > 0.0_real64)
+      if (target > 0.0_real64) residual = (max(load, 0.0_real64) / target)**two_thirds - 1.0_real64
+      call narrow_bracket(bracket, found%closing, residual, residual < 0.0_real64)
+      enough = enough .or. .not. residual < 0.0_real64
       if (.not. target > 0.0_real64 .and. bracket%high < nothing) exit
-      call guess_root(bracket, there%closing, inside)
+      call guess_root(bracket, found%closing, inside)
       if (.not. inside) exit
       ! Without an upper end yet the compression is doubled at most.
-      if (.not. enough .and. bracket%low > 0.0_real64) there%closing = &
-        min(there%closing, bracket%low * (1.0_real64 + min(1.0_real64, -2.0_real64 * miss)))
+      if (.not. enough .and. bracket%low > 0.0_real64) found%closing = &
+        min(found%closing, bracket%low * (1.0_real64 + min(1.0_real64, -2.0_real64 * residual)))
     end do
-    there%closing = bracket%low
-    if (bracket%high < nothing) there%closing = 0.0_real64
+    found%closing = bracket%low
+    if (bracket%high < nothing) found%closing = 0.0_real64
     if (.not. target > 0.0_real64) return
     if (.not. enough) then
       failure = 'the load is larger than the surfaces carry before the centres of two ' // &
@@ -125,42 +125,42 @@ contains
                 ' at most'
       return
     end if
-    there%closing = bracket%high
-    call simulate_effects(pairs, effects, time, there, .not. time > 0.0_real64)
-    if (abs(load_asked_for(pairs, there%state) - target) <= largest_error * target) return
+    found%closing = bracket%high
+    call simulate_effects(pairs, effects, time, found, .not. time > 0.0_real64)
+    if (abs(controlled_load(pairs, found%state) - target) <= largest_error * target) return
     failure = 'the load is not reached: with the effects it jumps past it'
-    jumps = .not. allocated(there%called_for) .and. &
+    jumps = .not. allocated(found%called_for) .and. &
             any([(effects(i)%effect%mode == effect_auto, i=1, size(effects))])
   end subroutine search_load
 
   ! First compression of a search: that of the effects that can estimate it, else the given one, but
   ! no less than a thousandth of that of Hertz.
-  subroutine guess_closing(pairs, effects, target, time, most, there, failure)
+  subroutine guess_closing(pairs, effects, target, time, most, found, failure)
     type(contact_pairs), intent(in) :: pairs
     type(effect_box), intent(in) :: effects(:)
     real(real64), intent(in) :: target, time, most  ! most: largest compression
-    type(found_state), intent(inout) :: there
+    type(found_state), intent(inout) :: found
     character(len=:), allocatable, intent(inout) :: failure
-    real(real64) :: asked
+    real(real64) :: guessed
 
-    if (allocated(there%found)) deallocate (there%found)
+    if (allocated(found%found)) deallocate (found%found)
     if (target > 0.0_real64) &
-      call ask_effects(pairs, effects, target / share_held(effects, time), time, there, failure)
+      call ask_effects(pairs, effects, target / share_held(effects, time), time, found, failure)
     if (allocated(failure)) return
-    asked = there%closing
-    if (target > 0.0_real64 .and. pairs%target > 0.0_real64) there%closing = &
-      max(there%closing, 1.0e-3_real64 * pairs%closing * (target / pairs%target)**two_thirds)
-    there%closing = min(max(there%closing, 0.0_real64), most * (1.0_real64 - epsilon(1.0_real64)))
-    if (abs(there%closing - asked) > 0.0_real64 .and. allocated(there%found)) &
-      deallocate (there%found)
+    guessed = found%closing
+    if (target > 0.0_real64 .and. pairs%target > 0.0_real64) found%closing = &
+      max(found%closing, 1.0e-3_real64 * pairs%closing * (target / pairs%target)**two_thirds)
+    found%closing = min(max(found%closing, 0.0_real64), most * (1.0_real64 - epsilon(1.0_real64)))
+    if (abs(found%closing - guessed) > 0.0_real64 .and. allocated(found%found)) &
+      deallocate (found%found)
   end subroutine guess_closing
 
   ! Sets the compression to that of the effects that can estimate it for a load.
-  subroutine ask_effects(pairs, effects, target, time, there, failure)
+  subroutine ask_effects(pairs, effects, target, time, found, failure)
     type(contact_pairs), intent(in) :: pairs
     type(effect_box), intent(in) :: effects(:)
     real(real64), intent(in) :: target, time
-    type(found_state), intent(inout) :: there
+    type(found_state), intent(inout) :: found
     character(len=:), allocatable, intent(inout) :: failure
     type(contact_state) :: state
     type(effect_outcome) :: outcomes(size(effects))
@@ -168,15 +168,15 @@ contains
     real(real64) :: left
     integer :: i
 
-    call start_state(pairs, hertz_law(modulus=pairs%modulus), there%closing, state)
+    call start_state(pairs, hertz_law(modulus=pairs%modulus), found%closing, state)
     state%time = time
     call choose_effects(pairs, effects, state, outcomes, called, left)
     do i = 1, size(effects)
-      if (allocated(there%called_for) .and. effects(i)%effect%mode == effect_auto) &
-        called(i) = there%called_for(i)
+      if (allocated(found%called_for) .and. effects(i)%effect%mode == effect_auto) &
+        called(i) = found%called_for(i)
       if (.not. called(i)) cycle
       call effects(i)%effect%closing_at_load(pairs, hertz_law(modulus=pairs%modulus), target, &
-                                             left, there%closing, there%found, failure)
+                                             left, found%closing, found%found, failure)
       if (allocated(failure)) return
     end do
   end subroutine ask_effects

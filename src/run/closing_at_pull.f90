@@ -8,7 +8,7 @@
 module asperity_closing_at_pull
   use asperity_contact_effect, only: effect_box
   use asperity_contact_pairs, only: contact_pairs, in_scene_units
-  use asperity_contact_state, only: load_asked_for
+  use asperity_contact_state, only: controlled_load
   use asperity_effect_sequence, only: first_failure, found_state, simulate_effects
   use asperity_key_sort, only: sort_keys
   use asperity_kinds, only: int32, real64
@@ -44,12 +44,12 @@ contains
 
   !> Finds the compression, from that of the last state or from first contact. `failure` reports the
   !> largest tensile load when the target exceeds it.
-  subroutine close_to_pull(pairs, effects, target, there, failure)
+  subroutine close_to_pull(pairs, effects, target, found, failure)
     ! Long: the stages are internal procedures, which share the state of the search.
     type(contact_pairs), intent(in) :: pairs                !! pairs of the position
     type(effect_box), intent(in) :: effects(:)              !! effects of the scene
     real(real64), intent(in) :: target                      !! load, below that of the last state
-    type(found_state), intent(inout) :: there               !! last compression; the state found
+    type(found_state), intent(inout) :: found               !! last compression; the state found
     character(len=:), allocatable, intent(out) :: failure   !! reason, when the load is not carried
     real(real64), allocatable :: ends(:)
     real(real64) :: top, bottom, best, least, lowest
@@ -81,7 +81,7 @@ contains
       real(real64) :: step
       integer :: try
 
-      above = max(there%closing, 0.0_real64)
+      above = max(found%closing, 0.0_real64)
       step = 1.0e-6_real64 * minval(pairs%list%radius)
       do try = 1, most_raises
         if (load_at(above) > target .or. allocated(failure)) return
@@ -151,10 +151,10 @@ contains
 
       load = 0.0_real64
       if (allocated(failure)) return
-      there%closing = place
-      call simulate_effects(pairs, effects, 0.0_real64, there, .true.)
-      call first_failure(effects, there%outcomes, failure)
-      load = load_asked_for(pairs, there%state)
+      found%closing = place
+      call simulate_effects(pairs, effects, 0.0_real64, found, .true.)
+      call first_failure(effects, found%outcomes, failure)
+      load = controlled_load(pairs, found%state)
     end function load_at
 
   end subroutine close_to_pull

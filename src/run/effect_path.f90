@@ -100,7 +100,7 @@ contains
     character(len=:), allocatable, intent(inout) :: failure
     ! Tolerance relative to the last compression (chosen: the accuracy of the solution at one).
     real(real64), parameter :: tolerance = 1.0e-10_real64
-    type(found_state) :: there
+    type(found_state) :: found
     logical, dimension(size(pairs%list)) :: begun, fresh, first
     real(real64) :: at, low, high
     integer :: i
@@ -112,15 +112,15 @@ contains
       low = closings(size(closings))
       high = last
       do
-        there%closing = at
-        call simulate_effects(pairs, effects, 0.0_real64, there, .true.)
-        call first_failure(effects, there%outcomes, failure)
+        found%closing = at
+        call simulate_effects(pairs, effects, 0.0_real64, found, .true.)
+        call first_failure(effects, found%outcomes, failure)
         if (allocated(failure)) return
-        fresh = in_contact(there%state, [(i, i=1, size(fresh))]) .and. .not. begun
+        fresh = in_contact(found%state, [(i, i=1, size(fresh))]) .and. .not. begun
         if (any(fresh)) then
           high = at
           first = fresh
-          at = max(low, high - maxval(there%state%penetration, fresh))
+          at = max(low, high - maxval(found%state%penetration, fresh))
           if (high - at <= tolerance * last) exit
         else if (.not. at < last) then
           return

@@ -4,9 +4,11 @@ module asperity_effect_position
   use asperity_contact_effect, only: effect_box, effect_outcome
   use asperity_contact_law, only: contact_law
   use asperity_contact_pairs, only: contact_pairs, in_scene_units
-  use asperity_contact_records, only: asked_normal, asked_vertical, effect_record, most_rows, &
+  use asperity_contact_records, only: prescribed_normal, prescribed_vertical, effect_record, &
+    most_rows, &
                                       position_result
-  use asperity_contact_state, only: apart, contact_state, load_asked_for, move_x, move_y, &
+  use asperity_contact_state, only: kept_results, contact_state, controlled_load, shift_x, &
+    shift_y, &
                                     start_state, total_load, total_vertical_load
   use asperity_earlier_solutions, only: keep_solution, mark_crowded
   use asperity_effect_choice, only: choose_effects
@@ -44,7 +46,7 @@ contains
     type(position_run), intent(inout) :: run               !! options; the outcome
     character(len=:), allocatable, intent(out) :: failure  !! reason, when a state is not solved
     type(path_step), allocatable :: steps(:), hold(:)
-    type(found_state) :: there
+    type(found_state) :: found
     integer :: i
 
     result%x_displacement = pairs%x_displacement
@@ -55,33 +57,33 @@ contains
     do i = 1, size(effects)
       call effects(i)%effect%begin(pairs)
     end do
-    there%closing = pairs%closing
+    found%closing = pairs%closing
     if (is_load(scene_in%loading%control) .and. .not. run%simulated) then
-      call close_to_load(pairs, effects, pairs%target, 0.0_real64, there, failure)
+      call close_to_load(pairs, effects, pairs%target, 0.0_real64, found, failure)
       if (allocated(failure)) return
     end if
-    call plan_states(scene_in, pairs, effects, there%closing, steps, failure)
+    call plan_states(scene_in, pairs, effects, found%closing, steps, failure)
     if (allocated(failure)) return
     allocate (hold(0))
-    if (acts_in_time(pairs, effects, there%closing)) call plan_hold(scene_in, hold)
+    if (acts_in_time(pairs, effects, found%closing)) call plan_hold(scene_in, hold)
     steps = [steps, hold]
     allocate (result%states(size(steps)), result%rows(0))
-    call run_steps(scene_in, pairs, effects, steps, there, result, run, failure)
+    call run_steps(scene_in, pairs, effects, steps, found, result, run, failure)
     ! The states end early when there are more contacts than can be kept.
     if (run%too_far .or. allocated(failure) .or. .not. allocated(result%effects)) return
-    associate (state => there%state)
+    associate (state => found%state)
       if (pairs%keeps_solution .and. allocated(state%found)) then
-        if (state%found(1, apart) > 0.0_real64) then
+        if (state%found(1, kept_results) > 0.0_real64) then
           call keep_solution(pairs, state%closing, &
                              [total_load(state), total_vertical_load(state)], &
-                             state%penetration, transpose(state%found(2:, move_x:move_y)), &
+                             state%penetration, transpose(state%found(2:, shift_x:shift_y)), &
                              result%start)
         else
-          call mark_crowded(pairs, state%closing, load_asked_for(pairs, state), result%start)
+          call mark_crowded(pairs, state%closing, controlled_load(pairs, state), result%start)
         end if
       end if
       if (only_grows(steps)) &
-        call compare_at_load(pairs, effects, there%load_asked, state, result%effects, failure)
+        call compare_at_load(pairs, effects, found%prescribed_load, state, result%effects, failure)
     end associate
     ! Without a state of fewer effects under the load there is no comparison.
     if (allocated(failure)) then
@@ -90,64 +92,64 @@ contains
   end subroutine run_position
 
   ! Computes state after state. A state that the search for a load has left is not simulated again.
-  subroutine run_steps(scene_in, pairs, effects, steps, there, result, run, failure)
+  subroutine run_steps(scene_in, pairs, effects, steps, found, result, run, failure)
     type(scene), intent(in) :: scene_in
     type(contact_pairs), intent(in) :: pairs
     type(effect_box), intent(inout) :: effects(:)
     type(path_step), intent(in) :: steps(:)
-    type(found_state), intent(inout) :: there   ! last state
+    type(found_state), intent(inout) :: found   ! last state
     type(position_result), intent(inout) :: result
     type(position_run), intent(inout) :: run
     character(len=:), allocatable, intent(out) :: failure
     real(real64) :: deepest, held
     integer :: e, i
 
-    there%closing = 0.0_real64
+    found%closing = 0.0_real64
     deepest = -1.0_real64
     held = 0.0_real64
     do i = 1, size(steps)
-      there%load_asked = steps(i)%load
+      found%prescribed_load = steps(i)%load
       select case (steps(i)%control)
       case (to_closing)
-        there%closing = steps(i)%value
+        found%closing = steps(i)%value
       case (to_load)
-        call close_to_load(pairs, effects, steps(i)%load, 0.0_real64, there, failure)
+        call close_to_load(pairs, effects, steps(i)%load, 0.0_real64, found, failure)
       case (as_before)
-        there%load_asked = held
-        call close_to_load(pairs, effects, held, steps(i)%time, there, failure)
+        found%prescribed_load = held
+        call close_to_load(pairs, effects, held, steps(i)%time, found, failure)
       case default  ! stay
       end select
-      run%too_far = there%closing > pairs%complete_to
+      run%too_far = found%closing > pairs%complete_to
       if (allocated(failure) .or. run%too_far) return
-      if (.not. is_known(there, effects, steps(i)%time)) then
+      if (.not. is_known(found, effects, steps(i)%time)) then
         ! Results of a search belong to its load.
-        if (.not. there%load_asked < huge(held)) then
-          if (allocated(there%called_for)) deallocate (there%called_for)
-          if (allocated(there%found)) deallocate (there%found)
+        if (.not. found%prescribed_load < huge(held)) then
+          if (allocated(found%called_for)) deallocate (found%called_for)
+          if (allocated(found%found)) deallocate (found%found)
         end if
-        call simulate_effects(pairs, effects, steps(i)%time, there)
+        call simulate_effects(pairs, effects, steps(i)%time, found)
       end if
-      call first_failure(effects, there%outcomes, failure)
+      call first_failure(effects, found%outcomes, failure)
       if (allocated(failure)) return
-      run%simulated = run%simulated .or. any(there%outcomes%simulated /= 'off')
+      run%simulated = run%simulated .or. any(found%outcomes%simulated /= 'off')
       do e = 1, size(effects)
-        call effects(e)%effect%keep(pairs, there%state)
+        call effects(e)%effect%keep(pairs, found%state)
       end do
-      call add_state(scene_in, pairs, effects, there%state, there%outcomes, i, run%keep_rows, &
+      call add_state(scene_in, pairs, effects, found%state, found%outcomes, i, run%keep_rows, &
                      result)
-      if (there%closing > deepest) then
-        deepest = there%closing
+      if (found%closing > deepest) then
+        deepest = found%closing
         if (allocated(run%law)) deallocate (run%law)
-        if (all(there%state%answers%load >= 0.0_real64)) allocate (run%law, source=there%state%law)
+        if (all(found%state%answers%load >= 0.0_real64)) allocate (run%law, source=found%state%law)
       end if
-      if (there%load_asked < huge(held)) then
-        result%states(i)%asked = merge(asked_vertical, asked_normal, pairs%vertical)
-        result%states(i)%load_asked = in_scene_units(pairs, there%load_asked, 1, 2)
+      if (found%prescribed_load < huge(held)) then
+        result%states(i)%prescribed = merge(prescribed_vertical, prescribed_normal, pairs%vertical)
+        result%states(i)%prescribed_load = in_scene_units(pairs, found%prescribed_load, 1, 2)
       end if
       call pairs%progress_count%count_state(result%counted)
       ! Effects keep this state and may answer otherwise in the next one.
-      if (allocated(there%outcomes)) deallocate (there%outcomes)
-      if (steps(i)%control /= as_before) held = load_asked_for(pairs, there%state)
+      if (allocated(found%outcomes)) deallocate (found%outcomes)
+      if (steps(i)%control /= as_before) held = controlled_load(pairs, found%state)
       if (result%rows_used > most_rows) exit
     end do
   end subroutine run_steps
@@ -170,18 +172,18 @@ contains
 
   ! Whether the state is that of its compression and a time, with all effects. The search for a load
   ! on loading leaves out effects that act in time.
-  pure logical function is_known(there, effects, time)
-    type(found_state), intent(in) :: there
+  pure logical function is_known(found, effects, time)
+    type(found_state), intent(in) :: found
     type(effect_box), intent(in) :: effects(:)
     real(real64), intent(in) :: time
     integer :: i
 
-    is_known = allocated(there%outcomes)
-    if (is_known .and. time > 0.0_real64) is_known = .not. abs(there%state%time - time) > 0.0_real64
+    is_known = allocated(found%outcomes)
+    if (is_known .and. time > 0.0_real64) is_known = .not. abs(found%state%time - time) > 0.0_real64
     do i = 1, size(effects)
       if (.not. time > 0.0_real64) is_known = is_known .and. .not. effects(i)%effect%acts_in_time
     end do
-    if (is_known) is_known = .not. abs(there%state%closing - there%closing) > 0.0_real64
+    if (is_known) is_known = .not. abs(found%state%closing - found%closing) > 0.0_real64
   end function is_known
 
   ! Whether an effect that acts in time is simulated.

@@ -4,7 +4,7 @@ module asperity_effect_rows
   use asperity_contact_effect, only: column_name, effect_box, effect_outcome
   use asperity_contact_pairs, only: contact_pair, contact_pairs, in_scene_units
   use asperity_contact_records, only: add_rows, contact_row, position_result, state_row
-  use asperity_contact_state, only: contact_state, in_contact, move_x, move_y, start_state
+  use asperity_contact_state, only: contact_state, in_contact, shift_x, shift_y, start_state
   use asperity_contact_law, only: contact_response
   use asperity_hertz_law, only: hertz_law
   use asperity_kinds, only: not_computed, real64
@@ -142,7 +142,7 @@ contains
         kept%side = scale(kept%side, unit)
       end if
       if (allocated(state%found)) &
-        kept%shift = scale(transpose(state%found(2:, move_x:move_y)), unit)
+        kept%shift = scale(transpose(state%found(2:, shift_x:shift_y)), unit)
     end associate
   end subroutine keep_pressures
 

@@ -15,7 +15,7 @@ module asperity_effect_sequence
   !> A compression, the contacts there and the results of the search for it.
   type :: found_state
     real(real64) :: closing = 0.0_real64               !! compression, length, 0 or more
-    real(real64) :: load_asked = huge(1.0_real64)      !! requested load; huge: none
+    real(real64) :: prescribed_load = huge(1.0_real64)  !! requested load; huge: none
     type(contact_state) :: state                       !! contacts with the effects
     type(effect_outcome), allocatable :: outcomes(:)   !! results of the effects
     !> By effect, for those of `auto`: whether it is simulated, regardless of its estimate; not
@@ -29,11 +29,11 @@ module asperity_effect_sequence
 contains
 
   !> Computes the contacts at a compression with the effects that are called for.
-  subroutine simulate_effects(pairs, effects, time, there, loading_only)
+  subroutine simulate_effects(pairs, effects, time, found, loading_only)
     type(contact_pairs), intent(in) :: pairs     !! pairs of the position
     type(effect_box), intent(in) :: effects(:)   !! effects of the scene, in their order of action
     real(real64), intent(in) :: time             !! time since the end of loading, 0 or more
-    type(found_state), intent(inout) :: there    !! compression and search; gets the state
+    type(found_state), intent(inout) :: found    !! compression and search; gets the state
     !> whether effects that act in time are left out; absent: .false.
     logical, intent(in), optional :: loading_only
     real(real64) :: before
@@ -44,46 +44,46 @@ contains
 
     without_time = .false.
     if (present(loading_only)) without_time = loading_only
-    if (allocated(there%outcomes)) deallocate (there%outcomes)
-    allocate (there%outcomes(size(effects)))
-    call start_state(pairs, hertz_law(modulus=pairs%modulus), there%closing, there%state)
-    there%state%time = time
+    if (allocated(found%outcomes)) deallocate (found%outcomes)
+    allocate (found%outcomes(size(effects)))
+    call start_state(pairs, hertz_law(modulus=pairs%modulus), found%closing, found%state)
+    found%state%time = time
     if (pairs%interrupt%is_asked() .and. size(effects) > 0) then
-      there%outcomes(1)%failure = 'interrupted'
+      found%outcomes(1)%failure = 'interrupted'
       return
     end if
-    if (allocated(there%found)) there%state%found = there%found
-    call choose_effects(pairs, effects, there%state, there%outcomes, called, there%state%left)
+    if (allocated(found%found)) found%state%found = found%found
+    call choose_effects(pairs, effects, found%state, found%outcomes, called, found%state%left)
     why = 'estimate above tolerance'
-    if (allocated(there%called_for)) then
+    if (allocated(found%called_for)) then
       why = 'estimate at tolerance'
       do i = 1, size(effects)
-        if (effects(i)%effect%mode == effect_auto) called(i) = there%called_for(i)
+        if (effects(i)%effect%mode == effect_auto) called(i) = found%called_for(i)
       end do
     end if
     do i = 1, size(effects)
-      associate (effect => effects(i)%effect, outcome => there%outcomes(i))
+      associate (effect => effects(i)%effect, outcome => found%outcomes(i))
         if (without_time .and. effect%acts_in_time) cycle
         if (called(i) .and. effect%approximates .and. effect%mode == effect_auto .and. &
-            .not. allocated(there%called_for)) then
+            .not. allocated(found%called_for)) then
           ! Effects before this one may have changed the contact law and so its estimate.
-          outcome%estimate = effect%estimate(pairs, there%state)
-          called(i) = outcome%estimate > there%state%left
+          outcome%estimate = effect%estimate(pairs, found%state)
+          called(i) = outcome%estimate > found%state%left
         end if
         if (.not. called(i)) then
-          call effect%leave_out(pairs, there%state, outcome)
+          call effect%leave_out(pairs, found%state, outcome)
           cycle
         end if
         if (effect%mode == effect_auto) outcome%why = why
-        before = total_vertical_load(there%state)
-        call effect%apply(pairs, there%state, outcome)
+        before = total_vertical_load(found%state)
+        call effect%apply(pairs, found%state, outcome)
         if (allocated(outcome%failure)) return
         if (before > 0.0_real64 .and. .not. outcome%influence_known) &
-          outcome%influence = total_vertical_load(there%state) / before - 1.0_real64
+          outcome%influence = total_vertical_load(found%state) / before - 1.0_real64
       end associate
     end do
     do i = 1, size(effects)
-      call effects(i)%effect%finish(pairs, there%state, there%outcomes(i))
+      call effects(i)%effect%finish(pairs, found%state, found%outcomes(i))
     end do
   end subroutine simulate_effects
 

@@ -2,7 +2,8 @@
 !>
 !> The driver checks this for every solver, independently of the error that the solver reports.
 module asperity_loads_met
-  use asperity_contact_records, only: asked_nothing, asked_vertical, position_result, state_row
+  use asperity_contact_records, only: prescribed_nothing, prescribed_vertical, position_result, &
+    state_row
   use asperity_kinds, only: real64
   use asperity_problems, only: decimal_text, real_text
   use asperity_theory_warnings, only: of_contact_radius, of_load_direction, take_worse, &
@@ -25,20 +26,20 @@ contains
 
     largest = 0.0_real64
     do i = 1, size(position%states)
-      if (position%states(i)%asked /= asked_nothing) &
-        largest = max(largest, abs(position%states(i)%load_asked))
+      if (position%states(i)%prescribed /= prescribed_nothing) &
+        largest = max(largest, abs(position%states(i)%prescribed_load))
     end do
     do i = 1, size(position%states)
       associate (state => position%states(i))
-        if (state%asked == asked_nothing) cycle
-        found = merge(state%vertical_load, state%load, state%asked == asked_vertical)
-        reference = abs(state%load_asked)
+        if (state%prescribed == prescribed_nothing) cycle
+        found = merge(state%vertical_load, state%load, state%prescribed == prescribed_vertical)
+        reference = abs(state%prescribed_load)
         if (.not. reference > 0.0_real64) reference = largest
-        if (abs(found - state%load_asked) <= tolerance * reference) cycle
+        if (abs(found - state%prescribed_load) <= tolerance * reference) cycle
         ! All requested loads are 0.
         if (.not. reference > 0.0_real64) cycle
         failure = 'the load of state ' // decimal_text(i) // ' is missed: asked for ' // &
-                  real_text(state%load_asked) // ', found ' // real_text(found)
+                  real_text(state%prescribed_load) // ', found ' // real_text(found)
         return
       end associate
     end do

@@ -24,10 +24,10 @@ module asperity_greenwood_integrals
   public :: quantities, contacts_per_area, area_per_area, load_per_area, vertical_per_area
 
   integer, parameter :: quantities = 4        !! what there is of on an area
-  integer, parameter :: contacts_per_area = 1 !! number of contacts
+  integer, parameter :: contacts_per_area = 1  !! number of contacts
   integer, parameter :: area_per_area = 2     !! contact area
   integer, parameter :: load_per_area = 3     !! sum of the forces normal to the contacts
-  integer, parameter :: vertical_per_area = 4 !! sum of their vertical parts: the mean pressure
+  integer, parameter :: vertical_per_area = 4  !! sum of their vertical parts: the mean pressure
 
   !> The statistics of two surfaces, or of one against a plane.
   type :: greenwood_law
@@ -117,7 +117,7 @@ contains
     real(real64), intent(out) :: separation                !! of the reference planes
     character(len=:), allocatable, intent(out) :: failure  !! reason of a failure
     type(root_bracket) :: bracket
-    real(real64) :: deepest, place, miss, values(quantities)
+    real(real64) :: deepest, place, residual, values(quantities)
     logical :: inside
 
     ! A place is how far down, and the deepest once more: so a middle is no mean by ratio.
@@ -129,15 +129,15 @@ contains
     do while (inside)
       separation = real(law%heights%highest, real64) - (place - deepest)
       values = densities_at(law, separation)
-      miss = log(max(values(vertical_per_area), tiny(miss))) - log(pressure)
-      if (place >= 2 * deepest .and. miss < 0.0_real64) then
+      residual = log(max(values(vertical_per_area), tiny(residual))) - log(pressure)
+      if (place >= 2 * deepest .and. residual < 0.0_real64) then
         failure = 'the pressure is more than the surfaces carry before asperities ' // &
             'penetrate by ' // &
                   'half the sum of their radii'
         return
       end if
-      if (abs(miss) <= epsilon(miss)) return
-      call narrow_bracket(bracket, place, miss, miss < 0.0_real64)
+      if (abs(residual) <= epsilon(residual)) return
+      call narrow_bracket(bracket, place, residual, residual < 0.0_real64)
       call guess_root(bracket, place, inside)
     end do
   end subroutine separation_at_pressure

@@ -62,7 +62,8 @@ contains
     call check(error, found%states(2)%contacts == 4 .and. found%states(2)%last_row == 2, 'a state')
     call check(error, found%states(2)%greatest_pressure > 8.0_real64, 'a pressure')
     call check(error, nint(found%states(2)%dissipated_work), 10, 'a work')
-    call check(error, found%states(2)%asked == 2 .and. nint(found%states(2)%load_asked) == 9, &
+    call check(error, found%states(2)%prescribed == 2 .and. &
+               nint(found%states(2)%prescribed_load) == 9, &
                'a load asked for')
     call pack_position(found, again)
     call check(error, size(again), size(words), 'how many words come back')

@@ -106,7 +106,7 @@ contains
     real(real64), intent(in) :: relaxation_time          !! relaxation time of the material
     integer, intent(in) :: points                        !! number of states, 2 or more
     real(real64), allocatable, intent(out) :: times(:)   !! from 0 to `hold_time`, ascending
-    real(real64) :: even, rise, span
+    real(real64) :: interval, rise, span
     integer :: i, last
 
     if (.not. hold_time > 0.0_real64) then
@@ -117,12 +117,12 @@ contains
     last = max(1, points - 1)
     allocate (times(last + 1))
     ! Chosen: ratios over at most six decades; from ten holds on times are nearly even.
-    even = min(max(0.1_real64 * relaxation_time, 1.0e-6_real64 * hold_time), &
-               10.0_real64 * hold_time)
-    span = log(1.0_real64 + hold_time / even)
+    interval = min(max(0.1_real64 * relaxation_time, 1.0e-6_real64 * hold_time), &
+                   10.0_real64 * hold_time)
+    span = log(1.0_real64 + hold_time / interval)
     do i = 0, last
       rise = exp(span * i / last) - 1.0_real64
-      times(i + 1) = min(hold_time, even * rise)
+      times(i + 1) = min(hold_time, interval * rise)
     end do
     times(1) = 0.0_real64
     times(last + 1) = hold_time
