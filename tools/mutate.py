@@ -19,8 +19,8 @@ build/mutants/seed-N.json: a run that was cut short continues there. A change th
 or that gives the same object code, is drawn again.
 
 --constants takes each constant of the table of docs/theory/interaction.md, once times 1.3 and once
-over 1.3, and runs the test file that its comment names, at first without slow tests. The outcomes
-are written to reference_output/interaction/constants.csv.
+over 1.3, and runs the test file that its comment names, at first without slow tests, or else a
+suite of its folder. The outcomes are written to reference_output/interaction/constants.csv.
 
 Only the changed file is compiled anew when its module file stays the same, as nothing else can
 depend on the change then; otherwise fpm compiles what uses it, too.
@@ -101,6 +101,9 @@ TEST_LIMIT = 240
 MUTANT_LIMIT = 1800
 # Seconds: the test file of a constant.
 FILE_LIMIT = 300
+# Run for constants whose comments name no test.
+ROOM_TESTS = {"grid": "elements_suite.f90", "circles": "coupled_suite.f90",
+              "joint": "joint_suite.f90"}
 # Statuses of pytest that say nothing about the program: internal error, usage, no test found.
 PYTEST_FAULTS = (3, 4, 5)
 # An allocation without end ends the mutant, not the machine: a process gets 8 GiB.
@@ -357,7 +360,7 @@ def scaled_constants():
         up = f"(({text[begin:end]})*13 + 9)/10" if text.startswith("integer") else \
             f"({text[begin:end]})*13/10"
         for kind, new in (("up", up), ("down", f"({text[begin:end]})*10/13")):
-            yield {"number": 0, "constant": name, "test": one.test,
+            yield {"number": 0, "constant": name, "test": one.test or ROOM_TESTS[one.room],
                    "file": str(path.relative_to(ROOT)), "line": line + 1, "kind": kind,
                    "before": lines[line],
                    "after": lines[line][:column] + new + lines[line][column + end - begin:]}
@@ -370,7 +373,7 @@ def run_constants(copies, record, names):
 
     old = {key(mutant): mutant for mutant in record.data["mutants"]}
     record.data["mutants"] = [old.get(key(mutant), mutant) for mutant in scaled_constants()]
-    todo = [mutant for mutant in record.data["mutants"] if mutant["test"] and (any(
+    todo = [mutant for mutant in record.data["mutants"] if (any(
         name in mutant["constant"] for name in names) if names else "outcome" not in mutant)]
     slow = (ROOT / "test/slow_tests.txt").read_text(encoding="utf-8")
     for marks in ("not slow", "slow"):
@@ -780,7 +783,6 @@ def run(copies, tasks):
     """Judges mutants, in each copy one at a time."""
     spare = queue.SimpleQueue()
     for copy in copies:
-        copy.stopped = False
         spare.put(copy)
 
     def in_a_copy(task, *words):
@@ -798,6 +800,8 @@ def run(copies, tasks):
         for copy in copies:
             copy.stopped = True
         pool.shutdown(cancel_futures=True)
+        for copy in copies:
+            copy.stopped = False
 
 
 def digest_of_tests():

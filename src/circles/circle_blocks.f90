@@ -23,7 +23,7 @@ module asperity_circle_blocks
   end type circle_blocks
 
   ! Circles in a block at most [1]: a factor takes the third power of it; measured, 6 and 24 take 5
-  ! to 10 % longer on dense scenes; test: coupled_suite.f90.
+  ! to 10 % longer on dense scenes.
   integer, parameter :: most_in_block = 12
 
 contains

@@ -28,30 +28,29 @@ module asperity_circle_field
             pair_hessian, relative_position
 
   !> Sums of radii [1] below which a pair is near: farther off sums are by a tree; derived, the
-  !> error of the Laplacian of 1/r there is 1e-4; test: summation_suite.f90.
+  !> error of the Laplacian of 1/r there is 1e-4; test: coupled_suite.f90.
   real(real64), parameter, public :: near_factor = 5.0_real64
 
-  !> Mean squares of a Hertz row and of a flat one, halved [1]: what widens 1/r by its Laplacian;
-  !> derived; test: potential_suite.f90.
+  !> Mean square of a Hertz row, halved [1]: what widens 1/r by its Laplacian; derived; test:
+  !> potential_suite.f90.
   real(real64), parameter, public :: hertz_spread = 0.1_real64
-  real(real64), parameter, public :: flat_spread = 1.0_real64 / 6  !! derived, as above
+  !> The same of a flat row [1]; derived; test: test_effect_contacts.py.
+  real(real64), parameter, public :: flat_spread = 1.0_real64 / 6
 
   !> Sums of radii [1] up to which circles are in one block or group; chosen: farther off a field
-  !> bends little; with 1.5 dense caps take as many steps; test: coupled_suite.f90.
+  !> bends little; with 1.5 dense caps take as many steps.
   real(real64), parameter, public :: close_by = 2.0_real64
 
   !> Share of a second derivative of a circle without neighbours [1] that is left of it at least, so
-  !> that a model is convex; chosen, scenes need as many steps with 0.03 and 0.3; test:
-  !> coupled_suite.f90.
+  !> that a model is convex; chosen, scenes need as many steps with 0.03 and 0.3.
   real(real64), parameter, public :: least_share = 0.1_real64
 
   !> Error of a sum over many circles [1], a share of the largest displacement; measured in
-  !> summation_suite; test: coupled_suite.f90.
+  !> summation_suite.
   real(real64), parameter, public :: sum_error = 1.0e-8_real64
 
   !> Rounds of conjugate gradients at most [1]; chosen, dense scenes need 60; and of iterations on a
-  !> few unknowns: a group, a place of contact, squares; chosen, they need 10; test:
-  !> coupled_suite.f90.
+  !> few unknowns: a group, a place of contact, squares; chosen, they need 10.
   integer, parameter, public :: most_rounds = 400, most_repeats = 40
 
   !> Circles or near pairs [1] from which on threads share the work, and sums are by a tree
@@ -60,11 +59,10 @@ module asperity_circle_field
 
   ! Memory, bytes, an upper estimate that is compared with what is available. Near pair: 56 of its
   ! terms, 24 of its circles and places in lists, 56 of the lists that blocks are made from. Circle:
-  ! 864 of a full block of 12, 440 of set and step, the rest for the tree; derived; test:
-  ! test_cost.py.
+  ! 864 of a full block of 12, 440 of set and step, the rest for the tree; derived.
   integer(int64), parameter :: bytes_of_pair = 136_int64, bytes_of_circle = 1600_int64
 
-  ! Pairs [1] whose terms are found together; chosen, some MB; test: coupled_suite.f90.
+  ! Pairs [1] whose terms are found together; chosen, some MB.
   integer, parameter :: batch_size = 65536
 
   !> Loaded contacts, one a circle, and their field. Arrays have one element, or column, a circle.

@@ -24,10 +24,10 @@ module asperity_circle_potential
   end type potential_state
 
   ! Share of the potential's sums [1] below which its change is taken from gradients; chosen: the
-  ! slopes of far circles leave out terms of 1e-4 of them; test: potential_suite.f90.
+  ! slopes of far circles leave out terms of 1e-4 of them.
   real(real64), parameter :: known_change = 1.0e-6_real64
   ! Error of a sum over few circles [1], a share of the largest displacement; measured in
-  ! mutual_suite; test: coupled_suite.f90.
+  ! mutual_suite.
   real(real64), parameter :: error_of_few = 1.0e-13_real64
   ! Gauss and Legendre's rule of three points on -1 to 1.
   real(real64), parameter :: nodes(3) = sqrt(0.6_real64) * [-1, 0, 1]

@@ -30,8 +30,7 @@ module asperity_coarse_circles
   !> with a share f of the area in contact 2 pi n k/q is below 4/pi sqrt(16 f/pi), 1.6 at 30 %;
   !> derived; test: coupled_suite.f90.
   real(real64), parameter :: circles_in_one = 16.0_real64
-  ! Share of the equations of squares that is left [1]; chosen: squares are a preconditioner; test:
-  ! coupled_suite.f90.
+  ! Share of the equations of squares that is left [1]; chosen: squares are a preconditioner.
   real(real64), parameter :: enough = 0.01_real64
 
 contains

@@ -43,34 +43,32 @@ module asperity_coupled_contacts
   public :: adopt_penetrations, coupled_solution, resolved_contacts, solve_coupled
 
   ! Most of these change how many steps are needed, not the result: the test of step counts fails
-  ! when they are changed several times.
-  ! Residual over the largest penetration [1], asked for; chosen, ten times above the rounding
-  ! error; test: coupled_suite.f90.
+  ! when they are changed several times. Residual over the largest penetration [1], asked for;
+  ! chosen, ten times above the rounding error.
   real(real64), parameter :: asked = 1.0e-11_real64
   ! The same where the residual stagnates and of many contacts [1]; a tenth of the error of sums,
-  ! measured in summation_suite; test: coupled_suite.f90.
+  ! measured in summation_suite.
   real(real64), parameter :: accepted = 1.0e-9_real64
   ! Decrease of the residual [1] from which on it stagnates, open contacts are examined again, and
-  ! which a step asks for at least; chosen; test: coupled_suite.f90.
+  ! which a step asks for at least; chosen.
   real(real64), parameter :: stagnates = 0.5_real64
-  ! Steps at most [1]; chosen, the hardest known scene takes 130; test: coupled_suite.f90.
+  ! Steps at most [1]; chosen, the hardest known scene takes 130.
   integer, parameter :: most_steps = 1000
   ! Ratio of the actual to the predicted decrease [1] from which a step is taken, below which the
   ! region shrinks and above which it grows, and both factors, of the length of the step; Nocedal
-  ! and Wright 2006, algorithm 4.1, and section 4.1; test: coupled_suite.f90.
+  ! and Wright 2006, algorithm 4.1, and section 4.1.
   real(real64), parameter :: taken = 0.1_real64, poor = 0.25_real64, good = 0.75_real64
   real(real64), parameter :: shrink = 0.25_real64, grow = 2.0_real64  ! 2006, as above
   ! Residual [1] above which the model is convex, and from which on the compression is compared with
-  ! the complete pair list; measured, 0.01 to 0.03 need equal steps; test: coupled_suite.f90.
+  ! the complete pair list; measured, 0.01 to 0.03 need equal steps.
   real(real64), parameter :: far_off = 0.02_real64
   ! Share of the gradient that a step leaves at least [1], else the root of the residual (Eisenstat
-  ! and Walker 1996); chosen: the sums of a product err by 2e-4; test: coupled_suite.f90.
+  ! and Walker 1996); chosen: the sums of a product err by 2e-4.
   real(real64), parameter :: least_left = 1.0e-3_real64
-  ! Share of the residual that is left in a group [1]; measured, 0.5 needs a third more steps; test:
-  ! coupled_suite.f90.
+  ! Share of the residual that is left in a group [1]; measured, 0.5 needs a third more steps.
   real(real64), parameter :: group_left = 0.1_real64
   ! Excess of the field over the penetration [1] from which on a contact opens at once; chosen: from
-  ! 1 on its load is 0 at the least potential in a fixed field; test: coupled_suite.f90.
+  ! 1 on its load is 0 at the least potential in a fixed field.
   real(real64), parameter :: opens_from = 10.0_real64
 
 contains

@@ -27,11 +27,9 @@ module asperity_coupled_groups
     procedure :: respond
   end type group_law
 
-  ! Share of the largest error of the equations [1] from which on a contact is eliminated; chosen;
-  ! test: coupled_suite.f90.
+  ! Share of the largest error of the equations [1] from which on a contact is eliminated; chosen.
   real(real64), parameter :: share_off = 0.05_real64
-  !> Contacts of a group at most [1]; chosen: larger ones take longer than they save; test:
-  !> coupled_suite.f90.
+  !> Contacts of a group at most [1]; chosen: larger ones take longer than they save.
   integer, parameter, public :: most_in_group = 100
 
 contains

@@ -15,7 +15,7 @@ module asperity_coupled_start
 
   public :: prepare_start, scale_start
 
-  !> Contacts up to which squares are of no use [1]; chosen, four squares; test: coupled_suite.f90.
+  !> Contacts up to which squares are of no use [1]; chosen, four squares.
   integer, parameter, public :: few_contacts = 64
 
 contains

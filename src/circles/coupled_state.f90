@@ -17,8 +17,7 @@ module asperity_coupled_state
   public :: answer_at, coupled_solution, evaluate_state, find_carried_load, &
             penetration_without_load, raise_to_load, resolved_contacts, update_circles, solve_state
 
-  !> Penetration of a contact that touches nowhere [length]: no step raises it above 0; chosen;
-  !> test: coupled_suite.f90.
+  !> Penetration of a contact that touches nowhere [length]: no step raises it above 0; chosen.
   real(real64), parameter, public :: far_below = -1.0e-3_real64 * huge(1.0_real64)
 
   !> Contacts that boundary elements resolve, as the Hertzian contacts see them; arrays by pair.
@@ -60,9 +59,9 @@ module asperity_coupled_state
   end type solve_state
 
   ! Growth of a circle [1] from which on it has other near neighbours, as has one that has moved by
-  ! its radius; chosen: near pairs reach to 5 sums of radii; test: coupled_suite.f90. Until then
-  ! near pairs are kept: if they were found at each field, the potential would jump by the error
-  ! of the sums where a pair is on the border.
+  ! its radius; chosen: near pairs reach to 5 sums of radii. Until then near pairs are kept: if they
+  ! were found at each field, the potential would jump by the error of the sums where a pair is on
+  ! the border.
   real(real64), parameter :: outgrown = 1.2_real64
   ! Share of the height between centres [1] below which a penetration stays; chosen, eps**(1/3);
   ! test: coupled_suite.f90.

@@ -39,12 +39,12 @@ module asperity_mutual_displacement
 
   ! Ratios of radii [1]: the closed forms lose digits with its third power, and are found with twice
   ! the digits below the first; below the second the smaller circle is a point, and a share of the
-  ! ratio of the displacement is left out; derived; test: mutual_suite.f90.
+  ! ratio of the displacement is left out; derived.
   real(real64), parameter :: small_ratio = 0.04_real64, no_ratio = 1.0e-7_real64
   ! Distance over the sum of radii [1] from which on the closed forms, made of differences of r**4,
   ! lose digits: seven terms of the series leave 1e-12 there; derived; test: mutual_suite.f90.
   real(real64), parameter :: series_from = 4.0_real64
-  !> Terms of the series behind the first [1]; derived; test: mutual_suite.f90.
+  !> Terms of the series behind the first [1]; derived.
   integer, parameter :: terms_kept = 6
   integer :: loop
   !> 1/sqrt(1 - z) in powers of z.

@@ -22,7 +22,7 @@ module asperity_open_contacts
 
   !> Searches with the field about a new place [1], halvings of the penetrations of contacts that
   !> begin to touch, and steps of the largest group that is eliminated, at most; chosen, 3 are
-  !> needed, and a group need not be solved; test: coupled_suite.f90.
+  !> needed, and a group need not be solved.
   integer, parameter, public :: most_looks = 8
 
 contains

@@ -33,19 +33,16 @@ module asperity_element_forces
   public :: find_forces, force_bounds, missing_gap
 
   !> Gap of an element that is never loaded, over the largest penetration: no displacement is as
-  !! large (derived from the rounding of numbers; test: pixels without a height in
-  !! test/regression/test_map_edges.py).
+  !! large (derived from the rounding of numbers).
   real(real64), parameter :: missing_gap = 1.0_real64 / epsilon(1.0_real64)
 
   ! Error of a displacement by FFT over the largest one: rounding grows as the logarithm of the
   ! number of elements to the base 2 (Higham, Accuracy and Stability, 2002, theorem 24.2). Measured:
   ! 1070 units of rounding on a free map of 283 x 59 pixels three times as wide as high, ten times
   ! beyond full contact; four times that is allowed (chosen). Without it loads whose displacements
-  ! are 1e6 times the heights do not end (tests: far beyond full contact in
-  ! test/unit/map_suite.f90 and test/regression/test_map_edges.py).
+  ! are 1e6 times the heights do not end.
   real(real64), parameter :: rounding = 4096 * epsilon(1.0_real64)
-  ! Largest number of iterations (chosen; test: far beyond full contact in
-  ! test/regression/test_map_edges.py).
+  ! Largest number of iterations (chosen).
   integer, parameter :: iterations_allowed = 2000
 
   !> Bounds of the forces, and the residual that ends the search.

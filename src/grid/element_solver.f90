@@ -58,27 +58,24 @@ module asperity_element_solver
 
   ! Elements along the longer side of the box of a cluster while the box is searched; half as many
   ! at least on the first lattice that is halved, and twice as many at most in the radius of an
-  ! isolated contact, whose load is in error by less than 1e-5 there (chosen; test: loads against
-  ! Hertz in test/regression/test_effect_contacts.py).
+  ! isolated contact, whose load is in error by less than 1e-5 there (chosen).
   integer, parameter :: box_elements = 24
   ! Elements in a radius from which on the load of the isolated contact is taken from them, and that
   ! the least radius of a loaded contact has to have: with fewer the elements of the box are halved
-  ! (chosen: else the load of 120 caps on caps has an error of 3 %; test: boundary elements in
-  ! test/regression/test_dense.py).
+  ! (chosen: else the load of 120 caps on caps has an error of 3 %).
   integer, parameter :: least_elements = 2
   ! Offset of the lattice from the contact with the largest isolated load, in elements of the first
   ! lattice that is halved, x and y (chosen: a symmetric offset lets the errors of elements at the
-  ! rim add up; test: areas in test/regression/test_dense.py).
+  ! rim add up; test: elements_suite.f90).
   real(real64), parameter :: lattice_offset(2) = [0.29_real64, 0.13_real64]
-  !> Number of standard deviations of an area, and of a load, that its error estimate holds (chosen;
-  !! test: areas and their error estimates in test/unit/elements_suite.f90).
+  !> Number of standard deviations of an area, and of a load, that its error estimate holds
+  !! (chosen).
   real(real64), parameter, public :: deviations = 3.0_real64
   ! Residual of the gaps over the deepest penetration: so much while the box is searched, then so
   ! much times the tolerance of the load, whose error is then 0.44 of the residual in the root mean
-  ! square (measured on 390 Hertz contacts; test: loads against Hertz in
-  ! test/unit/elements_suite.f90).
+  ! square (measured on 390 Hertz contacts).
   real(real64), parameter :: gap_residual = 0.004_real64
-  ! Bytes that a cluster may use (chosen; test: refusals in test/unit/elements_suite.f90).
+  ! Bytes that a cluster may use (chosen).
   real(real64), parameter :: bytes_allowed = 2.0_real64**31
 
 contains

@@ -26,26 +26,24 @@ module asperity_circle_error
 
   ! Largest share of the smaller load that two overlapping contacts take from each other: all of it
   ! where one centre is inside the other circle, else this (measured on two to thirty caps against
-  ! elements: 0.23 at most; test: circles in test/unit/joint_suite.f90).
+  ! elements: 0.23 at most).
   real(real64), parameter :: taken = 0.25_real64
   ! Factor of terms of first order: of the load that a hidden cap bears by the pressure of its host
   ! (measured: 1.33 at most in the four scenes where nothing else is larger), and of the load that
-  ! neighbours gain by an oval contact over its own gain (chosen; test: circles in
-  ! test/unit/joint_suite.f90).
+  ! neighbours gain by an oval contact over its own gain (chosen).
   real(real64), parameter :: first_order = 4.0_real64 / 3.0_real64
   ! Slope times R over the radius of a contact beyond which it is on a flank and has lost half of
-  ! this share of its rise (chosen; test: errors in test/regression/test_dense.py).
+  ! this share of its rise (chosen).
   real(real64), parameter :: steep = 0.6_real64
   ! Error of an inclined contact, an ellipse that neighbours see as a circle: share of the load that
   ! neighbours take, over the slope squared (measured: 0.054 at most on 33 scenes of slopes from
-  ! 0.14 to 0.56 where nothing else is larger; test: steep scenes in test/regression/test_dense.py).
+  ! 0.14 to 0.56 where nothing else is larger).
   real(real64), parameter :: inclined = 0.06_real64
   ! Error of a sphere as a paraboloid by the penetration that neighbours take: once as the ratio to
   ! the load of the isolated contact, 1.5 times as neighbours are displaced less (derived: 2.5;
-  ! measured: 3.3 at most; test: errors in test/regression/test_dense.py).
+  ! measured: 3.3 at most).
   real(real64), parameter :: fourth_power = 3.5_real64
-  ! Relative residual of the weights (chosen; test: errors of the compression in
-  ! test/unit/joint_suite.f90), and their factor, as they are of first order (chosen; test: ibid.).
+  ! Relative residual of the weights, and their factor, as they are of first order (chosen).
   real(real64), parameter :: weight_left = 0.03_real64, weight_factor = 2.0_real64
   ! Ratio of radii from which on a contact that overlaps the circle of a blunter one is nested
   ! (chosen; test: nested contacts in test/regression/test_warnings_at_limits.py).

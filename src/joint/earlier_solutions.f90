@@ -19,8 +19,7 @@ module asperity_earlier_solutions
   ! test/regression/test_solve_again.py).
   integer, parameter :: most_kept = 3
   ! Load**(2/3) or compression over that of an earlier solution, or its inverse, at most (measured:
-  ! beyond it a solve takes longer than one without a start; test: other changes in
-  ! test/regression/test_solve_again.py).
+  ! beyond it a solve takes longer than one without a start).
   real(real64), parameter :: farthest = 1.5_real64
 
 contains

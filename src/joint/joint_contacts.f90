@@ -60,15 +60,13 @@ module asperity_joint_contacts
   end enum
 
   ! Share of the tolerance for the boundary elements; the errors of areas, and of spheres as
-  ! paraboloids, have what it leaves, those of Hertzian contacts half of that (chosen; test: errors
-  ! within the tolerance in test/regression/test_dense.py).
+  ! paraboloids, have what it leaves, those of Hertzian contacts half of that (chosen).
   real(real64), parameter :: elements_share = 0.25_real64
   ! Share of the tolerance of a load by which one cluster may miss a given load, and by which the
   ! last round of Hertzian contacts and boundary elements may change the total; as a relative error
-  ! of the load that of the elements while the compression is searched (chosen; test: load that a
-  ! separation gave in test/regression/test_dense.py).
+  ! of the load that of the elements while the compression is searched (chosen).
   real(real64), parameter :: settled = 0.02_real64
-  ! Largest number of rounds (chosen; test: loads of clusters in test/unit/joint_suite.f90).
+  ! Largest number of rounds (chosen).
   integer, parameter :: most_rounds = 30
   ! Sums of radii: Hertzian contacts nearer to each other go to boundary elements together, with the
   ! open contacts within as many radii (chosen: just beside a large contact the error indicated for

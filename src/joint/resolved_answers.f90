@@ -20,8 +20,7 @@ module asperity_resolved_answers
 
   public :: represent_clusters, distribute_loads
 
-  ! Least share of a change of gaps that is applied (chosen; test: clusters in
-  ! test/unit/joint_suite.f90).
+  ! Least share of a change of gaps that is applied (chosen).
   real(real64), parameter :: least_taken = 0.1_real64
 
 contains

@@ -37,15 +37,15 @@ module asperity_resolved_clusters
   ! Sums of radii between members of two clusters at least, and half diagonals of a cluster from its
   ! middle to the circles whose field is interpolated. The change of another contact by the
   ! ellipticity of one falls with the sixth power of their distance, and is below 4e-6 of its load
-  ! from there (derived; test: clusters far apart in test/unit/joint_suite.f90).
+  ! from there (derived).
   real(real64), parameter :: far_off = 3.0_real64
   ! Chebyshev nodes along an axis of the interpolated field: its error is (3 + sqrt(8))**-8 = 1e-6
-  ! of it (derived; test: fields at nodes in test/unit/elements_suite.f90).
+  ! of it (derived).
   integer, parameter :: nodes = 8
   !> Relative error of an area over that of its load, as an error indicator, and as tolerances. For
-  !! an ellipse the area gains 4/3 of what its load gains, and a load in error has the area in
-  !! error by 2/3; twice their sum, as the field of contacts that nearly touch adds more (measured:
-  !! 3.3 at most in 97 of 100 dense scenes; test: areas in test/regression/test_dense.py).
+  !! an ellipse the area gains 4/3 of what its load gains, and a load in error has the area in error
+  !! by 2/3; twice their sum, as the field of contacts that nearly touch adds more (measured: 3.3 at
+  !! most in 97 of 100 dense scenes).
   real(real64), parameter, public :: area_per_load = 4.0_real64
 
 contains

@@ -213,8 +213,8 @@ contains
 
     pairs%modulus = 1.0_real64
     pairs%list = [pair_at(0.0_real64, 0.0_real64, 0.0_real64, 0.0_real64, 2.0_real64)]
-    do i = 0, 100
-      tolerance = 0.004_real64 * 1.02_real64**i
+    do i = 0, 200
+      tolerance = 0.004_real64 * 1.005_real64**i
       call solve_anew(pairs, [1], depth, nothing, [0.01_real64, tolerance], answer)
       deviation = abs(answer%contacts(1)%area / (pi * depth) - 1.0_real64)
       call check(error, deviation <= tolerance, 'tolerance')
