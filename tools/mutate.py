@@ -401,7 +401,7 @@ def write_constants(record, path):
     words = {"noticed": "seen", "survived": "not seen"}
     with open(path, "a+", encoding="utf-8", newline="") as file:
         file.seek(0)
-        old = {tuple(row[:2]): row for row in csv.reader(file)}
+        old = {row[0]: row for row in csv.reader(file)}
         file.truncate(0)
         table = csv.writer(file, lineterminator="\n")
         table.writerow(["constant", "test", "up", "down", "first test that fails"])
@@ -410,7 +410,7 @@ def write_constants(record, path):
             row = [up["constant"], up["test"],
                    *(words.get(outcome, outcome) for outcome in outcomes),
                    up.get("by") or down.get("by", "")]
-            table.writerow(row if any(outcomes) else old.get(tuple(row[:2]), row))
+            table.writerow(row if any(outcomes) else old.get(row[0], row))
 
 
 # The copy and its build

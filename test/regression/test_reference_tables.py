@@ -58,7 +58,7 @@ def test_fields_of_constants():
     assert 15 < len(found) <= 20
     for one in found:
         assert one.source, one.name
-        assert len(one.comment.split()) > 5, one.name
+        assert len(one.comment.split()) > 4, one.name
 
 
 def test_tests_of_constants():
