@@ -83,20 +83,20 @@ contains
     call find_slit_areas(shapes, lattice, sums, slit_area)
     do k = 1, size(shapes)
       if (.not. largest_force(k) > 0.0_real64) cycle
-      associate (one => contacts(shapes(k)%pair), load => sums(2, k), h => lattice%side)
-        one%load = modulus * lattice%depth * h * load
-        one%pressure = modulus * (lattice%depth / h) * largest_force(k)
-        one%area = h**2 * loaded_elements(sums(:, k)) * &
-                   exp(-slit_area(k) / loaded_elements(sums(:, k)))
-        one%x = shapes(k)%x + h * moment(1, k) / load
-        one%y = shapes(k)%y + h * moment(2, k) / load
+      associate (contact => contacts(shapes(k)%pair), load => sums(2, k), h => lattice%side)
+        contact%load = modulus * lattice%depth * h * load
+        contact%pressure = modulus * (lattice%depth / h) * largest_force(k)
+        contact%area = h**2 * loaded_elements(sums(:, k)) * &
+                       exp(-slit_area(k) / loaded_elements(sums(:, k)))
+        contact%x = shapes(k)%x + h * moment(1, k) / load
+        contact%y = shapes(k)%y + h * moment(2, k) / load
         ! The error of a load is at most half of that of the area, over n, as the pressure falls to
         ! zero at the rim (measured: 3.0e-3, 5.3e-4, 9.7e-5, 1.3e-5 at n = 3, 6, 12, 24 elements
         ! in the radius, root mean square). The rim of a circle has 8 n sides; inside another
         ! contact it has none.
         radius = max(1.0_real64, sqrt(loaded_elements(sums(:, k)) / pi))
-        one%error = 0.5_real64 * area_error * one%load / radius**2.5_real64 * &
-                    min(1.0_real64, rim_sides(k) / (8 * radius))
+        contact%error = 0.5_real64 * area_error * contact%load / radius**2.5_real64 * &
+                        min(1.0_real64, rim_sides(k) / (8 * radius))
       end associate
     end do
   end subroutine find_contacts

@@ -82,15 +82,15 @@ contains
 
   !> Finds the rectangle in plan in which the elements of a cluster lie; a point if no member
   !> penetrates.
-  pure subroutine cluster_extent(pairs, members, closing, x0, x1, y0, y1)
+  pure subroutine cluster_extent(pairs, members, compression, x0, x1, y0, y1)
     type(contact_pairs), intent(in) :: pairs       !! pairs of the position
     integer, intent(in) :: members(:)              !! contacts, indices in the list of pairs
-    real(real64), intent(in) :: closing            !! compression of the contacts [length]
+    real(real64), intent(in) :: compression        !! compression of the contacts [length]
     real(real64), intent(out) :: x0, x1, y0, y1    !! lower and upper limits in plan
     type(gap_shape), allocatable :: shapes(:)
     real(real64) :: low(2), high(2)
 
-    call find_shapes(pairs, members, closing, shapes)
+    call find_shapes(pairs, members, compression, shapes)
     low = [pairs%list(members(1))%x, pairs%list(members(1))%y]
     high = low
     if (size(shapes) > 0) call bounding_box(shapes, 0.0_real64, 0.0_real64, low, high)
@@ -113,10 +113,11 @@ contains
   !>
   !> Only lattices of one origin are compared. The load of members with the same position of first
   !> touch is stored at the first one.
-  subroutine solve_elements(pairs, members, closing, outside, tolerance, reference, lattice, answer)
+  subroutine solve_elements(pairs, members, compression, outside, tolerance, reference, lattice, &
+                            answer)
     type(contact_pairs), intent(in), target :: pairs       !! pairs of the position
     integer, intent(in) :: members(:)                      !! contacts, indices in the list of pairs
-    real(real64), intent(in) :: closing                    !! compression of the contacts [length]
+    real(real64), intent(in) :: compression                !! compression of the contacts [length]
     type(outside_field), intent(in), target :: outside     !! field of contacts not in the cluster
     real(real64), intent(in) :: tolerance(2)               !! relative errors of load and area
     real(real64), intent(in) :: reference(2)               !! least load and area they refer to
@@ -133,7 +134,7 @@ contains
     allocate (answer%is_isolated_solved(size(members)), source=.false.)
     answer%contacts%x = pairs%list(members)%x
     answer%contacts%y = pairs%list(members)%y
-    call find_shapes(pairs, members, closing, task%shapes)
+    call find_shapes(pairs, members, compression, task%shapes)
     associate (shapes => task%shapes)
       if (size(shapes) == 0) then
         answer%ending = solve_ending(.true., 0.0_real64, 0)
@@ -141,7 +142,8 @@ contains
       end if
       if (.not. all(shapes%penetration < level_height(pairs%list(members(shapes%pair))))) then
         answer%failure = 'a penetration reaches the level of the centres'
-      else if (.not. maxval(shapes%penetration / shapes%curvature_radius)**2 > tiny(closing)) then
+      else if (.not. maxval(shapes%penetration / shapes%curvature_radius)**2 > &
+               tiny(compression)) then
         answer%failure = 'penetrations below the resolution of boundary elements'
       end if
       if (allocated(answer%failure)) return
@@ -498,16 +500,16 @@ contains
   end function longer_side
 
   !> Whether any of the contacts outside a cluster is loaded in the displacement by the cluster.
-  pure logical function any_loaded(pairs, others, closing, outside, lattice)
+  pure logical function any_loaded(pairs, outside_contacts, compression, outside, lattice)
     type(contact_pairs), intent(in) :: pairs         !! pairs of the position
-    integer, intent(in) :: others(:)                 !! contacts outside, indices of pairs
-    real(real64), intent(in) :: closing              !! compression of the contacts [length]
+    integer, intent(in) :: outside_contacts(:)       !! contacts outside, indices of pairs
+    real(real64), intent(in) :: compression          !! compression of the contacts [length]
     type(outside_field), intent(in) :: outside       !! field of the contacts outside
     type(cluster_lattice), intent(in) :: lattice     !! solved lattice of the cluster
     type(gap_shape), allocatable :: shapes(:)
     integer :: i
 
-    call find_shapes(pairs, others, closing, shapes)
+    call find_shapes(pairs, outside_contacts, compression, shapes)
     any_loaded = .false.
     do i = 1, size(shapes)
       any_loaded = least_gap(shapes(i), lattice%elements, outside, pairs%modulus) < 0.0_real64
@@ -555,20 +557,20 @@ contains
   end function level_height
 
   ! Finds the gaps of the members that penetrate; `pair` is the index among the members.
-  pure subroutine find_shapes(pairs, members, closing, shapes)
+  pure subroutine find_shapes(pairs, members, compression, shapes)
     type(contact_pairs), intent(in) :: pairs
     integer, intent(in) :: members(:)
-    real(real64), intent(in) :: closing
+    real(real64), intent(in) :: compression
     type(gap_shape), allocatable, intent(out) :: shapes(:)
     integer :: i, n
 
-    allocate (shapes(count(closing - pairs%list(members)%gap > 0.0_real64)))
+    allocate (shapes(count(compression - pairs%list(members)%gap > 0.0_real64)))
     n = 0
     do i = 1, size(members)
       associate (pair => pairs%list(members(i)))
-        if (.not. closing - pair%gap > 0.0_real64) cycle
+        if (.not. compression - pair%gap > 0.0_real64) cycle
         n = n + 1
-        shapes(n) = gap_of_pair(pair, i, closing - pair%gap)
+        shapes(n) = gap_of_pair(pair, i, compression - pair%gap)
       end associate
     end do
   end subroutine find_shapes

@@ -55,7 +55,7 @@ contains
   !> contacts that no circle covers.
   subroutine find_errors(pairs, solution, covering, error, sphere_error, compression_share, nested)
     type(contact_pairs), intent(in) :: pairs           !! pairs of the position
-    type(coupled_solution), intent(inout) :: solution  !! solved contacts, not modified
+    type(coupled_solution), intent(inout) :: solution  !! solved contacts; work arrays change
     integer, intent(out) :: covering(:)                !! by open pair: contact that covers it, or 0
     real(real64), intent(out) :: error(:)              !! by pair, including those of neighbours
     real(real64), intent(out) :: sphere_error(:)       !! by pair, of spheres as paraboloids

@@ -130,9 +130,9 @@ contains
 
   !> Adds a solution to the earlier ones of its position. Earlier ones of other pairs, of the same
   !> compression, and the farthest of more than `most_kept` are dropped.
-  subroutine keep_solution(pairs, closing, load, penetration, shift, start)
+  subroutine keep_solution(pairs, compression, load, penetration, shift, start)
     type(contact_pairs), intent(in) :: pairs           !! pairs of the position
-    real(real64), intent(in) :: closing                !! compression of the contacts
+    real(real64), intent(in) :: compression            !! compression of the contacts
     real(real64), intent(in) :: load(2)                !! sum of normal and of vertical loads
     real(real64), intent(in) :: penetration(:)         !! penetrations by pair, <= 0 where open
     real(real64), intent(in) :: shift(:, :)            !! shifts (2, pair)
@@ -144,10 +144,10 @@ contains
     if (associated(pairs%start)) then
       if (allocated(pairs%start%solutions)) then
         is_kept = [(has_same_pairs(pairs, pairs%start%solutions(k)) .and. &
-                    abs(pairs%start%solutions(k)%closing - closing) > &
-                    sqrt(epsilon(closing)) * closing, k=1, size(pairs%start%solutions))]
+                    abs(pairs%start%solutions(k)%closing - compression) > &
+                    sqrt(epsilon(compression)) * compression, k=1, size(pairs%start%solutions))]
         if (count(is_kept) >= most_kept) &
-          is_kept(maxloc(abs(pairs%start%solutions%closing - closing), 1, is_kept)) = .false.
+          is_kept(maxloc(abs(pairs%start%solutions%closing - compression), 1, is_kept)) = .false.
       end if
       start%crowded_compression = pairs%start%crowded_compression
       start%crowded_load = pairs%start%crowded_load
@@ -160,38 +160,38 @@ contains
       start%solutions(kept) = pairs%start%solutions(k)
     end do
     associate (new => start%solutions(1))
-      n = count(pairs%list%gap < closing)
-      new%closing = closing
+      n = count(pairs%list%gap < compression)
+      new%closing = compression
       new%load = load / pairs%modulus
       new%upper = pairs%list(:n)%upper
       new%lower = pairs%list(:n)%lower
       new%gap = pairs%list(:n)%gap
-      new%penetration = merge(penetration(:n), far_below, abs(penetration(:n)) > tiny(closing))
+      new%penetration = merge(penetration(:n), far_below, abs(penetration(:n)) > tiny(compression))
       new%shift = shift(:, :n)
     end associate
   end subroutine keep_solution
 
   !> Keeps the earlier solutions, and marks the compression and load of a solution that depends on
   !> its start: from the least of them on no start is set.
-  subroutine mark_crowded(pairs, closing, load, start)
+  subroutine mark_crowded(pairs, compression, load, start)
     type(contact_pairs), intent(in) :: pairs     !! pairs of the position
-    real(real64), intent(in) :: closing          !! compression of the contacts
+    real(real64), intent(in) :: compression      !! compression of the contacts
     real(real64), intent(in) :: load             !! prescribed load, normal or vertical
     type(solution_start), intent(out) :: start   !! earlier solutions, marked
 
     if (associated(pairs%start)) start = pairs%start
-    start%crowded_compression = min(start%crowded_compression, closing)
+    start%crowded_compression = min(start%crowded_compression, compression)
     start%crowded_load = min(start%crowded_load, load / pairs%modulus)
   end subroutine mark_crowded
 
   !> Compression at the prescribed load of the pairs, extrapolated by Hertz' law from the earlier
   !> solution of the most similar load; 0 where there is none.
-  pure real(real64) function expected_compression(pairs) result(closing)
+  pure real(real64) function expected_compression(pairs) result(compression)
     type(contact_pairs), intent(in) :: pairs   !! pairs of the position
     real(real64), allocatable :: ratio(:)
     integer :: k
 
-    closing = 0.0_real64
+    compression = 0.0_real64
     if (.not. (associated(pairs%start) .and. pairs%target > 0.0_real64)) return
     if (.not. allocated(pairs%start%solutions)) return
     if (pairs%target / pairs%modulus >= pairs%start%crowded_load) return
@@ -202,7 +202,7 @@ contains
                                (pairs%modulus * solutions(k)%load(merge(2, 1, pairs%vertical))))
       end do
       k = minloc(abs(log(ratio)), 1)
-      if (ratio(k) < farthest) closing = solutions(k)%closing * ratio(k)
+      if (ratio(k) < farthest) compression = solutions(k)%closing * ratio(k)
     end associate
   end function expected_compression
 

@@ -25,23 +25,23 @@ contains
   !> that is convex in the penetration decreases by less than its tangent indicates; and shifts of
   !> the contacts on the sloping surface reduce the effect. For laws that are not convex and circles
   !> that overlap deeply the bound is not proved; its order of magnitude holds.
-  function estimate_of_interaction(pairs, law, closing) result(share)
+  function estimate_of_interaction(pairs, law, compression) result(share)
     type(contact_pairs), intent(in) :: pairs   !! pairs that may touch, ascending gap
     class(contact_law), intent(in) :: law      !! contact law of each pair
-    real(real64), intent(in) :: closing        !! compression from first touch [length]
+    real(real64), intent(in) :: compression    !! compression from first touch [length]
     real(real64) :: share, span
     type(circle_set) :: set
     type(contact_response) :: response
     integer :: i, n
 
     share = 0.0_real64
-    n = count(pairs%list%gap < closing)
+    n = count(pairs%list%gap < compression)
     if (n < 2) return
     call set%allocate_arrays(n)
     set%x = pairs%list(:n)%x
     set%y = pairs%list(:n)%y
     do i = 1, n
-      call law%respond(pairs%list(i), i, min(closing - pairs%list(i)%gap, &
+      call law%respond(pairs%list(i), i, min(compression - pairs%list(i)%gap, &
                        deepest * pairs%list(i)%zc), response)
       set%radius(i) = response%contact_radius
       set%load(i) = response%vertical_load * inclination_factor(response%cosine) / pairs%modulus

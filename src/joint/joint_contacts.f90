@@ -47,7 +47,7 @@ module asperity_joint_contacts
     real(real64), allocatable :: maximum_pressure(:)  !! by pair; below 0: that of its law
     logical, allocatable :: is_resolved(:)          !! by pair: solved on boundary elements
     integer :: clusters = 0, elements = 0           !! numbers of clusters and of their elements
-    integer :: rounds = 0                           !! iterations of clusters and Hertzian contacts
+    integer :: iterations = 0                       !! iterations of clusters and Hertzian contacts
     real(real64) :: error = 0.0_real64              !! relative error of the load or compression
     real(real64) :: area_error = 0.0_real64         !! relative error of the area, estimate
     real(real64) :: nested = 0.0_real64             !! share of the load on nested contacts
@@ -176,16 +176,17 @@ contains
 
   ! Adds the contacts whose first touches are near at a compression to `is_near`, and resets the
   ! solution. With `has_grown` only if there are new ones.
-  subroutine add_near_tops(task, solution, closing, has_grown)
+  subroutine add_near_tops(task, solution, compression, has_grown)
     type(joint_task), intent(inout) :: task
     type(joint_solution), intent(inout) :: solution
-    real(real64), intent(in) :: closing
+    real(real64), intent(in) :: compression
     logical, intent(out), optional :: has_grown
     logical, dimension(size(task%is_near)) :: near_tops, representative
-    real(real64) :: compression, radius(size(near_tops))
+    real(real64) :: near_compression, radius(size(near_tops))
 
-    compression = closing
-    call find_near_tops(task%pairs, task%law, along, compression, near_tops, representative, radius)
+    near_compression = compression
+    call find_near_tops(task%pairs, task%law, along, near_compression, near_tops, representative, &
+                        radius)
     if (present(has_grown)) then
       has_grown = any(near_tops .and. .not. task%is_near)
       if (.not. has_grown) return
@@ -194,7 +195,7 @@ contains
     task%is_near = task%is_near .or. near_tops
     task%radius = max(task%radius, radius)
     if (allocated(task%clusters)) deallocate (task%clusters)
-    solution%rounds = 0
+    solution%iterations = 0
     call start_with_near_tops(task, solution)
   end subroutine add_near_tops
 
@@ -257,7 +258,7 @@ contains
     type(joint_task), intent(inout) :: task
     type(joint_solution), intent(inout) :: solution
     type(cluster), allocatable :: previous_clusters(:)
-    real(real64) :: closing, load, previous_load, tolerance
+    real(real64) :: compression, load, previous_load, tolerance
     logical :: has_grown
 
     tolerance = merge(task%elements_tolerance, task%tolerance, task%choice == resolve_all)
@@ -271,12 +272,12 @@ contains
           if (allocated(previous_clusters)) call keep_lattices(previous_clusters, task%clusters)
           task%resolved = resolved_contacts(is_resolved, pairs%list%x, pairs%list%y, pairs%list%gap)
           if (size(task%clusters) == 1 .and. all(is_resolved(coupled%set%contact))) then
-            closing = coupled%closing
-            call solve_one_cluster(task, solution, closing)
+            compression = coupled%closing
+            call solve_one_cluster(task, solution, compression)
             return
           end if
         end if
-        solution%rounds = solution%rounds + 1
+        solution%iterations = solution%iterations + 1
         call solve_clusters(pairs, coupled, task%elements_tolerance, task%area_tolerance, &
                             task%clusters, solution%failure)
         if (allocated(solution%failure)) return
@@ -295,7 +296,7 @@ contains
         load = sum(coupled%set%load)
         task%last_change = abs(load - previous_load) / max(load, tiny(load))
         if (task%last_change <= settled * tolerance) exit
-        if (solution%rounds == most_rounds) then
+        if (solution%iterations == most_rounds) then
           solution%failure = 'Hertzian contacts and boundary elements did not converge together'
           return
         end if
@@ -378,19 +379,19 @@ contains
   end subroutine solve_representatives
 
   ! Solves one cluster of all contacts at a compression, or at a load. Contacts that are loaded at
-  ! its load become members. `is_single` is false where these are not near it: `closing` is then an
-  ! upper bound. Without `is_single` all contacts that penetrate are members. Exits: solved, or a
+  ! its load become members. `is_single` is false where these are not near it: `compression` is then
+  ! an upper bound. Without `is_single` all contacts that penetrate are members. Exits: solved, or a
   ! message in `failure` after `most_rounds` iterations.
-  subroutine solve_one_cluster(task, solution, closing, is_single)
+  subroutine solve_one_cluster(task, solution, compression, is_single)
     type(joint_task), intent(inout) :: task
     type(joint_solution), intent(inout) :: solution
-    real(real64), intent(inout) :: closing        ! start; compression of the load
+    real(real64), intent(inout) :: compression    ! start; compression of the load
     logical, intent(out), optional :: is_single
     logical, dimension(size(task%is_near)) :: is_member, near_tops, representative
     type(cluster), allocatable :: solved(:)
     type(cluster_lattice) :: empty_lattice        ! without elements
     type(load_search) :: search
-    real(real64) :: load, slope, compression, share, radius(size(near_tops))
+    real(real64) :: load, slope, near_compression, share, radius(size(near_tops))
     integer :: k
 
     task%compression_share = 1.0_real64
@@ -407,13 +408,13 @@ contains
       coupled%penetration = spread(far_below, 1, size(pairs%list))
       coupled%shift = spread(spread(0.0_real64, 1, 2), 2, size(pairs%list))
       do
-        if (solution%rounds == most_rounds) then
+        if (solution%iterations == most_rounds) then
           solution%failure = 'the load of the boundary elements was not met'
           return
         end if
-        solution%rounds = solution%rounds + 1
-        coupled%closing = closing
-        task%resolved%is_resolved = is_member .and. pairs%list%gap < closing
+        solution%iterations = solution%iterations + 1
+        coupled%closing = compression
+        task%resolved%is_resolved = is_member .and. pairs%list%gap < compression
         call solve_cluster_elements(task, solution, share)
         if (allocated(solution%failure)) return
         if (.not. allocated(task%target)) exit
@@ -421,15 +422,16 @@ contains
         load = load * pairs%modulus
         if (abs(load - task%target) > task%target * &
             merge(share, settled * share, share > task%elements_tolerance)) then
-          call update_compression(search, load, task%target, closing, task%compression_share)
+          call update_compression(search, load, task%target, compression, task%compression_share)
           cycle
         end if
         ! Contacts near at this compression become members, too: the points at which `any_loaded`
         ! computes the gap may miss a blunt contact of considerable area.
-        compression = closing
-        call find_near_tops(pairs, task%law, along, compression, near_tops, representative, radius)
+        near_compression = compression
+        call find_near_tops(pairs, task%law, along, near_compression, near_tops, representative, &
+                            radius)
         if (any(near_tops .and. .not. is_member) .or. &
-            any_loaded(pairs, pack([(k, k=1, size(is_member))], .not. is_member), closing, &
+            any_loaded(pairs, pack([(k, k=1, size(is_member))], .not. is_member), compression, &
                        outside_field(), task%clusters(1)%lattice)) then
           is_single = is_one_cluster(pairs, near_tops, radius, solved)
           if (.not. is_single) return
@@ -486,33 +488,34 @@ contains
 
   ! Sets the next compression: by a power of the load at first, then by secants. A step out of the
   ! bracket is replaced by bisection, or by doubling while there is no upper limit.
-  subroutine update_compression(search, load, target, closing, compression_share)
+  subroutine update_compression(search, load, target, compression, compression_share)
     type(load_search), intent(inout) :: search
-    real(real64), intent(in) :: load, target    ! load at `closing`, and the prescribed one
-    real(real64), intent(inout) :: closing
+    real(real64), intent(in) :: load, target         ! load at `compression`, prescribed load
+    real(real64), intent(inout) :: compression
     real(real64), intent(inout) :: compression_share  ! d log compression/d log load
-    real(real64) :: next_closing
+    real(real64) :: next_compression
 
-    if (load < target) search%low = closing
-    if (load > target) search%high = closing
+    if (load < target) search%low = compression
+    if (load > target) search%high = compression
     associate (first_touch => search%first_touch, previous => search%previous)
-      next_closing = closing + (target - load) * (closing - previous(1)) / (load - previous(2))
+      next_compression = compression + &
+                         (target - load) * (compression - previous(1)) / (load - previous(2))
       if (previous(2) <= 0.0_real64) then
-        next_closing = first_touch + &
-                       (closing - first_touch) * min(2.0_real64, (target / load)**search%power)
+        next_compression = first_touch + (compression - first_touch) * &
+                           min(2.0_real64, (target / load)**search%power)
       else
-        compression_share = load / (closing - first_touch) * (closing - previous(1)) / &
+        compression_share = load / (compression - first_touch) * (compression - previous(1)) / &
                             (load - previous(2))
         if (compression_share > 0.0_real64 .and. compression_share < 1.0_real64) &
           search%power = compression_share
       end if
-      if (.not. (next_closing > search%low .and. next_closing < search%high)) &
-        next_closing = merge(0.5_real64 * (search%low + search%high), &
-                             first_touch + 2 * (closing - first_touch), &
-                             search%high < huge(next_closing))
-      previous = [closing, load]
+      if (.not. (next_compression > search%low .and. next_compression < search%high)) &
+        next_compression = merge(0.5_real64 * (search%low + search%high), &
+                                 first_touch + 2 * (compression - first_touch), &
+                                 search%high < huge(next_compression))
+      previous = [compression, load]
     end associate
-    closing = next_closing
+    compression = next_compression
   end subroutine update_compression
 
   ! Copies lattices and answers from previous clusters of the same members.

@@ -26,11 +26,12 @@ contains
 
   !> Finds the contacts that are near another one by their positions of first touch, with all
   !> contacts whose circles are connected to theirs.
-  subroutine find_near_tops(pairs, law, reach, closing, is_near, is_representative, radius, target)
+  subroutine find_near_tops(pairs, law, reach, compression, is_near, is_representative, radius, &
+                            target)
     type(contact_pairs), intent(in) :: pairs         !! pairs of the position
     class(contact_law), intent(in) :: law            !! contact law of each pair
     real(real64), intent(in) :: reach                !! sums of radii below which circles connect
-    real(real64), intent(inout) :: closing           !! compression; at a load set to a lower bound
+    real(real64), intent(inout) :: compression       !! compression; at a load set to a lower bound
     logical, intent(out) :: is_near(:)               !! by pair: near another one, or connected
     logical, intent(out) :: is_representative(:)     !! by pair: largest load of those near it
     real(real64), intent(out) :: radius(:)           !! by pair: estimated contact radius; 0: open
@@ -45,7 +46,7 @@ contains
     is_near = .false.
     is_representative = .false.
     radius = 0.0_real64
-    call set_isolated_contacts(pairs, law, closing, penetration, set, target)
+    call set_isolated_contacts(pairs, law, compression, penetration, set, target)
     if (.not. allocated(set%contact)) return
     allocate (loaded, source=set%contact)
     call build_tree(tree, set%x, set%y, set%radius, reach)
@@ -58,7 +59,7 @@ contains
     if (present(target)) then
       ! A lower bound of the compression, as neighbours reduce the loads. The radii are those of
       ! isolated contacts under the load.
-      closing = pairs%list(loaded(1))%gap + penetration(loaded(1))
+      compression = pairs%list(loaded(1))%gap + penetration(loaded(1))
     else
       call find_factor(set, penetration(loaded), factor)
       if (allocated(set%tree%failure)) return
@@ -85,10 +86,10 @@ contains
 
   ! Sets the isolated contacts at a compression, or at a load. There are none (`set%contact` is not
   ! allocated) if a contact radius exceeds that of its sphere or fewer than two contacts are loaded.
-  subroutine set_isolated_contacts(pairs, law, closing, penetration, set, target)
+  subroutine set_isolated_contacts(pairs, law, compression, penetration, set, target)
     type(contact_pairs), intent(in) :: pairs
     class(contact_law), intent(in) :: law
-    real(real64), intent(in) :: closing
+    real(real64), intent(in) :: compression
     real(real64), intent(out) :: penetration(:)   ! penetration by pair
     type(circle_set), intent(out) :: set          ! isolated contacts: positions, radii, loads
     real(real64), intent(in), optional :: target
@@ -96,7 +97,7 @@ contains
     integer, allocatable :: loaded(:)
     integer :: i, k
 
-    penetration = closing - pairs%list%gap
+    penetration = compression - pairs%list%gap
     if (present(target)) then
       penetration = -pairs%list%gap
       call raise_to_load(pairs, law, target / pairs%modulus, penetration)

@@ -90,7 +90,7 @@ contains
     type(cluster), intent(inout) :: clusters(:)           !! lattices, answers, fields are set
     character(len=:), allocatable, intent(inout) :: failure  !! error message if it did not converge
     integer, allocatable :: cluster_of(:)
-    integer :: k, pass
+    integer :: k, iteration
     real(real64) :: reference(2)
 
     allocate (cluster_of(size(pairs%list)), source=0)
@@ -101,7 +101,7 @@ contains
     if (size(clusters) > 1 .or. any(cluster_of(coupled%set%contact) == 0)) then
       ! The rectangle of a cluster depends on its displacement by the others, and that on the
       ! rectangle: a fixed-point iteration.
-      do pass = 1, 3
+      do iteration = 1, 3
         call find_outside_field(pairs, coupled, cluster_of(coupled%set%contact), clusters, failure)
         if (allocated(failure)) return
       end do
@@ -165,9 +165,9 @@ contains
   end subroutine find_outside_field
 
   ! Places the nodes of a cluster on its rectangle.
-  subroutine place_nodes(pairs, closing, this_cluster, x, y, reach)
+  subroutine place_nodes(pairs, compression, this_cluster, x, y, reach)
     type(contact_pairs), intent(in) :: pairs
-    real(real64), intent(in) :: closing                    ! compression of the contacts
+    real(real64), intent(in) :: compression                ! compression of the contacts
     type(cluster), intent(inout) :: this_cluster           ! its rectangle is set
     real(real64), intent(out) :: x(:), y(:)                ! positions of the nodes
     real(real64), intent(out) :: reach(:)                  ! of a node: circles within it are near
@@ -175,7 +175,7 @@ contains
 
     node = chebyshev_nodes(nodes)
     associate (outside => this_cluster%outside)
-      call cluster_extent(pairs, this_cluster%members, closing - this_cluster%displacement, &
+      call cluster_extent(pairs, this_cluster%members, compression - this_cluster%displacement, &
                           outside%x0, outside%x1, outside%y0, outside%y1)
       x = reshape(spread(0.5_real64 * (outside%x0 + outside%x1 + &
                                        node * (outside%x1 - outside%x0)), 2, nodes), shape(x))

@@ -135,9 +135,9 @@ contains
   end function chebyshev_values
 
   !> Adds the moments of a source of 1/r and of its Laplacian to those of a box (P2M).
-  pure subroutine add_moments(translation, place, charge, laplacian_charge, moment)
+  pure subroutine add_moments(translation, position, charge, laplacian_charge, moment)
     type(translations), intent(in) :: translation  !! degrees of the terms
-    real(real64), intent(in) :: place(2)           !! position from the centre, over the half width
+    real(real64), intent(in) :: position(2)        !! position from the centre, over the half width
     real(real64), intent(in) :: charge             !! factor of 1/r
     !> factor of the Laplacian of 1/r over the charge, in squares of the half width
     real(real64), intent(in) :: laplacian_charge
@@ -145,7 +145,7 @@ contains
     real(real64) :: t(0:order, 2, 0:2)
     integer :: k
 
-    t = chebyshev_values(place)
+    t = chebyshev_values(position)
     t(:, 2, :) = charge * t(:, 2, :)
     t(:, 2, 2) = t(:, 2, 0) + laplacian_charge * t(:, 2, 2)
     t(:, 2, 0) = laplacian_charge * t(:, 2, 0)
@@ -157,15 +157,15 @@ contains
   end subroutine add_moments
 
   !> Adds the moments of a dipole to those of a box (P2M).
-  pure subroutine add_dipole(translation, place, dipole, moment)
+  pure subroutine add_dipole(translation, position, dipole, moment)
     type(translations), intent(in) :: translation  !! degrees of the terms
-    real(real64), intent(in) :: place(2)           !! position from the centre, over the half width
+    real(real64), intent(in) :: position(2)        !! position from the centre, over the half width
     real(real64), intent(in) :: dipole(2)          !! components over the half width
     real(real64), intent(inout) :: moment(:)       !! moments of the box, the first terms
     real(real64) :: t(0:order, 2, 0:2)
     integer :: k
 
-    t = chebyshev_values(place)
+    t = chebyshev_values(position)
     do k = 1, size(moment)
       associate (a => translation%degree_x(k), b => translation%degree_y(k))
         moment(k) = moment(k) + (dipole(1) * t(a, 1, 1) * t(b, 2, 0) + &
@@ -175,9 +175,9 @@ contains
   end subroutine add_dipole
 
   !> Adds the field of a box at a place in it to the values there (L2P).
-  pure subroutine add_field(translation, place, half_width, field, with_slopes, value)
+  pure subroutine add_field(translation, position, half_width, field, with_slopes, value)
     type(translations), intent(in) :: translation  !! degrees of the terms
-    real(real64), intent(in) :: place(2)           !! position from the centre, over the half width
+    real(real64), intent(in) :: position(2)        !! position from the centre, over the half width
     real(real64), intent(in) :: half_width         !! half of the width of the box
     real(real64), intent(in) :: field(:)           !! field of the box, the first terms
     logical, intent(in) :: with_slopes             !! whether sums of low order include slopes
@@ -185,7 +185,7 @@ contains
     real(real64) :: t(0:order, 2, 0:2), in_y(0:order, 0:2), xx, yy
     integer :: k
 
-    t = chebyshev_values(place)
+    t = chebyshev_values(position)
     in_y = 0.0_real64
     do k = 1, size(field)
       associate (a => translation%degree_x(k), b => translation%degree_y(k))
