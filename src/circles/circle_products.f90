@@ -59,10 +59,10 @@ contains
     allocate (far(6, n))
     if (convex) then
       call sum_sources(set%tree, change(1, :), flat_spread * set%radius**2, far, set%shift_since, &
-                       rough=.true.)
+                       low_order=.true.)
     else
       call sum_sources(set%tree, change(1, :), flat_spread * set%radius**2, far, set%shift_since, &
-                       rough=.true., dipole=spread(set%load, 1, 2) * change(2:, :))
+                       low_order=.true., dipole=spread(set%load, 1, 2) * change(2:, :))
     end if
     !$omp parallel do schedule(static) if(n > many) &
     !$omp   private(i, j, k, l, row, relative_shift, slope_own, slope_other, direction)

@@ -6,7 +6,7 @@
 !> displacement: the mean of 1/r over two squares (Love 1929) times the loads. It is a
 !> preconditioner and a start, and changes the number of steps, not the result.
 module asperity_coarse_circles
-  use asperity_cell_convolution, only: cell_convolution
+  use asperity_lattice_convolution, only: lattice_convolution
   use asperity_circle_field, only: most_rounds
   use asperity_element_influence, only: mean_influence
   use asperity_kinds, only: real64
@@ -23,7 +23,7 @@ module asperity_coarse_circles
     !> sum of the changes of load by square
     real(real64), allocatable :: answer(:, :), stiffness(:)
     integer :: columns = 0, rows = 0              !! of squares
-    type(cell_convolution), private :: lattice    !! displacement of squares by loads on them
+    type(lattice_convolution), private :: lattice    !! displacement of squares by loads on them
   end type coarse_circles
 
   !> Circles in a square. Within one, where they share nothing, waves are no longer than two sides:

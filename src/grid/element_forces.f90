@@ -23,7 +23,7 @@
 !> converged, after `iterations_allowed` steps or where the run is interrupted. The forces are in
 !> the allowed set at both exits.
 module asperity_element_forces
-  use asperity_cell_convolution, only: cell_convolution
+  use asperity_lattice_convolution, only: lattice_convolution
   use asperity_interruption, only: interruption
   use asperity_kinds, only: real64
   use asperity_solve_ending, only: solve_ending
@@ -67,7 +67,7 @@ contains
 
   !> Finds the forces of least energy from a start. Modifies `force`; exits: see the header.
   subroutine find_forces(influence, gap, bounds, force, ending, interrupt, level, displacement)
-    type(cell_convolution), intent(inout) :: influence  !! matrix A of displacements
+    type(lattice_convolution), intent(inout) :: influence  !! matrix A of displacements
     real(real64), intent(in) :: gap(:, :)               !! undeformed gaps g
     type(force_bounds), intent(in) :: bounds            !! tolerance of the residual, load, limit
     !> forces f, 0 or more, of the prescribed sum; start and result
@@ -126,7 +126,7 @@ contains
   ! Takes a step of conjugate gradients in the free forces. Sets the forces and the gradient after
   ! the step; `decrease` is that of the energy, below 0 where there is no step.
   subroutine take_conjugate_step(influence, gap, bounds, state, decrease)
-    type(cell_convolution), intent(inout) :: influence
+    type(lattice_convolution), intent(inout) :: influence
     real(real64), intent(in) :: gap(:, :)
     type(force_bounds), intent(in) :: bounds
     type(force_iterate), intent(inout) :: state
@@ -175,7 +175,7 @@ contains
 
   ! Computes the gradient r at the forces f, and the largest displacement.
   subroutine find_gradient(influence, gap, bounds, force, gradient, largest_displacement)
-    type(cell_convolution), intent(inout) :: influence
+    type(lattice_convolution), intent(inout) :: influence
     real(real64), intent(in) :: gap(:, :), force(:, :)
     type(force_bounds), intent(in) :: bounds
     real(real64), intent(out) :: gradient(:, :), largest_displacement

@@ -13,7 +13,7 @@
 !> the model, memory is short, the pressures do not converge or the run is interrupted. Modifies the
 !> lattice, which is used again at the next compression of the same order.
 module asperity_element_solver
-  use asperity_cell_convolution, only: cell_convolution
+  use asperity_lattice_convolution, only: lattice_convolution
   use asperity_element_answer, only: area_error, element_answer, element_contact, find_contacts, &
                                      keep_elements
   use asperity_element_influence, only: mean_influence
@@ -410,7 +410,7 @@ contains
     real(real64), intent(in) :: residual
     type(element_lattice), intent(inout) :: next
     type(element_answer), intent(inout) :: answer
-    type(cell_convolution) :: influence
+    type(lattice_convolution) :: influence
 
     if (.not. task%pairs%interrupt%is_asked()) &
       call influence%prepare(mean_influence(size(next%gap, 1), size(next%gap, 2)))

@@ -6,7 +6,7 @@
 !> is first pressed at half its resolution, that one at half of that, and so on: each is the start
 !> of the next.
 module asperity_map_contact
-  use asperity_cell_convolution, only: cell_convolution, padded_length
+  use asperity_lattice_convolution, only: lattice_convolution, padded_length
   use asperity_element_influence, only: centre_influence
   use asperity_element_forces, only: find_forces, force_bounds, missing_gap
   use asperity_height_map, only: height_map, is_measured, no_height
@@ -163,7 +163,7 @@ contains
     type(force_bounds), intent(in) :: bounds     ! pressures over `unit`
     real(real64), intent(in) :: unit
     type(map_answer), intent(inout) :: answer    ! pressures: start and result
-    type(cell_convolution) :: influence
+    type(lattice_convolution) :: influence
 
     if (map%periodic) then
       call influence%prepare_periodic(size(gap, 1), size(gap, 2), 1.0_real64, &

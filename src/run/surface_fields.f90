@@ -5,7 +5,7 @@
 !> grid. The displacement is that of a half-space of the combined modulus under these pressures
 !> (Love 1929, see element_influence), free of load beyond the grid.
 module asperity_surface_fields
-  use asperity_cell_convolution, only: cell_convolution
+  use asperity_lattice_convolution, only: lattice_convolution
   use asperity_element_influence, only: centre_influence
   use asperity_contact_field, only: contact_field, fields_all, fields_none, room_of_fields
   use asperity_contact_records, only: position_result
@@ -231,7 +231,7 @@ contains
     real(real64), intent(in) :: modulus               ! combined
     type(height_map), intent(in) :: surfaces          ! sum of both elevations
     type(contact_field), intent(inout) :: field
-    type(cell_convolution) :: influence
+    type(lattice_convolution) :: influence
     type(map_answer) :: answer
     type(height_map) :: map
 

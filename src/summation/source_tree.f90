@@ -196,7 +196,7 @@ contains
   !> are smooth functions of charges and shifts. Shifts must be small against the reaches. Targets
   !> that are the sources are shifted with them. The Laplacian, the slopes and the second
   !> derivatives include the second moments. Without expansions all sums are exact.
-  subroutine sum_sources(tree, charge, second_moment, value, shift, rough, dipole)
+  subroutine sum_sources(tree, charge, second_moment, value, shift, low_order, dipole)
     type(source_tree), intent(inout) :: tree           !! tree of the sources
     real(real64), intent(in) :: charge(:)              !! charges q of the sources
     real(real64), intent(in) :: second_moment(:)       !! w of the sources, at most reach**2
@@ -206,8 +206,8 @@ contains
     real(real64), intent(in), optional :: shift(:, :)  !! (2, source): shifts in x and y [length]
     !> whether only the potential is summed, to about 1e-4, as a mean over the target by its second
     !! moment; without expansions all values are summed, exactly
-    logical, intent(in), optional :: rough
-    !> (2, source), only with `rough`: dipoles d of the sources, with the potential
+    logical, intent(in), optional :: low_order
+    !> (2, source), only with `low_order`: dipoles d of the sources, with the potential
     !! d * (x - x_j)/r**3; slopes are then summed, too
     real(real64), intent(in), optional :: dipole(:, :)
     real(real64), allocatable :: source(:, :)
@@ -216,7 +216,7 @@ contains
 
     terms = merge(tree%translation%terms, 0, allocated(tree%moment))
     is_low_order = .false.
-    if (present(rough)) is_low_order = rough .and. terms > 0
+    if (present(low_order)) is_low_order = low_order .and. terms > 0
     if (is_low_order) terms = tree%translation%low_order_terms
     columns = merge(dipole_y, point_moment, present(dipole))
     !$omp parallel private(source, a, i, k) if(size(tree%order) > thread_threshold)

@@ -4,7 +4,7 @@
 !> definition, and one case evaluated apart in numpy: a lattice turned along the line of the two
 !> contacts, Love's displacement at the cells' centres, a dense matrix solved directly.
 module asperity_elements_suite
-  use asperity_cell_convolution, only: cell_convolution, padded_length
+  use asperity_lattice_convolution, only: lattice_convolution, padded_length
   use asperity_element_influence, only: mean_influence
   use asperity_element_answer, only: element_answer
   use asperity_outside_field, only: outside_field
@@ -516,7 +516,7 @@ contains
     type(error_type), allocatable, intent(out) :: error
     integer, parameter :: sides(2, 4) = reshape([1, 1, 7, 4, 13, 16, 1, 9], [2, 4])
     real(real64), allocatable :: influence(:, :), force(:, :), found(:, :), back(:, :)
-    type(cell_convolution), allocatable :: cells
+    type(lattice_convolution), allocatable :: cells
     real(real64) :: direct, worst
     integer :: i, j, k, l, n
 

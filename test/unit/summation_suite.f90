@@ -185,8 +185,8 @@ contains
     back = sum(one%charge * (of_other%potential + one%spread * of_other%lap))
     call check(error, forth, back, 1.0e-13_real64 * abs(back), 'energy of two sets of charges')
     if (allocated(error)) return
-    call sum_sources(tree, one%charge, one%spread, of_one_rough, rough=.true.)
-    call sum_sources(tree, other%charge, one%spread, of_other_rough, rough=.true.)
+    call sum_sources(tree, one%charge, one%spread, of_one_rough, low_order=.true.)
+    call sum_sources(tree, other%charge, one%spread, of_other_rough, low_order=.true.)
     forth = sum(other%charge * of_one_rough(1, :))
     call check(error, forth, sum(one%charge * of_other_rough(1, :)), 1.0e-13_real64 * abs(back), &
                'rough energy of two sets of charges')

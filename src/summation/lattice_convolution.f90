@@ -6,7 +6,7 @@
 !> a periodic lattice the influence is given by its transform. Rows are transformed one by one,
 !> without those of the padding; each column is transformed, multiplied and transformed back by one
 !> thread: the bytes of the result do not depend on the number of threads.
-module asperity_cell_convolution
+module asperity_lattice_convolution
   use, intrinsic :: iso_c_binding, only: c_associated, c_double, c_double_complex, c_int, c_loc, &
                                          c_null_ptr, c_ptr
   use asperity_constants, only: pi
@@ -18,10 +18,10 @@ module asperity_cell_convolution
   implicit none
   private
 
-  public :: cell_convolution, padded_length
+  public :: lattice_convolution, padded_length
 
   !> The convolution for one lattice. It owns its plans: it must not be copied.
-  type :: cell_convolution
+  type :: lattice_convolution
     private
     real(real64), public :: norm = 0.0_real64  !! upper bound of the eigenvalues of the matrix
     integer :: columns = 0  ! number of columns of the padded lattice
@@ -37,7 +37,7 @@ module asperity_cell_convolution
     procedure :: prepare_periodic
     procedure :: apply => apply_influence
     final :: destroy_plans
-  end type cell_convolution
+  end type lattice_convolution
 
   ! Indices of the plans for transforms of a row and of a column, forward and back.
   integer, parameter :: row_forward = 1, column_forward = 2, column_back = 3, row_back = 4
@@ -53,7 +53,7 @@ contains
 
   !> Prepares the convolution with an influence that is the same at mirrored offsets.
   subroutine prepare_plane(self, influence)
-    class(cell_convolution), intent(inout), target :: self  !! convolution without plans
+    class(lattice_convolution), intent(inout), target :: self  !! convolution without plans
     !> (columns, rows): displacement at an offset by a unit force; of the size of the lattice
     real(real64), intent(in) :: influence(0:, 0:)
     real(c_double), allocatable, target :: row(:)
@@ -85,7 +85,7 @@ contains
   !> half-space: 2/q for a wave of number q (Johnson, Contact Mechanics, 1985, section 13.2), 0 for
   !> the mean pressure.
   subroutine prepare_periodic(self, columns, rows, side_x, side_y)
-    class(cell_convolution), intent(inout), target :: self  !! convolution without plans
+    class(lattice_convolution), intent(inout), target :: self  !! convolution without plans
     integer, intent(in) :: columns, rows                   !! numbers of columns and rows
     real(real64), intent(in) :: side_x, side_y             !! sides of an element [length]
     integer :: i, j
@@ -104,7 +104,7 @@ contains
   ! Sets the norm and the spectrum of the approximate inverse, and divides both spectra by the
   ! number of padded elements, by which the transforms forward and back multiply.
   subroutine scale_spectrum(self)
-    class(cell_convolution), intent(inout) :: self
+    class(lattice_convolution), intent(inout) :: self
     real(c_double) :: square_x(0:self%columns / 2), square_y(0:self%rows / 2)
     integer :: i
 
@@ -123,7 +123,7 @@ contains
   ! Allocates the arrays and makes the plans for a lattice of `rows` rows that is padded to
   ! `padded_columns` by `padded_rows`.
   subroutine make_plans(self, padded_columns, padded_rows, rows)
-    class(cell_convolution), intent(inout), target :: self
+    class(lattice_convolution), intent(inout), target :: self
     integer, intent(in) :: padded_columns, padded_rows, rows
 
     self%columns = padded_columns
@@ -150,7 +150,7 @@ contains
   !> of the sum of sin(pi i/n)**2 over both directions. The square of the lowest k is added, which
   !> makes the inverse symmetric and positive definite, also on a part of the elements.
   subroutine apply_influence(self, force, displacement, inverse)
-    class(cell_convolution), intent(inout), target :: self  !! convolution with its plans
+    class(lattice_convolution), intent(inout), target :: self  !! convolution with its plans
     real(real64), intent(in) :: force(:, :)                !! forces; if inverse, displacements
     real(real64), intent(out) :: displacement(:, :)        !! displacements; if inverse, forces
     logical, intent(in), optional :: inverse               !! whether the inverse is applied
@@ -200,7 +200,7 @@ contains
 
   ! Releases the plans when the convolution ends.
   subroutine destroy_plans(self)
-    type(cell_convolution), intent(inout) :: self
+    type(lattice_convolution), intent(inout) :: self
     integer :: i
 
     if (.not. c_associated(self%plans(1))) return
@@ -222,4 +222,4 @@ contains
     padded_length = step * ((n + step - 1) / step)
   end function padded_length
 
-end module asperity_cell_convolution
+end module asperity_lattice_convolution
