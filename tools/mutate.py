@@ -377,6 +377,7 @@ def run_constants(copies, record, names):
         name in mutant["constant"] for name in names) if names else "outcome" not in mutant)]
     slow = (ROOT / "test/slow_tests.txt").read_text(encoding="utf-8")
     for marks in ("not slow", "slow"):
+        copies[0].restore_build()
         for test in sorted({mutant["test"] for mutant in todo}):
             (path,) = (ROOT / "test").glob(f"*/{test}")
             if re.search(r"def \w+\((.*\b)?venv\b", path.read_text(encoding="utf-8")):
