@@ -138,7 +138,7 @@ contains
 
   ! Area of the open slits between contacts that merge, in elements. Where two contacts meet the
   ! rigid surface has a crease, which no body fills: a slit of width w stays open along it. The
-  ! pressure at the distance x from the crease is that beside the complement of a wedge,
+  ! pressure at the distance x from the crease is that of the complement of a wedge,
   ! E s/pi arcosh(2 x/w), with s half of the jump of the slope. Where w is less than an element, no
   ! element is open. Then w follows from the mean pressures of the elements on both sides, as
   ! E s/pi log(4 x/w), less the part of these elements that is not counted in the area.

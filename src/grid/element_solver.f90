@@ -11,7 +11,7 @@
 !>
 !> Exits: converged; or a message in `failure`, where penetrations are too large or too small for
 !> the model, memory is short, the pressures do not converge or the run is interrupted. Modifies the
-!> lattice, which is used again at the next compression of the same order.
+!> lattice, which is used again while the largest penetration changes by less than a factor of 2.
 module asperity_element_solver
   use asperity_lattice_convolution, only: lattice_convolution
   use asperity_element_answer, only: area_error, element_answer, element_contact, find_contacts, &
@@ -31,7 +31,7 @@ module asperity_element_solver
   implicit none
   private
 
-  public :: any_loaded, cluster_lattice, cluster_extent, solve_elements, is_resolved
+  public :: any_loaded, cluster_extent, cluster_lattice, is_radius_resolved, solve_elements
 
   !> Lattice of a cluster, kept for the next compression.
   type :: cluster_lattice
@@ -102,12 +102,12 @@ contains
 
   !> Whether the coordinates of a contact resolve its radius: at least half of their digits are
   !> finer than the radius.
-  elemental logical function is_resolved(x, y, contact_radius)
+  elemental logical function is_radius_resolved(x, y, contact_radius)
     real(real64), intent(in) :: x, y            !! position of first touch in plan
     real(real64), intent(in) :: contact_radius  !! contact radius, same unit
 
-    is_resolved = contact_radius > sqrt(epsilon(x)) * max(abs(x), abs(y))
-  end function is_resolved
+    is_radius_resolved = contact_radius > sqrt(epsilon(x)) * max(abs(x), abs(y))
+  end function is_radius_resolved
 
   !> Solves a cluster at a compression (problem, method and exits: see the module).
   !>
@@ -251,7 +251,7 @@ contains
       ! The rounding of coordinates is not small against the contact: further halving would converge
       ! slowly. The last change is the error estimate.
       associate (largest => task%shapes(task%origin))
-        if (.not. is_resolved(largest%x, largest%y, largest%contact_radius)) exit
+        if (.not. is_radius_resolved(largest%x, largest%y, largest%contact_radius)) exit
       end associate
       ! The errors decrease at most with the third power of the side: the memory for a tolerance
       ! is checked ahead of time.

@@ -8,7 +8,7 @@
 !> error. A lower and sharper cap whose top is inside the sphere of the other is hidden and
 !> excepted.
 module asperity_near_tops
-  use asperity_element_solver, only: is_resolved
+  use asperity_element_solver, only: is_radius_resolved
   use asperity_circle_field, only: circle_set, find_field, inclination_factor, list_near_circles
   use asperity_contact_law, only: contact_law, contact_response
   use asperity_contact_pairs, only: contact_pair, contact_pairs
@@ -170,7 +170,7 @@ contains
 
     square = (set%x(a) - set%x(b))**2 + (set%y(a) - set%y(b))**2
     are_near = square < max(set%radius(a), set%radius(b))**2 .and. &
-               is_resolved(set%x(a), set%y(a), max(set%radius(a), set%radius(b)))
+               is_radius_resolved(set%x(a), set%y(a), max(set%radius(a), set%radius(b)))
     if (.not. are_near) return
     associate (i => set%contact(a), j => set%contact(b))
       are_near = .not. &
