@@ -3,8 +3,8 @@
 !> Circles that overlap or nearly touch form a block. Its matrix is the exact Hessian where that is
 !> positive definite, else that of the convex model (circle_products), factored as L D L'.
 module asperity_circle_blocks
-  use asperity_circle_field, only: are_close, circle_set, close_by, compliance, direction_x, &
-    least_share, &
+  use asperity_circle_field, only: are_close, circle_set, close_distance, compliance, direction_x, &
+    least_curvature_share, &
                                    many, direction_y, pair_hessian, first_slope, second_slope
   use asperity_circle_products, only: convex_hessian
   use asperity_index_groups, only: gather_groups
@@ -38,7 +38,7 @@ contains
     !$omp parallel do schedule(static) if(size(near) > many)
     do k = 1, size(near)
       overlap(k) = are_close(set, set%one(k), set%other(k), 1.0_real64)
-      near(k) = are_close(set, set%one(k), set%other(k), close_by) .and. .not. overlap(k)
+      near(k) = are_close(set, set%one(k), set%other(k), close_distance) .and. .not. overlap(k)
     end do
     !$omp end parallel do
     ! Pairs that overlap are linked first, as the size of a block is limited.
@@ -95,7 +95,7 @@ contains
     is_definite = .false.
     call fill_block(set, member, block_of, convex, m, h, isolated)
     do j = 1, m
-      if (.not. h(j, j) > least_share * isolated(j)) then
+      if (.not. h(j, j) > least_curvature_share * isolated(j)) then
         if (.not. convex) return
         h(j, j) = isolated(j)
         h(j + 1:, j) = 0.0_real64

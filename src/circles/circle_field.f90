@@ -39,11 +39,11 @@ module asperity_circle_field
 
   !> Sums of radii [1] up to which circles are in one block or group; chosen: farther off a field
   !> bends little; with 1.5 dense caps take as many steps.
-  real(real64), parameter, public :: close_by = 2.0_real64
+  real(real64), parameter, public :: close_distance = 2.0_real64
 
   !> Share of a second derivative of a circle without neighbours [1] that is left of it at least, so
   !> that a model is convex; chosen, scenes need as many steps with 0.03 and 0.3.
-  real(real64), parameter, public :: least_share = 0.1_real64
+  real(real64), parameter, public :: least_curvature_share = 0.1_real64
 
   !> Error of a sum over many circles [1], a share of the largest displacement; measured in
   !> summation_suite.
@@ -51,7 +51,7 @@ module asperity_circle_field
 
   !> Rounds of conjugate gradients at most [1]; chosen, dense scenes need 60; and of iterations on a
   !> few unknowns: a group, a place of contact, squares; chosen, they need 10.
-  integer, parameter, public :: most_rounds = 400, most_repeats = 40
+  integer, parameter, public :: most_iterations = 400, most_inner_iterations = 40
 
   !> Circles or near pairs [1] from which on threads share the work, and sums are by a tree
   !> with kept near pairs; chosen: less takes microseconds; test: coupled_suite.f90.
@@ -76,7 +76,7 @@ module asperity_circle_field
     real(real64), allocatable :: load_share(:)   !! part in the prescribed total load, over `load`
     real(real64), allocatable :: radius(:)       !! contact radius a [length]
     real(real64), allocatable :: stiffness(:)    !! dV/dp, p penetration
-    real(real64), allocatable :: displacement(:) !! u: displacement by neighbours [length]
+    real(real64), allocatable :: displacement(:)  !! u: displacement by neighbours [length]
     real(real64), allocatable :: growth(:)       !! du/d(log a) [length]
     !> slope of the field, mean with Hertz' pressure and with that of a flat punch (2, circle)
     real(real64), allocatable :: slope(:, :), flat_slope(:, :)

@@ -25,10 +25,10 @@ module asperity_circle_potential
 
   ! Share of the potential's sums [1] below which its change is taken from gradients; chosen: the
   ! slopes of far circles leave out terms of 1e-4 of them.
-  real(real64), parameter :: known_change = 1.0e-6_real64
+  real(real64), parameter :: resolved_change = 1.0e-6_real64
   ! Error of a sum over few circles [1], a share of the largest displacement; measured in
   ! mutual_suite.
-  real(real64), parameter :: error_of_few = 1.0e-13_real64
+  real(real64), parameter :: rounding_error = 1.0e-13_real64
   ! Gauss and Legendre's rule of three points on -1 to 1.
   real(real64), parameter :: nodes(3) = sqrt(0.6_real64) * [-1, 0, 1]
   real(real64), parameter :: weights(3) = [5, 8, 5] / 18.0_real64
@@ -102,10 +102,10 @@ contains
     change = sum(part)
     all_work = before%set%energy + &
                dot_product(before%set%load, before%penetration(before%set%contact))
-    relative = merge(sum_error, error_of_few, size(before%set%x) > many)
+    relative = merge(sum_error, rounding_error, size(before%set%x) > many)
     noise = relative * max(abs(before%closing), abs(solution%closing)) * &
             sum(abs(load(:, 2) - load(:, 1)))
-    if (abs(change) <= known_change * all_work) return
+    if (abs(change) <= resolved_change * all_work) return
     noise = relative * all_work
     change = solution%set%energy - before%set%energy
     do i = 1, n

@@ -6,7 +6,7 @@
 !> circles. It raises the second derivatives by the own shift until they are positive definite.
 module asperity_circle_products
   use asperity_circle_field, only: hessian_anisotropy, circle_set, compliance, direction_x, &
-    flat_spread, least_share, many, &
+    flat_spread, least_curvature_share, many, &
                                    direction_y, pair_hessian, first_slope, second_slope, &
                                      slope_over_distance
   use asperity_constants, only: pi
@@ -40,7 +40,7 @@ contains
     real(real64), intent(in) :: isolated   !! second derivative without neighbours, more than 0
     real(real64) :: raised(3)
 
-    raised = hessian + [1, 0, 1] * max(0.0_real64, least_share * isolated - &
+    raised = hessian + [1, 0, 1] * max(0.0_real64, least_curvature_share * isolated - &
              0.5_real64 * (hessian(1) + hessian(3) - hypot(hessian(1) - hessian(3), 2 * &
                                                            hessian(2))))
   end function convex_hessian

@@ -10,9 +10,9 @@
 !> border).
 module asperity_circle_step
   use asperity_circle_blocks, only: circle_blocks, factor_blocks, find_blocks, solve_blocks
-  use asperity_circle_field, only: circle_set, most_rounds
+  use asperity_circle_field, only: circle_set, most_iterations
   use asperity_circle_products, only: multiply
-  use asperity_coarse_circles, only: circles_in_one, coarse_circles, gather_squares, &
+  use asperity_coarse_circles, only: circles_per_square, coarse_circles, gather_squares, &
                                      shared_change, sum_of_squares
   use asperity_interruption, only: interruption
   use asperity_kinds, only: real64
@@ -62,7 +62,7 @@ contains
     call factor_blocks(set, model%convex, model%blocks)
     allocate (ones(3, size(set%x)), source=0.0_real64)
     ones(1, :) = 1.0_real64
-    if (size(set%x) > circles_in_one) then
+    if (size(set%x) > circles_per_square) then
       call gather_squares(set%x, set%y, model%coarse)
       ! A block is in one square, so that the sums of its response are known.
       do i = 1, size(model%blocks%first) - 1
@@ -112,7 +112,7 @@ contains
       scaled_direction = model%weight * direction
       radius = sqrt(sum(scaled_direction**2))
     end if
-    do round = 1, most_rounds
+    do round = 1, most_iterations
       if (.not. inner_product > accuracy**2 * first_product .or. interrupt%is_asked()) exit
       call multiply(set, model%convex, direction, image)
       products = products + 1

@@ -7,13 +7,14 @@
 !> preconditioner and a start, and changes the number of steps, not the result.
 module asperity_coarse_circles
   use asperity_lattice_convolution, only: lattice_convolution
-  use asperity_circle_field, only: most_rounds
+  use asperity_circle_field, only: most_iterations
   use asperity_element_influence, only: mean_influence
   use asperity_kinds, only: real64
   implicit none
   private
 
-  public :: circles_in_one, coarse_circles, gather_squares, pressed_displacement, shared_change, &
+  public :: circles_per_square, coarse_circles, gather_squares, pressed_displacement, &
+    shared_change, &
             sum_of_squares
 
   !> Circles gathered in squares. It owns the plans of a transform: it must not be copied.
@@ -29,9 +30,9 @@ module asperity_coarse_circles
   !> Circles in a square. Within one, where they share nothing, waves are no longer than two sides:
   !> with a share f of the area in contact 2 pi n k/q is below 4/pi sqrt(16 f/pi), 1.6 at 30 %;
   !> derived; test: coupled_suite.f90.
-  real(real64), parameter :: circles_in_one = 16.0_real64
+  real(real64), parameter :: circles_per_square = 16.0_real64
   ! Share of the equations of squares that is left [1]; chosen: squares are a preconditioner.
-  real(real64), parameter :: enough = 0.01_real64
+  real(real64), parameter :: coarse_residual = 0.01_real64
 
 contains
 
@@ -43,8 +44,8 @@ contains
 
     low = [minval(x), minval(y)]
     extent = [maxval(x), maxval(y)] - low
-    side = max(sqrt(product(extent) * (circles_in_one / size(x))), &
-               maxval(extent) * min(1.0_real64, circles_in_one / size(x)), tiny(side))
+    side = max(sqrt(product(extent) * (circles_per_square / size(x))), &
+               maxval(extent) * min(1.0_real64, circles_per_square / size(x)), tiny(side))
     coarse%columns = int(extent(1) / side) + 1
     coarse%rows = int(extent(2) / side) + 1
     coarse%square = int((x - low(1)) / side) + coarse%columns * int((y - low(2)) / side) + 1
@@ -95,8 +96,8 @@ contains
     change = 0.0_real64
     square = sum(residual**2)
     first_square = square
-    do round = 1, most_rounds
-      if (.not. square > enough**2 * first_square) exit
+    do round = 1, most_iterations
+      if (.not. square > coarse_residual**2 * first_square) exit
       image = direction + root * (2 * (half * pressed_displacement(coarse, root * direction)))
       last_square = square
       square = square / sum(direction * image)

@@ -21,7 +21,7 @@
 !> the complete pair list (the caller repeats); two steps without a decrease, or too many steps (not
 !> converged); no memory, interrupted (failure).
 module asperity_coupled_contacts
-  use asperity_circle_field, only: are_close, circle_set, many, most_repeats
+  use asperity_circle_field, only: are_close, circle_set, many, most_inner_iterations
   use asperity_circle_potential, only: potential_change, potential_state, remember_state, &
                                        restore_state
   use asperity_circle_step, only: circle_model, find_step, prepare_model, trust_step
@@ -35,7 +35,7 @@ module asperity_coupled_contacts
                                     update_circles, solve_state
   use asperity_hidden_contacts, only: release_hidden
   use asperity_kinds, only: real64
-  use asperity_open_contacts, only: find_touching, may_touch, most_looks
+  use asperity_open_contacts, only: find_touching, may_touch, most_searches
   use asperity_problems, only: real_text
   implicit none
   private
@@ -45,31 +45,32 @@ module asperity_coupled_contacts
   ! Most of these change how many steps are needed, not the result: the test of step counts fails
   ! when they are changed several times. Residual over the largest penetration [1], asked for;
   ! chosen, ten times above the rounding error.
-  real(real64), parameter :: asked = 1.0e-11_real64
+  real(real64), parameter :: target_residual = 1.0e-11_real64
   ! The same where the residual stagnates and of many contacts [1]; a tenth of the error of sums,
   ! measured in summation_suite.
-  real(real64), parameter :: accepted = 1.0e-9_real64
+  real(real64), parameter :: accepted_residual = 1.0e-9_real64
   ! Decrease of the residual [1] from which on it stagnates, open contacts are examined again, and
   ! which a step asks for at least; chosen.
-  real(real64), parameter :: stagnates = 0.5_real64
+  real(real64), parameter :: stagnation_ratio = 0.5_real64
   ! Steps at most [1]; chosen, the hardest known scene takes 130.
   integer, parameter :: most_steps = 1000
   ! Ratio of the actual to the predicted decrease [1] from which a step is taken, below which the
   ! region shrinks and above which it grows, and both factors, of the length of the step; Nocedal
   ! and Wright 2006, algorithm 4.1, and section 4.1.
-  real(real64), parameter :: taken = 0.1_real64, poor = 0.25_real64, good = 0.75_real64
-  real(real64), parameter :: shrink = 0.25_real64, grow = 2.0_real64  ! 2006, as above
+  real(real64), parameter :: acceptance_ratio = 0.1_real64, poor_ratio = 0.25_real64, good_ratio = &
+    0.75_real64
+  real(real64), parameter :: shrink_factor = 0.25_real64, growth_factor = 2.0_real64 ! 2006, as above
   ! Residual [1] above which the model is convex, and from which on the compression is compared with
   ! the complete pair list; measured, 0.01 to 0.03 need equal steps.
-  real(real64), parameter :: far_off = 0.02_real64
+  real(real64), parameter :: convex_residual = 0.02_real64
   ! Share of the gradient that a step leaves at least [1], else the root of the residual (Eisenstat
   ! and Walker 1996); chosen: the sums of a product err by 2e-4.
-  real(real64), parameter :: least_left = 1.0e-3_real64
+  real(real64), parameter :: least_forcing = 1.0e-3_real64
   ! Share of the residual that is left in a group [1]; measured, 0.5 needs a third more steps.
-  real(real64), parameter :: group_left = 0.1_real64
+  real(real64), parameter :: group_forcing = 0.1_real64
   ! Excess of the field over the penetration [1] from which on a contact opens at once; chosen: from
   ! 1 on its load is 0 at the least potential in a fixed field.
-  real(real64), parameter :: opens_from = 10.0_real64
+  real(real64), parameter :: release_excess = 10.0_real64
 
 contains
 
@@ -111,7 +112,7 @@ contains
     solution%is_near = .false.
     step_limit = most_steps
     if (present(group_residual)) &
-      step_limit = min(most_repeats, most_looks * most_in_group / size(pairs%list))
+      step_limit = min(most_inner_iterations, most_searches * most_in_group / size(pairs%list))
     is_final = .false.
     activated = -1
     circles = 0
@@ -123,16 +124,16 @@ contains
     do
       if (pairs%interrupt%is_asked()) solution%failure = 'interrupted'
       if (allocated(solution%failure)) return
-      attainable = merge(accepted, asked, failed_steps > 0 .or. &
-                         .not. state%residual < stagnates * last_residual)
-      required = merge(accepted, attainable, size(solution%set%x) > many)
+      attainable = merge(accepted_residual, target_residual, failed_steps > 0 .or. &
+                         .not. state%residual < stagnation_ratio * last_residual)
+      required = merge(accepted_residual, attainable, size(solution%set%x) > many)
       if (present(group_residual)) required = max(required, group_residual)
       ! The pair list is complete only up to this compression. Beyond it the solution is invalid;
       ! the caller repeats the solve with all pairs.
-      if (solution%closing > pairs%complete_to .and. state%residual < far_off) exit
+      if (solution%closing > pairs%complete_to .and. state%residual < convex_residual) exit
       if (state%residual <= required .or. &
           (state%is_near .and. solution%ending%iterations == 0) .or. &
-          (state%residual <= stagnates * examined_residual .and. &
+          (state%residual <= stagnation_ratio * examined_residual .and. &
            (activated /= 0 .or. may_touch(solution, state)))) then
         examined_residual = state%residual
         call activate_touching(pairs, law, attainable, state%residual <= required, solution, &
@@ -140,7 +141,7 @@ contains
         if (allocated(solution%failure)) return
         if (state%residual <= required .and. activated == 0) exit
         ! Activated contacts are far from their loads: elimination finds these first.
-        if (activated > 0 .and. state%residual > stagnates * examined_residual) &
+        if (activated > 0 .and. state%residual > stagnation_ratio * examined_residual) &
           eliminates = .not. present(group_residual)
       end if
       if (failed_steps > 1) exit
@@ -159,19 +160,20 @@ contains
       circles = size(solution%set%x)
       ! At the end the near pairs are those of the solution, whatever the start. Once only: a pair
       ! on the border may enter and leave the lists.
-      if (state%residual < least_left .and. .not. is_final) then
+      if (state%residual < least_forcing .and. .not. is_final) then
         is_final = .true.
         state%rebuilds_lists = size(solution%set%x) <= many
       end if
       eliminates = .not. present(group_residual) .and. &
-                   state%residual > max(stagnates * last_residual, accepted)
+                   state%residual > max(stagnation_ratio * last_residual, accepted_residual)
     end do
     solution%ending%residual = state%residual
-    solution%ending%converged = state%residual <= max(accepted, required) .and. activated == 0
+    solution%ending%converged = state%residual <= max(accepted_residual, required) .and. &
+      activated == 0
     if (solution%closing > pairs%complete_to) solution%ending%converged = .true.
     if (.not. present(target)) return
     call find_carried_load(pairs, law, solution%penetration, 0.0_real64, carried, slope)
-    if (.not. carried >= (1.0_real64 - accepted) * state%target) solution%failure = &
+    if (.not. carried >= (1.0_real64 - accepted_residual) * state%target) solution%failure = &
       'the load is larger than the surfaces carry before the centres of two asperities are ' // &
       'level: ' // real_text(in_scene_units(pairs, carried * pairs%modulus, 1, 2)) // ' at most'
   end subroutine solve_coupled
@@ -221,7 +223,7 @@ contains
     unloaded = penetration_without_load(pairs, law, contact, deep)
     solution%penetration(contact) = 0.0_real64
     call remember_state(solution, state, before)
-    do halving = 0, most_looks
+    do halving = 0, most_searches
       solution%penetration = before%penetration
       solution%penetration(contact) = unloaded + (deep - unloaded) * 0.5_real64**halving
       if (state%target > 0.0_real64) &
@@ -282,7 +284,8 @@ contains
     type(coupled_solution) :: group
 
     call extract_group(pairs, law, solution, state, member, group_pairs, law_of_group, group)
-    call solve_coupled(group_pairs, law_of_group, group, group_residual=group_left * state%residual)
+    call solve_coupled(group_pairs, law_of_group, group, group_residual=group_forcing * &
+                       state%residual)
     if (.not. allocated(group%failure)) &
       call insert_group(pairs, member, group_pairs, law_of_group, group, solution)
   end subroutine solve_group
@@ -312,12 +315,12 @@ contains
     model%gradient(1, :) = before%state%load_gradient
     model%gradient(2:, :) = spread(before%set%load, 1, 2) * before%state%shift_gradient
     model%keep_sum = state%target > 0.0_real64
-    model%convex = before%state%residual > far_off
+    model%convex = before%state%residual > convex_residual
     call prepare_model(solution%set, model)
     limit = largest_shifts(before%set)
-    forcing = min(stagnates, max(least_left, sqrt(before%state%residual)))
+    forcing = min(stagnation_ratio, max(least_forcing, sqrt(before%state%residual)))
     ! The last step of a large set need not go below the accepted residual.
-    if (n > many) forcing = max(forcing, group_left * accepted / before%state%residual)
+    if (n > many) forcing = max(forcing, group_forcing * accepted_residual / before%state%residual)
     do
       call find_step(solution%set, model, forcing, radius, step, solution%products, pairs%interrupt)
       if (.not. step%decrease > 0.0_real64 .or. pairs%interrupt%is_asked()) return
@@ -333,7 +336,7 @@ contains
                                     spread(step_share, 1, 2) * step%change(2:, :)
         ! Release: the penetration is the negative gap in the field of the last state.
         if (.not. model%convex) then
-          where (before%state%load_gradient > opens_from * before%penetration(contact)) &
+          where (before%state%load_gradient > release_excess * before%penetration(contact)) &
             solution%penetration(contact) = before%penetration(contact) - before%state%load_gradient
         end if
       end associate
@@ -347,19 +350,19 @@ contains
         predicted = sum(slope * step_share * (1.0_real64 - 0.5_real64 * step_share))
       call potential_change(pairs, law, before, solution, state, change, noise)
       ratio = -change / predicted
-      if (.not. ratio >= poor) then
-        radius = shrink * step%length
-      else if (ratio > good .and. (step%at_border .or. model%convex)) then
+      if (.not. ratio >= poor_ratio) then
+        radius = shrink_factor * step%length
+      else if (ratio > good_ratio .and. (step%at_border .or. model%convex)) then
         ! The radius also follows steps inside the region of the convex model (Dennis and Schnabel,
         ! Numerical Methods for Unconstrained Optimization, 1983, algorithms A6.4.4 and A6.4.5): in
         ! a wide region the first exact step would move a few contacts too far.
-        radius = grow * step%length
+        radius = growth_factor * step%length
       end if
-      is_taken = ratio > taken
+      is_taken = ratio > acceptance_ratio
       if (is_taken) return
       call restore_state(before, solution, state)
       state%rebuilds_lists = .false.
-      if (before%state%residual <= accepted) return
+      if (before%state%residual <= accepted_residual) return
       if (.not. predicted > noise) return
       if (.not. model%convex) then
         model%convex = .true.

@@ -6,7 +6,8 @@
 !> and growth with the radius. A slope t moves the first touch, s**2/(2 R) + t s = (s + R t)**2/(2
 !> R) - R t**2/2. Growth with the square of the radius makes a contact softer.
 module asperity_coupled_groups
-  use asperity_circle_field, only: are_close, circle_set, close_by, least_share, many
+  use asperity_circle_field, only: are_close, circle_set, close_distance, least_curvature_share, &
+    many
   use asperity_contact_law, only: contact_law, contact_response
   use asperity_contact_pairs, only: contact_pair, contact_pairs
   use asperity_coupled_state, only: coupled_solution, evaluate_state, solve_state
@@ -28,7 +29,7 @@ module asperity_coupled_groups
   end type group_law
 
   ! Share of the largest error of the equations [1] from which on a contact is eliminated; chosen.
-  real(real64), parameter :: share_off = 0.05_real64
+  real(real64), parameter :: eliminated_share = 0.05_real64
   !> Contacts of a group at most [1]; chosen: larger ones take longer than they save.
   integer, parameter, public :: most_in_group = 100
 
@@ -58,13 +59,13 @@ contains
     logical :: is_linked(size(set%one))
     integer :: k
 
-    has_large_residual = contact_residual > share_off * maxval(contact_residual)
+    has_large_residual = contact_residual > eliminated_share * maxval(contact_residual)
     is_member = has_large_residual
     !$omp parallel do schedule(static) if(size(is_linked) > many)
     do k = 1, size(is_linked)
       associate (a => set%one(k), b => set%other(k))
         is_linked(k) = .not. (set%shift_fixed(a) .or. set%shift_fixed(b))
-        if (is_linked(k)) is_linked(k) = are_close(set, a, b, close_by)
+        if (is_linked(k)) is_linked(k) = are_close(set, a, b, close_distance)
       end associate
     end do
     !$omp end parallel do
@@ -113,7 +114,7 @@ contains
           group%outer_field(:, i) = [(set%hessian(:, k) - group%set%hessian(:, i)) / set%load(k), &
                                      group%shift(:, i)]
           ! du/d(log a) is twice du/d(log p).
-          law_of_group%softening(i) = max(least_share, 1.0_real64 + 0.5_real64 * &
+          law_of_group%softening(i) = max(least_curvature_share, 1.0_real64 + 0.5_real64 * &
                                           (set%growth(k) - group%set%growth(i)) / p)
           pair%gap = state%gap(contact(i)) + set%displacement(k) - group%set%displacement(i) - &
                      0.5_real64 * set%curvature(k) * &

@@ -4,7 +4,8 @@
 !> u_i + s_i**2/(2 R_i) - c = 0 and s_i/R_i + slope_i = 0 (circle_field). The residual is the
 !> largest error of them, as a penetration, over the largest penetration.
 module asperity_coupled_state
-  use asperity_circle_field, only: circle_set, find_field, inclination_factor, many, most_repeats, &
+  use asperity_circle_field, only: circle_set, find_field, inclination_factor, many, &
+    most_inner_iterations, &
                                    list_near_circles
   use asperity_contact_law, only: contact_law, contact_response
   use asperity_contact_pairs, only: contact_pairs
@@ -18,7 +19,7 @@ module asperity_coupled_state
             penetration_without_load, raise_to_load, resolved_contacts, update_circles, solve_state
 
   !> Penetration of a contact that touches nowhere [length]: no step raises it above 0; chosen.
-  real(real64), parameter, public :: far_below = -1.0e-3_real64 * huge(1.0_real64)
+  real(real64), parameter, public :: open_penetration = -1.0e-3_real64 * huge(1.0_real64)
 
   !> Contacts that boundary elements resolve, as the Hertzian contacts see them; arrays by pair.
   type :: resolved_contacts
@@ -62,10 +63,10 @@ module asperity_coupled_state
   ! its radius; chosen: near pairs reach to 5 sums of radii. Until then near pairs are kept: if they
   ! were found at each field, the potential would jump by the error of the sums where a pair is on
   ! the border.
-  real(real64), parameter :: outgrown = 1.2_real64
+  real(real64), parameter :: list_growth = 1.2_real64
   ! Share of the height between centres [1] below which a penetration stays; chosen, eps**(1/3);
   ! test: coupled_suite.f90.
-  real(real64), parameter :: level = 0.999999_real64
+  real(real64), parameter, public :: level_share = 0.999999_real64
 
 contains
 
@@ -77,7 +78,7 @@ contains
     real(real64), intent(in) :: penetration      !! penetration of the pair
     type(contact_response) :: answer
 
-    call law%respond(pairs%list(i), i, min(penetration, level * pairs%list(i)%zc), answer)
+    call law%respond(pairs%list(i), i, min(penetration, level_share * pairs%list(i)%zc), answer)
   end function answer_at
 
   !> The largest penetration of a contact without a load, by bisection: 0 by Hertz' law, that of the
@@ -93,7 +94,7 @@ contains
 
     low = 0.0_real64
     high = deep
-    do halving = 1, most_repeats
+    do halving = 1, most_inner_iterations
       middle = 0.5_real64 * (low + high)
       answer = answer_at(pairs, law, i, middle)
       if (answer%vertical_load > 0.0_real64) then
@@ -120,7 +121,7 @@ contains
     most = huge(most)
     !$omp parallel do schedule(static) reduction(min:most) if(size(penetration) > many)
     do i = 1, size(penetration)
-      most = min(most, level * pairs%list(i)%zc - penetration(i))
+      most = min(most, level_share * pairs%list(i)%zc - penetration(i))
     end do
     !$omp end parallel do
     low = -maxval(penetration)
@@ -191,8 +192,8 @@ contains
     call gather_circles(pairs, law, solution, state, resolved, is_same)
     associate (set => solution%set)
       if (size(set%x) == 0) return
-      if (is_same) is_same = all(set%radius < outgrown * set%listed(1, :) .and. &
-                                 set%listed(1, :) < outgrown * set%radius .and. &
+      if (is_same) is_same = all(set%radius < list_growth * set%listed(1, :) .and. &
+                                 set%listed(1, :) < list_growth * set%radius .and. &
                                  norm2(set%shift - set%listed(2:, :), 1) < set%listed(1, :))
       if (is_same .and. .not. state%rebuilds_lists) return
       call list_near_circles(set)

@@ -6,7 +6,7 @@
 module asperity_hidden_contacts
   use asperity_circle_field, only: circle_set
   use asperity_contact_pairs, only: contact_pairs
-  use asperity_coupled_state, only: coupled_solution, far_below
+  use asperity_coupled_state, only: coupled_solution, open_penetration
   use asperity_kinds, only: real64
   implicit none
   private
@@ -15,7 +15,7 @@ module asperity_hidden_contacts
 
   ! Height by which a cap stands out of the surface of a loaded one, over the penetration of that
   ! [1], up to which it stays open; chosen: its own load is below its 3/2th power, 0.3 %.
-  real(real64), parameter :: as_one = 0.05_real64
+  real(real64), parameter :: hidden_share = 0.05_real64
 
 contains
 
@@ -39,11 +39,12 @@ contains
             set%shift_fixed(j)) cycle
         share_of_second = protrusion_share(pairs, set, i, set%contact(j))
         share_of_first = protrusion_share(pairs, set, j, set%contact(i))
-        is_released(j) = share_of_second <= as_one .and. .not. share_of_first < share_of_second
-        is_released(i) = share_of_first <= as_one .and. .not. is_released(j)
+        is_released(j) = share_of_second <= hidden_share .and. &
+          .not. share_of_first < share_of_second
+        is_released(i) = share_of_first <= hidden_share .and. .not. is_released(j)
       end do
       any_released = any(is_released)
-      if (any_released) solution%penetration(pack(set%contact, is_released)) = far_below
+      if (any_released) solution%penetration(pack(set%contact, is_released)) = open_penetration
     end associate
   end subroutine release_hidden
 
@@ -58,7 +59,7 @@ contains
     is_hidden = .true.
     do k = 1, size(near)
       if (set%shift_fixed(near(k))) cycle
-      if (protrusion_share(pairs, set, near(k), i) < as_one) return
+      if (protrusion_share(pairs, set, near(k), i) < hidden_share) return
     end do
     is_hidden = .false.
   end function is_hidden
@@ -101,7 +102,7 @@ contains
     share = 2.0_real64
     associate (own => pairs%list(set%contact(host)), pair => pairs%list(i), a => set%radius(host))
       if (pair%radius < 2 * own%radius .and. norm2(set%shift(:, host) + &
-          [set%x(host) - pair%x, set%y(host) - pair%y]) < as_one * a) then
+          [set%x(host) - pair%x, set%y(host) - pair%y]) < hidden_share * a) then
         call find_protrusion(pairs, set, host, i, 2 * a, share, distance, slope)
         share = share / a**2 * own%radius
       end if

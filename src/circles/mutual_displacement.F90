@@ -40,10 +40,10 @@ module asperity_mutual_displacement
   ! Ratios of radii [1]: the closed forms lose digits with its third power, and are found with twice
   ! the digits below the first; below the second the smaller circle is a point, and a share of the
   ! ratio of the displacement is left out; derived.
-  real(real64), parameter :: small_ratio = 0.04_real64, no_ratio = 1.0e-7_real64
+  real(real64), parameter :: small_ratio = 0.04_real64, vanishing_ratio = 1.0e-7_real64
   ! Distance over the sum of radii [1] from which on the closed forms, made of differences of r**4,
   ! lose digits: seven terms of the series leave 1e-12 there; derived; test: mutual_suite.f90.
-  real(real64), parameter :: series_from = 4.0_real64
+  real(real64), parameter :: series_distance = 4.0_real64
   !> Terms of the series behind the first [1]; derived.
   integer, parameter :: terms_kept = 6
   integer :: loop
@@ -68,13 +68,13 @@ contains
     real(real64), intent(in) :: r            !! distance of the centres, 0 or more
     real(real64), intent(in) :: first        !! radius of the first circle, 0 or more
     real(real64), intent(in) :: second       !! radius of the second circle; one is more than 0
-    type(mutual_terms), intent(out) :: terms !! terms between both circles
+    type(mutual_terms), intent(out) :: terms  !! terms between both circles
     real(real64) :: means(2, 2, 0:1), bend, ratio
 
     ratio = min(first, second) / max(first, second)
-    if (r > series_from * (first + second)) then
+    if (r > series_distance * (first + second)) then
       call by_series(r, first, second, means, bend)
-    else if (ratio < no_ratio) then
+    else if (ratio < vanishing_ratio) then
       call with_a_point(r, max(first, second), means, bend)
       ! The field of the larger alone, by its own pressure.
       if (first > second) means = reshape(means, shape(means), order=[2, 1, 3])
@@ -145,7 +145,7 @@ contains
     ! Inside there is no root; just outside some slopes have no bound.
     root = sqrt(max(0.0_real64, (r - b) * (r + b)))
     arc = atan2(b, root)
-    outside = merge(1.0_real64 / max(root, no_ratio * b), 0.0_real64, r > b)
+    outside = merge(1.0_real64 / max(root, vanishing_ratio * b), 0.0_real64, r > b)
     means(:, 1, 0) = arc / (pi * b)
     means(:, 2, 0) = 0.75_real64 / (pi * b**3) * ((2 * b**2 - r**2) * arc + b * root)
     means(:, 1, 1) = -outside / (pi * max(r, b))

@@ -3,13 +3,15 @@
 !> An open contact is at the shift s that minimises s**2/(2 R) + u(x + s), with u the displacement
 !> by the loaded contacts. It touches where this minimum and its gap are less than the compression.
 module asperity_open_contacts
-  use asperity_circle_field, only: circle_set, hertz_spread, many, most_repeats, near_factor, &
+  use asperity_circle_field, only: circle_set, hertz_spread, many, most_inner_iterations, &
+    near_factor, &
                                    sum_error
   use asperity_circle_products, only: lowest_shift
   use asperity_constants, only: pi
   use asperity_contact_law, only: contact_law, contact_response
   use asperity_contact_pairs, only: contact_pairs
-  use asperity_coupled_state, only: answer_at, coupled_solution, far_below, resolved_contacts, &
+  use asperity_coupled_state, only: answer_at, coupled_solution, open_penetration, &
+    resolved_contacts, &
                                     solve_state
   use asperity_hidden_contacts, only: is_hidden
   use asperity_kinds, only: real64
@@ -23,7 +25,7 @@ module asperity_open_contacts
   !> Searches with the field about a new place [1], halvings of the penetrations of contacts that
   !> begin to touch, and steps of the largest group that is eliminated, at most; chosen, 3 are
   !> needed, and a group need not be solved.
-  integer, parameter, public :: most_looks = 8
+  integer, parameter, public :: most_searches = 8
 
 contains
 
@@ -56,7 +58,7 @@ contains
     end if
     allocate (touches(size(is_open)), source=.false.)
     number = pack([(i, i=1, size(is_open))], is_open)
-    do pass = 1, most_looks
+    do pass = 1, most_searches
       if (size(number) == 0) exit
       call minimise_gaps(pairs, number, state, lowest, solution, touches)
       if (allocated(solution%failure)) return
@@ -157,7 +159,7 @@ contains
           p = reach - far(1) + shift_gain + dot_product(far(2:), shift)
           if (p + shift_gain < 0.0_real64) cycle
           if (is_hidden(pairs, set, near, i)) then
-            p = far_below
+            p = open_penetration
             cycle
           end if
           call find_lowest_place(pairs%list(i)%x, pairs%list(i)%y, pairs%list(i)%radius, set, &
@@ -191,15 +193,15 @@ contains
     s = first_shift
     current = height_at(s)
     height_before = current(1)
-    do step = 1, most_repeats
+    do step = 1, most_inner_iterations
       if (.not. radius * dot_product(current(2:3), current(2:3)) > accuracy) exit
       newton_step = lowest_shift(current(4:), 1.0_real64 / radius, current(2:3))
-      do halving = 1, most_repeats
+      do halving = 1, most_inner_iterations
         trial = height_at(s + newton_step)
         if (trial(1) <= current(1) + 1.0e-4_real64 * dot_product(current(2:3), newton_step)) exit
         newton_step = newton_step / 2
       end do
-      if (halving > most_repeats) exit
+      if (halving > most_inner_iterations) exit
       s = s + newton_step
       current = trial
     end do

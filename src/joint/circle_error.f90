@@ -27,27 +27,27 @@ module asperity_circle_error
   ! Largest share of the smaller load that two overlapping contacts take from each other: all of it
   ! where one centre is inside the other circle, else this (measured on two to thirty caps against
   ! elements: 0.23 at most).
-  real(real64), parameter :: taken = 0.25_real64
+  real(real64), parameter :: overlap_share = 0.25_real64
   ! Factor of terms of first order: of the load that a hidden cap bears by the pressure of its host
   ! (measured: 1.33 at most in the four scenes where nothing else is larger), and of the load that
   ! neighbours gain by an oval contact over its own gain (chosen).
-  real(real64), parameter :: first_order = 4.0_real64 / 3.0_real64
+  real(real64), parameter :: first_order_factor = 4.0_real64 / 3.0_real64
   ! Slope times R over the radius of a contact beyond which it is on a flank and has lost half of
   ! this share of its rise (chosen).
-  real(real64), parameter :: steep = 0.6_real64
+  real(real64), parameter :: flank_slope = 0.6_real64
   ! Error of an inclined contact, an ellipse that neighbours see as a circle: share of the load that
   ! neighbours take, over the slope squared (measured: 0.054 at most on 33 scenes of slopes from
   ! 0.14 to 0.56 where nothing else is larger).
-  real(real64), parameter :: inclined = 0.06_real64
+  real(real64), parameter :: inclination_share = 0.06_real64
   ! Error of a sphere as a paraboloid by the penetration that neighbours take: once as the ratio to
   ! the load of the isolated contact, 1.5 times as neighbours are displaced less (derived: 2.5;
   ! measured: 3.3 at most).
-  real(real64), parameter :: fourth_power = 3.5_real64
+  real(real64), parameter :: sphere_factor = 3.5_real64
   ! Relative residual of the weights, and their factor, as they are of first order (chosen).
-  real(real64), parameter :: weight_left = 0.03_real64, weight_factor = 2.0_real64
+  real(real64), parameter :: weight_residual = 0.03_real64, weight_factor = 2.0_real64
   ! Ratio of radii from which on a contact that overlaps the circle of a blunter one is nested
   ! (chosen; test: nested contacts in test/regression/test_warnings_at_limits.py).
-  real(real64), parameter :: blunter = 3.0_real64
+  real(real64), parameter :: nested_ratio = 3.0_real64
 
 contains
 
@@ -92,7 +92,7 @@ contains
         do k = tree%first(l), tree%first(l + 1) - 1
           j = set%contact(tree%near(k))
           if (covering(i) == 0) covering(i) = j
-          error(i) = error(i) + weight(tree%near(k)) * 2 * first_order * &
+          error(i) = error(i) + weight(tree%near(k)) * 2 * first_order_factor * &
                      set%radius(tree%near(k)) * mean_protrusion(pairs, solution, i, tree%near(k))
         end do
       end do
@@ -117,7 +117,7 @@ contains
     products = 0
     radius = huge(radius)**0.25_real64
     call prepare_model(solution%set, model)
-    call find_step(solution%set, model, weight_left, radius, step, products, pairs%interrupt)
+    call find_step(solution%set, model, weight_residual, radius, step, products, pairs%interrupt)
     ! A lower bound, as conjugate gradients increase it in each iteration.
     tangent = sum(step%change(1, :))
     associate (set => solution%set)
@@ -177,10 +177,10 @@ contains
         distance = norm2(relative_position(set, j, k))
         if (.not. distance < a + set%radius(j)) cycle
         least_ratio = min(least_ratio, distance / max(a, set%radius(j)))
-        is_nested = is_nested .or. pairs%list(set%contact(j))%radius >= blunter * r
+        is_nested = is_nested .or. pairs%list(set%contact(j))%radius >= nested_ratio * r
         ! Each of the two contacts gets half of their error.
         overlap_error = overlap_error + 0.5_real64 * min(set%load(k), set%load(j)) * &
-          merge(1.0_real64, taken, distance < max(a, set%radius(j)))
+          merge(1.0_real64, overlap_share, distance < max(a, set%radius(j)))
       end do
       call find_harmonics(.true., error, neighbour_gain)
       if (overlap_error > 0.0_real64) then
@@ -192,15 +192,16 @@ contains
         neighbour_gain = 0.0_real64
       end if
       shift = norm2(set%shift(:, k))
-      if (shift > steep * a) error = max(error, load_gain(r, p, steep * shift**2 / (4 * r)))
+      if (shift > flank_slope * a) error = max(error, load_gain(r, p, flank_slope * shift**2 / &
+                                                                (4 * r)))
       error = error + neighbour_gain
       ! An inclined contact is an ellipse, and its field is computed as that of a circle.
       associate (pair => pairs%list(set%contact(k)), &
                  displacement => max(0.0_real64, solution%closing - &
                                      pairs%list(set%contact(k))%gap - p))
-        error = error + set%load(k) * inclined * displacement / (p + displacement) * &
+        error = error + set%load(k) * inclination_share * displacement / (p + displacement) * &
                 (pair%d / pair%zc)**2
-        sphere_error = set%load(k) * fourth_power * sphere_share(pair, min(p, displacement))
+        sphere_error = set%load(k) * sphere_factor * sphere_share(pair, min(p, displacement))
       end associate
     end associate
 
@@ -228,7 +229,7 @@ contains
           second_harmonic(l) = b(l) * cmplx(offset(1), offset(2), real64)**2 / square
         end do
         gain = r / (4 * a) * (abs(sum(second_harmonic))**2 + 1.0_real64 / 18 * sum(b)**2)
-        gain_of_neighbours = first_order * r / (4 * a) * sum( &
+        gain_of_neighbours = first_order_factor * r / (4 * a) * sum( &
           p / solution%penetration(set%contact(near(lbound(b, 1):ubound(b, 1)))) * &
           abs(real(second_harmonic * conjg(sum(second_harmonic))) + 1.0_real64 / 18 * b * sum(b)))
       end associate

@@ -6,7 +6,7 @@
 !> their tolerance are those of a solve without one.
 module asperity_earlier_solutions
   use asperity_contact_pairs, only: contact_pairs
-  use asperity_coupled_state, only: coupled_solution, far_below
+  use asperity_coupled_state, only: coupled_solution, open_penetration
   use asperity_kinds, only: real64
   use asperity_solution_start, only: contact_solution, solution_start
   implicit none
@@ -20,7 +20,7 @@ module asperity_earlier_solutions
   integer, parameter :: most_kept = 3
   ! Load**(2/3) or compression over that of an earlier solution, or its inverse, at most (measured:
   ! beyond it a solve takes longer than one without a start).
-  real(real64), parameter :: farthest = 1.5_real64
+  real(real64), parameter :: farthest_ratio = 1.5_real64
 
 contains
 
@@ -51,8 +51,8 @@ contains
         if (present(target)) &
           node_value(k) = hertz_power(solutions(k)%load(merge(2, 1, pairs%vertical)))
         if (.not. (has_same_pairs(pairs, solutions(k)) .and. &
-                   node_value(k) < farthest * value .and. &
-                   value < farthest * node_value(k))) node_value(k) = -1.0_real64
+                   node_value(k) < farthest_ratio * value .and. &
+                   value < farthest_ratio * node_value(k))) node_value(k) = -1.0_real64
       end do
       do while (any(node_value > 0.0_real64))
         k = minloc(abs(node_value - value), 1, node_value > 0.0_real64)
@@ -70,14 +70,14 @@ contains
       end if
       ! Pairs that were open start open: their penetration has an upper bound only, and the solver
       ! activates those that touch at this load.
-      allocate (solution%penetration(size(pairs%list)), source=far_below)
+      allocate (solution%penetration(size(pairs%list)), source=open_penetration)
       allocate (solution%shift(2, size(pairs%list)), source=0.0_real64)
       do j = n, 1, -1
         weight = lagrange_weights(value, node_value(:j))
         do i = 1, min(size(pairs%list), size(solutions(node_index(1))%gap))
           if (.not. solutions(node_index(1))%penetration(i) > 0.0_real64) cycle
           ! The shift of a pair that was open in an earlier solution may be different.
-          if (known_count(i, far_below / 2) == j) solution%penetration(i) = &
+          if (known_count(i, open_penetration / 2) == j) solution%penetration(i) = &
             sum([(weight(k) * solutions(node_index(k))%penetration(i), k=1, j)])
           if (known_count(i, 0.0_real64) == j) solution%shift(:, i) = &
             [(sum([(weight(k) * solutions(node_index(k))%shift(l, i), k=1, j)]), l=1, 2)]
@@ -166,7 +166,8 @@ contains
       new%upper = pairs%list(:n)%upper
       new%lower = pairs%list(:n)%lower
       new%gap = pairs%list(:n)%gap
-      new%penetration = merge(penetration(:n), far_below, abs(penetration(:n)) > tiny(compression))
+      new%penetration = merge(penetration(:n), open_penetration, &
+                              abs(penetration(:n)) > tiny(compression))
       new%shift = shift(:, :n)
     end associate
   end subroutine keep_solution
@@ -202,7 +203,7 @@ contains
                                (pairs%modulus * solutions(k)%load(merge(2, 1, pairs%vertical))))
       end do
       k = minloc(abs(log(ratio)), 1)
-      if (ratio(k) < farthest) compression = solutions(k)%closing * ratio(k)
+      if (ratio(k) < farthest_ratio) compression = solutions(k)%closing * ratio(k)
     end associate
   end function expected_compression
 

@@ -4,14 +4,12 @@ module asperity_interaction_estimate
   use asperity_constants, only: pi
   use asperity_contact_law, only: contact_law, contact_response
   use asperity_contact_pairs, only: contact_pairs
+  use asperity_coupled_state, only: level_share
   use asperity_kinds, only: real64
   implicit none
   private
 
   public :: estimate_of_interaction
-
-  ! Largest penetration over the height at which the centres are level, where laws end (chosen).
-  real(real64), parameter :: deepest = 0.999999_real64
 
 contains
 
@@ -42,7 +40,7 @@ contains
     set%y = pairs%list(:n)%y
     do i = 1, n
       call law%respond(pairs%list(i), i, min(compression - pairs%list(i)%gap, &
-                       deepest * pairs%list(i)%zc), response)
+                       level_share * pairs%list(i)%zc), response)
       set%radius(i) = response%contact_radius
       set%load(i) = response%vertical_load * inclination_factor(response%cosine) / pairs%modulus
       set%stiffness(i) = response%stiffness * inclination_factor(response%cosine) / pairs%modulus

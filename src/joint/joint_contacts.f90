@@ -25,7 +25,7 @@ module asperity_joint_contacts
   use asperity_coupled_contacts, only: adopt_penetrations, coupled_solution, resolved_contacts, &
                                        solve_coupled
   use asperity_coupled_groups, only: group_law
-  use asperity_coupled_state, only: find_carried_load, far_below, raise_to_load
+  use asperity_coupled_state, only: find_carried_load, open_penetration, raise_to_load
   use asperity_element_pressures, only: join_elements
   use asperity_index_groups, only: gather_groups
   use asperity_key_sort, only: sort_keys
@@ -65,13 +65,13 @@ module asperity_joint_contacts
   ! Share of the tolerance of a load by which one cluster may miss a given load, and by which the
   ! last round of Hertzian contacts and boundary elements may change the total; as a relative error
   ! of the load that of the elements while the compression is searched (chosen).
-  real(real64), parameter :: settled = 0.02_real64
+  real(real64), parameter :: settled_share = 0.02_real64
   ! Largest number of rounds (chosen).
-  integer, parameter :: most_rounds = 30
+  integer, parameter :: most_iterations = 30
   ! Sums of radii: Hertzian contacts nearer to each other go to boundary elements together, with the
   ! open contacts within as many radii (chosen: just beside a large contact the error indicated for
   ! a small one is a third of the true one; test: errors in test/regression/test_dense.py).
-  real(real64), parameter :: along = 1.1_real64
+  real(real64), parameter :: adjacent_distance = 1.1_real64
 
   ! A position, the accuracy of its solution, and the intermediate results of the stages.
   type :: joint_task
@@ -134,7 +134,8 @@ contains
                 source=0.0_real64)
     end associate
     expected = solution%coupled%closing
-    if (choice /= resolve_none) call find_near_tops(pairs, law, along, expected, task%is_near, &
+    if (choice /= resolve_none) call find_near_tops(pairs, law, adjacent_distance, expected, &
+                                                    task%is_near, &
                                                     task%is_representative, task%radius, target)
     if (any(task%is_near)) call start_with_near_tops(task, solution)
     is_single = is_one_cluster(pairs, task%is_near, task%radius, task%clusters)
@@ -154,7 +155,7 @@ contains
       end if
     end if
     ! Penetrations of open contacts are negative, as 0 is a contact at first touch.
-    where (solution%coupled%penetration < 0.5_real64 * far_below) &
+    where (solution%coupled%penetration < 0.5_real64 * open_penetration) &
       solution%coupled%penetration = -tiny(1.0_real64)
     call set_areas(task, solution)
     call estimate_errors(task, solution)
@@ -185,7 +186,8 @@ contains
     real(real64) :: near_compression, radius(size(near_tops))
 
     near_compression = compression
-    call find_near_tops(task%pairs, task%law, along, near_compression, near_tops, representative, &
+    call find_near_tops(task%pairs, task%law, adjacent_distance, near_compression, near_tops, &
+                        representative, &
                         radius)
     if (present(has_grown)) then
       has_grown = any(near_tops .and. .not. task%is_near)
@@ -295,8 +297,8 @@ contains
         if (allocated(solution%failure)) return
         load = sum(coupled%set%load)
         task%last_change = abs(load - previous_load) / max(load, tiny(load))
-        if (task%last_change <= settled * tolerance) exit
-        if (solution%iterations == most_rounds) then
+        if (task%last_change <= settled_share * tolerance) exit
+        if (solution%iterations == most_iterations) then
           solution%failure = 'Hertzian contacts and boundary elements did not converge together'
           return
         end if
@@ -365,7 +367,7 @@ contains
     representative_pairs%list = pairs%list(representative_law%contact)
     solved%closing = coupled%closing
     call solve_coupled(representative_pairs, representative_law, solved, target)
-    allocate (coupled%penetration(size(is_excluded)), source=far_below)
+    allocate (coupled%penetration(size(is_excluded)), source=open_penetration)
     allocate (coupled%shift(2, size(is_excluded)), source=0.0_real64)
     coupled%penetration(representative_law%contact) = solved%penetration
     coupled%shift(:, representative_law%contact) = solved%shift
@@ -398,17 +400,17 @@ contains
     ! The load is searched with elements of a coarse tolerance first: the elements of the final
     ! tolerance are then laid for its compression.
     share = task%elements_tolerance
-    if (allocated(task%target)) share = max(share, settled)
+    if (allocated(task%target)) share = max(share, settled_share)
     is_member = .not. present(is_single)
     is_member(task%clusters(1)%members) = .true.
     if (present(is_single)) is_single = .true.
     search%first_touch = minval(task%pairs%list%gap)
     call reset_search(search)
     associate (coupled => solution%coupled, pairs => task%pairs)
-      coupled%penetration = spread(far_below, 1, size(pairs%list))
+      coupled%penetration = spread(open_penetration, 1, size(pairs%list))
       coupled%shift = spread(spread(0.0_real64, 1, 2), 2, size(pairs%list))
       do
-        if (solution%iterations == most_rounds) then
+        if (solution%iterations == most_iterations) then
           solution%failure = 'the load of the boundary elements was not met'
           return
         end if
@@ -421,14 +423,15 @@ contains
         call find_carried_load(pairs, task%law, coupled%penetration, 0.0_real64, load, slope)
         load = load * pairs%modulus
         if (abs(load - task%target) > task%target * &
-            merge(share, settled * share, share > task%elements_tolerance)) then
+            merge(share, settled_share * share, share > task%elements_tolerance)) then
           call update_compression(search, load, task%target, compression, task%compression_share)
           cycle
         end if
         ! Contacts near at this compression become members, too: the points at which `any_loaded`
         ! computes the gap may miss a blunt contact of considerable area.
         near_compression = compression
-        call find_near_tops(pairs, task%law, along, near_compression, near_tops, representative, &
+        call find_near_tops(pairs, task%law, adjacent_distance, near_compression, near_tops, &
+                            representative, &
                             radius)
         if (any(near_tops .and. .not. is_member) .or. &
             any_loaded(pairs, pack([(k, k=1, size(is_member))], .not. is_member), compression, &
@@ -617,9 +620,10 @@ contains
 
     associate (set => coupled%set)
       call gather_groups(set%one, set%other, &
-                         [(are_close(set, set%one(k), set%other(k), along), k=1, size(set%one))], &
+                         [(are_close(set, set%one(k), set%other(k), adjacent_distance), k=1, &
+                           size(set%one))], &
                          spread(.true., 1, size(set%contact)), size(set%contact), member, first)
-      call find_open_neighbours(pairs, coupled, along, tree, open_pairs)
+      call find_open_neighbours(pairs, coupled, adjacent_distance, tree, open_pairs)
       call sort_keys(-error, order)
       next_rank = 1
       do
@@ -669,8 +673,8 @@ contains
           ! Members count with the radii of Hertzian contacts of their loads.
           if (.not. any(contacts%load > 0.0_real64 .and. &
                         hypot(contacts%x - outside%x(l), contacts%y - outside%y(l)) < &
-                        along * (outside%radius(l) + (0.75_real64 * contacts%load / &
-                                 pairs%modulus * list%radius)**(1.0_real64 / 3)))) cycle
+                        adjacent_distance * (outside%radius(l) + (0.75_real64 * contacts%load / &
+                                             pairs%modulus * list%radius)**(1.0_real64 / 3)))) cycle
           is_resolved(outside%pair(l)) = .true.
           has_grown = .true.
         end do

@@ -11,7 +11,7 @@ module asperity_resolved_answers
   use asperity_contact_pairs, only: contact_pairs
   use asperity_coupled_contacts, only: adopt_penetrations, coupled_solution, resolved_contacts
   use asperity_coupled_groups, only: group_law
-  use asperity_coupled_state, only: far_below, raise_to_load
+  use asperity_coupled_state, only: open_penetration, raise_to_load
   use asperity_kinds, only: real64
   use asperity_mutual_displacement, only: mutual_displacement, mutual_terms
   use asperity_resolved_clusters, only: cluster
@@ -21,7 +21,7 @@ module asperity_resolved_answers
   public :: represent_clusters, distribute_loads
 
   ! Least share of a change of gaps that is applied (chosen).
-  real(real64), parameter :: least_taken = 0.1_real64
+  real(real64), parameter :: least_relaxation = 0.1_real64
 
 contains
 
@@ -46,7 +46,7 @@ contains
       associate (answer => clusters(k)%answer, members => clusters(k)%members)
         resolved%x(members) = answer%contacts%x
         resolved%y(members) = answer%contacts%y
-        coupled%penetration(members) = far_below
+        coupled%penetration(members) = open_penetration
         coupled%shift(:, members) = 0.0_real64
         clusters(k)%load = 0 * answer%contacts%load
         do m = 1, size(members)
@@ -100,9 +100,9 @@ contains
     change = gap(this_cluster%members) - previous_gap
     share_applied = 1.0_real64
     if (allocated(this_cluster%change)) then
-      where (max(abs(change), abs(this_cluster%change)) < -far_below .and. &
+      where (max(abs(change), abs(this_cluster%change)) < -open_penetration .and. &
              sign(1.0_real64, this_cluster%change) * (this_cluster%change - change) > 0.0_real64) &
-        share_applied = max(least_taken, min(1.0_real64, this_cluster%applied_share * &
+        share_applied = max(least_relaxation, min(1.0_real64, this_cluster%applied_share * &
           (this_cluster%change / (this_cluster%change - change))))
       gap(this_cluster%members) = merge(previous_gap + share_applied * change, &
                                         gap(this_cluster%members), share_applied < 1.0_real64)
@@ -149,7 +149,7 @@ contains
                 .not. hypot(x(i) - x(j), y(i) - y(j)) < max(radius(a), radius(b))) cycle
             x(i) = x(i) + weight * (x(j) - x(i))
             y(i) = y(i) + weight * (y(j) - y(i))
-            coupled%penetration(j) = far_below
+            coupled%penetration(j) = open_penetration
           end associate
           where (this_cluster%representative == b) this_cluster%representative = a
           load(a) = load(a) + load(b)

@@ -38,7 +38,7 @@ module asperity_resolved_clusters
   ! middle to the circles whose field is interpolated. The change of another contact by the
   ! ellipticity of one falls with the sixth power of their distance, and is below 4e-6 of its load
   ! from there (derived).
-  real(real64), parameter :: far_off = 3.0_real64
+  real(real64), parameter :: separate_distance = 3.0_real64
   ! Chebyshev nodes along an axis of the interpolated field: its error is (3 + sqrt(8))**-8 = 1e-6
   ! of it (derived).
   integer, parameter :: nodes = 8
@@ -71,7 +71,7 @@ contains
       if (k > 0) reach(i) = max(reach(i), coupled%set%radius(k))
     end do
     call build_tree(tree, pairs%list(resolved_pairs)%x, pairs%list(resolved_pairs)%y, reach, &
-                    far_off)
+                    separate_distance)
     call gather_groups([((i, l=tree%first(i), tree%first(i + 1) - 1), i=1, size(resolved_pairs))], &
                        tree%near, spread(.true., 1, size(tree%near)), &
                        spread(.true., 1, size(resolved_pairs)), size(resolved_pairs), member, first)
@@ -185,7 +185,7 @@ contains
       associate (half_diagonal => 0.5_real64 * hypot(outside%x1 - outside%x0, &
                                                      outside%y1 - outside%y0), &
                  list => pairs%list(this_cluster%members))
-        reach = half_diagonal + max(far_off * half_diagonal, &
+        reach = half_diagonal + max(separate_distance * half_diagonal, &
                                     maxval(hypot(list%x - outside%x0, list%y - outside%y0)))
       end associate
     end associate
@@ -246,7 +246,7 @@ contains
 
       is_near_cluster = hypot(set%x(circle) + set%shift(1, circle) - centre(1), &
                               set%y(circle) + set%shift(2, circle) - centre(2)) < &
-                        far_off * half_diagonal + set%radius(circle)
+                        separate_distance * half_diagonal + set%radius(circle)
     end function is_near_cluster
 
   end subroutine set_outside_field
