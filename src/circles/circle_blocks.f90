@@ -3,9 +3,9 @@
 !> Circles that overlap or nearly touch form a block. Its matrix is the exact Hessian where that is
 !> positive definite, else that of the convex model (circle_products), factored as L D L'.
 module asperity_circle_blocks
-  use asperity_circle_field, only: are_close, circle_set, close_distance, compliance, direction_x, &
-    least_curvature_share, &
-                                   many, direction_y, pair_hessian, first_slope, second_slope
+  use asperity_circle_field, only: are_close, circle_set, close_distance, compliance, &
+                                   direction_x, direction_y, first_slope, least_curvature_share, &
+                                   pair_hessian, second_slope, thread_threshold
   use asperity_circle_products, only: convex_hessian
   use asperity_index_groups, only: gather_groups
   use asperity_kinds, only: real64
@@ -35,7 +35,7 @@ contains
     logical :: overlap(size(set%one)), near(size(set%one))
     integer :: k, m
 
-    !$omp parallel do schedule(static) if(size(near) > many)
+    !$omp parallel do schedule(static) if(size(near) > thread_threshold)
     do k = 1, size(near)
       overlap(k) = are_close(set, set%one(k), set%other(k), 1.0_real64)
       near(k) = are_close(set, set%one(k), set%other(k), close_distance) .and. .not. overlap(k)
@@ -65,7 +65,7 @@ contains
     integer :: k
     logical :: is_definite
 
-    !$omp parallel do schedule(dynamic, 64) private(is_definite) if(size(set%x) > many)
+    !$omp parallel do schedule(dynamic, 64) private(is_definite) if(size(set%x) > thread_threshold)
     do k = 1, size(blocks%first) - 1
       associate (member => blocks%member(blocks%first(k):blocks%first(k + 1) - 1), &
                  factor => blocks%factor(blocks%start(k):blocks%start(k + 1) - 1))
@@ -164,7 +164,7 @@ contains
     real(real64), intent(out) :: change(:, :)      !! solutions (3, circle)
     integer :: k
 
-    !$omp parallel do schedule(static) if(size(left, 2) > many)
+    !$omp parallel do schedule(static) if(size(left, 2) > thread_threshold)
     do k = 1, size(blocks%first) - 1
       call solve_one(blocks%member(blocks%first(k):blocks%first(k + 1) - 1), &
                      3 * (blocks%first(k + 1) - blocks%first(k)), &

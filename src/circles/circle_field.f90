@@ -49,13 +49,18 @@ module asperity_circle_field
   !> summation_suite.
   real(real64), parameter, public :: sum_error = 1.0e-8_real64
 
-  !> Rounds of conjugate gradients at most [1]; chosen, dense scenes need 60; and of iterations on a
-  !> few unknowns: a group, a place of contact, squares; chosen, they need 10.
+  !> Largest numbers of conjugate-gradient iterations [1], chosen, dense scenes need 60; and of
+  !> iterations on few unknowns: a group, a place of contact, squares; chosen, they need 10.
   integer, parameter, public :: most_iterations = 400, most_inner_iterations = 40
 
-  !> Circles or near pairs [1] from which on threads share the work, and sums are by a tree
-  !> with kept near pairs; chosen: less takes microseconds; test: coupled_suite.f90.
-  integer, parameter, public :: many = 1000
+  !> Circles or near pairs [1] above which threads share the work, without a change of results;
+  !> chosen: fewer take microseconds.
+  integer, parameter, public :: thread_threshold = 1000
+
+  !> Circles [1] above which a set is large: sums have the error `sum_error`, the residual of a
+  !> solution is larger, neighbour lists are kept to the end, and total loads are sums of partial
+  !> sums of so many; chosen; test: coupled_suite.f90.
+  integer, parameter, public :: large_set = 1000
 
   ! Memory, bytes, an upper estimate that is compared with what is available. Near pair: 56 of its
   ! terms, 24 of its circles and places in lists, 56 of the lists that blocks are made from. Circle:
@@ -192,7 +197,7 @@ contains
     set%shift_since = set%shift - set%listed(2:, :)
     allocate (far(6, n), batch(min(batch_size, size(set%one))))
     call sum_sources(set%tree, set%load, hertz_spread * set%radius**2, far, set%shift_since)
-    !$omp parallel do schedule(static) if(n > many)
+    !$omp parallel do schedule(static) if(n > thread_threshold)
     do k = 1, n
       associate (far_field => far(:, k), square => set%radius(k)**2)
         far_field = far_field / pi
@@ -211,13 +216,13 @@ contains
     set%energy = 0.5_real64 * sum(set%load * (far(1, :) + hertz_spread * set%radius**2 * far(2, :)))
     do from = 1, size(set%one), batch_size
       to = min(from + batch_size - 1, size(set%one))
-      !$omp parallel do schedule(static) if(to - from > many)
+      !$omp parallel do schedule(static) if(to - from > thread_threshold)
       do k = from, to
         call find_terms(set, k, batch(k - from + 1))
       end do
       !$omp end parallel do
       ! The order of summation does not depend on the number of threads.
-      !$omp parallel sections private(k) if(to - from > many)
+      !$omp parallel sections private(k) if(to - from > thread_threshold)
       do k = from, to
         call add_displacements(set, k, batch(k - from + 1))
       end do

@@ -4,7 +4,8 @@
 !> the mean of both gradients times the change of the state, which is exact to third order (as in
 !> the approximate Wolfe conditions of Hager and Zhang, SIAM J. Optim. 16 (2005) 170).
 module asperity_circle_potential
-  use asperity_circle_field, only: circle_set, inclination_factor, many, sum_error
+  use asperity_circle_field, only: circle_set, inclination_factor, large_set, sum_error, &
+                                   thread_threshold
   use asperity_contact_law, only: contact_law, contact_response
   use asperity_contact_pairs, only: contact_pairs
   use asperity_coupled_state, only: answer_at, coupled_solution, solve_state
@@ -84,7 +85,7 @@ contains
     call expand_by_pair(solution%set, state%load_gradient + (solution%closing - before%closing), &
                         load(:, 2), &
                         gradient(:, 2), circle(:, 2))
-    !$omp parallel do schedule(static) if(n > many)
+    !$omp parallel do schedule(static) if(n > thread_threshold)
     do i = 1, n
       part(i) = 0.0_real64
       if (all(circle(i, :) == 0)) cycle
@@ -102,7 +103,7 @@ contains
     change = sum(part)
     all_work = before%set%energy + &
                dot_product(before%set%load, before%penetration(before%set%contact))
-    relative = merge(sum_error, rounding_error, size(before%set%x) > many)
+    relative = merge(sum_error, rounding_error, size(before%set%x) > large_set)
     noise = relative * max(abs(before%closing), abs(solution%closing)) * &
             sum(abs(load(:, 2) - load(:, 1)))
     if (abs(change) <= resolved_change * all_work) return

@@ -21,7 +21,7 @@
 !> the complete pair list (the caller repeats); two steps without a decrease, or too many steps (not
 !> converged); no memory, interrupted (failure).
 module asperity_coupled_contacts
-  use asperity_circle_field, only: are_close, circle_set, many, most_inner_iterations
+  use asperity_circle_field, only: are_close, circle_set, large_set, most_inner_iterations
   use asperity_circle_potential, only: potential_change, potential_state, remember_state, &
                                        restore_state
   use asperity_circle_step, only: circle_model, find_step, prepare_model, trust_step
@@ -42,34 +42,32 @@ module asperity_coupled_contacts
 
   public :: adopt_penetrations, coupled_solution, resolved_contacts, solve_coupled
 
-  ! Most of these change how many steps are needed, not the result: the test of step counts fails
-  ! when they are changed several times. Residual over the largest penetration [1], asked for;
-  ! chosen, ten times above the rounding error.
+  ! Residual over the largest penetration [1] of a solution; chosen, ten times the rounding error.
   real(real64), parameter :: target_residual = 1.0e-11_real64
-  ! The same where the residual stagnates and of many contacts [1]; a tenth of the error of sums,
+  ! The same where the residual stagnates, and of a large set [1]; a tenth of the error of sums,
   ! measured in summation_suite.
   real(real64), parameter :: accepted_residual = 1.0e-9_real64
-  ! Decrease of the residual [1] from which on it stagnates, open contacts are examined again, and
-  ! which a step asks for at least; chosen.
+  ! Ratio of successive residuals [1] above which the residual stagnates, below which open contacts
+  ! are examined again, and which is the largest forcing term of a step; chosen.
   real(real64), parameter :: stagnation_ratio = 0.5_real64
   ! Steps at most [1]; chosen, the hardest known scene takes 130.
   integer, parameter :: most_steps = 1000
-  ! Ratio of the actual to the predicted decrease [1] from which a step is taken, below which the
-  ! region shrinks and above which it grows, and both factors, of the length of the step; Nocedal
-  ! and Wright 2006, algorithm 4.1, and section 4.1.
-  real(real64), parameter :: acceptance_ratio = 0.1_real64, poor_ratio = 0.25_real64, good_ratio = &
-    0.75_real64
-  real(real64), parameter :: shrink_factor = 0.25_real64, growth_factor = 2.0_real64 ! 2006, as above
+  ! Ratios of the actual to the predicted decrease [1] above which a step is accepted, below which
+  ! the region shrinks and above which it grows; Nocedal and Wright 2006, algorithm 4.1.
+  real(real64), parameter :: acceptance_ratio = 0.1_real64
+  real(real64), parameter :: poor_ratio = 0.25_real64, good_ratio = 0.75_real64  ! 2006, as above
+  ! New radius of the region over the length of the step [1]; 2006, as above.
+  real(real64), parameter :: shrink_factor = 0.25_real64, growth_factor = 2.0_real64
   ! Residual [1] above which the model is convex, and from which on the compression is compared with
   ! the complete pair list; measured, 0.01 to 0.03 need equal steps.
   real(real64), parameter :: convex_residual = 0.02_real64
-  ! Share of the gradient that a step leaves at least [1], else the root of the residual (Eisenstat
-  ! and Walker 1996); chosen: the sums of a product err by 2e-4.
+  ! Least forcing term, the share of the gradient that a step leaves [1], else the root of the
+  ! residual (Eisenstat and Walker 1996); chosen: the sums of a product are in error by 2e-4.
   real(real64), parameter :: least_forcing = 1.0e-3_real64
   ! Share of the residual that is left in a group [1]; measured, 0.5 needs a third more steps.
   real(real64), parameter :: group_forcing = 0.1_real64
-  ! Excess of the field over the penetration [1] from which on a contact opens at once; chosen: from
-  ! 1 on its load is 0 at the least potential in a fixed field.
+  ! Excess of the field over the penetration [1] above which a contact is released; chosen: above 1
+  ! its load is 0 at the least potential in a fixed field.
   real(real64), parameter :: release_excess = 10.0_real64
 
 contains
@@ -126,7 +124,7 @@ contains
       if (allocated(solution%failure)) return
       attainable = merge(accepted_residual, target_residual, failed_steps > 0 .or. &
                          .not. state%residual < stagnation_ratio * last_residual)
-      required = merge(accepted_residual, attainable, size(solution%set%x) > many)
+      required = merge(accepted_residual, attainable, size(solution%set%x) > large_set)
       if (present(group_residual)) required = max(required, group_residual)
       ! The pair list is complete only up to this compression. Beyond it the solution is invalid;
       ! the caller repeats the solve with all pairs.
@@ -162,7 +160,7 @@ contains
       ! on the border may enter and leave the lists.
       if (state%residual < least_forcing .and. .not. is_final) then
         is_final = .true.
-        state%rebuilds_lists = size(solution%set%x) <= many
+        state%rebuilds_lists = size(solution%set%x) <= large_set
       end if
       eliminates = .not. present(group_residual) .and. &
                    state%residual > max(stagnation_ratio * last_residual, accepted_residual)
@@ -255,7 +253,7 @@ contains
     call find_groups(solution%set, state%contact_residual, member, first)
     if (size(member) == 0) return
     ! Where most of many contacts have large residuals, a step of all needs fewer fields.
-    if (size(state%contact_residual) > many .and. &
+    if (size(state%contact_residual) > large_set .and. &
         2 * size(member) > size(state%contact_residual)) return
     call remember_state(solution, state, before)
     !$omp parallel do schedule(dynamic)
@@ -320,7 +318,8 @@ contains
     limit = largest_shifts(before%set)
     forcing = min(stagnation_ratio, max(least_forcing, sqrt(before%state%residual)))
     ! The last step of a large set need not go below the accepted residual.
-    if (n > many) forcing = max(forcing, group_forcing * accepted_residual / before%state%residual)
+    if (n > large_set) &
+      forcing = max(forcing, group_forcing * accepted_residual / before%state%residual)
     do
       call find_step(solution%set, model, forcing, radius, step, solution%products, pairs%interrupt)
       if (.not. step%decrease > 0.0_real64 .or. pairs%interrupt%is_asked()) return

@@ -7,7 +7,7 @@
 !> R) - R t**2/2. Growth with the square of the radius makes a contact softer.
 module asperity_coupled_groups
   use asperity_circle_field, only: are_close, circle_set, close_distance, least_curvature_share, &
-    many
+                                   thread_threshold
   use asperity_contact_law, only: contact_law, contact_response
   use asperity_contact_pairs, only: contact_pair, contact_pairs
   use asperity_coupled_state, only: coupled_solution, evaluate_state, solve_state
@@ -61,7 +61,7 @@ contains
 
     has_large_residual = contact_residual > eliminated_share * maxval(contact_residual)
     is_member = has_large_residual
-    !$omp parallel do schedule(static) if(size(is_linked) > many)
+    !$omp parallel do schedule(static) if(size(is_linked) > thread_threshold)
     do k = 1, size(is_linked)
       associate (a => set%one(k), b => set%other(k))
         is_linked(k) = .not. (set%shift_fixed(a) .or. set%shift_fixed(b))

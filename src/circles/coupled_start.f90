@@ -1,6 +1,6 @@
 !> Start of the iteration of coupled contacts.
 module asperity_coupled_start
-  use asperity_circle_field, only: inclination_factor, many, most_inner_iterations
+  use asperity_circle_field, only: inclination_factor, most_inner_iterations
   use asperity_coarse_circles, only: coarse_circles, gather_squares, pressed_displacement, &
                                      shared_change, sum_of_squares
   use asperity_contact_law, only: contact_law, contact_response

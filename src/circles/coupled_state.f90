@@ -4,9 +4,8 @@
 !> u_i + s_i**2/(2 R_i) - c = 0 and s_i/R_i + slope_i = 0 (circle_field). The residual is the
 !> largest error of them, as a penetration, over the largest penetration.
 module asperity_coupled_state
-  use asperity_circle_field, only: circle_set, find_field, inclination_factor, many, &
-    most_inner_iterations, &
-                                   list_near_circles
+  use asperity_circle_field, only: circle_set, find_field, inclination_factor, large_set, &
+                                   list_near_circles, most_inner_iterations, thread_threshold
   use asperity_contact_law, only: contact_law, contact_response
   use asperity_contact_pairs, only: contact_pairs
   use asperity_kinds, only: real64
@@ -119,7 +118,7 @@ contains
 
     ! At most until the centres of one contact are level.
     most = huge(most)
-    !$omp parallel do schedule(static) reduction(min:most) if(size(penetration) > many)
+    !$omp parallel do schedule(static) reduction(min:most) if(size(penetration) > thread_threshold)
     do i = 1, size(penetration)
       most = min(most, level_share * pairs%list(i)%zc - penetration(i))
     end do
@@ -160,14 +159,14 @@ contains
     real(real64), intent(out) :: slope                    !! derivative by the penetration
     type(contact_response) :: response
     ! Partial sums, in an order that does not depend on the number of threads.
-    real(real64), dimension(1 + size(penetration) / many) :: load, stiffness
+    real(real64), dimension(1 + size(penetration) / large_set) :: load, stiffness
     integer :: i, part
 
     load = 0.0_real64
     stiffness = 0.0_real64
     !$omp parallel do schedule(static) private(i, response) if(size(load) > 1)
     do part = 1, size(load)
-      do i = many * (part - 1) + 1, min(many * part, size(penetration))
+      do i = large_set * (part - 1) + 1, min(large_set * part, size(penetration))
         if (.not. penetration(i) + rise > 0.0_real64) cycle
         call law%respond(pairs%list(i), i, penetration(i) + rise, response)
         load(part) = load(part) + merge(response%vertical_load, response%load, pairs%vertical)
@@ -220,7 +219,7 @@ contains
       call find_field(set)
       solution%fields = solution%fields + 1
       largest = maxval(solution%penetration(set%contact))
-      !$omp parallel do schedule(static) private(i) if(size(set%x) > many)
+      !$omp parallel do schedule(static) private(i) if(size(set%x) > thread_threshold)
       do k = 1, size(set%x)
         i = set%contact(k)
         state%load_gradient(k) = solution%penetration(i) + state%gap(i) + set%displacement(k) + &
@@ -231,7 +230,7 @@ contains
       !$omp end parallel do
       if (state%target > 0.0_real64) &
         solution%closing = dot_product(set%stiffness, state%load_gradient) / sum(set%stiffness)
-      !$omp parallel do schedule(static) private(shift_residual) if(size(set%x) > many)
+      !$omp parallel do schedule(static) private(shift_residual) if(size(set%x) > thread_threshold)
       do k = 1, size(set%x)
         state%load_gradient(k) = state%load_gradient(k) - solution%closing
         ! Change of the penetration by the error of the shift, to first order.
@@ -268,7 +267,7 @@ contains
       contact = pack([(i, i=1, size(state%gap))], solution%penetration > 0.0_real64)
     end if
     allocate (answer(size(contact)), is_loaded(size(contact)))
-    !$omp parallel do schedule(static) if(size(contact) > many)
+    !$omp parallel do schedule(static) if(size(contact) > thread_threshold)
     do k = 1, size(contact)
       answer(k) = answer_at(pairs, law, contact(k), solution%penetration(contact(k)))
       ! A load that underflows over the modulus is none.
@@ -291,7 +290,7 @@ contains
       allocate (state%load_gradient(n), state%shift_gradient(2, n), state%contact_residual(n))
       set%contact = contact
       if (allocated(solution%outer_field)) set%outer_field = solution%outer_field(:, set%contact)
-      !$omp parallel do schedule(static) private(i, factor, place) if(n > many) &
+      !$omp parallel do schedule(static) private(i, factor, place) if(n > thread_threshold) &
       !$omp   reduction(.and.:is_same)
       do k = 1, n
         i = contact(k)

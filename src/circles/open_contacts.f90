@@ -3,9 +3,8 @@
 !> An open contact is at the shift s that minimises s**2/(2 R) + u(x + s), with u the displacement
 !> by the loaded contacts. It touches where this minimum and its gap are less than the compression.
 module asperity_open_contacts
-  use asperity_circle_field, only: circle_set, hertz_spread, many, most_inner_iterations, &
-    near_factor, &
-                                   sum_error
+  use asperity_circle_field, only: circle_set, hertz_spread, large_set, most_inner_iterations, &
+                                   near_factor, sum_error, thread_threshold
   use asperity_circle_products, only: lowest_shift
   use asperity_constants, only: pi
   use asperity_contact_law, only: contact_law, contact_response
@@ -49,13 +48,12 @@ contains
     integer :: i, pass
 
     lowest = accuracy * max(0.0_real64, maxval(solution%penetration(solution%set%contact)))
-    if (size(solution%set%x) > many) lowest = max(lowest, sum_error * solution%closing)
+    if (size(solution%set%x) > large_set) lowest = max(lowest, sum_error * solution%closing)
     allocate (is_open(size(state%gap)), source=state%gap < solution%closing)
     is_open(solution%set%contact) = .false.
     if (present(resolved)) is_open = is_open .and. .not. resolved%is_resolved
-    if (allocated(state%examined) .and. .not. is_complete .and. size(solution%set%x) > many) then
+    if (allocated(state%examined) .and. .not. is_complete .and. size(solution%set%x) > large_set) &
       is_open = is_open .and. state%examined > -largest_change(solution, state)
-    end if
     allocate (touches(size(is_open)), source=.false.)
     number = pack([(i, i=1, size(is_open))], is_open)
     do pass = 1, most_searches
@@ -145,7 +143,7 @@ contains
         return
       end if
       call sum_sources(state%open_tree, set%load / pi, hertz_spread * set%radius**2, field)
-      !$omp parallel do schedule(dynamic, 64) if(n > many) &
+      !$omp parallel do schedule(dynamic, 64) if(n > thread_threshold) &
       !$omp   private(i, height_after, height_before, far, shift, keeps_shift)
       do k = 1, n
         i = number(k)

@@ -11,7 +11,8 @@
 !> Overlapping circles: one contact takes at most a share of the smaller of the two loads from the
 !> other.
 module asperity_circle_error
-  use asperity_circle_field, only: are_close, hessian_anisotropy, relative_position, many
+  use asperity_circle_field, only: are_close, hessian_anisotropy, relative_position, &
+                                   thread_threshold
   use asperity_constants, only: pi
   use asperity_contact_pairs, only: contact_pair, contact_pairs
   use asperity_coupled_contacts, only: coupled_solution
@@ -77,7 +78,7 @@ contains
     call find_weights(pairs, solution, weight, tangent)
     compression_share = sum(solution%set%load) / (solution%closing * tangent)
     associate (set => solution%set)
-      !$omp parallel do private(i) schedule(static) if(size(set%contact) > many)
+      !$omp parallel do private(i) schedule(static) if(size(set%contact) > thread_threshold)
       do k = 1, size(set%contact)
         i = set%contact(k)
         call estimate_contact_error(pairs, solution, k, error(i), sphere_error(i), is_nested(k))

@@ -4,7 +4,7 @@
 !> forms where contacts coincide or lie far apart.
 module asperity_coupled_suite
   use asperity_circle_error, only: find_errors
-  use asperity_circle_field, only: many
+  use asperity_circle_field, only: large_set
   use asperity_contact_pairs, only: contact_pairs
   use asperity_coupled_contacts, only: coupled_solution, solve_coupled
   use asperity_coupled_groups, only: find_groups, group_law, extract_group, insert_group
@@ -282,7 +282,7 @@ contains
     share = share_of(pairs, one)
     call check(error, share > 0.05_real64 .and. share < 0.5_real64, 'share of the load')
     call check(error, count(one%penetration > 0.0_real64) < size(pairs%list), 'none has opened')
-    call check(error, size(one%set%x) > many .and. size(one%set%one) > many, 'too few for threads')
+    call check(error, size(one%set%x) > large_set .and. size(one%set%one) > large_set, 'too few for threads')
     call check(error, bytes_of(one) == bytes_of(two), 'penetrations or shifts by two threads')
   end subroutine thousands
 
