@@ -21,7 +21,8 @@
 !> the complete pair list (the caller repeats); two steps without a decrease, or too many steps (not
 !> converged); no memory, interrupted (failure).
 module asperity_coupled_contacts
-  use asperity_circle_field, only: are_close, circle_set, large_set, most_inner_iterations
+  use asperity_circle_field, only: are_close, circle_set, large_set, most_inner_iterations, &
+                                   sum_error
   use asperity_circle_potential, only: potential_change, potential_state, remember_state, &
                                        restore_state
   use asperity_circle_step, only: circle_model, find_step, prepare_model, trust_step
@@ -44,9 +45,8 @@ module asperity_coupled_contacts
 
   ! Residual over the largest penetration [1] of a solution; chosen, ten times the rounding error.
   real(real64), parameter :: target_residual = 1.0e-11_real64
-  ! The same where the residual stagnates, and of a large set [1]; a tenth of the error of sums,
-  ! measured in summation_suite.
-  real(real64), parameter :: accepted_residual = 1.0e-9_real64
+  ! The same where the residual stagnates, and of a large set [1]; derived from the error of sums.
+  real(real64), parameter :: accepted_residual = sum_error / 10
   ! Ratio of successive residuals [1] above which the residual stagnates, below which open contacts
   ! are examined again, and which is the largest forcing term of a step; chosen.
   real(real64), parameter :: stagnation_ratio = 0.5_real64

@@ -1,8 +1,8 @@
 !> Start of the iteration of coupled contacts.
 module asperity_coupled_start
   use asperity_circle_field, only: inclination_factor, most_inner_iterations
-  use asperity_coarse_circles, only: coarse_circles, gather_squares, pressed_displacement, &
-                                     shared_change, sum_of_squares
+  use asperity_coarse_circles, only: circles_per_square, coarse_circles, gather_squares, &
+                                     pressed_displacement, shared_change, sum_of_squares
   use asperity_contact_law, only: contact_law, contact_response
   use asperity_contact_pairs, only: contact_pairs
   use asperity_coupled_state, only: answer_at, coupled_solution, evaluate_state, raise_to_load, &
@@ -15,8 +15,8 @@ module asperity_coupled_start
 
   public :: prepare_start, scale_start
 
-  !> Contacts up to which squares are of no use [1]; chosen, four squares.
-  integer, parameter, public :: few_contacts = 64
+  !> Contacts up to which squares are of no use [1]; derived: four squares.
+  integer, parameter, public :: few_contacts = 4 * int(circles_per_square)
 
 contains
 

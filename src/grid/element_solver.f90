@@ -25,7 +25,7 @@ module asperity_element_solver
   use asperity_contact_pairs, only: contact_pair, contact_pairs
   use asperity_element_forces, only: find_forces, force_bounds
   use asperity_kinds, only: int64, real64
-  use asperity_problems, only: not_enough_memory
+  use asperity_problems, only: decimal_text, not_enough_memory
   use asperity_process, only: has_memory
   use asperity_solve_ending, only: solve_ending
   implicit none
@@ -374,7 +374,8 @@ contains
     ! 17 arrays of 8 bytes; 4 more for two spectra and a transform of the padded lattice.
     bytes = 8 * (17 + 4) * product((lattice%window(3:) - lattice%window(:2)) / side + 2)
     if (.not. bytes < bytes_allowed) then
-      answer%failure = 'the boundary elements would need more than 2 GiB of memory'
+      answer%failure = 'the boundary elements would need more than ' // &
+                       decimal_text(nint(bytes_allowed / 2.0_real64**30)) // ' GiB of memory'
     else if (.not. has_memory(nint(bytes, int64))) then
       answer%failure = not_enough_memory // ' for the boundary elements of a group of contacts'
     end if
