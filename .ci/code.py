@@ -11,6 +11,7 @@
 5. No comment block begins with "Of", "Or", "Nor" or "What".
 6. Each named numeric constant of the solvers has a source in its comment: derived, measured,
    chosen, or a published one.
+7. No variable has a name of ADVERBS: a name is the noun of its quantity.
 
 The wing of the original program (`src/original`) keeps the original's names and length.
 """
@@ -37,6 +38,10 @@ INTRINSICS = frozenset(
     rrspacing scale scan selected_int_kind selected_real_kind set_exponent shape shifta shiftl
     shiftr sign sin sinh size spacing spread sqrt sum system_clock tan tanh this_image tiny trailz
     leadz transfer transpose trim ubound unpack verify""".split()
+)
+ADVERBS = frozenset(
+    """aloft alone apart again aside asked gone here lift miss off since still there together
+    told way ways worth""".split()
 )
 TYPES = r"(?:real|integer|logical|complex|character|type|class|double precision)"
 DECLARED = re.compile(rf"^\s*{TYPES}\b[^!']*?::\s*(.*)$", re.IGNORECASE)
@@ -80,11 +85,13 @@ def declared_names(statement):
     return [re.split(r"[=\s*]", name.strip())[0].lower() for name in names if name.strip()]
 
 
-def shadowed(lines):
+def name_findings(lines):
     for number, line in enumerate(lines):
         for name in declared_names(statement_at(lines, number)[0]):
             if name in INTRINSICS:
                 yield number, f"'{name}' is an intrinsic procedure"
+            if name in ADVERBS:
+                yield number, f"'{name}' is no noun of a quantity"
 
 
 def procedures(lines):
@@ -175,7 +182,7 @@ def findings(path, name, short):
     lines = path.read_text(encoding="utf-8").splitlines()
     if name.startswith(ORIGINAL):
         return
-    yield from shadowed(lines)
+    yield from name_findings(lines)
     yield from procedure_findings(lines, short)
     yield from argument_findings(lines)
     yield from comment_findings(lines)
@@ -185,6 +192,7 @@ def findings(path, name, short):
 
 SEEDED = {
     "is an intrinsic procedure": "    integer :: size",
+    "is no noun": "    real :: aside(2)",
     "is one word": "  subroutine relax()\n  end subroutine relax",
     "under 3 words": "    integer, intent(in) :: n  !! how many",
     "lines, more than": "  subroutine solve_it()\n" + "    n = 1\n" * LINES + "  end subroutine",

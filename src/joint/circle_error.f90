@@ -163,7 +163,7 @@ contains
     real(real64), intent(out) :: error, sphere_error
     logical, intent(out) :: is_nested
     real(real64) :: a, p, r, offset(2), distance, least_ratio, shift
-    real(real64) :: neighbour_gain, overlap_error, separate_error, separate_neighbour_gain
+    real(real64) :: neighbour_gain, overlap_error, separate_error, separate_gain
     integer :: l, j
 
     associate (set => solution%set)
@@ -185,16 +185,15 @@ contains
       end do
       call find_harmonics(.true., error, neighbour_gain)
       if (overlap_error > 0.0_real64) then
-        call find_harmonics(.false., separate_error, separate_neighbour_gain)
+        call find_harmonics(.false., separate_error, separate_gain)
         ! Harmonics are no estimate where the centre of one contact is inside the other.
         if (least_ratio < 1.0_real64) error = huge(1.0_real64)
-        error = min(error + neighbour_gain, &
-                    separate_error + separate_neighbour_gain + overlap_error)
+        error = min(error + neighbour_gain, separate_error + separate_gain + overlap_error)
         neighbour_gain = 0.0_real64
       end if
       shift = norm2(set%shift(:, k))
-      if (shift > flank_slope * a) error = max(error, load_gain(r, p, flank_slope * shift**2 / &
-                                                                (4 * r)))
+      if (shift > flank_slope * a) &
+        error = max(error, load_gain(r, p, flank_slope * shift**2 / (4 * r)))
       error = error + neighbour_gain
       ! An inclined contact is an ellipse, and its field is computed as that of a circle.
       associate (pair => pairs%list(set%contact(k)), &
