@@ -5,9 +5,9 @@
 !> first iterate is the preconditioned gradient, so that a step decreases the model by a share of
 !> the decrease by Cauchy's step, as convergence requires (Conn, Gould and Toint, Trust-Region
 !> Methods, 2000, theorem 6.4.6). Preconditioner: block Jacobi, and a coarse level of squares for
-!> more than `circles_per_square` circles. Exits: the gradient of the model has fallen to a given share;
-!> the border is reached; the curvature along a direction is negative (the step then ends on the
-!> border).
+!> more than `circles_per_square` circles. Exits: the gradient of the model has fallen to a given
+!> share; the border is reached; the curvature along a direction is negative (the step then ends on
+!> the border).
 module asperity_circle_step
   use asperity_circle_blocks, only: circle_blocks, factor_blocks, find_blocks, solve_blocks
   use asperity_circle_field, only: circle_set, most_iterations

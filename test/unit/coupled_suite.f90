@@ -282,7 +282,8 @@ contains
     share = share_of(pairs, one)
     call check(error, share > 0.05_real64 .and. share < 0.5_real64, 'share of the load')
     call check(error, count(one%penetration > 0.0_real64) < size(pairs%list), 'none has opened')
-    call check(error, size(one%set%x) > large_set .and. size(one%set%one) > large_set, 'too few for threads')
+    call check(error, size(one%set%x) > large_set .and. size(one%set%one) > large_set, &
+               'too few for threads')
     call check(error, bytes_of(one) == bytes_of(two), 'penetrations or shifts by two threads')
   end subroutine thousands
 
