@@ -25,28 +25,28 @@ module asperity_circle_error
 
   public :: find_errors, find_open_neighbours
 
-  ! Largest share of the smaller load that two overlapping contacts take from each other: all of it
-  ! where one centre is inside the other circle, else this (measured on two to thirty caps against
+  ! Largest error of the load of two overlapping contacts, as a share of the smaller load, where no
+  ! centre is inside the other circle; else it is 1 (measured on two to thirty caps against
   ! elements: 0.23 at most).
   real(real64), parameter :: overlap_share = 0.25_real64
-  ! Factor of terms of first order: of the load that a hidden cap bears by the pressure of its host
-  ! (measured: 1.33 at most in the four scenes where nothing else is larger), and of the load that
-  ! neighbours gain by an oval contact over its own gain (chosen).
+  ! Factor of two terms of first order: the load of a hidden cap by the pressure of the contact that
+  ! covers it (measured: 1.33 at most in the four scenes where no other error is larger), and the
+  ! load that neighbours gain by the ellipticity of a contact over its own gain (chosen).
   real(real64), parameter :: first_order_factor = 4.0_real64 / 3.0_real64
-  ! Slope times R over the radius of a contact beyond which it is on a flank and has lost half of
-  ! this share of its rise (chosen).
+  ! Shift of a contact over its radius above which it is on a steep flank: the error of its
+  ! penetration is then this share of half the height that the shift has changed (chosen).
   real(real64), parameter :: flank_slope = 0.6_real64
-  ! Error of an inclined contact, an ellipse that neighbours see as a circle: share of the load that
-  ! neighbours take, over the slope squared (measured: 0.054 at most on 33 scenes of slopes from
-  ! 0.14 to 0.56 where nothing else is larger).
+  ! Error of an inclined contact, whose elliptic field is computed as that of a circle: share of the
+  ! decrease of its load by neighbours, over the slope squared (measured: 0.054 at most on 33 scenes
+  ! of slopes from 0.14 to 0.56 where no other error is larger).
   real(real64), parameter :: inclination_share = 0.06_real64
-  ! Error of a sphere as a paraboloid by the penetration that neighbours take: once as the ratio to
-  ! the load of the isolated contact, 1.5 times as neighbours are displaced less (derived: 2.5;
-  ! measured: 3.3 at most).
+  ! Factor of the error of a sphere as a paraboloid, by the displacement by neighbours: 1 for the
+  ! ratio to the load of the isolated contact, 1.5 as its neighbours are displaced less (derived:
+  ! 2.5; measured: 3.3 at most).
   real(real64), parameter :: sphere_factor = 3.5_real64
   ! Relative residual of the weights, and their factor, as they are of first order (chosen).
   real(real64), parameter :: weight_residual = 0.03_real64, weight_factor = 2.0_real64
-  ! Ratio of radii from which on a contact that overlaps the circle of a blunter one is nested
+  ! Least ratio of the radii of two overlapping contacts for which the sharper one is nested
   ! (chosen; test: nested contacts in test/regression/test_warnings_at_limits.py).
   real(real64), parameter :: nested_ratio = 3.0_real64
 
@@ -63,8 +63,8 @@ contains
     !> relative error of the compression c at a prescribed load over that of the load L at a
     !! prescribed compression, L/(c dL/dc): 2/3 for an isolated Hertzian contact
     real(real64), intent(out) :: compression_share
-    !> share of the load on contacts that overlap the circle of a contact with at least `blunter`
-    !! times their radius: their errors may be larger than estimated
+    !> share of the load on contacts that overlap a contact of at least `nested_ratio` times their
+    !! radius: their errors may be larger than estimated
     real(real64), intent(out) :: nested
     type(source_tree) :: tree
     integer, allocatable :: open_pairs(:)

@@ -14,12 +14,12 @@ module asperity_earlier_solutions
 
   public :: expected_compression, keep_solution, mark_crowded, start_from_earlier
 
-  ! Solutions of a position that are kept, between which is interpolated (measured on 50 loads: 4
-  ! save no more iterations; test: loads one after the other in
+  ! Number of solutions of a position that are kept for the interpolation (measured on 50 loads: 4
+  ! save no further iterations; test: loads one after the other in
   ! test/regression/test_solve_again.py).
   integer, parameter :: most_kept = 3
-  ! Load**(2/3) or compression over that of an earlier solution, or its inverse, at most (measured:
-  ! beyond it a solve takes longer than one without a start).
+  ! Largest ratio of load**(2/3), or of compression, between a solve and the earlier solution it
+  ! starts from, or its inverse (measured: beyond it a solve takes longer than one without a start).
   real(real64), parameter :: farthest_ratio = 1.5_real64
 
 contains

@@ -12,8 +12,8 @@
 !> needs no Hertzian contacts; its compression at a load is found by secants in a bracket, at first
 !> with elements of a coarse tolerance.
 !>
-!> Exits: converged, where the last change of the total load is at most `settled` times the
-!> tolerance; a message in `failure`, where a solve failed or after `most_rounds` iterations.
+!> Exits: converged, where the last change of the total load is at most `settled_share` times the
+!> tolerance; a message in `failure`, where a solve failed or after `most_iterations` iterations.
 module asperity_joint_contacts
   use asperity_circle_error, only: find_errors, find_open_neighbours
   use asperity_outside_field, only: outside_field
@@ -59,18 +59,18 @@ module asperity_joint_contacts
     enumerator :: resolve_none, resolve_all, resolve_called_for
   end enum
 
-  ! Share of the tolerance for the boundary elements; the errors of areas, and of spheres as
-  ! paraboloids, have what it leaves, those of Hertzian contacts half of that (chosen).
+  ! Share of the tolerance for the boundary elements. The errors of areas, and of spheres as
+  ! paraboloids, have the rest, those of Hertzian contacts half of the rest (chosen).
   real(real64), parameter :: elements_share = 0.25_real64
-  ! Share of the tolerance of a load by which one cluster may miss a given load, and by which the
-  ! last round of Hertzian contacts and boundary elements may change the total; as a relative error
-  ! of the load that of the elements while the compression is searched (chosen).
+  ! Error of the load of one cluster at a prescribed load, and change of the total load in the last
+  ! iteration of Hertzian contacts and boundary elements, as shares of the tolerance; also the
+  ! relative error of loads on elements while the compression is searched (chosen).
   real(real64), parameter :: settled_share = 0.02_real64
-  ! Largest number of rounds (chosen).
+  ! Largest number of iterations (chosen).
   integer, parameter :: most_iterations = 30
-  ! Sums of radii: Hertzian contacts nearer to each other go to boundary elements together, with the
-  ! open contacts within as many radii (chosen: just beside a large contact the error indicated for
-  ! a small one is a third of the true one; test: errors in test/regression/test_dense.py).
+  ! Distance in sums of radii below which Hertzian contacts are resolved together, with the open
+  ! contacts within as many radii (chosen: close to a large contact the error estimated for a small
+  ! one is a third of the true one; test: errors in test/regression/test_dense.py).
   real(real64), parameter :: adjacent_distance = 1.1_real64
 
   ! A position, the accuracy of its solution, and the intermediate results of the stages.
@@ -383,7 +383,7 @@ contains
   ! Solves one cluster of all contacts at a compression, or at a load. Contacts that are loaded at
   ! its load become members. `is_single` is false where these are not near it: `compression` is then
   ! an upper bound. Without `is_single` all contacts that penetrate are members. Exits: solved, or a
-  ! message in `failure` after `most_rounds` iterations.
+  ! message in `failure` after `most_iterations` iterations.
   subroutine solve_one_cluster(task, solution, compression, is_single)
     type(joint_task), intent(inout) :: task
     type(joint_solution), intent(inout) :: solution

@@ -34,23 +34,24 @@ module asperity_resolved_clusters
     type(outside_field) :: outside                  !! field of the contacts outside
   end type cluster
 
-  ! Sums of radii between members of two clusters at least, and half diagonals of a cluster from its
-  ! middle to the circles whose field is interpolated. The change of another contact by the
-  ! ellipticity of one falls with the sixth power of their distance, and is below 4e-6 of its load
-  ! from there (derived).
+  ! Least distance of members of two clusters in sums of radii, and of interpolated circles from the
+  ! centre of a cluster in half diagonals. The change of the load of a contact by the ellipticity of
+  ! another one decreases with the sixth power of their distance, and is below 4e-6 of the load from
+  ! this distance on (derived).
   real(real64), parameter :: separate_distance = 3.0_real64
   ! Chebyshev nodes along an axis of the interpolated field: its error is (3 + sqrt(8))**-8 = 1e-6
   ! of it (derived).
   integer, parameter :: nodes = 8
-  !> Relative error of an area over that of its load, as an error indicator, and as tolerances. For
-  !! an ellipse the area gains 4/3 of what its load gains, and a load in error has the area in error
-  !! by 2/3; twice their sum, as the field of contacts that nearly touch adds more (measured: 3.3 at
-  !! most in 97 of 100 dense scenes).
+  !> Relative error of an area over that of its load, for error estimates and tolerances. The
+  !! ellipticity of a contact increases its area by 4/3 of the relative increase of the load, and an
+  !! error of the load changes the area by 2/3 of it: twice their sum, as the ratio is larger for
+  !! contacts that nearly touch (measured: 3.3 at most in 97 of 100 dense scenes).
   real(real64), parameter, public :: area_per_load = 4.0_real64
 
 contains
 
-  !> Groups resolved contacts: those nearer than `far_off` sums of their radii share a cluster.
+  !> Groups resolved contacts: those nearer than `separate_distance` sums of their radii share a
+  !> cluster.
   subroutine form_clusters(pairs, coupled, is_resolved, radius, clusters)
     type(contact_pairs), intent(in) :: pairs                 !! pairs of the position
     type(coupled_solution), intent(in) :: coupled            !! solution of Hertzian contacts
