@@ -150,9 +150,9 @@ def venv(tmp_path_factory):
     start = time.monotonic()
     folder = tmp_path_factory.mktemp("venv")
     path = os.pathsep.join((str(ROOT / ".venv" / "bin"), os.environ["PATH"]))
-    for command in ([sys.executable, "-m", "venv", folder],
-                    [folder / "bin" / "pip", "install", "-q", "--no-index",
-                     "--disable-pip-version-check", "./python"]):
+    for command in ([sys.executable, "-m", "venv", "--without-pip", folder],
+                    [sys.executable, "-m", "pip", "--python", folder / "bin" / "python", "install",
+                     "-q", "--no-index", "--disable-pip-version-check", "./python"]):
         done = subprocess.run(command, cwd=ROOT, env={**os.environ, "PATH": path},
                               stdin=subprocess.DEVNULL, capture_output=True, text=True, timeout=500)
         assert done.returncode == 0, done.stdout + done.stderr

@@ -155,8 +155,10 @@ def test_constants_are_scaled(mutate):
     for name, kind, expected in (
             ("element_solver:box_elements", "up", "((24)*13 + 9)/10"),
             ("element_solver:box_elements", "down", "(24)*10/13"),
-            ("circle_field:most_rounds", "up", "= ((400)*13 + 9)/10, most_repeats = 40"),
-            ("circle_field:most_repeats", "down", "= 400, most_repeats = (40)*10/13"),
+            ("circle_field:most_iterations", "up",
+             "= ((400)*13 + 9)/10, most_inner_iterations = 40"),
+            ("circle_field:most_inner_iterations", "down",
+             "= 400, most_inner_iterations = (40)*10/13"),
             ("element_solver:lattice_offset", "up", "= ([0.29_real64, 0.13_real64])*13/10")):
         assert expected in found[name, kind]["after"]
     assert len(found) == 2 * len(mutate.named_constants()) > 100
