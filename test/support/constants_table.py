@@ -50,7 +50,7 @@ def statement_at(lines, first):
 
 def shown(value):
     """A Fortran expression without kinds of numbers and blanks."""
-    value = re.sub(r"(?:\.0)?_\w+\b", "", value)
+    value = re.sub(r"(?:\.0)?_(?:real|int)\d+\b", "", value)
     value = re.sub(r"(\d)\.0e", r"\1e", value)
     return re.sub(r"\s+", "", value).replace("epsilon(1)", "epsilon").replace("|", "")
 
