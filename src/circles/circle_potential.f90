@@ -19,7 +19,7 @@ module asperity_circle_potential
   type :: potential_state
     real(real64), allocatable :: penetration(:)   !! by pair [length], > 0 where loaded
     real(real64), allocatable :: shift(:, :)      !! lateral shifts (2, pair) [length]
-    real(real64) :: closing = 0.0_real64          !! compression [length]
+    real(real64) :: compression = 0.0_real64      !! compression [length]
     type(circle_set) :: set                       !! circles and their field
     type(solve_state) :: state                    !! gradient and residual
   end type potential_state
@@ -44,7 +44,7 @@ contains
 
     before%penetration = solution%penetration
     before%shift = solution%shift
-    before%closing = solution%closing
+    before%compression = solution%compression
     before%set = solution%set
     before%state = state
   end subroutine remember_state
@@ -57,7 +57,7 @@ contains
 
     solution%penetration = before%penetration
     solution%shift = before%shift
-    solution%closing = before%closing
+    solution%compression = before%compression
     solution%set = before%set
     state = before%state
   end subroutine restore_state
@@ -82,7 +82,8 @@ contains
     circle = 0
     call expand_by_pair(before%set, before%state%load_gradient, load(:, 1), gradient(:, 1), &
                         circle(:, 1))
-    call expand_by_pair(solution%set, state%load_gradient + (solution%closing - before%closing), &
+    call expand_by_pair(solution%set, state%load_gradient + &
+                        (solution%compression - before%compression), &
                         load(:, 2), &
                         gradient(:, 2), circle(:, 2))
     !$omp parallel do schedule(static) if(n > thread_threshold)
@@ -104,7 +105,7 @@ contains
     all_work = before%set%energy + &
                dot_product(before%set%load, before%penetration(before%set%contact))
     relative = merge(sum_error, rounding_error, size(before%set%x) > large_set)
-    noise = relative * max(abs(before%closing), abs(solution%closing)) * &
+    noise = relative * max(abs(before%compression), abs(solution%compression)) * &
             sum(abs(load(:, 2) - load(:, 1)))
     if (abs(change) <= resolved_change * all_work) return
     noise = relative * all_work
@@ -113,8 +114,8 @@ contains
       if (any(circle(i, :) > 0)) change = change + &
         stored_change(pairs, law, i, before%penetration(i), solution%penetration(i)) + &
         load(i, 2) * (state%gap(i) + height_of_shift(solution%set, circle(i, 2)) - &
-                      before%closing) - &
-        load(i, 1) * (state%gap(i) + height_of_shift(before%set, circle(i, 1)) - before%closing)
+                      before%compression) - &
+        load(i, 1) * (state%gap(i) + height_of_shift(before%set, circle(i, 1)) - before%compression)
     end do
   end subroutine potential_change
 

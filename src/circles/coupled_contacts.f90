@@ -128,7 +128,7 @@ contains
       if (present(group_residual)) required = max(required, group_residual)
       ! The pair list is complete only up to this compression. Beyond it the solution is invalid;
       ! the caller repeats the solve with all pairs.
-      if (solution%closing > pairs%complete_to .and. state%residual < convex_residual) exit
+      if (solution%compression > pairs%complete_to .and. state%residual < convex_residual) exit
       if (state%residual <= required .or. &
           (state%is_near .and. solution%ending%iterations == 0) .or. &
           (state%residual <= stagnation_ratio * examined_residual .and. &
@@ -168,7 +168,7 @@ contains
     solution%ending%residual = state%residual
     solution%ending%converged = state%residual <= max(accepted_residual, required) .and. &
       activated == 0
-    if (solution%closing > pairs%complete_to) solution%ending%converged = .true.
+    if (solution%compression > pairs%complete_to) solution%ending%converged = .true.
     if (.not. present(target)) return
     call find_carried_load(pairs, law, solution%penetration, 0.0_real64, carried, slope)
     if (.not. carried >= (1.0_real64 - accepted_residual) * state%target) solution%failure = &
@@ -192,7 +192,7 @@ contains
     do k = 1, size(solution%set%contact)
       i = solution%set%contact(k)
       if (resolved%is_resolved(i)) resolved%gap(i) = &
-        solution%closing - solution%set%displacement(k) - solution%penetration(i)
+        solution%compression - solution%set%displacement(k) - solution%penetration(i)
     end do
   end subroutine adopt_penetrations
 

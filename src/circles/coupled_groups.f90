@@ -99,7 +99,7 @@ contains
       law_of_group%whole => law
       law_of_group%contact = contact
       law_of_group%softening = spread(1.0_real64, 1, size(contact))
-      group%closing = solution%closing
+      group%compression = solution%compression
       group%penetration = solution%penetration(contact)
       group%shift = solution%shift(:, contact)
       group_state%gap = state%gap(contact)

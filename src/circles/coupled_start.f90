@@ -45,7 +45,7 @@ contains
     end if
     is_isolated = .not. allocated(solution%penetration)
     if (is_isolated) then
-      solution%penetration = solution%closing - state%gap
+      solution%penetration = solution%compression - state%gap
       if (present(target)) solution%penetration = -state%gap
       allocate (solution%shift(2, n), source=0.0_real64)
     end if

@@ -31,7 +31,7 @@ module asperity_coupled_state
 
   !> Solution of coupled contacts.
   type :: coupled_solution
-    real(real64) :: closing = 0.0_real64            !! compression c since first touch [length]
+    real(real64) :: compression = 0.0_real64        !! compression c since first touch [length]
     real(real64), allocatable :: penetration(:)     !! by pair [length], 0 or less where open
     real(real64), allocatable :: shift(:, :)        !! lateral shifts (2, pair) [length]
     real(real64), allocatable :: outer_field(:, :)  !! field from outside, as in `circle_set`
@@ -205,7 +205,7 @@ contains
   subroutine evaluate_state(pairs, law, solution, state, resolved)
     type(contact_pairs), intent(in) :: pairs               !! pairs of the position
     class(contact_law), intent(in) :: law                  !! of each contact
-    !> penetrations and shifts; gets circles, field and, under a target, the closing
+    !> penetrations and shifts; gets circles, field and, under a target, the compression
     type(coupled_solution), intent(inout) :: solution
     type(solve_state), intent(inout) :: state              !! gets gradient and residual
     type(resolved_contacts), intent(in), optional :: resolved  !! those solved elsewhere
@@ -229,10 +229,10 @@ contains
       end do
       !$omp end parallel do
       if (state%target > 0.0_real64) &
-        solution%closing = dot_product(set%stiffness, state%load_gradient) / sum(set%stiffness)
+        solution%compression = dot_product(set%stiffness, state%load_gradient) / sum(set%stiffness)
       !$omp parallel do schedule(static) private(shift_residual) if(size(set%x) > thread_threshold)
       do k = 1, size(set%x)
-        state%load_gradient(k) = state%load_gradient(k) - solution%closing
+        state%load_gradient(k) = state%load_gradient(k) - solution%compression
         ! Change of the penetration by the error of the shift, to first order.
         shift_residual = 0.0_real64
         if (.not. set%shift_fixed(k)) shift_residual = norm2(state%shift_gradient(:, k)) / &

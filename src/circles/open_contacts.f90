@@ -48,8 +48,8 @@ contains
     integer :: i, pass
 
     lowest = accuracy * max(0.0_real64, maxval(solution%penetration(solution%set%contact)))
-    if (size(solution%set%x) > large_set) lowest = max(lowest, sum_error * solution%closing)
-    allocate (is_open(size(state%gap)), source=state%gap < solution%closing)
+    if (size(solution%set%x) > large_set) lowest = max(lowest, sum_error * solution%compression)
+    allocate (is_open(size(state%gap)), source=state%gap < solution%compression)
     is_open(solution%set%contact) = .false.
     if (present(resolved)) is_open = is_open .and. .not. resolved%is_resolved
     if (allocated(state%examined) .and. .not. is_complete .and. size(solution%set%x) > large_set) &
@@ -81,7 +81,7 @@ contains
 
     may_touch = .true.
     if (allocated(state%examined)) may_touch = any(solution%penetration <= 0.0_real64 .and. &
-      state%gap < solution%closing .and. state%examined > -largest_change(solution, state))
+      state%gap < solution%compression .and. state%examined > -largest_change(solution, state))
   end function may_touch
 
   ! Twice the largest change of a penetration since the open contacts were examined.
@@ -151,7 +151,7 @@ contains
         shift = solution%shift(:, i)
         associate (near => state%open_tree%near(state%open_tree%first(k): &
                                              state%open_tree%first(k + 1) - 1), &
-                   p => solution%penetration(i), reach => solution%closing - state%gap(i), &
+                   p => solution%penetration(i), reach => solution%compression - state%gap(i), &
                    shift_gain => 0.5_real64 * pairs%list(i)%radius * dot_product(far(2:), far(2:)))
           ! Near circles only displace the surface downwards: without them an upper bound.
           p = reach - far(1) + shift_gain + dot_product(far(2:), shift)

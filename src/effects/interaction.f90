@@ -180,7 +180,7 @@ contains
     which = resolve_none
     if (self%mode == effect_boundary) which = resolve_all
     if (self%mode == effect_auto .and. same_type_as(law, hertz_law())) which = resolve_called_for
-    solution%coupled%closing = closing
+    solution%coupled%compression = closing
     if (which /= resolve_all .and. same_type_as(law, hertz_law())) &
       call start_from_earlier(pairs, solution%coupled, target)
     has_start = allocated(solution%coupled%penetration)
@@ -188,7 +188,7 @@ contains
     if (has_start .and. .not. pairs%interrupt%is_asked()) then
       if (.not. is_one_solution(solution)) then
         solution = fresh
-        solution%coupled%closing = closing
+        solution%coupled%compression = closing
         call solve_now()
       end if
     end if
@@ -196,7 +196,7 @@ contains
       failure = solution%failure
       return
     end if
-    closing = solution%coupled%closing
+    closing = solution%coupled%compression
     allocate (found(1 + size(solution%area), kept_results), source=0.0_real64)
     associate (coupled => solution%coupled)
       found(1, :) = [real(solution%elements, real64), solution%error, solution%area_error, &

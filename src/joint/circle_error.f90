@@ -76,7 +76,7 @@ contains
     sphere_error = 0.0_real64
     covering = 0
     call find_weights(pairs, solution, weight, tangent)
-    compression_share = sum(solution%set%load) / (solution%closing * tangent)
+    compression_share = sum(solution%set%load) / (solution%compression * tangent)
     associate (set => solution%set)
       !$omp parallel do private(i) schedule(static) if(size(set%contact) > thread_threshold)
       do k = 1, size(set%contact)
@@ -145,7 +145,7 @@ contains
     logical :: is_open(size(pairs%list))
     integer :: i
 
-    is_open = pairs%list%gap < solution%closing
+    is_open = pairs%list%gap < solution%compression
     is_open(solution%set%contact) = .false.
     open_pairs = pack([(i, i=1, size(is_open))], is_open)
     associate (set => solution%set)
@@ -197,7 +197,7 @@ contains
       error = error + neighbour_gain
       ! An inclined contact is an ellipse, and its field is computed as that of a circle.
       associate (pair => pairs%list(set%contact(k)), &
-                 displacement => max(0.0_real64, solution%closing - &
+                 displacement => max(0.0_real64, solution%compression - &
                                      pairs%list(set%contact(k))%gap - p))
         error = error + set%load(k) * inclination_share * displacement / (p + displacement) * &
                 (pair%d / pair%zc)**2

@@ -41,13 +41,13 @@ contains
       value = hertz_power(target / pairs%modulus)
       if (target / pairs%modulus >= pairs%start%crowded_load) return
     else
-      value = solution%closing
+      value = solution%compression
       if (value >= pairs%start%crowded_compression) return
     end if
     allocate (node_value(size(pairs%start%solutions)), node_index(0))
     associate (solutions => pairs%start%solutions)
       do k = 1, size(solutions)
-        node_value(k) = solutions(k)%closing
+        node_value(k) = solutions(k)%compression
         if (present(target)) &
           node_value(k) = hertz_power(solutions(k)%load(merge(2, 1, pairs%vertical)))
         if (.not. (has_same_pairs(pairs, solutions(k)) .and. &
@@ -65,8 +65,8 @@ contains
       weight = lagrange_weights(value, node_value(:n))
       solution%is_near = .true.
       if (present(target)) then
-        solution%closing = sum([(weight(k) * solutions(node_index(k))%closing, k=1, n)])
-        if (n == 1) solution%closing = solution%closing * (value / node_value(1))
+        solution%compression = sum([(weight(k) * solutions(node_index(k))%compression, k=1, n)])
+        if (n == 1) solution%compression = solution%compression * (value / node_value(1))
       end if
       ! Pairs that were open start open: their penetration has an upper bound only, and the solver
       ! activates those that touch at this load.
@@ -144,10 +144,11 @@ contains
     if (associated(pairs%start)) then
       if (allocated(pairs%start%solutions)) then
         is_kept = [(has_same_pairs(pairs, pairs%start%solutions(k)) .and. &
-                    abs(pairs%start%solutions(k)%closing - compression) > &
+                    abs(pairs%start%solutions(k)%compression - compression) > &
                     sqrt(epsilon(compression)) * compression, k=1, size(pairs%start%solutions))]
         if (count(is_kept) >= most_kept) &
-          is_kept(maxloc(abs(pairs%start%solutions%closing - compression), 1, is_kept)) = .false.
+          is_kept(maxloc(abs(pairs%start%solutions%compression - compression), 1, is_kept)) = &
+            .false.
       end if
       start%crowded_compression = pairs%start%crowded_compression
       start%crowded_load = pairs%start%crowded_load
@@ -161,7 +162,7 @@ contains
     end do
     associate (new => start%solutions(1))
       n = count(pairs%list%gap < compression)
-      new%closing = compression
+      new%compression = compression
       new%load = load / pairs%modulus
       new%upper = pairs%list(:n)%upper
       new%lower = pairs%list(:n)%lower
@@ -203,7 +204,7 @@ contains
                                (pairs%modulus * solutions(k)%load(merge(2, 1, pairs%vertical))))
       end do
       k = minloc(abs(log(ratio)), 1)
-      if (ratio(k) < farthest_ratio) compression = solutions(k)%closing * ratio(k)
+      if (ratio(k) < farthest_ratio) compression = solutions(k)%compression * ratio(k)
     end associate
   end function expected_compression
 

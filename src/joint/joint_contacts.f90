@@ -119,7 +119,7 @@ contains
     real(real64) :: expected
     logical :: is_single
 
-    if (associated(pairs%pressures)) pairs%pressures%closing = -1.0_real64
+    if (associated(pairs%pressures)) pairs%pressures%compression = -1.0_real64
     task%pairs => pairs
     task%law => law
     task%choice = choice
@@ -133,7 +133,7 @@ contains
       allocate (task%radius(n), task%error(n), task%area_error(n), task%sphere_error(n), &
                 source=0.0_real64)
     end associate
-    expected = solution%coupled%closing
+    expected = solution%coupled%compression
     if (choice /= resolve_none) call find_near_tops(pairs, law, adjacent_distance, expected, &
                                                     task%is_near, &
                                                     task%is_representative, task%radius, target)
@@ -151,7 +151,7 @@ contains
       solution%elements = sum(task%clusters%answer%elements)
       if (associated(pairs%pressures)) then
         call join_elements(task%clusters%answer%pressures, pairs%pressures)
-        pairs%pressures%closing = solution%coupled%closing
+        pairs%pressures%compression = solution%coupled%compression
       end if
     end if
     ! Penetrations of open contacts are negative, as 0 is a contact at first touch.
@@ -221,11 +221,11 @@ contains
       if (allocated(solution%failure)) return
       has_grown = allocated(task%target) .and. task%choice /= resolve_none
       ! At a load the radii are estimated again with the compression that was found.
-      if (has_grown) call add_near_tops(task, solution, solution%coupled%closing, has_grown)
+      if (has_grown) call add_near_tops(task, solution, solution%coupled%compression, has_grown)
     end do
     if (sum(solution%coupled%set%load) > 0.0_real64) call estimate_circle_errors(task, solution)
     if (task%choice == resolve_all) &
-      solution%is_resolved = task%pairs%list%gap < solution%coupled%closing
+      solution%is_resolved = task%pairs%list%gap < solution%coupled%compression
     if (any(solution%is_resolved)) call alternate_blocks(task, solution)
   end subroutine solve_blocks
 
@@ -274,7 +274,7 @@ contains
           if (allocated(previous_clusters)) call keep_lattices(previous_clusters, task%clusters)
           task%resolved = resolved_contacts(is_resolved, pairs%list%x, pairs%list%y, pairs%list%gap)
           if (size(task%clusters) == 1 .and. all(is_resolved(coupled%set%contact))) then
-            compression = coupled%closing
+            compression = coupled%compression
             call solve_one_cluster(task, solution, compression)
             return
           end if
@@ -331,7 +331,8 @@ contains
         ! normal load at a vertical load.
         associate (set => coupled%set, pair => task%pairs%list(coupled%set%contact))
           if (allocated(task%target)) solution%error = solution%error + &
-            sum(set%load * (pair%d / pair%zc)**2 * max(0.0_real64, coupled%closing - pair%gap - &
+            sum(set%load * (pair%d / pair%zc)**2 * max(0.0_real64, coupled%compression - &
+                                                       pair%gap - &
                 coupled%penetration(set%contact)) / pair%zc, mask=is_resolved(set%contact)) / total
         end associate
         ! Discretisation errors add up, as they reduce the loads of all clusters. The last change,
@@ -365,13 +366,13 @@ contains
     representative_pairs%complete_to = pairs%complete_to
     representative_pairs%interrupt = pairs%interrupt
     representative_pairs%list = pairs%list(representative_law%contact)
-    solved%closing = coupled%closing
+    solved%compression = coupled%compression
     call solve_coupled(representative_pairs, representative_law, solved, target)
     allocate (coupled%penetration(size(is_excluded)), source=open_penetration)
     allocate (coupled%shift(2, size(is_excluded)), source=0.0_real64)
     coupled%penetration(representative_law%contact) = solved%penetration
     coupled%shift(:, representative_law%contact) = solved%shift
-    coupled%closing = solved%closing
+    coupled%compression = solved%compression
     if (allocated(solved%failure)) coupled%failure = solved%failure
     if (allocated(solved%failure)) return
     no_contacts = resolved_contacts(spread(.false., 1, size(is_excluded)), &
@@ -415,7 +416,7 @@ contains
           return
         end if
         solution%iterations = solution%iterations + 1
-        coupled%closing = compression
+        coupled%compression = compression
         task%resolved%is_resolved = is_member .and. pairs%list%gap < compression
         call solve_cluster_elements(task, solution, share)
         if (allocated(solution%failure)) return
@@ -593,7 +594,8 @@ contains
           do m = 1, size(this_cluster%members)
             i = this_cluster%members(m)
             if (.not. coupled%penetration(i) > 0.0_real64) cycle
-            call task%law%respond(pairs%list(i), i, coupled%closing - this_cluster%displacement - &
+            call task%law%respond(pairs%list(i), i, coupled%compression - &
+                                  this_cluster%displacement - &
                                   pairs%list(i)%gap, response)
             upper_limit = merge(1.0_real64, huge(upper_limit), answer%is_isolated_solved(m))
             solution%area(i) = pi * response%contact_radius**2 * &

@@ -59,7 +59,8 @@ contains
           share = answer%contacts(m)%load / answer%isolated(m)%load
           if (answer%is_isolated_solved(m)) share = min(1.0_real64, share)
           call law%respond(pairs%list(i), i, &
-                           coupled%closing - clusters(k)%displacement - pairs%list(i)%gap, isolated)
+                           coupled%compression - clusters(k)%displacement - pairs%list(i)%gap, &
+                             isolated)
           clusters(k)%load(m) = share * isolated%vertical_load
         end do
       end associate
@@ -171,7 +172,7 @@ contains
       if (.not. load(m) > 0.0_real64) return
       associate (i => this_cluster%members(m))
         coupled%penetration(i) = penetration_at_load(pairs, law, i, load(m), &
-                                                     coupled%closing - pairs%list(i)%gap)
+                                                     coupled%compression - pairs%list(i)%gap)
         call law%respond(pairs%list(i), i, coupled%penetration(i), response)
         radius(m) = response%contact_radius
       end associate
@@ -206,7 +207,8 @@ contains
             resolved%x(i) = this_cluster%answer%contacts(m)%x
             resolved%y(i) = this_cluster%answer%contacts(m)%y
             coupled%penetration(i) = penetration_at_load( &
-              pairs, law, i, load_ratio * this_cluster%load(m), coupled%closing - pairs%list(i)%gap)
+              pairs, law, i, load_ratio * this_cluster%load(m), coupled%compression - &
+                pairs%list(i)%gap)
           end do
         end do
       end associate

@@ -120,7 +120,7 @@ contains
             this_cluster%outside%node_displacement - this_cluster%displacement
         if (this_cluster%is_solved) cycle
         call solve_elements(pairs, this_cluster%members, &
-                            coupled%closing - this_cluster%displacement, this_cluster%outside, &
+                            coupled%compression - this_cluster%displacement, this_cluster%outside, &
                             [tolerance, max(area_per_load * tolerance, area_tolerance)], &
                             reference, this_cluster%lattice, this_cluster%answer)
       end associate
@@ -146,7 +146,7 @@ contains
 
     do k = 1, size(clusters)
       associate (last => nodes**2 * k)
-        call place_nodes(pairs, coupled%closing, clusters(k), x(last - nodes**2 + 1:last), &
+        call place_nodes(pairs, coupled%compression, clusters(k), x(last - nodes**2 + 1:last), &
                          y(last - nodes**2 + 1:last), reach(last - nodes**2 + 1:last))
       end associate
     end do

@@ -10,7 +10,7 @@ module asperity_element_pressures
   !> in one unit; forces of one contact are proportional to its load, in any unit.
   type :: element_pressures
     logical :: of_all_states = .false.            !! every state is kept; else the last one only
-    real(real64) :: closing = -1.0_real64         !! compression; less than 0: nothing is kept
+    real(real64) :: compression = -1.0_real64     !! compression; less than 0: nothing is kept
     integer, allocatable :: pair(:)               !! place of its contact in the list of pairs
     real(real64), allocatable :: x(:), y(:)       !! centre of an element
     real(real64), allocatable :: side(:)          !! side of an element

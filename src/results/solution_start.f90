@@ -8,7 +8,7 @@ module asperity_solution_start
 
   !> One solution of a position. Lengths are in the unit of its pairs, loads over their modulus.
   type :: contact_solution
-    real(real64) :: closing = 0.0_real64           !! compression
+    real(real64) :: compression = 0.0_real64       !! compression
     real(real64) :: load(2) = 0.0_real64           !! sum of the normal and of the vertical loads
     !> Pairs that may touch at this compression, in order of gap: indices of asperities, gaps,
     !> penetrations, shifts (2, pair).

@@ -135,7 +135,7 @@ contains
     if (.not. (pairs%pressures%of_all_states .or. number == size(result%states))) return
     if (.not. allocated(result%pressures)) allocate (result%pressures(size(result%states)))
     associate (kept => result%pressures(number), unit => 4 * pairs%length_power)
-      if (.not. abs(pairs%pressures%closing - state%closing) > 0.0_real64) then
+      if (.not. abs(pairs%pressures%compression - state%closing) > 0.0_real64) then
         kept = pairs%pressures
         kept%x = scale(kept%x, unit)
         kept%y = scale(kept%y, unit)

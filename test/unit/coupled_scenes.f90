@@ -61,17 +61,17 @@ contains
     end do
   end subroutine update_circles
 
-  !> Solves the circles at a closing of one depth.
+  !> Solves the circles at a compression of one depth.
   subroutine solve_at(pairs, law, solution)
     type(contact_pairs), intent(in) :: pairs                !! the contacts
     type(hertz_law), intent(in) :: law                      !! of all
     type(coupled_solution), intent(out) :: solution         !! at the depth
 
-    solution%closing = depth
+    solution%compression = depth
     call solve_coupled(pairs, law, solution)
   end subroutine solve_at
 
-  !> Load together over the loads alone, at a closing of one depth.
+  !> Load together over the loads alone, at a compression of one depth.
   real(real64) function share_of(pairs, solution) result(share)
     type(contact_pairs), intent(in) :: pairs                !! the contacts
     type(coupled_solution), intent(in) :: solution          !! solved

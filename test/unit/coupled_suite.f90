@@ -126,15 +126,15 @@ contains
     type(contact_pairs) :: pairs
     type(hertz_law) :: law
     type(coupled_solution) :: solution
-    real(real64) :: closing, p, zeros(2)
+    real(real64) :: compression, p, zeros(2)
 
     zeros = 0.0_real64
     call update_circles([0.0_real64, 1000.0_real64], zeros, zeros, pairs, law)
     call solve_at(pairs, law, solution)
     p = solution%penetration(1) / depth
     ! A point load: V/(pi E r) = 4/(3 pi) p**1.5/r, in units of depth and circle.
-    closing = p + 4 / (3 * pi) * p**1.5_real64 / 1000
-    call check(error, closing, 1.0_real64, 1.0e-9_real64, 'far apart')
+    compression = p + 4 / (3 * pi) * p**1.5_real64 / 1000
+    call check(error, compression, 1.0_real64, 1.0e-9_real64, 'far apart')
     call update_circles(zeros(:1), zeros(:1), zeros(:1), pairs, law)
     call solve_at(pairs, law, solution)
     call expect_solved(error, solution, 'one')
@@ -200,7 +200,7 @@ contains
     call expect_solved(error, solution, 'at a load')
     call check(error, law%modulus * sum(solution%set%load) / target, 1.0_real64, 1.0e-11_real64, &
                'load')
-    again%closing = solution%closing
+    again%compression = solution%compression
     call solve_coupled(pairs, law, again)
     ! How far open ones stand off is found no better than needed.
     call check(error, maxval(abs(max(again%penetration, 0.0_real64) - &

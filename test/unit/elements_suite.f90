@@ -75,7 +75,8 @@ contains
     pair%radius = 0.5_real64 * radius
   end function pair_at
 
-  ! All contacts in one cluster, nothing outside. Penetrations come as gaps below a closing of 0.
+  ! All contacts in one cluster, nothing outside. Penetrations come as gaps below a compression of
+  ! 0.
   subroutine solve(pairs, penetration, tolerance, answer)
     type(contact_pairs), intent(inout) :: pairs
     real(real64), intent(in) :: penetration(:), tolerance
@@ -88,16 +89,16 @@ contains
                     [tolerance, max(4 * tolerance, 0.005_real64)], answer)
   end subroutine solve
 
-  ! A cluster at a closing, on a lattice of its own.
-  subroutine solve_anew(pairs, members, closing, outside, tolerance, answer)
+  ! A cluster at a compression, on a lattice of its own.
+  subroutine solve_anew(pairs, members, compression, outside, tolerance, answer)
     type(contact_pairs), intent(in) :: pairs
     integer, intent(in) :: members(:)
-    real(real64), intent(in) :: closing, tolerance(2)
+    real(real64), intent(in) :: compression, tolerance(2)
     type(outside_field), intent(in) :: outside
     type(element_answer), intent(out) :: answer
     type(cluster_lattice) :: lattice
 
-    call solve_elements(pairs, members, closing, outside, tolerance, no_more, lattice, answer)
+    call solve_elements(pairs, members, compression, outside, tolerance, no_more, lattice, answer)
   end subroutine solve_anew
 
   real(real64) function total(answer)
@@ -310,7 +311,7 @@ contains
     call check(error, outcome%contacts(1)%load, 0.0_real64, 0.0_real64, 'lifted: a load')
   end subroutine lattice_stays
 
-  ! The second contact is below the displacement by the first at one closing, and above it at
+  ! The second contact is below the displacement by the first at one compression, and above it at
   ! another, at ten contact radii from it. Its load is that of Hertz in the displacement beside the
   ! first circle (Johnson, Contact Mechanics, 1985, eq. 3.42); the curvature of that is 1e-4 of it.
   subroutine far_from_lattice(error)

@@ -42,7 +42,7 @@ contains
   end subroutine collect_joint
 
   ! Solves at one depth, or at a load; tells what went wrong.
-  subroutine solve(error, pairs, law, which, tolerance, solution, what, target, closing)
+  subroutine solve(error, pairs, law, which, tolerance, solution, what, target, compression)
     type(error_type), allocatable, intent(inout) :: error
     type(contact_pairs), intent(in) :: pairs
     type(hertz_law), intent(in) :: law
@@ -50,10 +50,10 @@ contains
     real(real64), intent(in) :: tolerance
     type(joint_solution), intent(out) :: solution
     character(*), intent(in) :: what
-    real(real64), intent(in), optional :: target, closing
+    real(real64), intent(in), optional :: target, compression
 
-    solution%coupled%closing = depth
-    if (present(closing)) solution%coupled%closing = closing
+    solution%coupled%compression = depth
+    if (present(compression)) solution%coupled%compression = compression
     call solve_joint(pairs, law, which, tolerance, 0.2_real64 * tolerance, 0.005_real64, solution, &
                      target)
     call check(error, .not. allocated(solution%failure), trim(what) // ': failed')
@@ -153,7 +153,7 @@ contains
                      1.0e-10_real64, trim(scenes(i)%name) // ': load')
           ! Two thirds of the error of a load.
           if (which /= resolve_none) &
-            call check(error, coupled%closing / depth, 1.0_real64, 0.003_real64, &
+            call check(error, coupled%compression / depth, 1.0_real64, 0.003_real64, &
                        trim(scenes(i)%name) // ': closing')
         end associate
       end do
@@ -181,7 +181,7 @@ contains
       if (.not. here%error > 1.0e-12_real64) cycle
       do k = 1, 2
         call solve(error, pairs, law, resolve_none, 0.01_real64, nearby(k), scenes(i)%name, &
-                   closing=depth * (1 + (2 * k - 3) * aside))
+                   compression=depth * (1 + (2 * k - 3) * aside))
       end do
       tangent = law%modulus * (sum(nearby(2)%coupled%set%load) - &
                 sum(nearby(1)%coupled%set%load)) / (2 * aside)

@@ -82,7 +82,7 @@ contains
     call find_field(after)
   end subroutine change_by
 
-  ! The potential without gaps and closing, whose terms are plain.
+  ! The potential without gaps and compression, whose terms are plain.
   pure real(real64) function potential(set)
     type(circle_set), intent(in) :: set
 
@@ -340,7 +340,7 @@ contains
   end subroutine least
 
   ! Loads by up to a tenth up and down, shifts by up to a twentieth of a circle. One in four changes
-  ! one contact alone. The closing is 1 in units in which the set has the depth as its length.
+  ! one contact alone. The compression is 1 in units in which the set has the depth as its length.
   subroutine try_about(error, pairs, solution, what)
     type(error_type), allocatable, intent(inout) :: error
     type(contact_pairs), intent(in) :: pairs
@@ -374,7 +374,7 @@ contains
 
   contains
 
-    ! With gaps and closing. W = 3/5 p V, and p = a**2/R.
+    ! With gaps and compression. W = 3/5 p V, and p = a**2/R.
     real(real64) function total(set)
       type(circle_set), intent(in) :: set
 
