@@ -3,6 +3,8 @@ root=$(cd "$(dirname "${BASH_SOURCE[0]}")/.." && pwd)
 cd "$root" || exit 2
 venv=$root/.venv
 export PATH=$venv/bin:$PATH
+# Python keeps what it compiles: without that each of many short programs compiles its imports.
+unset PYTHONDONTWRITEBYTECODE
 
 # Every warning an error, every check on; fpm's own flags are left out on purpose. A number that
 # nothing has set is a signalling NaN: its first use traps.
