@@ -10,7 +10,7 @@ module asperity_coupled_scenes
   implicit none
   private
 
-  public :: known_scene, known_scenes, lay_known, random, update_circles, share_of, solve_at
+  public :: known_scene, known_scenes, lay_known, random, lay_contacts, share_of, solve_at
 
   !> Penetration of a contact alone, so small that the sphere is a paraboloid.
   real(real64), parameter, public :: depth = 1.0e-12_real64
@@ -32,7 +32,7 @@ contains
 
   !> Spheres of radius 1 unless told, places in units of the circle of a contact at full depth,
   !> gaps in units of the depth. Modulus 2.
-  pure subroutine update_circles(x, y, gap, pairs, law, radius)
+  pure subroutine lay_contacts(x, y, gap, pairs, law, radius)
     real(real64), intent(in) :: x(:), y(:), gap(:)          !! by contact
     type(contact_pairs), intent(out) :: pairs               !! in the order of the gaps as given
     type(hertz_law), intent(out) :: law                     !! of all
@@ -59,7 +59,7 @@ contains
         pair%zc = pair%s
       end associate
     end do
-  end subroutine update_circles
+  end subroutine lay_contacts
 
   !> Solves the circles at a compression of one depth.
   subroutine solve_at(pairs, law, solution)
@@ -136,7 +136,7 @@ contains
     type(hertz_law), intent(out) :: law                     !! of all
 
     associate (n => scene%contacts)
-      call update_circles(scene%x(:n), scene%y(:n), scene%gap(:n), pairs, law, scene%radius(:n))
+      call lay_contacts(scene%x(:n), scene%y(:n), scene%gap(:n), pairs, law, scene%radius(:n))
     end associate
   end subroutine lay_known
 

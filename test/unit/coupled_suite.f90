@@ -9,7 +9,7 @@ module asperity_coupled_suite
   use asperity_coupled_contacts, only: coupled_solution, solve_coupled
   use asperity_coupled_groups, only: find_groups, group_law, extract_group, insert_group
   use asperity_coupled_scenes, only: depth, known_scene, known_scenes, lay_known, random, &
-                                     update_circles, share_of, solve_at
+                                     lay_contacts, share_of, solve_at
   use asperity_coupled_start, only: prepare_start
   use asperity_coupled_state, only: evaluate_state, raise_to_load, solve_state
   use asperity_hertz_law, only: hertz_law
@@ -106,7 +106,7 @@ contains
         p = 0.5_real64 * (p + 1.0_real64 - terms%on_first * load - shift**2 / 2)
         if (abs(p - before) < 1.0e-15_real64) exit
       end do
-      call update_circles([0.0_real64, distances(i)], zeros, zeros, pairs, law)
+      call lay_contacts([0.0_real64, distances(i)], zeros, zeros, pairs, law)
       call solve_at(pairs, law, solution)
       call expect_solved(error, solution, 'two')
       ! From five sums of radii on two terms of the series act: the next is (a/r)**4 of the first.
@@ -129,17 +129,17 @@ contains
     real(real64) :: compression, p, zeros(2)
 
     zeros = 0.0_real64
-    call update_circles([0.0_real64, 1000.0_real64], zeros, zeros, pairs, law)
+    call lay_contacts([0.0_real64, 1000.0_real64], zeros, zeros, pairs, law)
     call solve_at(pairs, law, solution)
     p = solution%penetration(1) / depth
     ! A point load: V/(pi E r) = 4/(3 pi) p**1.5/r, in units of depth and circle.
     compression = p + 4 / (3 * pi) * p**1.5_real64 / 1000
     call check(error, compression, 1.0_real64, 1.0e-9_real64, 'far apart')
-    call update_circles(zeros(:1), zeros(:1), zeros(:1), pairs, law)
+    call lay_contacts(zeros(:1), zeros(:1), zeros(:1), pairs, law)
     call solve_at(pairs, law, solution)
     call expect_solved(error, solution, 'one')
     call check(error, share_of(pairs, solution), 1.0_real64, 1.0e-12_real64, 'one alone')
-    call update_circles(zeros(:0), zeros(:0), zeros(:0), pairs, law)
+    call lay_contacts(zeros(:0), zeros(:0), zeros(:0), pairs, law)
     call solve_at(pairs, law, solution)
     call expect_solved(error, solution, 'none')
     call check(error, size(solution%penetration), 0, 'of none')
@@ -155,15 +155,15 @@ contains
     type(coupled_solution) :: solution
     real(real64), parameter :: apart_by(4) = [0.0_real64, 1.0e-12_real64, 1.0e-8_real64, &
                                               1.0e-3_real64]
-    real(real64) :: around(5), direction_x(5), off(5), shape(5), told, share, nested, zeros(5)
+    real(real64) :: around(5), east(5), off(5), shape(5), told, share, nested, zeros(5)
     integer :: hosts(5), i, k, n
 
     zeros = 0.0_real64
     around = 0.3_real64 + [(2 * pi * i / 5, i=1, 5)]
     do n = 2, 5
       do k = 1, size(apart_by)
-        direction_x = apart_by(k) * cos(around)
-        call update_circles(direction_x(:n), apart_by(k) * sin(around(:n)), zeros(:n), pairs, law)
+        east = apart_by(k) * cos(around)
+        call lay_contacts(east(:n), apart_by(k) * sin(around(:n)), zeros(:n), pairs, law)
         call solve_at(pairs, law, solution)
         call expect_solved(error, solution, 'in one place')
         call check(error, size(solution%set%x), 1, 'one contact in one place')
@@ -177,7 +177,7 @@ contains
                    told >= 0.1_real64 * apart_by(k) - 1.0e-12_real64, 'error in one place')
       end do
     end do
-    call update_circles(zeros(:2), zeros(:2), [0.0_real64, 1.0_real64 - 1.0e-12_real64], pairs, law)
+    call lay_contacts(zeros(:2), zeros(:2), [0.0_real64, 1.0_real64 - 1.0e-12_real64], pairs, law)
     call solve_at(pairs, law, solution)
     call expect_solved(error, solution, 'a hidden one')
     call check(error, .not. solution%penetration(2) > 0.0_real64, 'a hidden one must open')
@@ -192,9 +192,9 @@ contains
     type(coupled_solution) :: solution, again
     real(real64) :: target
 
-    call update_circles([0.0_real64, 2.5_real64, 0.0_real64, 9.0_real64], &
-                        [0.0_real64, 0.0_real64, 3.0_real64, 1.0_real64], &
-                        [0.0_real64, 0.1_real64, 0.2_real64, 0.9_real64], pairs, law)
+    call lay_contacts([0.0_real64, 2.5_real64, 0.0_real64, 9.0_real64], &
+                      [0.0_real64, 0.0_real64, 3.0_real64, 1.0_real64], &
+                      [0.0_real64, 0.1_real64, 0.2_real64, 0.9_real64], pairs, law)
     target = 2.0_real64 * depth**1.5_real64
     call solve_coupled(pairs, law, solution, target)
     call expect_solved(error, solution, 'at a load')
@@ -207,7 +207,7 @@ contains
                                  max(solution%penetration, 0.0_real64))) / depth, 0.0_real64, &
                1.0e-9_real64, 'the same at that closing')
     ! One contact with its centres level bears less than 4/3 E sqrt(R) (4 R)**1.5.
-    call update_circles([0.0_real64], [0.0_real64], [0.0_real64], pairs, law)
+    call lay_contacts([0.0_real64], [0.0_real64], [0.0_real64], pairs, law)
     deallocate (solution%penetration, solution%shift)
     call solve_coupled(pairs, law, solution, 11.0_real64 * law%modulus)
     call check(error, allocated(solution%failure), 'a load out of reach')
@@ -228,8 +228,8 @@ contains
       before = -1.0_real64
       largest = 0.0_real64
       do i = 0, steps
-        call update_circles([0.0_real64, distance], [0.0_real64, 0.0_real64], &
-                            [0.0_real64, 0.9_real64 - 0.7_real64 * i / steps], pairs, law)
+        call lay_contacts([0.0_real64, distance], [0.0_real64, 0.0_real64], &
+                          [0.0_real64, 0.9_real64 - 0.7_real64 * i / steps], pairs, law)
         call solve_at(pairs, law, solution)
         call expect_solved(error, solution, 'at the rim')
         associate (p => solution%penetration(2))
@@ -259,7 +259,7 @@ contains
       y(i) = 3.1_real64 * sqrt(real(contacts, real64)) * random(seed)
       gap(i) = real(i - 1, real64) / contacts
     end do
-    call update_circles(x, y, gap, pairs, law)
+    call lay_contacts(x, y, gap, pairs, law)
   end subroutine crowd
 
   ! Enough of them for threads to start: also, one and two give the same bytes.
@@ -303,15 +303,14 @@ contains
     integer, parameter :: turns(4) = [17, 29, 37, 41]
     real(real64), allocatable :: gap(:)
     real(real64) :: share
-    integer :: i, side, slope_over_distance
+    integer :: i, side, turn
 
     do side = 6, 14, 2
-      do slope_over_distance = 1, size(turns)
-        gap = [(1.0e-6_real64 * modulo(turns(slope_over_distance) * i, side**2), i=0, side**2 - 1)]
-        call update_circles([(0.1_real64 * modulo(i, side), i=0, side**2 - 1)], &
-                            [(0.1_real64 * (i - modulo(i, side)) / side, i=0, side**2 - 1)], gap, &
-                              pairs, &
-                            law)
+      do turn = 1, size(turns)
+        gap = [(1.0e-6_real64 * modulo(turns(turn) * i, side**2), i=0, side**2 - 1)]
+        call lay_contacts([(0.1_real64 * modulo(i, side), i=0, side**2 - 1)], &
+                          [(0.1_real64 * (i - modulo(i, side)) / side, i=0, side**2 - 1)], gap, &
+                          pairs, law)
         call solve_at(pairs, law, solution)
         call expect_solved(error, solution, 'packed')
         ! More than one of them bears alone, less than a flat punch on a circle around them all.
@@ -335,9 +334,9 @@ contains
     real(real64) :: load(side**2), level(size(some))
     integer :: i, j, k
 
-    call update_circles([(apart * modulo(i, side), i=0, side**2 - 1)], &
-                        [(apart * (i - modulo(i, side)) / side, i=0, side**2 - 1)], &
-                        spread(0.0_real64, 1, side**2), pairs, law)
+    call lay_contacts([(apart * modulo(i, side), i=0, side**2 - 1)], &
+                      [(apart * (i - modulo(i, side)) / side, i=0, side**2 - 1)], &
+                      spread(0.0_real64, 1, side**2), pairs, law)
     call prepare_start(pairs, law, solution, state, &
                  law%modulus * side**2 * 4.0_real64 / 3.0_real64 * depth**1.5_real64)
     call check(error, all(solution%penetration > 0.0_real64), 'some are open')
@@ -362,9 +361,9 @@ contains
     real(real64) :: penetration(6), before(6), load, change
     integer :: k
 
-    call update_circles([(1.0_real64 * k, k=1, 6)], spread(0.0_real64, 1, 6), &
-                        spread(0.0_real64, 1, 6), &
-                        pairs, law)
+    call lay_contacts([(1.0_real64 * k, k=1, 6)], spread(0.0_real64, 1, 6), &
+                      spread(0.0_real64, 1, 6), &
+                      pairs, law)
     before = depth * [0.5_real64, 0.2_real64, 0.0_real64, -0.1_real64, -0.4_real64, -3.0_real64]
     do k = -2, 2
       load = 10.0_real64**k * depth**1.5_real64
@@ -428,9 +427,9 @@ contains
     call crowd(4500, pairs, law)
     call solve_at(pairs, law, two)
     call solve_coupled(pairs, law, three, 100.0_real64 * depth**1.5_real64)
-    call update_circles([(apart_by * modulo(i, side), i=0, side**2 - 1)], &
-                        [(apart_by * (i - modulo(i, side)) / side, i=0, side**2 - 1)], &
-                        [(1.0e-3_real64 * modulo(37 * i, 101) / 101, i=0, side**2 - 1)], pairs, law)
+    call lay_contacts([(apart_by * modulo(i, side), i=0, side**2 - 1)], &
+                      [(apart_by * (i - modulo(i, side)) / side, i=0, side**2 - 1)], &
+                      [(1.0e-3_real64 * modulo(37 * i, 101) / 101, i=0, side**2 - 1)], pairs, law)
     call solve_at(pairs, law, four)
     call check(error, one%ending%iterations <= 8 .and. one%fields <= 16, 'crowd')
     call check(error, two%ending%iterations <= 8 .and. two%fields <= 17, 'large crowd')
@@ -448,8 +447,8 @@ contains
 
     do i = 0, 30
       distance = 1.2_real64 * 1.25_real64**i
-      call update_circles([0.0_real64, distance, 0.0_real64], [0.0_real64, 0.0_real64, distance], &
-                          [0.0_real64, 0.1_real64, 0.4_real64], pairs, law)
+      call lay_contacts([0.0_real64, distance, 0.0_real64], [0.0_real64, 0.0_real64, distance], &
+                        [0.0_real64, 0.1_real64, 0.4_real64], pairs, law)
       call solve_at(pairs, law, solution)
       loss = 1.0_real64 - share_of(pairs, solution)
       share = estimate_of_interaction(pairs, law, depth)

@@ -6,7 +6,7 @@ module asperity_joint_suite
   use asperity_outside_field, only: outside_field
   use asperity_element_solver, only: cluster_lattice, solve_elements
   use asperity_contact_pairs, only: contact_pairs
-  use asperity_coupled_scenes, only: depth, known_scene, known_scenes, lay_known, update_circles, &
+  use asperity_coupled_scenes, only: depth, known_scene, known_scenes, lay_known, lay_contacts, &
                                      share_of, truth_noise
   use asperity_hertz_law, only: hertz_law
   use asperity_joint_contacts, only: joint_solution, resolve_all, resolve_called_for, &
@@ -202,9 +202,9 @@ contains
     real(real64) :: together
     integer :: i
 
-    call update_circles([0.0_real64, 1.5_real64, 9.0_real64, 10.8_real64, 9.9_real64], &
-                        [0.0_real64, 0.3_real64, 0.0_real64, 0.0_real64, 1.3_real64], &
-                        [0.0_real64, 0.1_real64, 0.15_real64, 0.2_real64, 0.4_real64], pairs, law)
+    call lay_contacts([0.0_real64, 1.5_real64, 9.0_real64, 10.8_real64, 9.9_real64], &
+                      [0.0_real64, 0.3_real64, 0.0_real64, 0.0_real64, 1.3_real64], &
+                      [0.0_real64, 0.1_real64, 0.15_real64, 0.2_real64, 0.4_real64], pairs, law)
     call solve(error, pairs, law, resolve_all, 0.005_real64, solution, 'clusters')
     call check(error, solution%clusters, 2, 'clusters')
     call solve_elements(pairs, [(i, i=1, 5)], depth, nothing, [5.0e-4_real64, 0.005_real64], &
@@ -225,7 +225,7 @@ contains
     integer :: n
 
     do n = 2, 5
-      call update_circles(zeros(:n), zeros(:n), zeros(:n), pairs, law)
+      call lay_contacts(zeros(:n), zeros(:n), zeros(:n), pairs, law)
       call solve(error, pairs, law, resolve_called_for, 0.003_real64, solution, 'in one place')
       call check(error, n * share_of(pairs, solution%coupled), 1.0_real64, 0.003_real64, &
                  'in one place')
@@ -245,7 +245,7 @@ contains
       y(i) = 7.0_real64 * modulo(i, 2) + 0.4_real64 * modulo(i, 5)
       gap(i) = i / 48.0_real64
     end do
-    call update_circles(x, y, gap, pairs, law)
+    call lay_contacts(x, y, gap, pairs, law)
     before = omp_get_max_threads()
     call omp_set_num_threads(1)
     call solve(error, pairs, law, resolve_called_for, 0.01_real64, one, 'one thread')

@@ -8,7 +8,7 @@ module asperity_potential_suite
   use asperity_contact_pairs, only: contact_pairs
   use asperity_coupled_contacts, only: coupled_solution
   use asperity_coupled_scenes, only: depth, known_scene, known_scenes, lay_known, random, &
-                                     update_circles, solve_at
+                                     lay_contacts, solve_at
   use asperity_hertz_law, only: hertz_law
   use asperity_interruption, only: interruption
   use asperity_kinds, only: int64, real64
@@ -334,7 +334,7 @@ contains
       y(i) = 12 * random(seed)
       gap(i) = i / 40.0_real64
     end do
-    call update_circles(x, y, gap, pairs, law)
+    call lay_contacts(x, y, gap, pairs, law)
     call solve_at(pairs, law, solution)
     call try_about(error, pairs, solution, 'thirty')
   end subroutine least
