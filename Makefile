@@ -111,7 +111,7 @@ mutants: ## changed lines that no test notices (SEED=1 NUMBER=25), continued whe
 maps: ## how good summits are, on maps pressed against their truth; docs/accuracy-map.html
 	@bash .ci/setup build test bench
 	@.venv/bin/python test/bench/run_maps.py $(MAPS)
-	@.venv/bin/python test/bench/run_maps.py --tamaas 1024
+	@.venv/bin/python test/bench/map_beside_tamaas.py --pixels 1024
 	@.venv/bin/python test/bench/accuracy_peers.py
 
 pages: ## pictures of --html pages in Chromium, to be looked at, in build/pages

@@ -1,22 +1,20 @@
 """How good are summits? Maps pressed to a given share of their area, the summits against the truth.
 
     python test/bench/run_maps.py [MAP.sdf ...] [--made N] [--side N] [--shares A,B,...]
-                                  [--ways W,X,...] [--seconds S] [--csv FILE] [--tamaas SIDE]
+                                  [--ways W,X,...] [--seconds S] [--csv FILE]
 
 The truth is a boundary-element solution on every sample by numpy (test/regression/map_press_truth),
 area corrected at its rim. Ways: contact, what a scene with a map computes; plain, the summits of
 `--rule eight`; alone, the summits of a scene each for itself; half, the map at half its resolution.
 Maps of files come in addition to N of our own. With --side 1024 and --ways contact what is claimed
 of maps that are pressed coarser, give or take, stands beside what is true. Deterministic but for
-the times. With --tamaas a map of SIDE x SIDE samples rough at the pixel, to 5 % contact: processor
-time and memory of its samples, of its summits and of tamaas, one after the other, nothing else.
+the times.
 """
 
 import argparse
 import csv
 import os
 import re
-import resource
 import subprocess
 import tempfile
 import time
@@ -30,8 +28,7 @@ import numpy as np
 from made_maps import self_affine, write_bytes
 from map_press_truth import press
 from map_truth import levelled
-from run_bench import peak_of, release_build
-from run_tamaas import its_python
+from run_bench import release_build
 from test_map_scene import rim_area
 
 MODULUS = 1e5
@@ -165,45 +162,6 @@ def study(exe, name, height, sides, shares, ways, seconds):
                 yield row
 
 
-def beside_tamaas(exe, side):
-    """Processor seconds, peak memory and separation of each way."""
-    python = its_python()
-    if python is None:
-        print("tamaas cannot be installed here")
-        return
-    heights, _ = self_affine((side, side), 7, shortest=2)
-    heights = levelled(1e-7 * heights)
-    slope = np.sqrt(sum(np.mean((np.diff(heights, axis=k) / SPACING) ** 2) for k in (0, 1)))
-    pressure = float(0.05 * MODULUS * slope / 2)
-    rms = heights.std()
-    print(f"{'':<20}{'s':>9}{'MB':>9}{'separation, rms heights':>26}")
-    with tempfile.TemporaryDirectory() as place:
-        folder = Path(place)
-        write_bytes(folder / "map.sdf", heights, SPACING, SPACING)
-        np.save(folder / "map.npy", heights)
-        for way in ("boundary", "coupled"):
-            (folder / "map.scene").write_text(
-                "&surfaces upper = 'plane', lower = 'map.sdf' /\n"
-                f"&material contact_modulus = {MODULUS!r} /\n"
-                f"&loading control = 'pressure', value = {pressure!r} /\n"
-                f"&effects interaction = '{way}' /\n", encoding="ascii")
-            before = resource.getrusage(resource.RUSAGE_CHILDREN).ru_utime
-            child = subprocess.Popen([exe, "solve", folder / "map.scene", "--quiet",
-                                      "--positions", folder / "map.csv"])
-            peak = peak_of(child, pause=0.01)
-            assert child.wait() == 0
-            spent = resource.getrusage(resource.RUSAGE_CHILDREN).ru_utime - before
-            with open(folder / "map.csv", encoding="ascii", newline="") as rows:
-                level = float(next(csv.DictReader(rows))["separation"])
-            print(f"{way:<20}{spent:>9.1f}{peak / 2**20:>9.0f}"
-                  f"{level / rms:>26.4f}", flush=True)
-        done = subprocess.run([python, ROOT / "test/bench/tamaas_map.py", folder / "map.npy",
-                               *map(repr, (SPACING, MODULUS, pressure, 1e-6))],
-                              capture_output=True, text=True, check=True)
-        seconds, memory, level = map(float, done.stdout.split()[:3])
-        print(f"{'tamaas':<20}{seconds:>9.1f}{memory / 2**20:>9.0f}{level / rms:>26.4f}")
-
-
 COLUMNS = ("map", "share", "way", "found_share", "error", "ratio", "claim", "give", "estimate",
            "edge", "without", "lines", "seconds", "truth_seconds", "failure", "rms", "load",
            "level", "area", "closing")
@@ -218,12 +176,8 @@ def main():
     parser.add_argument("--ways", default=",".join(WAYS))
     parser.add_argument("--seconds", type=float, default=300.0, help="a run at most")
     parser.add_argument("--csv", help="all rows")
-    parser.add_argument("--tamaas", type=int, help="time beside tamaas, on such a side")
     options = parser.parse_args()
     exe, _ = release_build()
-    if options.tamaas:
-        beside_tamaas(exe, options.tamaas)
-        return
     maps = [(name, made(name, options.side), (SPACING, SPACING))
             for name in list(MADE)[:options.made]]
     maps += [(Path(file).stem, *measured(file)) for file in options.maps]

@@ -1,9 +1,4 @@
-"""Hard cases of interaction and friction: truths and laws.
-
-A case that the program does not master is marked with its fault and fails as expected; it fails
-the tests when the program masters it and the mark is still there. The large cases take minutes:
-slow_effects.py runs them.
-"""
+"""Hard cases of interaction and friction: truths and laws."""
 
 import math
 
@@ -13,7 +8,6 @@ from boundary_patch import Contact
 from effect_cases import AUTO, BOUNDARY, COUPLED, THREE, combined, effect_cases
 from effect_laws import keeps_laws, run
 from friction_truth import closed_form
-from make_cases import write_effect_case, surface_writer
 from surfaces_csv import Solved, write_csv_scene
 
 CASES = {case.name: case for case in effect_cases()}
@@ -21,24 +15,12 @@ CASES = {case.name: case for case in effect_cases()}
 LONG = ("slope_10_load_boundary", "curve_boundary")
 
 
-def scene_of(case, root, folder):
-    if case.large:
-        folder.mkdir(exist_ok=True)
-        return write_effect_case(folder, case, surface_writer(folder))
-    return root / "data/hard/effects" / f"{case.name}.scene"
-
-
 @pytest.mark.parametrize("name", [
-    pytest.param(name, marks=[pytest.mark.xfail(reason=case.open, strict=True)] * bool(case.open)
-                 + [pytest.mark.long] * (name in LONG))
-    for name, case in CASES.items() if not case.large])
+    pytest.param(name, marks=[pytest.mark.long] * (name in LONG)) for name in CASES])
 def test_effect_case(name, asperity, root, tmp_path, tally):
-    check(CASES[name], asperity, root, tmp_path, tally)
-
-
-def check(case, asperity, root, folder, tally):
-    solved = run(asperity, scene_of(case, root, folder), folder,
-                 curve=case.name.startswith("curve"))
+    case = CASES[name]
+    scene = root / "data/hard/effects" / f"{name}.scene"
+    solved = run(asperity, scene, tmp_path, curve=name.startswith("curve"))
     if solved.status:
         assert case.refused and case.refused in solved.stderr, solved.stderr
         tally.add("hard cases of effects", 1, 1)

@@ -86,8 +86,7 @@ def write_effects(folder):
     folder.mkdir(parents=True, exist_ok=True)
     surface = surface_writer(folder)
     for case in effect_cases():
-        if not case.large:
-            write_effect_case(folder, case, surface)
+        write_effect_case(folder, case, surface)
 
 
 def write_all(folder):

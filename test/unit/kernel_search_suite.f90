@@ -33,29 +33,21 @@ contains
     type(unittest_type), allocatable, intent(out) :: suite(:)
 
     suite = [ &
-      new_unittest('few asperities: a row finds what all with all finds', by_row), &
-      new_unittest('many asperities: levels find what all with all finds', by_level), &
+      new_unittest('a row and levels find what all with all finds', by_row_and_level), &
       new_unittest('gaps that rounding makes equal: pairs in order', rounded_gaps), &
       new_unittest('centres that come level: the same pair is named', level_centres)]
   end subroutine collect_kernel_search
 
-  subroutine by_row(error)
+  ! Few asperities are in a row, many on levels.
+  subroutine by_row_and_level(error)
     type(error_type), allocatable, intent(out) :: error
     integer :: kind
 
     do kind = even, far
       call compare_controls(error, kind, 60)
-    end do
-  end subroutine by_row
-
-  subroutine by_level(error)
-    type(error_type), allocatable, intent(out) :: error
-    integer :: kind
-
-    do kind = even, far
       call compare_controls(error, kind, 320)
     end do
-  end subroutine by_level
+  end subroutine by_row_and_level
 
   subroutine level_centres(error)
     type(error_type), allocatable, intent(out) :: error
