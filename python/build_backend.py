@@ -178,9 +178,13 @@ def build_library(folder, bundled):
     # Tests of the project build there, too.
     with open(ROOT / "build" / "lock", "w", encoding="ascii") as lock:
         fcntl.flock(lock, fcntl.LOCK_EX)
-        # fpm adds to an archive: objects of sources that were removed would stay in it.
+        # fpm adds to an archive: objects of sources that were removed would stay in it. One without
+        # such objects stays, as its programs would be linked anew while they run.
+        members = {"_".join(path.relative_to(ROOT).parts) + ".o"
+                   for path in (ROOT / "src").rglob("*") if path.is_file()}
         for archive in (ROOT / "build").glob("*/asperity/libasperity.a"):
-            archive.unlink()
+            if not members.issuperset(run(["ar", "t", archive]).split()):
+                archive.unlink()
         output = run([fpm, "install", "--profile", "release", "--no-prune", "--flag", FLAGS,
                       "--prefix", folder])
         if bundled:
