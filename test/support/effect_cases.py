@@ -1,7 +1,8 @@
 """Hard cases for the effects of neighbours and of friction: scenes, and laws that they must keep.
 
 `make_cases.py` writes them to data/hard/effects. Every case ends with results or with one sentence,
-in the time that it has. Where a truth is known, `truth` computes it here, from closed forms or independently of the program.
+in the time that it has. Where a truth is known, `truth` computes it here, from closed forms or
+independently of the program.
 """
 
 from dataclasses import dataclass
