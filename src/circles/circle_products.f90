@@ -73,9 +73,10 @@ contains
           change(1, i)
       end associate
       if (convex) then
-        row(2:) = own_hessian_product(set, i, convex_hessian(set%hessian(:, i), &
-                                                             set%load(i) * set%curvature(i)), &
-                                                                   change(2:, i))
+        associate (isolated => set%load(i) * set%curvature(i))
+          row(2:) = own_hessian_product(set, i, convex_hessian(set%hessian(:, i), isolated), &
+                                        change(2:, i))
+        end associate
         do l = set%tree%first(i), set%tree%first(i + 1) - 1
           row(1) = row(1) + set%terms(compliance, set%pair(l)) * change(1, set%tree%near(l))
         end do

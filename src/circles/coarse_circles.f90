@@ -14,8 +14,7 @@ module asperity_coarse_circles
   private
 
   public :: circles_per_square, coarse_circles, gather_squares, pressed_displacement, &
-    shared_change, &
-            sum_of_squares
+            shared_change, sum_of_squares
 
   !> Circles gathered in squares. It owns the plans of a transform: it must not be copied.
   type :: coarse_circles

@@ -10,8 +10,7 @@ module asperity_open_contacts
   use asperity_contact_law, only: contact_law, contact_response
   use asperity_contact_pairs, only: contact_pairs
   use asperity_coupled_state, only: answer_at, coupled_solution, open_penetration, &
-    resolved_contacts, &
-                                    solve_state
+                                    resolved_contacts, solve_state
   use asperity_hidden_contacts, only: is_hidden
   use asperity_kinds, only: real64
   use asperity_mutual_displacement, only: mutual_displacement, mutual_terms

@@ -187,8 +187,7 @@ contains
 
     near_compression = compression
     call find_near_tops(task%pairs, task%law, adjacent_distance, near_compression, near_tops, &
-                        representative, &
-                        radius)
+                        representative, radius)
     if (present(has_grown)) then
       has_grown = any(near_tops .and. .not. task%is_near)
       if (.not. has_grown) return
@@ -432,8 +431,7 @@ contains
         ! computes the gap may miss a blunt contact of considerable area.
         near_compression = compression
         call find_near_tops(pairs, task%law, adjacent_distance, near_compression, near_tops, &
-                            representative, &
-                            radius)
+                            representative, radius)
         if (any(near_tops .and. .not. is_member) .or. &
             any_loaded(pairs, pack([(k, k=1, size(is_member))], .not. is_member), compression, &
                        outside_field(), task%clusters(1)%lattice)) then
