@@ -1,9 +1,13 @@
 """Damaged copies of the report are told from the thesis: the comparison sees what is printed."""
 
+import os
+import sys
+
 import pytest
 
 from cells_met import report_of
 from report_comparison import Comparison
+from programs import run_program
 from report_damage import COPIES, KINDS, damaged_copies, passing_copies
 from thesis_report import UNSETTLED, printed_lines
 
@@ -47,3 +51,20 @@ def test_every_changed_character_is_seen(asperity):
                 passing += 1
     # The last digit of such a cell, where the thesis allows the next one, too.
     assert passing <= 12
+
+
+def test_the_comparison_needs_numpy_and_pytest_alone(asperity, root):
+    """The printed tables and the archive are compared where no other package is installed."""
+    folder = root / "test/regression"
+    variables = {"ASPERITY_EXE": str(asperity), "PYTEST_DISABLE_PLUGIN_AUTOLOAD": "1",
+                 "ASPERITY_TALLY": os.devnull}
+    done = run_program(
+        sys.executable, root / "test/support/only_numpy.py", "-q", "--rootdir", root, "-k",
+        "test_digitised or ibm370 or missing", folder / "test_digitised.py",
+        folder / "test_report.py", cwd=root, variables=variables)
+    assert "ibm370: cells exact" in done.stdout and " passed" in done.stdout
+    # All that the two files and the archive's import.
+    run_program(
+        sys.executable, root / "test/support/only_numpy.py", "-q", "--rootdir", root,
+        "--collect-only", folder / "test_archive.py", folder / "test_digitised_relations.py",
+        cwd=root, variables=variables)

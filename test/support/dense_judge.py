@@ -22,8 +22,8 @@ from pathlib import Path
 
 import numpy as np
 
+from csv_rows import records, write_records
 from dense_scenes import dense_scenes
-from surfaces_csv import records, write_records
 
 TRUTH = Path(__file__).resolve().parents[2] / "reference_output" / "interaction" / "dense.csv"
 TOLERANCES = (0.01, 0.003, 0.001)

@@ -4,7 +4,7 @@ import csv
 from fractions import Fraction
 from pathlib import Path
 
-from surfaces_csv import records
+from csv_rows import records
 
 ROOT = Path(__file__).resolve().parents[2]
 DATA = ROOT / "reference_output" / "thesis"

@@ -32,8 +32,8 @@ from pathlib import Path
 
 import numpy as np
 
+from csv_rows import records, write_records
 from solved_cases import COMBINED, OF_SEEDS, SPHERE, load_cases, rough_parts
-from surfaces_csv import records, write_records
 
 
 @dataclass

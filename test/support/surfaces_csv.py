@@ -1,9 +1,9 @@
 """Small scenes for tests: surfaces and scene files written, solved, and the results read."""
 
-import csv
-from dataclasses import astuple, dataclass, fields
+from dataclasses import dataclass
 from fractions import Fraction
 
+from csv_rows import records
 from exact_contact import Scene, Surface
 from programs import run_program
 
@@ -105,17 +105,3 @@ def solve(asperity, scene, *options, folder=None, contacts=True, curve=False):
     return Solved(done.returncode, done.stdout, done.stderr,
                   *(records(files[name]) if name in files and files[name].exists() else []
                     for name in ("positions", "contacts", "curve")))
-
-
-def records(path):
-    """Rows of a CSV file."""
-    with open(path, encoding="ascii", newline="") as file:
-        return list(csv.DictReader(file))
-
-
-def write_records(path, results):
-    """Dataclasses of one kind as rows: what `records` reads."""
-    with open(path, "w", encoding="utf-8", newline="") as file:
-        writer = csv.writer(file, lineterminator="\n")
-        writer.writerow(f.name for f in fields(results[0]))
-        writer.writerows(map(astuple, results))
