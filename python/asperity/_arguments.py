@@ -75,10 +75,19 @@ def word(name: str, value: Any) -> bytes:
 
 def unwrapped(name: str, value: Any) -> Any:
     """The value in an array without dimensions or in a numpy scalar; otherwise the value itself."""
+    refuse_unit(name, value)
     if getattr(value, "shape", None) != () or not hasattr(value, "item"):
         return value
     refuse_mask(name, value)
     return value.item()
+
+
+def refuse_unit(name: str, values: Any) -> None:
+    """Refuse quantities with a unit, as those of pint and astropy: the unit would be lost."""
+    for unit, number in (("units", "magnitude"), ("unit", "to_value")):
+        found = str(getattr(values, unit, "")) if hasattr(type(values), number) else ""
+        if found not in ("", "dimensionless"):
+            raise wrong(name, f"numbers in {found}", "plain numbers in the units of the scene")
 
 
 def refuse_mask(name: str, values: Any) -> None:
@@ -139,6 +148,7 @@ def doubles(name: str, values: Any, dimensions: int = 1) -> Any:
     expected = ("numbers, an array of one dimension" if dimensions == 1 else
                 "heights, an array of two dimensions, [row, column]")
     values = getattr(values, "_values", values) if isinstance(values, Values) else values
+    refuse_unit(name, values)
     shape = None
     if hasattr(type(values), "__array__"):
         values, shape = _numpy_doubles(name, values, dimensions, expected)

@@ -115,14 +115,14 @@ def summits(map: _a.Path | HeightMap | NDArray[Any] | Sequence[Sequence[float]],
         _a.word("edge", edge))
     if edge is not None and periodic is None:
         raise _a.wrong("edge", repr(edge), "'free' or 'periodic'")
-    pixels = map_of("map", map)
+    pixels = map_of("map", map, steps if steps[0] > 0.0 else None)
     if pixels is not None:
         if periodic is not None:
             pixels.periodic = periodic
         found = _c.call("summits_of_map", byref(pixels), byref(options)).checked()
         source: Any = map
         if not hasattr(map, "heights"):
-            source = HeightMap(source, steps, unit)
+            source = HeightMap(source, steps if steps[0] > 0.0 else pixels.spacing, unit)
         return Summits(found, source)
     name = "periodic_summits" if periodic else "summits"
     return Summits(_c.call(name, _a.path("map", map), byref(options)).checked(), map)

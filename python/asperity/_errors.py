@@ -3,6 +3,7 @@
 from __future__ import annotations
 
 import sys
+import types
 import warnings
 from pathlib import Path
 from typing import NamedTuple
@@ -61,9 +62,7 @@ def issue(lines: list[str], kinds: list[str]) -> None:
     Python's default is to show a text once for each line of code. The texts have numbers, which
     differ from solve to solve: with that default a kind is shown once for each line of code.
     """
-    level, frame = 1, sys._getframe(0)
-    while frame.f_back and Path(frame.f_code.co_filename).parent == Path(__file__).parent:
-        level, frame = level + 1, frame.f_back
+    level, frame = _caller()
     for line, kind in zip(lines, kinds):
         name, _, family = kind.partition(" ")
         category = AccuracyWarning if family == "accuracy" else TheoryWarning
@@ -73,6 +72,19 @@ def issue(lines: list[str], kinds: list[str]) -> None:
             continue
         _shown.add(place)
         warnings.warn(text, category, stacklevel=level)
+
+
+def warn_caller(text: str, category: type[Warning]) -> None:
+    """Issue one warning that points at the caller of the package."""
+    warnings.warn(text, category, stacklevel=_caller()[0])
+
+
+def _caller() -> tuple[int, types.FrameType]:
+    """The first frame outside the package, and its level for the caller of this function."""
+    level, frame = 0, sys._getframe(0)
+    while frame.f_back and Path(frame.f_code.co_filename).parent == Path(__file__).parent:
+        level, frame = level + 1, frame.f_back
+    return level, frame
 
 
 def _is_shown_once(text: str, category: type[Warning], module: str) -> bool:

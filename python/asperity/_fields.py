@@ -2,11 +2,14 @@
 
 from __future__ import annotations
 
+import math
+from collections.abc import Iterator
 from typing import TYPE_CHECKING, Any, cast
 
 from . import _arguments as _a
 from . import _library as _c
-from ._columns import Values, column, numpy, shown
+from ._columns import Table, Values, column, needed, numpy, shown
+from ._plots import draw_pixels
 
 if TYPE_CHECKING:
     from matplotlib.axes import Axes
@@ -25,6 +28,7 @@ class Fields:
     The arrays have the shape (rows, columns) and are indexed `[row, column]` = `[y, x]`, as the map
     is. They are read-only and NaN at missing pixels; without numpy they are sequences of rows. A
     scene of asperities has them on square pixels with the sides `field_spacing` of `surfaces`.
+    `fields["pressure"]` is `fields.pressure`, and `dict(fields)` has all four by their names.
 
     Attributes
     ----------
@@ -89,6 +93,18 @@ class Fields:
         for name in NAMES:
             setattr(self, name, in_rows(table[name], self.shape, name == "contact"))
 
+    def keys(self) -> tuple[str, ...]:
+        """The names of the arrays."""
+        return NAMES
+
+    def __iter__(self) -> Iterator[str]:
+        return iter(NAMES)
+
+    def __getitem__(self, name: str) -> NDArray[Any]:
+        if name not in NAMES:
+            raise KeyError(f"no field {name!r}: {', '.join(NAMES)}")
+        return cast("NDArray[Any]", getattr(self, name))
+
     def plot(self, name: str = "pressure", ax: Axes | None = None) -> Axes:
         """Draw one of the arrays in plan.
 
@@ -106,8 +122,18 @@ class Fields:
         """
         if name not in NAMES:
             raise _a.wrong("name", repr(name), ", ".join(map(repr, NAMES)))
-        from ._plots import draw_field
-        return draw_field(self, name, ax)
+        library: Any = needed("numpy", "plot", "a plot")
+        values = library.asarray(self[name], dtype=float)
+        if name in ("pressure", "gap"):
+            in_contact = library.asarray(self.contact) == (name == "pressure")
+            values = library.where(in_contact, values, math.nan)
+        corner = 0.0, 0.0  # of a map
+        if self.hertz_contacts is not None:
+            corner = self.origin[0] - self.spacing[0] / 2, self.origin[1] - self.spacing[1] / 2
+        return draw_pixels(values, self.spacing, self.unit, ax, corner=corner,
+                           label=None if name == "contact" else
+                           Table(units=self.units).label(name),
+                           least=0.0 if name in ("pressure", "gap") else None)
 
     def __repr__(self) -> str:
         unit = f" {self.units['pressure']}" if self.units["pressure"] else ""
@@ -150,14 +176,15 @@ def pressures(fields: Fields) -> tuple[int, Any]:
 def histogram(fields: Fields, bins: int) -> tuple[Column, Column]:
     """Pressures in the middle of bins up to the greatest, and the density of the area there."""
     measured, pressed = pressures(fields)
-    width = float(max(pressed, default=0.0)) / bins
+    greatest = float(max(pressed, default=0.0))
+    width = greatest / bins
     library: Any = numpy()
     if library is not None:
-        counts = library.histogram(pressed, bins, (0.0, bins * width or 1.0))[0]
+        counts = library.histogram(pressed, bins, (0.0, greatest or 1.0))[0]
         return ((library.arange(bins) + 0.5) * width,
                 counts / (measured * width) if width else library.zeros(bins))
     numbers = [0] * bins
-    for value in pressed:
+    for value in pressed if width else ():
         numbers[min(bins - 1, int(value / width))] += 1
     return (column([(number + 0.5) * width for number in range(bins)]),
             column([count / (measured * width) if width else 0.0 for count in numbers]))

@@ -4,15 +4,19 @@ from __future__ import annotations
 
 import html
 import importlib
+import os
+import re
 import typing
 from collections.abc import Mapping, Sequence
 from ctypes import POINTER, byref, c_char_p, c_double, cast
+from pathlib import Path
 from typing import TYPE_CHECKING, Any
 
 from . import _arguments as _a
 from . import _library as _c
 from ._columns import Table, Values, numpy, shown
-from ._errors import InputError, Problem
+from ._errors import InputError, Problem, warn_caller
+from ._plots import draw_pixels
 
 if TYPE_CHECKING:
     from matplotlib.axes import Axes
@@ -35,7 +39,8 @@ class HeightMap:
     heights : array_like
         Heights of shape (rows, columns), indexed `[row, column]` = `[y, x]` as in a text matrix:
         x grows along a row, y with the row. NaN or a mask marks missing pixels. Without numpy a
-        list of lists. The values are copied.
+        list of lists. The values are copied. An array of xarray with the dimensions `x` and `y` is
+        indexed by them, in either order; its coordinates must have this spacing.
     spacing : float or (float, float)
         Distance from pixel to pixel along x and y, in the unit of the heights.
     unit : str, optional
@@ -50,6 +55,8 @@ class HeightMap:
     spacing : (float, float)
     unit : str or None
     periodic : bool
+    notes : list of str
+        Notes on the file that it was read from.
 
     Raises
     ------
@@ -70,9 +77,11 @@ class HeightMap:
                  spacing: float | Sequence[float], unit: str | None = None,
                  periodic: bool = False):
         source = heights.heights if isinstance(heights, HeightMap) else heights
+        self.spacing: tuple[float, float] = _a.pair("spacing", spacing)
+        source, _ = in_order("heights", source, self.spacing)
         self._cells = _own(_a.doubles("heights", source, 2))
         self.shape: tuple[int, int] = (self._cells.rows, self._cells.columns)
-        self.spacing: tuple[float, float] = _a.pair("spacing", spacing)
+        self.notes: list[str] = []
         if not all(1e-30 <= step <= 1e30 for step in self.spacing):
             raise _a.wrong("spacing", shown_pair(self.spacing), "lengths from 1e-30 to 1e30")
         self.unit: str | None = None if unit is None else plain_unit(_a.word("unit", unit).decode())
@@ -165,8 +174,8 @@ class HeightMap:
         -------
         matplotlib.axes.Axes
         """
-        from ._plots import draw_map
-        return draw_map(self, ax)
+        unit = f" ({self.unit})" if self.unit else ""
+        return draw_pixels(self.heights, self.spacing, self.unit, ax, label="height" + unit)
 
     def _struct(self) -> Any:
         return struct(self._cells, self.spacing, self.unit, int(self.periodic))
@@ -175,7 +184,7 @@ class HeightMap:
         rows = [list(self._cells[i:i + self.shape[1]])
                 for i in range(0, len(self._cells), self.shape[1])]
         return HeightMap, (self.heights if numpy() else rows, self.spacing, self.unit,
-                           self.periodic)
+                           self.periodic), {"notes": self.notes}
 
     def _facts(self) -> list[str]:
         unit = f" {self.unit}" if self.unit else ""
@@ -202,9 +211,10 @@ def struct(cells: Any, spacing: tuple[float, float], unit: str | None, periodic:
     return made
 
 
-def map_of(name: str, value: Any, spacing: tuple[float, float] = (0.0, 0.0)) -> Any | None:
+def map_of(name: str, value: Any, spacing: Any = None) -> Any | None:
     """The height map for the library that a value is: a HeightMap, a topography, a matrix of
-    numbers; None for what is none of them."""
+    numbers; None for what is none of them. `spacing` is that of a matrix, which is given to the
+    library beside it; None: there is none, and coordinates of the matrix are taken."""
     if isinstance(value, HeightMap):
         return value._struct()
     if is_topography(value):
@@ -216,7 +226,39 @@ def map_of(name: str, value: Any, spacing: tuple[float, float] = (0.0, 0.0)) -> 
         dimensions = 1 + (isinstance(value[0], Sequence) and not _a.is_text(value[0]))
     if dimensions is None or dimensions < 2:
         return None
-    return struct(_own(_a.doubles(name, value, 2)), spacing, None, -1)
+    value, steps = in_order(name, value, spacing)
+    return struct(_own(_a.doubles(name, value, 2)), steps, None, -1)
+
+
+def in_order(name: str, value: Any,
+             spacing: Any = None) -> tuple[Any, tuple[float, float]]:
+    """Heights indexed `[y, x]`, and the spacing of their coordinates, 0 without: of an array with
+    named dimensions as those of xarray. Coordinates must have the spacing that is given."""
+    dims, coords = getattr(value, "dims", None), getattr(value, "coords", None)
+    if not isinstance(dims, tuple) or len(dims) != 2 or coords is None:
+        return value, (0.0, 0.0)
+    _a.refuse_unit(name, getattr(value, "data", None))
+    first, second = (str(one).lower() for one in dims)
+    if first == "x" or second == "y":
+        value, dims = value.T, dims[::-1]
+    found = [0.0, 0.0]
+    for axis, dim in enumerate(reversed(dims)):
+        if dim not in coords:
+            continue
+        places = _a.doubles(f"{name}.{dim}", coords[dim].values)
+        step = (places[-1] - places[0]) / max(1, len(places) - 1)
+        if not step > 0.0 or any(abs(place - places[0] - number * step) > 1e-3 * step
+                                 for number, place in enumerate(places)):
+            raise _a.wrong(f"{name}.{dim}", "coordinates with unequal or no positive steps",
+                           "equal steps, ascending: sortby and interp of xarray make them")
+        if spacing is None:
+            found[axis] = step
+        elif abs(step - spacing[axis]) > 1e-6 * step:
+            raise _a.wrong(f"{name}.{dim}", f"coordinates with the step {shown(step)}",
+                           f"the spacing {shown(spacing[axis])}, or none")
+    if any(found) and not all(found):
+        raise _a.wrong(name, "coordinates of one dimension", "those of both, or a spacing")
+    return value, (found[0], found[1])
 
 
 def _own(cells: Any) -> Any:
@@ -253,8 +295,8 @@ def read_map(path: _a.Path, *, spacing: float | Sequence[float] | None = None,
     ----------
     path : str or os.PathLike
         Surface data (ISO 25178-71, `.sdf`), a matrix of heights as text, lines of `x,y,z`, or
-        `.npy`, recognised by content. Where SurfaceTopography is installed, all formats that it
-        reads.
+        `.npy`, recognised by content. Where SurfaceTopography is installed, also its other formats,
+        and text with a header that it understands.
     spacing : float or (float, float), optional
         Distance of pixels along x and y, for a file without one, in its unit.
     unit : str, optional
@@ -266,11 +308,12 @@ def read_map(path: _a.Path, *, spacing: float | Sequence[float] | None = None,
     Returns
     -------
     HeightMap
+        Its `notes` are also issued as warnings (`UserWarning`).
 
     Raises
     ------
     InputError
-        For a file that cannot be read.
+        For a file that cannot be read, with the reasons of both readers.
 
     Examples
     --------
@@ -279,17 +322,26 @@ def read_map(path: _a.Path, *, spacing: float | Sequence[float] | None = None,
     <asperity.HeightMap of 64 x 64 pixels: 32 x 32 um, heights -0.0623152 to 0.0478979 um, free,
      20 pixels missing>
     """
-    coded = _a.path("path", path)
-    steps = None if spacing is None else (c_double * 2)(*_a.pair("spacing", spacing))
+    made = map_of_file(path, spacing, unit, periodic)
+    for note in made.notes:
+        warn_caller(note, UserWarning)
+    return made
+
+
+def map_of_file(path: _a.Path, spacing: Any = None, unit: str | None = None,
+                periodic: bool = False) -> HeightMap:
+    """The map of a file, without warnings."""
+    coded, is_periodic = _a.path("path", path), _a.flag("periodic", periodic)
+    steps = None if spacing is None else _a.pair("spacing", spacing)
     try:
-        read = _c.call("read_map", coded, steps,
+        read = _c.call("read_map", coded, None if steps is None else (c_double * 2)(*steps),
                        None if unit is None else _a.word("unit", unit)).checked()
-    except InputError:
-        found = None if spacing is not None else _read_other_format(path, unit)
-        if found is None:
-            raise
-        return HeightMap(found.heights, found.spacing, found.unit, periodic or found.periodic)
-    return _map_of_outcome(read, _a.flag("periodic", periodic))
+    except InputError as refused:
+        name = os.fsdecode(coded)
+        if (unit is None or unit in UNITS) and min(steps or (1.0,)) > 0.0 and Path(name).is_file():
+            return _read_other_format(name, steps, unit, is_periodic, refused)
+        raise
+    return _map_of_outcome(read, is_periodic)
 
 
 def generate_map(specification: _a.Path | Mapping[str, Mapping[str, Any]] | None = None,
@@ -349,33 +401,86 @@ def _map_of_outcome(outcome: _c.Outcome, periodic: bool) -> HeightMap:
     made.spacing = float(facts["spacing_x"]), float(facts["spacing_y"])
     made.unit = outcome.text(_c.UNIT) or None
     made.periodic = periodic
+    made.notes = outcome.lines(_c.NOTES)
     return made
 
 
-# Formats of SurfaceTopography that this package reads by itself.
-OWN_FORMATS = {"asc", "xyz", "sdf", "npy"}
+# Formats of SurfaceTopography whose files the reader of this package knows better: what it refuses
+# is refused. Text is read where its header has the size of the map.
+OWN_FORMATS = {"xyz", "sdf", "npy"}
+# Bytes by which SurfaceTopography recognises a format.
+FIRST_BYTES = 512
 
 
-def _read_other_format(path: Any, unit: str | None) -> HeightMap | None:
-    """A map in a format of SurfaceTopography; None where that does not read it."""
+def _read_other_format(path: str, spacing: tuple[float, float] | None, unit: str | None,
+                       periodic: bool, refused: InputError) -> HeightMap:
+    """A map that SurfaceTopography reads; otherwise the reasons of both readers are raised."""
     try:
         library: Any = importlib.import_module("SurfaceTopography.IO")
     except ImportError:
-        return None
+        raise refused from None
     try:
-        found = library.detect_format(path)
-    except Exception:  # of forty readers: no format
-        return None
-    if found in OWN_FORMATS:
-        return None
+        reader = library.open_topography(path)
+        known, channel = reader.format(), reader.default_channel
+    except Exception:  # of forty readers
+        reason = _reason_of_format(library, path)
+        raise refused if reason is None else _both_reasons(path, reason, refused) from None
+    # A format without a mark in its file is that of the ending of the name, or none.
+    if known in OWN_FORMATS or (known in ("hgt", "nms") and not path.lower().endswith(known)):
+        raise refused
+    if known == "asc" and (channel.physical_sizes is None or
+                           not _has_all_lines(path, channel.nb_grid_pts)):
+        raise refused
     try:
-        topography = library.open_topography(path).topography()
+        given: dict[str, Any] = {}
+        if spacing is not None:
+            given["physical_sizes"] = tuple(step * number for step, number in
+                                            zip(spacing, channel.nb_grid_pts))
+        if channel.unit is None and unit is not None:
+            given["unit"] = unit
+        topography = reader.topography(**given)
         if unit is not None and topography.unit is not None:
             topography = topography.to_unit(unit)
+        found = map_of_topography("path", topography)
     except Exception as error:  # of the reader of that format
-        raise InputError([Problem(str(path), None, None,
-                                  f"SurfaceTopography cannot read it: {error}")]) from error
-    return map_of_topography("path", topography)
+        raise _both_reasons(path, error, refused) from error
+    found.periodic = found.periodic or periodic
+    return found
+
+
+def _reason_of_format(library: Any, path: str) -> Exception | None:
+    """Why SurfaceTopography refuses a file that has the ending or the first bytes of one of its
+    formats."""
+    with open(path, "rb") as file:
+        start = file.read(FIRST_BYTES)
+    found = None
+    for kind in library.readers:
+        match, name = kind.can_read(start), kind.format()
+        named = path.lower().endswith(tuple(f".{one}" for one in kind.file_extensions()))
+        if name in {"asc", *OWN_FORMATS} or not (match == library.MagicMatch.YES or
+                                                 (named and match != library.MagicMatch.NO)):
+            continue
+        try:
+            library.open_topography(path, name)
+        except Exception as error:
+            found = error if named or found is None else found
+    return found
+
+
+def _both_reasons(path: str, reason: Exception, refused: InputError) -> InputError:
+    text = " ".join(str(reason).split()) or type(reason).__name__
+    return InputError([Problem(path, None, None, f"SurfaceTopography cannot read it: {text}"),
+                       *refused.problems[:2]])
+
+
+def _has_all_lines(path: str, pixels: Sequence[int]) -> bool:
+    """Whether a text has as many lines from its first number on as the map that was read of it, or
+    a multiple: SurfaceTopography leaves lines out that it cannot read."""
+    text = Path(path).read_text(encoding="utf-8", errors="replace")
+    lines = [line for line in text.splitlines() if line.strip() and not line.startswith("#")]
+    while lines and not re.match(r"\s*[-+.]*(\d|nan)", lines[0], re.IGNORECASE):
+        del lines[0]
+    return not re.search(r"\d\.?#", text) and 0 in (len(lines) % one for one in pixels)
 
 
 def shown_pair(values: Sequence[float]) -> str:

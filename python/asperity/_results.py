@@ -10,7 +10,9 @@ from . import _arguments as _a
 from . import _fields
 from . import _library as _c
 from ._columns import Table, shown
-from ._errors import ComputeError
+from ._errors import ComputeError, warn_caller
+from ._maps import HeightMap, is_topography, map_of_file, map_of_topography
+from ._plots import draw_contacts, draw_curves, draw_pixels, draw_points, new_axes
 
 if TYPE_CHECKING:
     import pandas  # type: ignore[import-untyped, unused-ignore]
@@ -89,8 +91,8 @@ class Results:
             getattr(self, name)
         if self._kept and self._outcome is not None and "mean_gap" in self.states \
                 and not math.isnan(self.states["mean_gap"][-1]):
-            for state in range(-len(self.states) if self._kept == _fields.ALL else -1, 0):
-                self.fields(state=state)
+            for step in range(-len(self.states) if self._kept == _fields.ALL else -1, 0):
+                self.fields(step=step)
         return {**vars(self), "_outcome": None}
 
     def to_dict(self) -> dict[str, Any]:
@@ -117,18 +119,18 @@ class Results:
         -------
         (matplotlib.axes.Axes, matplotlib.axes.Axes)
         """
-        from ._plots import draw_curves
-        return draw_curves(self, ax)
+        return draw_curves(self.states, ax)
 
-    def plot_contacts(self, position: int = 1, state: int = -1, ax: Axes | None = None) -> Axes:
-        """Draw the contacts in plan, with their area, coloured by pressure.
+    def plot_contacts(self, position: int = 1, state: int | None = None, ax: Axes | None = None, *,
+                      step: int | None = None) -> Axes:
+        """Draw the contacts in plan, coloured by pressure: circles with the area of the contacts of
+        asperities; of the pixels of a height map the pressure where fields were kept, otherwise the
+        centres of the contact patches.
 
         Parameters
         ----------
-        position : int, default 1
-            Position of the motion, from 1.
-        state : int, default -1
-            Index among the states of the position, from 0; -1: the last.
+        position, state, step
+            As for `fields`.
         ax : matplotlib.axes.Axes, optional
             Where to draw; a new figure otherwise.
 
@@ -141,18 +143,26 @@ class Results:
         IndexError
             For a position or a state that the results do not have.
         """
-        from ._plots import draw_contacts
-        return draw_contacts(self, position, state, ax)
+        step = self._step(position, state, step)
+        table = self.contacts
+        if "samples" in table and self._keeps(position, step):
+            return self.fields(position, step=step).plot("pressure", ax)
+        rows = (table["position"] == position) & (table["step"] == step) & (table["load"] != 0)
+        return draw_contacts(table, rows, ax)
 
-    def fields(self, position: int = 1, state: int = -1) -> Fields:
+    def fields(self, position: int = 1, state: int | None = None, *,
+               step: int | None = None) -> Fields:
         """Pressure, gap and displacement on the pixels of a height map or of asperities.
 
         Parameters
         ----------
         position : int, default 1
-            Position of the motion, from 1.
-        state : int, default -1
-            Index among the states of the position, from 0; -1: the last.
+            Position of the motion, from 1: a value of the column `position`.
+        state : int, optional
+            Deprecated, use `step`: the index among the states of the position, from 0.
+        step : int, optional
+            Number of the state, from 1: a value of the column `step` of the states. -1, the
+            default, is the last state, -2 the one before.
 
         Returns
         -------
@@ -166,25 +176,25 @@ class Results:
             Where no fields were requested by `solve(..., fields=True)`, or the scene is neither a
             height map solved on its pixels nor one position of asperities with `field_spacing`.
         """
-        step = self._step(position, state)
-        if self._kept == _fields.LAST and step != self._step(position, -1):
-            raise IndexError(f"state: found {state}, expected -1: the last state alone was kept; "
+        step = self._step(position, state, step)
+        if self._kept == _fields.LAST and not self._keeps(position, step):
+            raise IndexError(f"step: found {step}, expected -1: the last state alone was kept; "
                              "solve(..., fields='all') keeps all")
         if (position, step) not in self._fields:
             if self._outcome is None:
                 raise ComputeError("no fields: expected a height map solved on its pixels, or "
                                    "field_spacing in surfaces, with fields requested")
-            found = _c.call("fields", self._outcome, position, step).checked()
-            self._fields[position, step] = _fields.Fields(found, position, step)
+            found = _c.call("fields", self._outcome, int(position), step).checked()
+            self._fields[position, step] = _fields.Fields(found, int(position), step)
         return self._fields[position, step]
 
-    def pressure_histogram(self, position: int = 1, state: int = -1,
-                           bins: int = 100) -> tuple[Column, Column]:
+    def pressure_histogram(self, position: int = 1, state: int | None = None, bins: int = 100, *,
+                           step: int | None = None) -> tuple[Column, Column]:
         """Distribution of the pressure in contact, on the pixels of a height map.
 
         Parameters
         ----------
-        position, state
+        position, state, step
             As for `fields`.
         bins : int, default 100
             Bins of equal width between 0 and the greatest pressure.
@@ -203,18 +213,31 @@ class Results:
         number = _a.whole("bins", bins, "a number from 1")
         if number < 1:
             raise _a.wrong("bins", str(number), "a number from 1")
-        return _fields.histogram(self.fields(position, state), number)
+        return _fields.histogram(
+            self.fields(position, step=self._step(position, state, step)), number)
 
-    def _step(self, position: int, state: int) -> int:
-        """The number of a state, from 1."""
-        states = self.states
-        steps = [step for place, step in zip(states["position"].tolist(), states["step"].tolist())
-                 if place == position]
-        if not steps:
+    def _step(self, position: int, state: int | None, step: int | None) -> int:
+        """The number of a state, from 1, which a public function was given."""
+        if state is not None:
+            if step is not None:
+                raise TypeError("found state and step, expected one of them")
+            index = _a.whole("state", state, "a whole number")
+            step = index if index < 0 else index + 1
+            if index >= 0:
+                warn_caller(f"state={index} counts from 0: use step={step}, which counts from 1 as "
+                            "the column does", DeprecationWarning)
+        number = -1 if step is None else _a.whole("step", step, "a whole number")
+        last = sum(place == position for place in self.states["position"].tolist())
+        if not last:
             raise IndexError(f"position: found {position}, expected one of the results")
-        if not -len(steps) <= state < len(steps):
-            raise IndexError(f"state: found {state}, expected -{len(steps)} to {len(steps) - 1}")
-        return int(steps[state])
+        if not (1 <= number <= last or -last <= number <= -1):
+            raise IndexError(f"step: found {number}, expected 1 to {last}, or -1 for the last")
+        return number if number > 0 else last + 1 + number
+
+    def _keeps(self, position: int, step: int) -> bool:
+        """Whether the fields of a state were to be kept."""
+        return self._kept == _fields.ALL or (
+            self._kept == _fields.LAST and step == self._step(position, None, None))
 
     def __str__(self) -> str:
         return self.summary
@@ -274,11 +297,26 @@ class Summits(Table):
         -------
         matplotlib.axes.Axes
         """
-        from ._plots import draw_summits
-        return draw_summits(self, self._source, ax)
+        axes: Axes = new_axes(ax)
+        pixels = _map_to_draw(self._source, self.units.get("x", ""))
+        if pixels is not None:
+            draw_pixels(pixels.heights, pixels.spacing, pixels.unit, axes, cmap="gray")
+        return draw_points(self, axes)
 
     def __str__(self) -> str:
         return self.summary
+
+
+def _map_to_draw(source: Any, unit: str) -> HeightMap | None:
+    """The map behind summits, in their unit; None where it cannot be had."""
+    if is_topography(source):
+        source = map_of_topography("map", source)
+    elif not isinstance(source, HeightMap):
+        try:
+            return map_of_file(source, unit=unit or None)
+        except (ValueError, TypeError):
+            return None
+    return source if (source.unit or "") == unit else None
 
 
 def counted(number: int, noun: str) -> str:

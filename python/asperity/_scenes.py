@@ -215,9 +215,10 @@ def _without_arrays(scene: Mapping[str, Any]) -> tuple[dict[str, Any], list[Any]
         rest["surfaces"] = dict(given)
         if "map_spacing" in given and not _a.is_text(given["map_spacing"]):
             rest["surfaces"]["map_spacing"] = _spacing(given["map_spacing"])
+        steps = rest["surfaces"].get("map_spacing")
         for name, side in zip(("upper", "lower"), sides):
             if name in given and not _a.is_text(given[name]):
-                _fill(side, f"surfaces.{name}", given[name])
+                _fill(side, f"surfaces.{name}", given[name], _of_side(steps, name))
                 del rest["surfaces"][name]
         if not rest["surfaces"]:
             del rest["surfaces"]
@@ -230,9 +231,18 @@ def _spacing(value: Any) -> Any:
     return [value, value] if is_single else value
 
 
-def _fill(side: Any, name: str, value: Any) -> None:
+def _of_side(steps: Any, name: str) -> Any:
+    """The spacing of one side: of two pairs, the upper one is first."""
+    if steps is None or _a.is_text(steps):
+        return None
+    numbers = _a.doubles("surfaces.map_spacing", steps)
+    pairs = {2: numbers, 4: numbers[2:] if name == "lower" else numbers[:2]}
+    return pairs.get(len(numbers))
+
+
+def _fill(side: Any, name: str, value: Any, spacing: Any) -> None:
     """Set one side of a scene to a height map or a table of asperities."""
-    pixels = map_of(name, value)
+    pixels = map_of(name, value, spacing)
     if pixels is not None:
         side.map = pointer(pixels)
         return

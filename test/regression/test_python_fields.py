@@ -57,7 +57,7 @@ def test_all_states_are_those_of_the_files(solved, path, asperity):
                 "--fields-of", "all")
     assert len(solved.states) == 4
     for number in range(4):
-        fields = solved.fields(state=number)
+        fields = solved.fields(step=number + 1)
         _, spacing, arrays = read_vti(path.parent / f"f_000{number + 1}.vti")
         for name in NAMES:
             assert np.array_equal(getattr(fields, name), arrays[name].T, equal_nan=True), name
@@ -68,7 +68,32 @@ def test_all_states_are_those_of_the_files(solved, path, asperity):
         assert np.array_equal(np.isnan(fields.gap), np.isnan(heights()))
         assert np.nansum(fields.pressure) * 0.125 == pytest.approx(solved.states["load"][number])
         assert np.nanmean(fields.gap) == pytest.approx(solved.states["mean_gap"][number])
-    assert solved.fields() is solved.fields(1, 3) and solved.fields(1, -4).step == 1
+    steps = solved.states["step"]
+    assert [solved.fields(step=step).step for step in steps] == steps.tolist() == [1, 2, 3, 4]
+    assert solved.fields() is solved.fields(1, -1) is solved.fields(step=4)
+    assert solved.fields(1, -4).step == solved.fields(step=-4).step == 1
+
+
+def test_index_of_a_state(solved):
+    """Earlier scripts count states from 0: the same fields, with a warning at their line."""
+    for call, expected in ((lambda: solved.fields(1, 2).step, 3),
+                           (lambda: solved.fields(state=0).step, 1),
+                           (lambda: solved.pressure_histogram(state=3)[0][0],
+                            solved.pressure_histogram()[0][0])):
+        with pytest.warns(DeprecationWarning, match=r"counts from 0: use step=\d, which") as found:
+            assert call() == expected
+        assert found[0].filename == __file__
+    with pytest.raises(TypeError, match="found state and step"):
+        solved.fields(state=-1, step=1)
+
+
+def test_names_of_fields(solved):
+    """By name as by attribute; a dict of them."""
+    fields = solved.fields()
+    assert list(fields) == list(dict(fields)) == [*NAMES, "contact"]
+    assert all(fields[name] is getattr(fields, name) for name in fields)
+    with pytest.raises(KeyError, match="no field 'load': pressure, gap"):
+        fields["load"]
 
 
 def test_units_and_columns(solved):
@@ -91,8 +116,8 @@ def test_one_state_by_default_and_without_files(package, solved, path):
     for name in (*NAMES, "contact"):
         assert np.array_equal(getattr(last.fields(), name), getattr(solved.fields(), name),
                               equal_nan=True)
-    with pytest.raises(IndexError, match="state: found 0, expected -1: the last state alone"):
-        last.fields(state=0)
+    with pytest.raises(IndexError, match="step: found 1, expected -1: the last state alone"):
+        last.fields(step=1)
     surface = package.HeightMap(heights(), (0.5, 0.25), "um")
     scene = package.Scene({"surfaces": {"upper": "plane", "lower": surface},
                            "material": {"contact_modulus": 100.0},
@@ -114,8 +139,24 @@ def test_histogram(solved):
     assert np.allclose(pressure, edges[:-1] + edges[1] / 2)
     assert np.allclose(density, counts / measured / edges[1])
     assert len(solved.pressure_histogram()[0]) == 100
-    nothing = solved.pressure_histogram(state=0)
+    nothing = solved.pressure_histogram(step=1)
     assert not nothing[0].any() and not nothing[1].any()
+
+
+@pytest.mark.parametrize("bins", [7, 50, 100])
+def test_histogram_has_the_greatest_pressure(package, bins):
+    """All pixels at the hardness are in the last bin, also where bins (H/bins) < H by rounding."""
+    rough = np.random.default_rng(0).normal(size=(16, 16)) * 0.01
+    for hardness in (813.9000000000005, 1471.1, 900.0):
+        results = package.solve({
+            "surfaces": {"upper": "plane", "lower": rough, "map_spacing": 1.0},
+            "material": {"contact_modulus": 1e5}, "loading": {"control": "pressure", "value": 50.0},
+            "effects": {"interaction": "boundary", "plastic_hardness": hardness}}, fields=True)
+        pressure = results.fields().pressure
+        _, density = results.pressure_histogram(bins=bins)
+        counts = density * pressure.max() / bins * pressure.size
+        assert counts.sum() == pytest.approx((pressure > 0).sum())
+        assert counts[-1] == pytest.approx((pressure > pressure.max() * (1 - 1 / bins)).sum())
 
 
 @pytest.mark.parametrize("way", ["pickle", "copy", "deepcopy"])
@@ -123,10 +164,10 @@ def test_copies_keep_the_fields(package, path, way):
     results = package.solve(path, fields="all")
     same = {"pickle": lambda it: pickle.loads(pickle.dumps(it)), "copy": copy.copy,
             "deepcopy": copy.deepcopy}[way](results)
-    for state in range(4):
+    for step in range(1, 5):
         for name in NAMES:
-            assert np.array_equal(getattr(same.fields(state=state), name),
-                                  getattr(results.fields(state=state), name), equal_nan=True)
+            assert np.array_equal(same.fields(step=step)[name], results.fields(step=step)[name],
+                                  equal_nan=True)
 
 
 def test_plots(solved):
@@ -147,6 +188,18 @@ def test_plots(solved):
         fields.plot("load")
 
 
+def test_contacts_of_pixels(package, solved, path):
+    """A patch of a map is no circle: its pressure where that was kept, else its centre."""
+    assert np.array_equal(solved.plot_contacts(step=3).images[0].get_array().filled(0.0),
+                          np.nan_to_num(solved.fields(step=3).pressure))
+    results = package.solve(path)
+    axes = results.plot_contacts(step=2)
+    rows = results.contacts["step"] == 2
+    assert not axes.images and np.array_equal(
+        axes.collections[0].get_offsets(),
+        np.column_stack([results.contacts[name][rows] for name in "xy"]))
+
+
 def test_refusals(package, solved, path):
     for value in ("last", "ALL"):
         with pytest.raises(ValueError, match=f"fields: found '{value}', expected True, False or"):
@@ -162,8 +215,9 @@ def test_refusals(package, solved, path):
             results.fields()
     with pytest.raises(IndexError, match="position: found 2, expected one of the results"):
         solved.fields(2)
-    with pytest.raises(IndexError, match="state: found 4, expected -4 to 3"):
-        solved.fields(state=4)
+    for step in (0, 5, -5):
+        with pytest.raises(IndexError, match=f"step: found {step}, expected 1 to 4, or -1 for the"):
+            solved.fields(step=step)
     with pytest.raises(ValueError, match="bins: found 0, expected a number from 1"):
         solved.pressure_histogram(bins=0)
 

@@ -2,7 +2,9 @@
 
 import copy
 import pickle
+import struct
 import sys
+from types import SimpleNamespace
 
 import matplotlib
 import numpy as np
@@ -152,9 +154,135 @@ def test_read_other_formats(package, tmp_path):
     assert np.array_equal(found.heights, HEIGHTS) and found.periodic and found.unit == "um"
     assert found.spacing == pytest.approx((DX, DY), rel=1e-14)
     assert package.solve(scene(found)).states["load"][-1] > 0
+    with pytest.raises(package.InputError, match="read it: .*'physical_sizes' is already fixed"):
+        package.read_map(tmp_path / "m.nc", spacing=1.0)
     (tmp_path / "bad").write_bytes(bytes(range(256)) * 9)
     with pytest.raises(package.InputError, match="control character"):
         package.read_map(tmp_path / "bad")
+
+
+def test_maps_without_a_size(package, tmp_path):
+    """Spacing and unit reach SurfaceTopography: a map of MATLAB has neither."""
+    rows, columns = HEIGHTS.T.shape
+    (tmp_path / "m.mat").write_bytes(struct.pack("<5i", 0, rows, columns, 0, 7) + b"height\0" +
+                                     HEIGHTS.tobytes())
+    with pytest.raises(package.InputError) as caught:
+        package.read_map(tmp_path / "m.mat")
+    reason, *own = str(caught.value).splitlines()
+    assert "SurfaceTopography cannot read it: `physical_sizes` could not" in reason and own
+    found = package.read_map(tmp_path / "m.mat", spacing=(DX, DY), unit="nm", periodic=True)
+    assert np.array_equal(found.heights, HEIGHTS) and found.periodic and found.unit == "nm"
+    assert found.spacing == pytest.approx((DX, DY), rel=1e-14)
+
+
+GERMAN = "# Kanal: Hoehe\n# Breite: 16 \u00b5m\n# H\u00f6he: 6 \u00b5m\n# Einheiten: um\n"
+
+
+def test_headers_of_other_languages(package, tmp_path):
+    """A text of Gwyddion in German, which SurfaceTopography reads. A line that it would leave out,
+    and a text without a size in its header, stay refused."""
+    lines = [" ".join(map(repr, row)) for row in HEIGHTS.tolist()]
+    path = tmp_path / "m.txt"
+    path.write_text(GERMAN + "\n".join(lines), encoding="utf-8")
+    found = package.read_map(path, unit="um")
+    assert np.allclose(found.heights, HEIGHTS, rtol=1e-12, atol=0) and found.unit == "um"
+    assert found.spacing == pytest.approx((DX, DY), rel=1e-12)
+    for header, number, word in ((GERMAN, 5, "1.#QNAN"), (GERMAN, 0, "-1.#IND"), (GERMAN, 7, "?"),
+                                 ("# no size\n", 0, "0.5")):
+        cells = [line.split() for line in lines]
+        cells[3][number] = word
+        path.write_text(header + "\n".join(map(" ".join, cells)), encoding="utf-8")
+        with pytest.raises(package.InputError):
+            package.read_map(path)
+
+
+def test_reasons_of_both_readers(package, tmp_path):
+    """A damaged file of a known format: why each of the two readers refuses it, in few lines."""
+    Topography(HEIGHTS.T, (16.0, 6.0), unit="um").to_netcdf(str(tmp_path / "m.nc"))
+    data = (tmp_path / "m.nc").read_bytes()
+    (tmp_path / "units.nc").write_bytes(data.replace(b"\2um", b"\2nm", 1))
+    (tmp_path / "cut.x3p").write_bytes(b"PK\x03\x04" + bytes(200))
+    for name, reason in (("units.nc", "Units for x-coordinate and heights in NetCDF file differ"),
+                         ("cut.x3p", "not a valid ZIP")):
+        with pytest.raises(package.InputError) as caught:
+            package.read_map(tmp_path / name)
+        told = str(caught.value).splitlines()
+        assert "SurfaceTopography cannot read it: " in told[0] and reason in told[0], told
+        assert 2 <= len(told) <= 3
+
+
+def test_notes_of_the_reader(package, tmp_path):
+    """A note on the file is in `notes` and a warning at the line of the caller; copies keep it."""
+    path = tmp_path / "m.txt"
+    path.write_text("# Channel: a\n# Width: 3 um\n# Height: 3 um\n# Value units: nm\n"
+                    "1 2 3\n4 5 7\n3 2 1\n")
+    with pytest.warns(UserWarning, match="units of its header: x um, y um, z nm") as found:
+        surface = package.read_map(path)
+    assert [str(one.message) for one in found] == surface.notes and len(surface.notes) == 1
+    assert found[0].filename == __file__
+    assert pickle.loads(pickle.dumps(surface)).notes == copy.copy(surface).notes == surface.notes
+    assert package.HeightMap(HEIGHTS, 1.0).notes == []
+
+
+class Named:
+    """An array with named dimensions and coordinates, as xarray has it."""
+
+    def __init__(self, data, dims, **coords):
+        self.data, self.dims, self.ndim = data, dims, data.ndim
+        self.coords = {name: SimpleNamespace(values=np.asarray(values))
+                       for name, values in coords.items()}
+
+    def __array__(self, dtype=None, copy=None):
+        return np.array(self.data, dtype=dtype)
+
+    @property
+    def T(self):
+        turned = Named(self.data.T, self.dims[::-1])
+        turned.coords = self.coords
+        return turned
+
+
+def test_named_dimensions(package):
+    """Dimensions `x` and `y` rule the order, coordinates are the spacing or contradict it."""
+    x, y = DX * np.arange(32) + 7.0, DY * np.arange(24)
+    named = Named(HEIGHTS, ("y", "x"), x=x, y=y)
+    bare = Named(HEIGHTS.T, ("X", "row"))
+    for one in (named, named.T, bare):
+        assert np.array_equal(package.HeightMap(one, (DX, DY)).heights, HEIGHTS)
+    expected = package.solve(scene(HEIGHTS, map_spacing=(DX, DY))).states
+    for more in ({}, {"map_spacing": (DX, DY)}):
+        assert package.solve(scene(named.T, **more)).states == expected
+    found = package.summits(named.T)
+    assert found == package.summits(HEIGHTS, spacing=(DX, DY)) and found.plot().images
+    two = {"map_spacing": (1.0, 1.0, DX, DY)}
+    package.solve(scene(named, upper=np.zeros_like(HEIGHTS), map_spacing=(DX, DY, DX, DY)))
+    turned = Named(HEIGHTS, ("y", "x"), y=y[::-1])
+    uneven = Named(HEIGHTS, ("y", "x"), x=np.sqrt(x))
+    for call, told in (
+            (lambda: package.HeightMap(named, 1.0), "heights.x: found coordinates with the step"),
+            (lambda: package.HeightMap(turned, (DX, DY)), "heights.y: found coordinates with un"),
+            (lambda: package.HeightMap(uneven, (DX, DY)), "heights.x: found coordinates with un"),
+            (lambda: package.summits(named, spacing=(DX, 1.0)), "map.y: found coordinates with"),
+            (lambda: package.solve(scene(named, map_spacing=1.0)), "surfaces.lower.x: found"),
+            (lambda: package.solve(scene(HEIGHTS, upper=named, **two)), "surfaces.upper.x: foun"),
+            (lambda: package.solve(scene(Named(HEIGHTS, ("y", "x"), x=x))), "one dimension")):
+        with pytest.raises(package.InputError, match=told):
+            call()
+
+
+def test_quantities_with_a_unit(package):
+    """Their unit would be lost: refused, in arrays and in single numbers."""
+    class Quantity(float):
+        units = magnitude = "nanometer"
+    class Length(np.ndarray):
+        unit = to_value = "nm"
+    for call in (lambda: package.HeightMap(HEIGHTS.view(Length), 1.0),
+                 lambda: package.HeightMap(HEIGHTS, (1.0, Quantity(2.0))),
+                 lambda: package.HeightMap(Named(HEIGHTS.view(Length), ("y", "x")), 1.0),
+                 lambda: package.solve({**scene(HEIGHTS, map_spacing=1.0), "loading": {
+                     "control": "pressure", "value": Quantity(2.0)}})):
+        with pytest.raises(package.InputError, match="found numbers in n.*, expected plain numb"):
+            call()
 
 
 def test_file_beside_array(package, tmp_path):

@@ -163,11 +163,13 @@ def test_plot_contacts(package):
     assert np.array_equal(drawn.get_array(), table["maximum_pressure"][mine])
     assert axes.get_xlabel() == "x (cm)"
     _, own = plt.subplots()
-    assert results.plot_contacts(1, 0, ax=own) is own
+    assert results.plot_contacts(1, ax=own, step=1) is own
+    with pytest.warns(DeprecationWarning, match="state=0 counts from 0: use step=1"):
+        results.plot_contacts(1, 0, ax=own)
     with pytest.raises(IndexError, match="position: found 101"):
         results.plot_contacts(101)
-    with pytest.raises(IndexError, match="state: found 7"):
-        results.plot_contacts(1, 7)
+    with pytest.raises(IndexError, match="step: found 8, expected 1 to "):
+        results.plot_contacts(1, step=8)
 
 
 def test_equal_and_copied(results):
