@@ -24,8 +24,9 @@ module asperity_process
   ! Least request for memory [bytes] that is compared with the free memory of the machine: reading
   ! that takes 0.1 ms, and smaller requests do not exhaust a machine.
   integer(int64), parameter :: large_request = 67108864_int64
-  ! Memory to be left beside a request [bytes], for small arrays without a request (chosen).
-  integer(int64), parameter :: spare_room = 4194304_int64
+  ! Memory to be left beside a request [bytes], for small arrays without a request (chosen), and the
+  ! least request that is tried: smaller ones are in that room.
+  integer(int64), parameter :: spare_room = 4194304_int64, small_request = spare_room / 4
   ! Stack of a thread without a limit of the user [bytes].
   integer(int64), parameter :: usual_stack = 8_int64 * 1024_int64 * 1024_int64
 
@@ -135,6 +136,7 @@ contains
     integer(c_size_t) :: needed
 
     has_memory = .true.
+    if (bytes < small_request) return
     if (bytes >= large_request) has_memory = bytes <= available_memory()
     if (.not. has_memory) return
     needed = int(bytes + spare_room, c_size_t)

@@ -31,7 +31,7 @@ module asperity_element_solver
   implicit none
   private
 
-  public :: any_loaded, cluster_extent, cluster_lattice, is_radius_resolved, solve_elements
+  public :: cluster_extent, cluster_lattice, solve_elements
 
   !> Lattice of a cluster, kept for the next compression.
   type :: cluster_lattice
@@ -99,15 +99,6 @@ contains
     x1 = high(1)
     y1 = high(2)
   end subroutine cluster_extent
-
-  !> Whether the coordinates of a contact resolve its radius: at least half of their digits are
-  !> finer than the radius.
-  elemental logical function is_radius_resolved(x, y, contact_radius)
-    real(real64), intent(in) :: x, y            !! position of first touch in plan
-    real(real64), intent(in) :: contact_radius  !! contact radius, same unit
-
-    is_radius_resolved = contact_radius > sqrt(epsilon(x)) * max(abs(x), abs(y))
-  end function is_radius_resolved
 
   !> Solves a cluster at a compression (problem, method and exits: see the module).
   !>
@@ -438,6 +429,7 @@ contains
     do i = 1, size(task%shapes)
       associate (contact => task%shapes(i))
         answer%isolated(contact%pair) = hertz_contact(task%pairs%modulus, contact)
+        if (.not. answer%contacts(contact%pair)%load > 0.0_real64) cycle
         answer%is_isolated_solved(contact%pair) = &
           contact%contact_radius > least_elements * lattice%elements%side
         if (.not. answer%is_isolated_solved(contact%pair)) cycle
@@ -500,24 +492,6 @@ contains
     longer_side = maxval(box(3:) - box(:2))
   end function longer_side
 
-  !> Whether any of the contacts outside a cluster is loaded in the displacement by the cluster.
-  pure logical function any_loaded(pairs, outside_contacts, compression, outside, lattice)
-    type(contact_pairs), intent(in) :: pairs         !! pairs of the position
-    integer, intent(in) :: outside_contacts(:)       !! contacts outside, indices of pairs
-    real(real64), intent(in) :: compression          !! compression of the contacts [length]
-    type(outside_field), intent(in) :: outside       !! field of the contacts outside
-    type(cluster_lattice), intent(in) :: lattice     !! solved lattice of the cluster
-    type(gap_shape), allocatable :: shapes(:)
-    integer :: i
-
-    call find_shapes(pairs, outside_contacts, compression, shapes)
-    any_loaded = .false.
-    do i = 1, size(shapes)
-      any_loaded = least_gap(shapes(i), lattice%elements, outside, pairs%modulus) < 0.0_real64
-      if (any_loaded) return
-    end do
-  end function any_loaded
-
   ! Least gap of a contact in the displacement by elements and by contacts outside, or 0 if that is
   ! positive: at first touch and half an isolated contact radius from there, as a contact can be
   ! loaded beside first touch only.
@@ -540,6 +514,15 @@ contains
       end associate
     end do
   end function least_gap
+
+  ! Whether the coordinates of a contact resolve its radius: at least half of their digits are finer
+  ! than the radius.
+  elemental logical function is_radius_resolved(x, y, contact_radius)
+    real(real64), intent(in) :: x, y            ! position of first touch in plan
+    real(real64), intent(in) :: contact_radius  ! contact radius, same unit
+
+    is_radius_resolved = contact_radius > sqrt(epsilon(x)) * max(abs(x), abs(y))
+  end function is_radius_resolved
 
   ! Relative error after halving the elements changed a result by `change`: errors are proportional
   ! to the power 3/2 of the side of the elements, those of loads to a higher power.

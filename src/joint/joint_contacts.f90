@@ -16,21 +16,18 @@
 !> tolerance; a message in `failure`, where a solve failed or after `most_iterations` iterations.
 module asperity_joint_contacts
   use asperity_circle_error, only: find_errors, find_open_neighbours
-  use asperity_outside_field, only: outside_field
-  use asperity_element_solver, only: any_loaded, cluster_lattice, deviations
+  use asperity_element_solver, only: cluster_lattice, deviations
   use asperity_circle_field, only: are_close
   use asperity_constants, only: pi
   use asperity_contact_law, only: contact_law, contact_response
   use asperity_contact_pairs, only: contact_pairs
   use asperity_coupled_contacts, only: adopt_penetrations, coupled_solution, resolved_contacts, &
                                        solve_coupled
-  use asperity_coupled_groups, only: group_law
   use asperity_coupled_state, only: find_carried_load, open_penetration, raise_to_load
   use asperity_element_pressures, only: join_elements
   use asperity_index_groups, only: gather_groups
   use asperity_key_sort, only: sort_keys
   use asperity_kinds, only: real64
-  use asperity_near_tops, only: find_near_tops
   use asperity_problems, only: decimal_text, real_text
   use asperity_resolved_answers, only: represent_clusters, distribute_loads
   use asperity_resolved_clusters, only: area_per_load, cluster, form_clusters, solve_clusters
@@ -82,9 +79,6 @@ module asperity_joint_contacts
     real(real64) :: elements_tolerance = 0.0_real64  ! relative error of loads on elements
     real(real64) :: area_tolerance = 0.0_real64      ! least relative error of the area
     real(real64), allocatable :: target              ! normal load; else at a compression
-    logical, allocatable :: is_near(:)               ! by pair: resolved as first touches are near
-    logical, allocatable :: is_representative(:)     ! by pair: represents those that are near it
-    real(real64), allocatable :: radius(:)           ! by pair: least radius for clusters
     !> by pair: errors of load and area as a Hertzian contact, and of the load as a paraboloid
     real(real64), allocatable :: error(:), area_error(:), sphere_error(:)
     real(real64) :: compression_share = 1.0_real64   ! error of the compression over that of a load
@@ -116,8 +110,6 @@ contains
     type(joint_solution), intent(inout) :: solution    !! compression; then all components
     real(real64), intent(in), optional :: target       !! normal load [force]
     type(joint_task) :: task
-    real(real64) :: expected
-    logical :: is_single
 
     if (associated(pairs%pressures)) pairs%pressures%compression = -1.0_real64
     task%pairs => pairs
@@ -129,22 +121,16 @@ contains
     task%area_tolerance = area_tolerance
     if (present(target)) task%target = target
     associate (n => size(pairs%list))
-      allocate (task%is_near(n), task%is_representative(n), solution%is_resolved(n), source=.false.)
-      allocate (task%radius(n), task%error(n), task%area_error(n), task%sphere_error(n), &
-                source=0.0_real64)
+      allocate (solution%is_resolved(n), source=.false.)
+      allocate (task%error(n), task%area_error(n), task%sphere_error(n), source=0.0_real64)
     end associate
-    expected = solution%coupled%compression
-    if (choice /= resolve_none) call find_near_tops(pairs, law, adjacent_distance, expected, &
-                                                    task%is_near, &
-                                                    task%is_representative, task%radius, target)
-    if (any(task%is_near)) call start_with_near_tops(task, solution)
-    is_single = is_one_cluster(pairs, task%is_near, task%radius, task%clusters)
-    if (is_single) then
-      call solve_one_cluster(task, solution, expected, is_single)
-      if (.not. (allocated(solution%failure) .or. is_single)) &
-        call add_near_tops(task, solution, expected)
-    end if
-    if (.not. (allocated(solution%failure) .or. is_single)) call solve_blocks(task, solution)
+    call solve_coupled(pairs, law, solution%coupled, task%target)
+    call adopt_failure(solution)
+    if (allocated(solution%failure)) return
+    if (sum(solution%coupled%set%load) > 0.0_real64) call estimate_circle_errors(task, solution)
+    if (choice == resolve_all) &
+      solution%is_resolved = pairs%list%gap < solution%coupled%compression
+    if (any(solution%is_resolved)) call alternate_blocks(task, solution)
     if (allocated(solution%failure)) return
     if (allocated(task%clusters)) then
       solution%clusters = size(task%clusters)
@@ -161,96 +147,30 @@ contains
     call estimate_errors(task, solution)
   end subroutine solve_joint
 
-  ! Resets the solution with the contacts in `is_near` resolved from the start.
-  subroutine start_with_near_tops(task, solution)
-    type(joint_task), intent(inout) :: task
-    type(joint_solution), intent(inout) :: solution
-
-    solution%is_resolved = task%is_near
-    if (allocated(solution%coupled%penetration)) &
-      deallocate (solution%coupled%penetration, solution%coupled%shift)
-    solution%coupled%is_near = .false.
-    associate (list => task%pairs%list)
-      task%resolved = resolved_contacts(task%is_near, list%x, list%y, list%gap)
-    end associate
-  end subroutine start_with_near_tops
-
-  ! Adds the contacts whose first touches are near at a compression to `is_near`, and resets the
-  ! solution. With `has_grown` only if there are new ones.
-  subroutine add_near_tops(task, solution, compression, has_grown)
-    type(joint_task), intent(inout) :: task
-    type(joint_solution), intent(inout) :: solution
-    real(real64), intent(in) :: compression
-    logical, intent(out), optional :: has_grown
-    logical, dimension(size(task%is_near)) :: near_tops, representative
-    real(real64) :: near_compression, radius(size(near_tops))
-
-    near_compression = compression
-    call find_near_tops(task%pairs, task%law, adjacent_distance, near_compression, near_tops, &
-                        representative, radius)
-    if (present(has_grown)) then
-      has_grown = any(near_tops .and. .not. task%is_near)
-      if (.not. has_grown) return
-    end if
-    task%is_representative = representative .or. (task%is_representative .and. .not. near_tops)
-    task%is_near = task%is_near .or. near_tops
-    task%radius = max(task%radius, radius)
-    if (allocated(task%clusters)) deallocate (task%clusters)
-    solution%iterations = 0
-    call start_with_near_tops(task, solution)
-  end subroutine add_near_tops
-
-  ! Solves Hertzian contacts, estimates their errors, and alternates with clusters where contacts
-  ! are resolved. Of contacts near each other only the representatives are Hertzian contacts.
-  subroutine solve_blocks(task, solution)
-    type(joint_task), intent(inout) :: task
-    type(joint_solution), intent(inout) :: solution
-    logical :: has_grown
-
-    has_grown = .true.
-    do while (has_grown)
-      if (any(task%is_near)) then
-        call solve_representatives(task%pairs, task%law, &
-                                   task%is_near .and. .not. task%is_representative, &
-                                   solution%coupled, task%target)
-      else
-        call solve_coupled(task%pairs, task%law, solution%coupled, task%target)
-      end if
-      call adopt_failure(solution)
-      if (allocated(solution%failure)) return
-      has_grown = allocated(task%target) .and. task%choice /= resolve_none
-      ! At a load the radii are estimated again with the compression that was found.
-      if (has_grown) call add_near_tops(task, solution, solution%coupled%compression, has_grown)
-    end do
-    if (sum(solution%coupled%set%load) > 0.0_real64) call estimate_circle_errors(task, solution)
-    if (task%choice == resolve_all) &
-      solution%is_resolved = task%pairs%list%gap < solution%coupled%compression
-    if (any(solution%is_resolved)) call alternate_blocks(task, solution)
-  end subroutine solve_blocks
-
   ! Estimates the errors of Hertzian contacts, and chooses those that are resolved.
   subroutine estimate_circle_errors(task, solution)
     type(joint_task), intent(inout) :: task
     type(joint_solution), intent(inout) :: solution
     integer :: covering(size(task%error))
-    real(real64) :: allowed
+    real(real64) :: allowed, total, total_area
 
     associate (coupled => solution%coupled, set => solution%coupled%set)
       call find_errors(task%pairs, coupled, covering, task%error, task%sphere_error, &
                        task%compression_share, solution%nested)
-      where (task%is_near)
-        task%error = 0.0_real64
-        task%sphere_error = 0.0_real64
-      end where
       task%area_error(set%contact) = pi * set%radius**2 * min(1.0_real64, area_per_load * &
                                                               task%error(set%contact) / set%load)
-      allowed = (1 - elements_share) * task%tolerance * sum(set%load)
+      total = sum(set%load)
+      total_area = pi * sum(set%radius**2)
       ! Elements do not resolve contacts whose loads underflow.
-      if (task%choice == resolve_called_for .and. allowed > tiny(allowed)) call choose_resolved( &
-        task%pairs, coupled, max(2 * task%error, task%error + task%sphere_error, &
-          task%area_error * sum(set%load) * task%tolerance / &
-          (max(task%tolerance, task%area_tolerance) * pi * sum(set%radius**2))) / allowed, &
-        covering, solution%is_resolved)
+      if (task%choice /= resolve_called_for .or. &
+          .not. task%tolerance * total > tiny(total)) return
+      if (sum(task%error + task%sphere_error) <= task%tolerance * total .and. &
+          sum(task%area_error) <= max(task%tolerance, task%area_tolerance) * total_area) return
+      allowed = (1 - elements_share) * task%tolerance * total
+      call choose_resolved(task%pairs, coupled, max( &
+        2 * task%error, task%error + task%sphere_error, task%area_error * total * task%tolerance / &
+        (max(task%tolerance, task%area_tolerance) * total_area)) / allowed, covering, &
+        solution%is_resolved)
     end associate
   end subroutine estimate_circle_errors
 
@@ -269,7 +189,7 @@ contains
       do
         if (has_grown) then
           if (allocated(task%clusters)) call move_alloc(task%clusters, previous_clusters)
-          call form_clusters(pairs, coupled, is_resolved, task%radius, task%clusters)
+          call form_clusters(pairs, coupled, is_resolved, task%clusters)
           if (allocated(previous_clusters)) call keep_lattices(previous_clusters, task%clusters)
           task%resolved = resolved_contacts(is_resolved, pairs%list%x, pairs%list%y, pairs%list%gap)
           if (size(task%clusters) == 1 .and. all(is_resolved(coupled%set%contact))) then
@@ -344,66 +264,21 @@ contains
     end associate
   end subroutine estimate_errors
 
-  ! Solves the Hertzian contacts without those in `is_excluded`, which are set open.
-  subroutine solve_representatives(pairs, law, is_excluded, coupled, target)
-    type(contact_pairs), intent(in) :: pairs
-    class(contact_law), intent(in), target :: law
-    logical, intent(in) :: is_excluded(:)
-    type(coupled_solution), intent(inout) :: coupled
-    real(real64), intent(in), optional :: target
-    type(contact_pairs) :: representative_pairs
-    type(group_law) :: representative_law
-    type(coupled_solution) :: solved
-    type(resolved_contacts) :: no_contacts
-    integer :: i
-
-    representative_law%whole => law
-    representative_law%contact = pack([(i, i=1, size(is_excluded))], .not. is_excluded)
-    representative_law%softening = spread(1.0_real64, 1, size(representative_law%contact))
-    representative_pairs%modulus = pairs%modulus
-    representative_pairs%vertical = pairs%vertical
-    representative_pairs%complete_to = pairs%complete_to
-    representative_pairs%interrupt = pairs%interrupt
-    representative_pairs%list = pairs%list(representative_law%contact)
-    solved%compression = coupled%compression
-    call solve_coupled(representative_pairs, representative_law, solved, target)
-    allocate (coupled%penetration(size(is_excluded)), source=open_penetration)
-    allocate (coupled%shift(2, size(is_excluded)), source=0.0_real64)
-    coupled%penetration(representative_law%contact) = solved%penetration
-    coupled%shift(:, representative_law%contact) = solved%shift
-    coupled%compression = solved%compression
-    if (allocated(solved%failure)) coupled%failure = solved%failure
-    if (allocated(solved%failure)) return
-    no_contacts = resolved_contacts(spread(.false., 1, size(is_excluded)), &
-                                    pairs%list%x, pairs%list%y, pairs%list%gap)
-    call adopt_penetrations(pairs, law, coupled, no_contacts)
-    coupled%ending = solved%ending
-  end subroutine solve_representatives
-
-  ! Solves one cluster of all contacts at a compression, or at a load. Contacts that are loaded at
-  ! its load become members. `is_single` is false where these are not near it: `compression` is then
-  ! an upper bound. Without `is_single` all contacts that penetrate are members. Exits: solved, or a
-  ! message in `failure` after `most_iterations` iterations.
-  subroutine solve_one_cluster(task, solution, compression, is_single)
+  ! Solves one cluster of all contacts at a compression, or at a load. Exits: solved, or a message
+  ! in `failure` after `most_iterations` iterations.
+  subroutine solve_one_cluster(task, solution, compression)
     type(joint_task), intent(inout) :: task
     type(joint_solution), intent(inout) :: solution
     real(real64), intent(inout) :: compression    ! start; compression of the load
-    logical, intent(out), optional :: is_single
-    logical, dimension(size(task%is_near)) :: is_member, near_tops, representative
-    type(cluster), allocatable :: solved(:)
     type(cluster_lattice) :: empty_lattice        ! without elements
     type(load_search) :: search
-    real(real64) :: load, slope, near_compression, share, radius(size(near_tops))
-    integer :: k
+    real(real64) :: load, slope, share
 
     task%compression_share = 1.0_real64
     ! The load is searched with elements of a coarse tolerance first: the elements of the final
     ! tolerance are then laid for its compression.
     share = task%elements_tolerance
     if (allocated(task%target)) share = max(share, settled_share)
-    is_member = .not. present(is_single)
-    is_member(task%clusters(1)%members) = .true.
-    if (present(is_single)) is_single = .true.
     search%first_touch = minval(task%pairs%list%gap)
     call reset_search(search)
     associate (coupled => solution%coupled, pairs => task%pairs)
@@ -416,7 +291,7 @@ contains
         end if
         solution%iterations = solution%iterations + 1
         coupled%compression = compression
-        task%resolved%is_resolved = is_member .and. pairs%list%gap < compression
+        task%resolved%is_resolved = pairs%list%gap < compression
         call solve_cluster_elements(task, solution, share)
         if (allocated(solution%failure)) return
         if (.not. allocated(task%target)) exit
@@ -425,27 +300,14 @@ contains
         if (abs(load - task%target) > task%target * &
             merge(share, settled_share * share, share > task%elements_tolerance)) then
           call update_compression(search, load, task%target, compression, task%compression_share)
-          cycle
-        end if
-        ! Contacts near at this compression become members, too: the points at which `any_loaded`
-        ! computes the gap may miss a blunt contact of considerable area.
-        near_compression = compression
-        call find_near_tops(pairs, task%law, adjacent_distance, near_compression, near_tops, &
-                            representative, radius)
-        if (any(near_tops .and. .not. is_member) .or. &
-            any_loaded(pairs, pack([(k, k=1, size(is_member))], .not. is_member), compression, &
-                       outside_field(), task%clusters(1)%lattice)) then
-          is_single = is_one_cluster(pairs, near_tops, radius, solved)
-          if (.not. is_single) return
-          is_member = is_member .or. near_tops
         else if (share <= task%elements_tolerance) then
           exit
         else
           share = task%elements_tolerance
           task%clusters(1)%lattice = empty_lattice
+          ! The load at this compression changes: the bracket is no longer valid.
+          call reset_search(search)
         end if
-        ! The load at this compression changes: the bracket is no longer valid.
-        call reset_search(search)
       end do
       solution%is_resolved = task%resolved%is_resolved
       if (allocated(task%target)) &
@@ -468,7 +330,7 @@ contains
       if (allocated(this_cluster%change)) &
         deallocate (this_cluster%change, this_cluster%applied_share)
       call coupled%set%allocate_arrays(0)
-      this_cluster%members = pack([(k, k=1, size(task%is_near))], task%resolved%is_resolved)
+      this_cluster%members = pack([(k, k=1, size(task%error))], task%resolved%is_resolved)
       this_cluster%is_solved = .false.
       call solve_clusters(task%pairs, coupled, tolerance, task%area_tolerance, task%clusters, &
                           solution%failure)
@@ -538,22 +400,6 @@ contains
     end do
   end subroutine keep_lattices
 
-  ! Whether all contacts of positive radius are near each other and form one cluster.
-  logical function is_one_cluster(pairs, is_near, radius, clusters) result(is_single)
-    type(contact_pairs), intent(in) :: pairs
-    logical, intent(in) :: is_near(:)
-    real(real64), intent(in) :: radius(:)                   ! radius by pair; 0: open
-    type(cluster), allocatable, intent(out) :: clusters(:)  ! allocated only then
-    type(coupled_solution) :: no_contacts
-
-    is_single = any(is_near) .and. all(is_near .or. .not. radius > 0.0_real64)
-    if (.not. is_single) return
-    call no_contacts%set%allocate_arrays(0)
-    call form_clusters(pairs, no_contacts, is_near, radius, clusters)
-    is_single = size(clusters) == 1
-    if (.not. is_single) deallocate (clusters)
-  end function is_one_cluster
-
   ! Sets the failure of a solution if its coupled solve has failed.
   subroutine adopt_failure(solution)
     type(joint_solution), intent(inout) :: solution
@@ -577,8 +423,8 @@ contains
     real(real64) :: growth_ratio, upper_limit
     integer :: i, k, m
 
-    allocate (solution%area(size(task%is_near)), source=0.0_real64)
-    allocate (solution%maximum_pressure(size(task%is_near)), source=-1.0_real64)
+    allocate (solution%area(size(task%error)), source=0.0_real64)
+    allocate (solution%maximum_pressure(size(task%error)), source=-1.0_real64)
     associate (coupled => solution%coupled, set => solution%coupled%set, pairs => task%pairs)
       do k = 1, size(set%contact)
         i = set%contact(k)

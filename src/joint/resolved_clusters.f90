@@ -52,11 +52,10 @@ contains
 
   !> Groups resolved contacts: those nearer than `separate_distance` sums of their radii share a
   !> cluster.
-  subroutine form_clusters(pairs, coupled, is_resolved, radius, clusters)
+  subroutine form_clusters(pairs, coupled, is_resolved, clusters)
     type(contact_pairs), intent(in) :: pairs                 !! pairs of the position
     type(coupled_solution), intent(in) :: coupled            !! solution of Hertzian contacts
     logical, intent(in) :: is_resolved(:)                    !! by pair: whether it is resolved
-    real(real64), intent(in) :: radius(:)                    !! by pair: least contact radius
     type(cluster), allocatable, intent(out) :: clusters(:)   !! clusters with their members
     type(source_tree) :: tree
     integer, allocatable :: resolved_pairs(:), circle_index(:), member(:), first(:)
@@ -66,10 +65,10 @@ contains
     resolved_pairs = pack([(i, i=1, size(pairs%list))], is_resolved)
     allocate (circle_index(size(pairs%list)), source=0)
     circle_index(coupled%set%contact) = [(i, i=1, size(coupled%set%contact))]
-    reach = radius(resolved_pairs)
+    allocate (reach(size(resolved_pairs)), source=0.0_real64)
     do i = 1, size(resolved_pairs)
       k = circle_index(resolved_pairs(i))
-      if (k > 0) reach(i) = max(reach(i), coupled%set%radius(k))
+      if (k > 0) reach(i) = coupled%set%radius(k)
     end do
     call build_tree(tree, pairs%list(resolved_pairs)%x, pairs%list(resolved_pairs)%y, reach, &
                     separate_distance)

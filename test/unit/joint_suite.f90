@@ -34,6 +34,7 @@ contains
       new_unittest('circles: the error told is the error, at most ten times it', circles), &
       new_unittest('cells: the loads are those known', cells), &
       new_unittest('a tolerance is kept, with cells where it calls for them', called_for), &
+      new_unittest('near contacts of a small share of the load stay circles', small_share), &
       new_unittest('a load asked for is met', load_met), &
       new_unittest('an error of load, told of the closing, by the tangent', told_of_closing), &
       new_unittest('clusters far apart are as all on one lattice', clusters), &
@@ -130,6 +131,22 @@ contains
     call check(error, with_cells(1) > 0 .and. with_cells(3) < size(scenes), 'all or none')
     call check(error, with_cells(1) < with_cells(3), 'no more for a tighter tolerance')
   end subroutine called_for
+
+  ! Two contacts whose first touches are within the circle of one, with 2e-3 of the load.
+  subroutine small_share(error)
+    type(error_type), allocatable, intent(out) :: error
+    type(contact_pairs) :: pairs
+    type(hertz_law) :: law
+    type(joint_solution) :: solution
+    integer :: i
+
+    call lay_contacts([(200.0_real64 * i, i=1, 30), 0.0_real64, 0.05_real64], &
+                      spread(0.0_real64, 1, 32), &
+                      [spread(0.0_real64, 1, 30), spread(0.9_real64, 1, 2)], pairs, law)
+    call solve(error, pairs, law, resolve_called_for, 0.01_real64, solution, 'small share')
+    call check(error, solution%elements, 0, 'elements')
+    call check(error, solution%error > 0.0_real64 .and. solution%error < 0.01_real64, 'error')
+  end subroutine small_share
 
   subroutine load_met(error)
     type(error_type), allocatable, intent(out) :: error
