@@ -29,9 +29,9 @@ module asperity_run_solve
   use asperity_scene_inputs, only: input_file, list_inputs
   use asperity_scene_reader, only: read_scene
   use asperity_scene_results, only: scene_results
-  use asperity_scene_values, only: effect_auto, is_thesis_sweep, scene, scene_effects, solves_pixels
+  use asperity_scene_values, only: is_thesis_sweep, scene, scene_effects
   use asperity_solve, only: solve
-  use asperity_surface_fields, only: has_field_grid, may_have_fields
+  use asperity_surface_fields, only: check_field_request, may_have_fields
   use asperity_summary, only: write_choice, write_summary
   use asperity_text_buffer, only: text_buffer
   use asperity_unit_names, only: has_units, is_length, is_pressure, unit_of, units_in_words, &
@@ -214,22 +214,17 @@ contains
     end do
   end function needs_fields
 
-  ! Refuses a map that was solved by its summits, and more files than can be written.
+  ! Refuses more files than can be written.
   subroutine check_fields(line, results, failure)
     type(command_line), intent(in) :: line
     type(scene_results), intent(in) :: results
     character(len=:), allocatable, intent(inout) :: failure
 
     if (.not. needs_fields(line)) return
-    if (.not. allocated(results%positions(1)%fields)) then
-      failure = line%input // ': the map was solved by its summits, which have no pressure on ' // &
-                'pixels: expected interaction = ''boundary'' in &effects, or field_spacing in ' // &
-                '&surfaces'
-    else if (size(results%positions(1)%fields) > most_states) then
+    if (size(results%positions(1)%fields) > most_states) &
       failure = line%input // ': --fields-of all: found ' // &
                 decimal_text(size(results%positions(1)%fields)) // ' states, expected at most ' // &
                 decimal_text(most_states)
-    end if
   end subroutine check_fields
 
   ! `NAME_0001.vti`, or the path as it is.
@@ -308,26 +303,12 @@ contains
     type(scene), intent(in) :: scene_in
     type(problem_list), intent(inout) :: problems
     character(len=:), allocatable :: option
-    logical :: may_have
     integer :: i
 
-    may_have = has_field_grid(scene_in)
-    if (allocated(scene_in%map) .and. .not. may_have) &
-      may_have = solves_pixels(scene_in) .or. scene_in%effects%mode('interaction') == effect_auto
     do i = 1, size(field_options)
       option = trim(field_options(i))
       if (line%output_path(option) == '') cycle
-      if (.not. may_have .and. allocated(scene_in%map)) then
-        call problems%add(option // ': only a height map solved on its pixels has pressure on ' // &
-                          'pixels, expected interaction = ''boundary'' in &effects, or ' // &
-                          'field_spacing in &surfaces for fields of its summits')
-      else if (.not. may_have) then
-        call problems%add(option // ': no grid for the fields of asperities, expected ' // &
-                          'field_spacing, the side of a pixel, in &surfaces')
-      else if (scene_in%motion%positions > 1) then
-        call problems%add(option // ': found ' // decimal_text(scene_in%motion%positions) // &
-                          ' positions, expected one for fields of asperities')
-      end if
+      call check_field_request(scene_in, option, problems)
       if (line%output_path('--keep') /= '') &
         call problems%add(option // ': a file of --keep has no pressure on pixels, expected ' // &
                           'one of both')
@@ -345,7 +326,8 @@ contains
     options%keep_contacts = line%output_path('--contacts') // line%output_path('--json') // &
                             line%output_path('--vtk') // line%output_path('--html') /= '' .or. &
                             is_thesis_sweep(scene_in) .or. needs_fields(line)
-    if (needs_fields(line) .or. &
+    options%needs_fields = needs_fields(line)
+    if (options%needs_fields .or. &
         (line%output_path('--html') /= '' .and. line%output_path('--keep') == '' .and. &
          (allocated(scene_in%map) .or. may_have_fields(scene_in)))) &
       options%fields = max(fields_last, line%fields_of)

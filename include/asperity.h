@@ -197,7 +197,8 @@ asperity_outcome *asperity_solve_again(const asperity_outcome *scene,
 /* As asperity_solve_again, and the fields of a height map that is solved on its pixels are kept for
  * asperity_fields. fields: 0 for none, 1 for those of the last state of the path, 2 for those of all
  * states, of 24 bytes a pixel and state. A scene of asperities, or of the summits of a map, has fields
- * on a grid where &surfaces has field_spacing, and one position. Other scenes have no fields. */
+ * on a grid where &surfaces has field_spacing, and one position. Fields of another scene are refused
+ * before it is solved. interaction = 'auto' of a map without field_spacing solves its pixels for them. */
 asperity_outcome *asperity_solve_with_fields(const asperity_outcome *scene,
                                              const asperity_options *options,
                                              const asperity_outcome *earlier, int *progress,
@@ -239,6 +240,10 @@ asperity_outcome *asperity_write_map(const asperity_height_map *map, const char 
  * where it is periodic. A free map has a Hann window. q: wave number, 2 pi over the wavelength, 1/length;
  * c_iso: length to the power 4; c_1d: length to the power 3. Missing pixels are refused. */
 asperity_outcome *asperity_power_spectrum(const asperity_height_map *map);
+
+/* The same without its plane, its mean or nothing: level is "plane", "mean", "none", or NULL for that of
+ * asperity_power_spectrum. */
+asperity_outcome *asperity_power_spectrum_at_level(const asperity_height_map *map, const char *level);
 
 /* Makes the random height map of a specification with a group &map: of a file, or, where groups is not
  * NULL, of the text of its groups. Tables and text are those of asperity_read_map; ASPERITY_MAP has the

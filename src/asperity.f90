@@ -43,6 +43,7 @@ module asperity
   use asperity_summary, only: write_summary
   use asperity_summits_of_file, only: summit_choices, summits_of_array, summits_of_file
   use asperity_summits_table, only: write_summits_table
+  use asperity_surface_fields, only: check_field_request
   use asperity_text_buffer, only: text_buffer
   use asperity_theory_warnings, only: theory_warning, warning_kind, warning_kinds
   use asperity_summit_spheres, only: radius_geometric, radius_names, radius_neighbours, &
@@ -76,7 +77,7 @@ module asperity
   public :: original_request, original_records, thesis_tables, write_report
   ! Running scenes.
   public :: solution_start
-  public :: solve, run_options, check_options, version
+  public :: solve, run_options, check_options, check_field_request, version
   ! Results.
   public :: scene_results, position_result, state_row, contact_row, effect_record, effect_header, &
             map_record

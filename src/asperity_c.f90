@@ -7,9 +7,10 @@
 !> The name of a procedure for C must not be that of a module, as `asperity_solve` is one.
 module asperity_c
   use, intrinsic :: iso_c_binding, only: c_associated, c_double, c_f_pointer, c_int, c_ptr
-  use asperity, only: arithmetic_names, build_scene, card_deck, check_options, decimal_text, &
-                      generate_surface, generated_surface, generation_spec, list_warning_kinds, &
-                      list_warnings, make_arrays, name_units, of_contacts, original_records, &
+  use asperity, only: arithmetic_names, build_scene, card_deck, check_field_request, &
+                      check_options, decimal_text, fields_none, generate_surface, &
+                      generated_surface, generation_spec, list_warning_kinds, list_warnings, &
+                      make_arrays, name_units, of_contacts, original_records, &
                       original_request, parse_generation_spec, parse_scene, plan_surface, &
                       problem_list, read_card_deck, read_generation_spec, read_scene, &
                       run_in_arithmetic, run_options, scene_results, scene_surface, solve, &
@@ -136,6 +137,8 @@ contains
       new%failure = 'no scene'
     else if (from%problems%count() == 0) then
       call set_options(options, chosen, new%problems)
+      chosen%needs_fields = chosen%fields > fields_none
+      if (chosen%needs_fields) call check_field_request(from%scene_in, 'fields', new%problems)
       chosen%reuse%keeps = .true.
       if (new%problems%count() == 0) call solve(from%scene_in, results, new%failure, chosen)
       if (allocated(new%failure)) new%failure = from%scene_in%file // ': ' // new%failure

@@ -1,17 +1,17 @@
 !> The library for C: random height maps, and power spectra of height maps.
 module asperity_c_made_maps
-  use, intrinsic :: iso_c_binding, only: c_associated, c_ptr
+  use, intrinsic :: iso_c_binding, only: c_associated, c_null_ptr, c_ptr
   use asperity, only: add_reals, add_wholes, generate_map, generation_spec, height_map, level_map, &
-                      measure_spectra, parse_generation_spec, periodic_edge, power_spectrum, &
-                      read_generation_spec, usual_level
-  use asperity_c_arguments, only: require_text, take_heights
+                      level_names, measure_spectra, parse_generation_spec, periodic_edge, &
+                      power_spectrum, read_generation_spec, usual_level
+  use asperity_c_arguments, only: require_text, take_heights, take_word
   use asperity_c_maps, only: power_of, set_map
   use asperity_c_outcome, only: begin_outcome, finish_outcome, outcome, set_text, table_map, &
                                 table_spectra, text_of, text_unit
   implicit none
   private
 
-  public :: c_generate_map, c_power_spectrum
+  public :: c_generate_map, c_power_spectrum, c_power_spectrum_at_level
 
 contains
 
@@ -51,19 +51,30 @@ contains
   type(c_ptr) function c_power_spectrum(given) bind(c, name='asperity_power_spectrum') &
     result(handle)
     type(c_ptr), value :: given  !! `c_height_map`
+
+    handle = c_power_spectrum_at_level(given, c_null_ptr)
+  end function c_power_spectrum
+
+  !> `asperity_power_spectrum_at_level`.
+  type(c_ptr) function c_power_spectrum_at_level(given, level) &
+    bind(c, name='asperity_power_spectrum_at_level') result(handle)
+    type(c_ptr), value :: given  !! `c_height_map`
+    type(c_ptr), value :: level  !! name; null: that of the edge of the map
     type(outcome), pointer :: new
     type(height_map) :: map
     type(power_spectrum) :: spectra(3)
-    integer :: k
+    integer :: chosen, k
 
     call begin_outcome(new, handle)
     if (.not. associated(new)) return
     call take_heights('map', given, map, new%problems, new%failure)
     if (new%problems%count() == 0 .and. .not. all(map%pixel_spacing > 0.0)) &
       call new%problems%add('map.spacing: found 0, 0, expected the spacing of the pixels')
+    map%periodic = map%edge == periodic_edge
+    chosen = usual_level(map%periodic)
+    call take_word('level', level, level_names, chosen, new%problems)
     if (new%problems%count() == 0 .and. .not. allocated(new%failure)) then
-      map%periodic = map%edge == periodic_edge
-      call level_map(map, usual_level(map%periodic))
+      call level_map(map, chosen)
       call measure_spectra('map', map, spectra, new%problems, new%failure)
     end if
     if (new%problems%count() == 0 .and. .not. allocated(new%failure)) then
@@ -78,6 +89,6 @@ contains
       end do
     end if
     call finish_outcome(new)
-  end function c_power_spectrum
+  end function c_power_spectrum_at_level
 
 end module asperity_c_made_maps

@@ -188,6 +188,9 @@ class Table(dict[str, "Column"]):
             repr(mine.tolist()) == repr(their.tolist())
             for mine, their in zip(self.values(), other.values()))
 
+    def __ne__(self, other: object) -> bool:
+        return not self == other
+
     __hash__ = None
 
     def __array__(self, dtype: Any = None, copy: bool | None = None) -> NDArray[Any]:

@@ -85,7 +85,7 @@ _FUNCTIONS: list[tuple[Any, ...]] = [
     ("write_map", c_void_p, POINTER(Map), c_char_p),
     ("generate", c_void_p, c_char_p, c_char_p, c_int),
     ("generate_map", c_void_p, c_char_p, c_char_p),
-    ("power_spectrum", c_void_p, POINTER(Map)),
+    ("power_spectrum_at_level", c_void_p, POINTER(Map), c_char_p),
     ("status", c_int, c_void_p),
     ("text", c_char_p, c_void_p, c_int),
     ("problem_count", c_int, c_void_p),

@@ -127,17 +127,19 @@ class HeightMap:
         """
         _c.call("write_map", byref(self._struct()), _a.path("path", path)).checked()
 
-    def power_spectrum(self, kind: str = "iso") -> Table:
+    def power_spectrum(self, kind: str = "iso", level: str | None = None) -> Table:
         """Power spectral density of the heights (`docs/reference/height-maps.md`).
 
-        The map is levelled first: a free map by its plane, a periodic one by its mean. A free map
-        has a Hann window.
+        A free map has a Hann window.
 
         Parameters
         ----------
         kind : {'iso', 'x', 'y'}
             `iso`: of the area, averaged over rings of equal wave number. `x`, `y`: of lines along
             x or y, averaged over all of them.
+        level : {'plane', 'mean', 'none'}, optional
+            What is subtracted first: the plane of least squares, the mean, or nothing. Default:
+            `plane` for a free map, `mean` for a periodic one.
 
         Returns
         -------
@@ -159,7 +161,8 @@ class HeightMap:
         """
         if kind not in _c.SPECTRA:
             raise _a.wrong("kind", repr(kind), "'iso', 'x' or 'y'")
-        found = _c.call("power_spectrum", byref(self._struct())).checked()
+        found = _c.call("power_spectrum_at_level", byref(self._struct()),
+                        None if level is None else _a.word("level", level)).checked()
         return found.table(_c.SPECTRA[kind], "wave numbers")
 
     def plot(self, ax: Axes | None = None) -> Axes:

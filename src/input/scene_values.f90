@@ -27,7 +27,7 @@ module asperity_scene_values
   public :: by_default, by_numbers, by_word
   public :: effect_off, effect_on, effect_auto, effect_coupled, effect_boundary, effect_words
   public :: thesis_limit_load, is_thesis_sweep, body_compliance, combined_modulus, has_hardness, &
-            solves_pixels
+            may_choose_pixels, solves_pixels
 
   integer, parameter :: control_limit = 1          !! closing ends where a contact reaches its limit
   integer, parameter :: control_separation = 2     !! at a given separation of the reference planes
@@ -303,6 +303,16 @@ contains
                        (scene_in%map%periodic .or. has_hardness(scene_in)))
     end associate
   end function solves_pixels
+
+  !> Whether `auto` may solve a scene with a map on its pixels, which have no limit and no effect
+  !> but interaction.
+  pure logical function may_choose_pixels(scene_in)
+    type(scene), intent(in) :: scene_in  !! checked values, with a map
+
+    may_choose_pixels = scene_in%effects%mode('interaction') == effect_auto .and. &
+                        scene_in%loading%control /= control_limit .and. &
+                        count(scene_in%effects%modes /= effect_off) <= 1
+  end function may_choose_pixels
 
   !> Whether the pressures of a scene are limited by a hardness.
   pure logical function has_hardness(scene_in)

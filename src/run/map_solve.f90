@@ -16,8 +16,8 @@ module asperity_map_solve
   use asperity_run_options, only: run_options
   use asperity_scene_results, only: last_state, scene_results
   use asperity_scene_values, only: combined_modulus, control_limit, effect_auto, effect_off, &
-                                   is_load, scene, solves_pixels
-  use asperity_surface_fields, only: solve_with_fields
+                                   is_load, may_choose_pixels, scene, solves_pixels
+  use asperity_surface_fields, only: has_field_grid, solve_with_fields
   use asperity_surface_solve, only: solve_surfaces
   use asperity_sweep, only: sweep_scene
   use asperity_theory_warnings, only: of_error, take_worse, theory_warning, add_warning
@@ -49,7 +49,9 @@ contains
     mode = scene_in%effects%mode('interaction')
     results%nominal_area = decimal_to_real64(scene_in%nominal_area)
     if (.not. results%nominal_area > 0.0_real64) results%nominal_area = area_of_map(map)
-    if (solves_pixels(scene_in)) then
+    by_summits = .not. may_choose_pixels(scene_in)
+    if (solves_pixels(scene_in) .or. &
+        (options%needs_fields .and. .not. (by_summits .or. has_field_grid(scene_in)))) then
       call solve_pixels(scene_in, map, options, results, failure)
       return
     end if
@@ -62,9 +64,6 @@ contains
     reference%answer%interrupt = options%interrupt
     call solve_reference(map, loading, reference, failure)
     if (options%interrupt%is_asked()) failure = 'interrupted'
-    ! The pixels have no limit and no effect but interaction.
-    by_summits = mode /= effect_auto .or. scene_in%loading%control == control_limit .or. &
-                 count(scene_in%effects%modes /= effect_off) > 1
     if (allocated(failure) .and. .not. by_summits) then
       call solve_pixels(scene_in, map, options, results, failure)
       return

@@ -17,17 +17,18 @@ module asperity_surface_fields
   use asperity_kinds, only: int64, not_computed, real64
   use asperity_map_contact, only: map_answer
   use asperity_map_fields, only: measure_fields, take_field
-  use asperity_problems, only: decimal_text, not_enough_memory
+  use asperity_problems, only: decimal_text, not_enough_memory, problem_list
   use asperity_process, only: has_memory
   use asperity_run_options, only: run_options
   use asperity_scene_results, only: scene_results
-  use asperity_scene_values, only: combined_modulus, effect_off, scene
+  use asperity_scene_values, only: combined_modulus, effect_off, may_choose_pixels, scene, &
+                                   solves_pixels
   use asperity_surface_elevations, only: elevation_of, place_surface, placed_surface
   use asperity_surface_solve, only: solve_surfaces
   implicit none
   private
 
-  public :: has_field_grid, may_have_fields, solve_with_fields
+  public :: check_field_request, has_field_grid, may_have_fields, solve_with_fields
 
   ! Effects under which the pressure of a contact is not that of Hertz.
   character(len=*), parameter :: other_pressures(3) = [character(len=11) :: 'plasticity', &
@@ -48,6 +49,26 @@ contains
 
     has_field_grid = scene_in%field_spacing%all_digits > 0_int64
   end function has_field_grid
+
+  !> Reports a scene that has no fields although they are requested.
+  subroutine check_field_request(scene_in, name, problems)
+    type(scene), intent(in) :: scene_in            !! scene, checked for faults
+    character(len=*), intent(in) :: name           !! option of the request, for the message
+    type(problem_list), intent(inout) :: problems  !! list; gets a line for such a scene
+
+    if (has_field_grid(scene_in)) then
+      if (scene_in%motion%positions > 1) &
+        call problems%add(name // ': found ' // decimal_text(scene_in%motion%positions) // &
+                          ' positions, expected one for fields of asperities')
+    else if (.not. allocated(scene_in%map)) then
+      call problems%add(name // ': no grid for the fields of asperities, expected ' // &
+                        'field_spacing, the side of a pixel, in &surfaces')
+    else if (.not. (solves_pixels(scene_in) .or. may_choose_pixels(scene_in))) then
+      call problems%add(name // ': only a height map solved on its pixels has pressure on ' // &
+                        'pixels, expected interaction = ''boundary'' in &effects, or ' // &
+                        'field_spacing in &surfaces for fields of its summits')
+    end if
+  end subroutine check_field_request
 
   !> Whether a scene of asperities certainly has fields: a grid, one position, Hertz' law.
   pure logical function may_have_fields(scene_in)

@@ -200,17 +200,35 @@ def test_contacts_of_pixels(package, solved, path):
         np.column_stack([results.contacts[name][rows] for name in "xy"]))
 
 
+def test_a_request_for_fields_chooses_the_pixels(package):
+    """A smooth ball as a map, which `auto` solves by its summit: with fields on its pixels."""
+    x = 0.1 * (np.arange(41) - 20)
+    ball = package.HeightMap(1.0 - (x**2 + x[:, None]**2) / 40.0, 0.1, "um")
+    scene = package.Scene({"surfaces": {"upper": "plane", "lower": ball, "map_level": "none"},
+                           "material": {"contact_modulus": 100.0}, "effects": {"tolerance": 0.5},
+                           "loading": {"control": "load", "value": 5.0}})
+    assert "samples" not in scene.solve().contacts
+    results = scene.solve(fields=True)
+    assert np.nansum(results.fields().pressure) * 0.01 == pytest.approx(5.0)
+    hertz = (6 * 5.0 * 100.0**2 / (np.pi**3 * 20.0**2))**(1 / 3)
+    assert results.fields().pressure.max() == pytest.approx(hertz, rel=0.03)
+    for change in ({"effects": {"relaxation_time": 1.0, "relaxed_modulus_ratio": 0.5,
+                                "hold_time": 1.0}},
+                   {"loading": {"control": "limit", "value": None},
+                    "limit": {"criterion": "load", "value": 1.0}}):
+        with pytest.raises(package.InputError, match="fields: only a height map solved on its pix"):
+            scene.solve(fields=True, **change)
+
+
 def test_refusals(package, solved, path):
     for value in ("last", "ALL"):
         with pytest.raises(ValueError, match=f"fields: found '{value}', expected True, False or"):
             package.solve(path, fields=value)
     with pytest.raises(TypeError, match="fields"):
         package.solve(path, fields=2.5)
-    for results in (package.solve(path),
-                    package.solve(ROOT / "data/examples/one_pair.scene", fields=True),
-                    pickle.loads(pickle.dumps(package.solve(path))),
-                    pickle.loads(pickle.dumps(package.solve(
-                        ROOT / "data/examples/one_pair.scene", fields="all")))):
+    with pytest.raises(package.InputError, match="fields: no grid for the fields of asperities"):
+        package.solve(ROOT / "data/examples/one_pair.scene", fields=True)
+    for results in (package.solve(path), pickle.loads(pickle.dumps(package.solve(path)))):
         with pytest.raises(package.ComputeError, match="no fields: expected a height map"):
             results.fields()
     with pytest.raises(IndexError, match="position: found 2, expected one of the results"):

@@ -49,6 +49,30 @@ def test_spectra_are_those_of_the_command(periodic, package, asperity, tmp_path)
     assert list(made.power_spectrum()) == list(made.power_spectrum("iso"))
 
 
+def test_level_of_a_spectrum(package, asperity, tmp_path):
+    """Whole periods of a sine along x: mean square 1/2 of the lines but for `plane`, which removes
+    a part of the sine. The command agrees."""
+    wave = np.tile(np.sin(4 * np.pi * np.arange(64) / 64), (4, 1))
+    surface = package.HeightMap(wave, 1 / 64, periodic=True)
+    assert 2 * sum(surface.power_spectrum("x")["c_1d"]) == pytest.approx(0.5, rel=1e-12)
+    free = package.HeightMap(wave + 3.0, 1 / 64)
+    free.write(tmp_path / "m.txt")
+    for level in ("plane", "mean", "none"):
+        run(asperity, tmp_path, "summits", "m.txt", "--level", level, "--quiet",
+            "--spectrum", "s.csv")
+        wanted = [float(row["c_1d"]) for row in records(tmp_path / "s.csv")
+                  if row["spectrum"] == "x"]
+        found = free.power_spectrum("x", level=level)["c_1d"]
+        np.testing.assert_allclose(found, wanted, rtol=1e-10, atol=1e-12 * max(wanted))
+        assert (level == "plane") == (found.tolist() == free.power_spectrum("x")["c_1d"].tolist())
+    lines = {level: 2 * sum(package.HeightMap(wave, 1 / 64).power_spectrum("x", level)["c_1d"])
+             for level in ("plane", "mean", "none")}
+    assert lines["mean"] == pytest.approx(0.5, rel=1e-12) == lines["none"]
+    assert abs(lines["plane"] - 0.5) > 0.01
+    with pytest.raises(package.InputError, match="level: .*expected .*plane.*mean.*none"):
+        surface.power_spectrum(level="plain")
+
+
 def test_what_is_refused(package, tmp_path):
     with pytest.raises(package.InputError, match="map.hurst: found '1.5', expected a number more"):
         package.generate_map(pixels=64, spacing=1, hurst=1.5, rms_height=1)

@@ -177,7 +177,8 @@ def test_equal_and_copied(results):
     for made in (copy.copy(states), copy.deepcopy(states), pickle.loads(pickle.dumps(states))):
         assert made == states and made.units == states.units and made.name == "states"
         assert not made["load"].flags.writeable
-    assert states != results.positions and pickle.loads(pickle.dumps(results)).states == states
+    assert not states != copy.copy(states) and states != results.positions
+    assert pickle.loads(pickle.dumps(results)).states == states
 
 
 def test_one_warning_a_line_and_kind(package):

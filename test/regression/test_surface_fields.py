@@ -413,7 +413,7 @@ def test_python(package, asperity, tmp_path):
         assert (fields.boundary_contacts, fields.hertz_contacts) == (2, 1)
         assert (fields.unit, fields.units["pressure"]) == ("mm", "N/mm2")
     every = package.solve(path, fields="all")
-    assert np.nansum(every.fields(state=0).pressure) * 0.02**2 == pytest.approx(1.0, rel=1e-6)
+    assert np.nansum(every.fields(step=1).pressure) * 0.02**2 == pytest.approx(1.0, rel=1e-6)
     again = package.Scene(path).solve(loading={"value": 1.5}, fields=True)
     assert np.nansum(again.fields().pressure) * 0.02**2 == pytest.approx(1.5, rel=1e-6)
     with pytest.raises(package.ComputeError, match="or field_spacing in &surfaces for one"):
