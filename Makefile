@@ -129,10 +129,9 @@ hard-table: ## make reference_output/bench/hard_cases.md anew
 	@bash .ci/setup build test
 	@exe=$$(bash .ci/build release) && .venv/bin/python test/support/make_table.py "$$exe"
 
-fault-table: ## make the tables of the pages on faults and on the listing anew
-	@bash .ci/setup build test
-	@exe=$$(bash .ci/build release) && .venv/bin/python test/support/fault_effects.py "$$exe" && \
-	  .venv/bin/python test/support/listing_page.py "$$exe"
+fault-table: ## make the tables of the page on listing, program and scan anew
+	@bash .ci/setup test
+	@.venv/bin/python test/support/listing_page.py
 
 tables: ## make the tables of docs/reference from the tables of the source
 	@bash .ci/setup build test

@@ -29,7 +29,8 @@ sanitize_flags="-O1 -g -fbacktrace -fno-omit-frame-pointer -fsanitize=address,un
 second_flags="-O2 -ffp-contract=off -w"
 second_compiler=flang-new-19
 
-# fpm does not see a change in an included text: then it must build everything anew. It keeps
+# fpm does not see a change in an included text (.inc): then it must build everything anew. Texts of
+# the historic program are source files (.F90), whose changes it sees. It keeps
 # the object of a removed file in its archive. Its folders are called COMPILER_HASH.
 drop_stale_builds() {
   local texts sources

@@ -8,11 +8,10 @@ module asperity_command_line
   use asperity_map_summits, only: rule_eight, rule_names
   use asperity_height_map, only: edge_names, length_units, level_names
   use asperity_option_values, only: read_count, read_positive, read_share, read_spacing, &
-                                    read_tables, read_word, read_words
+                                    read_tables, read_word
   use asperity_option_table, only: call_of, command_at, commands, known_options, options, &
                                    output_options
   use asperity_original, only: arithmetic_names
-  use asperity_original_faults, only: fault_names
   use asperity_original_records, only: original_positions, thesis_tables
   use asperity_output_files, only: same_file
   use asperity_problems, only: decimal_text, problem_list
@@ -47,7 +46,6 @@ module asperity_command_line
     type(output_file), allocatable :: outputs(:)     !! of each option that names one
     integer :: member = 0                            !! surface of the ensemble; 0 is all
     logical :: printed(original_positions) = .false. !! positions whose contact table is printed
-    logical :: mended(size(fault_names)) = .false.   !! faults of the original to mend
     logical :: carriage_control = .false.            !! keep the printer's column one
     logical :: quiet = .false.                       !! no summary
     logical :: budget = .false.                      !! print the error budget
@@ -178,8 +176,6 @@ contains
       end if
     case ('--tables')
       call read_tables(value, line%printed, problems)
-    case ('--fault-free')
-      call read_words(name, value, fault_names, line%mended, problems)
     case ('--surface')
       call read_count(name, value, 7, 'a number from 1', line%member, problems)
     case ('--carriage-control')

@@ -56,10 +56,6 @@ module asperity_option_table
     option_entry('', '--positions', 'FILE', 'write the last approach of every position as CSV'), &
     option_entry('', '--carriage-control', '', &
       'print the carriage control characters of column one (1, 0, blank)'), &
-    option_entry('', '--fault-free', 'LIST', &
-      'correct faults of the original (docs/theory/faults.md): all, or names separated ' // &
-      'by commas: divisor, drift, overlap, overshoot, list, no-pair, reach, normal-load, ' // &
-      'shift, left-out, start-value, count'), &
     option_entry('', '--variance', 'FILE', 'write Table VI with all digits as CSV'), &
     option_entry('solve', '--contacts', 'FILE', 'write every contact of every state as CSV'), &
     option_entry('solve', '--positions', 'FILE', 'write the last state of every position as CSV'), &

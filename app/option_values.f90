@@ -11,7 +11,7 @@ module asperity_option_values
   implicit none
   private
 
-  public :: read_count, read_positive, read_share, read_spacing, read_tables, read_word, read_words
+  public :: read_count, read_positive, read_share, read_spacing, read_tables, read_word
 
 contains
 
@@ -90,30 +90,6 @@ contains
     call problems%add(option // ': found ' // in_quotes(value) // ', expected ' // &
                       any_of(words) // did_you_mean(value, words))
   end subroutine read_word
-
-  !> `all`, or words of a list separated by commas.
-  subroutine read_words(option, list, words, chosen, problems)
-    character(len=*), intent(in) :: option         !! whose value it is
-    character(len=*), intent(in) :: list           !! value of the option, as given
-    character(len=*), intent(in) :: words(:)       !! those that are known
-    logical, intent(out) :: chosen(:)              !! whether each of `words` is chosen
-    type(problem_list), intent(inout) :: problems  !! what is wrong
-    character(len=len(words)) :: known(size(words) + 1)
-    integer :: first, last, number
-
-    known(:size(words)) = words
-    known(size(known)) = 'all'
-    chosen = .false.
-    first = 1
-    do while (first <= len(list) + 1)
-      last = first + index(list(first:) // ',', ',') - 2
-      number = 0
-      call read_word(option, list(first:last), known, number, problems)
-      chosen = chosen .or. number == size(known)
-      if (number > 0) chosen(min(number, size(words))) = .true.
-      first = last + 2
-    end do
-  end subroutine read_words
 
   !> Two lengths with a comma between them.
   subroutine read_spacing(value, pixel_spacing, problems)

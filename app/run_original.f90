@@ -7,7 +7,6 @@ module asperity_run_original
   use asperity_original, only: run_in_arithmetic
   use asperity_original_csv, only: write_original_contacts, write_original_positions, &
                                    write_original_variance
-  use asperity_original_faults, only: mend_fault
   use asperity_original_records, only: original_records, original_request
   use asperity_report, only: write_report
   use asperity_text_buffer, only: text_buffer
@@ -26,17 +25,11 @@ contains
     type(original_request) :: request
     type(original_records) :: records
     type(text_buffer) :: contacts, positions, variance
-    integer :: i
 
     call read_card_deck(line%input, deck, outcome%problems)
     if (outcome%problems%count() > 0) return
     call write_standard_error(deck%notes%text())
     request%keep_contacts = line%printed .or. line%output_path('--contacts') /= ''
-    if (any(line%mended)) call write_standard_error(line%input // &
-      ': note: faults are corrected: this is not what the original printed' // new_line('a'))
-    do i = 1, size(line%mended)
-      if (line%mended(i)) call mend_fault(i, request%mended)
-    end do
     call run_in_arithmetic(line%arithmetic, deck, request, records, outcome%failure)
     if (allocated(outcome%failure)) then
       outcome%failure = line%input // ': ' // outcome%failure

@@ -63,7 +63,7 @@ QUICK = [
     "test/regression/test_adhesion.py", "test/regression/test_friction.py",
     "test/regression/test_plasticity.py", "test/regression/test_effect_contacts.py",
     "test/regression/test_page.py", "test/regression/test_solve_laws.py",
-    "test/regression/test_fault_free.py", "test/regression/test_bad_decks.py",
+    "test/regression/test_bad_decks.py",
     "test/regression/test_summits.py", "test/regression/test_result_files.py",
     "test/regression/test_library.py", "test/regression/test_accuracy_any.py",
     "test/regression/test_accuracy.py::test_every_way_is_there[pair]",
@@ -86,7 +86,6 @@ QUICK_WITHOUT = [
     "test/regression/test_bad_decks.py::test_any_deck_ends_with_an_answer",
     "test/regression/test_accuracy_any.py::test_the_promise",
     "test/regression/test_accuracy_any.py::test_any_scene",
-    "test/regression/test_fault_free.py::test_without_faults_hard_decks",
     "test/regression/test_summits.py::test_every_variant_is_read_to_the_last_bit",
     "test/regression/test_summits.py::test_memory_that_is_not_there_is_told",
     "test/regression/test_solve_laws.py::test_common_shift_of_tilted_surfaces",
@@ -505,15 +504,13 @@ class Copy:
 
     def compiled_with(self, path):
         """The files that the compiler reads a text in: itself, or those that include it."""
-        if not path.endswith(".inc"):
-            return {path}
         users = set()
         for other in (self.tree / "src").rglob("*"):
             if other.suffix in (".f90", ".F90", ".inc") and re.search(
                     rf"^\s*#?include\s+['\"]{re.escape(Path(path).name)}['\"]",
                     other.read_text(encoding="utf-8"), re.MULTILINE | re.IGNORECASE):
                 users |= self.compiled_with(str(other.relative_to(self.tree)))
-        return users
+        return users or {path}
 
     def build_mutant(self, mutant):
         """Builds with one line changed; '' when that succeeds, else why it is drawn again."""

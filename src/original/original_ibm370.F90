@@ -6,9 +6,8 @@ module asperity_original_ibm370
   use asperity_hex32, only: cos, hex32, operator(*), operator(+), operator(-), operator(/), &
                             operator(<), operator(>), operator(>=), sin, sqrt
   use asperity_kinds, only: int64, real64
-  use asperity_numbers_ibm370, only: cube_root, cut_to_integer, decimal_number, &
+  use asperity_numbers_ibm370, only: cut_to_integer, decimal_number, &
                             three_halves_power, to_real64, whole_number
-  use asperity_original_faults, only: mended_faults
   use asperity_original_records, only: append_contact, approach_row, contact_record, &
                                        individual_difference_row, model_record, &
                                        original_positions, original_records, &
@@ -16,5 +15,6 @@ module asperity_original_ibm370
                                        slope_row, total_area_row, total_difference_row, &
                                        total_load_row
   use asperity_problems, only: decimal_text
-#include "sections.inc"
+  use asperity_sections, only:
+#include "sections.F90"
 end module asperity_original_ibm370

@@ -5,7 +5,6 @@
 module asperity_original_records
   use asperity_decimal, only: decimal_value
   use asperity_kinds, only: int64, real64
-  use asperity_original_faults, only: mended_faults
   use asperity_problems, only: problem_list
   implicit none
   private
@@ -79,12 +78,11 @@ module asperity_original_records
     real(real64), allocatable :: totals(:, :)    !! area, projected area, load; an approach a column
   end type position_record
 
-  !> The choices of a run: rows that are kept, and faults that are mended.
+  !> The choices of a run: rows that are kept, and the steps.
   type :: original_request
     logical :: keep_contacts(original_positions) = .false.  !! rows of these positions
     type(decimal_value) :: approach_step = decimal_value(1_int64, -3)  !! largest decrement, cm
     integer :: napmx = 25                                   !! approaches a position, at most
-    type(mended_faults) :: mended = mended_faults()         !! none: the original
   end type original_request
 
   !> All that a run gives.

@@ -260,9 +260,6 @@ contains
     call skip_lines(lines, 2)
     call lines%line(repeat(' ', 25) // 'NUMBER OF CONTACT')
     write (line, count_row) 'POINTS' // repeat(' ', 18), nint(variance(points_row, :))
-    ! Fault 15, mended: the average is not cut.
-    if (abs(variance(points_row, 3) - nint(variance(points_row, 3))) > 0.0_real64) &
-      line(70:) = fixed_field(variance(points_row, 3), 10, 2)
     call lines%line(line)
     call skip_lines(lines, 1)
     call number_row('APPROACH            (CM)', approach_row, 4)

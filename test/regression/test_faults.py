@@ -1,11 +1,13 @@
 """docs/theory/faults.md: its marks in the code, its figures, and Table VI as it should read."""
 
 import csv
+import math
 import re
 
 import pytest
 
 from decks import random_deck, write_deck
+from exact_contact import Truth, read_deck
 from programs import run_program
 
 MODULUS = "   400000."  # both of the thesis' deck, F10.0
@@ -135,6 +137,72 @@ def test_contacts_that_count(runs, page):
     differences = sum(100 * (1 - row["projected_area"] / row["area"]) for row in runs["printed"][1])
     assert f"It prints {differences / counted:.1f} %; {differences / 100:.1f} % is correct" in \
         row_of(page, 1)
+
+
+def test_prices_of_single_faults(runs, root):
+    """Faults whose correction changes no approach, computed again from the contacts' table."""
+    rows, positions = last_contacts(runs, "printed"), runs["printed"][1]
+    with open(root / "reference_output/faults/table_vi.csv", encoding="ascii") as file:
+        prices = {(row["mended"], row["quantity"], row["column"]): float(row["mended_to"])
+                  for row in csv.DictReader(file)}
+    vertical = [sum(row["load"] / math.hypot(1, row["slope"]) for row in rows
+                    if row["position"] == position["position"]) for position in positions]
+    found = {
+        ("divisor", "total_area_difference", "average"):
+            sum(100 * (1 - row["projected_area"] / row["area"]) for row in positions) / 100,
+        ("count", "contact_points", "average"): sum(row["load"] > 0 for row in rows) / 100,
+        ("normal-load", "total_load", "maximum"): max(vertical),
+        ("normal-load", "total_load", "minimum"): min(vertical),
+        ("normal-load", "total_load", "average"): sum(vertical) / 100}
+    for cell, value in found.items():
+        # The program adds 100 numbers of 24 bits and cuts each sum.
+        assert value == pytest.approx(prices[cell], rel=100 * 2.0 ** -20), cell
+    assert {cell for cell in prices if cell[0] in ("divisor", "count", "normal-load")} == set(found)
+
+
+def test_table_vi_without_faults(root):
+    """The last column of effects.md is an evaluation with 40 digits, with 3.1416 for pi."""
+    page = (root / "reference_output/faults/effects.md").read_text(encoding="utf-8")
+    truth = Truth(read_deck(root / "data/thesis.deck"), 40)
+    states = [truth.state(m) for m in range(1, 101)]
+    values = {"total load": [float(state.vertical_load) for state in states],
+              "total contact area": [3.1416 / math.pi * float(state.area) for state in states],
+              "contact points": [len(state.contacts) for state in states],
+              "approach": [float(state.separation) for state in states],
+              "total area difference":
+                  [100 * (1 - float(state.projected_area / state.area)) for state in states]}
+    seen = 0
+    for line in page.splitlines():
+        cells = [cell.strip() for cell in line.strip("|").split("|")]
+        quantity, _, column = cells[0].rpartition(" ")
+        if quantity in values and len(cells) > 4:
+            of = values[quantity]
+            exact = {"maximum": max(of), "minimum": min(of), "average": sum(of) / 100}[column]
+            assert f"{exact:.{len(cells[-1].partition('.')[2])}f}" == cells[-1], line
+            seen += 1
+    assert seen == 13
+
+
+def test_load_at_first_yield(asperity, root, page, tmp_path):
+    """N* of section III.G: the printed value, that of its own numbers, and that of the deck."""
+    stress, printed = 2.76 * 0.707 * 3500, 2.43e5  # N/cm2; E_o without its unit
+
+    def load_at(pressure_factor, pressure, radius, modulus):
+        return (pressure_factor * math.pi * pressure) ** 3 * (0.75 * radius / modulus) ** 2
+
+    assert round(load_at(3 / 2, 6700, 0.25, printed)) == 19
+    modulus = 0.6894 * 4.0e5 / (2 * (1 - 0.42 ** 2))
+    assert modulus / 0.6894 == pytest.approx(printed, rel=1e-3)
+    right = load_at(2 / 3, stress, 0.635, modulus)
+    assert f"N* = 19 N, has 3/2 pi for 2/3 pi, R in inches and E_o in psi, with pressures in " \
+        f"N/cm2. Hertz' equation gives {right:.1f} N, or " \
+        f"{load_at(2 / 3, stress, 0.635, printed):.1f} N where 2.43e5" in row_of(page, 10)
+    scene = tmp_path / "yield.scene"
+    scene.write_text(f"&surfaces deck = '{root / 'data/thesis.deck'}' /\n&motion x_first = 5.5 /\n"
+                     f"&limit criterion = 'hardy', yield_stress = {stress / 2.76!r} /\n"
+                     "&effects interaction = 'off' /\n")
+    contacts, _ = run(asperity, tmp_path, scene, "solve")
+    assert max(row["load"] for row in contacts) == pytest.approx(right, rel=1e-9)
 
 
 def test_neighbours(asperity, root, tmp_path, page):

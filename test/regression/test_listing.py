@@ -1,14 +1,19 @@
 """The digitised FORMAT statements and pages agree with the scanned listing and the printed tables.
 
-Nothing here runs the program.
+The text of the port is compiled again when it changes. Nothing here runs the program.
 """
 
+import os
 import re
+import shutil
 from collections import Counter
+from pathlib import Path
 
 import pytest
 
+from builds import ROOT
 from listing_formats import BadFormat, fixed_texts, lines_of_format
+from programs import run_program
 from thesis_report import CONTACT, MODEL, digitised, formats, table_cells
 
 # Says nothing about the build under test.
@@ -117,3 +122,37 @@ def test_headings_are_those_of_the_printed_tables(page):
     if page["page"] in COMPLETE:
         shown = " ".join(row["head"] for row in heads(page["page"])).split()
         assert Counter(shown) == Counter(run.split())
+
+
+def test_each_included_text_is_a_module_that_its_includers_use():
+    """fpm sees a change of a module, not of an included text: sections.F90 says how."""
+    texts = set()
+    for file in (ROOT / "src").glob("*/*.F90"):
+        source = file.read_text(encoding="utf-8")
+        for name in re.findall(r'^#include "(.*)\.F90"$', source, re.MULTILINE):
+            assert f"  use asperity_{name}, only:\n" in source, file
+            text = (file.parent / f"{name}.F90").read_text(encoding="utf-8")
+            assert re.match(rf"#ifndef [A-Z]+\n(!>.*\n)+module asperity_{name}\n", text)
+            texts.add(name)
+    assert texts == {"ieee_numbers", "section_iv", "sections", "sections_i_to_iii"}
+    for room in ("original", "arithmetic"):
+        assert not list((ROOT / "src" / room).glob("*.inc"))
+
+
+def test_fpm_compiles_users_of_a_changed_text(tmp_path):
+    """One arithmetic's numbers in a project of their own."""
+    (tmp_path / "src").mkdir()
+    for name in ("foundation/kinds.f90", "foundation/decimal.f90", "arithmetic/ieee_numbers.F90",
+                 "arithmetic/numbers_real64.F90"):
+        shutil.copy(ROOT / "src" / name, tmp_path.joinpath("src", Path(name).name))
+    (tmp_path / "fpm.toml").write_text('name = "numbers"\n[preprocess.cpp]\nsuffixes = ["F90"]\n')
+    text = tmp_path / "src/ieee_numbers.F90"
+
+    def compiled():
+        done = run_program("fpm", "build", "--no-prune", cwd=tmp_path, variables={
+            "PATH": f"{ROOT / '.venv/bin'}:{os.environ['PATH']}"})
+        return set(re.findall(r"(\w+)\.[fF]90\s+done", done.stdout))
+
+    assert {"kinds", "ieee_numbers", "numbers_real64"} <= compiled()
+    text.write_text(text.read_text().replace("root * root", "(root * root)"))
+    assert compiled() == {"ieee_numbers", "numbers_real64"}

@@ -4,8 +4,7 @@ import re
 
 import pytest
 from builds import ROOT
-from fault_effects import inside
-from listing_page import DATA, DOCUMENT, MADE, begin, records
+from listing_page import DATA, DOCUMENT, MADE, begin, inside, records
 
 # Says nothing about the build under test.
 pytestmark = pytest.mark.once
@@ -49,9 +48,9 @@ def test_a_mark_stands_where_the_page_says(file, name, text):
     assert marks(text) <= marks(routine(name, source) if name else source)
 
 
-def test_tables_are_current(asperity):
+def test_tables_are_current():
     for name, lines in MADE.items():
-        assert inside(TABLES, begin(name))[1].strip("\n").splitlines() == list(lines(asperity))
+        assert inside(TABLES, begin(name))[1].strip("\n").splitlines() == list(lines())
 
 
 def test_every_correction_is_told():

@@ -1,84 +1,26 @@
 """The tables of reference_output/faults/listing_port_scan.md, between its markers.
 
-    python test/support/listing_page.py EXECUTABLE
+    python test/support/listing_page.py
 
-What a mended fault changes in print is the executable's; what was corrected in the scan, and why,
-is that of reference_output/thesis.
+Corrections of the scan, and their reasons, are those of reference_output/thesis.
 """
 
-import re
-import sys
-from pathlib import Path
-
-from digitised_tables import DATA, records
-from fault_effects import DECIMALS, END, ROOT, TABLES, inside, names, printed_rows
+from digitised_tables import DATA, ROOT, records
 from printed_report import Report
 
 DOCUMENT = "reference_output/faults/listing_port_scan.md"
 ARCHIVE = ROOT / "reference_output" / "thesis.ibm370.txt"
-PLACES = ("displacement", "approach", "x", "y")
+END = "<!-- end of what was made -->"
 
 
 def begin(name):
     return f"<!-- {name}: made by test/support/listing_page.py -->"
 
 
-def numbered():
-    """Number of each fault that has a name, by docs/theory/faults.md."""
-    page = (ROOT / "docs/theory/faults.md").read_text(encoding="utf-8")
-    return {name: number for number, name in
-            re.findall(r"^\| (\d+) \|.*\| `([a-z-]+)` \|$", page, re.MULTILINE)}
-
-
-def number(text):
-    """A printed cell as a number; a word is none."""
-    return float(text) if re.fullmatch(r"-?\d*\.?\d*", text) and re.search(r"\d", text) else None
-
-
-def of_table_vi(before, after):
-    """Cells of Table VI that print otherwise, in words."""
-    told = []
-    for quantity in DECIMALS:
-        old, new = before["TABLE VI", quantity], after["TABLE VI", quantity]
-        told += [f"{quantity.replace('_', ' ')} {column} {old[column]} to {new[column]}"
-                 for column in old if old[column] != new[column]]
-    return "; ".join(told)
-
-
-def of_table_vii(before, after, table):
-    """By column: how many cells print otherwise and the largest change; rows of one report only."""
-    columns, only = {}, 0
-    for key in sorted({key for key in (*before, *after) if key[0] == table}, key=str):
-        if key not in before or key not in after:
-            only += 1
-            continue
-        for column, old in before[key].items():
-            new = after[key][column]
-            if old != new:
-                change = columns.setdefault(column, [0, 0.0])
-                change[0] += 1
-                if None not in (number(old), number(new)):
-                    change[1] = max(change[1], abs(number(new) - number(old)))
-    told = [f"{column.replace('_', ' ')} {count}" + (f" (by {most:.5g} at most)" if most else "")
-            for column, (count, most) in columns.items()]
-    return "; ".join(told + [f"{only} rows in one of both reports only"] * bool(only))
-
-
-def table_of_cells(asperity):
-    """What each mended fault changes in print, table by table."""
-    yield "| fault | table | printed numbers that are others without it |"
-    yield "| --- | --- | --- |"
-    before, by_name = printed_rows(asperity), numbered()
-    for name in names(asperity):
-        after = printed_rows(asperity, name)
-        told = {"VI": of_table_vi(before, after)}
-        told |= {table.removeprefix("TABLE "): of_table_vii(before, after, table)
-                 for table in TABLES}
-        told = {table: text for table, text in told.items() if text}
-        for table, text in told.items():
-            yield f"| {by_name[name]} `{name}` | {table} | {text} |"
-        if not told:
-            yield f"| {by_name[name]} `{name}` | - | none on this deck |"
+def inside(text, first):
+    """What stands between a marker and the next end: before, inside, behind."""
+    before, _, rest = text.partition(first)
+    return before, *rest.partition(END)[::2]
 
 
 def shown(text):
@@ -90,7 +32,7 @@ def name_of(table):
     return table.removeprefix("table_").upper().replace("VII_HEADINGS", "VII, headings")
 
 
-def table_of_corrections(_):
+def table_of_corrections():
     """Every cell that differs from the scan, by table and reason."""
     yield "| table | cells: row, column, scan, taken | evidence |"
     yield "| --- | --- | --- |"
@@ -103,7 +45,7 @@ def table_of_corrections(_):
         yield f"| {name_of(table)} | {'; '.join(cells)} | {reason} |"
 
 
-def table_of_unsettled(_):
+def table_of_unsettled():
     """Every cell that is not settled: its bounds, and what the port prints."""
     yield "| table | row | column | state | bounds of the evidence | the port prints |"
     yield "| --- | ---: | --- | --- | --- | --- |"
@@ -115,17 +57,16 @@ def table_of_unsettled(_):
             f"{row['low']} to {row['high']} | {printed} |"
 
 
-MADE = {"cells": table_of_cells, "corrections": table_of_corrections,
-        "unsettled": table_of_unsettled}
+MADE = {"corrections": table_of_corrections, "unsettled": table_of_unsettled}
 
 
-def main(executable):
+def main():
     path = ROOT / DOCUMENT
     for name, lines in MADE.items():
         before, _, after = inside(path.read_text(encoding="utf-8"), begin(name))
-        table = "\n".join(lines(Path(executable).resolve()))
+        table = "\n".join(lines())
         path.write_text(f"{before}{begin(name)}\n{table}\n{END}{after}", encoding="utf-8")
 
 
 if __name__ == "__main__":
-    main(*sys.argv[1:])
+    main()

@@ -1,11 +1,15 @@
-! The original program, SECTION I to III. Part of sections.inc.
-
+#ifndef NUMBER
+!> SECTION I to III of the original program, a part of sections.F90. See there why a module is
+!> empty.
+module asperity_sections_i_to_iii
+  implicit none
+end module asperity_sections_i_to_iii
+#else
   ! SECTION I: constants and start values.
   subroutine section_i(s, request)
     type(program_state), intent(out) :: s
     type(original_request), intent(in) :: request
 
-    s%mended = request%mended
     s%half = constant(5, -1)
     s%c1p5 = constant(15, -1)
     s%c3p1416 = constant(31416, -4)
@@ -46,18 +50,6 @@
     s%sumdfc = whole_number(0)
     s%sumslo = whole_number(0)
     s%isumpt = 0
-    s%top = whole_number(0)
-    ! Fault 6: a gap of 100 cm stands for none.
-    s%empty = whole_number(100)
-    if (s%mended%no_pair) s%empty = constant(1, 36)
-    if (s%mended%start_value) then
-      s%tlodmn = constant(1, 36)
-      s%tarmn = constant(1, 36)
-      s%ptmn = huge(s%ptmn)
-      s%apprmx = -constant(1, 36)
-      s%apprmn = constant(1, 36)
-      s%slopmn = constant(1, 36)
-    end if
   end subroutine section_i
 
   ! SECTION II: cards to centres in cm; Table V and Table III.
@@ -90,7 +82,6 @@
       x = decimal_number(deck%upper%x(i))
       y = decimal_number(deck%upper%y(i))
       z = decimal_number(deck%upper%z(i))
-      if (z > s%top) s%top = z
       ! Deviation j: sine and cosine are rounded correctly; the library's are not known.
       s%xsu(i) = x * cos(s%thetau) - y * sin(s%thetau)
       s%ysu(i) = x * sin(s%thetau) + y * cos(s%thetau)
@@ -104,7 +95,6 @@
       x = decimal_number(deck%lower%x(i))
       y = decimal_number(deck%lower%y(i))
       z = decimal_number(deck%lower%z(i))
-      if (z > s%top) s%top = z
       s%xsl(i) = x * cos(s%thetal) - y * sin(s%thetal)
       s%ysl(i) = x * sin(s%thetal) + y * cos(s%thetal)
       s%ysl(i) = s%widthl - s%ysl(i)
@@ -116,10 +106,6 @@
     ! Fault 11: these shift the printed displacement only.
     s%xdispl = s%xdispl * s%cfl
     s%ydispl = s%ydispl * s%cfl
-    if (s%mended%shift) then
-      s%xsu = s%xsu + s%xdispl
-      s%ysu = s%ysu + s%ydispl
-    end if
     s%ru = s%ru * s%cfl
     s%rl = s%rl * s%cfl
     s%zumax = s%zumax * s%cfl
@@ -161,7 +147,7 @@
   ! SECTION III: combined quantities and the candidate distance.
   subroutine section_iii(s)
     type(program_state), intent(inout) :: s
-    NUMBER :: one, zmax, most
+    NUMBER :: one, zmax
 
     one = whole_number(1)
     s%q = s%ru / (s%ru + s%rl)
@@ -174,27 +160,10 @@
     ! ELIMIT, the larger of the two stresses, stands here and is never used (fault 7).
     ! Fault 7: RU alone, and the stated heights, which asperities may exceed.
     s%ofstmx = whole_number(2) * sqrt(s%ru * zmax)
-    if (s%mended%reach) then
-      s%ofstmx = s%ru + s%rl
-      ! As far as a pair can be that touches before a summit reaches the other plane.
-      most = whole_number(2) * (s%ru + s%rl) * s%top * s%cfl
-      if (most > whole_number(0) .and. most < s%ofstmx * s%ofstmx) s%ofstmx = sqrt(most)
-    end if
-    if (s%mended%overshoot) then
-      most = s%wlimit / ((whole_number(4) / whole_number(3)) * s%ep * sqrt(s%r))
-      s%wmax = cube_root(most * most)
-    end if
 
     ! The list has 37 places whatever NU is (fault 5). Below 37 the rest stays at 100 and does no
     ! harm; above, the original ran over its arrays. Deviation h: here the list grows with NU.
     allocate (s%sepmin(max(s%nu, list_places)))
     allocate (s%mnu(max(s%nu, list_places)), s%mnl(max(s%nu, list_places)))
-    s%places = s%nu
-    if (s%mended%list) then
-      ! No pair goes deeper than RU + RL, each can add a shorter step, and 100 cm are endless.
-      most = (s%ru + s%rl) / s%dapprx + whole_number(s%nu) * whole_number(s%nl)
-      s%napmx = 100000
-      if (most < whole_number(s%napmx)) s%napmx = cut_to_integer(most)
-    end if
   end subroutine section_iii
-
+#endif

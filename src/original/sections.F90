@@ -1,11 +1,19 @@
-! The original program, SECTION I to V: the one text of the algorithm.
-!
-! The including module names the number type (NUMBER) and imports the few functions in which the
-! arithmetics differ. The order of operations is the original's: printed digits depend on it.
-! Names are the original's, in lower case. "Fault n" and "Deviation x" refer to
-! docs/theory/faults.md.
-! Where s%mended names a fault, what follows mends it; the original has none of that.
-
+#ifndef NUMBER
+!> The original program, SECTION I to V: the one text of the algorithm.
+!>
+!> The modules that include this file name the number type (NUMBER) and import the few functions in
+!> which the arithmetics differ. The order of operations is the original's: printed digits depend
+!> on it. Names are the original's, in lower case. "Fault n" and "Deviation x" refer to
+!> docs/theory/faults.md.
+!>
+!> Without NUMBER this file is an empty module. fpm sees a change of a source file, not of an
+!> included text: each module that includes this file uses this module and is compiled anew.
+module asperity_sections
+  use asperity_section_iv, only:
+  use asperity_sections_i_to_iii, only:
+  implicit none
+end module asperity_sections
+#else
   implicit none
   private
 
@@ -36,10 +44,6 @@
     logical :: flag
     ! Not in the original: at how many positions a fault came to bear
     integer :: ran_out = 0, list_full = 0
-    ! Not in the original: what mends its faults
-    type(mended_faults) :: mended
-    NUMBER :: top, wmax, empty         ! the greatest height, in; W at WLIMIT; no separation
-    integer :: places, at_limit, idle  ! of the list; the pair at its limit; contacts without load
   end type program_state
 
 contains
@@ -53,15 +57,14 @@ contains
     type(original_request), intent(in) :: request          !! what to keep
     type(original_records), intent(out) :: records         !! what it computes
     character(len=:), allocatable, intent(out) :: failure  !! why it had to stop
-    type(program_state) :: s, first
+    type(program_state) :: s
     integer :: m
 
     call section_i(s, request)
     call section_ii(s, deck, records)
     call section_iii(s)
-    first = s
     do m = 1, original_positions
-      call section_iv_a(s, first, m)
+      call section_iv_a(s)
       call section_iv_b(s, m, failure)
       if (allocated(failure)) return
       call section_iv_c(s, m, records)
@@ -72,9 +75,8 @@ contains
     call section_v(s, records)
   end subroutine run_original
 
-#include "sections_i_to_iii.inc"
-#include "section_iv.inc"
-#include "mended.inc"
+#include "sections_i_to_iii.F90"
+#include "section_iv.F90"
 
   ! SECTION V: averages; Table VI.
   subroutine section_v(s, records)
@@ -89,20 +91,16 @@ contains
       table_row(s%tarmx, s%tarmn, s%sumar / s%sumpos)
     records%variance(points_row, :) = real([s%ptmx, s%ptmn, ptav], real64)
     ! Fault 15: the average is cut.
-    if (s%mended%count) &
-      records%variance(points_row, 3) = to_real64(whole_number(s%isumpt) / s%sumpos)
     records%variance(approach_row, :) = &
       table_row(s%apprmx, s%apprmn, s%sumapp / s%sumpos)
     records%variance(slope_row, :) = &
       table_row(s%slopmx, s%slopmn, quotient(s%sumslo, s%cp))
     ! Fault 1: a sum over positions divided by a count of contacts.
     records%variance(total_difference_row, :) = &
-      table_row(s%difamx, s%difamn, quotient(s%sumdfa, merge(s%sumpos, s%cp, s%mended%divisor)))
+      table_row(s%difamx, s%difamn, quotient(s%sumdfa, s%cp))
     records%variance(individual_difference_row, :) = &
       table_row(s%difcmx, s%difcmn, quotient(s%sumdfc, s%cp))
     ! Fault 14: without a contact over the limit the start values are left.
-    if (s%mended%start_value .and. .not. s%cp > whole_number(0)) &
-      records%variance([slope_row, individual_difference_row], :2) = 0.0_real64
     if (s%ran_out > 0) call records%notes%add('note: at ' // decimal_text(s%ran_out) // &
       ' positions the approaches ran out before a contact reached WLIMIT (fault 5)')
     if (s%list_full > 0) call records%notes%add('note: at ' // decimal_text(s%list_full) // &
@@ -168,3 +166,4 @@ contains
 
     text = decimal_text(j) // ' (upper) and ' // decimal_text(k) // ' (lower)'
   end function pair
+#endif

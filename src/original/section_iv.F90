@@ -1,25 +1,19 @@
-! The original program, SECTION IV. Part of sections.inc.
-
+#ifndef NUMBER
+!> SECTION IV of the original program, a part of sections.F90. See there why a module is empty.
+module asperity_section_iv
+  implicit none
+end module asperity_section_iv
+#else
   ! SECTION IV A: empties the list, moves the upper model.
-  subroutine section_iv_a(s, first, m)
+  subroutine section_iv_a(s)
     type(program_state), intent(inout) :: s
-    type(program_state), intent(in) :: first
-    integer, intent(in) :: m
     integer :: i
 
     s%mnu = 0
     s%mnl = 0
-    s%sepmin = s%empty
+    ! Fault 6: a gap of 100 cm stands for none.
+    s%sepmin = whole_number(100)
     ! Fault 2: displacements are sums of rounded steps.
-    if (s%mended%drift) then
-      s%xsu = first%xsu + whole_number(m) * s%dxdisp
-      s%ysu = first%ysu + whole_number(m) * s%dydisp
-      s%zsu = first%zsu
-      s%appr = first%appr
-      s%xdispl = first%xdispl + whole_number(m) * s%dxdisp
-      s%ydispl = first%ydispl + whole_number(m) * s%dydisp
-      return
-    end if
     ! Fault 5, deviation h: the original's loop ran to 37, whatever NU.
     do i = 1, s%nu
       s%xsu(i) = s%xsu(i) + s%dxdisp
@@ -56,9 +50,9 @@
         zu = s%zsu(j) - du
         zl = s%zsl(k) + dl
         sep = zu - zl
-        do l = 1, s%places
+        do l = 1, s%nu
           if (.not. sep < s%sepmin(l)) cycle
-          do lx = s%places, l + 1, -1
+          do lx = s%nu, l + 1, -1
             s%sepmin(lx) = s%sepmin(lx - 1)
             s%mnu(lx) = s%mnu(lx - 1)
             s%mnl(lx) = s%mnl(lx - 1)
@@ -68,12 +62,10 @@
           s%mnl(l) = k
           exit
         end do
-        if (s%mended%list .and. s%mnu(s%places) /= 0) call lengthen_list(s, m, failure)
-        if (allocated(failure)) return
       end do
     end do
     ! Fault 6: no candidate pair; SEPMIN(1) is still 100.
-    if (s%mnu(1) == 0 .and. .not. s%mended%no_pair) &
+    if (s%mnu(1) == 0) &
       failure = place(m) // 'no pair of asperities is within OFSTMX and less than 100 cm ' // &
                 'apart: the original ran on with separations of 100 and read past its arrays ' // &
                 '(fault 6)'
@@ -101,49 +93,26 @@
     logical, intent(in) :: keep
     type(original_records), intent(inout) :: records
     character(len=:), allocatable, intent(inout) :: failure
-    type(program_state) :: before
-    integer :: nap, used
+    integer :: nap
 
     s%flag = .false.
-    s%at_limit = 0
     if (keep) allocate (records%positions(m)%totals(3, s%napmx))
-    ! Fault 6, mended: without a pair there is no approach.
-    if (s%mnu(1) == 0) then
-      s%nctpt = 0
-      s%idle = 0
-      s%tarea = whole_number(0)
-      s%tareap = whole_number(0)
-      s%tload = whole_number(0)
-      s%duma = whole_number(0)
-      return
-    end if
     ! Fault 4: the limit is looked for after it is passed. Fault 5: the approaches may run out.
     do nap = 1, s%napmx
       if (s%flag) exit
       call section_iv_d_1(s)
-      ! Fault 13: whether the limit is passed is known behind the contacts before it.
-      if (s%mended%left_out) before = s
-      used = records%contacts_used
       call section_iv_d_2(s, m, nap, keep, records, failure)
       if (allocated(failure)) return
-      if (s%mended%left_out .and. s%flag) then
-        s = before
-        s%flag = .true.
-        records%contacts_used = used
-        call section_iv_d_2(s, m, nap, keep, records, failure)
-      end if
       records%positions(m)%steps = nap
       if (keep) records%positions(m)%totals(:, nap) = &
         [to_real64(s%tarea), to_real64(s%tareap), to_real64(s%tload)]
       call section_iv_d_3(s, m, nap, failure)
       if (allocated(failure)) return
     end do
-    if (keep .and. s%mended%list) &
-      records%positions(m)%totals = records%positions(m)%totals(:, :records%positions(m)%steps)
     records%positions(m)%last_contact = records%contacts_used
     records%positions(m)%limit_reached = s%flag
     if (.not. s%flag) s%ran_out = s%ran_out + 1
-    if (s%nctpt == s%places .and. s%nl > 1) s%list_full = s%list_full + 1
+    if (s%nctpt == s%nu .and. s%nl > 1) s%list_full = s%list_full + 1
   end subroutine section_iv_d
 
   ! SECTION IV D.1: lowers the upper model by the decrement.
@@ -157,7 +126,6 @@
       s%zsu(jj) = s%zsu(jj) - s%dappr
     end do
     s%nctpt = 0
-    s%idle = 0
     s%tarea = whole_number(0)
     s%tload = whole_number(0)
     s%tareap = whole_number(0)
@@ -175,10 +143,9 @@
     integer :: j, k, l
 
     zero = whole_number(0)
-    do l = 1, s%places
+    do l = 1, s%nu
       k = s%mnl(l)
       j = s%mnu(l)
-      if (j == 0 .and. s%mended%no_pair) cycle
       s%sepmin(l) = s%sepmin(l) - s%dappr
       if (s%sepmin(l) > zero) cycle
       if (j == 0) then
@@ -188,7 +155,7 @@
       end if
       contact = contact_record(position=m, step=nap, upper=j, lower=k)
       if (s%sepmin(l) < zero) then
-        call section_iv_d_2_2(s, l, contact, failure)
+        call section_iv_d_2_2(s, contact, failure)
         if (allocated(failure)) return
       else
         call section_iv_d_2_3(s, j, k, contact)
@@ -198,9 +165,8 @@
   end subroutine section_iv_d_2
 
   ! SECTION IV D.2.2: a contact that carries load.
-  subroutine section_iv_d_2_2(s, l, contact, failure)
+  subroutine section_iv_d_2_2(s, contact, failure)
     type(program_state), intent(inout) :: s
-    integer, intent(in) :: l
     type(contact_record), intent(inout) :: contact
     character(len=:), allocatable, intent(inout) :: failure
     NUMBER :: dist, z, slope, w, xca, yca, carea, cload, ctavpr, ctmxpr, cf, careap, difca, one
@@ -211,16 +177,9 @@
     k = contact%lower
     dist = plan_distance(s, j, k)
     z = s%zsu(j) - s%zsl(k)
-    if (s%mended%list .and. .not. z > whole_number(0)) then
-      failure = place(contact%position) // 'no contact reaches WLIMIT before the centres of ' // &
-                'asperities ' // pair(j, k) // ' meet'
-      return
-    end if
     slope = dist / z
     ! Fault 3: a small difference of nearly equal numbers.
     w = s%rl + s%ru - sqrt(dist * dist + z * z)
-    if (s%mended%overlap) w = -s%sepmin(l) * (z + z - s%sepmin(l)) / &
-                              (s%rl + s%ru + sqrt(dist * dist + z * z))
     if (w < whole_number(0)) then
       failure = place(contact%position) // 'asperities ' // pair(j, k) // ' are in contact, ' // &
                 'but rounding leaves them a negative overlap W: power of a negative number ' // &
@@ -238,18 +197,14 @@
     s%nctpt = s%nctpt + 1
     cf = one / sqrt(one + slope * slope)
     careap = cf * carea
-    contact%limit_exceeded = cload >= s%wlimit .or. l == s%at_limit
+    contact%limit_exceeded = cload >= s%wlimit
     if (contact%limit_exceeded) s%flag = .true.
     s%duma = s%appr
     s%tarea = s%tarea + carea
     s%tareap = s%tareap + careap
     ! Fault 8: forces normal to inclined contacts, not their vertical parts. Fault 12: contacts
     ! do not feel each other.
-    if (s%mended%normal_load) then
-      s%tload = s%tload + cf * cload
-    else
-      s%tload = s%tload + cload
-    end if
+    s%tload = s%tload + cload
     contact%loaded = .true.
     contact%area_no = s%nctpt
     contact%approach = to_real64(s%duma)
@@ -282,7 +237,6 @@
 
     ! Fault 15: a contact without load counts as a point of Table VI.
     s%nctpt = s%nctpt + 1
-    if (s%mended%count) s%idle = s%idle + 1
     z = s%zsu(j) - s%zsl(k)
     s%duma = s%appr
     contact%area_no = s%nctpt
@@ -308,7 +262,6 @@
     else
       s%dappr = s%dapprx
     end if
-    if (s%mended%overshoot) call end_at_limit(s)
   end subroutine section_iv_d_3
 
   ! SECTION IV E: maxima, minima and sums of the last approach.
@@ -316,16 +269,14 @@
     type(program_state), intent(inout) :: s
     type(position_record), intent(inout) :: position
     NUMBER :: difa
-    integer :: points
 
-    points = s%nctpt - s%idle
     difa = quotient(whole_number(100) * (s%tarea - s%tareap), s%tarea)
     if (s%tload > s%tlodmx) s%tlodmx = s%tload
     if (s%tload < s%tlodmn) s%tlodmn = s%tload
     if (s%tarea > s%tarmx) s%tarmx = s%tarea
     if (s%tarea < s%tarmn) s%tarmn = s%tarea
-    if (points > s%ptmx) s%ptmx = points
-    if (points < s%ptmn) s%ptmn = points
+    if (s%nctpt > s%ptmx) s%ptmx = s%nctpt
+    if (s%nctpt < s%ptmn) s%ptmn = s%nctpt
     if (s%duma > s%apprmx) s%apprmx = s%duma
     if (s%duma < s%apprmn) s%apprmn = s%duma
     if (difa > s%difamx) s%difamx = difa
@@ -335,11 +286,11 @@
     s%sumapp = s%sumapp + s%duma
     s%sumpos = s%sumpos + whole_number(1)
     s%sumdfa = s%sumdfa + difa
-    s%isumpt = s%isumpt + points
+    s%isumpt = s%isumpt + s%nctpt
     position%approach = to_real64(s%duma)
     position%load = to_real64(s%tload)
     position%area = to_real64(s%tarea)
     position%projected_area = to_real64(s%tareap)
-    position%contacts = points
+    position%contacts = s%nctpt
   end subroutine section_iv_e
-
+#endif

@@ -1,6 +1,12 @@
-! The functions in which the arithmetics differ, for an IEEE kind.
-! The including module names the kind: KIND.
-
+#ifndef KIND
+!> The functions in which the arithmetics differ, for an IEEE kind.
+!>
+!> The modules that include this file name the kind: KIND. Without it this is an empty module, by
+!> which fpm compiles them anew when this file changes.
+module asperity_ieee_numbers
+  implicit none
+end module asperity_ieee_numbers
+#else
   implicit none
   private
 
@@ -113,3 +119,4 @@ contains
     ! One Newton step: the exponent 1/3 is rounded.
     root = scale(root - (root - near_one / (root * root)) / 3, power)
   end function cube_root
+#endif
