@@ -8,6 +8,7 @@ contacts. All but the steep ones are caps under one huge sphere. Places and heig
     python test/support/dense_scenes.py FOLDER      writes them all
 """
 
+import random
 import sys
 import zlib
 from dataclasses import dataclass
@@ -16,7 +17,7 @@ from pathlib import Path
 
 import numpy as np
 
-from surfaces_csv import write_csv_scene
+from surfaces_csv import write_csv_scene, write_plane_scene
 
 MODULUS, RATIO = 1000.0, 0.3
 COMBINED = MODULUS / (2 * (1 - RATIO ** 2))
@@ -308,6 +309,45 @@ FAMILIES = ((pairs, 36, 11), (unlike_pairs, 36, 12), (coincident, 24, 13), (trip
             (clumps, 60, 19), (clusters, 20, 20), (many, 12, 21))
 # After the steep ones, so that those before keep their places.
 LATER = ((in_line, 12, 23),)
+
+
+@dataclass(frozen=True)
+class Rough:
+    """Caps under a plane, 26 a unit of area, of radius 1.27, at a compression or under a load."""
+
+    number: int
+    seed: int
+    compression: float
+    load: float = None
+
+    @property
+    def name(self):
+        return f"rough_{self.number}_{self.load or self.compression:g}"
+
+    @cache
+    def caps(self):
+        """x, y, height, radius: places at random, heights normal, .127 and .03, within limits."""
+        rng, side = random.Random(self.seed), np.sqrt(self.number / 26)
+        return tuple((float(f"{rng.uniform(0, side):.7g}"), float(f"{rng.uniform(0, side):.7g}"),
+                      float(f"{min(.22, max(.03, rng.gauss(.127, .03))):.7g}"), 1.27)
+                     for _ in range(self.number))
+
+    def write(self, folder, **effects):
+        """The scene's files."""
+        loading = {"control": "load", "value": self.load} if self.load else \
+            {"control": "approach",
+             "value": round(max(cap[2] for cap in self.caps()) - self.compression, 12)}
+        return write_plane_scene(folder, self.caps(), modulus=(275760.0,) * 2, ratio=(0.42,) * 2,
+                                 loading=loading, effects=effects)
+
+
+def rough_scenes():
+    """60 caps at compressions of .016 to .17 of their radius; 2000 under loads of 10 to 160 a cap,
+    with compressions that are not less than those."""
+    return (*(Rough(60, 6, c) for c in (0.02, 0.06, 0.12, 0.22)),
+            *(Rough(2000, 31, c, 2000.0 * each) for each, c in
+              ((10, 0.06), (20, 0.08), (40, 0.12), (60, 0.15), (80, 0.18), (120, 0.24),
+               (160, 0.29))))
 
 
 def made_by(families):
