@@ -8,7 +8,7 @@
 !> effect with a memory overrides `begin` and `keep`; one that acts during a hold sets
 !> `acts_in_time` and overrides `held_share`; one with columns that need no simulation overrides
 !> `leave_out`; one with columns that later effects change, `finish`; one with a fast search for a
-!> load, `closing_at_load`; one that attracts, `letting_go`.
+!> load, `closing_at_load`; one that attracts, `letting_go` and `least_load`.
 module asperity_contact_effect
   use asperity_contact_law, only: contact_law
   use asperity_contact_pairs, only: contact_pairs
@@ -64,6 +64,7 @@ module asperity_contact_effect
     procedure :: held_share                !! share of the load that remains in a hold
     procedure :: closing_at_load           !! compression at which a load is reached
     procedure :: letting_go                !! compressions at which adhering contacts separate
+    procedure :: least_load                !! lower bound of the load between two compressions
     procedure, non_overridable :: call_as  !! sets name, mode and tolerance
   end type contact_effect
 
@@ -202,5 +203,17 @@ contains
     end associate
     allocate (closings(0))
   end subroutine letting_go
+
+  !> Lower bound of the load between two compressions, on unloading. This default: none.
+  function least_load(self, pairs, low, high) result(load)
+    class(contact_effect), intent(in) :: self  !! effect with its parameters
+    type(contact_pairs), intent(in) :: pairs   !! pairs of the position
+    real(real64), intent(in) :: low, high      !! compressions, low <= high
+    real(real64) :: load
+
+    associate (unused => self, unused_too => pairs, unused_also => low, as_well => high)
+    end associate
+    load = -huge(load)
+  end function least_load
 
 end module asperity_contact_effect

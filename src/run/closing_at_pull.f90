@@ -2,9 +2,13 @@
 !>
 !> On unloading the load decreases, and increases abruptly where a contact parts. Between two such
 !> compressions the load is a convex function of the compression, as that of each adhering contact
-!> is. The first compression at which the load has decreased to the target is found interval by
-!> interval, from the highest; the least load of an interval is found by golden-section search. It
-!> is also the equilibrium of a dead weight.
+!> is. The first compression at which the load has decreased to the target is found by branch and
+!> bound (Land and Doig 1960) over the intervals, from the highest: groups of intervals whose lower
+!> bound of the load exceeds the target are skipped. The least load of an interval is found by
+!> golden-section search. It is also the equilibrium of a dead weight.
+!>
+!> The work of a state is proportional to the number of contacts and to the logarithm of the number
+!> of intervals that are skipped.
 module asperity_closing_at_pull
   use asperity_contact_effect, only: effect_box
   use asperity_contact_pairs, only: contact_pairs, in_scene_units
@@ -52,26 +56,30 @@ contains
     type(found_state), intent(inout) :: found               !! last compression; the state found
     character(len=:), allocatable, intent(out) :: failure   !! reason, when the load is not carried
     real(real64), allocatable :: ends(:)
-    real(real64) :: top, bottom, best, least, lowest
-    integer :: k
+    real(real64) :: top, best, level
+    logical :: is_met, seeks_least
+    integer :: first, last
 
     call raise_load(top)
     if (allocated(failure)) return
     call find_ends(pairs, effects, top, ends)
-    least = min(0.0_real64, load_at(top))
-    do k = 1, size(ends)
-      bottom = ends(k)
-      call find_least(bottom, top, best, lowest)
-      if (allocated(failure)) return
-      least = min(least, lowest)
-      if (lowest <= target) then
-        call find_crossing(best, lowest, top)
-        return
-      end if
-      top = bottom
+    level = target
+    is_met = .false.
+    seeks_least = .false.
+    ! Groups of 1, 2, 4 ... intervals: the work grows with the distance of the compression.
+    first = 2
+    do while (first <= size(ends))
+      last = min(2 * first - 2, size(ends))
+      call search_group(first, last)
+      if (is_met .or. allocated(failure)) return
+      first = last + 1
     end do
+    level = min(0.0_real64, load_at(top))
+    seeks_least = .true.
+    call search_group(2, size(ends))
+    if (allocated(failure)) return
     failure = 'the pull is larger than the contacts carry: ' // &
-              real_text(in_scene_units(pairs, abs(least), 1, 2)) // ' at most'
+              real_text(in_scene_units(pairs, abs(level), 1, 2)) // ' at most'
 
   contains
 
@@ -91,29 +99,66 @@ contains
       failure = 'the load is larger than the surfaces carry'
     end subroutine raise_load
 
-    ! Finds the least load between two compressions at which contacts part.
-    subroutine find_least(low_end, high_end, place, value)
-      real(real64), intent(in) :: low_end, high_end
+    ! Searches the intervals that end at ends(first:last), from the highest, for the level: the
+    ! target, or the least load so far.
+    recursive subroutine search_group(first, last)
+      integer, intent(in) :: first, last
+      real(real64) :: bound, lowest
+      integer :: i, middle
+
+      if (is_met .or. allocated(failure) .or. first > last) return
+      bound = -huge(bound)
+      do i = 1, size(effects)
+        bound = max(bound, effects(i)%effect%least_load(pairs, ends(last), ends(first - 1)))
+      end do
+      if (exceeds_level(bound)) return
+      if (first < last) then
+        middle = (first + last) / 2
+        if (seeks_least) level = min(level, load_at(ends(middle)))
+        call search_group(first, middle)
+        call search_group(middle + 1, last)
+        return
+      end if
+      call find_least(ends(last), ends(last - 1), best, lowest)
+      if (allocated(failure)) return
+      is_met = lowest <= target
+      if (is_met) call find_crossing(best, lowest, ends(last - 1))
+      if (seeks_least) level = min(level, lowest)
+    end subroutine search_group
+
+    logical function exceeds_level(bound)
+      real(real64), intent(in) :: bound
+
+      exceeds_level = bound > level + load_tolerance * abs(level)
+    end function exceeds_level
+
+    ! Finds the least load between two compressions at which contacts part, unless it exceeds the
+    ! level: lines through two points are below a convex function outside of them. The
+    ! loads at the ends are no points of that function, as a contact parts there.
+    subroutine find_least(low, high, place, value)
+      real(real64), intent(in) :: low, high
       real(real64), intent(out) :: place, value
-      real(real64) :: low, high, at(2), loads(2)
+      real(real64) :: at(4), loads(4)
       integer :: cut
 
-      low = low_end
-      high = high_end
-      at = [high - golden * (high - low), low + golden * (high - low)]
-      loads = [load_at(at(1)), load_at(at(2))]
+      at = [low, high - golden * (high - low), low + golden * (high - low), high]
+      loads = sqrt(huge(loads))
+      loads(2:3) = [load_at(at(2)), load_at(at(3))]
       do cut = 1, cuts
         if (allocated(failure)) return
         ! The target is reached, or the interval has no further numbers.
-        if (minval(loads) <= target .or. .not. at(1) < at(2)) exit
-        if (loads(1) < loads(2)) then
-          high = at(2)
-          at = [high - golden * (high - low), at(1)]
-          loads = [load_at(at(1)), loads(1)]
+        if (minval(loads) <= target .or. .not. at(2) < at(3)) exit
+        if (exceeds_level(convex_bound(at, loads))) exit
+        if (loads(2) < loads(3)) then
+          at(3:) = at(2:3)
+          loads(3:) = loads(2:3)
+          at(2) = at(4) - golden * (at(4) - at(1))
+          loads(2) = load_at(at(2))
         else
-          low = at(1)
-          at = [at(2), low + golden * (high - low)]
-          loads = [loads(2), load_at(at(2))]
+          at(:2) = at(2:3)
+          loads(:2) = loads(2:3)
+          at(3) = at(1) + golden * (at(4) - at(1))
+          loads(3) = load_at(at(3))
         end if
       end do
       place = at(minloc(loads, 1))
@@ -159,7 +204,19 @@ contains
 
   end subroutine close_to_pull
 
-  ! Finds the compressions below `top` at which contacts part, in descending order.
+  ! Lower bound of a convex function through four ascending points, between the first and the last.
+  pure real(real64) function convex_bound(at, values) result(bound)
+    real(real64), intent(in) :: at(4), values(4)
+    real(real64) :: slopes(3)
+
+    slopes = (values(2:) - values(:3)) / (at(2:) - at(:3))
+    bound = min(values(2) - max(slopes(2), 0.0_real64) * (at(2) - at(1)), &
+                values(3) + min(slopes(2), 0.0_real64) * (at(4) - at(3)), &
+                max(values(2) + min(slopes(1), 0.0_real64) * (at(3) - at(2)), &
+                    values(3) - max(slopes(3), 0.0_real64) * (at(3) - at(2))))
+  end function convex_bound
+
+  ! Finds `top` and the compressions below it at which contacts part, in descending order.
   subroutine find_ends(pairs, effects, top, ends)
     type(contact_pairs), intent(in) :: pairs
     type(effect_box), intent(in) :: effects(:)
@@ -174,13 +231,12 @@ contains
       call effects(i)%effect%letting_go(pairs, one)
       all_of_them = [all_of_them, pack(one, one < top)]
     end do
-    allocate (order(size(all_of_them)), ends(size(all_of_them)))
+    allocate (order(size(all_of_them)), ends(size(all_of_them) + 1))
     if (size(order) > 0) call sort_keys(-all_of_them, order)
-    k = 0
+    ends(1) = top
+    k = 1
     do i = 1, size(order)
-      if (k > 0) then
-        if (.not. all_of_them(order(i)) < ends(k)) cycle
-      end if
+      if (.not. all_of_them(order(i)) < ends(k)) cycle
       k = k + 1
       ends(k) = all_of_them(order(i))
     end do

@@ -1,6 +1,7 @@
 """Adhesion, as `asperity solve` does it, against closed forms and adhesion_truth.py."""
 
 import math
+import os
 
 import numpy as np
 import pytest
@@ -9,7 +10,7 @@ from mpmath import mpf
 import adhesion_truth as truth
 from ball_scenes import balls, column, compare, off, path, solved, work
 from effect_runs import DECK
-from surfaces_csv import write_scene
+from surfaces_csv import solve, write_scene
 
 MODULUS, RADIUS, WORK = 1000.0, 2.0, 0.01
 UNIT = math.pi * WORK * RADIUS
@@ -252,3 +253,51 @@ def test_auto(asperity, tmp_path):
         truth = (1 + 2 * share + 2 * math.sqrt(share + share**2)) ** (2 / 3) - 1
         assert truth <= estimate <= 1.01 * truth
         assert float(run.positions[0]["load"]) == pytest.approx(load, rel=1e-10)
+
+
+def jkr_loads(overlaps):
+    """Loads of equal balls at overlaps on the stable branch, from L and R as in jkr_adhesion."""
+    y = np.asarray(overlaps) / DEPTH
+    t = np.maximum(0.25 ** (1 / 3), np.abs(y) ** 0.25) + 1.0
+    for _ in range(20):
+        t = t - (t**4 - t - y) / (4 * t**3 - 1)
+    return MODULUS * LENGTH**3 / RADIUS * (4 / 3 * t**6 - 2 * t**3)
+
+
+def test_loads_of_many_balls(asperity, tmp_path, tally):
+    """Unloaded under a load: each state carries it, and no compression above does not carry more;
+    the largest pull; the work of a state is that of a state at a separation."""
+    count = 600
+    gaps = np.concatenate([[0.0], np.random.default_rng(3).uniform(0.0, 6 * DEPTH, count - 1)])
+    loads = UNIT * np.array([1350, 1050, 450, 150, 0, -45, -90, -105.0])
+    effects = {"adhesion": "on", "work_of_adhesion": WORK, "equilibrium_distance": distance(50)}
+
+    def run(name, loading):
+        scene = balls(tmp_path, name, effects, loading, radii=(RADIUS,) * count, gaps=gaps,
+                      modulus=MODULUS)
+        start = os.times()
+        found = solved(asperity, scene, contacts=False)
+        return found, os.times().children_user - start.children_user
+
+    found, seconds = run("loads", {"control": "load", "value": tuple(loads.tolist())})
+    closings = column(found.curve, "compression")
+    for before, now, load in zip(closings, closings[1:], loads[1:]):
+        # Contacts on the way: adhering until they have come back beyond their snap-off.
+        adhered = gaps <= closings[0]
+        ways = np.concatenate([np.linspace(before, now, 300),
+                               gaps[adhered] + SNAP_OFF + 1e-9 * DEPTH])
+        ways = np.sort(ways[(ways <= before) & (ways >= now)])[::-1]
+        sums = np.array([jkr_loads(at - gaps[adhered & (at >= gaps + SNAP_OFF)]).sum()
+                         for at in ways])
+        assert (sums >= load - 1e-9 * UNIT * count).all()
+        compare(tally, "adhesion: loads of many balls", abs(sums[-1] - load) / UNIT / count, 1e-9)
+    # The largest pull; four times the contacts, as every state of a search sees all of them.
+    refused = solve(asperity, balls(tmp_path, "more", effects, {
+        "control": "load", "value": (1350 * UNIT, -1350 * UNIT)}, radii=(RADIUS,) * count,
+        gaps=gaps, modulus=MODULUS), contacts=False)
+    ways = np.sort(np.concatenate([np.linspace(0, closings[0], 500), gaps + AT_PULL_OFF,
+                                   gaps + SNAP_OFF + 1e-9 * DEPTH]))
+    least = min(jkr_loads(at - gaps[adhered & (at >= gaps + SNAP_OFF)]).sum() for at in ways)
+    carried = float(refused.stderr.split()[-3])
+    assert -least <= carried * (1 + 1e-6) and carried < -least + 2 * UNIT
+    assert seconds < 40 * run("held", path(list(closings)))[1] + 0.1

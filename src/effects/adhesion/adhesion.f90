@@ -30,6 +30,7 @@ module asperity_adhesion
     procedure :: begin => begin_adhesion
     procedure :: keep => keep_adhesion
     procedure :: letting_go
+    procedure :: least_load
   end type adhesion_effect
 
 contains
@@ -214,5 +215,21 @@ contains
       end associate
     end do
   end subroutine letting_go
+
+  !> Sum of the least loads of the contacts between two compressions, on unloading. Contacts are
+  !> independent, so it is a lower bound of the load; without adhesion the load is larger.
+  function least_load(self, pairs, low, high) result(load)
+    class(adhesion_effect), intent(in) :: self  !! adhesion with its history
+    type(contact_pairs), intent(in) :: pairs    !! pairs of the position
+    real(real64), intent(in) :: low, high       !! compressions, low <= high
+    real(real64) :: load
+    integer :: i
+
+    load = 0.0_real64
+    do i = 1, size(pairs%list)
+      load = load + self%law%least_load(pairs%list(i), i, low - pairs%list(i)%gap, &
+                                        high - pairs%list(i)%gap, pairs%vertical)
+    end do
+  end function least_load
 
 end module asperity_adhesion

@@ -25,6 +25,7 @@ module asperity_adhesion_law
   contains
     procedure :: respond => respond_adhering
     procedure :: is_adhering
+    procedure :: least_load
   end type adhesion_law
 
 contains
@@ -95,5 +96,36 @@ contains
     is_adhering = adheres_at(self%known(number), stable_overlap(pair%s, pair%d, pair%zc, &
                              pair%rest, penetration), self%adhered(number))
   end function is_adhering
+
+  !> Lower bound of the load of a contact that unloads between two penetrations. The load along the
+  !> line of centres is a convex function of the overlap: its least value is at the lower end where
+  !> the stiffness is positive there, at the upper end where it is negative there, else the pull-off
+  !> force.
+  pure real(real64) function least_load(self, pair, number, low, high, vertical) result(load)
+    class(adhesion_law), intent(in) :: self  !! law with its history
+    type(contact_pair), intent(in) :: pair   !! geometry of the contact
+    integer, intent(in) :: number            !! place of the pair in its list
+    real(real64), intent(in) :: low, high    !! penetrations, low <= high < zc
+    logical, intent(in) :: vertical          !! whether the vertical part of the load is meant
+    type(central_answer) :: lower, upper
+    real(real64) :: cosines(2), overlaps(2), part
+
+    load = 0.0_real64
+    associate (contact => self%known(number))
+      overlaps = [stable_overlap(pair%s, pair%d, pair%zc, pair%rest, low), &
+                  stable_overlap(pair%s, pair%d, pair%zc, pair%rest, high)]
+      cosines = (pair%zc - [low, high]) / (pair%s - overlaps)
+      part = merge(contact%snap_off, contact%snap_in, self%adhered(number))
+      if (overlaps(2) < part) return
+      call answer_along_centres(self%numbers, contact, max(overlaps(1), part), lower)
+      load = lower%load
+      if (lower%stiffness < 0.0_real64) then
+        call answer_along_centres(self%numbers, contact, overlaps(2), upper)
+        load = merge(-contact%pull_off, upper%load, upper%stiffness > 0.0_real64)
+      end if
+      if (overlaps(1) < part) load = min(load, 0.0_real64)
+    end associate
+    if (vertical) load = min(load * cosines(1), load * cosines(2))
+  end function least_load
 
 end module asperity_adhesion_law
