@@ -2,9 +2,9 @@
 and for height maps. Written apart from the program.
 
 Minimise 1/2 p A p + g p over pressures p >= 0, at a compression (g < 0 where the bodies overlap
-without deformation) or under a load (sum p given, g up to a constant). Pressures are uniform on each
-rectangle, A p is the displacement at its centre: Love (1929) on a half-space, waves on one that
-repeats itself. Method: conjugate gradients over the loaded elements (Polonsky and Keer 1999),
+without deformation) or under a load (sum p given, g up to a constant). Pressures are uniform on
+each rectangle, A p is the displacement at its centre: Love (1929) on a half-space, waves on one
+that repeats itself. Method: conjugate gradients over the loaded elements (Polonsky and Keer 1999),
 preconditioned by the wave number, the inverse of A up to the edges.
 """
 
@@ -14,8 +14,8 @@ from scipy.fft import fft, ifft, irfft, irfft2, next_fast_len, rfft, rfft2
 STEPS = 3000
 # Of the edge of the elements under pressure (a staircase), in sides of an element: area counted too
 # much. Measured on 98 circles of Hertz of 5 to 80 elements, places at random: .087 to .003
-# (`dense_truth.py --rim` makes it again; test: test_the_truth_can_be_made_again). Yastrebov, Anciaux
-# and Molinari's (2017) .118 is for displacements of another grid.
+# (`dense_truth.py --rim` makes it again). Yastrebov, Anciaux and Molinari's (2017) .118 is for
+# displacements of another grid.
 RIM, RIM_ERROR = 0.087, 0.005
 
 

@@ -2,9 +2,9 @@
 
     python test/truth/rough_truth.py reference_output/interaction/rough.csv
 
-Bodies are paraboloids of the caps' radius, those of Hertz' law; `sphere_load` is the load of spheres.
-Loads and compressions converge as the square of the side: the last two grids are extrapolated, and
-the error is what the last halving changed of the extrapolated number. Areas as in `area_of`.
+Bodies are paraboloids of the caps' radius, those of Hertz' law; `spheres` is the load of spheres.
+Loads and compressions converge as the square of the side, areas as its power 1.5: the last two of
+the grids are extrapolated, and the error is what that adds to the last one.
 """
 
 import csv
