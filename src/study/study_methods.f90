@@ -12,6 +12,7 @@ module asperity_study_methods
   use asperity_map_scene, only: join_maps, summits_of_scene
   use asperity_map_summits, only: map_summits
   use asperity_position_solver, only: position_solver
+  use asperity_problems, only: real_text
   use asperity_run_options, only: run_options
   use asperity_scene_results, only: scene_results
   use asperity_scene_values, only: control_compression, control_limit, control_separation, &
@@ -144,7 +145,6 @@ contains
     type(study_method), allocatable, intent(inout) :: methods(:)
     character(len=7), parameter :: names(4) = [character(len=7) :: 'real64', 'real128', 'real32', &
                                                'ibm370']
-    character(len=24) :: steps
     real(real64) :: step
     integer :: k
     logical :: sweep
@@ -161,8 +161,8 @@ contains
         .not. closing > 0.0_real64) return
     do k = merge(0, 1, sweep), 3
       step = 10.0_real64**(floor(log10(closing)) - k)
-      write (steps, '(", steps ", es7.1e2)') step
-      call add_methods(of_steps, by_marching, merge(size(names), 1, sweep), trim(steps))
+      call add_methods(of_steps, by_marching, merge(size(names), 1, sweep), &
+                       ', steps ' // real_text(step, 'es7.1e2'))
     end do
 
   contains
