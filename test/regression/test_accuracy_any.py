@@ -418,3 +418,15 @@ def test_the_reason_of_an_arithmetic_without_the_range(asperity, tmp_path):
     of = {row["method"]: row for row in rows}["real32; exact events"]
     assert not of["seconds"] and "out of the range of this arithmetic" in of["left_out"]
     assert "out of the range of this arithmetic" in text
+
+
+def test_numbers_of_any_size(asperity, tmp_path):
+    """Steps, heights and hardnesses of lengths near 1e-105 are printed in full."""
+    upper = [(x * 1e-105, y * 1e-105, z * 1e-105, 1.5e-105) for x, y, z in (
+        (0.0, 0.0, 0.12), (2.0, 0.3, 0.1), (4.0, 1.0, 0.11))]
+    scene = write_csv_scene(
+        tmp_path, upper, [(1e-107, 0.0, 1e-106, 1e-105)], modulus=(2e105, 1e105),
+        loading={"control": "limit"}, limit={"criterion": "load", "value": 1e-108})
+    _, printed = study(asperity, scene, tmp_path, seconds=1)
+    assert "**" not in printed
+    assert re.search(r"steps [0-9.]+E-1[01][0-9] ", printed), printed
