@@ -76,6 +76,7 @@ contains
     type(contact_response) :: answer
     type(state_row) :: totals
     type(theory_warning), allocatable :: warnings(:)
+    real(real64), allocatable :: circles(:, :)
     real(real64) :: area, projected_area
     logical :: at_limit
     integer :: i
@@ -113,9 +114,11 @@ contains
     end if
     result%states(number) = totals
     if (associated(pairs%pressures)) call keep_pressures(pairs, state, number, result)
-    if (number == size(result%states)) &
-      result%overlapping_circles = count_overlapping(pairs%list%x, pairs%list%y, &
-                                                     state%answers%contact_radius)
+    if (number == size(result%states)) then
+      circles = reshape([pairs%list%x, pairs%list%y, state%answers%contact_radius], &
+                        [size(pairs%list), 3])
+      result%overlapping_circles = count_overlapping(circles(:, 1), circles(:, 2), circles(:, 3))
+    end if
     call look_at_state(pairs%limits, projected_area, result%overlapping_circles, warnings)
     call take_worse(result%warnings, warnings, number)
     do i = 1, size(outcomes)
@@ -362,12 +365,12 @@ contains
     type(contact_pairs), intent(in) :: pairs
     type(effect_box), intent(in) :: effects(:)
     type(effect_outcome), intent(in) :: outcomes(:)
-    integer :: column, e
+    integer :: column, e, i
 
     value = not_computed
     do e = 1, size(effects)
       associate (columns => effects(e)%effect%state_columns)
-        column = findloc(columns%text, name, 1)
+        column = findloc([(columns(i)%text == name, i=1, size(columns))], .true., 1)
         if (column > 0 .and. allocated(outcomes(e)%of_state)) &
           value = in_units(columns(column), pairs, outcomes(e)%of_state(column))
       end associate
