@@ -132,7 +132,7 @@ contains
     type(run_errors) :: errors
     integer :: column, e, i, m
 
-    errors%arithmetic = error_bound('real64', scene_in, results%positions)
+    errors%arithmetic = error_bound(scene_in, results%positions)
     do m = 1, size(results%positions)
       associate (position => results%positions(m))
         errors%model = max(errors%model, safety_factor * max(0.0_real64, position%error_estimate))
