@@ -329,7 +329,7 @@ contains
     options%keep_file = line%output_path('--keep')
     options%part = line%share(1)
     options%parts = line%share(2)
-    if (allocated(line%parts)) options%more_files = line%parts
+    if (allocated(line%parts)) allocate (options%more_files, source=line%parts)
     if (.not. line%cost) return
     options%sample = pieces_tried
     options%threads = 1

@@ -19,11 +19,12 @@ module asperity_effect_solver
   use asperity_element_pressures, only: element_pressures
   use asperity_first_yield, only: yielding_body
   use asperity_hertz_law, only: hertz_law
-  use asperity_kernel_real64, only: empty_state, list_pairs, place_scene, placed_scene, &
-                                    solve_position
+  use asperity_isolated_contacts, only: empty_state, list_pairs, solve_position
   use asperity_kinds, only: int64, real64
+  use asperity_placed_scene, only: placed_scene
   use asperity_plastic_surface, only: surface_index
   use asperity_position_solver, only: position_solver
+  use asperity_scene_placing, only: place_scene
   use asperity_scene_results, only: effect_header
   use asperity_scene_values, only: effect_auto, is_load, scene
   use asperity_theory_warnings, only: of_barred, of_off, take_worse, theory_warning, add_warning
@@ -75,7 +76,6 @@ contains
     new%positions = new%placed%positions
     new%states = new%placed%states
     new%work = new%placed%work
-    new%load_precision = new%placed%load_precision
     new%loads_differ = new%placed%loads_differ
     new%by_estimate = .not. allocated(scene_in%loading%path) .and. &
                       all(header%names == 'interaction') .and. all(header%modes == effect_auto)

@@ -4,7 +4,7 @@ module asperity_surface_solve
   use asperity_accuracy_choice, only: check_left_out, influence_left_out
   use asperity_contact_records, only: solve_method
   use asperity_effect_solver, only: make_effect_solver
-  use asperity_kernel_real64, only: make_solver
+  use asperity_isolated_contacts, only: make_solver
   use asperity_kinds, only: real64
   use asperity_position_solver, only: position_solver
   use asperity_run_options, only: run_options

@@ -7,7 +7,7 @@ module asperity_study_methods
   use asperity_effect_names, only: known_effects, why_not_together
   use asperity_height_map, only: height_map
   use asperity_interruption, only: interruption
-  use asperity_kernel_real64, only: make_solver
+  use asperity_isolated_contacts, only: make_solver
   use asperity_kinds, only: int64, real64
   use asperity_map_scene, only: join_maps, summits_of_scene
   use asperity_map_summits, only: map_summits

@@ -2,7 +2,7 @@
 module asperity_compare_all
   use asperity_all_pairs, only: all_pairs
   use asperity_decimal, only: decimal_to_real64, decimal_value
-  use asperity_kernel_real64, only: touching_height
+  use asperity_sphere_overlap, only: touching_height
   use asperity_kinds, only: real64
   use asperity_scene_values, only: scene
   implicit none

@@ -5,10 +5,12 @@ module asperity_kernel_search_suite
   use asperity_contact_pairs, only: contact_pairs
   use asperity_contact_records, only: position_result, solve_method
   use asperity_decimal, only: decimal_value
-  use asperity_kernel_real64, only: list_pairs, place_scene, placed_scene, solve_position
+  use asperity_isolated_contacts, only: list_pairs, solve_position
   use asperity_kinds, only: int64, real64
+  use asperity_placed_scene, only: placed_scene
   use asperity_problems, only: decimal_text
   use asperity_random_philox, only: philox_block
+  use asperity_scene_placing, only: place_scene
   use asperity_scene_values, only: control_separation, control_limit, control_load, &
                                    criterion_load, criterion_pressure, scene, scene_surface
   use asperity_testing, only: check, error_type, new_unittest, unittest_type

@@ -5,7 +5,7 @@
 !> series from there on.
 module asperity_overlap_suite
   use asperity_coupled_scenes, only: random
-  use asperity_kernel_real64, only: stable_overlap, touching_height
+  use asperity_sphere_overlap, only: stable_overlap, touching_height
   use asperity_kinds, only: int64, real128, real64
   use asperity_testing, only: check, error_type, new_unittest, unittest_type
   implicit none

@@ -1,37 +1,48 @@
-! Placing a scene: part of kernel.inc.
+!> Conversion of a scene to the units of the solver.
+module asperity_scene_placing
+  use asperity_constants, only: pi
+  use asperity_decimal, only: decimal_to_real64, decimal_value
+  use asperity_kinds, only: int64, real64
+  use asperity_pair_finding, only: prepare_search
+  use asperity_placed_scene, only: exponent_of_16, largest_value, placed_scene
+  use asperity_problems, only: decimal_text, not_enough_memory
+  use asperity_process, only: has_memory
+  use asperity_scene_values, only: control_compression, control_load, control_pressure, &
+                                   control_separation, criterion_greenwood_williamson, &
+                                   criterion_hardy, criterion_load, criterion_none, &
+                                   criterion_pressure, is_load, is_vertical_load, scene, &
+                                   scene_limit, scene_surface
+  use asperity_theory_limits, only: set_theory_limits
+  implicit none
+  private
 
-  !> Converts a scene to this arithmetic. `failure` is allocated when a number is out of its range.
+  public :: place_scene
+
+  character(len=*), parameter :: out_of_range = &
+    'a number of the scene is out of the range of doubles'
+
+contains
+
+  !> Converts a scene to the units of the solver. `failure` is allocated when a number is out of range.
   subroutine place_scene(scene_in, placed, failure)
     type(scene), intent(in) :: scene_in                    !! scene with checked values
-    type(placed_scene), intent(out) :: placed              !! scene in this arithmetic
+    type(placed_scene), intent(out) :: placed              !! scene in the units of the solver
     character(len=:), allocatable, intent(out) :: failure  !! set where it cannot be converted
-    ! Numbers of each asperity in this arithmetic, with temporary copies; bytes of its doubles in
-    ! the search, whose higher levels repeat an eighth of them.
-    integer(int64), parameter :: numbers_each = 6, search_bytes = 80
-    integer(int64) :: bytes_each
+    ! Bytes of the numbers of each asperity, with temporary copies, and of those in the search, whose
+    ! higher levels repeat an eighth of them.
+    integer(int64), parameter :: bytes_each = 128
 
     placed%work = size(scene_in%upper%x, kind=int64) + size(scene_in%lower%x, kind=int64)
-    bytes_each = search_bytes + numbers_each * storage_size(placed%one) / 8
     if (.not. has_memory(bytes_each * placed%work)) then
       failure = not_enough_memory // ' for ' // decimal_text(int(placed%work)) // ' asperities'
       return
     end if
-    placed%zero = whole_number(0)
-    placed%one = whole_number(1)
-    placed%four_thirds = whole_number(4) / whole_number(3)
-    ! 36 digits, in two parts: a decimal value holds 18.
-    placed%pi = decimal_number(decimal_value(314159265358979323_int64, -17)) + &
-                decimal_number(decimal_value(846264338327950288_int64, -35))
     placed%positions = scene_in%motion%positions
     placed%states = max(1, scene_in%loading%points)
     if (allocated(scene_in%loading%path)) &
       placed%states = placed%states * size(scene_in%loading%path)
     if (.not. is_vertical_load(scene_in%loading%control)) &
       placed%loads_differ = scene_in%effects%number('tolerance')
-    if (.not. holds_scene(scene_in)) then
-      failure = out_of_range
-      return
-    end if
     call place_surfaces(scene_in, placed)
     call combine_moduli(scene_in, placed, failure)
     if (allocated(failure)) return
@@ -49,16 +60,16 @@
   subroutine place_surfaces(scene_in, placed)
     type(scene), intent(in) :: scene_in
     type(placed_scene), intent(inout) :: placed
-    NUMBER :: largest
+    real(real64) :: largest
 
-    placed%ru = exact_or_read(scene_in%upper%exact_radius, scene_in%upper%radius)
-    placed%rl = exact_or_read(scene_in%lower%exact_radius, scene_in%lower%radius)
+    placed%ru = scene_in%upper%radius
+    placed%rl = scene_in%lower%radius
     largest = largest_value(placed%ru)
     if (largest_value(placed%rl) > largest) largest = largest_value(placed%rl)
     placed%length_power = exponent_of_16(largest)
-    placed%ru = times_power_of_16(placed%ru, -placed%length_power)
-    placed%rl = times_power_of_16(placed%rl, -placed%length_power)
-    placed%out_of_reach = times_power_of_16(largest, 5 - placed%length_power)
+    placed%ru = scale(placed%ru, -4 * placed%length_power)
+    placed%rl = scale(placed%rl, -4 * placed%length_power)
+    placed%out_of_reach = scale(largest, 4 * (5 - placed%length_power))
 
     call place_surface(scene_in%upper, -placed%length_power, placed%xu, placed%yu, placed%hu)
     placed%height_max = largest_value(placed%hu)
@@ -68,13 +79,13 @@
     if (scene_in%lower_is_mirrored) &
       placed%yl = length_of(scene_in%lower_mirror_width, placed) - placed%yl
     call level_surface(scene_in%lower, .false., placed%xl, placed%yl, placed%hl)
-    placed%plane_slope = placed%zero
+    placed%plane_slope = 0.0_real64
     if (scene_in%upper%is_plane) then
       call level_surface(scene_in%upper, .true., placed%xl, placed%yl, placed%hl)
-      placed%plane_slope = decimal_number(scene_in%upper%slope)
+      placed%plane_slope = decimal_to_real64(scene_in%upper%slope)
     else if (scene_in%lower%is_plane) then
       call level_surface(scene_in%lower, .false., placed%xu, placed%yu, placed%hu)
-      placed%plane_slope = decimal_number(scene_in%lower%slope)
+      placed%plane_slope = decimal_to_real64(scene_in%lower%slope)
     end if
     placed%is_deck = scene_in%from_deck
     placed%on_plane = scene_in%upper%is_plane .or. scene_in%lower%is_plane
@@ -96,53 +107,38 @@
     placed%vertical = is_vertical_load(scene_in%loading%control)
     placed%points = scene_in%loading%points
     placed%events = scene_in%loading%events
-    placed%target = placed%zero
+    placed%target = 0.0_real64
     if (placed%control == control_load) call lift_loads(load_power(scene_in, placed), placed)
     if (scene_in%limit%criterion == criterion_load) &
-      call lift_loads(exponent_of_16(decimal_number(scene_in%limit%value)), placed)
+      call lift_loads(exponent_of_16(decimal_to_real64(scene_in%limit%value)), placed)
     select case (placed%control)
     case (control_separation, control_compression)
       placed%target = length_of(scene_in%loading%value, placed)
     case (control_load)
       if (scene_in%loading%control == control_pressure) then
         ! Both factors are scaled first, so that the product does not overflow.
-        placed%target = times_power_of_16(decimal_number(scene_in%loading%value), &
-                                          3 * placed%load_lift - placed%modulus_power) * &
-                        times_power_of_16(decimal_number(scene_in%nominal_area), &
-                                          -2 * placed%length_power)
+        placed%target = scale(decimal_to_real64(scene_in%loading%value), 4 * (3 * placed%load_lift - &
+                                                                placed%modulus_power)) * &
+                        scale(decimal_to_real64(scene_in%nominal_area), -8 * placed%length_power)
       else
-        placed%target = load_of(decimal_number(scene_in%loading%value), placed)
+        placed%target = load_of(decimal_to_real64(scene_in%loading%value), placed)
       end if
     end select
   end subroutine place_loading
-
-  ! The decimals of a scene, or its doubles where there are none.
-  function exact_or_read(exact, read_in) result(numbers)
-    type(decimal_value), allocatable, intent(in) :: exact(:)
-    real(real64), intent(in) :: read_in(:)
-    NUMBER, allocatable :: numbers(:)
-
-    allocate (numbers(size(read_in)))
-    if (allocated(exact)) then
-      numbers = decimal_number(exact)
-    else
-      numbers = from_real64(read_in)
-    end if
-  end function exact_or_read
 
   ! Places and heights of one surface, rotated in plan.
   subroutine place_surface(surface, power, x, y, h)
     type(scene_surface), intent(in) :: surface
     integer, intent(in) :: power
-    NUMBER, allocatable, intent(out) :: x(:), y(:), h(:)
-    NUMBER :: angle, turned
+    real(real64), allocatable, intent(out) :: x(:), y(:), h(:)
+    real(real64) :: angle, turned
     integer :: i
 
-    x = times_power_of_16(exact_or_read(surface%exact_x, surface%x), power)
-    y = times_power_of_16(exact_or_read(surface%exact_y, surface%y), power)
-    h = times_power_of_16(exact_or_read(surface%exact_height, surface%height), power)
+    x = scale(surface%x, 4 * power)
+    y = scale(surface%y, 4 * power)
+    h = scale(surface%height, 4 * power)
     if (surface%rotation%all_digits == 0_int64) return
-    angle = decimal_number(surface%rotation)
+    angle = decimal_to_real64(surface%rotation)
     do i = 1, size(x)
       turned = x(i) * cos(angle) - y(i) * sin(angle)
       y(i) = x(i) * sin(angle) + y(i) * cos(angle)
@@ -155,12 +151,12 @@
   subroutine level_surface(surface, upper, x, y, h)
     type(scene_surface), intent(in) :: surface
     logical, intent(in) :: upper
-    NUMBER, intent(in) :: x(:), y(:)
-    NUMBER, intent(inout) :: h(:)
-    NUMBER :: slope(2), tilt
+    real(real64), intent(in) :: x(:), y(:)
+    real(real64), intent(inout) :: h(:)
+    real(real64) :: slope(2), tilt
     integer :: i
 
-    slope = decimal_number(surface%slope)
+    slope = decimal_to_real64(surface%slope)
     do i = 1, size(h)
       tilt = x(i) * slope(1) + y(i) * slope(2)
       if (upper) then
@@ -171,74 +167,51 @@
     end do
   end subroutine level_surface
 
-  ! The largest of some numbers; 0 without numbers.
-  pure function largest_value(h) result(largest)
-    NUMBER, intent(in) :: h(:)
-    NUMBER :: largest
-    integer :: i
-
-    largest = whole_number(0)
-    if (size(h) > 0) largest = h(1)
-    do i = 2, size(h)
-      if (h(i) > largest) largest = h(i)
-    end do
-  end function largest_value
-
   ! The combined modulus: that of the scene, or from the moduli of both surfaces.
   subroutine combine_moduli(scene_in, placed, failure)
     type(scene), intent(in) :: scene_in
     type(placed_scene), intent(inout) :: placed
     character(len=:), allocatable, intent(inout) :: failure
-    NUMBER :: compliance
+    real(real64) :: compliance
     logical :: good
 
     if (scene_in%contact_modulus%all_digits > 0_int64) then
-      placed%modulus = decimal_number(scene_in%contact_modulus)
-      good = holds_decimal(scene_in%contact_modulus, 0.0_real64)
+      placed%modulus = decimal_to_real64(scene_in%contact_modulus)
+      good = .true.
     else
       compliance = compliance_of(scene_in%upper) + compliance_of(scene_in%lower)
-      good = is_near(compliance, compliance_in_doubles(scene_in), 0.0_real64)
-      if (good) placed%modulus = placed%one / compliance
+      ! Smaller moduli have a compliance that overflows.
+      good = all(decimal_to_real64([scene_in%upper%elastic_modulus, &
+                                    scene_in%lower%elastic_modulus]) > 4 * tiny(compliance))
+      if (good) placed%modulus = 1.0_real64 / compliance
     end if
     if (.not. good) then
       failure = out_of_range
       return
     end if
     placed%modulus_power = exponent_of_16(placed%modulus)
-    placed%modulus = times_power_of_16(placed%modulus, -placed%modulus_power)
+    placed%modulus = scale(placed%modulus, -4 * placed%modulus_power)
   end subroutine combine_moduli
 
   ! (1 - nu**2)/E of one surface.
   function compliance_of(surface) result(compliance)
     type(scene_surface), intent(in) :: surface
-    NUMBER :: compliance, modulus, nu
+    real(real64) :: compliance, modulus, nu
 
-    nu = decimal_number(surface%poisson_ratio)
-    modulus = decimal_number(surface%elastic_modulus)
-    compliance = whole_number(0)
+    nu = decimal_to_real64(surface%poisson_ratio)
+    modulus = decimal_to_real64(surface%elastic_modulus)
+    compliance = 0.0_real64
     if (.not. modulus > compliance) return
-    compliance = (whole_number(1) - nu) * (whole_number(1) + nu) / modulus
+    compliance = (1.0_real64 - nu) * (1.0_real64 + nu) / modulus
   end function compliance_of
-
-  ! The compliance of both surfaces in doubles, to check the range of this arithmetic.
-  pure function compliance_in_doubles(scene_in) result(compliance)
-    type(scene), intent(in) :: scene_in
-    real(real64) :: compliance, nu(2), modulus(2)
-
-    nu = decimal_to_real64([scene_in%upper%poisson_ratio, scene_in%lower%poisson_ratio])
-    modulus = decimal_to_real64([scene_in%upper%elastic_modulus, scene_in%lower%elastic_modulus])
-    compliance = huge(compliance)
-    if (all(modulus > 4 * tiny(modulus))) &
-      compliance = sum((1.0_real64 - nu) * (1.0_real64 + nu) / modulus)
-  end function compliance_in_doubles
 
   ! A length of the scene in the unit of length.
   function length_of(value, placed) result(length)
     type(decimal_value), intent(in) :: value
     type(placed_scene), intent(in) :: placed
-    NUMBER :: length
+    real(real64) :: length
 
-    length = times_power_of_16(decimal_number(value), -placed%length_power)
+    length = scale(decimal_to_real64(value), -4 * placed%length_power)
   end function length_of
 
   ! A very small target scales all loads half way to 1 in powers of 16, as small hexadecimal and
@@ -256,53 +229,53 @@
     type(scene), intent(in) :: scene_in
     type(placed_scene), intent(in) :: placed
 
-    power = exponent_of_16(decimal_number(scene_in%loading%value))
+    power = exponent_of_16(decimal_to_real64(scene_in%loading%value))
     if (.not. placed%vertical .or. scene_in%loading%control /= control_pressure) return
-    power = power + exponent_of_16(decimal_number(scene_in%nominal_area))
+    power = power + exponent_of_16(decimal_to_real64(scene_in%nominal_area))
   end function load_power
 
   ! A force of the scene in the unit of modulus times length squared, scaled by the lift.
   function load_of(value, placed) result(load)
-    NUMBER, intent(in) :: value
+    real(real64), intent(in) :: value
     type(placed_scene), intent(in) :: placed
-    NUMBER :: load
+    real(real64) :: load
 
-    load = times_power_of_16(value, -placed%modulus_power - 2 * placed%length_power + &
-                                    3 * placed%load_lift)
+    load = scale(value, 4 * (-placed%modulus_power - 2 * placed%length_power + &
+                                    3 * placed%load_lift))
   end function load_of
 
   ! The limit, as a load or as a ratio of overlap to combined radius.
   subroutine place_limit(limit, placed)
     type(scene_limit), intent(in) :: limit
     type(placed_scene), intent(inout) :: placed
-    NUMBER :: strain
+    real(real64) :: strain
 
     placed%criterion = limit%criterion
-    placed%limit = placed%zero
+    placed%limit = 0.0_real64
     select case (limit%criterion)
     case (criterion_load)
       if (limit%from_thesis) then
         ! 65*9.8/2.205 N, exactly 2600/9.
-        placed%limit = load_of(whole_number(2600) / whole_number(9), placed)
+        placed%limit = load_of(2600.0_real64 / 9.0_real64, placed)
       else
-        placed%limit = load_of(decimal_number(limit%value), placed)
+        placed%limit = load_of(decimal_to_real64(limit%value), placed)
       end if
       return
     case (criterion_pressure)
       ! The average pressure is 4 E sqrt(W/R)/(3 pi).
-      strain = whole_number(3) * placed%pi * modulus_ratio(limit%value, placed) / whole_number(4)
+      strain = 3.0_real64 * pi * modulus_ratio(limit%value, placed) / 4.0_real64
     case (criterion_greenwood_williamson)
       ! Greenwood and Williamson 1966: W = R (H/E)**2.
       strain = modulus_ratio(limit%hardness, placed)
     case (criterion_hardy)
       ! Hardy and others 1971: maximum pressure 2.76 tau; maximum pressure 2 E sqrt(W/R)/pi.
-      strain = decimal_number(decimal_value(276_int64, -2)) * &
-               modulus_ratio(limit%yield_stress, placed) * placed%pi / whole_number(2)
+      strain = decimal_to_real64(decimal_value(276_int64, -2)) * &
+               modulus_ratio(limit%yield_stress, placed) * pi / 2.0_real64
     case default
       return
     end select
     ! A limit beyond reach is reduced to one beyond reach whose square does not overflow.
-    if (exponent_of_16(strain) > 14) strain = times_power_of_16(placed%one, 14)
+    if (exponent_of_16(strain) > 14) strain = scale(1.0_real64, 56)
     placed%limit = strain * strain
   end subroutine place_limit
 
@@ -310,72 +283,17 @@
   function modulus_ratio(value, placed) result(ratio)
     type(decimal_value), intent(in) :: value
     type(placed_scene), intent(in) :: placed
-    NUMBER :: ratio
+    real(real64) :: ratio
 
-    ratio = times_power_of_16(decimal_number(value), -placed%modulus_power) / placed%modulus
+    ratio = scale(decimal_to_real64(value), -4 * placed%modulus_power) / placed%modulus
   end function modulus_ratio
 
-  ! Whether this arithmetic has the range for all numbers of a scene. Lengths that are negligible
-  ! beside the largest radius may become zero.
-  function holds_scene(scene_in) result(holds)
-    type(scene), intent(in) :: scene_in
-    logical :: holds
-    real(real64) :: largest
-
-    largest = max(maxval(scene_in%upper%radius), maxval(scene_in%lower%radius))
-    holds = surface_held(scene_in%upper) .and. surface_held(scene_in%lower) .and. &
-            holds_decimal(scene_in%lower_mirror_width, largest) .and. &
-            holds_decimal(scene_in%motion%x_first, largest) .and. &
-            holds_decimal(scene_in%motion%x_step, largest) .and. &
-            holds_decimal(scene_in%motion%y_first, largest) .and. &
-            holds_decimal(scene_in%motion%y_step, largest)
-    if (any(scene_in%loading%control == [control_separation, control_compression])) &
-      holds = holds .and. holds_decimal(scene_in%loading%value, largest)
-
-  contains
-
-    logical function surface_held(surface)
-      type(scene_surface), intent(in) :: surface
-
-      surface_held = all(is_near(exact_or_read(surface%exact_radius, surface%radius), &
-                              surface%radius, 0.0_real64)) .and. &
-                     all(is_near(exact_or_read(surface%exact_x, surface%x), surface%x, &
-                              largest)) .and. &
-                     all(is_near(exact_or_read(surface%exact_y, surface%y), surface%y, &
-                              largest)) .and. &
-                     all(is_near(exact_or_read(surface%exact_height, surface%height), &
-                              surface%height, largest)) .and. &
-                     all(holds_decimal(surface%slope, 1.0_real64)) .and. &
-                     holds_decimal(surface%rotation, 1.0_real64)
-    end function surface_held
-
-  end function holds_scene
-
-  ! Whether this arithmetic has a number near a decimal.
-  elemental logical function holds_decimal(value, magnitude)
-    type(decimal_value), intent(in) :: value
-    real(real64), intent(in) :: magnitude
-
-    holds_decimal = is_near(decimal_number(value), decimal_to_real64(value), magnitude)
-  end function holds_decimal
-
-  ! Whether a number agrees with a double within a few units of the last place of the shortest
-  ! arithmetic, relative to the larger of the double and `magnitude`.
-  elemental logical function is_near(number, double, magnitude)
-    NUMBER, intent(in) :: number
-    real(real64), intent(in) :: double, magnitude
-
-    is_near = abs(to_real64(number)) <= huge(double)
-    if (is_near) is_near = abs(to_real64(number) - double) <= &
-                           max(abs(double), magnitude) * 2.0_real64**(-19)
-  end function is_near
-
-  ! Sets `failure` where numbers of the scene are not finite or vanish in this arithmetic.
+  ! Sets `failure` where numbers of the scene are not finite or vanish in these units.
   subroutine check_range(placed, has_load, failure)
     type(placed_scene), intent(in) :: placed
     logical, intent(in) :: has_load    ! the value of the loading is not 0
     character(len=:), allocatable, intent(out) :: failure
-    NUMBER :: limit
+    real(real64) :: limit
     logical :: vanished
 
     if (.not. (all_finite([placed%modulus, placed%target, placed%limit, placed%x_first, &
@@ -384,19 +302,21 @@
                all_finite(placed%ru) .and. all_finite(placed%xl) .and. all_finite(placed%yl) .and. &
                all_finite(placed%hl) .and. all_finite(placed%rl))) &
       failure = out_of_range
-    ! A load that becomes zero in this arithmetic would be reached at first touch. An overlap must
+    ! A load that becomes zero in these units would be reached at first touch. An overlap must
     ! not be subnormal.
     limit = placed%limit
-    if (placed%criterion /= criterion_load) limit = times_power_of_16(limit, -13)
+    if (placed%criterion /= criterion_load) limit = scale(limit, -52)
     vanished = placed%control == control_load .and. has_load .and. &
-               .not. (placed%target > placed%zero .or. placed%target < placed%zero)
+               .not. (placed%target > 0.0_real64 .or. placed%target < 0.0_real64)
     if (vanished .or. &
-        (placed%criterion /= criterion_none .and. .not. limit > placed%zero)) &
-      failure = 'the load or the limit of the scene is too small for this arithmetic'
+        (placed%criterion /= criterion_none .and. .not. limit > 0.0_real64)) &
+      failure = 'the load or the limit of the scene is too small for the arithmetic'
   end subroutine check_range
 
   pure logical function all_finite(numbers)
-    NUMBER, intent(in) :: numbers(:)
+    real(real64), intent(in) :: numbers(:)
 
-    all_finite = all(abs(to_real64(numbers)) <= huge(1.0_real64))
+    all_finite = all(abs(numbers) <= huge(1.0_real64))
   end function all_finite
+
+end module asperity_scene_placing
