@@ -89,8 +89,8 @@ contains
 
   !> Overlap W of a pair at penetration p: the decrease of the distance of its centres.
   pure function overlap_of(pair, p, overlap) result(w)
-    type(candidate), intent(in) :: pair  !! a pair
-    real(real64), intent(in) :: p  !! penetration
+    type(candidate), intent(in) :: pair  !! pair of asperities
+    real(real64), intent(in) :: p  !! penetration of the pair
     integer, intent(in) :: overlap  !! `overlap_stable` or `overlap_original`
     real(real64) :: w, z
 
@@ -109,9 +109,9 @@ contains
   !> Load of an overlap over the combined modulus, scaled: 4/3 sqrt(R) W**1.5 (Hertz), in a form in
   !> which lengths times 2**k give loads times exactly 4**k.
   pure function load_of_overlap(placed, radius, w) result(load)
-    type(placed_scene), intent(in) :: placed  !! the scene
-    real(real64), intent(in) :: radius              !! combined radius
-    real(real64), intent(in) :: w                   !! overlap
+    type(placed_scene), intent(in) :: placed  !! scene in solver units
+    real(real64), intent(in) :: radius              !! combined radius of the pair
+    real(real64), intent(in) :: w                   !! overlap of the pair
     real(real64) :: load, lifted
 
     lifted = w
@@ -138,9 +138,9 @@ contains
   !> Penetration at which a pair reaches the limit; `reachable` is false when its centres are level
   !> first.
   pure subroutine limit_penetration(placed, pair, p, reachable)
-    type(placed_scene), intent(in) :: placed  !! the scene
-    type(candidate), intent(in) :: pair  !! a pair
-    real(real64), intent(out) :: p  !! penetration
+    type(placed_scene), intent(in) :: placed  !! scene in solver units
+    type(candidate), intent(in) :: pair  !! pair of asperities
+    real(real64), intent(out) :: p  !! penetration of the pair
     logical, intent(out) :: reachable  !! false when the centres are level first
     real(real64) :: w, left, beyond
 

@@ -17,7 +17,7 @@ contains
 
   !> The least compression at which a pair reaches its limit.
   subroutine closing_at_limit(placed, found, closing, failure)
-    type(placed_scene), intent(in) :: placed  !! the scene
+    type(placed_scene), intent(in) :: placed  !! scene in solver units
     type(candidate), intent(in) :: found(:)  !! pairs of a position
     real(real64), intent(out) :: closing  !! compression at the end
     character(len=:), allocatable, intent(inout) :: failure  !! set where the end is not reached
@@ -33,7 +33,7 @@ contains
 
   !> The same in closed form; `any_reachable` is false when no pair can reach it.
   subroutine first_at_limit(placed, found, closing, any_reachable)
-    type(placed_scene), intent(in) :: placed  !! the scene
+    type(placed_scene), intent(in) :: placed  !! scene in solver units
     type(candidate), intent(in) :: found(:)  !! pairs of a position
     real(real64), intent(out) :: closing  !! compression at the end
     logical, intent(out) :: any_reachable  !! false when no pair can reach it
@@ -61,7 +61,7 @@ contains
   !> Sets `failure` where centres are level or below: the spheres would move apart again. It names
   !> the pair with the least indices.
   subroutine check_level(placed, found, closing, failure)
-    type(placed_scene), intent(in) :: placed  !! the scene
+    type(placed_scene), intent(in) :: placed  !! scene in solver units
     type(candidate), intent(in) :: found(:)  !! pairs of a position
     real(real64), intent(in) :: closing  !! compression at the end
     character(len=:), allocatable, intent(inout) :: failure  !! set where the end is not reached
@@ -95,7 +95,7 @@ contains
   !> The compression at which the sum of the normal forces is the target: first between two first
   !> touches, then by bracketing load**(2/3), which is nearly linear, until no number lies between.
   subroutine closing_at_load(placed, found, overlap, closing, failure)
-    type(placed_scene), intent(in) :: placed  !! the scene
+    type(placed_scene), intent(in) :: placed  !! scene in solver units
     type(candidate), intent(in) :: found(:)  !! pairs of a position
     integer, intent(in) :: overlap  !! `overlap_stable` or `overlap_original`
     real(real64), intent(out) :: closing  !! compression at the end
@@ -250,7 +250,7 @@ contains
   !> Equal steps until a pair is at its limit or the load is reached, with shorter steps to each
   !> first touch: the method of the original, for the accuracy study.
   subroutine march_closing(placed, found, step, overlap, closing)
-    type(placed_scene), intent(in) :: placed  !! the scene
+    type(placed_scene), intent(in) :: placed  !! scene in solver units
     type(candidate), intent(in) :: found(:)  !! pairs of a position
     real(real64), intent(in) :: step  !! step of the compression
     integer, intent(in) :: overlap  !! `overlap_stable` or `overlap_original`

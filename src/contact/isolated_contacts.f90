@@ -81,7 +81,7 @@ contains
 
   !> Solves one position. `failure` is allocated when its prescribed end cannot be reached.
   subroutine solve_position(placed, m, method, keep_rows, result, failure, pairs)
-    type(placed_scene), intent(in) :: placed               !! the scene
+    type(placed_scene), intent(in) :: placed               !! scene in solver units
     integer, intent(in) :: m                               !! position, from 1
     type(solve_method), intent(in) :: method               !! path, overlap formula, step
     logical, intent(in) :: keep_rows                       !! keep the contacts of every state
@@ -207,7 +207,7 @@ contains
   !> Sets the state of a position without contacts. Under load control that is a failure; else it
   !> is at the prescribed separation, or where the reference planes meet.
   subroutine empty_state(placed, result, failure)
-    type(placed_scene), intent(in) :: placed                  !! the scene
+    type(placed_scene), intent(in) :: placed                  !! scene in solver units
     type(position_result), intent(inout) :: result            !! gets its only state
     character(len=:), allocatable, intent(inout) :: failure   !! set under load control
 
@@ -252,8 +252,8 @@ contains
   !> equal parts, if any; the gaps; the end.
   subroutine closings_on_the_way(points, gaps, closing, closings)
     integer, intent(in) :: points                    !! number of equal parts; 0 or 1: none
-    real(real64), intent(in) :: gaps(:)                    !! compressions of first touches, ascending
-    real(real64), intent(in) :: closing                    !! compression at the end
+    real(real64), intent(in) :: gaps(:)              !! compressions of first touches, ascending
+    real(real64), intent(in) :: closing              !! compression at the end
     real(real64), allocatable, intent(out) :: closings(:)  !! at least one compression
     real(real64) :: part
     integer :: event, k, used, parts
@@ -444,7 +444,7 @@ contains
   !> the compression; else those that touch by the end, as effects decrease penetrations only. With
   !> `all_pairs` no candidate distance is used.
   subroutine list_pairs(placed, m, all_pairs, pairs, failure)
-    type(placed_scene), intent(in) :: placed               !! the scene
+    type(placed_scene), intent(in) :: placed               !! scene in solver units
     integer, intent(in) :: m                               !! position, from 1
     logical, intent(in) :: all_pairs                       !! every pair whose spheres can touch
     type(contact_pairs), intent(out) :: pairs              !! pairs in order of first touch

@@ -30,7 +30,7 @@ contains
 
   !> Prepares the search, once for all positions.
   subroutine prepare_search(placed)
-    type(placed_scene), intent(inout) :: placed  !! the scene
+    type(placed_scene), intent(inout) :: placed  !! scene in solver units
     ! Comparisons up to which a row is as fast as a grid.
     integer(int64), parameter :: few = 100000_int64
     type(surface_points) :: upper, lower
@@ -91,7 +91,7 @@ contains
   !> two radii: d**2 < 2 (RU + RL) * (largest height). With `all_pairs` every pair whose spheres can
   !> touch is found.
   subroutine find_pairs(placed, all_pairs, method, position, failure)
-    type(placed_scene), intent(in) :: placed  !! the scene
+    type(placed_scene), intent(in) :: placed  !! scene in solver units
     logical, intent(in) :: all_pairs  !! every pair whose spheres can touch
     type(solve_method), intent(in) :: method  !! path, overlap formula, step
     type(position_pairs), intent(inout) :: position  !! gets its pairs

@@ -43,11 +43,11 @@ module asperity_placed_scene
     ! Pairs outside the candidate distance touch below this separation only: their offset in plan
     ! reduces the separation of first touch by more than the largest height.
     real(real64) :: complete_above
-    real(real64) :: x_first, x_step, y_first, y_step     !! displacement
+    real(real64) :: x_first, x_step, y_first, y_step     !! displacement of the upper surface
     integer :: control = control_limit
     logical :: vertical = .false.                  !! the load is the sum of the vertical parts
     real(real64) :: target                         !! separation, compression or load
-    integer :: points = 0                          !! equal parts of the compression; 0 or 1: its end
+    integer :: points = 0                          !! equal parts of the compression; 0, 1: its end
     logical :: events = .false.                    !! a state at each first touch as well
     integer :: criterion = criterion_none
     real(real64) :: limit                          !! load, or overlap over radius: limit_overlap
@@ -69,7 +69,7 @@ module asperity_placed_scene
     real(real64) :: s       !! sum of the radii: distance of the centres at first touch
     real(real64) :: zc      !! height between the centres at first touch
     real(real64) :: rest    !! rounding error of zc
-    real(real64) :: radius  !! combined radius
+    real(real64) :: radius  !! combined radius of the pair
     real(real64) :: gap     !! compression at which it touches
   end type candidate
 
@@ -109,21 +109,21 @@ contains
 
   !> The power of 16 that is the unit of scaled loads.
   pure integer function load_unit(placed)
-    type(placed_scene), intent(in) :: placed  !! the scene
+    type(placed_scene), intent(in) :: placed  !! scene in solver units
 
     load_unit = placed%modulus_power + 2 * placed%length_power - 3 * placed%load_lift
   end function load_unit
 
   !> Whether one of a pair is the plane.
   pure logical function is_on_plane(pair)
-    type(candidate), intent(in) :: pair  !! the pair
+    type(candidate), intent(in) :: pair  !! pair of asperities
 
     is_on_plane = pair%upper == 0 .or. pair%lower == 0
   end function is_on_plane
 
   !> The level of a cap's summit over the plane.
   pure function level_of(placed, i) result(level)
-    type(placed_scene), intent(in) :: placed  !! the scene
+    type(placed_scene), intent(in) :: placed  !! scene in solver units
     integer, intent(in) :: i  !! number of the cap
     real(real64) :: level
 
@@ -136,10 +136,10 @@ contains
 
   !> Point of first touch in plan: on the line between the centres, or at the summit of a cap.
   pure subroutine place_of_touch(placed, pair, dx, dy, x, y)
-    type(placed_scene), intent(in) :: placed  !! the scene
-    type(candidate), intent(in) :: pair  !! the pair
-    real(real64), intent(in) :: dx, dy  !! displacement
-    real(real64), intent(out) :: x, y  !! place
+    type(placed_scene), intent(in) :: placed  !! scene in solver units
+    type(candidate), intent(in) :: pair  !! pair of asperities
+    real(real64), intent(in) :: dx, dy  !! displacement of the upper surface
+    real(real64), intent(out) :: x, y  !! place in plan
     real(real64) :: share
 
     if (pair%upper == 0) then
@@ -157,7 +157,7 @@ contains
 
   !> The largest of some numbers; 0 without numbers.
   pure function largest_value(h) result(largest)
-    real(real64), intent(in) :: h(:)  !! numbers
+    real(real64), intent(in) :: h(:)  !! numbers of any sign
     real(real64) :: largest
     integer :: i
 

@@ -23,13 +23,14 @@ module asperity_scene_placing
 
 contains
 
-  !> Converts a scene to the units of the solver. `failure` is allocated when a number is out of range.
+  !> Converts a scene to the units of the solver. `failure` is allocated when a number is out of
+  !> range.
   subroutine place_scene(scene_in, placed, failure)
     type(scene), intent(in) :: scene_in                    !! scene with checked values
     type(placed_scene), intent(out) :: placed              !! scene in the units of the solver
     character(len=:), allocatable, intent(out) :: failure  !! set where it cannot be converted
-    ! Bytes of the numbers of each asperity, with temporary copies, and of those in the search, whose
-    ! higher levels repeat an eighth of them.
+    ! Bytes of the numbers of each asperity, with temporary copies, and of those in the search,
+    ! whose higher levels repeat an eighth of them.
     integer(int64), parameter :: bytes_each = 128
 
     placed%work = size(scene_in%upper%x, kind=int64) + size(scene_in%lower%x, kind=int64)
@@ -111,19 +112,16 @@ contains
     if (placed%control == control_load) call lift_loads(load_power(scene_in, placed), placed)
     if (scene_in%limit%criterion == criterion_load) &
       call lift_loads(exponent_of_16(decimal_to_real64(scene_in%limit%value)), placed)
-    select case (placed%control)
-    case (control_separation, control_compression)
+    if (any(placed%control == [control_separation, control_compression])) then
       placed%target = length_of(scene_in%loading%value, placed)
-    case (control_load)
-      if (scene_in%loading%control == control_pressure) then
-        ! Both factors are scaled first, so that the product does not overflow.
-        placed%target = scale(decimal_to_real64(scene_in%loading%value), 4 * (3 * placed%load_lift - &
-                                                                placed%modulus_power)) * &
-                        scale(decimal_to_real64(scene_in%nominal_area), -8 * placed%length_power)
-      else
-        placed%target = load_of(decimal_to_real64(scene_in%loading%value), placed)
-      end if
-    end select
+    else if (scene_in%loading%control == control_pressure) then
+      ! Both factors are scaled first, so that the product does not overflow.
+      placed%target = scale(decimal_to_real64(scene_in%loading%value), &
+                            4 * (3 * placed%load_lift - placed%modulus_power)) * &
+                      scale(decimal_to_real64(scene_in%nominal_area), -8 * placed%length_power)
+    else if (placed%control == control_load) then
+      placed%target = load_of(decimal_to_real64(scene_in%loading%value), placed)
+    end if
   end subroutine place_loading
 
   ! Places and heights of one surface, rotated in plan.

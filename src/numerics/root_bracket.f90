@@ -1,7 +1,7 @@
 !> The search for the root of an increasing function by reverse communication: a bracket returns a
 !> guess, and the caller passes the value of the function there. False position with the Illinois
-!> rule (Dowell and Jarratt 1971), bisection where that is slow. The bracket never widens, so that no
-!> search fails.
+!> rule (Dowell and Jarratt 1971), bisection where that is slow. The bracket never widens, so that
+!> no search fails.
 module asperity_root_bracket
   use asperity_kinds, only: real64
   implicit none
@@ -28,7 +28,7 @@ contains
   !> unless no number lies between the ends.
   pure subroutine guess_root(bracket, guess, inside)
     type(root_bracket), intent(inout) :: bracket  !! bracket with its number of guesses
-    real(real64), intent(out) :: guess             !! next place of the function
+    real(real64), intent(out) :: guess            !! next place of the function
     logical, intent(out) :: inside                !! false: the search has ended
     real(real64), parameter :: far = 2.0_real64**40
 

@@ -87,8 +87,8 @@ contains
     if (allocated(options%more_files)) kept%more = options%more_files
     kept%of_what = 'this scene and list of contacts'
     call list_inputs(scene_in, inputs, failure)
-    kept%heading = 'asperity ' // version // ' solve, contacts ' // trim(merge('kept  ', 'summed', options%keep_contacts)) // &
-                   ', input'
+    kept%heading = 'asperity ' // version // ' solve, contacts ' // &
+                   trim(merge('kept  ', 'summed', options%keep_contacts)) // ', input'
     do i = 1, size(inputs)
       kept%heading = kept%heading // ' ' // inputs(i)%checksum
     end do

@@ -138,7 +138,8 @@ contains
   end subroutine list_methods
 
   ! Without effects: exact events, and steps of a tenth, a hundredth and a thousandth of the
-  ! compression. Of a sweep to a limit load besides steps of about the compression and both overlaps.
+  ! compression. Of a sweep to a limit load besides steps of about the compression and both
+  ! overlaps.
   ! Of the thesis' sweep the original program, in each arithmetic and with these steps and its own.
   subroutine add_arithmetics(scene_in, closing, methods)
     type(scene), intent(in) :: scene_in

@@ -103,8 +103,8 @@ def name_of(row):
 
 @pytest.mark.parametrize("name", (WHOLE, "pair"))
 def test_every_way_is_there(name, request, asperity, root):
-    """Exact events and steps from about the compression on, with both overlaps; the original program
-    in each arithmetic, with these steps and its own."""
+    """Exact events and steps from about the compression on, with both overlaps; the original
+    program in each arithmetic, with these steps and its own."""
     table, rows, _ = request.getfixturevalue(name)
     deck = root / ("data/thesis.deck" if name == "whole" else "data/hard/deck_one_pair.deck")
     compression = max(float(row["compression"])
