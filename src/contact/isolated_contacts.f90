@@ -6,6 +6,7 @@ module asperity_isolated_contacts
   use asperity_constants, only: pi
   use asperity_contact_pairs, only: contact_pairs
   use asperity_contact_records, only: add_rows, by_marching, contact_row, cut_rows, most_rows, &
+                                      no_contacts, &
                                       position_result, prescribed_normal, prescribed_vertical, &
                                       solve_method, state_row
   use asperity_isolated_compression, only: check_level, closing_at_limit, closing_at_load, &
@@ -214,9 +215,14 @@ contains
     allocate (result%states(1), result%rows(0))
     if (placed%control == control_load) then
       failure = 'no pair of asperities can touch, so they carry no load'
-    else if (placed%control == control_separation) then
-      result%states(1)%approach = scaled_to_real64(placed%target, placed%length_power)
+      return
     end if
+    result%states(1) = no_contacts
+    result%states(1)%closing = 0.0_real64
+    result%states(1)%approach = 0.0_real64
+    result%overlapping_circles = 0
+    if (placed%control == control_separation) &
+      result%states(1)%approach = scaled_to_real64(placed%target, placed%length_power)
   end subroutine empty_state
 
   ! The states of a position up to its end.
@@ -307,6 +313,8 @@ contains
     logical :: count_circles
     integer :: i, overlapping
 
+    state = no_contacts
+    result%limit_reached = .false.
     total_load = 0.0_real64
     total_vertical = 0.0_real64
     total_area = 0.0_real64

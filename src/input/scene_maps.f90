@@ -263,8 +263,9 @@ contains
     call fields%refuse_name('surfaces', 'field_spacing', 'found beside a map that is solved ' // &
                             'on its pixels, expected none: the fields are on the pixels')
     if (checked%loading%control == control_limit) &
-      call fields%complain_of_group('loading', 'no control: the pixels of a map have no ' // &
-           'limit, expected control = ''separation'', ''load'', ''vertical_load'' or ''pressure''')
+      call fields%complain_of_group('loading', 'patches of pixels merge under load: found ' // &
+           'control = ''limit'' or none, expected ''separation'', ''load'', ''vertical_load'' ' // &
+           'or ''pressure''')
     others = checked%effects%modes /= effect_off .and. &
              known_effects%name /= 'interaction' .and. known_effects%name /= 'plasticity'
     if (any(others)) &

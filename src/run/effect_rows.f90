@@ -3,7 +3,7 @@ module asperity_effect_rows
   use asperity_constants, only: pi
   use asperity_contact_effect, only: column_name, effect_box, effect_outcome
   use asperity_contact_pairs, only: contact_pair, contact_pairs, in_scene_units
-  use asperity_contact_records, only: add_rows, contact_row, position_result, state_row
+  use asperity_contact_records, only: add_rows, contact_row, no_contacts, position_result, state_row
   use asperity_contact_state, only: contact_state, in_contact, shift_x, shift_y, start_state
   use asperity_contact_law, only: contact_response
   use asperity_hertz_law, only: hertz_law
@@ -82,6 +82,8 @@ contains
     integer :: i
 
     allocate (rows(merge(size(pairs%list), 0, keep_rows)))
+    totals = no_contacts
+    result%limit_reached = .false.
     do i = 1, size(pairs%list)
       if (.not. in_contact(state, i)) cycle
       answer = state%answers(i)
@@ -294,6 +296,7 @@ contains
       row%slope = pair%d / (pair%zc - state%penetration(i))
       row%load = in_scene_units(pairs, answer%load, 1, 2)
       row%vertical_load = in_scene_units(pairs, answer%vertical_load, 1, 2)
+      row%average_pressure = 0.0_real64
       if (area > 0.0_real64) row%average_pressure = in_scene_units(pairs, answer%load / area, 1, 0)
       row%maximum_pressure = in_scene_units(pairs, answer%maximum_pressure, 1, 0)
     end associate

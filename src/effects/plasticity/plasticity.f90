@@ -114,8 +114,6 @@ contains
     allocate (state%law, source=self%law)
     call answer_all(pairs, state)
     outcome%simulated = 'on'
-    outcome%ending%converged = .true.
-    outcome%ending%residual = 0.0_real64
   end subroutine apply_plasticity
 
   !> Sets the columns at the end, as later effects may change the penetrations.
