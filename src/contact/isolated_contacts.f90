@@ -6,9 +6,8 @@ module asperity_isolated_contacts
   use asperity_constants, only: pi
   use asperity_contact_pairs, only: contact_pairs
   use asperity_contact_records, only: add_rows, by_marching, contact_row, cut_rows, most_rows, &
-                                      no_contacts, &
-                                      position_result, prescribed_normal, prescribed_vertical, &
-                                      solve_method, state_row
+                                      no_contacts, position_result, prescribed_normal, &
+                                      prescribed_vertical, solve_method, state_row
   use asperity_isolated_compression, only: check_level, closing_at_limit, closing_at_load, &
                                            march_closing
   use asperity_kinds, only: int64, real64

@@ -39,7 +39,7 @@ contains
     type(height_map), intent(in) :: map         !! map without plastic deformation
     real(real64), intent(in) :: modulus         !! combined modulus, > 0
     type(map_answer), intent(in) :: answer      !! solution with pressures, under a load > 0
-    type(map_patch), intent(in) :: patches(:)   !! its patches
+    type(map_patch), intent(in) :: patches(:)   !! patches of its pressures
     logical, intent(in) :: by_load              !! the load is prescribed, else the separation
     type(pixel_errors), intent(out) :: errors   !! errors of this solution
     real(real64), intent(in), optional :: hardness  !! largest pressure; absent: elastic

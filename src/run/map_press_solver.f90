@@ -155,7 +155,8 @@ contains
       if (is_flat(self%map)) call add_warning(warnings, of_flat_map, 0.0_real64)
       call warn_of_patches(self, patches, warnings)
       call fill_state(self, pressed, answer, patches, work, keep_rows, result, i)
-      if (i == self%states) call estimate_errors(self, answer, patches, result, area_error, warnings)
+      if (i == self%states) &
+        call estimate_errors(self, answer, patches, result, area_error, warnings)
       call take_worse(result%warnings, warnings, i)
       if (self%fields == fields_all .or. (self%fields /= fields_none .and. i == self%states)) &
         call take_field(pressed, answer, i, result%fields(i - self%states + size(result%fields)))

@@ -127,7 +127,7 @@ contains
       table%rows(i + 1) = row
       call progress%step()
     end do
-    call choose_reference(table, totals)
+    call choose_reference(table, totals, allocated(scene_in%map))
     if (table%reference == 0) then
       failure = table%rows(1)%left_out
       if (index(failure, too_long) == 1) &
@@ -258,10 +258,11 @@ contains
   end subroutine time_method
 
   ! Chooses the reference: the method with interaction whose own error estimate is the least, or the
-  ! scene as it is.
-  subroutine choose_reference(table, totals)
+  ! scene as it is. Of a map it is the pixels, with which its summits are compared.
+  subroutine choose_reference(table, totals, is_map)
     type(method_table), intent(inout) :: table
     type(method_totals), intent(in) :: totals(:)
+    logical, intent(in) :: is_map
     real(real64) :: estimate, least
     integer :: best, i, plain, second
 
@@ -273,6 +274,7 @@ contains
         if (allocated(row%left_out)) cycle
         if (row%method%family /= of_neighbours .or. row%method%interaction == effect_off) cycle
         estimate = row%own_estimate
+        if (is_map .and. row%method%interaction == effect_boundary) estimate = 0.0_real64
         ! The last method without an estimate is the finest.
         if (.not. estimate > not_computed) estimate = least
         if (estimate > least) then
