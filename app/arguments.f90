@@ -31,7 +31,7 @@ contains
     type(problem_list), intent(inout) :: problems   !! what is wrong
     type(given_option) :: given
     character(len=:), allocatable :: word, name, value
-    integer :: equals, i, near
+    integer :: equals, i, k, near
 
     list%operand = ''
     allocate (list%options(0))
@@ -88,6 +88,10 @@ contains
           call problems%add('option ' // name // ' has an empty value')
           cycle
         end if
+        ! Only --keep names several files: of any other option the last value would win.
+        if (any([(list%options(k)%name == name, k=1, size(list%options))]) .and. &
+            name /= '--keep' .and. all(name /= known)) &
+          call problems%add('option ' // name // ' is given twice, expected once')
         ! By a variable: gfortran 12 leaks the components of a constructor inside a constructor.
         given = given_option(name, value)
         list%options = [list%options, given]

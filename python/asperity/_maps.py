@@ -390,11 +390,11 @@ def generate_map(specification: _a.Path | Mapping[str, Mapping[str, Any]] | None
     if specification is not None and names:
         raise TypeError(f"generate_map takes a specification or names: found both, {min(names)}")
     made = _c.call("generate_map", *place).checked(groups.named)
-    return _map_of_outcome(made, bool(made.table(_c.MAP, "maps")["periodic"][0]))
+    return _map_of_outcome(made)
 
 
-def _map_of_outcome(outcome: _c.Outcome, periodic: bool) -> HeightMap:
-    """The map that a call has returned."""
+def _map_of_outcome(outcome: _c.Outcome, periodic: bool = False) -> HeightMap:
+    """The map that a call has returned; periodic where it or the call is."""
     facts = {name: values[0] for name, values in outcome.table(_c.MAP, "maps").items()}
     cells = outcome.table(_c.PIXELS, "pixels")["height"]
     made = HeightMap.__new__(HeightMap)
@@ -403,7 +403,7 @@ def _map_of_outcome(outcome: _c.Outcome, periodic: bool) -> HeightMap:
     made.shape = made._cells.rows, made._cells.columns
     made.spacing = float(facts["spacing_x"]), float(facts["spacing_y"])
     made.unit = outcome.text(_c.UNIT) or None
-    made.periodic = periodic
+    made.periodic = periodic or bool(facts.get("periodic", 0))
     made.notes = outcome.lines(_c.NOTES)
     return made
 

@@ -271,6 +271,11 @@ contains
 
     if (present(form)) then
       write (written, '(' // form // ')') value
+      text = trim(adjustl(written))
+      ! Stars, or an exponent of three digits without its letter: as many digits in a wider form.
+      if (scan(text, '*') == 0 .and. &
+          (scan(text(2:), '+-') == 0 .or. scan(text, 'E') > 0)) return
+      write (written, '(es25.' // form(index(form, '.') + 1:index(form, '.') + 1) // 'e3)') value
     else
       write (written, '(es16.6e3)') value
     end if

@@ -210,7 +210,7 @@ contains
   subroutine take_names(self, group, name, texts)
     class(scene_fields), intent(inout) :: self      !! the scene's text
     character(len=*), intent(in) :: group, name  !! a known group, and a known name of it
-    character(len=16), intent(inout) :: texts(:)    !! the texts, without blanks behind
+    character(len=16), intent(inout) :: texts(:)    !! the texts, with u for a micro sign
     character(len=:), allocatable :: text
     integer :: at, i, repeats, used
 
@@ -225,7 +225,7 @@ contains
         return
       end if
       repeats = self%list%items(i)%repeats
-      texts(used + 1:used + repeats) = text
+      texts(used + 1:used + repeats) = plain_unit(text)
       used = used + repeats
     end do
   end subroutine take_names

@@ -17,7 +17,8 @@ module asperity_scene_reader
   use asperity_scene_maps, only: check_map_scene
   use asperity_scene_names, only: scene_table
   use asperity_scene_surfaces, only: from_csv, read_surfaces
-  use asperity_scene_values, only: by_word, scene, scene_motion, scene_side, scene_surface
+  use asperity_scene_values, only: by_word, dundurs_beta, effect_off, scene, scene_motion, &
+                                   scene_side, scene_surface
   implicit none
   private
 
@@ -152,6 +153,7 @@ contains
       call read_loading(fields, checked)
       call read_limit(fields, checked)
       call read_effects(fields, checked)
+      call note_unlike_bodies(checked)
       call check_states(fields, checked)
       call check_map_scene(fields, checked)
     end if
@@ -239,6 +241,28 @@ contains
     end subroutine require_material
 
   end subroutine read_material
+
+  ! Friction at the interface of unlike bodies raises the pressure by a share of the order of beta.
+  subroutine note_unlike_bodies(checked)
+    type(scene), intent(inout) :: checked
+    real(real64), parameter :: most_unlike = 0.1_real64  ! a few percent of the load; chosen
+
+    if (checked%effects%mode('friction') /= effect_off) return
+    if (.not. (is_positive(checked%upper) .and. is_positive(checked%lower))) return
+    if (abs(dundurs_beta(checked)) > most_unlike) &
+      call checked%notes%add(checked%file // ': note: unlike bodies, Dundurs'' beta ' // &
+                             real_text(abs(dundurs_beta(checked)), 'f6.3') // &
+                             ': contacts are taken as frictionless')
+
+  contains
+
+    pure logical function is_positive(surface)
+      type(scene_surface), intent(in) :: surface
+
+      is_positive = decimal_to_real64(surface%elastic_modulus) > 0.0_real64
+    end function is_positive
+
+  end subroutine note_unlike_bodies
 
   !> Group &motion; without it one position at zero displacement.
   subroutine read_motion(fields, motion)

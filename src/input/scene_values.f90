@@ -27,7 +27,7 @@ module asperity_scene_values
   public :: by_default, by_numbers, by_word
   public :: effect_off, effect_on, effect_auto, effect_coupled, effect_boundary, effect_words
   public :: thesis_limit_load, is_thesis_sweep, body_compliance, combined_modulus, has_hardness, &
-            may_choose_pixels, solves_pixels
+            dundurs_beta, may_choose_pixels, solves_pixels
 
   integer, parameter :: control_limit = 1          !! closing ends where a contact reaches its limit
   integer, parameter :: control_separation = 2     !! at a given separation of the reference planes
@@ -291,6 +291,20 @@ contains
                                        body_compliance(lower%elastic_modulus, lower%poisson_ratio))
     end associate
   end function combined_modulus
+
+  !> Second parameter of Dundurs (1969), beta = E/2 [(1 - 2 nu)(1 + nu)/E_body], upper less lower:
+  !> the tangential displacement of unlike bodies under pressure.
+  pure real(real64) function dundurs_beta(scene_in)
+    type(scene), intent(in) :: scene_in  !! scene with checked values
+    real(real64) :: ratio(2), modulus(2)
+
+    dundurs_beta = 0.0_real64
+    if (decimal_to_real64(scene_in%contact_modulus) > 0.0_real64) return
+    ratio = decimal_to_real64([scene_in%upper%poisson_ratio, scene_in%lower%poisson_ratio])
+    modulus = decimal_to_real64([scene_in%upper%elastic_modulus, scene_in%lower%elastic_modulus])
+    ratio = (1 - 2 * ratio) * (1 + ratio) / modulus
+    dundurs_beta = 0.5_real64 * combined_modulus(scene_in) * (ratio(1) - ratio(2))
+  end function dundurs_beta
 
   !> Whether a scene with a map is always solved on its pixels: asked for, or needed, as the summits
   !> of a periodic map are solved without its images and have no hardness.

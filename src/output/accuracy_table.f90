@@ -5,6 +5,7 @@ module asperity_accuracy_table
   use asperity_kinds, only: not_computed, real64
   use asperity_method_study, only: method_row, method_table
   use asperity_method_totals, only: error_of_area, quantity_names
+  use asperity_problems, only: real_text
   use asperity_study_methods, only: family_words, of_arithmetic, of_steps, of_theory
   use asperity_text_buffer, only: text_buffer
   implicit none
@@ -44,7 +45,7 @@ contains
                            ' left out: ' // row%left_out)
           cycle
         end if
-        write (line, '(a1, 1x, a10, 1x, a40, 1x, a8, 3(2x, a7), 2x, "|", a, "|")') &
+        write (line, '(a1, 1x, a10, 1x, a40, 1x, a8, 3(1x, a8), 2x, "|", a, "|")') &
           merge('*', ' ', row%on_front), family_words(row%method%family), row%method%name, &
           short_number(row%seconds), error_text(row, row%total%largest), &
           error_text(row, row%total%quantity(error_of_area)), short_number(row%own%largest), &
@@ -67,10 +68,10 @@ contains
                          // '.')
     end associate
     if (table%area_exponent > not_computed) then
-      write (line, '(a, f6.3, a)') 'Area grows as the load to the power', table%area_exponent, &
-        ' at the end, for isolated contacts. Archard: 2/3 for a sphere, 4/5 with'
       call buffer%line('')
-      call buffer%line(line)
+      call buffer%line('Area grows as the load to the power ' // &
+                       real_text(table%area_exponent, 'f6.3') // &
+                       ' at the end, for isolated contacts. Archard: 2/3 for a sphere, 4/5 with')
       call buffer%line('smaller hemispheres on it, 14/15 with smaller ones on those.')
     end if
     if (.not. allocated(table%criteria)) return
@@ -79,7 +80,8 @@ contains
     call buffer%line('Smallest hardness for elastic contact, by the criteria that the thesis ' // &
                      'reviews')
     do i = 1, size(table%criteria)
-      write (line, '(2x, a32, 1x, es10.3e2)') table%criteria(i)%name, table%criteria(i)%hardness
+      write (line, '(2x, a32, 2x, a)') table%criteria(i)%name, &
+        real_text(table%criteria(i)%hardness, 'es10.3e2')
       call buffer%line(line)
     end do
   end subroutine write_accuracy_table
@@ -96,15 +98,16 @@ contains
     call buffer%line('pressure: of the first contact, one step past first touch.')
     call buffer%line('* Pareto front: no other of these is faster and more accurate')
     call buffer%line('')
-    write (line, '(2x, a40, a9, a8, a9, 5(2x, a17))') &
+    write (line, '(2x, a40, a9, a8, a9, 5(2x, a18))') &
       'method' // repeat(' ', 40), 'seconds', 'spread', 'ratio', quantity_names // repeat(' ', 7)
     call buffer%line(trim(line))
     do i = 1, size(rows)
       if (.not. rows(i)%own%quantity(error_of_area) > not_computed) cycle
       if (.not. rows(i)%method%step > 0.0_real64) cycle
-      write (line, '(a1, 1x, a40, es9.1e2, f7.0, "%", f9.1, 5(2x, a17))') &
-        merge('*', ' ', rows(i)%on_own_front), rows(i)%method%name, rows(i)%seconds, &
-        100 * rows(i)%time_spread, ratio_of(rows, i), &
+      write (line, '(a1, 1x, a40, a9, a7, "%", a9, 5(1x, a19))') &
+        merge('*', ' ', rows(i)%on_own_front), rows(i)%method%name, &
+        short_number(rows(i)%seconds), aligned('f7.0', 100 * rows(i)%time_spread), &
+        aligned('f9.1', ratio_of(rows, i)), &
         (short_number(rows(i)%own%quantity(k)) // ' (' // &
          trim(adjustl(short_number(rows(i)%own%quantity_mean(k)))) // ')' // repeat(' ', 7), &
          k = 1, size(quantity_names))
@@ -131,27 +134,38 @@ contains
     text = 'exact to rounding'
     if (row%own_estimate > 0.0_real64) &
       text = 'estimated error ' // trim(adjustl(short_number(row%own_estimate)))
-    if (row%method%family /= of_arithmetic .and. .not. row%own_estimate > not_computed) &
+    if ((row%method%family /= of_arithmetic .and. .not. row%own_estimate > not_computed) .or. &
+        row%own_estimate >= huge(row%own_estimate)) &
       text = 'without an error estimate'
   end function reference_quality
 
   pure function error_text(row, error) result(text)
     type(method_row), intent(in) :: row
     real(real64), intent(in) :: error
-    character(len=7) :: text
+    character(len=8) :: text
 
     text = short_number(error)
-    if (row%is_reference) text = '      -'
+    if (row%is_reference) text = '       -'
   end function error_text
 
   pure function short_number(value) result(text)
     real(real64), intent(in) :: value
-    character(len=7) :: text
+    character(len=8) :: text
+
+    text = aligned('es7.1e2', value)
+    if (.not. abs(value) > 0.0_real64) text = '       0'
+  end function short_number
+
+  ! A number at the right end of eight characters; blank where it was not computed.
+  pure function aligned(form, value) result(text)
+    character(len=*), intent(in) :: form
+    real(real64), intent(in) :: value
+    character(len=8) :: text
 
     text = ''
-    if (value > not_computed) write (text, '(es7.1e2)') value
-    if (.not. abs(value) > 0.0_real64) text = '      0'
-  end function short_number
+    if (value > not_computed) text = real_text(value, form)
+    text = adjustr(text)
+  end function aligned
 
   ! Own error o, error against the reference +, both in one place *.
   pure function error_axis(row) result(text)

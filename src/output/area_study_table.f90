@@ -48,11 +48,11 @@ contains
     do q = 1, quantities
       call buffer%line('')
       call buffer%line(trim(headings(q)) // ' per area')
-      call buffer%line('       size  sections         mean  std error   from integral' // &
-                       '   std deviation  within ' // two_decimals(spec%tolerance))
+      call buffer%line('       size  sections         mean  std error     from integral' // &
+                       ' std deviation  within ' // two_decimals(spec%tolerance))
       do i = 1, size(study%sizes)
         associate (row => study%sizes(i))
-          write (line, '(a11, i10, a13, a11, a16, a16, a12)') number_text(row%side), row%sections, &
+          write (line, '(a12, i9, a13, a11, a18, a14, a12)') number_text(row%side), row%sections, &
             number_text(row%mean(q)), two_decimals(row%error(q) / row%mean(q)), &
             from_integral(study, row, q), two_decimals(row%deviation(q) / row%mean(q)), &
             two_decimals(row%within(q))
@@ -111,7 +111,7 @@ contains
     type(area_study), intent(in) :: study
     type(size_result), intent(in) :: row
     integer, intent(in) :: q
-    character(len=16) :: text
+    character(len=18) :: text
     real(real64) :: away
 
     text = '-'
@@ -120,9 +120,8 @@ contains
     if (abs(away) < 10 * study%integral(q) .and. abs(away) < 1000 * row%error(q)) then
       write (text, '(sp, f8.3, "%", f6.1)') 100 * away / study%integral(q), away / row%error(q)
     else
-      write (text, '(sp, es8.0e2, "%", es7.0e2)') &
-        min(100 * (away / study%integral(q)), 9.0e99_real64), &
-        min(away / row%error(q), 9.0e99_real64)
+      text = real_text(100 * (away / study%integral(q)), 'sp, es8.0e2') // '% ' // &
+             real_text(away / row%error(q), 'sp, es7.0e2')
     end if
   end function from_integral
 
@@ -160,7 +159,7 @@ contains
     character(len=:), allocatable :: text
 
     text = '-'
-    if (abs(share) < 1.0e4_real64) text = real_text(100 * share, 'f10.2') // '%'
+    if (abs(share) < 1.0e4_real64) text = real_text(100 * share, 'f12.2') // '%'
   end function two_decimals
 
 end module asperity_area_study_table

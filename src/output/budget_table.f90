@@ -30,8 +30,9 @@ contains
     end if
     do i = 1, size(budget%lines)
       total = budget%lines(i)
-      write (line, '(2x, a14, g15.7, es14.1e3, es16.1e3, 4x, a)') total%name, total%value, &
-        total%arithmetic, total%step, model_share(budget%model, i)
+      write (line, '(2x, a14, a15, es14.1e3, es16.1e3, 4x, a)') total%name, &
+        real_text(total%value, 'g15.7') // '   ', total%arithmetic, total%step, &
+        model_share(budget%model, i)
       call buffer%line(line)
     end do
     if (positions > 1) call buffer%line('+- is the largest over the positions.')

@@ -32,7 +32,7 @@ module asperity_field_picture
   integer, parameter :: left = 76, top = 58, below = 96, beside = 18, bar = 16, numbers = 92
   ! Lines of text below the map, and a mark of an axis, points.
   integer, parameter :: first_line = 19, second_line = 38, third_line = 66, fourth_line = 86, &
-                        mark = 5
+                        fifth_line = 106, mark = 5
   ! Distance of the numbers along an axis, points: more than they take.
   integer, parameter :: distance(2) = [100, 40]
   ! Significant digits of the numbers along an axis.
@@ -50,6 +50,7 @@ module asperity_field_picture
     character(len=:), allocatable :: name      ! of the values, with their unit
     character(len=:), allocatable :: unit      ! of length; empty: not known
     character(len=:), allocatable :: blank     ! what a value of 0 is; not allocated: a value
+    character(len=:), allocatable :: note      ! what a colour is the mean of; empty: of a pixel
     logical :: is_missing = .false.            ! some pixels were not measured
     integer :: points(2) = 0                   ! sides in the drawing, points
   end type plan_frame
@@ -72,11 +73,11 @@ contains
     frame%side = field%pixel_spacing * [field%columns, field%rows]
     frame%unit = units(1)
     if (quantity == plan_of_pressure) then
-      call average_squares(field%pressure, most_pixels, mean)
+      call average_squares(field%pressure, most_pixels, mean, frame%note)
       frame%name = with_unit('pressure', trim(units(2)))
       frame%blank = 'no contact'
     else
-      call average_squares(field%gap, most_pixels, mean)
+      call average_squares(field%gap, most_pixels, mean, frame%note)
       frame%name = with_unit('gap', trim(units(1)))
       frame%blank = 'contact'
     end if
@@ -99,7 +100,7 @@ contains
     character(len=:), allocatable :: text
     integer :: number
 
-    call average_squares(map%height, width_of_picture, mean)
+    call average_squares(map%height, width_of_picture, mean, frame%note)
     associate (is_known => mean > not_computed)
       middle = sum(mean, is_known) / count(is_known)
       deviation = sqrt(sum((mean - middle)**2, is_known) / count(is_known))
@@ -168,7 +169,8 @@ contains
     frame%points = points
     room = max(points(2), 2 * least)
     drawing%width = left + points(1) + beside + bar + numbers
-    drawing%height = top + max(points(2) + below, room + third_line)
+    drawing%height = top + max(points(2) + below, room + third_line) + &
+                     merge(0, fifth_line - fourth_line, frame%note == '')
     if (title /= '') call add_text(drawing, [8, 18], at_begin, cut_text(title, drawing%width), &
                                    is_bold=.true.)
     call add_image(drawing, left, top, points(1), points(2), colours_of(mean, frame))
@@ -189,6 +191,8 @@ contains
     call put_marks(drawing, 3, [from + bar, top + room], room, frame%limits)
     call put_scale_bar(drawing, frame)
     if (allocated(frame%blank)) call put_swatch(drawing, frame, left, colour_blank, frame%blank)
+    if (frame%note /= '') &
+      call add_text(drawing, [left, top + points(2) + fifth_line], at_begin, frame%note)
     if (frame%is_missing) &
       call put_swatch(drawing, frame, left + merge(120, 240, allocated(frame%blank)), &
                       colour_missing, 'not measured')
@@ -265,13 +269,16 @@ contains
     if (len(line) > room / widest_letter) line = line(:room / widest_letter - 3) // '...'
   end function cut_text
 
-  ! Mean values of squares of measured pixels; `not_computed` where none was measured.
-  pure subroutine average_squares(values, most_pixels, mean)
+  ! Mean values of squares of measured pixels, with a note on them; `not_computed` where none was
+  ! measured.
+  pure subroutine average_squares(values, most_pixels, mean, note)
     real(real64), intent(in) :: values(:, :)
     integer, intent(in) :: most_pixels
     real(real64), allocatable, intent(out) :: mean(:, :)
+    character(len=:), allocatable, intent(out) :: note
     integer :: i, j, step
 
+    note = ''
     step = (maxval(shape(values)) + most_pixels - 1) / most_pixels
     allocate (mean((size(values, 1) + step - 1) / step, (size(values, 2) + step - 1) / step))
     do j = 1, size(mean, 2)
@@ -284,6 +291,9 @@ contains
         end associate
       end do
     end do
+    if (step > 1) note = 'colours: means of ' // decimal_text(step) // ' x ' // &
+                         decimal_text(step) // ' pixels; greatest pixel ' // &
+                         number_text(maxval(values, is_measured(values)), digits_of_axis)
   end subroutine average_squares
 
   ! Values as colours of the range, the last row at the top; a 0 is blank where that has a meaning.

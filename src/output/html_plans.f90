@@ -34,6 +34,7 @@ module asperity_html_plans
     real(real64), allocatable :: upper(:, :)     !! the same at no displacement
     real(real64) :: first(2) = 0.0_real64        !! displacement in the first plan
     integer :: plans = 0                         !! so many are drawn
+    logical :: has_patches = .false.             !! contacts are patches of pixels, without a radius
     !> Remainders of the `most_` numbers.
     integer :: circles = most_circles, rows = most_rows, stops = most_stops
   end type plan_frame
@@ -49,6 +50,8 @@ contains
     type(state_row) :: last
     integer :: m, plans
 
+    if (allocated(results%effects)) &
+      frame%has_patches = any(results%effects%contact_columns == 'samples')
     call find_surfaces(scene_in, frame)
     call find_frame(results, frame)
     associate (units => axis_units(scene_in))
@@ -154,7 +157,7 @@ contains
         associate (row => results%positions(m)%rows(i))
           ! A patch that spans a periodic map has no centre, and no circle.
           if (.not. min(row%x, row%y) > not_computed) cycle
-          radius = contact_radius(row)
+          radius = radius_in(frame, row)
           largest = max(largest, radius)
           low = min(low, [row%x, row%y] - radius)
           high = max(high, [row%x, row%y] + radius)
@@ -219,6 +222,7 @@ contains
     character(len=:), allocatable :: text
 
     text = '<p>Circles: contacts, each with its area, or a dot for a smaller one.'
+    if (frame%has_patches) text = '<p>Dots: centres of the pressure of contact patches.'
     if (allocated(scene_in%map)) then
       text = text // ' Line: outline of the map.'
     else
@@ -289,33 +293,44 @@ contains
     do i = last%first_row, last_circle
       associate (row => results%positions(m)%rows(i))
         if (min(row%x, row%y) > not_computed) &
-          call plot%add_circle(row%x, row%y, contact_radius(row), text_of(row, reached), reached, &
-                           buffer)
+          call plot%add_circle(row%x, row%y, radius_in(frame, row), &
+                               text_of(row, reached, frame%has_patches), reached, buffer)
       end associate
     end do
     if (.not. reached) call buffer%line('</g>')
     call plot%end_plot(buffer)
     if (last_in_table >= last%first_row) then
       call begin_table('contacts, ' // title, [character(len=16) :: 'area_no', 'x', 'y', &
-                       'contact_radius', 'load', 'average_pressure', 'maximum_pressure'], buffer)
+                       merge('area          ', 'contact_radius', frame%has_patches), 'load', &
+                       'average_pressure', 'maximum_pressure'], buffer)
       do i = last%first_row, last_in_table
-        call put_contact(results%positions(m)%rows(i), buffer)
+        call put_contact(results%positions(m)%rows(i), frame%has_patches, buffer)
       end do
       call end_table(buffer)
     end if
     call buffer%line(trim(merge('</details>', '</div>    ', size(results%positions) > 1)))
   end subroutine put_plan
 
-  ! A row of the table of contacts.
-  subroutine put_contact(row, buffer)
+  ! Radius of a contact in plan; 0, a dot, for a patch of pixels.
+  pure real(real64) function radius_in(frame, row)
+    type(plan_frame), intent(in) :: frame
     type(contact_row), intent(in) :: row
+
+    radius_in = 0.0_real64
+    if (.not. frame%has_patches) radius_in = contact_radius(row)
+  end function radius_in
+
+  ! A row of the table of contacts.
+  subroutine put_contact(row, is_patch, buffer)
+    type(contact_row), intent(in) :: row
+    logical, intent(in) :: is_patch
     type(text_buffer), intent(inout) :: buffer
     real(real64) :: values(6)
     character(len=24) :: cells(7)
     integer :: k
 
-    values = [row%x, row%y, contact_radius(row), row%load, row%average_pressure, &
-              row%maximum_pressure]
+    values = [row%x, row%y, merge(row%area, contact_radius(row), is_patch), row%load, &
+              row%average_pressure, row%maximum_pressure]
     cells(1) = decimal_text(row%area_no)
     do k = 1, size(values)
       cells(k + 1) = number_text(values(k))
@@ -324,14 +339,16 @@ contains
   end subroutine put_contact
 
   ! Number and values of a contact.
-  function text_of(row, at_length) result(text)
+  function text_of(row, at_length, is_patch) result(text)
     type(contact_row), intent(in) :: row
-    logical, intent(in) :: at_length
+    logical, intent(in) :: at_length, is_patch
     character(len=:), allocatable :: text
 
     text = decimal_text(row%area_no) // ': load ' // number_text(row%load, 4)
-    if (at_length) text = text // ', radius ' // number_text(contact_radius(row), 4) // &
-                          ', pressure up to ' // number_text(row%maximum_pressure, 4)
+    if (.not. at_length) return
+    text = text // trim(merge(', area  ', ', radius', is_patch)) // ' ' // &
+           number_text(merge(row%area, contact_radius(row), is_patch), 4) // &
+           ', pressure up to ' // number_text(row%maximum_pressure, 4)
   end function text_of
 
 end module asperity_html_plans

@@ -202,7 +202,7 @@ contains
                                          number_text(abs(offset), 15)
     unit = trim(axis%unit)
     if (power /= 0) unit = trim(number_text(10.0_real64**power, 1) // ' ' // unit)
-    if (unit /= '') name = name // ' [' // unit // ']'
+    if (unit /= '') name = name // ' (' // unit // ')'
   end subroutine put_marks
 
   ! Powers of ten within an axis; for less than two decades their doubles and fives, too.

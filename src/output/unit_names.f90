@@ -26,9 +26,9 @@ contains
     type(scene), intent(in) :: scene_in    !! scene with unit names
     character(len=:), allocatable :: text  !! one line
 
-    text = trim(scene_in%units(1))
-    text = 'length ' // text // ', force ' // trim(scene_in%units(2)) // ', area ' // text // &
-           '2, pressure ' // trim(scene_in%units(2)) // '/' // text // '2'
+    text = 'length ' // unit_of(scene_in, is_length) // ', force ' // &
+           unit_of(scene_in, is_force) // ', area ' // unit_of(scene_in, is_area) // &
+           ', pressure ' // unit_of(scene_in, is_pressure)
   end function units_in_words
 
   !> Dimension of a quantity whose unit holds the modulus and the length to some powers.
@@ -46,8 +46,13 @@ contains
   pure function unit_of(scene_in, dimension) result(unit)
     type(scene), intent(in) :: scene_in    !! with or without units
     integer, intent(in) :: dimension       !! one of the `is_` numbers
-    character(len=:), allocatable :: unit  !! for instance `N/mm2`
+    character(len=:), allocatable :: unit  !! for instance `mm2`, `MPa`, `N/cm2`
     character(len=:), allocatable :: length, force
+    ! Length, force, and the name of a force on their area.
+    character(len=*), parameter :: named(3, 5) = reshape([character(len=3) :: &
+      'mm', 'N', 'MPa', 'um', 'uN', 'MPa', 'm', 'N', 'Pa', 'um', 'mN', 'GPa', 'nm', 'nN', 'GPa'], &
+      [3, 5])
+    integer :: known
 
     length = length_unit(scene_in)
     force = trim(scene_in%units(2))
@@ -55,7 +60,11 @@ contains
     if (dimension == is_length) unit = length
     if (dimension == is_force) unit = force
     if (dimension == is_area .and. length /= '') unit = length // '2'
-    if (dimension == is_pressure .and. force /= '') unit = force // '/' // length // '2'
+    if (dimension == is_pressure .and. force /= '') then
+      unit = force // '/' // length // '2'
+      known = findloc(named(1, :) == length .and. named(2, :) == force, .true., 1)
+      if (known > 0) unit = trim(named(3, known))
+    end if
     if (dimension == is_moment .and. force /= '') unit = force // ' ' // length
   end function unit_of
 
@@ -85,13 +94,11 @@ contains
   pure function axis_units(scene_in) result(units)
     type(scene), intent(in) :: scene_in  !! what was solved
     character(len=20) :: units(3)        !! at least one letter each
-    ! Superscript two, in UTF-8.
-    character(len=*), parameter :: squared = char(194) // char(178)
 
     units = [character(len=20) :: length_unit(scene_in), '', scene_in%units(2)]
     if (units(1) == '') units(1) = 'length'
     if (units(3) == '') units(3) = 'force'
-    units(2) = trim(units(1)) // squared
+    units(2) = trim(units(1)) // '2'
   end function axis_units
 
 end module asperity_unit_names

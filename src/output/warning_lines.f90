@@ -2,7 +2,7 @@
 module asperity_warning_lines
   use asperity_kinds, only: real64
   use asperity_number_format, only: count_text, percent_text
-  use asperity_problems, only: decimal_text, problem_list
+  use asperity_problems, only: decimal_text, problem_list, real_text
   use asperity_scene_results, only: scene_results
   use asperity_theory_warnings, only: class_names, theory_warning, warning_kinds
   implicit none
@@ -76,7 +76,7 @@ contains
   pure function in_words(warning) result(text)
     type(theory_warning), intent(in) :: warning
     character(len=:), allocatable :: text
-    character(len=12) :: size_text
+    character(len=:), allocatable :: size_text
 
     associate (which => warning_kinds(warning%number))
       text = with_effect(which%what)
@@ -85,10 +85,10 @@ contains
       if (which%is_share) then
         text = text // ', ' // percent_text(warning%magnitude)
       else
-        write (size_text, '(g12.3)') warning%magnitude
+        size_text = real_text(warning%magnitude, 'g12.3')
         if (abs(warning%magnitude - anint(warning%magnitude)) <= 0.0_real64 .and. &
             warning%magnitude < 1.0e6_real64) size_text = decimal_text(nint(warning%magnitude))
-        text = text // ', ' // trim(adjustl(size_text))
+        text = text // ', ' // size_text
         if (text(len(text):) == '.') text = text(:len(text) - 1)
       end if
       text = text // ' ' // trim(which%measure)

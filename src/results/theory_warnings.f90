@@ -50,7 +50,8 @@ module asperity_theory_warnings
       'reduce the load or take these contacts as an extrapolation of Hertz'' theory'), &
     warning_kind('cap', in_theory, 0.0_real64, .true., &
       'a contact extends below the base of its spherical cap', 'of the radius', &
-      'reduce the load or increase the height of the asperities'), &
+      'reduce the load or increase the height of the asperities', &
+      'reduce the load or set interaction = ''boundary'''), &
     warning_kind('slope', in_theory, 0.3_real64, .false., &
       'a contact or a reference plane is steep', 'is the slope (limit 0.3)', &
       'expect relative errors of the order of the square of the slope'), &

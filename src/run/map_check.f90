@@ -15,6 +15,7 @@ module asperity_map_check
   use asperity_map_shares, only: find_shares
   use asperity_map_summits, only: map_summits
   use asperity_numeral, only: rounded_decimal
+  use asperity_problems, only: real_text
   use asperity_scene_results, only: map_record
   use asperity_scene_values, only: control_load, scene_loading
   implicit none
@@ -72,7 +73,6 @@ contains
     character(len=:), allocatable, intent(out) :: failure  !! reason, when summits are not valid
     type(map_patch), allocatable :: patches(:)
     real(real64) :: last, share
-    character(len=4) :: share_text
 
     reference%by_load = loading%by_load
     reference%map = map
@@ -95,9 +95,8 @@ contains
     call find_patches(reference%map, reference%answer%pressure, patches)
     share = sum(patches%area) / area_of_map(reference%map)
     if (share > percolation) then
-      write (share_text, '(f4.2)') share
-      failure = 'the contact area fraction is ' // share_text // ', above the percolation ' // &
-                'threshold 0.42: expected interaction = ''boundary'' or a smaller load'
+      failure = 'the contact area fraction is ' // real_text(share, 'f4.2') // ', above the ' // &
+                'percolation threshold 0.42: expected interaction = ''boundary'' or a smaller load'
     end if
   end subroutine solve_reference
 

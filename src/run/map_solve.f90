@@ -20,7 +20,7 @@ module asperity_map_solve
   use asperity_surface_fields, only: has_field_grid, solve_with_fields
   use asperity_surface_solve, only: solve_surfaces
   use asperity_sweep, only: sweep_scene
-  use asperity_theory_warnings, only: of_error, take_worse, theory_warning, add_warning
+  use asperity_theory_warnings, only: of_cap, of_error, take_worse, theory_warning, add_warning
   implicit none
   private
 
@@ -125,6 +125,12 @@ contains
     type(scene_results), intent(inout) :: results
     type(theory_warning), allocatable :: warnings(:)
 
+    ! The height of a summit above the base of its cap is that of the map.
+    if (allocated(results%positions(1)%warnings)) then
+      associate (found => results%positions(1)%warnings)
+        where (found%number == of_cap) found%whose = 'summits of the map'
+      end associate
+    end if
     call warn_of_map(map, scene_in%effects%number('tolerance'), warnings)
     call take_worse(results%positions(1)%warnings, warnings, size(results%positions(1)%states))
   end subroutine add_map_warnings

@@ -10,6 +10,7 @@ module asperity_study_additions
                                     method_totals
   use asperity_number_span, only: number_span, span_of
   use asperity_numeral, only: rounded_decimal
+  use asperity_problems, only: real_text
   use asperity_random_philox, only: philox_block
   use asperity_reviewed_theories, only: reviewed_theory, evaluate_theories
   use asperity_run_options, only: run_options
@@ -43,18 +44,20 @@ contains
     type(method_table), intent(inout) :: table        !! gets one more row
     real(real64) :: halves(2)
     character(len=32) :: name
+    character(len=:), allocatable :: heights
 
     halves = half_last_digits(scene_in)
+    heights = 'heights ' // real_text(halves(1), 'es8.1e2')
     if (.not. allocated(scene_in%map)) then
-      write (name, '("heights", es8.1e2, ", radii", es8.1e2)') halves
+      name = heights // ', radii ' // real_text(halves(2), 'es8.1e2')
       call add_draws(study_method(family=of_arithmetic), table%plain, name)
       return
     end if
-    write (name, '("heights", es8.1e2, ", of summits")') halves(1)
+    name = heights // ', of summits'
     call add_draws(study_method(family=of_arithmetic), table%plain, name)
     ! The rounding of the pixels, where they are the reference.
     if (table%rows(table%reference)%method%interaction /= effect_boundary) return
-    write (name, '("heights", es8.1e2, ", of pixels")') halves(1)
+    name = heights // ', of pixels'
     call add_draws(table%rows(table%reference)%method, table%truth, name)
 
   contains

@@ -14,6 +14,7 @@ module asperity_study_methods
   use asperity_original, only: arithmetic_names
   use asperity_original_records, only: original_request
   use asperity_position_solver, only: position_solver
+  use asperity_problems, only: real_text
   use asperity_run_options, only: run_options
   use asperity_scene_results, only: scene_results
   use asperity_scene_values, only: control_compression, control_limit, control_separation, &
@@ -196,9 +197,9 @@ contains
 
     pure function step_text(order) result(text)
       integer, intent(in) :: order
-      character(len=7) :: text
+      character(len=:), allocatable :: text
 
-      write (text, '(es7.1e2)') 10.0_real64**order
+      text = real_text(10.0_real64**order, 'es7.1e2')
     end function step_text
 
   end subroutine add_arithmetics

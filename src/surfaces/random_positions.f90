@@ -8,7 +8,7 @@
 module asperity_random_positions
   use asperity_constants, only: pi
   use asperity_kinds, only: int64, real64
-  use asperity_problems, only: decimal_text
+  use asperity_problems, only: decimal_text, real_text
   use asperity_random_philox, only: philox_block, scaled_words
   implicit none
   private
@@ -156,7 +156,6 @@ contains
     integer(int64), intent(in) :: extent(2), least
     integer, intent(in) :: number
     character(len=:), allocatable :: text
-    character(len=5) :: coverage, jammed
     real(real64) :: covered
 
     text = ' or more tries'
@@ -165,10 +164,8 @@ contains
               ((real(extent(1), real64) / real(least, real64) + 1) * &
                (real(extent(2), real64) / real(least, real64) + 1))
     if (covered <= jamming .or. covered > 10) return
-    write (coverage, '(f5.3)') covered
-    write (jammed, '(f5.3)') jamming
-    text = ': their discs would cover ' // coverage // ' of the area, random placing ends ' // &
-           'near ' // jammed
+    text = ': their discs would cover ' // real_text(covered, 'f5.3') // ' of the area, ' // &
+           'random placing ends near ' // real_text(jamming, 'f5.3')
   end function packing_remedy
 
 end module asperity_random_positions

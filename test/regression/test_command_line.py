@@ -41,6 +41,21 @@ def run(asperity, tmp_path):
     return start
 
 
+@pytest.mark.parametrize("words, option", [
+    (("solve", "--curve", "a", "--curve", "b", "s"), "--curve"),
+    (("solve", "--threads=1", "--threads", "2", "s"), "--threads"),
+    (("solve", "--picture", "a.png", "--picture", "b.svg", "s"), "--picture"),
+    (("summits", "--unit", "um", "--unit", "um", "m"), "--unit"),
+    (("generate", "--surface", "1", "--surface", "2", "s"), "--surface"),
+    (("--tables", "13", "--tables", "all", "d"), "--tables")])
+def test_an_option_given_twice(run, words, option):
+    """Its last value would win in silence. Two --keep name two files."""
+    done = run(*words)
+    assert done.returncode == 2 and f"option {option} is given twice, expected once" in done.stderr
+    keep = run("solve", "--keep", "a", "--keep", "b", "--quiet", "--quiet", "s")
+    assert "twice" not in keep.stderr
+
+
 @pytest.fixture(scope="module")
 def plain(asperity, thesis):
     """The report of the thesis deck without any option."""

@@ -4,6 +4,7 @@ import numpy as np
 import pytest
 
 from ball_scenes import column
+from programs import run_program
 from surfaces_csv import solve, write_scene, write_surface
 
 UPPER = [(0.0, 0.0, 0.10, 2.0), (3.0, 0.5, 0.12, 1.5), (5.0, 3.0, 0.09, 1.0)]
@@ -82,3 +83,25 @@ def test_refusals(asperity, tmp_path):
         assert len(lines) == len(expected), lines
         for line, text in zip(lines, expected, strict=True):
             assert text in line
+
+
+@pytest.mark.parametrize("moduli, ratios, noted", [
+    ((1.0, 2e5), (0.0, 0.0), True), ((2e5, 1.0), (0.0, 0.0), True), ((1.0, 1.0), (0.3, 0.3), False),
+    ((1.0, 2e5), (0.5, 0.3), False), ((210e3, 70e3), (0.3, 0.33), True),
+    ((210e3, 200e3), (0.3, 0.29), False), ((1.0, 1.0), (-0.5, 0.49), True)])
+def test_unlike_bodies_are_noted(asperity, tmp_path, moduli, ratios, noted):
+    """Dundurs' beta of shear moduli and Kolosov's constants: a note above 0.1, unless friction is
+    in the scene."""
+    shear = [e / (2 * (1 + nu)) for e, nu in zip(moduli, ratios)]
+    kolosov = [3 - 4 * nu for nu in ratios]
+    beta = ((shear[0] * (kolosov[1] - 1) - shear[1] * (kolosov[0] - 1)) /
+            (shear[0] * (kolosov[1] + 1) + shear[1] * (kolosov[0] + 1)))
+    assert (abs(beta) > 0.1) == noted
+    bodies = {"elastic_modulus": moduli, "poisson_ratio": ratios}
+    for effects, told in (({}, noted), ({"friction_coefficient": 0.1}, False)):
+        path = scene(tmp_path, "unlike", bodies, effects=effects,
+                     loading={"control": "compression", "value": 1e-4})
+        done = run_program(asperity, "solve", path, "--quiet")
+        note = (f"note: unlike bodies, Dundurs' beta {abs(beta):.3f}: "
+                "contacts are taken as frictionless")
+        assert (note in done.stderr) == told, done.stderr

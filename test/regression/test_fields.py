@@ -105,7 +105,7 @@ def curve(asperity, tmp_path_factory):
         "--html", folder / "page.html", "--units")
     run(asperity, "solve", scene, "--quiet", "--picture", folder / "p.svg")
     with open(folder / "c", newline="") as file:
-        assert "pressure N/mm2" in file.readline()
+        assert "pressure MPa" in file.readline()
         states = [{name: float(cell or "nan") for name, cell in row.items()}
                   for row in csv.DictReader(file)]
     return folder, scene, height, states
@@ -184,7 +184,7 @@ def test_picture_as_svg(curve):
     assert stored.shape == (*fields["pressure"].shape[::-1], 3)
     check_colours(colours_of(stored, fields, (0, 0, *stored.shape[1::-1])), fields)
     texts = [text.text for text in root.findall("{*}text")]
-    assert {"x (mm)", "y (mm)", "pressure (N/mm2)", "no contact", "not measured", "0.1 mm"} <= set(
+    assert {"x (mm)", "y (mm)", "pressure (MPa)", "no contact", "not measured", "0.1 mm"} <= set(
         texts)
 
 
@@ -294,6 +294,31 @@ def test_summits_have_no_gap(asperity, tmp_path):
         done = run(asperity, "solve", scene, option, tmp_path / name, status=2)
         assert f"{option}: only a height map solved on its pixels" in done.stderr
         assert not (tmp_path / name).exists()
+
+
+def test_a_picture_of_means_says_so(asperity, tmp_path):
+    """Maps that are larger than their picture: the size of the squares, and the greatest pressure,
+    which the colours do not reach."""
+    height = np.zeros((600, 5))
+    height[::2] = 0.01
+    height[300] = 0.02
+    scene = write_scene(
+        tmp_path / "m.scene",
+        surfaces={"upper": "plane", "lower": write_map(tmp_path / "m.txt", height),
+                  "map_spacing": (0.01, 0.01)},
+        material={"contact_modulus": E}, effects={"interaction": "boundary"},
+        loading={"control": "load", "value": 1.0})
+    run(asperity, "solve", scene, "--html", tmp_path / "h", "--picture", tmp_path / "p.svg",
+        "--positions", tmp_path / "p.csv", "--fields", tmp_path / "f.vti")
+    greatest = read_vti(tmp_path / "f.vti")[2]["pressure"].max()
+    notes = re.findall(r"colours: means of 3 x 3 pixels; greatest pixel ([0-9.e]+)",
+                       (tmp_path / "h").read_text())
+    assert len(notes) == 2 and float(notes[0]) == pytest.approx(greatest, rel=1e-3)
+    assert "means of" not in (tmp_path / "p.svg").read_text()
+    # Patches of pixels are no circles: dots in the plan, areas in the table.
+    page = (tmp_path / "h").read_text()
+    assert "Dots: centres of the pressure of contact patches." in page and "Circles" not in page
+    assert "contact_radius" not in page
 
 
 def test_refusals(asperity, tmp_path, curve):

@@ -140,3 +140,13 @@ def test_too_much_contact_for_summits(asperity, tmp_path):
     assert done.status == 0 and done.positions[0]["interaction"] == "boundary"
     flat, _ = press(level(height), SIDES, E, load)
     assert abs(float(done.positions[0]["separation"]) / flat - 1) < 1e-6
+
+
+def test_advice_for_a_map(asperity, tmp_path):
+    """The summits of a map have the height of the map: below the base of a cap the pixels help."""
+    x, y = np.indices((41, 41)) - 20
+    height = 1e-4 - 0.01**2 * (x**2 + y**2) / 2
+    lines = run(asperity, tmp_path, height, LOAD, 0.9, "coupled", map_level="none")
+    caps = [line for line in lines if "below the base of its spherical cap" in line]
+    assert len(caps) == 1 and "increase the height" not in caps[0]
+    assert caps[0].endswith("reduce the load or set interaction = 'boundary'")

@@ -99,7 +99,7 @@ def test_names_of_fields(solved):
 def test_units_and_columns(solved):
     fields = solved.fields()
     assert fields.unit == "um"
-    assert fields.units == {"pressure": "uN/um2", "gap": "um", "displacement": "um", "contact": ""}
+    assert fields.units == {"pressure": "MPa", "gap": "um", "displacement": "um", "contact": ""}
     for table in (solved.positions, solved.states):
         assert [table.units[name] for name in (
             "mean_gap", "rms_gap", "contact_perimeter", "elastic_energy")] == [
@@ -183,7 +183,7 @@ def test_plots(solved):
         assert np.array_equal(hidden, blank | missing), name
         assert axes.get_xlabel() == "x (um)"
     labels = [other.get_ylabel() for other in fields.plot().figure.axes]
-    assert "pressure (uN/um2)" in labels
+    assert "pressure (MPa)" in labels
     with pytest.raises(ValueError, match="name: found 'load', expected 'pressure', 'gap'"):
         fields.plot("load")
 

@@ -100,7 +100,7 @@ def test_units_and_labels(package, results):
     units = results.states.units
     assert (units["load"], units["area"], units["separation"], units["contacts"]) == (
         "N", "mm2", "mm", "")
-    assert results.contacts.units["maximum_pressure"] == "N/mm2"
+    assert results.contacts.units["maximum_pressure"] == "MPa"
     assert results.states.label("projected_area") == "projected area (mm2)"
     assert results.states.label("contacts") == "contacts"
     unnamed = {**CURVE, "surfaces": {"upper": SPHERE, "lower": "plane"}}

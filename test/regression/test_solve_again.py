@@ -287,7 +287,7 @@ def test_rebuilt_scenes(c, tmp_path):
         scene, b"&material contact_modulus = 1e3 / &loading control = 'pressure', value = 0.5 /"))
     solved = done(c, c.asperity_solve_scene(changed, None))
     assert abs(table(c, solved, POSITIONS)["vertical_load"][0] - 6.0) < 1e-6
-    assert units(c, solved, POSITIONS)["nominal_pressure"] == "N/mm2"
+    assert units(c, solved, POSITIONS)["nominal_pressure"] == "MPa"
     # Without the tilt both pairs are level with each other: 3 mm apart, 0.2 mm deep.
     assert table(c, solved, CONTACTS)["slope"][0] == 0.0
     bad = c.asperity_rebuild_scene(scene, b"&loading control = 'load', value = -1. /")

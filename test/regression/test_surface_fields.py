@@ -411,7 +411,7 @@ def test_python(package, asperity, tmp_path):
             assert np.array_equal(getattr(fields, name), arrays[name].T, equal_nan=True), name
         assert fields.origin == pytest.approx((x[0, 0], y[0, 0])) and fields.spacing == (0.02, 0.02)
         assert (fields.boundary_contacts, fields.hertz_contacts) == (2, 1)
-        assert (fields.unit, fields.units["pressure"]) == ("mm", "N/mm2")
+        assert (fields.unit, fields.units["pressure"]) == ("mm", "MPa")
     every = package.solve(path, fields="all")
     assert np.nansum(every.fields(step=1).pressure) * 0.02**2 == pytest.approx(1.0, rel=1e-6)
     again = package.Scene(path).solve(loading={"value": 1.5}, fields=True)

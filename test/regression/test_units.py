@@ -11,7 +11,7 @@ from programs import run_program
 from surfaces_csv import write_csv_scene
 
 SURFACES = "upper = 'pair_upper.csv', lower = 'pair_lower.csv'"
-NAMED = "length mm, force N, area mm2, pressure N/mm2"
+NAMED = "length mm, force N, area mm2, pressure MPa"
 
 
 def run(asperity, *words, status=0):
@@ -38,7 +38,7 @@ def test_units_are_names_alone(asperity, tmp_path):
     without = {option: path.read_text() for option, path in files.items()}
     scene = scene_with(tmp_path, ", units = 'mm', 'N'")
     told = run(asperity, scene, *words).stdout
-    assert "total load (N) " in told and "contact area (mm2) " in told and "(N/mm2) " in told
+    assert "total load (N) " in told and "contact area (mm2) " in told and "(MPa) " in told
     assert [re.sub(r" \((?!Hertz)[^)]*\) *", " ", line).split() for line in told.splitlines()] == \
         [line.split() for line in bare.splitlines()]
     named = {option: path.read_text() for option, path in files.items()}
@@ -46,11 +46,29 @@ def test_units_are_names_alone(asperity, tmp_path):
         assert named[option] == without[option]
     assert json.loads(named["--json"])["scene"]["units"] == {"length": "mm", "force": "N"}
     assert "units" not in json.loads(without["--json"])["scene"]
-    for name in ("x [mm]</text>", "y [mm]</text>", "total load (N)"):
+    for name in ("x (mm)</text>", "y (mm)</text>", "total load (N)"):
         assert name in named["--html"] and name not in without["--html"]
     run(asperity, scene, *words, "--units", "--quiet")
     for option in ("--positions", "--contacts", "--curve"):
         assert files[option].read_text() == f"# units: {NAMED}\n{without[option]}"
+
+
+@pytest.mark.parametrize("length, force, pressure", [
+    ("mm", "N", "MPa"), ("um", "uN", "MPa"), ("m", "N", "Pa"), ("um", "mN", "GPa"),
+    ("nm", "nN", "GPa"), ("mm", "kN", "kN/mm2"), ("\u00b5m", "\u03bcN", "MPa")])
+def test_names_of_pressures(asperity, tmp_path, length, force, pressure):
+    """A force on an area has its own name where the units give one; `u` is the one micro sign."""
+    scene = scene_with(tmp_path, f", units = '{length}', '{force}'")
+    out = run(asperity, scene, "--units", "--html", tmp_path / "h", "--curve",
+              tmp_path / "c").stdout
+    micro = str.maketrans("\u00b5\u03bc", "uu")
+    length, force = length.translate(micro), force.translate(micro)
+    assert f"greatest pressure ({pressure}) " in out and f"contact area ({length}2) " in out
+    assert (tmp_path / "c").read_text().startswith(
+        f"# units: length {length}, force {force}, area {length}2, pressure {pressure}\n")
+    page = (tmp_path / "h").read_text()
+    shown = page[:page.index("<pre")] if "<pre" in page else page
+    assert f"x ({length})</text>" in page and "\u00b2" not in page and "\u00b5" not in shown
 
 
 def test_units_of_a_deck(asperity, tmp_path):
@@ -59,7 +77,7 @@ def test_units_of_a_deck(asperity, tmp_path):
     units = "units: length cm, force N, area cm2, pressure N/cm2"
     assert "total load (N) " in out.stdout and "contact area (cm2) " in out.stdout
     assert (tmp_path / "p").read_text().startswith(f"# {units}\nposition,")
-    assert "load [N]</text>" in (tmp_path / "h").read_text()
+    assert "load (N)</text>" in (tmp_path / "h").read_text()
 
 
 @pytest.mark.parametrize("units, answer", [

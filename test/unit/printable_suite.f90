@@ -1,6 +1,9 @@
-!> Tests of text that is shown on a terminal: which bytes of UTF-8 (RFC 3629) are kept.
+!> Tests of text that is shown on a terminal: which bytes of UTF-8 (RFC 3629) are kept, and whether
+!> numbers of any size have room.
 module asperity_printable_suite
+  use, intrinsic :: iso_fortran_env, only: real64
   use asperity_printable, only: printable_text
+  use asperity_problems, only: real_text
   use asperity_testing, only: check, error_type, new_unittest, unittest_type
   implicit none
   private
@@ -21,7 +24,8 @@ contains
     suite = [ &
             new_unittest('letters of two to four bytes are kept', test_letters), &
             new_unittest('a letter in more bytes than it needs is not kept', test_too_long), &
-            new_unittest('broken letters are not kept, those beside them are', test_broken) &
+            new_unittest('broken letters are not kept, those beside them are', test_broken), &
+            new_unittest('a number of any size has room in any form', test_sizes) &
             ]
   end subroutine collect_printable
 
@@ -50,6 +54,35 @@ contains
     end do
     call check(error, printable_text(encoded(127, 2)), '??', '127 in two bytes')
   end subroutine test_too_long
+
+  ! The text reads back as the number, to half a unit of the digits that the form has at least.
+  subroutine test_sizes(error)
+    type(error_type), allocatable, intent(out) :: error
+    character(len=*), parameter :: forms(14) = [character(len=11) :: 'es7.1e2', 'es8.1e2', &
+      'es9.1e3', 'es10.3e2', 'es16.6e3', 'g10.3', 'g12.3', 'g15.7', 'sp, es8.1e2', 'f4.2', &
+      'f6.3', 'f7.0', 'f9.1', 'f12.2']
+    character(len=:), allocatable :: text
+    real(real64) :: back, value
+    integer :: i, power, sign
+
+    call check(error, real_text(1.25_real64, 'es7.1e2'), '1.2E+00', 'a form with room')
+    call check(error, real_text(1.5e-120_real64, 'es7.1e2'), '1.5E-120', 'three digits')
+    do i = 1, size(forms)
+      do power = -320, 307
+        do sign = -1, 1, 2
+          value = sign * 9.5_real64 * 10.0_real64**power
+          text = real_text(value, trim(forms(i)))
+          call check(error, scan(text, '*'), 0, 'no stars: ' // trim(forms(i)) // ' ' // text)
+          if (allocated(error)) return
+          read (text, *) back
+          call check(error, abs(back - value) <= 0.1_real64 * abs(value) .or. &
+                     (forms(i)(1:1) == 'f' .and. abs(back - value) <= 0.5_real64), &
+                     'reads back: ' // trim(forms(i)) // ' ' // text)
+          if (allocated(error)) return
+        end do
+      end do
+    end do
+  end subroutine test_sizes
 
   subroutine test_broken(error)
     type(error_type), allocatable, intent(out) :: error
