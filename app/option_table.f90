@@ -79,7 +79,7 @@ module asperity_option_table
       'write the distribution of the pressure in contact on them at the last state as CSV'), &
     option_entry('solve', '--accuracy', 'ERROR', &
       'choose the fastest method with an estimated relative error below ERROR, for instance ' // &
-      '1e-3; effects that are off count'), &
+      '1e-3, including the estimated influence of effects that are off'), &
     option_entry('solve', '--budget', '', &
       'print the error budget of every total: arithmetic, step, model'), &
     option_entry('solve', '--threads', 'N', &

@@ -5,7 +5,7 @@
     >>> print(f"{results.states['load'][-1]:.3f}")
     267.508
 
-Units are those of the scene, any consistent set: with mm and N, moduli and pressures are in N/mm2.
+Units are those of the scene, any consistent set: with mm and N, moduli and pressures are in MPa.
 A card deck brings cm, N and N/cm2. Angles are radians. Heights are indexed `[y, x]`.
 """
 

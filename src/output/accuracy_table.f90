@@ -106,8 +106,8 @@ contains
       if (.not. rows(i)%method%step > 0.0_real64) cycle
       write (line, '(a1, 1x, a40, a9, a7, "%", a9, 5(1x, a19))') &
         merge('*', ' ', rows(i)%on_own_front), rows(i)%method%name, &
-        short_number(rows(i)%seconds), aligned('f7.0', 100 * rows(i)%time_spread), &
-        aligned('f9.1', ratio_of(rows, i)), &
+        short_number(rows(i)%seconds), aligned_text('f7.0', 100 * rows(i)%time_spread), &
+        aligned_text('f9.1', ratio_of(rows, i)), &
         (short_number(rows(i)%own%quantity(k)) // ' (' // &
          trim(adjustl(short_number(rows(i)%own%quantity_mean(k)))) // ')' // repeat(' ', 7), &
          k = 1, size(quantity_names))
@@ -152,12 +152,12 @@ contains
     real(real64), intent(in) :: value
     character(len=8) :: text
 
-    text = aligned('es7.1e2', value)
+    text = aligned_text('es7.1e2', value)
     if (.not. abs(value) > 0.0_real64) text = '       0'
   end function short_number
 
   ! A number at the right end of eight characters; blank where it was not computed.
-  pure function aligned(form, value) result(text)
+  pure function aligned_text(form, value) result(text)
     character(len=*), intent(in) :: form
     real(real64), intent(in) :: value
     character(len=8) :: text
@@ -165,7 +165,7 @@ contains
     text = ''
     if (value > not_computed) text = real_text(value, form)
     text = adjustr(text)
-  end function aligned
+  end function aligned_text
 
   ! Own error o, error against the reference +, both in one place *.
   pure function error_axis(row) result(text)

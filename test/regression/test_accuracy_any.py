@@ -402,3 +402,15 @@ def test_a_tolerance_of_areas(asperity, tmp_path):
         assert abs(float(row["area"]) / want - 1) < 0.01
     assert float(fine["cells"]) > 2 * float(usual["cells"])
     assert float(fine["area_error_estimate"]) < 0.7 * float(usual["area_error_estimate"])
+
+
+def test_numbers_of_any_size(asperity, tmp_path):
+    """Steps, heights and hardnesses of lengths near 1e-105 are printed in full."""
+    upper = [(x * 1e-105, y * 1e-105, z * 1e-105, 1.5e-105) for x, y, z in (
+        (0.0, 0.0, 0.12), (2.0, 0.3, 0.1), (4.0, 1.0, 0.11))]
+    scene = write_csv_scene(
+        tmp_path, upper, [(1e-107, 0.0, 1e-106, 1e-105)], modulus=(2e105, 1e105),
+        loading={"control": "limit"}, limit={"criterion": "load", "value": 1e-108})
+    _, printed = study(asperity, scene, tmp_path, seconds=1)
+    assert "**" not in printed
+    assert re.search(r"steps [0-9.]+E-1[01][0-9] ", printed), printed

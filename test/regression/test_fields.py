@@ -233,7 +233,7 @@ def test_page_of_a_patch_that_spans_a_periodic_map(asperity, tmp_path):
     assert fields["contact"].all() and not fields["gap"].any()
     page = ElementTree.fromstring((tmp_path / "p.html").read_text().replace("<!DOCTYPE html>", ""))
     rows = [[cell.text or "" for cell in row] for row in page.iter("tr")]
-    at = rows.index(["area_no", "x", "y", "contact_radius", "load", "average_pressure",
+    at = rows.index(["area_no", "x", "y", "area", "load", "average_pressure",
                      "maximum_pressure"])
     assert rows[at + 1][:3] == ["1", "", ""] and float(rows[at + 1][4]) > 0
 

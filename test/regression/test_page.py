@@ -214,9 +214,9 @@ def test_curves(asperity, tmp_path):
     sections = [section["aria-labelledby"] for section in page.of("section")]
     assert sections == ["summary", "curves", "contacts", "effects", "origin"]
     for svg, x, y, names in zip(page.of("svg"), (apart[0] - apart, load), (load, area),
-                                (("compression [cm]", "load [N]"),
-                                 ("load [N]", "contact area [cm\u00b2]"))):
-        assert [text["text"] for text in page.of("text", svg) if "[" in text["text"]] == \
+                                (("compression (cm)", "load (N)"),
+                                 ("load (N)", "contact area (cm2)"))):
+        assert [text["text"] for text in page.of("text", svg) if "(" in text["text"]] == \
             list(names)
         [curve] = [path for path in page.of("path", svg) if path["class"] == "curve"]
         drawn = path_points(curve)
