@@ -57,6 +57,12 @@ contains
           value = word(equals + 1:)
         end if
         if (all(known /= name .and. known /= trim(name) // '=')) then
+          if (name == '--arithmetic') then
+            call problems%add('--arithmetic: a scene is solved in real64 only; `asperity DECK ' // &
+                              '--arithmetic NAME` runs the original program in another arithmetic')
+            if (equals == 0) i = i + 1
+            cycle
+          end if
           call problems%add('unknown option ' // in_quotes(name) // ', expected one of' // &
                             joined_words(option_name(known)) // did_you_mean(name, &
                             option_name(known)))

@@ -123,8 +123,6 @@ contains
     do i = k + 1, size(line%outputs)
       line%parts(i - k)%path = line%outputs(i)%path
     end do
-    if (line%accuracy > 0 .and. line%arithmetic /= '') &
-      call problems%add('--accuracy chooses the arithmetic: leave out --arithmetic')
     if (line%accuracy > 0 .and. line%output_path('--keep') /= '') &
       call problems%add('--accuracy solves a sweep by several methods, --keep saves one: ' // &
                         'expected one of both')

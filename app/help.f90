@@ -45,8 +45,7 @@ contains
       call text%line('asperity ' // version)
       call text%line('built by ' // compiler_version() // ' with' // &
         digit_flags(compiler_options()))
-      call text%line('arithmetics ibm370 (default for a deck), real32, real64 (default of ' // &
-                     'solve), real128')
+      call text%line('arithmetics ibm370 (default for a deck), real32, real64 (solve), real128')
       return
     else if (command == '') then
       do i = 1, size(next_steps)

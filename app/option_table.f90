@@ -77,9 +77,6 @@ module asperity_option_table
       'draw the pressure on the same pixels at the last state (.svg or .png)', ''), &
     option_entry('solve', '--histogram', 'FILE', &
       'write the distribution of the pressure in contact on them at the last state as CSV'), &
-    option_entry('solve', '--arithmetic', 'NAME', &
-      'real64 (default), real32, real128 or ibm370; effects and paths are computed in real64 ' // &
-      'only'), &
     option_entry('solve', '--accuracy', 'ERROR', &
       'choose the fastest method with an estimated relative error below ERROR, for instance ' // &
       '1e-3, including the estimated influence of effects that are off'), &

@@ -35,6 +35,7 @@ contains
     integer :: member
 
     call read_generation_spec(line%input, spec, outcome%problems)
+    call outcome%warnings%append(spec%notes)
     if (spec%is_map) then
       call make_map(line, spec, outcome)
       return

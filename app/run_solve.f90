@@ -273,7 +273,6 @@ contains
     type(command_line), intent(in) :: line
     type(scene), intent(in) :: scene_in
     type(problem_list), intent(inout) :: problems
-    type(scene_effects) :: written
 
     call refuse_input(line, scene_in%upper%file, problems)
     if (.not. same_name(scene_in%lower%file, scene_in%upper%file)) &
@@ -289,12 +288,6 @@ contains
       call problems%add('--share: found ' // decimal_text(line%share(2)) // ' parts of ' // &
                         count_text(merge(1, scene_in%motion%positions, allocated(scene_in%map)), &
                                 'position') // ', expected at most as many parts as positions')
-    written = scene_in%effects
-    call written%drop_unwritten()
-    if (.not. (written%any_on() .or. allocated(scene_in%loading%path))) return
-    if (line%arithmetic /= '' .and. line%arithmetic /= 'real64') &
-      call problems%add('--arithmetic ' // line%arithmetic // ': effects and paths of several ' // &
-                        'values are computed in real64, expected that or none')
   end subroutine check_choices
 
   ! Pressure on pixels is that of a height map solved on them, and is not kept in a file.
@@ -321,7 +314,6 @@ contains
     type(scene), intent(in) :: scene_in
     type(run_options) :: options
 
-    if (line%arithmetic /= '') options%arithmetic = line%arithmetic
     options%accuracy = line%accuracy
     options%keep_contacts = line%output_path('--contacts') // line%output_path('--json') // &
                             line%output_path('--vtk') // line%output_path('--html') /= '' .or. &
@@ -337,7 +329,7 @@ contains
     options%keep_file = line%output_path('--keep')
     options%part = line%share(1)
     options%parts = line%share(2)
-    if (allocated(line%parts)) options%more_files = line%parts
+    if (allocated(line%parts)) allocate (options%more_files, source=line%parts)
     if (.not. line%cost) return
     options%sample = pieces_tried
     options%threads = 1

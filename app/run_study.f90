@@ -36,6 +36,7 @@ contains
     character(len=:), allocatable :: failure
 
     call read_study_spec(line%input, spec, outcome%problems)
+    call outcome%warnings%append(spec%surfaces%notes)
     if (outcome%problems%count() == 0) then
       call plan_study(spec, plan, failure)
       if (allocated(failure)) call outcome%problems%add(line%input // ': ' // failure)

@@ -40,6 +40,7 @@ contains
     integer(int64) :: spikes
 
     choices = summit_choices(rule=line%rule, level=line%level, periodic=line%edge == 2, &
+                             edge_of_file=line%edge == 0, &
                              radius=line%radius, &
                              unit=line%unit, despike=line%despike, &
                              pixel_spacing=line%pixel_spacing, progress=.true., prefix='--')

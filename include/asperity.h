@@ -122,9 +122,9 @@ typedef struct {
 
 /* How a scene is solved. All bytes zero: the defaults. */
 typedef struct {
-  const char *arithmetic; /* "real64" (also for NULL), "real32", "real128" or "ibm370" */
-  double accuracy;        /* relative error of every total that is allowed, less than 1: the cheapest
-                             arithmetic that has it is taken; 0: none is asked for */
+  const char *arithmetic; /* "real64" or NULL: no other; asperity_make_report has other arithmetics */
+  double accuracy;        /* relative error of every total that is allowed, less than 1: the fastest
+                             method that has it is taken; 0: none is asked for */
   int totals_only;        /* not 0: contacts are not kept, their table has no rows */
   int threads;            /* at most 9999; 0: as many as OpenMP gives; the results are the same for
                              any number */

@@ -29,7 +29,7 @@ module asperity_c
 
   !> `asperity_options` of the header.
   type, bind(c) :: c_options
-    type(c_ptr) :: arithmetic        !! name; null: real64
+    type(c_ptr) :: arithmetic        !! 'real64' or null
     real(c_double) :: accuracy       !! asked for; 0: none
     integer(c_int) :: totals_only    !! not 0: contacts are not kept
     integer(c_int) :: threads        !! 0: as many as OpenMP gives
@@ -175,14 +175,16 @@ contains
     type(run_options), intent(inout) :: chosen
     type(problem_list), intent(inout) :: problems
     type(c_options), pointer :: options
-    integer :: which
 
     if (.not. c_associated(given)) call check_options(chosen, problems)
     if (.not. c_associated(given)) return
     call c_f_pointer(given, options)
-    which = findloc(arithmetic_names, 'real64', 1)
-    call take_word('arithmetic', options%arithmetic, arithmetic_names, which, problems)
-    if (which > 0) chosen%arithmetic = arithmetic_names(which)
+    if (c_associated(options%arithmetic)) then
+      if (text_of(options%arithmetic) /= 'real64') &
+        call problems%add('arithmetic: found ' // text_of(options%arithmetic) // ', expected ' // &
+                          'real64: a scene is solved in real64 only; the report of a card ' // &
+                          'deck has other arithmetics')
+    end if
     chosen%accuracy = options%accuracy
     chosen%keep_contacts = options%totals_only == 0_c_int
     chosen%threads = options%threads

@@ -41,7 +41,6 @@ contains
         new%failure = spec%file // ': ' // new%failure
       else
         call set_map(new, spec%file, map)
-        call add_wholes(new%tables(table_map), 'periodic', [merge(1, 0, map%periodic)])
       end if
     end if
     call finish_outcome(new)

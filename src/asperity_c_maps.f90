@@ -5,7 +5,8 @@ module asperity_c_maps
   use, intrinsic :: iso_fortran_env, only: int64, real64
   use asperity, only: add_reals, add_wholes, build_scene_of, decimal_text, height_map, &
                       is_measured, length_units, level_names, map_statistics, map_summits, &
-                      measure_map, not_enough_memory, problem_list, put_in_unit, &
+                      measure_map, not_enough_memory, periodic_edge, problem_list, &
+                      put_in_unit, &
                       radius_names, read_height_map, rule_names, scene_side, summit_choices, &
                       summits_of_array, summits_of_file, text_buffer, write_map_file, &
                       write_summits_table
@@ -109,6 +110,7 @@ contains
     call begin_outcome(new, handle)
     if (.not. associated(new)) return
     chosen%periodic = periodic
+    chosen%edge_of_file = .true.
     call set_choices(choices, chosen, new%problems)
     call require_text('map', path, new%problems)
     if (new%problems%count() == 0) &
@@ -238,7 +240,7 @@ contains
       call read_height_map(text_of(path), pixel_spacing, .false., map, new%problems, &
                            new%failure)
     if (new%problems%count() == 0 .and. .not. allocated(new%failure)) then
-      if (which > 0) call put_in_unit(map, which)
+      call put_in_unit(map, which)
       call set_map(new, text_of(path), map)
     end if
     call finish_outcome(new)
@@ -258,6 +260,7 @@ contains
       call add_wholes(table, 'rows', [map%rows])
       call add_reals(table, 'spacing_x', map%pixel_spacing(1:1), map%unit)
       call add_reals(table, 'spacing_y', map%pixel_spacing(2:2), map%unit)
+      call add_wholes(table, 'periodic', [merge(1, 0, map%edge == periodic_edge)])
     end associate
     associate (table => new%tables(table_pixels))
       allocate (table%columns(1))

@@ -133,7 +133,7 @@ def solve(scene: _a.Path | Mapping[str, Mapping[str, Any]] | Scene, *, arithmeti
         doubles that they are; True and False stand for `on` and `off`, True for `auto` of
         `interaction`.
     arithmetic : str, default "real64"
-        `real64`, `real32`, `real128` or `ibm370`. Effects need `real64`.
+        No other is accepted: scenes are solved in doubles. `report` has other arithmetics.
     accuracy : float, default 0
         Largest estimated relative error of every total, less than 1; the fastest method with this
         error is used. 0: no such choice.

@@ -30,6 +30,7 @@ contains
     real(real64), intent(in), optional :: target           !! given total load [force]
     type(resolved_contacts), intent(in), optional :: resolved  !! contacts on boundary elements
     type(coarse_circles) :: coarse
+    real(real64), allocatable :: x(:), y(:)
     logical :: is_isolated
     integer :: n
 
@@ -39,7 +40,9 @@ contains
     if (present(resolved)) state%gap = resolved%gap
     if (n > few_contacts) then
       ! In the order of squares neighbours are near in memory.
-      call gather_squares(pairs%list%x, pairs%list%y, coarse)
+      x = pairs%list%x
+      y = pairs%list%y
+      call gather_squares(x, y, coarse)
       allocate (state%order(n))
       call sort_keys(real(coarse%square, real64), state%order)
     end if

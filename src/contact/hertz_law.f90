@@ -7,7 +7,7 @@ module asperity_hertz_law
   use asperity_constants, only: pi
   use asperity_contact_law, only: contact_law, contact_response
   use asperity_contact_pairs, only: contact_pair
-  use asperity_kernel_real64, only: stable_overlap
+  use asperity_sphere_overlap, only: stable_overlap
   use asperity_kinds, only: real64
   implicit none
   private

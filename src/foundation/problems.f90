@@ -49,6 +49,7 @@ module asperity_problems
     procedure :: add => add_problem      !! adds a problem without a place
     procedure :: append => append_list   !! adds all problems of another list
     procedure :: count => problem_count  !! number of problems, including those not printed
+    procedure :: shorten => shorten_list !! keeps two problems of a file of another kind
     procedure :: place => place_of_line  !! place of the problem of a line
     procedure :: text => problem_text    !! text with one line for each problem
     procedure, private :: add_placed
@@ -116,6 +117,42 @@ contains
 
     text = 'and ' // decimal_text(self%alike - most_alike) // ' more like that'
   end function count_text
+
+  !> Keeps the first two of more than three problems that stand in more than half of the lines of a
+  !> file, which is of another kind then; the others are counted.
+  pure subroutine shorten_list(self, lines)
+    class(problem_list), intent(inout) :: self  !! problems of one file
+    integer, intent(in) :: lines                !! number of its lines
+    character(len=:), allocatable :: text
+    type(problem_place) :: third
+    integer :: i, bad, first, second
+
+    if (.not. allocated(self%places)) return
+    if (size(self%places) < 4) return
+    associate (line => self%places%line)
+      bad = count([(all(line(:i - 1) /= line(i)), i=1, size(line))]) + &
+            max(0, self%alike - most_alike)
+    end associate
+    if (bad <= lines / 2) return
+    text = self%lines%text()
+    first = index(text, new_line('a'))
+    second = first + index(text(first + 1:), new_line('a'))
+    self%lines = text_buffer()
+    call self%lines%append(text(:second))
+    third = self%places(3)
+    self%places = self%places(:2)
+    text = ': '
+    if (third%line > 0) &
+      text = ':' // decimal_text(third%line) // ':' // decimal_text(third%column) // text
+    call add_line(self, self%file, text, 'and ' // decimal_text(self%count() - 2) // ' more ' // &
+                  'problems, in most of its lines: is it a file of another kind?', third%line, &
+                  third%column)
+    self%others = self%count()
+    self%placed = 0
+    self%beyond = 0
+    self%alike = 0
+    self%last = ''
+  end subroutine shorten_list
 
   !> Adds a problem at a byte of the file's text.
   pure subroutine add_at_byte(self, text, byte, message)

@@ -104,9 +104,24 @@ contains
         call note_heights(path, deck%upper, 'upper', deck%notes)
         call note_heights(path, deck%lower, 'lower', deck%notes)
       end if
+      if (.not. has_numbers(text)) call reader%problems%shorten(0)
     end if
     problems = reader%problems
   end subroutine parse_card_deck
+
+  ! Whether three quarters of the signs behind the first card are those of numbers.
+  pure logical function has_numbers(text)
+    character(len=*), intent(in) :: text
+    integer :: i, signs(2)
+
+    signs = 0
+    do i = min(len(text), line_end(text, 1)) + 1, len(text)
+      if (scan(text(i:i), blanks) == 1) cycle
+      signs(merge(1, 2, scan(text(i:i), '+-.0123456789') == 1)) = &
+        signs(merge(1, 2, scan(text(i:i), '+-.0123456789') == 1)) + 1
+    end do
+    has_numbers = signs(1) >= 3 * signs(2)
+  end function has_numbers
 
   !> Cards 1 to 4; `complete` is false when one of them is missing.
   subroutine read_header(reader, deck, complete)

@@ -4,12 +4,13 @@
 !> comments have no cells. Blanks around a cell do not belong to it.
 module asperity_delimited_text
   use asperity_byte_reader, only: byte_reader
-  use asperity_input_text, only: blanks, line_end, text_start
+  use asperity_file_beginning, only: skip_mark
+  use asperity_input_text, only: blanks, line_end
   use asperity_kinds, only: int64
   implicit none
   private
 
-  public :: line_cells, line_reader, read_cells, column_of
+  public :: begins_comment, line_cells, line_reader, read_cells, column_of
 
   ! Bytes that are read at once, as many as a block of a file; a longer line needs more.
   integer, parameter :: block_length = 65536
@@ -26,6 +27,7 @@ module asperity_delimited_text
     logical :: decimal_comma = .false.         !! a comma stands before decimals
     integer :: missing = 0                     !! number of the cell behind an empty one; 0: none
     integer :: cell_count = 0                  !! number of cells; 0 behind the last line
+    integer :: word = 0                        !! cell that `next_word` has returned
     integer :: line = 0                        !! number of the line
     integer :: start = 1                       !! place of column 1 of the line in the text
     integer, allocatable :: first(:), last(:)  !! places of each cell; last < first: an empty cell
@@ -44,6 +46,7 @@ module asperity_delimited_text
     procedure :: find_line    !! places of the next line in `lines`
     procedure :: next_line    !! a copy of the next line
     procedure :: next_cells   !! cells of the next line that has some
+    procedure :: next_word    !! the next cell, of whatever line
     procedure :: cell_text    !! a copy of a cell
     procedure :: next_byte    !! place of the next byte in the file
     procedure, private :: find_end, read_block
@@ -70,7 +73,8 @@ contains
         first = at - 1 + verify(text(at:line_end(text, at)), blanks)
       if (first < at) then
         at = line_end(text, at) + 2
-      else if (scan(text(first:first), cells%line_comments) > 0) then
+      else if (scan(text(first:first), cells%line_comments) > 0 .and. &
+               .not. is_error_value(text, first)) then
         at = line_end(text, at) + 2
       else
         call cut_line(text, at, cells)
@@ -90,7 +94,10 @@ contains
     other = merge(tabulator, cells%separator, cells%separator == ' ')
     from = at
     do i = at, len(text)
-      if (text(i:i) == feed .or. text(i:i) == cells%comment) exit
+      if (text(i:i) == feed) exit
+      if (text(i:i) == cells%comment) then
+        if (begins_comment(text, at, i)) exit
+      end if
       if (text(i:i) /= cells%separator .and. text(i:i) /= other) cycle
       call add_cell(text, from, i - 1, .false., cells)
       from = i + 1
@@ -99,6 +106,30 @@ contains
     at = i + 1
     if (i <= len(text) .and. cells%comment /= feed) at = line_end(text, i) + 2
   end subroutine cut_line
+
+  !> Whether a sign of comments within a line begins one: a `#` only behind a blank, so that
+  !> `1.#QNAN` is a cell, and unless it is an error value of a spreadsheet.
+  pure logical function begins_comment(text, first, at)
+    character(len=*), intent(in) :: text  !! text of whole lines
+    integer, intent(in) :: first          !! place where the line begins
+    integer, intent(in) :: at             !! place of the sign
+
+    begins_comment = .true.
+    if (text(at:at) /= '#') return
+    if (at > first) begins_comment = scan(text(at - 1:at - 1), ' ' // tabulator) == 1
+    if (begins_comment) begins_comment = .not. is_error_value(text, at)
+  end function begins_comment
+
+  ! Whether a spreadsheet's word for a missing value begins at a place: `#N/A`, `#DIV/0!`.
+  pure logical function is_error_value(text, at)
+    character(len=*), intent(in) :: text
+    integer, intent(in) :: at
+    integer :: last
+
+    last = min(len(text), at + 8)
+    last = at - 2 + scan(text(at:last) // ' ', blanks // ',;')
+    is_error_value = text(at:at) == '#' .and. scan(text(at:last), '/!?') > 0
+  end function is_error_value
 
   ! Adds the cell `from:to` without the blanks around it; between blanks there is no empty cell.
   pure subroutine add_cell(text, from, to, is_last, cells)
@@ -156,8 +187,7 @@ contains
     integer :: first, last, number
 
     call self%rewind()
-    if (self%at > self%used) call self%more()
-    if (self%used >= 3) self%at = text_start(self%block(:self%used))
+    call skip_mark(self)
     call self%begin_lines()
     first = 1
     do while (self%line < line .and. first > 0)
@@ -246,6 +276,21 @@ contains
     cells%start = 1
     call self%find_end(cells%line, cells%first(1))
   end subroutine next_cells
+
+  !> The next cell of whatever line; empty at the end of the file.
+  subroutine next_word(self, cells, word)
+    class(line_reader), intent(inout) :: self           !! file that is read by lines
+    type(line_cells), intent(inout) :: cells            !! signs of the text; gets the places
+    character(len=:), allocatable, intent(out) :: word  !! as it is written
+
+    cells%word = cells%word + 1
+    if (cells%word > cells%cell_count) then
+      call self%next_cells(cells)
+      cells%word = 1
+    end if
+    word = ''
+    if (cells%cell_count > 0) word = self%cell_text(cells, cells%word)
+  end subroutine next_word
 
   !> The text of a cell of the line at hand.
   pure function cell_text(self, cells, i) result(text)

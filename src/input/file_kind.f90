@@ -1,6 +1,6 @@
 !> Kind of file that a text is, for a user who named one where another kind is expected.
 module asperity_file_kind
-  use asperity_input_text, only: blanks, line_end, lower_case, text_start
+  use asperity_input_text, only: blanks, line_end, lower_case
   use asperity_namelist_text, only: next_character, skip_blanks
   use asperity_npy_map, only: npy_magic
   implicit none
@@ -41,7 +41,7 @@ contains
     integer :: at
 
     kind_of = 0
-    at = text_start(text)
+    at = 1
     small = lower_case(text(:min(len(text), 20000)))
     if (any(small(at:min(len(small), at + 3)) == ['abcr', 'bbcr', 'aiso', 'biso']) .or. &
         index(small, lower_case(npy_magic)) == 1) kind_of = a_map
@@ -70,7 +70,7 @@ contains
     character(len=*), intent(in) :: text  !! the file, or its beginning
     integer :: at, last
 
-    at = text_start(text)
+    at = 1
     do while (at <= len(text))
       last = line_end(text, at)
       group_start = at - 1 + verify(text(at:last), ' ' // achar(9))

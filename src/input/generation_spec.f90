@@ -60,6 +60,7 @@ contains
       end if
     end if
     problems = fields%problems
+    spec%notes = fields%notes
   end subroutine parse_generation_spec
 
   ! A height map has no group beside &map.

@@ -4,6 +4,7 @@
 module asperity_generation_values
   use asperity_decimal, only: decimal_value
   use asperity_kinds, only: int64, real128
+  use asperity_problems, only: problem_list
   use asperity_whole_fourier, only: smooth_length
   implicit none
   private
@@ -77,6 +78,7 @@ module asperity_generation_values
     type(deck_spec) :: deck                    !! only for a deck
     logical :: is_map = .false.                !! a height map is wanted: only `map` is filled
     type(map_spec) :: map                      !! only for a height map
+    type(problem_list) :: notes                !! what may be meant otherwise
   end type generation_spec
 
 contains

@@ -59,6 +59,7 @@ module asperity_height_map
     character(len=:), allocatable :: unit       !! of all lengths; empty where the file has none
     !> Height of one unit in the last digit of the file's heights; 0: not known.
     real(real64) :: digit = 0.0_real64
+    real(real64) :: metre_spacing(2) = 0.0_real64  !! that of a file in metres; 0: of another file
     logical :: own_spacing = .true.             !! the spacing came with the heights
     integer :: edge = 0                         !! which of `edge_names` came with them; 0: none
     type(problem_list) :: notes                 !! what is odd about the file, no error
@@ -130,10 +131,15 @@ contains
   !> Converts all lengths of a map to a unit; a map without a unit has its numbers in this one.
   pure subroutine put_in_unit(map, unit)
     type(height_map), intent(inout) :: map  !! its unit is one of `length_units`, or empty
-    integer, intent(in) :: unit             !! which of `length_units`
+    integer, intent(in) :: unit             !! which of `length_units`; 0: that of its format
 
-    if (map%unit == '') map%unit = trim(length_units(unit))
-    call change_unit(map, unit)
+    if (unit > 0) then
+      if (map%unit == '') map%unit = trim(length_units(unit))
+      call change_unit(map, unit)
+    else if (all(map%metre_spacing > 0.0_real64)) then
+      call change_unit(map, 1)
+      map%pixel_spacing = map%metre_spacing
+    end if
   end subroutine put_in_unit
 
   !> Gives a map that came without a spacing the one that stands beside it.
@@ -267,8 +273,21 @@ contains
       if (decimal%all_digits /= 0_int64) power = min(power, decimal%power_of_ten)
       return
     end if
-    good = any(lower_case(word) == [character(len=4) :: 'bad', 'nan', '-nan'])
+    good = is_missing_word(lower_case(word))
   end subroutine read_height
+
+  ! Whether a word in small letters stands for a missing height: `bad`, `nan` with or without a sign
+  ! and what C writes behind it, `nan(ind)`, or `1.#qnan`, `1.#ind` of old libraries for Windows.
+  pure logical function is_missing_word(word)
+    character(len=*), intent(in) :: word
+    integer :: first, last
+
+    first = merge(2, 1, scan(word(:min(1, len(word))), '+-') == 1)
+    last = verify(word, '0', back=.true.)
+    is_missing_word = word == 'bad' .or. word(first:) == 'nan' .or. &
+      (index(word(first:), 'nan(') == 1 .and. index(word, ')') == len(word)) .or. &
+      any(word(first:last) == [character(len=7) :: '1.#qnan', '1.#snan', '1.#nan', '1.#ind'])
+  end function is_missing_word
 
   !> Height of one unit in the last digit; 0 where there is none.
   pure real(real64) function digit_of(power)

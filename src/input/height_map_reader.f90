@@ -2,9 +2,11 @@
 module asperity_height_map_reader
   use, intrinsic :: ieee_arithmetic, only: ieee_is_nan
   use asperity_delimited_text, only: line_reader
+  use asperity_file_beginning, only: begin_file, first_control
   use asperity_height_map, only: edge_names, expected_height, fault_of_map, fault_of_spacing, &
                                  give_spacing, height_map, highest, largest_height, length_units, &
                                  make_room, no_height, plain_unit, unit_number
+  use asperity_input_text, only: check_text
   use asperity_kinds, only: int64, real64
   use asperity_npy_map, only: is_npy, read_npy_map
   use asperity_problems, only: decimal_text, problem_list, real_text
@@ -100,10 +102,10 @@ contains
       call problems%add(fault)
       return
     end if
+    call begin_file(file, expected, problems)
+    if (problems%count() > before) return
     call file%take(magic_length, magic)
-    if (allocated(file%failure)) then
-      call problems%add_at(1, 1, file%failure // ', expected ' // expected)
-    else if (is_sdf(magic)) then
+    if (is_sdf(magic)) then
       if (scan(magic(1:1), 'aA') == 1) then
         call read_text_header(file, magic, header, problems)
       else
@@ -119,9 +121,13 @@ contains
         call read_npy_map(file, magic, progress, map, problems, failure)
     else if (len(magic) == 0) then
       call problems%add_at(1, 1, 'the file is empty, expected ' // expected)
-    else if (is_binary(magic)) then
-      call problems%add_at(1, 1, 'found a control character, expected ' // expected)
+    else if (first_control(magic) > 0) then
+      call problems%add_at(1, 1, 'found a control character, expected ' // expected // &
+                           '; the Python package reads more formats, with SurfaceTopography')
     else
+      ! A byte that no text has says enough.
+      call check_text(file%block(:file%used), expected, problems)
+      if (problems%count() > before) return
       call read_text_map(file, pixel_spacing, option, shared, progress, map, problems, failure)
     end if
     if (allocated(file%failure) .and. problems%count() == before) &
@@ -140,18 +146,6 @@ contains
     end subroutine take_spacing
 
   end subroutine take_height_map
-
-  ! Whether the first bytes are none of a text.
-  pure logical function is_binary(bytes)
-    character(len=*), intent(in) :: bytes
-    integer :: i
-
-    is_binary = .false.
-    do i = 1, len(bytes)
-      is_binary = is_binary .or. (iachar(bytes(i:i)) < 32 .and. &
-                                  index(achar(9) // achar(10) // achar(13), bytes(i:i)) == 0)
-    end do
-  end function is_binary
 
   !> Copies a map. With problems, or when `failure` is allocated because there is no memory for it,
   !> the map is not to be used.

@@ -1,11 +1,13 @@
 !> Text files that a user writes: read whole, and what their readers share.
 module asperity_input_text
   use asperity_byte_reader, only: byte_reader
+  use asperity_file_beginning, only: begin_file, first_control, plain_text
   use asperity_problems, only: not_enough_memory, problem_list
   implicit none
   private
 
-  public :: blanks, read_text, check_text, text_start, line_end, lower_case, in_quotes
+  public :: blanks, read_text, check_text, line_end, lower_case, in_quotes, &
+            without_blanks
 
   !> Characters that only separate.
   character(len=*), parameter :: blanks = ' ' // achar(9) // achar(10) // achar(13)
@@ -19,10 +21,11 @@ contains
   recursive subroutine read_text(path, expected_kind, text, problems, opened)
     character(len=*), intent(in) :: path                !! the file; `-` is standard input
     character(len=*), intent(in) :: expected_kind       !! what it should be, for the message
-    character(len=:), allocatable, intent(out) :: text  !! all bytes of the file
+    character(len=:), allocatable, intent(out) :: text  !! its lines, as `plain_text` has them
     type(problem_list), intent(inout) :: problems       !! names this file from now on
     class(byte_reader), intent(inout), optional :: opened  !! the file, at its first byte
     type(byte_reader) :: file
+    integer :: before
 
     if (.not. present(opened)) then
       if (path == '-') then
@@ -35,10 +38,17 @@ contains
       return
     end if
     call problems%start(path)
+    before = problems%count()
+    call begin_file(opened, expected_kind, problems)
+    text = ''
     if (.not. allocated(opened%failure)) call opened%take_whole(text)
-    if (.not. allocated(opened%failure)) return
+    if (.not. allocated(opened%failure)) then
+      text = plain_text(text)
+      return
+    end if
     problems%lacks_memory = index(opened%failure, not_enough_memory) > 0
-    call problems%add_at(1, 1, opened%failure // ', expected ' // expected_kind)
+    if (problems%count() == before) &
+      call problems%add_at(1, 1, opened%failure // ', expected ' // expected_kind)
     text = ''
   end subroutine read_text
 
@@ -47,25 +57,12 @@ contains
     character(len=*), intent(in) :: text           !! the whole file
     character(len=*), intent(in) :: expected_kind  !! what it should be, for the message
     type(problem_list), intent(inout) :: problems  !! gets a problem when there is such a byte
-    integer :: i, code
+    integer :: place
 
-    do i = 1, len(text)
-      code = iachar(text(i:i))
-      if (code >= 32 .and. code /= 127) cycle
-      if (code == 9 .or. code == 10 .or. code == 13) cycle
-      call problems%add_at_byte(text, i, 'not a text file: found a control character, expected ' &
-                                // expected_kind)
-      return
-    end do
+    place = first_control(text)
+    if (place > 0) call problems%add_at_byte(text, place, 'not a text file: found a control ' // &
+                                             'character, expected ' // expected_kind)
   end subroutine check_text
-
-  !> First byte behind the byte order mark that some programs write before UTF-8.
-  pure integer function text_start(text)
-    character(len=*), intent(in) :: text  !! the whole file
-
-    text_start = 1
-    if (index(text(:min(3, len(text))), char(239) // char(187) // char(191)) == 1) text_start = 4
-  end function text_start
 
   !> Last character of the line, its line feed left out; `at - 1` when nothing is there.
   pure integer function line_end(text, at)
@@ -88,6 +85,17 @@ contains
       small(i:i) = achar(code)
     end do
   end function lower_case
+
+  !> Text without blanks and tabulators around it.
+  pure function without_blanks(text) result(inner)
+    character(len=*), intent(in) :: text    !! text with or without them
+    character(len=:), allocatable :: inner  !! the same, or empty
+    integer :: first
+
+    first = verify(text, blanks)
+    inner = ''
+    if (first > 0) inner = text(first:verify(text, blanks, back=.true.))
+  end function without_blanks
 
   !> A piece of the file for a message: between quotes, cut when long.
   pure function in_quotes(piece) result(text)

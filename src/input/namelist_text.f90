@@ -3,7 +3,7 @@
 !> The text is parsed here and not by a NAMELIST statement, so that problems have a place.
 !> Nothing is known here of what the groups mean.
 module asperity_namelist_text
-  use asperity_input_text, only: blanks, line_end, lower_case, in_quotes, text_start
+  use asperity_input_text, only: blanks, line_end, lower_case, in_quotes
   use asperity_problems, only: problem_list
   implicit none
   private
@@ -52,7 +52,7 @@ contains
 
     list%text = text
     allocate (list%items(64))
-    at = text_start(text)
+    at = 1
     stray = .false.
     do
       call skip_blanks(text, at)

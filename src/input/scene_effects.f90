@@ -111,7 +111,7 @@ contains
       if (.not. checked%map%periodic) return
       if (count(checked%effects%modes /= effect_off) > merge(1, 0, has_hardness(checked))) &
         why = 'the pixels of a periodic map are elastic'
-      if (checked%loading%control == control_limit) why = 'the pixels of a map have no limit'
+      if (checked%loading%control == control_limit) why = 'patches of pixels merge under load'
     end if
   end function why_not
 

@@ -5,6 +5,7 @@
 !> reports a problem, with its place, when the value there is not what is expected.
 module asperity_scene_fields
   use asperity_decimal, only: decimal_value
+  use asperity_file_beginning, only: plain_text
   use asperity_file_kind, only: other_kind
   use asperity_height_map, only: plain_unit
   use asperity_input_text, only: check_text, lower_case, in_quotes
@@ -29,6 +30,7 @@ module asperity_scene_fields
     logical, public :: given(2) = .false.        !! upper, lower: as arrays, beside the text
     logical, public :: surfaces_kept = .false.   !! of another scene: &surfaces is not looked at
     type(problem_list), public :: problems       !! what is wrong with the scene
+    type(problem_list), public :: notes          !! what may be meant otherwise
   contains
     procedure :: has_group          !! whether a group stands in the scene
     procedure :: has_name           !! whether a name stands there, be its values good or not
@@ -41,12 +43,12 @@ module asperity_scene_fields
     procedure :: take_names         !! takes short texts, as many as there are places for them
     procedure :: take_word          !! takes one of several words between quotes, as its number
     procedure :: take_units         !! takes names of units, as numbers
-    procedure :: comma_pair         !! two whole numbers with a comma between and no blank
     procedure :: complain_of_group  !! reports a problem at a group
     procedure :: complain_of        !! reports a problem at a name
     procedure :: refuse_name        !! reports a problem at a name where it is given
     procedure :: require_name       !! reports that a name is missing
-    procedure, private :: item_of, quoting_hint, refuse_units, refuse_value, values_of
+    procedure, private :: find_comma_pair, item_of, quoting_hint, refuse_units, refuse_value
+    procedure, private :: values_of
   end type scene_fields
 
 contains
@@ -63,15 +65,18 @@ contains
 
     fields%known = table
     call fields%problems%start(file)
+    call fields%notes%start(file)
     call check_text(text, expected_kind, fields%problems)
-    other = other_kind(text, kinds)
+    other = other_kind(plain_text(text), kinds)
     if (other /= '') call fields%problems%add_at(1, 1, other // '; expected ' // expected_kind)
     fields%is_text = fields%problems%count() == 0
     if (.not. fields%is_text) return
-    call parse_namelist(text, fields%list, fields%problems)
+    call parse_namelist(plain_text(text), fields%list, fields%problems)
     call find_names(fields%list, fields%known, fields%problems)
     ! Where no group is known, that nothing else is there goes without saying.
-    if (fields%problems%count() > 0) fields%is_text = any(fields%known%group_at > 0)
+    if (fields%problems%count() == 0) return
+    fields%is_text = any(fields%known%group_at > 0)
+    if (.not. fields%is_text) call fields%problems%shorten(0)
   end subroutine read_fields
 
   !> Whether a group stands in the scene.
@@ -122,12 +127,21 @@ contains
     integer, intent(in) :: number_range               !! `any_number` or another range
     type(decimal_value), intent(inout) :: values(:)   !! numbers at the name
     type(decimal_value) :: value
+    character(len=:), allocatable :: pair
     integer :: i, at, used, repeats
     logical :: good
 
     call self%refuse_units(group, name, at)
     if (at > 0) at = self%values_of(group, name, size(values))
     if (at == 0) return
+    call self%find_comma_pair(at, .false., pair, good)
+    if (good) then
+      call self%complain_of(group, name, 'found ' // pair // ', a decimal comma, expected a point')
+    else if (pair /= '') then
+      call self%notes%add_at_byte(self%list%text, self%list%items(at)%first, 'note: ' // pair // &
+                                  ' in ' // name // ' of &' // group // ': two values, no ' // &
+                                  'decimal comma; a blank behind the comma makes that sure')
+    end if
     used = 0
     do i = at + 1, at + self%list%items(at)%values
       call read_double_numeral(self%list%value_text(i), value, good)
@@ -266,30 +280,43 @@ contains
     end do
   end subroutine take_units
 
-  !> Two whole numbers among the values of a name, with a comma between and no blank, where no
-  !> value has a point: `12,5`, which is no decimal fraction. Empty where there are none.
-  pure function comma_pair(self, group, name) result(pair)
-    class(scene_fields), intent(in) :: self  !! the scene's text
-    character(len=*), intent(in) :: group, name  !! a known group, and a known name of it
-    character(len=:), allocatable :: pair    !! as it is written
-    integer :: at, i
+  ! Two whole numbers among the values of a name with a comma between and no blank, where no value
+  ! has a point: `12,5`, which may be meant as 12.5. Empty where there are none, where all are 0, or
+  ! where more values stand without a blank and `all_pairs` is false: a list, no fraction.
+  pure subroutine find_comma_pair(self, at, all_pairs, pair, surely)
+    class(scene_fields), intent(in) :: self
+    integer, intent(in) :: at                ! the name's item
+    logical, intent(in) :: all_pairs
+    character(len=:), allocatable, intent(out) :: pair  ! as it is written
+    logical, intent(out) :: surely           ! it is a fraction: 0,05
+    character(len=*), parameter :: figures = '0123456789'
+    integer :: i, joined
 
     pair = ''
-    at = self%item_of(group, name)
-    if (at == 0) return
+    surely = .false.
+    joined = 0
     associate (items => self%list%items(at + 1:at + self%list%items(at)%values), &
                text => self%list%text)
-      do i = 1, size(items)
-        if (verify(text(items(i)%first:items(i)%last), '+-0123456789') > 0) return
+      do i = size(items), 1, -1
+        if (verify(text(items(i)%first:items(i)%last), figures // '+-eEdD') > 0) then
+          pair = ''
+          surely = .false.
+          return
+        end if
+        if (i == size(items)) cycle
+        if (items(i + 1)%first /= items(i)%last + 2 .or. items(i)%is_quoted .or. &
+            text(items(i)%last + 1:items(i)%last + 1) /= ',' .or. &
+            verify(text(items(i)%first:items(i)%last), figures // '+-') > 0 .or. &
+            scan(text(items(i + 1)%first:items(i + 1)%first), figures) == 0) cycle
+        joined = joined + 1
+        if (verify(text(items(i)%first:items(i + 1)%last), '0,+-') == 0) cycle
+        pair = text(items(i)%first:items(i + 1)%last)
+        surely = surely .or. (text(items(i + 1)%first:items(i + 1)%first) == '0' .and. &
+                              items(i + 1)%last > items(i + 1)%first)
       end do
-      do i = size(items) - 1, 1, -1
-        if (text(items(i)%last + 1:items(i + 1)%first - 1) == ',' .and. &
-            items(i + 1)%first == items(i)%last + 2 .and. &
-            scan(text(items(i + 1)%first:items(i + 1)%first), '0123456789') == 1) &
-          pair = text(items(i)%first:items(i + 1)%last)
-      end do
+      if (joined == size(items) - 1 .and. joined > 1 .and. .not. all_pairs) pair = ''
     end associate
-  end function comma_pair
+  end subroutine find_comma_pair
 
   !> Reports a problem at a group; at &surfaces when that group does not occur; at the first byte of
   !> the text when neither occurs.
@@ -396,15 +423,19 @@ contains
     character(len=*), intent(in) :: group, name
     integer, intent(in) :: wanted
     integer(int64) :: given_values
+    character(len=:), allocatable :: pair
+    logical :: surely
 
     at = self%item_of(group, name)
     if (at == 0) return
     given_values = values_at(self%list, at)
     if (given_values == int(wanted, int64) .and. .not. self%list%items(at)%is_broken) return
-    if (.not. self%list%items(at)%is_broken) then
+    call self%find_comma_pair(at, .true., pair, surely)
+    if (pair /= '') pair = '; ' // pair // ': a decimal comma? write a point'
+    if (.not. self%list%items(at)%is_broken) &
       call self%complain_of(group, name, 'wrong number of values: found ' // &
-                            decimal_text(given_values) // ', expected ' // decimal_text(wanted))
-    end if
+                            decimal_text(given_values) // ', expected ' // decimal_text(wanted) &
+                            // pair)
     at = 0
   end function values_of
 

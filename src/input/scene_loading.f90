@@ -34,10 +34,6 @@ contains
       call fields%take_word('loading', 'control', control_words, loading%control)
       if (loading%control == size(control_words)) loading%control = control_separation
       call read_path(fields, loading)
-      if (allocated(loading%path) .and. fields%comma_pair('loading', 'value') /= '') &
-        call checked%notes%add(checked%file // ': note: ' // &
-                               fields%comma_pair('loading', 'value') // ' in value of ' // &
-                               '&loading: two values of a path, no decimal comma')
       call fields%take_whole('loading', 'points', 0, most_points, loading%points)
       call fields%take_word('loading', 'events', effect_words(:effect_on), events)
       loading%events = events == effect_on

@@ -4,9 +4,10 @@ module asperity_scene_maps
   use asperity_decimal, only: decimal_to_real64, decimal_value
   use asperity_delimited_text, only: line_reader
   use asperity_effect_names, only: known_effects
+  use asperity_file_beginning, only: skip_mark
   use asperity_height_map, only: change_unit, edge_names, expected_length, give_spacing, &
                                  height_map, is_length, length_units, level_names, level_plane, &
-                                 periodic_edge, plain_unit, unit_number, usual_level
+                                 periodic_edge, plain_unit, put_in_unit, unit_number, usual_level
   use asperity_height_map_reader, only: head_length, is_height_map, take_height_map
   use asperity_input_text, only: in_quotes
   use asperity_kept_records, only: checksum
@@ -34,6 +35,7 @@ contains
     logical, intent(in) :: has_spacing         !! of a matrix of heights
     character(len=:), allocatable :: head
 
+    call skip_mark(file)
     call file%take(head_length, head)
     is_map = .not. allocated(file%failure)
     if (is_map) is_map = is_height_map(head, has_spacing)
@@ -59,11 +61,10 @@ contains
     type(problem_list), intent(inout) :: other_files  !! what is wrong with the files
     type(decimal_value) :: pixel_spacing(2, 2)
     integer :: despike, edge, sides, unit(2)
-    logical :: is_given(2)
+    logical :: good, is_given(2)
 
     despike = 1
     unit = 0
-    call take_edge()
     call fields%take_word('surfaces', 'map_despike', despike_words, despike)
     is_given = [checked%upper%file /= '' .or. checked%map%upper%columns > 0, &
                 checked%lower%file /= '' .or. checked%map%lower%columns > 0]
@@ -78,19 +79,22 @@ contains
     call fields%refuse_name('surfaces', 'radius', 'found beside a map, whose summits have ' // &
                             'radii of their own, expected none')
     associate (maps => checked%map)
+      ! A refused spacing hides whether a map needs one.
+      good = .not. fields%has_name('surfaces', 'map_spacing') .or. &
+             all(is_length(decimal_to_real64(pixel_spacing)))
+      if (is_given(1) .and. good) call make_one(checked%upper, 1, maps%upper)
+      if (is_given(2) .and. good) call make_one(checked%lower, 2, maps%lower)
+      call take_edge()
       maps%periodic = edge == periodic_edge
+      maps%upper%periodic = maps%periodic
+      maps%lower%periodic = maps%periodic
       maps%despike = despike == 2
       maps%level = usual_level(maps%periodic)
       call fields%take_word('surfaces', 'map_level', level_names, maps%level)
       if (maps%periodic .and. maps%level == level_plane) &
         call fields%complain_of('surfaces', 'map_level', 'a periodic map without its plane ' // &
              'would not be periodic: found ''plane'', expected ''mean'' or ''none''')
-      ! A refused spacing hides whether a map needs one.
-      if (fields%has_name('surfaces', 'map_spacing') .and. &
-          .not. all(is_length(decimal_to_real64(pixel_spacing)))) return
-      if (is_given(1)) call make_one(checked%upper, 1, maps%upper)
-      if (is_given(2)) call make_one(checked%lower, 2, maps%lower)
-      if (other_files%count() > 0) return
+      if (other_files%count() > 0 .or. .not. good) return
       if (fields%has_name('surfaces', 'map_spacing') .and. sides == 2 .and. &
           maps%upper%own_spacing .and. maps%lower%own_spacing) &
         call fields%complain_of('surfaces', 'map_spacing', 'found although both maps have ' // &
@@ -103,7 +107,7 @@ contains
 
   contains
 
-    ! The edge that is named, or else that of the arrays.
+    ! The edge that is named, or else that of the arrays and files.
     subroutine take_edge()
       integer :: of_arrays(2)
 
@@ -157,7 +161,6 @@ contains
         if (allocated(failure)) call found%add(failure)
         found%lacks_memory = allocated(failure)
       end if
-      map%periodic = checked%map%periodic
       call other_files%append(found)
       call checked%notes%append(map%notes)
     end subroutine make_one
@@ -172,8 +175,11 @@ contains
       if (unit(side) > 0) then
         if (map%unit == '') map%unit = trim(length_units(unit(side)))
         call change_unit(map, unit(1))
-      else if (side == 2 .and. sides == 2 .and. map%unit /= '') then
-        if (unit_number(other%unit) > 0) call change_unit(map, unit_number(other%unit))
+      else if (side == 2 .and. sides == 2 .and. map%unit /= '' .and. &
+               unit_number(other%unit) > 0) then
+        call change_unit(map, unit_number(other%unit))
+      else
+        call put_in_unit(map, 0)
       end if
       if (checked%units(1) /= '' .and. map%unit /= '' .and. &
           plain_unit(checked%units(1)) /= map%unit) &
@@ -257,8 +263,9 @@ contains
     call fields%refuse_name('surfaces', 'field_spacing', 'found beside a map that is solved ' // &
                             'on its pixels, expected none: the fields are on the pixels')
     if (checked%loading%control == control_limit) &
-      call fields%complain_of_group('loading', 'no control: the pixels of a map have no ' // &
-           'limit, expected control = ''separation'', ''load'', ''vertical_load'' or ''pressure''')
+      call fields%complain_of_group('loading', 'patches of pixels merge under load: found ' // &
+           'control = ''limit'' or none, expected ''separation'', ''load'', ''vertical_load'' ' // &
+           'or ''pressure''')
     others = checked%effects%modes /= effect_off .and. &
              known_effects%name /= 'interaction' .and. known_effects%name /= 'plasticity'
     if (any(others)) &

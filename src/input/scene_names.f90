@@ -56,9 +56,12 @@ contains
     type(namelist_text), intent(in) :: list        !! text as groups, names and values
     type(known_name), intent(inout) :: known(:)    !! gets the items of names and groups
     type(problem_list), intent(inout) :: problems  !! all that is wrong
+    character(len=len(known%name)) :: names(size(known)), groups(size(known))
     character(len=:), allocatable :: group, name
     integer :: i, k, near
 
+    names = known%name
+    groups = known%group
     do i = 1, list%item_count
       if (list%items(i)%item_kind /= a_group) cycle
       name = list%name_text(i)
@@ -66,9 +69,9 @@ contains
       if (all(known%group /= name)) then
         call problems%add_at_byte(list%text, list%items(i)%first - 1, 'unknown group: found ' // &
              in_quotes('&' // name) // ', expected ' // &
-             any_of(pack(known%group, known%group /= eoshift(known%group, -1)), before='&') // &
-             did_you_mean(name, known%group))
-        near = nearest_word(name, known%group)
+             any_of(pack(groups, groups /= eoshift(groups, -1)), before='&') // &
+             did_you_mean(name, groups))
+        near = nearest_word(name, groups)
         if (near == 0) cycle
         if (known(near)%group_at == 0 .and. &
             .not. any([(list%items(k)%item_kind == a_group .and. &
@@ -94,12 +97,12 @@ contains
       name = list%name_text(i)
       k = findloc(known%group == group .and. known%name == name, .true., 1)
       if (k == 0) then
-        near = nearest_word(name, pack(known%name, known%group == group))
+        near = nearest_word(name, pack(names, groups == group))
         if (near > 0) near = near + findloc(known%group == group, .true., 1) - 1
         if (near == 0) near = findloc(known%name == name, .true., 1)
         call problems%add_at_byte(list%text, list%items(i)%first, 'unknown name in &' // group // &
              ': found ' // in_quotes(name) // ', expected ' // &
-             any_of(pack(known%name, known%group == group)) // what_is_meant(near))
+             any_of(pack(names, groups == group)) // what_is_meant(near))
         if (near == 0) cycle
         if (known(near)%at == 0) known(near)%at = i
       else if (known(k)%group_at /= list%items(i)%group) then

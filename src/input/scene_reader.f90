@@ -5,7 +5,7 @@ module asperity_scene_reader
   use asperity_decimal, only: decimal_to_real64, decimal_value
   use asperity_file_kind, only: a_scene, group_start, other_kind
   use asperity_height_map, only: move_map
-  use asperity_input_text, only: blanks, read_text, text_start
+  use asperity_input_text, only: blanks, read_text
   use asperity_kinds, only: real64
   use asperity_namelist_text, only: skip_blanks
   use asperity_number_ranges, only: above_zero, any_number, poisson_range
@@ -157,6 +157,7 @@ contains
       call check_states(fields, checked)
       call check_map_scene(fields, checked)
     end if
+    call checked%notes%append(fields%notes)
     call problems%append(fields%problems)
     call problems%append(other_files)
   end subroutine read_groups
@@ -193,7 +194,7 @@ contains
     character(len=*), intent(in) :: path, text
     integer :: at
 
-    at = text_start(text)
+    at = 1
     call skip_blanks(text, at)
     is_scene = group_start(text) > 0 .or. (at > len(text) .and. index(text, '!') > 0)
     if (is_scene .or. verify(text, blanks) == 0) return

@@ -8,7 +8,7 @@ module asperity_sdf_header
   use asperity_decimal, only: decimal_to_real64, decimal_value
   use asperity_delimited_text, only: line_reader
   use asperity_height_map, only: expected_length, is_length
-  use asperity_input_text, only: lower_case, in_quotes
+  use asperity_input_text, only: lower_case, in_quotes, without_blanks
   use asperity_kinds, only: int64, real64
   use asperity_numeral, only: read_numeral, read_whole_number
   use asperity_problems, only: decimal_text, problem_list
@@ -116,7 +116,7 @@ contains
         cycle
       end if
       do i = size(fields), 1, -1
-        if (lower_case(fields(i)) == lower_case(text(first:equals - 1))) exit
+        if (lower_case(fields(i)) == lower_case(without_blanks(text(:equals - 1)))) exit
       end do
       if (i == 0) cycle
       if (seen(i)) call problems%add_at(line, first, trim(fields(i)) // &

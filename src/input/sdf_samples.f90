@@ -8,12 +8,14 @@ module asperity_sdf_samples
   use asperity_byte_reader, only: signed_bits, whole_bits
   use asperity_delimited_text, only: column_of, line_cells, line_reader
   use asperity_height_map, only: digit_of, height_map, highest, is_measured, largest_height, &
-                                 make_room, most_samples, no_height, no_power, read_height
+                                 length_units, make_room, most_samples, &
+                                 no_height, no_power, read_height, unit_ratio
   use asperity_input_text, only: blanks, lower_case, in_quotes
   use asperity_kinds, only: int64, real32, real64
   use asperity_problems, only: decimal_text, problem_list
   use asperity_progress, only: progress_line
   use asperity_sdf_header, only: add_at_record, bcr, sdf_header, type_bytes, type_names
+  use asperity_text_header, only: read_header, text_header
   implicit none
   private
 
@@ -28,7 +30,7 @@ contains
   !> Reads all pixels. `failure` is allocated when there is no memory for them.
   subroutine read_sdf_samples(file, header, progress, map, problems, failure)
     type(line_reader), intent(inout) :: file               !! behind the header
-    type(sdf_header), intent(in) :: header                  !! what it says
+    type(sdf_header), intent(inout) :: header               !! what it says
     logical, intent(in) :: progress                         !! print the progress
     type(height_map), intent(inout) :: map                  !! gets the pixels
     type(problem_list), intent(inout) :: problems           !! what is wrong
@@ -36,6 +38,7 @@ contains
                                                             !! allocated: there is
     type(progress_line) :: shown
     integer(int64) :: least, others
+    integer :: i, unit
 
     ! Here every count has at most 32 bits.
     least = header%points * header%profiles
@@ -60,6 +63,15 @@ contains
     map%columns = int(header%points)
     map%rows = int(header%profiles)
     map%unit = 'm'
+    map%metre_spacing = map%pixel_spacing
+    ! Heights in a unit stay so: a conversion to metres would cost their last bit.
+    unit = findloc([(abs(unit_ratio(length_units(i), 1) - header%scale_factor(3)) <= 0.0_real64, &
+                     i=1, size(length_units))], .true., 1)
+    if (unit > 1) then
+      map%pixel_spacing = map%pixel_spacing * unit_ratio('m', unit)
+      map%unit = trim(length_units(unit))
+      header%scale_factor(3) = 1.0_real64
+    end if
     call make_room(map, failure)
     if (allocated(failure)) return
     call shown%begin(progress, 'profiles read', map%rows, 0)
@@ -133,6 +145,7 @@ contains
     place = file%next_byte()
     call file%take(longest_text, bytes)
     if (len(bytes) == 0) return
+    if (is_own_text(bytes, map)) return
     if (len(bytes) < longest_text .and. is_text(bytes)) then
       call map%notes%add_in_file('note: ' // decimal_text(len(bytes)) // ' bytes of text behind ' &
                                  // 'the pixels are not read')
@@ -142,6 +155,28 @@ contains
                          // 'or text; the header may be longer than the standard header')
     end if
   end subroutine read_bytes
+
+  ! Whether text behind the pixels is that of this program, as before a matrix: it keeps all bits of
+  ! the spacing in the unit of the heights, and the edge.
+  logical function is_own_text(bytes, map)
+    character(len=*), intent(in) :: bytes
+    type(height_map), intent(inout) :: map
+    type(text_header) :: own
+    type(problem_list) :: problems, notes
+    character(len=:), allocatable :: line
+
+    is_own_text = .false.
+    if (index(bytes, '# Spacing:') /= 1) return
+    call problems%start('')
+    call notes%start('')
+    call read_header(bytes, own, line, problems, notes)
+    is_own_text = problems%count() + notes%count() + len(line) == 0 .and. &
+      all(own%unit == map%unit) .and. &
+      all(abs(own%pixel_spacing - map%pixel_spacing) <= 1.0e-12_real64 * map%pixel_spacing)
+    if (.not. is_own_text) return
+    map%pixel_spacing = own%pixel_spacing
+    map%edge = own%edge
+  end function is_own_text
 
   ! Whether bytes are text and no pixels: printable, a word of three letters, a line end behind the
   ! last one unless they are many.
@@ -257,7 +292,7 @@ contains
     type(line_cells) :: cells
     character(len=:), allocatable :: expected, grid, word
     real(real64) :: height
-    integer :: i, k, power, profile
+    integer :: i, power, profile
     logical :: good, whole
 
     whole = header%data_type /= binary32 .and. header%data_type /= binary64
@@ -269,10 +304,9 @@ contains
     cells%line_comments = ''
     cells%keep_empty = .false.
     if (header%revision == bcr) cells%comment = ';'
-    k = 0
     do profile = 1, map%rows
       do i = 1, map%columns
-        call take_word()
+        call file%next_word(cells, word)
         if (word == '' .or. word == '*') then
           call refuse_word('the pixels end behind ' // &
                       decimal_text(int(profile - 1, int64) * map%columns + i - 1) // &
@@ -296,20 +330,20 @@ contains
     end do
     map%digit = digit_of(power)
     if (whole) map%digit = 1.0_real64
-    if (cells%last(k) == len(file%lines) .and. problems%count() == 0) &
-      call map%notes%add_at(cells%line, column_of(cells, k), 'note: the file ends right ' // &
-                            'behind ' // in_quotes(word) // ', without a line end or an ' // &
+    if (cells%last(cells%word) == len(file%lines) .and. problems%count() == 0) &
+      call map%notes%add_at(cells%line, column_of(cells, cells%word), 'note: the file ends ' // &
+                            'right behind ' // in_quotes(word) // ', without a line end or an ' // &
                             'asterisk: is the number whole?')
-    call take_word()
+    call file%next_word(cells, word)
     if (word == '') return
     good = .false.
     ! Behind the asterisk stands text of the maker, no number.
     do while (.not. good .and. word == '*')
-      call take_word()
+      call file%next_word(cells, word)
       if (word == '') return
       call read_height(word, height, good, power)
       if (good .or. word == '*') cycle
-      call map%notes%add_at(cells%line, column_of(cells, k), &
+      call map%notes%add_at(cells%line, column_of(cells, cells%word), &
                             'note: text behind the pixels is not read')
       return
     end do
@@ -318,25 +352,11 @@ contains
 
   contains
 
-    ! The next word of the file; empty at its end.
-    subroutine take_word()
-      k = k + 1
-      if (k > cells%cell_count) then
-        call file%next_cells(cells)
-        k = 1
-      end if
-      if (cells%cell_count > 0) then
-        word = file%cell_text(cells, k)
-      else
-        word = ''
-      end if
-    end subroutine take_word
-
     ! Reports a problem at the word, or at the end of the file.
     subroutine refuse_word(message)
       character(len=*), intent(in) :: message
 
-      call problems%add_at(cells%line, column_of(cells, k), message)
+      call problems%add_at(cells%line, column_of(cells, cells%word), message)
     end subroutine refuse_word
 
   end subroutine read_words

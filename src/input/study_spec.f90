@@ -77,6 +77,7 @@ contains
                       'sections', 'places', 'reference', 'tolerance', 'confidence'])], fields)
     if (fields%is_text) call take_study(fields, spec)
     problems = fields%problems
+    spec%surfaces%notes = fields%notes
   end subroutine read_study_spec
 
   !> All groups.

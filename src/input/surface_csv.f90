@@ -9,7 +9,7 @@ module asperity_surface_csv
   use asperity_delimited_text, only: column_of, line_cells, read_cells
   use asperity_file_kind, only: a_surface, other_kind
   use asperity_height_map, only: plain_unit
-  use asperity_input_text, only: check_text, line_end, lower_case, in_quotes, read_text, text_start
+  use asperity_input_text, only: check_text, line_end, lower_case, in_quotes, read_text
   use asperity_kinds, only: int64, real64
   use asperity_numeral, only: read_numeral
   use asperity_problems, only: decimal_text, not_enough_memory, problem_list
@@ -97,7 +97,7 @@ contains
 
     call problems%start(path)
     line = 1
-    first = text_start(text)
+    first = 1
     call read_cells(text, first, line, cells)
     if (cells%cell_count == 0) then
       call problems%add_at(1, 1, 'the file is empty, expected the header x,y,height,radius')

@@ -1,12 +1,14 @@
-!> The header of a height map written as text: comments and names of columns in front of the
-!> numbers, with the units, width and height that they give.
+!> The header of a height map written as text: comments, names of columns, or the lines of a grid of
+!> ESRI or Surfer in front of the numbers, with the units, width, height and edge that they give.
 module asperity_text_header
+  use asperity_column_names, only: column_list, columns_named, header_separator, is_height_name
   use asperity_decimal, only: decimal_to_real64, decimal_value
-  use asperity_height_map, only: is_length, plain_unit, unit_number
-  use asperity_input_text, only: blanks, lower_case, in_quotes, text_start
+  use asperity_height_map, only: edge_names, is_length, no_power, plain_unit, read_height, &
+                                 unit_number
+  use asperity_input_text, only: blanks, lower_case, in_quotes, without_blanks
   use asperity_kinds, only: int64, real64
   use asperity_numeral, only: read_numeral
-  use asperity_problems, only: problem_list
+  use asperity_problems, only: decimal_text, problem_list
   implicit none
   private
 
@@ -15,26 +17,33 @@ module asperity_text_header
   !> Bytes of a file's beginning that hold its whole header.
   integer, parameter :: head_length = 262144
   character(len=*), parameter :: comment_signs = '#%'
-  integer, parameter :: unit_length = 16, most_names = 4
+  integer, parameter :: unit_length = 16
   character(len=*), parameter :: axis(3) = ['x', 'y', 'z']
+  !> Surfer's height of a pixel that is missing, and all above it.
+  real(real64), parameter :: surfer_blank = 1.70141e38_real64
+  !> ESRI's where the header has none.
+  real(real64), parameter :: esri_blank = -9999.0_real64
+  ! Names of a grid of ESRI.
+  character(len=*), parameter :: esri_names(10) = [character(len=12) :: 'ncols', 'nrows', &
+    'cellsize', 'dx', 'dy', 'nodata_value', 'xllcorner', 'xllcenter', 'yllcorner', 'yllcenter']
 
   !> Values of the header.
   type :: text_header
     integer :: first_line = 0                   !! line of the first number; 0: there is none
     integer :: names_line = 0                   !! line of the names x, y, z; 0: there is none
+    integer :: place(3) = [1, 2, 3]             !! cells of x, y and z in a line of points
+    integer :: cell_count = 3                   !! cells of a line of points
     character(len=unit_length) :: unit(3) = ''  !! of x, y and z as it is written; empty: none
     real(real64) :: extent(2) = 0.0_real64      !! width and height of the map, in `unit(1:2)`
     real(real64) :: extent_error(2) = 0.0_real64  !! half a unit of their last digit
     real(real64) :: pixel_spacing(2) = 0.0_real64  !! along x and y, in `unit(1:2)`; 0: not given
+    integer :: edge = 0                         !! which of `edge_names`; 0: not given
+    integer :: stated(2) = 0                    !! columns and rows; 0: not stated
+    logical :: from_top = .false.               !! the first profile is that of the largest y
+    real(real64) :: missing(2) = huge(1.0_real64)  !! heights in this range stand for missing ones
   contains
     procedure :: has_spacing  !! whether the spacing of a matrix follows from it
   end type text_header
-
-  !> Names of columns with their units.
-  type :: column_list
-    integer :: name_count = 0
-    character(len=unit_length) :: name(most_names) = '', unit(most_names) = ''
-  end type column_list
 
 contains
 
@@ -45,18 +54,19 @@ contains
     has_spacing = all(self%pixel_spacing > 0.0_real64) .or. all(self%extent > 0.0_real64)
   end function has_spacing
 
-  !> Reads the lines in front of the first number: comments, and the names x, y, z.
+  !> Reads the lines in front of the first number: comments, the names x, y, z, or a grid's header.
   subroutine read_header(head, header, text, problems, notes)
     character(len=*), intent(in) :: head                !! the beginning of the file
     type(text_header), intent(inout) :: header          !! gets what they say
     character(len=:), allocatable, intent(out) :: text  !! the line behind them; empty: none
     type(problem_list), intent(inout) :: problems       !! units that contradict each other
     type(problem_list), intent(inout) :: notes          !! what is not understood
-    integer :: at, last, line
+    type(column_list) :: found
+    integer :: at, last, line, surfer_lines
 
-    text = ''
-    at = text_start(head)
+    at = 1
     line = 0
+    surfer_lines = 0
     do while (at <= len(head))
       line = line + 1
       last = at + scan(head(at:), achar(10) // achar(13)) - 2
@@ -68,8 +78,26 @@ contains
       if (scan(text(1:1), comment_signs) == 1) then
         call read_comment(without_blanks(text(verify(text // '.', comment_signs):)), line, header, &
                           problems, notes)
-      else if (header%names_line == 0 .and. names_points(text)) then
-        call take_names(columns_named(text), line, header, problems)
+        cycle
+      else if (surfer_lines > 0 .or. text == 'DSAA') then
+        if (surfer_lines > 0) call take_surfer_line(text, line, surfer_lines, header, problems)
+        surfer_lines = modulo(surfer_lines + 1, 5)
+        if (problems%count() > 0) return
+        cycle
+      else if (is_esri_line(text)) then
+        call take_esri_line(text, line, header, problems)
+        cycle
+      end if
+      found = columns_named(text)
+      if (header%names_line == 0 .and. all(found%of_points() > 0) .and. &
+          .not. is_surface_header(text)) then
+        call take_names(found, line, header, problems)
+        if (.not. is_height_name(trim(found%name(header%place(3))))) &
+          call notes%add_at(line, 1, 'note: the heights are those of column ' // &
+                            in_quotes(trim(found%name(header%place(3)))))
+        if (header%cell_count > 3) &
+          call notes%add_at(line, 1, 'note: ' // decimal_text(header%cell_count - 3) // &
+                            ' more columns are not read')
       else
         header%first_line = line
         return
@@ -78,29 +106,111 @@ contains
     text = ''
   end subroutine read_header
 
-  ! Text without blanks and tabulators around it.
-  pure function without_blanks(text) result(inner)
+  ! Line 2, 3, 4 or 5 of a grid of Surfer: columns and rows; ranges of x, y and z.
+  subroutine take_surfer_line(text, line, number, header, problems)
     character(len=*), intent(in) :: text
-    character(len=:), allocatable :: inner
-    integer :: first
+    integer, intent(in) :: line, number
+    type(text_header), intent(inout) :: header
+    type(problem_list), intent(inout) :: problems
+    real(real64) :: values(2)
+    logical :: good
 
-    first = verify(text, blanks)
-    inner = ''
-    if (first > 0) inner = text(first:verify(text, blanks, back=.true.))
-  end function without_blanks
+    call read_pair(text, values, good)
+    if (number == 1) good = good .and. all(values > 1.0_real64) .and. all(values < huge(1)) .and. &
+                            all(abs(values - anint(values)) <= 0.0_real64)
+    if (number == 2 .or. number == 3) good = good .and. values(2) > values(1)
+    if (.not. good) then
+      call problems%add_at(line, 1, 'found ' // in_quotes(text) // ', expected ' // &
+                           trim(merge('columns and rows, from 2', 'least and largest ' // &
+                           axis(max(1, number - 1)) // '     ', number == 1)) // &
+                           ' in the header of a grid of Surfer (DSAA)')
+    else if (number == 1) then
+      header%stated = nint(values)
+      header%missing(1) = surfer_blank
+    else if (number < 4) then
+      header%pixel_spacing(number - 1) = (values(2) - values(1)) / (header%stated(number - 1) - 1)
+    end if
+  end subroutine take_surfer_line
+
+  ! Whether a line is one of the header of a grid of ESRI: a name and a value.
+  pure logical function is_esri_line(text)
+    character(len=*), intent(in) :: text
+
+    is_esri_line = any(lower_case(text(:scan(text // ' ', blanks) - 1)) == esri_names)
+  end function is_esri_line
+
+  ! A line of the header of a grid of ESRI.
+  subroutine take_esri_line(text, line, header, problems)
+    character(len=*), intent(in) :: text
+    integer, intent(in) :: line
+    type(text_header), intent(inout) :: header
+    type(problem_list), intent(inout) :: problems
+    type(decimal_value) :: decimal
+    character(len=:), allocatable :: name, expected
+    real(real64) :: value
+    integer :: at
+    logical :: good
+
+    at = scan(text // ' ', blanks)
+    name = lower_case(text(:at - 1))
+    call read_numeral(without_blanks(text(at:)), decimal, good)
+    value = decimal_to_real64(decimal)
+    expected = 'a number'
+    header%from_top = .true.
+    if (.not. header%missing(1) < huge(1.0_real64)) header%missing = esri_blank
+    select case (name)
+    case ('ncols', 'nrows')
+      expected = 'a whole number from 1'
+      good = good .and. value >= 1.0_real64 .and. value < huge(1) .and. decimal%power_of_ten >= 0
+      if (good) header%stated(merge(1, 2, name == 'ncols')) = nint(value)
+    case ('cellsize', 'dx', 'dy')
+      expected = 'a length from 1e-30 to 1e30'
+      good = good .and. is_length(value)
+      if (good .and. name /= 'dy') header%pixel_spacing(1) = value
+      if (good .and. name /= 'dx') header%pixel_spacing(2) = value
+    case ('nodata_value')
+      if (lower_case(without_blanks(text(at:))) == 'nan') return
+      ! The least real of 32 bits has more digits in the header than in the data, or fewer.
+      header%missing = value + abs(value) * 1.0e-6_real64 * [-1, 1]
+      if (abs(value) < 1.0e30_real64) header%missing = value
+    case default
+      continue
+    end select
+    if (.not. good) call problems%add_at(line, 1, trim(name) // ': found ' // &
+                                         in_quotes(without_blanks(text(at:))) // ', expected ' // &
+                                         expected)
+  end subroutine take_esri_line
+
+  ! Two numbers between blanks or a comma.
+  pure subroutine read_pair(text, values, good)
+    character(len=*), intent(in) :: text
+    real(real64), intent(out) :: values(2)
+    logical, intent(out) :: good
+    type(decimal_value) :: number
+    character(len=:), allocatable :: rest
+    integer :: at
+
+    at = scan(text // ' ', blanks // ',')
+    call read_numeral(text(:at - 1), number, good)
+    values(1) = decimal_to_real64(number)
+    rest = without_blanks(text(at + 1:))
+    if (good) call read_numeral(rest, number, good)
+    values(2) = decimal_to_real64(number)
+  end subroutine read_pair
 
   !> Whether the first cell of a line is a number, or a word for a height.
   pure logical function is_numeric_line(text)
     character(len=*), intent(in) :: text  !! the line, or its beginning
     character(len=:), allocatable :: cell
-    type(decimal_value) :: value
+    real(real64) :: height
+    integer :: power
 
     cell = text(verify(text // '.', blanks // ',;'):)
-    cell = lower_case(cell(:scan(cell // ' ', blanks // ',;#') - 1))
-    call read_numeral(cell, value, is_numeric_line)
+    cell = lower_case(cell(:scan(cell // ' ', blanks // ',;') - 1))
+    power = no_power
+    call read_height(cell, height, is_numeric_line, power)
     if (cell /= '') cell = cell(merge(2, 1, scan(cell(1:1), '+-') == 1):)
-    is_numeric_line = is_numeric_line .or. any(cell == [character(len=8) :: 'nan', 'bad', 'inf', &
-                                                        'infinity'])
+    is_numeric_line = is_numeric_line .or. cell == 'inf' .or. cell == 'infinity'
   end function is_numeric_line
 
   !> Whether a line names the columns of a surface: x, y and height, not between blanks alone.
@@ -109,46 +219,8 @@ contains
     type(column_list) :: found
 
     found = columns_named(text)
-    is_surface_header = any(found%name == 'x') .and. any(found%name == 'y') .and. &
-                        any(found%name == 'height') .and. scan(text, ',;' // achar(9)) > 0
+    is_surface_header = found%is_surface() .and. header_separator(text) /= ' '
   end function is_surface_header
-
-  ! Whether a line names the columns of x,y,z lines.
-  pure logical function names_points(text)
-    character(len=*), intent(in) :: text
-    type(column_list) :: found
-
-    found = columns_named(text)
-    names_points = found%name_count >= 3 .and. all(found%name(:2) == axis(:2)) .and. &
-                   any(found%name(3) == [character(len=6) :: 'z', 'height', 'value']) .and. &
-                   .not. (is_surface_header(text) .or. any(found%name == 'radius'))
-  end function names_points
-
-  ! The names in a line: words, between quotes or not, each perhaps with a unit in brackets.
-  pure function columns_named(text) result(found)
-    character(len=*), intent(in) :: text
-    type(column_list) :: found
-    character(len=*), parameter :: between = blanks // ',;"'''
-    integer :: at, last
-
-    at = 1
-    do
-      at = at + verify(text(min(at, len(text) + 1):) // '.', between) - 1
-      ! A line of many names: flang-19 keeps the text of every turn on the stack.
-      if (at > len(text) .or. found%name_count > most_names) return
-      if (scan(text(at:at), '[(') == 1 .and. found%name_count > 0) then
-        last = at + scan(text(at:) // ']', '])') - 1
-        if (found%name_count <= most_names) found%unit(found%name_count) = plain_unit(text(at + &
-          1:last - 1))
-        at = last + 1
-      else
-        last = at + scan(text(at + 1:) // ' ', between // '[(') - 1
-        found%name_count = found%name_count + 1
-        if (found%name_count <= most_names) found%name(found%name_count) = lower_case(text(at:last))
-        at = last + 1
-      end if
-    end do
-  end function columns_named
 
   ! The names x, y, z, and their units.
   subroutine take_names(found, line, header, problems)
@@ -159,8 +231,10 @@ contains
     integer :: i
 
     header%names_line = line
+    header%place = found%of_points()
+    header%cell_count = size(found%name)
     do i = 1, 3
-      call set_unit(i, found%unit(i), line, header, problems)
+      call set_unit(i, trim(found%unit(header%place(i))), line, header, problems)
     end do
   end subroutine take_names
 
@@ -188,17 +262,21 @@ contains
     type(column_list) :: found
     type(decimal_value) :: number
     character(len=:), allocatable :: name, value, unit
-    integer :: at, i, first, last
+    integer :: at, i, first, last, place(3)
     logical :: good
 
     found = columns_named(text)
-    if (names_points(text)) then
-      call take_names(found, line, header, problems)
-      return
-    else if (found%name_count == 1 .and. found%unit(1) /= '' .and. &
-             any(found%name(1) == [character(len=7) :: 'z', 'height', 'heights', 'value'])) then
-      call set_unit(3, trim(found%unit(1)), line, header, problems)
-      return
+    place = found%of_points()
+    if (place(3) > 0) then
+      if (is_height_name(trim(found%name(place(3)))) .and. .not. is_surface_header(text)) then
+        call take_names(found, line, header, problems)
+        return
+      end if
+    else if (size(found%name) == 1) then
+      if (found%unit(1) /= '' .and. is_height_name(trim(found%name(1)))) then
+        call set_unit(3, trim(found%unit(1)), line, header, problems)
+        return
+      end if
     end if
     at = scan(text, ':=')
     name = lower_case(without_blanks(text(:at - 1)))
@@ -218,17 +296,15 @@ contains
         last = i
       end if
     case ('spacing')
-      at = scan(value // ' ', blanks // ',')
-      call read_numeral(value(:at - 1), number, good)
-      header%pixel_spacing(1) = decimal_to_real64(number)
-      value = without_blanks(value(at + 1:))
-      if (good) call read_numeral(value, number, good)
-      header%pixel_spacing(2) = decimal_to_real64(number)
+      call read_pair(value, header%pixel_spacing, good)
       if (good) good = all(is_length(header%pixel_spacing))
       if (good) return
       header%pixel_spacing = 0.0_real64
       call notes%add_at(line, 1, 'note: the spacing in ' // in_quotes(text) // ' is not used, ' // &
                         'expected two numbers: spacing: X Y')
+    case ('edge')
+      header%edge = findloc(edge_names == lower_case(value), .true., 1)
+      return
     case ('value units', 'value unit', 'z units', 'z unit', 'height units', 'height unit')
       first = 3
       last = 3

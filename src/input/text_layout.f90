@@ -3,10 +3,12 @@
 !>
 !> The layout is refused where it can be read in two ways.
 module asperity_text_layout
-  use asperity_delimited_text, only: line_cells, line_reader
+  use asperity_delimited_text, only: begins_comment, line_cells, line_reader
+  use asperity_input_text, only: in_quotes
   use asperity_kinds, only: int64
   use asperity_problems, only: decimal_text, problem_list
-  use asperity_text_header, only: head_length, is_surface_header, read_header, text_header
+  use asperity_text_header, only: head_length, is_numeric_line, is_surface_header, &
+                                  read_header, text_header
   implicit none
   private
 
@@ -16,6 +18,8 @@ module asperity_text_layout
   type, extends(text_header) :: text_layout
     integer(int64) :: lines = 0_int64           !! lines of numbers
     integer :: columns = 0                      !! cells of the first line of numbers
+    integer(int64) :: like_second = 0_int64     !! lines of numbers with as many as the second
+    integer :: second = 0                       !! cells of the second line of numbers
     integer :: gap_line = 0                     !! empty, or a comment, between numbers; 0: none
     !> Signs that separate the cells.
     type(line_cells) :: cells = line_cells(' ', '#%', '#', .false.)
@@ -56,13 +60,34 @@ contains
     call file%take(head_length, head)
     call read_header(head, layout%text_header, text, problems, notes)
     if (layout%first_line == 0) return
-    if (is_surface_header(text)) &
+    if (is_surface_header(text)) then
       call problems%add_at(layout%first_line, 1, 'found a surface: name it in &surfaces of a ' // &
                            'scene; expected a height map, with z for height if this is one')
+    else if (.not. has_number(text)) then
+      call problems%add_at(layout%first_line, 1, 'found ' // in_quotes(text) // ', expected ' // &
+                           'heights, or the names x, y and z of columns')
+    else if (any(layout%stated > 0) .and. &
+             .not. all(layout%stated > 0 .and. layout%has_spacing())) then
+      call problems%add_at(layout%first_line, 1, 'the header of a grid ends here, expected ' // &
+                           'ncols, nrows and cellsize in it')
+    end if
+    if (problems%count() > 0) return
     call file%begin_text(layout%first_line)
     call count_cells(file, layout, counts, problems)
     call choose_separator(layout, counts, problems, notes)
   end subroutine find_layout
+
+  ! Whether one of the cells of a line is a number, or a word for a height.
+  pure logical function has_number(text)
+    character(len=*), intent(in) :: text
+    integer :: at
+
+    has_number = is_numeric_line(text)
+    do at = 2, len(text)
+      if (has_number) exit
+      if (scan(text(at - 1:at - 1), ' ,;' // achar(9)) == 1) has_number = is_numeric_line(text(at:))
+    end do
+  end function has_number
 
   ! Long: one pass over the bytes, with procedures that share its state. Counts lines and cells, and
   ! what stands between them.
@@ -98,7 +123,10 @@ contains
         code = class_of(i)
         ! A per cent sign begins a comment at the beginning of a line alone.
         if (code == a_hash .and. i == iachar('%') .and. cells > 0) code = a_letter
-        if (code == a_hash) exit
+        if (code == a_hash) then
+          if (begins_comment(file%lines, first, at)) exit
+          code = a_letter
+        end if
         if (code >= a_point) then
           if (.not. inside) call begin_cell()
           digit_last = code == a_digit
@@ -145,6 +173,7 @@ contains
         call count_gap(gap_kind)
         after_comma = gap_kind == a_decimal_comma
       end if
+      if (layout%lines == 1_int64) layout%second = layout%second + 1
       if (layout%lines == 0_int64) then
         if (after_comma) counts%commas = counts%commas + 1
         if (.not. after_comma) layout%columns = layout%columns + 1
@@ -195,6 +224,8 @@ contains
                              'for a missing one')
       if (layout%gap_line == 0) layout%gap_line = gap_line
       layout%lines = layout%lines + 1_int64
+      if (layout%lines > 1_int64 .and. cells == layout%second) &
+        layout%like_second = layout%like_second + 1_int64
       do gap_kind = a_tab, a_semicolon
         if (gap(gap_kind) > 0_int64) counts%ended(gap_kind) = counts%ended(gap_kind) + 1_int64
       end do

@@ -4,12 +4,12 @@
 module asperity_text_map
   use asperity_delimited_text, only: column_of, line_cells, line_reader
   use asperity_height_map, only: change_unit, digit_of, height_map, highest, is_length, &
-                                 is_measured, length_units, make_room, most_samples, no_power, &
-                                 read_height, unit_number, unit_ratio
+                                 is_measured, length_units, make_room, most_samples, no_height, &
+                                 no_power, read_height, unit_number, unit_ratio
   use asperity_input_text, only: in_quotes
   use asperity_key_sort, only: sort_keys
   use asperity_kinds, only: int64, real64
-  use asperity_problems, only: decimal_text, problem_list
+  use asperity_problems, only: decimal_text, problem_list, real_text
   use asperity_progress, only: progress_line
   use asperity_text_layout, only: find_layout, text_layout
   implicit none
@@ -72,7 +72,7 @@ contains
         map%pixel_spacing = layout%pixel_spacing
         if (.not. all(map%pixel_spacing > 0.0_real64)) &
           map%pixel_spacing = layout%extent / real([map%columns, map%rows], real64)
-      else if (is_list_of_points(map%height)) then
+      else if (all(layout%stated == 0) .and. is_list_of_points(map%height)) then
         if (.not. shared) then
           call problems%add_at(layout%first_line, 1, option // ' given, but the first two ' // &
                'columns are places on a grid: x,y,z lines have their own spacing, expected none')
@@ -132,6 +132,7 @@ contains
     integer :: i
     logical :: same
 
+    map%edge = layout%edge
     found = ''
     same = .true.
     do i = 1, 3
@@ -209,7 +210,8 @@ contains
     end do
   end subroutine count_levels
 
-  ! Reads a matrix, a profile a line.
+  ! Long: both ways to read a profile share the place in the file.
+  ! Reads a matrix, a profile a line, or the pixels of a grid whose header states their number.
   subroutine read_matrix(file, layout, progress, map, problems, failure)
     type(line_reader), intent(inout) :: file
     type(text_layout), intent(in) :: layout
@@ -219,29 +221,49 @@ contains
     character(len=:), allocatable, intent(out) :: failure
     type(line_cells) :: cells
     type(progress_line) :: shown
-    integer :: i, row, power
-    logical :: good
+    integer :: power, profile
 
-    if (layout%columns * layout%lines > most_samples .or. layout%lines > most_samples) then
-      call problems%add_in_file('found more than ' // decimal_text(most_samples) // &
-                                ' pixels, expected at most so many')
-      return
-    end if
-    if (layout%gap_line > 0) then
-      call problems%add_at(layout%gap_line, 1, 'found an empty line or a comment between ' // &
-                           'profiles, expected one block: take the line out, or make a file ' // &
-                           'of each block')
-      return
-    end if
-    map%columns = layout%columns
-    map%rows = int(layout%lines)
+    call check_layout(file, layout, map, problems)
+    if (problems%count() > 0) return
     call make_room(map, failure)
     if (allocated(failure)) return
     call shown%begin(progress, 'profiles read', map%rows, 0)
     call file%begin_text(layout%first_line)
     cells = layout%cells
     power = no_power
-    do row = 1, map%rows
+    do profile = 1, map%rows
+      if (all(layout%stated > 0)) then
+        call read_stated(merge(map%rows - profile + 1, profile, layout%from_top))
+      else
+        call read_line(profile)
+      end if
+      if (cells%cell_count == 0) exit
+      call shown%reach(profile)
+    end do
+    call shown%finish()
+    map%digit = digit_of(power)
+    ! Faults in most lines: the file is of another kind, which is one mistake.
+    call problems%shorten(map%rows)
+    if (problems%count() > 0) return
+    if (all(layout%stated > 0)) then
+      call file%next_word(cells, failure)
+      if (failure /= '') &
+        call problems%add_at(cells%line, column_of(cells, cells%word), 'found ' // &
+                             in_quotes(failure) // ' behind ' // decimal_text(map%columns) // &
+                             ' x ' // decimal_text(map%rows) // ' pixels, expected none')
+      deallocate (failure)
+    else
+      call check_axes(map, layout, problems)
+    end if
+
+  contains
+
+    ! Reads a line as a profile.
+    subroutine read_line(row)
+      integer, intent(in) :: row
+      integer :: i
+      logical :: good
+
       call file%next_cells(cells)
       if (cells%missing > 0) &
         call problems%add_at(cells%line, column_of(cells, min(cells%missing, cells%cell_count)), &
@@ -255,11 +277,119 @@ contains
         call problems%add_at(cells%line, cells%last(cells%cell_count) - cells%start + 2, &
                              'found ' // decimal_text(cells%cell_count) // ' pixels, expected ' // &
                              decimal_text(map%columns) // ' as in the first profile')
-      call shown%reach(row)
-    end do
-    call shown%finish()
-    map%digit = digit_of(power)
+    end subroutine read_line
+
+    ! Reads a profile wherever its lines end. A missing height need not be one that is accepted.
+    subroutine read_stated(row)
+      integer, intent(in) :: row
+      character(len=:), allocatable :: word
+      integer :: i, any_power
+      logical :: good
+
+      do i = 1, map%columns
+        call file%next_word(cells, word)
+        if (cells%cell_count == 0) then
+          call problems%add_at(cells%line, column_of(cells, 1), 'the pixels end, expected ' // &
+                               decimal_text(map%columns) // ' x ' // decimal_text(map%rows))
+          return
+        end if
+        any_power = power
+        call read_height(word, map%height(i, row), good, any_power)
+        if (good .and. map%height(i, row) >= layout%missing(1) .and. &
+            map%height(i, row) <= layout%missing(2)) then
+          map%height(i, row) = no_height
+        else
+          call read_cell(file, cells, cells%word, .false., map%height(i, row), good, power, &
+                         problems)
+        end if
+      end do
+    end subroutine read_stated
+
   end subroutine read_matrix
+
+  ! Sets the size of a matrix, unless its lines are none of one.
+  subroutine check_layout(file, layout, map, problems)
+    type(line_reader), intent(in) :: file
+    type(text_layout), intent(in) :: layout
+    type(height_map), intent(inout) :: map
+    type(problem_list), intent(inout) :: problems
+    integer(int64) :: sides(2)
+    logical :: stated
+
+    stated = all(layout%stated > 0)
+    sides = [int(layout%columns, int64), layout%lines]
+    if (stated) sides = layout%stated
+    if (any(sides > most_samples) .or. product(min(sides, most_samples)) > most_samples) then
+      call problems%add_in_file('found more than ' // decimal_text(most_samples) // &
+                                ' pixels, expected at most so many')
+    else if (layout%gap_line > 0 .and. .not. stated) then
+      call problems%add_at(layout%gap_line, 1, 'found an empty line or a comment between ' // &
+                           'profiles, expected one block: take the line out, or make a file ' // &
+                           'of each block')
+    else if (.not. (stated .or. layout%cells%decimal_comma) .and. &
+             layout%columns /= layout%second .and. &
+             layout%like_second > max(1_int64, layout%lines / 2_int64)) then
+      call problems%add_at(layout%first_line, 1, 'found ' // decimal_text(layout%columns) // &
+                           ' cells before lines of ' // decimal_text(layout%second) // &
+                           ', expected heights alone: take the line out')
+    else if (stated .and. file%count_bytes() < 2_int64 * product(sides)) then
+      call problems%add_in_file('found ' // decimal_text(file%count_bytes()) // ' bytes, ' // &
+                                'expected ' // decimal_text(sides(1)) // ' x ' // &
+                                decimal_text(sides(2)) // ' pixels as in the header')
+    else
+      map%columns = int(sides(1))
+      map%rows = int(sides(2))
+    end if
+  end subroutine check_layout
+
+  ! A first line, or column, of equal steps over heights that have none numbers the columns or
+  ! names their places. Whole numbers from 0 or 1 before other heights are surely no profile.
+  subroutine check_axes(map, layout, problems)
+    type(height_map), intent(inout) :: map
+    type(text_layout), intent(in) :: layout
+    type(problem_list), intent(inout) :: problems
+
+    if (min(map%columns, map%rows) < 4) return
+    call check_axis('line', map%height(:, 1), map%height(:, 2))
+    call check_axis('column', map%height(1, :), map%height(2, :))
+
+  contains
+
+    subroutine check_axis(name, axis, next)
+      character(len=*), intent(in) :: name
+      real(real64), intent(in) :: axis(:), next(:)
+      character(len=:), allocatable :: found
+
+      if (.not. has_equal_steps(axis(2:)) .or. has_equal_steps(next(2:))) return
+      found = 'equal steps in the first ' // name // ' (' // real_text(axis(2), 'f0.3') // ', ' // &
+              real_text(axis(3), 'f0.3') // ', ...)'
+      if (abs(axis(2) - axis(1) - 1.0_real64) <= 0.0_real64 .and. &
+          any(abs(axis(1) - [0, 1]) <= 0.0_real64) .and. &
+          any(abs(next(2:) - anint(next(2:))) > 0.0_real64)) then
+        call problems%add_at(layout%first_line, 1, 'found ' // found // ', which are numbers of ' &
+                             // 'columns or rows, expected heights: take them out, in pandas ' // &
+                             'with to_csv(header=False, index=False)')
+      else
+        call map%notes%add_at(layout%first_line, 1, 'note: ' // found // ' are taken as ' // &
+                              'heights: take them out if they are places or numbers')
+      end if
+    end subroutine check_axis
+
+  end subroutine check_axes
+
+  ! Whether numbers differ by one step, but for what their digits leave out.
+  pure logical function has_equal_steps(numbers)
+    real(real64), intent(in) :: numbers(:)
+    real(real64) :: step
+    integer :: i
+
+    has_equal_steps = all(is_measured(numbers))
+    if (.not. has_equal_steps) return
+    step = (numbers(size(numbers)) - numbers(1)) / (size(numbers) - 1)
+    has_equal_steps = abs(step) > 0.0_real64 .and. &
+      all(abs(numbers - numbers(1) - step * [(i, i=0, size(numbers) - 1)]) <= &
+          same * maxval(abs(numbers)))
+  end function has_equal_steps
 
   ! Reads `x,y,z` lines, in any order.
   subroutine read_points(file, layout, option, progress, map, problems, failure)
@@ -283,16 +413,17 @@ contains
     call file%begin_text(layout%first_line)
     cells = layout%cells
     do
-      call next_point(file, option, cells, values, good, power, problems)
+      call next_point(file, layout, option, cells, values, good, power, problems)
       if (cells%cell_count == 0) exit
       ! Where the first line is none the file is of another kind: that is one mistake, not many.
-      if (cells%cell_count /= 3 .and. lines == 0_int64) return
+      if (cells%cell_count /= layout%cell_count .and. lines == 0_int64) return
       if (.not. good) cycle
       lines = lines + 1_int64
       do i = 1, 2
         call take_coordinate(values(i), along(i))
       end do
     end do
+    if (layout%names_line == 0) call problems%shorten(int(min(layout%lines, most_samples)))
     if (problems%count() > 0) return
     map%columns = int(min(along(2)%sharing, most_samples))
     map%rows = int(min(along(1)%sharing, most_samples))
@@ -316,14 +447,15 @@ contains
     call shown%begin(progress, 'lines read', int(lines), 0)
     call file%begin_text(layout%first_line)
     do done = 1_int64, lines
-      call next_point(file, option, cells, values, good, power, problems)
+      call next_point(file, layout, option, cells, values, good, power, problems)
       do i = 1, 2
         place(i) = 1 + nint((values(i) - along(i)%first) / map%pixel_spacing(i))
         if (abs(values(i) - along(i)%first - (place(i) - 1) * map%pixel_spacing(i)) > &
             most_off * map%pixel_spacing(i)) good = .false.
         if (good) cycle
-        call problems%add_at(cells%line, column_of(cells, i), 'found ' // &
-                             in_quotes(file%cell_text(cells, i)) // ', expected a ' // &
+        call problems%add_at(cells%line, column_of(cells, layout%place(i)), 'found ' // &
+                             in_quotes(file%cell_text(cells, layout%place(i))) // &
+                             ', expected a ' // &
                              merge('column', 'row   ', i == 1) // ' of a regular grid of ' // &
                              decimal_text(map%columns) // ' x ' // decimal_text(map%rows))
         exit
@@ -341,31 +473,35 @@ contains
   end subroutine read_points
 
   ! Reads the next line of three cells; there is none at the end of the file.
-  subroutine next_point(file, option, cells, values, good, power, problems)
+  subroutine next_point(file, layout, option, cells, values, good, power, problems)
     type(line_reader), intent(inout) :: file
+    type(text_layout), intent(in) :: layout
     character(len=*), intent(in) :: option
     type(line_cells), intent(inout) :: cells
     real(real64), intent(out) :: values(3)
     logical, intent(out) :: good
     integer, intent(inout) :: power  ! of the last digit of the heights
     type(problem_list), intent(inout) :: problems
+    character(len=:), allocatable :: expected
     integer :: i, any_power
 
     values = 0.0_real64
     good = .true.
     call file%next_cells(cells)
     if (cells%cell_count == 0) return
-    if (cells%cell_count /= 3 .or. cells%missing > 0) then
+    if (cells%cell_count /= layout%cell_count .or. cells%missing > 0) then
       good = .false.
+      expected = 'x,y,z; a matrix of heights needs its ' // option // ' along x and y'
+      if (layout%names_line > 0) expected = decimal_text(layout%cell_count) // ' as there are names'
       call problems%add_at(cells%line, column_of(cells, 1), 'found ' // &
                            decimal_text(cells%cell_count) // &
                            ' cells or an empty one, expected ' // &
-                           'x,y,z; a matrix of heights needs its ' // option // ' along x and y')
+                           expected)
       return
     end if
     do i = 1, 3
       any_power = no_power
-      call read_cell(file, cells, i, i < 3, values(i), good, any_power, problems)
+      call read_cell(file, cells, layout%place(i), i < 3, values(i), good, any_power, problems)
       if (i == 3) power = min(power, any_power)
       if (.not. good) return
     end do

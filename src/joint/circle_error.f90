@@ -1,41 +1,42 @@
-!> Errors of contacts that are solved as Hertzian contacts, contact by contact: indicators by the
-!> first neglected terms, tested against boundary elements, not proved bounds.
+!> Errors of contacts that are solved as Hertzian contacts, by cause.
 !>
-!> Separate contacts: the neglected part is ellipticity, by the harmonics n >= 2 of the field of the
-!> neighbours on the edge of the circle. The load increases by E R/(2 a) (U0**2 + 1/2 sum U_n**2) to
-!> second order, and the elliptic contact displaces its neighbours less. For a point load V at the
-!> distance r the harmonic 2 is at most B = 2 V a**2/(pi E r (r**2 - a**2)), and those above 2 add
-!> at most B**2/18. For a large circle nearby B is 2/3 a**2 times the difference of the second
-!> derivatives of its field along and across the line of centres, if that is larger.
-!>
-!> Overlapping circles: one contact takes at most a share of the smaller of the two loads from the
-!> other.
+!> That of the field of the neighbours is estimated by the size of its correction
+!> (circle_correction). Others are estimated contact by contact here, as indicators by the first
+!> neglected term, tested against boundary elements, not proved bounds: of inclined contacts, of
+!> spheres as paraboloids, and of caps that stand out of the contact that covers them.
 module asperity_circle_error
-  use asperity_circle_field, only: are_close, hessian_anisotropy, relative_position, &
-                                   thread_threshold
+  use asperity_circle_correction, only: area_factor, circle_correction, find_correction
+  use asperity_circle_field, only: are_close, relative_position
   use asperity_constants, only: pi
   use asperity_contact_pairs, only: contact_pair, contact_pairs
   use asperity_coupled_contacts, only: coupled_solution
-  use asperity_circle_step, only: circle_model, find_step, prepare_model, trust_step
   use asperity_hidden_contacts, only: find_protrusion
   use asperity_kinds, only: real64
   use asperity_source_tree, only: build_tree, source_tree
   implicit none
   private
 
-  public :: find_errors, find_open_neighbours
+  public :: circle_errors, find_errors, find_open_neighbours
 
-  ! Largest error of the load of two overlapping contacts, as a share of the smaller load, where no
-  ! centre is inside the other circle; else it is 1 (measured on two to thirty caps against
-  ! elements: 0.23 at most).
-  real(real64), parameter :: overlap_share = 0.25_real64
-  ! Factor of two terms of first order: the load of a hidden cap by the pressure of the contact that
-  ! covers it (measured: 1.33 at most in the four scenes where no other error is larger), and the
-  ! load that neighbours gain by the ellipticity of a contact over its own gain (chosen).
-  real(real64), parameter :: first_order_factor = 4.0_real64 / 3.0_real64
-  ! Shift of a contact over its radius above which it is on a steep flank: the error of its
-  ! penetration is then this share of half the height that the shift has changed (chosen).
-  real(real64), parameter :: flank_slope = 0.6_real64
+  !> Errors of the loads over the modulus, and of the areas, by pair. They are 0 for open contacts
+  !> that no circle covers.
+  type :: circle_errors
+    !> by the field of the neighbours; that of several contacts is the root of the sum of squares
+    real(real64), allocatable :: of_field(:)
+    real(real64), allocatable :: of_shape(:)   !! by all other causes; they add up
+    real(real64), allocatable :: of_area(:)    !! over the area in plan of all; they add up
+    integer, allocatable :: covering(:)        !! by open pair: contact that covers it, or 0
+    !> share of the load on contacts that overlap a contact of at least `nested_ratio` times their
+    !> radius: their errors may be larger than estimated
+    real(real64) :: nested = 0.0_real64
+    !> relative error of the compression c at a prescribed load over that of the load L at a
+    !> prescribed compression, L/(c dL/dc): 2/3 for an isolated Hertzian contact
+    real(real64) :: compression_share = 1.0_real64
+  end type circle_errors
+
+  ! Factor of the load of a hidden cap by the pressure of the contact that covers it (measured: 1.33
+  ! at most in the four scenes where no other error is larger).
+  real(real64), parameter :: hidden_factor = 4.0_real64 / 3.0_real64
   ! Error of an inclined contact, whose elliptic field is computed as that of a circle: share of the
   ! decrease of its load by neighbours, over the slope squared (measured: 0.054 at most on 33 scenes
   ! of slopes from 0.14 to 0.56 where no other error is larger).
@@ -44,96 +45,57 @@ module asperity_circle_error
   ! ratio to the load of the isolated contact, 1.5 as its neighbours are displaced less (derived:
   ! 2.5; measured: 3.3 at most).
   real(real64), parameter :: sphere_factor = 3.5_real64
-  ! Relative residual of the weights, and their factor, as they are of first order (chosen).
-  real(real64), parameter :: weight_residual = 0.03_real64, weight_factor = 2.0_real64
   ! Least ratio of the radii of two overlapping contacts for which the sharper one is nested
   ! (chosen; test: nested contacts in test/regression/test_warnings_at_limits.py).
   real(real64), parameter :: nested_ratio = 3.0_real64
 
 contains
 
-  !> Estimates the errors of the loads of elastic contacts, over the modulus. They are 0 for open
-  !> contacts that no circle covers.
-  subroutine find_errors(pairs, solution, covering, error, sphere_error, compression_share, nested)
+  !> Finds the correction of the loads of elastic contacts and the errors that are left.
+  subroutine find_errors(pairs, solution, keeps_load, correction, errors)
     type(contact_pairs), intent(in) :: pairs           !! pairs of the position
     type(coupled_solution), intent(inout) :: solution  !! solved contacts; work arrays change
-    integer, intent(out) :: covering(:)                !! by open pair: contact that covers it, or 0
-    real(real64), intent(out) :: error(:)              !! by pair, including those of neighbours
-    real(real64), intent(out) :: sphere_error(:)       !! by pair, of spheres as paraboloids
-    !> relative error of the compression c at a prescribed load over that of the load L at a
-    !! prescribed compression, L/(c dL/dc): 2/3 for an isolated Hertzian contact
-    real(real64), intent(out) :: compression_share
-    !> share of the load on contacts that overlap a contact of at least `nested_ratio` times their
-    !! radius: their errors may be larger than estimated
-    real(real64), intent(out) :: nested
+    logical, intent(in) :: keeps_load                  !! the total load is given
+    type(circle_correction), intent(out) :: correction  !! of the loads, by circle
+    type(circle_errors), intent(out) :: errors         !! errors of the corrected contacts
     type(source_tree) :: tree
     integer, allocatable :: open_pairs(:)
-    real(real64) :: weight(size(solution%set%contact)), tangent
-    logical :: is_nested(size(weight))
+    logical :: is_nested(size(solution%set%contact))
     integer :: i, j, k, l
 
-    error = 0.0_real64
-    sphere_error = 0.0_real64
-    covering = 0
-    call find_weights(pairs, solution, weight, tangent)
-    compression_share = sum(solution%set%load) / (solution%compression * tangent)
+    allocate (errors%of_field(size(pairs%list)), source=0.0_real64)
+    errors%of_shape = errors%of_field
+    errors%of_area = errors%of_field
+    errors%covering = spread(0, 1, size(pairs%list))
+    call find_correction(solution%set, keeps_load, pairs%interrupt, correction)
+    errors%compression_share = sum(solution%set%load) / (solution%compression * correction%tangent)
     associate (set => solution%set)
-      !$omp parallel do private(i) schedule(static) if(size(set%contact) > thread_threshold)
       do k = 1, size(set%contact)
-        i = set%contact(k)
-        call estimate_contact_error(pairs, solution, k, error(i), sphere_error(i), is_nested(k))
-        error(i) = weight(k) * error(i)
-        sphere_error(i) = weight(k) * sphere_error(i)
+        call find_shape_error(pairs, solution, k, errors%of_shape(set%contact(k)), is_nested(k))
       end do
-      !$omp end parallel do
-      nested = sum(set%load, mask=is_nested) / sum(set%load)
+      errors%of_field(set%contact) = correction%load_error
+      errors%nested = sum(set%load, mask=is_nested) / sum(set%load)
       call find_open_neighbours(pairs, solution, 1.0_real64, tree, open_pairs)
       do l = 1, size(open_pairs)
         i = open_pairs(l)
         do k = tree%first(l), tree%first(l + 1) - 1
           j = set%contact(tree%near(k))
-          if (covering(i) == 0) covering(i) = j
-          error(i) = error(i) + weight(tree%near(k)) * 2 * first_order_factor * &
-                     set%radius(tree%near(k)) * mean_protrusion(pairs, solution, i, tree%near(k))
+          if (errors%covering(i) == 0) errors%covering(i) = j
+          errors%of_shape(i) = errors%of_shape(i) + 2 * hidden_factor * &
+            set%radius(tree%near(k)) * mean_protrusion(pairs, solution, i, tree%near(k))
         end do
+      end do
+      errors%of_area = area_factor * (errors%of_field + errors%of_shape) / sum(set%load)
+      ! An area that belongs to two circles is counted twice.
+      do k = 1, size(set%one)
+        associate (both => set%contact([set%one(k), set%other(k)]))
+          errors%of_area(both) = errors%of_area(both) + 0.5_real64 * area_factor * &
+            common_area(norm2(relative_position(set, set%one(k), set%other(k))), &
+                        set%radius(set%one(k)), set%radius(set%other(k))) / sum(pi * set%radius**2)
+        end associate
       end do
     end associate
   end subroutine find_errors
-
-  ! Finds the change of the total load over that of the load of one contact, as the loads of its
-  ! neighbours then decrease. To first order the total load changes with the gap of contact i by
-  ! x_i, where x are the changes of the loads by an equal change of all gaps. `tangent` is the sum
-  ! of x.
-  subroutine find_weights(pairs, solution, weight, tangent)
-    type(contact_pairs), intent(in) :: pairs
-    type(coupled_solution), intent(inout) :: solution
-    real(real64), intent(out) :: weight(:), tangent
-    type(circle_model) :: model
-    type(trust_step) :: step
-    real(real64) :: radius
-    integer :: products, k, l
-
-    allocate (model%gradient(3, size(weight)), source=0.0_real64)
-    model%gradient(1, :) = -1.0_real64
-    products = 0
-    radius = huge(radius)**0.25_real64
-    call prepare_model(solution%set, model)
-    call find_step(solution%set, model, weight_residual, radius, step, products, pairs%interrupt)
-    ! A lower bound, as conjugate gradients increase it in each iteration.
-    tangent = sum(step%change(1, :))
-    associate (set => solution%set)
-      do k = 1, size(weight)
-        weight(k) = step%change(1, k)
-        ! Overlapping circles count as one contact.
-        do l = set%tree%first(k), set%tree%first(k + 1) - 1
-          associate (j => set%tree%near(l))
-            if (are_close(set, k, j, 1.0_real64)) weight(k) = weight(k) + step%change(1, j)
-          end associate
-        end do
-      end do
-      weight = min(1.0_real64, weight_factor * abs(weight) / set%stiffness)
-    end associate
-  end subroutine find_weights
 
   !> Finds the open pairs of negative undeformed gap, and the circles near them.
   subroutine find_open_neighbours(pairs, solution, radii, tree, open_pairs)
@@ -155,87 +117,54 @@ contains
     end associate
   end subroutine find_open_neighbours
 
-  ! Estimates the errors of the load of one contact, and whether it is nested (see `find_errors`).
-  subroutine estimate_contact_error(pairs, solution, k, error, sphere_error, is_nested)
+  ! Finds the error of the load of one contact by its inclination and as a sphere, and whether it is
+  ! nested.
+  subroutine find_shape_error(pairs, solution, k, error, is_nested)
     type(contact_pairs), intent(in) :: pairs
     type(coupled_solution), intent(in) :: solution
     integer, intent(in) :: k
-    real(real64), intent(out) :: error, sphere_error
+    real(real64), intent(out) :: error
     logical, intent(out) :: is_nested
-    real(real64) :: a, p, r, offset(2), distance, least_ratio, shift
-    real(real64) :: neighbour_gain, overlap_error, separate_error, separate_gain
-    integer :: l, j
+    real(real64) :: displacement
+    integer :: j, l
 
-    associate (set => solution%set)
-      a = set%radius(k)
-      p = solution%penetration(set%contact(k))
-      r = pairs%list(set%contact(k))%radius
-      overlap_error = 0.0_real64
-      least_ratio = huge(1.0_real64)
+    associate (set => solution%set, pair => pairs%list(solution%set%contact(k)), &
+               p => solution%penetration(solution%set%contact(k)))
       is_nested = .false.
       do l = set%tree%first(k), set%tree%first(k + 1) - 1
         j = set%tree%near(l)
-        distance = norm2(relative_position(set, j, k))
-        if (.not. distance < a + set%radius(j)) cycle
-        least_ratio = min(least_ratio, distance / max(a, set%radius(j)))
-        is_nested = is_nested .or. pairs%list(set%contact(j))%radius >= nested_ratio * r
-        ! Each of the two contacts gets half of their error.
-        overlap_error = overlap_error + 0.5_real64 * min(set%load(k), set%load(j)) * &
-          merge(1.0_real64, overlap_share, distance < max(a, set%radius(j)))
+        if (pairs%list(set%contact(j))%radius >= nested_ratio * pair%radius) &
+          is_nested = is_nested .or. are_close(set, k, j, 1.0_real64)
       end do
-      call find_harmonics(.true., error, neighbour_gain)
-      if (overlap_error > 0.0_real64) then
-        call find_harmonics(.false., separate_error, separate_gain)
-        ! Harmonics are no estimate where the centre of one contact is inside the other.
-        if (least_ratio < 1.0_real64) error = huge(1.0_real64)
-        error = min(error + neighbour_gain, separate_error + separate_gain + overlap_error)
-        neighbour_gain = 0.0_real64
-      end if
-      shift = norm2(set%shift(:, k))
-      if (shift > flank_slope * a) &
-        error = max(error, load_gain(r, p, flank_slope * shift**2 / (4 * r)))
-      error = error + neighbour_gain
-      ! An inclined contact is an ellipse, and its field is computed as that of a circle.
-      associate (pair => pairs%list(set%contact(k)), &
-                 displacement => max(0.0_real64, solution%compression - &
-                                     pairs%list(set%contact(k))%gap - p))
-        error = error + set%load(k) * inclination_share * displacement / (p + displacement) * &
-                (pair%d / pair%zc)**2
-        sphere_error = set%load(k) * sphere_factor * sphere_share(pair, min(p, displacement))
-      end associate
+      displacement = max(0.0_real64, solution%compression - pair%gap - p)
+      error = set%load(k) * (inclination_share * displacement / (p + displacement) * &
+                             (pair%d / pair%zc)**2 + &
+                             sphere_factor * sphere_share(pair, min(p, displacement)))
     end associate
+  end subroutine find_shape_error
 
-  contains
+  ! Area that belongs to two circles at a distance.
+  pure real(real64) function common_area(distance, first, second) result(area)
+    real(real64), intent(in) :: distance, first, second
+    real(real64) :: to_chord
 
-    ! Finds the gain of the contact's own load by ellipticity, and that of its neighbours. The
-    ! second harmonic of a neighbour is a complex number with the modulus b and twice its azimuth.
-    subroutine find_harmonics(with_overlapping, gain, gain_of_neighbours)
-      logical, intent(in) :: with_overlapping
-      real(real64), intent(out) :: gain, gain_of_neighbours
-      real(real64) :: b(solution%set%tree%first(k):solution%set%tree%first(k + 1) - 1), square
-      complex(real64) :: second_harmonic(lbound(b, 1):ubound(b, 1))
+    area = 0.0_real64
+    if (.not. distance < first + second) return
+    area = pi * min(first, second)**2
+    if (.not. distance > abs(first - second)) return
+    ! The chord is at this distance from the first centre.
+    to_chord = 0.5_real64 * (distance + (first - second) * ((first + second) / distance))
+    area = segment_area(first, to_chord) + segment_area(second, distance - to_chord)
+  end function common_area
 
-      associate (set => solution%set, near => solution%set%tree%near)
-        do l = lbound(b, 1), ubound(b, 1)
-          j = near(l)
-          offset = relative_position(set, j, k)
-          ! Coincident centres: a large bound.
-          square = max(sum(offset**2), 1.0e-6_real64 * a**2)
-          b(l) = 1.0_real64 / (sqrt(square) * max(square - a**2, 0.1_real64 * square))
-          if (square > (a + set%radius(j))**2) &
-            b(l) = max(b(l), set%terms(hessian_anisotropy, set%pair(l)) * pi / 3)
-          b(l) = 2 * set%load(j) * a**2 / pi * b(l)
-          if (square < (a + set%radius(j))**2 .and. .not. with_overlapping) b(l) = 0.0_real64
-          second_harmonic(l) = b(l) * cmplx(offset(1), offset(2), real64)**2 / square
-        end do
-        gain = r / (4 * a) * (abs(sum(second_harmonic))**2 + 1.0_real64 / 18 * sum(b)**2)
-        gain_of_neighbours = first_order_factor * r / (4 * a) * sum( &
-          p / solution%penetration(set%contact(near(lbound(b, 1):ubound(b, 1)))) * &
-          abs(real(second_harmonic * conjg(sum(second_harmonic))) + 1.0_real64 / 18 * b * sum(b)))
-      end associate
-    end subroutine find_harmonics
+  ! Area of a circle beyond a chord.
+  pure real(real64) function segment_area(radius, to_chord)
+    real(real64), intent(in) :: radius, to_chord
+    real(real64) :: cosine
 
-  end subroutine estimate_contact_error
+    cosine = max(-1.0_real64, min(1.0_real64, to_chord / radius))
+    segment_area = radius**2 * (acos(cosine) - cosine * sqrt(1 - cosine**2))
+  end function segment_area
 
   ! Relative decrease of the load of a sphere from that of its paraboloid: p/(10 R) under a plane,
   ! to first order (the next term of the gap is r**4/(8 R**3)). A plane has the radius 0 and no
@@ -249,16 +178,6 @@ contains
     if (pair%lower_radius > 0.0_real64) share = share + 1.0_real64 / pair%lower_radius**3
     share = min(0.5_real64, share * pair%radius**2 * p / 10)
   end function sphere_share
-
-  ! Increase of the load of a contact over the modulus by an increase of its penetration.
-  pure real(real64) function load_gain(radius, p, increase)
-    real(real64), intent(in) :: radius, p, increase
-
-    ! Powers of ratios: the digits do not depend on the unit.
-    load_gain = 4.0_real64 / 3.0_real64 * radius**2 * &
-                (max(0.0_real64, (p + increase) / radius)**1.5_real64 - &
-                 max(0.0_real64, p / radius)**1.5_real64)
-  end function load_gain
 
   ! Mean over a circle, with the pressure of a flat punch as weight, of the height of the surface of
   ! an open pair above the surface of the contact itself: of a paraboloid if its top is in the

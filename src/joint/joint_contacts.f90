@@ -3,11 +3,12 @@
 !> Problem: find the loads of all contacts at a compression, or at a total normal load, to a
 !> relative error of the total load or of the compression, and of the area.
 !>
-!> Method: all contacts are coupled as Hertzian contacts, and their errors are estimated. Those of
-!> large errors, with all that are close to them, are solved on boundary elements: clusters of them
-!> on one lattice each, in the field of all contacts outside. A cluster returns its loads and
-!> centres of pressure, and the Hertzian contacts are coupled again with contacts that carry these
-!> loads there. This is block coordinate descent (Gauss and Seidel) between clusters and Hertzian
+!> Method: all contacts are coupled as Hertzian contacts, and corrected (circle_correction) where
+!> they are elastic; the errors that are left are estimated. Those of large errors, with all that
+!> are close to them, are solved on boundary elements: clusters of them on one lattice each, in the
+!> field of all contacts outside. A cluster returns its loads and centres of pressure, and the
+!> Hertzian contacts are coupled again with contacts that carry these loads there. This is block
+!> coordinate descent (Gauss and Seidel) between clusters and Hertzian
 !> contacts, with the derivatives of all loads in the second block. A single cluster of all contacts
 !> needs no Hertzian contacts; its compression at a load is found by secants in a bracket, at first
 !> with elements of a coarse tolerance.
@@ -15,9 +16,10 @@
 !> Exits: converged, where the last change of the total load is at most `settled_share` times the
 !> tolerance; a message in `failure`, where a solve failed or after `most_iterations` iterations.
 module asperity_joint_contacts
-  use asperity_circle_error, only: find_errors, find_open_neighbours
+  use asperity_circle_correction, only: circle_correction
+  use asperity_circle_error, only: circle_errors, find_errors, find_open_neighbours
   use asperity_element_solver, only: cluster_lattice, deviations
-  use asperity_circle_field, only: are_close
+  use asperity_circle_field, only: are_close, inclination_factor
   use asperity_constants, only: pi
   use asperity_contact_law, only: contact_law, contact_response
   use asperity_contact_pairs, only: contact_pairs
@@ -25,12 +27,13 @@ module asperity_joint_contacts
                                        solve_coupled
   use asperity_coupled_state, only: find_carried_load, open_penetration, raise_to_load
   use asperity_element_pressures, only: join_elements
+  use asperity_hertz_law, only: hertz_law
   use asperity_index_groups, only: gather_groups
   use asperity_key_sort, only: sort_keys
   use asperity_kinds, only: real64
   use asperity_problems, only: decimal_text, real_text
   use asperity_resolved_answers, only: represent_clusters, distribute_loads
-  use asperity_resolved_clusters, only: area_per_load, cluster, form_clusters, solve_clusters
+  use asperity_resolved_clusters, only: cluster, form_clusters, solve_clusters
   use asperity_source_tree, only: source_tree
   implicit none
   private
@@ -56,8 +59,8 @@ module asperity_joint_contacts
     enumerator :: resolve_none, resolve_all, resolve_called_for
   end enum
 
-  ! Share of the tolerance for the boundary elements. The errors of areas, and of spheres as
-  ! paraboloids, have the rest, those of Hertzian contacts half of the rest (chosen).
+  ! Share of the tolerance for the boundary elements, where there are any: Hertzian contacts have
+  ! the rest (chosen).
   real(real64), parameter :: elements_share = 0.25_real64
   ! Error of the load of one cluster at a prescribed load, and change of the total load in the last
   ! iteration of Hertzian contacts and boundary elements, as shares of the tolerance; also the
@@ -79,8 +82,8 @@ module asperity_joint_contacts
     real(real64) :: elements_tolerance = 0.0_real64  ! relative error of loads on elements
     real(real64) :: area_tolerance = 0.0_real64      ! least relative error of the area
     real(real64), allocatable :: target              ! normal load; else at a compression
-    !> by pair: errors of load and area as a Hertzian contact, and of the load as a paraboloid
-    real(real64), allocatable :: error(:), area_error(:), sphere_error(:)
+    type(circle_correction) :: correction            ! of the Hertzian contacts
+    type(circle_errors) :: errors                    ! of the corrected Hertzian contacts
     real(real64) :: compression_share = 1.0_real64   ! error of the compression over that of a load
     real(real64) :: last_change = 0.0_real64         ! relative, of the load in the last iteration
     type(resolved_contacts) :: resolved
@@ -122,14 +125,23 @@ contains
     if (present(target)) task%target = target
     associate (n => size(pairs%list))
       allocate (solution%is_resolved(n), source=.false.)
-      allocate (task%error(n), task%area_error(n), task%sphere_error(n), source=0.0_real64)
+      allocate (solution%area(n), source=0.0_real64)
+      allocate (solution%maximum_pressure(n), source=-1.0_real64)
     end associate
     call solve_coupled(pairs, law, solution%coupled, task%target)
     call adopt_failure(solution)
     if (allocated(solution%failure)) return
-    if (sum(solution%coupled%set%load) > 0.0_real64) call estimate_circle_errors(task, solution)
     if (choice == resolve_all) &
       solution%is_resolved = pairs%list%gap < solution%coupled%compression
+    if (sum(solution%coupled%set%load) > 0.0_real64) then
+      if (choice /= resolve_all) call find_errors(pairs, solution%coupled, &
+                                                  allocated(task%target), task%correction, &
+                                                  task%errors)
+      solution%nested = task%errors%nested
+      if (choice == resolve_called_for) call choose_resolved(task, solution%coupled, &
+                                                             solution%is_resolved)
+      if (.not. any(solution%is_resolved)) call correct_circles(task, solution)
+    end if
     if (any(solution%is_resolved)) call alternate_blocks(task, solution)
     if (allocated(solution%failure)) return
     if (allocated(task%clusters)) then
@@ -143,36 +155,39 @@ contains
     ! Penetrations of open contacts are negative, as 0 is a contact at first touch.
     where (solution%coupled%penetration < 0.5_real64 * open_penetration) &
       solution%coupled%penetration = -tiny(1.0_real64)
-    call set_areas(task, solution)
+    call set_cluster_areas(task, solution)
     call estimate_errors(task, solution)
   end subroutine solve_joint
 
-  ! Estimates the errors of Hertzian contacts, and chooses those that are resolved.
-  subroutine estimate_circle_errors(task, solution)
+  ! Sets the areas in plan of Hertzian contacts, and corrects the loads of elastic ones: the
+  ! penetration of an isolated contact is a power 2/3 of its load, its area is a multiple of it.
+  subroutine correct_circles(task, solution)
     type(joint_task), intent(inout) :: task
     type(joint_solution), intent(inout) :: solution
-    integer :: covering(size(task%error))
-    real(real64) :: allowed, total, total_area
+    type(contact_response) :: response
+    real(real64) :: ratio(size(solution%coupled%set%contact))
+    integer :: k
 
-    associate (coupled => solution%coupled, set => solution%coupled%set)
-      call find_errors(task%pairs, coupled, covering, task%error, task%sphere_error, &
-                       task%compression_share, solution%nested)
-      task%area_error(set%contact) = pi * set%radius**2 * min(1.0_real64, area_per_load * &
-                                                              task%error(set%contact) / set%load)
-      total = sum(set%load)
-      total_area = pi * sum(set%radius**2)
-      ! Elements do not resolve contacts whose loads underflow.
-      if (task%choice /= resolve_called_for .or. &
-          .not. task%tolerance * total > tiny(total)) return
-      if (sum(task%error + task%sphere_error) <= task%tolerance * total .and. &
-          sum(task%area_error) <= max(task%tolerance, task%area_tolerance) * total_area) return
-      allowed = (1 - elements_share) * task%tolerance * total
-      call choose_resolved(task%pairs, coupled, max( &
-        2 * task%error, task%error + task%sphere_error, task%area_error * total * task%tolerance / &
-        (max(task%tolerance, task%area_tolerance) * total_area)) / allowed, covering, &
-        solution%is_resolved)
+    task%compression_share = task%errors%compression_share
+    associate (coupled => solution%coupled, set => solution%coupled%set, pairs => task%pairs, &
+               contact => solution%coupled%set%contact)
+      ratio = 1.0_real64
+      if (same_type_as(task%law, hertz_law())) &
+        ratio = (1 + task%correction%load_change / set%load)**(2.0_real64 / 3)
+      solution%area(contact) = pi * set%radius**2 * ratio * task%correction%area_ratio
+      if (.not. same_type_as(task%law, hertz_law())) return
+      coupled%penetration(contact) = coupled%penetration(contact) * ratio
+      coupled%compression = coupled%compression + task%correction%compression_change
+      if (allocated(task%target)) call raise_to_load(pairs, task%law, &
+                                                     task%target / pairs%modulus, &
+                                                     coupled%penetration)
+      do k = 1, size(contact)
+        call task%law%respond(pairs%list(contact(k)), contact(k), &
+                              coupled%penetration(contact(k)), response)
+        set%load(k) = response%vertical_load * inclination_factor(response%cosine) / pairs%modulus
+      end do
     end associate
-  end subroutine estimate_circle_errors
+  end subroutine correct_circles
 
   ! Solves clusters and Hertzian contacts in turns until the total load converges.
   subroutine alternate_blocks(task, solution)
@@ -222,6 +237,8 @@ contains
           return
         end if
       end do
+      call find_errors(pairs, coupled, allocated(task%target), task%correction, task%errors)
+      call correct_circles(task, solution)
       call distribute_loads(pairs, task%law, task%clusters, coupled, task%resolved)
     end associate
     call adopt_failure(solution)
@@ -236,15 +253,17 @@ contains
 
     associate (coupled => solution%coupled, is_resolved => solution%is_resolved)
       area = sum(solution%area)
-      if (area > 0.0_real64) &
-        solution%area_error = sum(task%area_error, mask=.not. is_resolved) / area
+      if (allocated(task%errors%of_area)) &
+        solution%area_error = sum(task%errors%of_area, mask=.not. is_resolved)
       if (area > 0.0_real64 .and. allocated(task%clusters)) &
         solution%area_error = solution%area_error + deviations * norm2([( &
           task%clusters(k)%answer%area_error * sum(solution%area(task%clusters(k)%members)), &
           k=1, size(task%clusters))]) / area
       total = sum(coupled%set%load)
       if (.not. total > 0.0_real64) return
-      solution%error = sum(task%error + task%sphere_error, mask=.not. is_resolved) / total
+      if (allocated(task%errors%of_field)) solution%error = ( &
+        norm2(pack(task%errors%of_field, .not. is_resolved)) + &
+        sum(task%errors%of_shape, mask=.not. is_resolved)) / total
       if (allocated(task%clusters)) then
         ! Displacements by neighbours change the inclination of the line of centres, and with it the
         ! normal load at a vertical load.
@@ -413,25 +432,16 @@ contains
     end if
   end subroutine adopt_failure
 
-  ! Sets areas in plan and maximum pressures. The area of a Hertzian contact is exact for a field of
-  ! constant second derivatives; on elements the ratio to the isolated contact multiplies that of
-  ! the law.
-  subroutine set_areas(task, solution)
+  ! Sets areas in plan and maximum pressures of contacts on elements: the ratio to the isolated
+  ! contact multiplies that of the law.
+  subroutine set_cluster_areas(task, solution)
     type(joint_task), intent(in) :: task
     type(joint_solution), intent(inout) :: solution
     type(contact_response) :: response
-    real(real64) :: growth_ratio, upper_limit
+    real(real64) :: upper_limit
     integer :: i, k, m
 
-    allocate (solution%area(size(task%error)), source=0.0_real64)
-    allocate (solution%maximum_pressure(size(task%error)), source=-1.0_real64)
-    associate (coupled => solution%coupled, set => solution%coupled%set, pairs => task%pairs)
-      do k = 1, size(set%contact)
-        i = set%contact(k)
-        if (solution%is_resolved(i)) cycle
-        growth_ratio = max(set%growth(k) / coupled%penetration(i), 0.0_real64)
-        solution%area(i) = pi * set%radius(k)**2 * (2 + growth_ratio) / (2 + 3 * growth_ratio)
-      end do
+    associate (coupled => solution%coupled, pairs => task%pairs)
       if (.not. allocated(task%clusters)) return
       do k = 1, size(task%clusters)
         associate (this_cluster => task%clusters(k), answer => task%clusters(k)%answer)
@@ -450,26 +460,38 @@ contains
         end associate
       end do
     end associate
-  end subroutine set_areas
+  end subroutine set_cluster_areas
 
-  ! Adds contacts to those resolved until the sum of the errors of the others is at most 1.
-  subroutine choose_resolved(pairs, coupled, error, covering, is_resolved)
-    type(contact_pairs), intent(in) :: pairs
+  ! Adds contacts to those resolved until the errors of the others are within the tolerances.
+  subroutine choose_resolved(task, coupled, is_resolved)
+    type(joint_task), intent(in) :: task
     type(coupled_solution), intent(in) :: coupled   ! solved Hertzian contacts
-    real(real64), intent(in) :: error(:)            ! by pair, over the tolerated sum of errors
-    integer, intent(in) :: covering(:)              ! by open pair: contact that covers it, or 0
     logical, intent(inout) :: is_resolved(:)
     type(source_tree) :: tree
     integer, allocatable :: open_pairs(:), member(:), first(:)
-    integer :: order(size(error)), i, k, l, next_rank
-    real(real64) :: excess, resolved_error
+    ! By pair, over what is allowed: errors of the load by the field and by other causes, of the
+    ! area, and the largest.
+    real(real64), dimension(size(is_resolved)) :: of_field, of_shape, of_area, error
+    real(real64) :: allowed, excess, resolved_error
+    integer :: order(size(is_resolved)), i, k, l, next_rank
 
+    ! Elements do not resolve contacts whose loads underflow.
+    allowed = task%tolerance * sum(coupled%set%load)
+    if (.not. allowed > tiny(allowed)) return
+    if (allocated(task%target)) allowed = allowed / task%errors%compression_share
+    of_field = task%errors%of_field / allowed
+    of_shape = task%errors%of_shape / allowed
+    of_area = task%errors%of_area / max(task%tolerance, task%area_tolerance)
+    allowed = 1.0_real64
+    if (.not. (any(is_resolved) .or. excess_error() > 0.0_real64)) return
+    allowed = 1 - elements_share
+    error = max(of_field + of_shape, of_area) / allowed
     associate (set => coupled%set)
       call gather_groups(set%one, set%other, &
                          [(are_close(set, set%one(k), set%other(k), adjacent_distance), k=1, &
                            size(set%one))], &
                          spread(.true., 1, size(set%contact)), size(set%contact), member, first)
-      call find_open_neighbours(pairs, coupled, adjacent_distance, tree, open_pairs)
+      call find_open_neighbours(task%pairs, coupled, adjacent_distance, tree, open_pairs)
       call sort_keys(-error, order)
       next_rank = 1
       do
@@ -483,7 +505,7 @@ contains
             if (is_resolved(set%contact(tree%near(l)))) is_resolved(open_pairs(i)) = .true.
           end do
         end do
-        excess = sum(error, mask=.not. is_resolved) - 1.0_real64
+        excess = excess_error()
         if (.not. excess > 0.0_real64) exit
         ! Contacts of the largest errors, up to half of the excess in one pass: the contacts close
         ! to them, which are resolved with them, may have most of the rest.
@@ -493,11 +515,21 @@ contains
           next_rank = next_rank + 1
           if (is_resolved(i)) cycle
           is_resolved(i) = .true.
-          if (covering(i) > 0) is_resolved(covering(i)) = .true.
+          if (task%errors%covering(i) > 0) is_resolved(task%errors%covering(i)) = .true.
           resolved_error = resolved_error + error(i)
         end do
       end do
     end associate
+
+  contains
+
+    ! Error of the contacts that are not resolved, over what is allowed, less 1.
+    real(real64) function excess_error()
+      excess_error = max(norm2(pack(of_field, .not. is_resolved)) + &
+                         sum(of_shape, mask=.not. is_resolved), &
+                         sum(of_area, mask=.not. is_resolved)) / allowed - 1
+    end function excess_error
+
   end subroutine choose_resolved
 
   ! Adds Hertzian contacts that are close to loaded members of a cluster to those resolved: the

@@ -59,7 +59,7 @@ contains
     type(cluster), allocatable, intent(out) :: clusters(:)   !! clusters with their members
     type(source_tree) :: tree
     integer, allocatable :: resolved_pairs(:), circle_index(:), member(:), first(:)
-    real(real64), allocatable :: reach(:)
+    real(real64), allocatable :: reach(:), x(:), y(:)
     integer :: i, k, l
 
     resolved_pairs = pack([(i, i=1, size(pairs%list))], is_resolved)
@@ -70,8 +70,9 @@ contains
       k = circle_index(resolved_pairs(i))
       if (k > 0) reach(i) = coupled%set%radius(k)
     end do
-    call build_tree(tree, pairs%list(resolved_pairs)%x, pairs%list(resolved_pairs)%y, reach, &
-                    separate_distance)
+    x = pairs%list(resolved_pairs)%x
+    y = pairs%list(resolved_pairs)%y
+    call build_tree(tree, x, y, reach, separate_distance)
     call gather_groups([((i, l=tree%first(i), tree%first(i + 1) - 1), i=1, size(resolved_pairs))], &
                        tree%near, spread(.true., 1, size(tree%near)), &
                        spread(.true., 1, size(resolved_pairs)), size(resolved_pairs), member, first)

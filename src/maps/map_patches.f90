@@ -16,6 +16,7 @@ module asperity_map_patches
     real(real64) :: y = 0.0_real64                 !! likewise
     real(real64) :: load = 0.0_real64              !! on it
     real(real64) :: area = 0.0_real64              !! of its pixels, corrected at the rim
+    real(real64) :: rim = 0.0_real64               !! correction of the area, where not bounded
     real(real64) :: highest = 0.0_real64           !! of its pressures, mean over a sample
     real(real64) :: top = -huge(1.0_real64)        !! its highest sample
     integer :: samples = 0                         !! how many
@@ -25,8 +26,10 @@ module asperity_map_patches
 
   ! Pixels over-estimate an area by this fraction of a pixel for each side between a pressed and an
   ! open pixel, as the rim of the patch passes somewhere between their centres (Yastrebov, Anciaux
-  ! and Molinari, Tribol. Int. 114 (2017) 161, eq. 2). At the edge of a free map and at missing
-  ! pixels the body ends: such a side is no rim.
+  ! and Molinari, Tribol. Int. 114 (2017) 161, eq. 2). It is a mean over smooth rims at which the
+  ! pressure falls to 0. At the edge of a free map and at missing pixels the body ends, and at the
+  ! hardness the pressure does not fall: such sides are no rim. On patches of few pixels the mean
+  ! does not hold: their area is at least the load over the greatest pressure.
   real(real64), parameter :: rim_of_samples = (pi - 1.0_real64 + log(2.0_real64)) / 24.0_real64
 
   ! Pixels: above the error of a centre of pressure when gaps are closed to 1e-10 of the range of
@@ -37,11 +40,12 @@ contains
 
   ! Long: the procedures of the flood fill share its stack and labels.
   !> Finds the patches, in the order of their first pixels, along x first.
-  subroutine find_patches(map, pressure, patches, spot)
+  subroutine find_patches(map, pressure, patches, spot, hardness)
     type(height_map), intent(in) :: map            !! heights, and whether the map is periodic
     real(real64), intent(in) :: pressure(:, :)     !! of each pixel, 0 or more
     type(map_patch), allocatable, intent(out) :: patches(:)
     integer, allocatable, intent(out), optional :: spot(:, :)  !! patch of each pixel; 0: none
+    real(real64), intent(in), optional :: hardness !! largest pressure; absent: elastic
     integer, allocatable :: label(:, :), stack(:, :)
     ! How many lengths of a periodic map lie between a pixel and where its patch was entered.
     integer, allocatable :: windings(:, :, :)
@@ -73,12 +77,14 @@ contains
         associate (patch => patches(n))
           patch%x = centre_of(1, patch%x / patch%load)
           patch%y = centre_of(2, patch%y / patch%load)
+          patch%area = max(patch%samples - patch%rim, patch%load / patch%highest)
         end associate
       end do
     end do
     patches = patches(:n)
     patches%load = patches%load * product(map%pixel_spacing)
     patches%area = patches%area * product(map%pixel_spacing)
+    patches%rim = patches%rim * product(map%pixel_spacing)
     if (present(spot)) call move_alloc(label, spot)
 
   contains
@@ -91,10 +97,13 @@ contains
       integer, value :: across, along
       type(map_patch), intent(inout) :: patch
       integer, parameter :: step(2, 4) = reshape([1, 0, -1, 0, 0, 1, 0, -1], [2, 4])
-      integer :: k, next(2), place(2), sides, winding(2)
+      integer :: k, next(2), place(2), winding(2)
+      logical :: is_elastic
 
       deep = deep - 1
       place = wrapped_pixel(across, along)
+      is_elastic = .true.
+      if (present(hardness)) is_elastic = pressure(place(1), place(2)) < hardness
       associate (p => pressure(place(1), place(2)))
         patch%samples = patch%samples + 1
         patch%load = patch%load + p
@@ -105,13 +114,13 @@ contains
         patch%across = [min(patch%across(1), across), max(patch%across(2), across)]
         patch%along = [min(patch%along(1), along), max(patch%along(2), along)]
       end associate
-      sides = 0
       do k = 1, 4
         next = wrapped_pixel(across + step(1, k), along + step(2, k))
         if (any(next < 1 .or. next > shape(pressure))) cycle
         winding = ([across, along] + step(:, k) - next) / shape(pressure)
         if (.not. pressure(next(1), next(2)) > 0.0_real64) then
-          if (is_measured(map%height(next(1), next(2)))) sides = sides + 1
+          if (is_elastic .and. is_measured(map%height(next(1), next(2)))) &
+            patch%rim = patch%rim + rim_of_samples
         else if (label(next(1), next(2)) == 0) then
           deep = deep + 1
           stack(:, deep) = [across, along] + step(:, k)
@@ -121,7 +130,6 @@ contains
           spans = spans .or. windings(:, next(1), next(2)) /= winding
         end if
       end do
-      patch%area = patch%area + (1.0_real64 - rim_of_samples * sides)
     end subroutine take_pixel
 
     pure function wrapped_pixel(across, along) result(place)

@@ -18,6 +18,7 @@ module asperity_summits_of_file
   type :: summit_choices
     integer :: rule = rule_eight               !! rule for summits, one of `rule_names`
     logical :: periodic = .false.              !! the map repeats itself
+    logical :: edge_of_file = .false.          !! it does also where the file has that
     integer :: level = 0                       !! rule for levelling; 0: the default
     integer :: radius = 0                      !! rule for radii; 0: default of the rule for summits
     integer :: unit = 0                        !! of `length_units`; 0: the file's own
@@ -46,7 +47,10 @@ contains
     call read_height_map(path, choices%pixel_spacing, choices%progress, map, problems, failure, &
                          trim(choices%prefix) // 'spacing')
     if (problems%count() > 0 .or. allocated(failure)) return
-    if (choices%unit > 0) call put_in_unit(map, choices%unit)
+    if (choices%edge_of_file .and. map%edge == periodic_edge) choices%periodic = .true.
+    call check_choices(choices, problems)
+    if (problems%count() > 0) return
+    call put_in_unit(map, choices%unit)
     call summits_of_samples(map, choices, summits, spikes, failure)
     if (allocated(failure)) failure = path // ': ' // failure
   end subroutine summits_of_file
@@ -70,7 +74,7 @@ contains
       fault)
     if (fault /= '') call problems%add(fault)
     if (problems%count() > 0) return
-    if (choices%unit > 0) call put_in_unit(map, choices%unit)
+    call put_in_unit(map, choices%unit)
     call summits_of_samples(map, choices, summits, spikes, failure)
   end subroutine summits_of_array
 
@@ -79,13 +83,12 @@ contains
     type(summit_choices), intent(inout) :: choices
     type(problem_list), intent(inout) :: problems
 
-    if (choices%level == 0) choices%level = usual_level(choices%periodic)
     if (choices%periodic .and. choices%level == level_plane) &
       call problems%add(trim(choices%prefix) // &
                         'level: a periodic map without its plane would ' // &
                         'not be periodic: found plane, expected mean or none')
     call check_choice('rule', choices%rule, 1, size(rule_names))
-    call check_choice('level', choices%level, 1, size(level_names))
+    call check_choice('level', choices%level, 0, size(level_names))
     call check_choice('radius', choices%radius, 0, size(radius_names))
     call check_choice('unit', choices%unit, 0, size(length_units))
 

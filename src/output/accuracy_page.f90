@@ -54,7 +54,7 @@ contains
     call put_plot('error against the reference', 'total-plot', table, is_run, error, buffer)
     call end_section(buffer)
     call begin_section('own', 'Error of each approximation', buffer)
-    call buffer%line('<p>Arithmetic against real128, steps against exact events, effects ' // &
+    call buffer%line('<p>Steps and arithmetics against exact events in real64, effects ' // &
                      'against all effects of the scene, neighbours against the reference. ' // &
                      'Horizontal lines: uncertainty from the rounding of the input data; for ' // &
                      'a map one for its summits and one for its pixels.</p>')

@@ -6,7 +6,7 @@ module asperity_accuracy_table
   use asperity_method_study, only: method_row, method_table
   use asperity_method_totals, only: error_of_area, quantity_names
   use asperity_problems, only: real_text
-  use asperity_study_methods, only: family_words, of_arithmetic, of_theory
+  use asperity_study_methods, only: family_words, of_arithmetic, of_steps, of_theory
   use asperity_text_buffer, only: text_buffer
   implicit none
   private
@@ -25,14 +25,14 @@ contains
     character(len=160) :: line
     integer :: i
 
-    if (any(table%rows%method%family == of_arithmetic .and. &
+    if (any(table%rows%method%family == of_steps .and. &
             table%rows%method%step > 0.0_real64 .and. &
             table%rows%own%largest > not_computed)) call write_quantities(table%rows, buffer)
     call buffer%line('All methods on one axis. Error: largest relative error over the ' // &
                      'positions, of the load or, under load control, of')
     call buffer%line('the compression, against the reference (+), and against the same model ' // &
                      'without the approximation of this method (o):')
-    call buffer%line('arithmetic against real128, steps against exact events, effects against ' // &
+    call buffer%line('steps and arithmetics against exact events in real64, effects against ' // &
                      'the effects of the scene.')
     call buffer%line('* Pareto front: no other method is faster and more accurate')
     call buffer%line('')
@@ -94,7 +94,7 @@ contains
     integer :: i, k
 
     call buffer%line('Arithmetics and steps. Largest (mean) relative error over positions, ' // &
-                     'against exact events in real128;')
+                     'against exact events in real64;')
     call buffer%line('pressure: of the first contact, one step past first touch.')
     call buffer%line('* Pareto front: no other of these is faster and more accurate')
     call buffer%line('')

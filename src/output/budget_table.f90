@@ -36,11 +36,7 @@ contains
       call buffer%line(line)
     end do
     if (positions > 1) call buffer%line('+- is the largest over the positions.')
-    if (budget%by_reference) then
-      reference = 'real128 is the reference; the rest is the rounding of printed doubles'
-    else
-      reference = 'against real128'
-    end if
+    reference = 'bound of the rounding of real64'
     if (budget%without_effects) reference = reference // ', without effects'
     call buffer%line('Arithmetic: ' // reference // '.')
     call buffer%line('Step: none, as events are solved exactly.')

@@ -99,8 +99,8 @@ contains
     outcomes = [(results%positions(m)%effects(e), m=1, size(outcomes))]
     is_simulated = outcomes%simulated /= 'off'
     text = ''
-    if (any(is_simulated)) then
-      first = maxloc(merge(outcomes%ending%residual, 0.0_real64, is_simulated), 1)
+    if (any(is_simulated .and. outcomes%ending%residual > not_computed)) then
+      first = maxloc(merge(outcomes%ending%residual, not_computed, is_simulated), 1)
       text = ', largest residual ' // number_text(outcomes(first)%ending%residual, 2) // &
              at_position(first, size(outcomes))
     end if
@@ -134,10 +134,7 @@ contains
       call add_sentence('', text // ' at ' // positions_text(alike), lines)
       is_named = is_named .or. alike
     end do
-    ! On pixels the load without plasticity is not computed.
-    if (any(is_simulated)) call list_influence(outcomes, is_simulated, header%names(e) == &
-                                               'plasticity' .and. header%hardness > 0.0_real64, &
-                                               lines)
+    if (any(is_simulated)) call list_influence(outcomes, is_simulated, lines)
     if (all(is_simulated) .or. header%modes(e) /= effect_auto) return
     first = maxloc(merge(-1.0_real64, max(0.0_real64, outcomes%estimate), is_simulated), 1)
     call add_sentence('', 'largest estimated influence left out ' // &
@@ -146,16 +143,17 @@ contains
   end subroutine list_effect
 
   ! The measured influence of an effect on the load, and on compression and area at a given load.
-  subroutine list_influence(outcomes, is_simulated, is_unknown, lines)
+  subroutine list_influence(outcomes, is_simulated, lines)
     type(effect_record), intent(in) :: outcomes(:)
-    logical, intent(in) :: is_simulated(:), is_unknown
+    logical, intent(in) :: is_simulated(:)
     type(effect_sentence), allocatable, intent(inout) :: lines(:)
     real(real64) :: influence(size(outcomes))
     character(len=:), allocatable :: text
     integer :: first
 
     text = ''
-    if (.not. is_unknown) then
+    ! On pixels the load without an effect is not computed.
+    if (any(is_simulated .and. outcomes%influence > not_computed)) then
       influence = merge(outcomes%influence, 0.0_real64, &
                         is_simulated .and. outcomes%influence > not_computed)
       first = maxloc(abs(influence), 1)

@@ -3,7 +3,7 @@ module asperity_map_file
   use, intrinsic :: ieee_arithmetic, only: ieee_quiet_nan, ieee_value
   use, intrinsic :: iso_c_binding, only: c_int, c_null_char
   use asperity_files, only: write_bytes
-  use asperity_height_map, only: height_map, is_measured, unit_ratio
+  use asperity_height_map, only: edge_names, height_map, is_measured, periodic_edge, unit_ratio
   use asperity_input_text, only: lower_case
   use asperity_kinds, only: int64, real64
   use asperity_npy_map, only: npy_magic
@@ -143,6 +143,7 @@ contains
       end do
       if (ending == 'txt') call file%put_bytes(new_line('a'))
     end do
+    if (ending == 'sdf') call file%put_bytes(text_header(map))
     call file%flush()
     if (allocated(file%failure)) call move_alloc(file%failure, failure)
 
@@ -217,7 +218,15 @@ contains
       head = '# Spacing: ' // real_text(map%pixel_spacing(1), 'es24.16e3') // ' ' // &
              real_text(map%pixel_spacing(2), 'es24.16e3') // new_line('a')
     if (map%unit /= '') head = head // '# Units: ' // map%unit // new_line('a')
+    if (is_periodic(map)) head = head // '# Edge: ' // edge_names(periodic_edge) // new_line('a')
   end function text_header
+
+  ! Whether a map repeats itself.
+  pure logical function is_periodic(map)
+    type(height_map), intent(in) :: map
+
+    is_periodic = map%periodic .or. map%edge == periodic_edge
+  end function is_periodic
 
   ! The lowest byte first.
   pure function bytes_of(bits, wide) result(bytes)

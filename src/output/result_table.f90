@@ -169,7 +169,9 @@ contains
     call self%put('limit_reached', merge(1, 0, position%limit_reached))
     call self%put('vertical_load', last%vertical_load, is_force)
     call self%put('compression', last%closing, is_length)
-    call self%put('overlapping_circles', position%overlapping_circles)
+    call self%put('overlapping_circles', merge(real(position%overlapping_circles, real64), &
+                                               not_computed, position%overlapping_circles >= 0), &
+                  cell=merge(cell_whole, cell_count, position%overlapping_circles >= 0))
     call fill_nominal(self, results, last)
     call fill_gap(self, results, last)
     if (allocated(results%effects)) then
@@ -215,7 +217,7 @@ contains
     real(real64) :: ending(2)
 
     ending = not_computed
-    if (effect%simulated /= 'off') &
+    if (effect%simulated /= 'off' .and. effect%ending%residual > not_computed) &
       ending = [effect%ending%residual, real(effect%ending%iterations, real64)]
     call self%put(name, effect%simulated)
     call self%put(name // '_estimate', effect%estimate)

@@ -13,7 +13,7 @@ module asperity_contact_records
   implicit none
   private
 
-  public :: contact_row, effect_record, position_result, solve_method, state_row
+  public :: contact_row, effect_record, no_contacts, position_result, solve_method, state_row
   public :: prescribed_nothing, prescribed_normal, prescribed_vertical
   public :: by_events, by_marching, overlap_stable, overlap_original
   public :: add_rows, are_finite, contact_radius, cut_rows, most_rows, room_of_a_state
@@ -43,41 +43,42 @@ module asperity_contact_records
     logical :: past_the_end = .false.         !! find all pairs that may touch under a larger load
   end type solve_method
 
-  !> One contact in one state of one position.
+  !> One contact in one state of one position. It is created as not computed; a whole number is then
+  !> negative.
   type :: contact_row
-    integer :: area_no = 0                         !! from 1, in the order of first touch
-    integer :: upper = 0                           !! index of the upper asperity; 0: a plane
-    integer :: lower = 0                           !! index of the lower asperity; 0: a plane
+    integer :: area_no = -1                        !! from 1, in the order of first touch
+    integer :: upper = -1                          !! index of the upper asperity; 0: a plane
+    integer :: lower = -1                          !! index of the lower asperity; 0: a plane
     logical :: limit_exceeded = .false.            !! at or over its limit
-    real(real64) :: x = 0.0_real64                 !! centre of the contact
-    real(real64) :: y = 0.0_real64                 !! centre of the contact
-    real(real64) :: penetration = 0.0_real64       !! vertical, past first touch
-    real(real64) :: overlap = 0.0_real64           !! decrease of the distance of centres
-    real(real64) :: area = 0.0_real64              !! contact area
-    real(real64) :: projected_area = 0.0_real64    !! its projection on the plane
-    real(real64) :: slope = 0.0_real64             !! tangent of the contact's inclination
-    real(real64) :: load = 0.0_real64              !! force normal to the contact
-    real(real64) :: vertical_load = 0.0_real64     !! its vertical part
-    real(real64) :: average_pressure = 0.0_real64  !! load over area
-    real(real64) :: maximum_pressure = 0.0_real64  !! 1.5 times the average
+    real(real64) :: x = not_computed               !! centre of the contact
+    real(real64) :: y = not_computed               !! centre of the contact
+    real(real64) :: penetration = not_computed     !! vertical, past first touch
+    real(real64) :: overlap = not_computed         !! decrease of the distance of centres
+    real(real64) :: area = not_computed            !! contact area
+    real(real64) :: projected_area = not_computed  !! its projection on the plane
+    real(real64) :: slope = not_computed           !! tangent of the contact's inclination
+    real(real64) :: load = not_computed            !! force normal to the contact
+    real(real64) :: vertical_load = not_computed   !! its vertical part
+    real(real64) :: average_pressure = not_computed  !! load over area
+    real(real64) :: maximum_pressure = not_computed  !! 1.5 times the average
   end type contact_row
 
-  !> One state of one position: totals over its contacts. Whole numbers stand in pairs: a record is
-  !> sent in words of 64 bits, without gaps.
+  !> One state of one position: totals over its contacts, created as not computed. Whole numbers
+  !> stand in pairs: a record is sent in words of 64 bits, without gaps.
   type :: state_row
-    real(real64) :: approach = 0.0_real64        !! separation of the reference planes
-    real(real64) :: closing = 0.0_real64         !! compression since first touch
-    real(real64) :: time = 0.0_real64            !! time since the end of loading
-    real(real64) :: load = 0.0_real64            !! sum of the normal forces
-    real(real64) :: vertical_load = 0.0_real64   !! sum of their vertical parts
-    real(real64) :: area = 0.0_real64            !! sum of the areas
-    real(real64) :: projected_area = 0.0_real64  !! sum of the projected areas
-    real(real64) :: greatest_pressure = 0.0_real64  !! at any point of a contact
+    real(real64) :: approach = not_computed        !! separation of the reference planes
+    real(real64) :: closing = not_computed         !! compression since first touch
+    real(real64) :: time = not_computed            !! time since the end of loading
+    real(real64) :: load = not_computed            !! sum of the normal forces
+    real(real64) :: vertical_load = not_computed   !! sum of their vertical parts
+    real(real64) :: area = not_computed            !! sum of the areas
+    real(real64) :: projected_area = not_computed  !! sum of the projected areas
+    real(real64) :: greatest_pressure = not_computed  !! at any point of a contact
     !> Work dissipated by plasticity since first contact [force length]; `not_computed` without it.
     real(real64) :: dissipated_work = not_computed
     real(real64) :: prescribed_load = 0.0_real64  !! value of the prescribed load
     integer :: prescribed = prescribed_nothing    !! kind of load: a `prescribed_` number
-    integer :: contacts = 0                      !! touching ones included
+    integer :: contacts = -1                     !! touching ones included
     integer :: first_row = 1                     !! its contacts are rows(first_row ...
     integer :: last_row = 0                      !! ... last_row) of the position
     !> Mean gap and root mean square of the gap [length], length of the rims of the contact patches
@@ -87,6 +88,11 @@ module asperity_contact_records
     !> Area at the hardness [length**2]; `not_computed` without one.
     real(real64) :: plastic_area = not_computed
   end type state_row
+
+  !> Totals of a state before its contacts are added; the compression is set apart.
+  type(state_row), parameter :: no_contacts = state_row( &
+    time=0.0_real64, load=0.0_real64, vertical_load=0.0_real64, area=0.0_real64, &
+    projected_area=0.0_real64, greatest_pressure=0.0_real64, contacts=0)
 
   !> Outcome of one effect in one state. Lengths of texts are multiples of 8, as a record is sent in
   !> words of 64 bits.
@@ -98,7 +104,8 @@ module asperity_contact_records
     real(real64) :: error = not_computed      !! estimated relative error of its own solve
     !> Measured relative change of the compression at the prescribed load, and of the area.
     real(real64) :: closing_change = not_computed, area_change = not_computed
-    type(solve_ending) :: ending              !! how its solve ended
+    !> How its solve ended; a residual and iterations that were not computed: a closed form.
+    type(solve_ending) :: ending = solve_ending(.true., not_computed, -1)
     logical :: influence_known = .false.      !! the influence was measured by the effect
   end type effect_record
 
@@ -108,7 +115,7 @@ module asperity_contact_records
     real(real64) :: y_displacement = 0.0_real64        !! displacement of the upper surface
     logical :: limit_reached = .false.                 !! a contact is at its limit at the end
     integer :: counted = 0                             !! states that progress has counted
-    integer :: overlapping_circles = 0                 !! pairs of contact circles, at the end
+    integer :: overlapping_circles = -1  !! pairs of contact circles, at the end; < 0: no circles
     real(real64) :: first_step_pressure = 0.0_real64   !! of the first contact one step past touch
     !> Estimated error of the load over the load or, under load control, of the separation over the
     !> compression; `not_computed`: unknown.
@@ -158,11 +165,12 @@ contains
     result%rows_used = needed
   end subroutine add_rows
 
-  !> Radius of the circle that has the area of a contact.
+  !> Radius of the circle that has the area of a contact; `not_computed` without an area.
   pure real(real64) function contact_radius(row)
     type(contact_row), intent(in) :: row  !! contact in a state
 
-    contact_radius = sqrt(row%area / pi)
+    contact_radius = not_computed
+    if (row%area > not_computed) contact_radius = sqrt(row%area / pi)
   end function contact_radius
 
   !> Frees the memory beyond the last contact.

@@ -8,16 +8,17 @@ module asperity_theory_limits
   use asperity_effect_names, only: effect_words, known_effects, why_not_together
   use asperity_first_yield, only: yield_pressure
   use asperity_kinds, only: real64
-  use asperity_scene_values, only: control_limit, criterion_load, criterion_pressure, effect_auto, &
-                                   effect_boundary, effect_off, scene
+  use asperity_scene_values, only: control_limit, criterion_greenwood_williamson, criterion_hardy, &
+                                   criterion_load, criterion_pressure, effect_auto, &
+                                   effect_boundary, effect_off, scene, scene_limit
   use asperity_theory_warnings, only: add_warning, of_cap, of_contact_radius, of_crowding, &
                                       of_limit, of_overlapping, of_slope, of_yield, &
                                       theory_warning, warning_kinds
   implicit none
   private
 
-  public :: theory_limits, seen_contact, set_theory_limits, look_at_contact, look_at_state, &
-            look_at_pressure
+  public :: theory_limits, seen_contact, is_patch_at_limit, set_theory_limits, look_at_contact, &
+            look_at_state, look_at_pressure
 
   ! Tolerance for rounding of a contact at its limit.
   real(real64), parameter :: rounding = 1.0e-9_real64
@@ -130,6 +131,31 @@ contains
     call hold_against(warnings, of_limit, max(average / limits%pressure, load / limits%load), &
                       limits%forbids_plasticity)
   end subroutine look_at_pressure
+
+  !> Whether a contact patch is at its limit: its load or average pressure is that of the limit, or
+  !> its greatest pressure is that of a Hertzian contact at the limit, p0 = 2 E sqrt(W/R)/pi. For
+  !> Greenwood and Williamson sqrt(W/R) is H/E, for Hardy p0 is 2.76 times the yield stress.
+  pure logical function is_patch_at_limit(limit, load, average, greatest) result(at_limit)
+    type(scene_limit), intent(in) :: limit    !! limit of the scene, in the units of the others
+    real(real64), intent(in) :: load          !! load of the patch
+    real(real64), intent(in) :: average       !! its average pressure
+    real(real64), intent(in) :: greatest      !! its greatest pressure
+    real(real64) :: share
+
+    select case (limit%criterion)
+    case (criterion_load)
+      share = load / decimal_to_real64(limit%value)
+    case (criterion_pressure)
+      share = average / decimal_to_real64(limit%value)
+    case (criterion_greenwood_williamson)
+      share = greatest / (2 / pi * decimal_to_real64(limit%hardness))
+    case (criterion_hardy)
+      share = greatest / (2.76_real64 * decimal_to_real64(limit%yield_stress))
+    case default
+      share = 0.0_real64
+    end select
+    at_limit = share >= 1.0_real64 - rounding
+  end function is_patch_at_limit
 
   ! Warns of a contact beyond the limit of a warning.
   pure subroutine hold_against(warnings, warning, found, whose)

@@ -131,10 +131,10 @@ module asperity_theory_warnings
       'the map is not periodic although map_edge is', &
       'times the roughest inner line of pixels across its border (limit 2)', &
       'set map_edge = ''free'' or take a periodic map'), &
-    warning_kind('resolution', in_accuracy, 0.2_real64, .true., &
+    warning_kind('resolution', in_accuracy, 0.1_real64, .true., &
       'contact patches are not resolved by the pixels of the map', &
-      'of their area lies on rim pixels outside the contact (limit 20 %)', &
-      'take a map of finer pixels or expect a smaller area'), &
+      'is the estimated error of their area (limit 10 %)', &
+      'take a map of finer pixels or the area with this error'), &
     warning_kind('flat_map', in_accuracy, 0.0_real64, .false., &
       'the map is flat', 'is the range of heights after levelling', &
       'check the level and the digits of the map if it should be rough'), &

@@ -1,9 +1,4 @@
-!> Error bounds of the arithmetics for a scene.
-!>
-!> The arithmetics are the Pareto front of the accuracy study, fastest first: exact events with the
-!> stable overlap, in real64 and in real128. Shorter arithmetics and marching are not on it, as they
-!> are not clearly faster. The bound is computed from the results of the scene, not from a table, so
-!> that it also holds for scenes that are not part of the study.
+!> Error bound of real64 for a scene without effects, computed from its results.
 module asperity_accuracy_bound
   use asperity_constants, only: pi
   use asperity_contact_records, only: position_result, state_row
@@ -15,10 +10,7 @@ module asperity_accuracy_bound
   implicit none
   private
 
-  public :: front_arithmetics, error_bound
-
-  !> Pareto front of the accuracy study, fastest first.
-  character(len=7), parameter :: front_arithmetics(2) = [character(len=7) :: 'real64', 'real128']
+  public :: error_bound
 
   ! Smallest error bound: results are stored as doubles.
   real(real64), parameter :: finest_accuracy = 4 * epsilon(1.0_real64)
@@ -37,8 +29,7 @@ contains
   !> stiffness of N contacts of Hertz of total area A is 2 E sum(a) <= 2 E sqrt(N A/pi), and an area
   !> grows by pi R per overlap. The slope of every contact is below the limit of its warning, or
   !> that of the warning.
-  function error_bound(arithmetic, scene_in, positions) result(bound)
-    character(len=*), intent(in) :: arithmetic         !! name, one of `front_arithmetics`
+  function error_bound(scene_in, positions) result(bound)
     type(scene), intent(in) :: scene_in                !! scene that was solved
     type(position_result), intent(in) :: positions(:)  !! results of all positions
     real(real64) :: bound
@@ -48,7 +39,6 @@ contains
     integer :: m
 
     roundoff = 0.5_real64 * epsilon(1.0_real64)
-    if (arithmetic == 'real128') roundoff = roundoff * 2.0_real64**(53 - 113)
     modulus = combined_modulus(scene_in)
     associate (upper => scene_in%upper, lower => scene_in%lower, motion => scene_in%motion)
       least = min(minval(upper%radius), minval(lower%radius))

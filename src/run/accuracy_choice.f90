@@ -132,10 +132,13 @@ contains
     type(run_errors) :: errors
     integer :: column, e, i, m
 
-    errors%arithmetic = error_bound('real64', scene_in, results%positions)
+    errors%arithmetic = error_bound(scene_in, results%positions)
     do m = 1, size(results%positions)
       associate (position => results%positions(m))
         errors%model = max(errors%model, safety_factor * max(0.0_real64, position%error_estimate))
+        ! An unknown error by the pixels of a map counts as 1.
+        if (allocated(scene_in%map) .and. .not. position%error_estimate > not_computed) &
+          errors%model = 1.0_real64
         do i = 1, size(position%states)
           errors%load = max(errors%load, load_error(position%states(i)))
         end do
@@ -217,7 +220,9 @@ contains
     results%way_told = 'ten times better: '
     if (results%error_bound <= 0.1_real64 * accuracy) then
       results%way_told = results%way_told // 'reached by this run'
-    else if (0.1_real64 * accuracy < effect_error .or. mode == effect_boundary) then
+    else if (mode == effect_boundary) then
+      results%way_told = results%way_told // 'by a map of finer pixels'
+    else if (0.1_real64 * accuracy < effect_error) then
       results%way_told = results%way_told // 'not possible, effects are computed to ' // &
                          real_text(effect_error)
     else if (mode == effect_off) then

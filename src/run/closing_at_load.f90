@@ -9,7 +9,7 @@ module asperity_closing_at_load
   use asperity_hertz_law, only: hertz_law
   use asperity_kinds, only: real64
   use asperity_problems, only: real_text
-  use asperity_root_bracket_real64, only: guess_root, narrow_bracket, root_bracket
+  use asperity_root_bracket, only: guess_root, narrow_bracket, root_bracket
   use asperity_scene_values, only: effect_auto
   implicit none
   private

@@ -17,7 +17,7 @@ module asperity_closing_at_pull
   use asperity_key_sort, only: sort_keys
   use asperity_kinds, only: int32, real64
   use asperity_problems, only: real_text
-  use asperity_root_bracket_real64, only: guess_root, narrow_bracket, root_bracket
+  use asperity_root_bracket, only: guess_root, narrow_bracket, root_bracket
   implicit none
   private
 

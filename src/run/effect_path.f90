@@ -5,7 +5,7 @@ module asperity_effect_path
   use asperity_contact_state, only: in_contact
   use asperity_decimal, only: decimal_to_real64, decimal_value
   use asperity_effect_sequence, only: first_failure, found_state, simulate_effects
-  use asperity_kernel_real64, only: closings_on_the_way
+  use asperity_isolated_contacts, only: closings_on_the_way
   use asperity_kinds, only: real64
   use asperity_scene_values, only: control_compression, control_pressure, effect_off, hold_load, &
                                    is_load, scene

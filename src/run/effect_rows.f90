@@ -3,7 +3,7 @@ module asperity_effect_rows
   use asperity_constants, only: pi
   use asperity_contact_effect, only: column_name, effect_box, effect_outcome
   use asperity_contact_pairs, only: contact_pair, contact_pairs, in_scene_units
-  use asperity_contact_records, only: add_rows, contact_row, position_result, state_row
+  use asperity_contact_records, only: add_rows, contact_row, no_contacts, position_result, state_row
   use asperity_contact_state, only: contact_state, in_contact, shift_x, shift_y, start_state
   use asperity_contact_law, only: contact_response
   use asperity_hertz_law, only: hertz_law
@@ -76,11 +76,14 @@ contains
     type(contact_response) :: answer
     type(state_row) :: totals
     type(theory_warning), allocatable :: warnings(:)
+    real(real64), allocatable :: circles(:, :)
     real(real64) :: area, projected_area
     logical :: at_limit
     integer :: i
 
     allocate (rows(merge(size(pairs%list), 0, keep_rows)))
+    totals = no_contacts
+    result%limit_reached = .false.
     do i = 1, size(pairs%list)
       if (.not. in_contact(state, i)) cycle
       answer = state%answers(i)
@@ -113,9 +116,11 @@ contains
     end if
     result%states(number) = totals
     if (associated(pairs%pressures)) call keep_pressures(pairs, state, number, result)
-    if (number == size(result%states)) &
-      result%overlapping_circles = count_overlapping(pairs%list%x, pairs%list%y, &
-                                                     state%answers%contact_radius)
+    if (number == size(result%states)) then
+      circles = reshape([pairs%list%x, pairs%list%y, state%answers%contact_radius], &
+                        [size(pairs%list), 3])
+      result%overlapping_circles = count_overlapping(circles(:, 1), circles(:, 2), circles(:, 3))
+    end if
     call look_at_state(pairs%limits, projected_area, result%overlapping_circles, warnings)
     call take_worse(result%warnings, warnings, number)
     do i = 1, size(outcomes)
@@ -291,6 +296,7 @@ contains
       row%slope = pair%d / (pair%zc - state%penetration(i))
       row%load = in_scene_units(pairs, answer%load, 1, 2)
       row%vertical_load = in_scene_units(pairs, answer%vertical_load, 1, 2)
+      row%average_pressure = 0.0_real64
       if (area > 0.0_real64) row%average_pressure = in_scene_units(pairs, answer%load / area, 1, 0)
       row%maximum_pressure = in_scene_units(pairs, answer%maximum_pressure, 1, 0)
     end associate
@@ -362,12 +368,12 @@ contains
     type(contact_pairs), intent(in) :: pairs
     type(effect_box), intent(in) :: effects(:)
     type(effect_outcome), intent(in) :: outcomes(:)
-    integer :: column, e
+    integer :: column, e, i
 
     value = not_computed
     do e = 1, size(effects)
       associate (columns => effects(e)%effect%state_columns)
-        column = findloc(columns%text, name, 1)
+        column = findloc([(columns(i)%text == name, i=1, size(columns))], .true., 1)
         if (column > 0 .and. allocated(outcomes(e)%of_state)) &
           value = in_units(columns(column), pairs, outcomes(e)%of_state(column))
       end associate

@@ -1,10 +1,9 @@
 !> Solves the positions of a scene with its effects.
 !>
-!> Effects are computed in doubles. A position at which `auto` leaves out all effects has the result
+!> A position at which `auto` leaves out all effects has the result
 !> of the solver without effects, byte for byte. The influence on the load is estimated for every
 !> effect that is off.
 module asperity_effect_solver
-  use asperity_arithmetics, only: solver_in
   use asperity_contact_effect, only: effect_box, effect_outcome
   use asperity_contact_field, only: fields_all, fields_none
   use asperity_contact_law, only: contact_law
@@ -20,11 +19,12 @@ module asperity_effect_solver
   use asperity_element_pressures, only: element_pressures
   use asperity_first_yield, only: yielding_body
   use asperity_hertz_law, only: hertz_law
-  use asperity_kernel_real64, only: empty_state, list_pairs, place_scene, placed_scene, &
-                                    solve_position
+  use asperity_isolated_contacts, only: empty_state, list_pairs, solve_position
   use asperity_kinds, only: int64, real64
+  use asperity_placed_scene, only: placed_scene
   use asperity_plastic_surface, only: surface_index
   use asperity_position_solver, only: position_solver
+  use asperity_scene_placing, only: place_scene
   use asperity_scene_results, only: effect_header
   use asperity_scene_values, only: effect_auto, is_load, scene
   use asperity_theory_warnings, only: of_barred, of_off, take_worse, theory_warning, add_warning
@@ -38,9 +38,6 @@ module asperity_effect_solver
     private
     type(scene), pointer :: scene_in => null()
     type(placed_scene) :: placed
-    ! Solver in another arithmetic, without effects; not allocated: real64.
-    class(position_solver), allocatable :: other
-    logical :: has_doubles = .true.              ! the scene can be placed in doubles
     logical :: by_estimate = .false.             ! all effects may turn out to be negligible
     integer :: fields = fields_none              ! states whose pressures are kept
     logical :: remembers = .true.                ! a path, or effects other than interaction
@@ -54,9 +51,8 @@ contains
 
   !> Makes the solver of a scene with its effects. `failure` is allocated when a number is out of
   !> range.
-  subroutine make_effect_solver(scene_in, arithmetic, solver, header, failure, fields)
+  subroutine make_effect_solver(scene_in, solver, header, failure, fields)
     type(scene), intent(in), target :: scene_in  !! scene, checked; must outlive the solver
-    character(len=*), intent(in) :: arithmetic   !! name; real64 where there are effects
     class(position_solver), allocatable, intent(out) :: solver
     type(effect_header), intent(out) :: header             !! columns of the effects
     character(len=:), allocatable, intent(out) :: failure  !! reason, when there is no solver
@@ -76,33 +72,17 @@ contains
       header%plastic_body = merge('upper', 'lower', yielding_body(scene_in) == 1)
     end if
     call place_scene(scene_in, new%placed, failure)
-    if (arithmetic /= 'real64') then
-      new%has_doubles = .not. allocated(failure)
-      call solver_in(arithmetic, scene_in, solve_method(), new%other, failure)
-      if (.not. allocated(failure)) call take_from(new%other)
-    else
-      call take_from(new%placed)
-    end if
     if (allocated(failure)) return
+    new%positions = new%placed%positions
+    new%states = new%placed%states
+    new%work = new%placed%work
+    new%loads_differ = new%placed%loads_differ
     new%by_estimate = .not. allocated(scene_in%loading%path) .and. &
                       all(header%names == 'interaction') .and. all(header%modes == effect_auto)
     new%remembers = allocated(scene_in%loading%path) .or. any(header%names /= 'interaction')
     ! Effects take long: threads are started for a few positions.
     if (size(new%effects) > 0) new%work = huge(new%work)
     call move_alloc(new, solver)
-
-  contains
-
-    subroutine take_from(one)
-      class(position_solver), intent(in) :: one
-
-      new%positions = one%positions
-      new%states = one%states
-      new%work = one%work
-      new%load_precision = one%load_precision
-      new%loads_differ = one%loads_differ
-    end subroutine take_from
-
   end subroutine make_effect_solver
 
   ! Solves one position, without effects where none is simulated.
@@ -195,19 +175,11 @@ contains
     type(contact_state) :: state
     type(effect_outcome), allocatable :: outcomes(:)
     class(contact_law), allocatable :: law
-    character(len=:), allocatable :: no_estimate
     logical, allocatable :: called(:)
     real(real64) :: left
     integer :: i
 
     called_for = .false.
-    if (allocated(self%other)) then
-      call self%other%solve(m, keep_rows, result, failure)
-      if (allocated(failure) .or. .not. self%has_doubles) return
-      call solve_position(self%placed, m, solve_method(), .false., columns, no_estimate, pairs)
-      if (.not. allocated(no_estimate)) call estimate_left_out(self, pairs, law, result)
-      return
-    end if
     call solve_position(self%placed, m, solve_method(), keep_rows, result, failure, pairs)
     if (allocated(failure)) return
     if (size(self%effects) > 0) then

@@ -1,11 +1,13 @@
 !> Solves a scene on the pixels of its map, state by state; contact patches are its contacts.
 module asperity_map_press_solver
   use asperity_contact_field, only: contact_field, fields_all, fields_none, room_of_fields
-  use asperity_contact_records, only: add_rows, contact_row, position_result, state_row
+  use asperity_contact_records, only: add_rows, contact_row, position_result, prescribed_normal, &
+                                      state_row
   use asperity_height_map, only: height_map
   use asperity_kinds, only: int64, not_computed, real64
   use asperity_map_contact, only: map_answer, most_load, press_map, room_to_press
   use asperity_map_despiking, only: limit_of_spikes
+  use asperity_map_error, only: estimate_pixel_errors, pixel_errors
   use asperity_map_fields, only: measure_fields, take_field
   use asperity_map_levelling, only: is_flat
   use asperity_map_patches, only: find_patches, map_patch
@@ -15,10 +17,11 @@ module asperity_map_press_solver
   use asperity_problems, only: decimal_text, not_enough_memory, real_text
   use asperity_process, only: has_memory
   use asperity_scene_results, only: effect_header
-  use asperity_scene_values, only: has_hardness, scene
-  use asperity_theory_limits, only: look_at_pressure, set_theory_limits, theory_limits
-  use asperity_theory_warnings, only: of_flat_map, of_resolution, take_worse, theory_warning, &
-                                      add_warning, warning_kinds
+  use asperity_scene_values, only: has_hardness, scene, scene_limit
+  use asperity_theory_limits, only: is_patch_at_limit, look_at_pressure, set_theory_limits, &
+                                    theory_limits
+  use asperity_theory_warnings, only: of_error, of_flat_map, of_resolution, take_worse, &
+                                      theory_warning, add_warning, warning_kinds
   implicit none
   private
 
@@ -36,6 +39,7 @@ module asperity_map_press_solver
     real(real64) :: tolerance = 0.0_real64
     real(real64), allocatable :: hardness        ! largest pressure; not allocated: elastic
     type(theory_limits) :: limits
+    type(scene_limit) :: limit
     integer :: fields = fields_none              ! which states keep pressure and gap
     character(len=:), allocatable :: unit        ! unit of length; empty: unknown
   contains
@@ -59,6 +63,7 @@ contains
     new%tolerance = scene_in%effects%number('tolerance')
     if (has_hardness(scene_in)) new%hardness = scene_in%effects%number('plastic_hardness')
     call set_theory_limits(scene_in, 0, 0, new%limits)
+    new%limit = scene_in%limit
     new%spike_limit = limit_of_spikes(map, 1)
     new%fields = fields
     new%unit = trim(scene_in%units(1))
@@ -78,16 +83,17 @@ contains
     header%names = [character(len=11) :: 'interaction']
     header%modes = [scene_in%effects%mode('interaction')]
     header%contact_columns = [character(len=20) :: 'samples']
-    header%state_columns = [character(len=20) :: 'samples_in_contact', 'sample_area']
+    header%state_columns = [character(len=20) :: 'samples_in_contact', 'sample_area', &
+                            'area_error_estimate']
     header%contact_powers = reshape([0, 0], [2, 1])
-    header%state_powers = reshape([0, 0, 0, 2], [2, 2])
+    header%state_powers = reshape([0, 0, 0, 2, 0, 0], [2, 3])
     if (.not. has_hardness(scene_in)) return
     header%names = [character(len=11) :: header%names, 'plasticity']
     header%modes = [header%modes, scene_in%effects%mode('plasticity')]
     header%hardness = scene_in%effects%number('plastic_hardness')
     header%state_columns = [character(len=20) :: header%state_columns, 'plastic_area', &
                             'dissipated_work']
-    header%state_powers = reshape([0, 0, 0, 2, 0, 2, 1, 3], [2, 4])
+    header%state_powers = reshape([0, 0, 0, 2, 0, 0, 0, 2, 1, 3], [2, 5])
   end subroutine name_map_columns
 
   ! Solves state after state, each the start of the next. With a hardness each state deforms the
@@ -106,7 +112,7 @@ contains
     type(map_shares) :: shares
     type(theory_warning), allocatable :: warnings(:)
     real(real64), allocatable :: values(:, :)
-    real(real64) :: work
+    real(real64) :: area_error, work
     integer :: i
 
     call make_room_for_fields(self, result, failure)
@@ -142,22 +148,24 @@ contains
         return
       end if
       if (allocated(deformed)) call deform_map(self%hardness, answer, deformed, work)
-      call find_patches(self%map, answer%pressure, patches)
+      call find_patches(self%map, answer%pressure, patches, hardness=self%hardness)
       call find_shares(self%map, answer%pressure, patches, self%spike_limit, shares)
       if (allocated(warnings)) deallocate (warnings)
       call warn_of_shares(shares, self%tolerance, warnings)
       if (is_flat(self%map)) call add_warning(warnings, of_flat_map, 0.0_real64)
-      call warn_of_patches(self, patches, i == self%states, warnings)
-      call take_worse(result%warnings, warnings, i)
+      call warn_of_patches(self, patches, warnings)
       call fill_state(self, pressed, answer, patches, work, keep_rows, result, i)
+      if (i == self%states) &
+        call estimate_errors(self, answer, patches, result, area_error, warnings)
+      call take_worse(result%warnings, warnings, i)
       if (self%fields == fields_all .or. (self%fields /= fields_none .and. i == self%states)) &
         call take_field(pressed, answer, i, result%fields(i - self%states + size(result%fields)))
       if (keep_rows) values = reshape([values, real(patches%samples, real64)], &
                                       [size(values) + size(patches), 1])
       call self%progress_count%count_state(result%counted)
     end do
-    result%state_values = count(answer%pressure > 0.0_real64) * &
-                          [1.0_real64, product(self%map%pixel_spacing)]
+    result%state_values = [count(answer%pressure > 0.0_real64) * &
+                           [1.0_real64, product(self%map%pixel_spacing)], area_error]
     call move_alloc(values, result%contact_values)
     if (allocated(self%hardness)) result%state_values = [result%state_values, &
       result%states(self%states)%plastic_area, work]
@@ -168,8 +176,38 @@ contains
     result%effects%estimate = not_computed
     result%effects%influence = not_computed
     result%effects%ending = answer%ending
-    result%error_estimate = answer%ending%residual
   end subroutine press_to_states
+
+  ! Estimates the errors of the last state by the size of the pixels, and warns of them. With a
+  ! hardness they are known at the largest load of the path, where its history does not matter.
+  subroutine estimate_errors(self, answer, patches, result, area_error, warnings)
+    class(map_press_solver), intent(in) :: self
+    type(map_answer), intent(in) :: answer
+    type(map_patch), intent(in) :: patches(:)
+    type(position_result), intent(inout) :: result
+    real(real64), intent(out) :: area_error  ! relative; `not_computed`: unknown
+    type(theory_warning), allocatable, intent(inout) :: warnings(:)
+    type(pixel_errors) :: errors
+    real(real64) :: rim
+
+    area_error = not_computed
+    if (size(patches) == 0) return
+    rim = 0.5_real64 * sum(patches%rim) / sum(patches%area)
+    if (.not. allocated(self%hardness) .or. &
+        answer%load >= maxval(result%states%load) * (1.0_real64 - load_rounding)) &
+      call estimate_pixel_errors(self%map, self%loading%modulus, answer, patches, &
+                                 self%loading%by_load, errors, self%hardness)
+    if (errors%area > not_computed) area_error = errors%area / sum(patches%area)
+    if (errors%load > not_computed) result%error_estimate = errors%load / answer%load
+    associate (compression => result%states(self%states)%closing)
+      if (errors%level > not_computed .and. compression > 0.0_real64) &
+        result%error_estimate = errors%level / compression
+    end associate
+    if (result%error_estimate > self%tolerance) &
+      call add_warning(warnings, of_error, result%error_estimate)
+    if (max(rim, area_error) > warning_kinds(of_resolution)%limit) &
+      call add_warning(warnings, of_resolution, max(rim, area_error))
+  end subroutine estimate_errors
 
   ! Lowers the pixels at the hardness by the overlap of the surfaces there, and adds its work.
   subroutine deform_map(hardness, answer, map, work)
@@ -211,27 +249,18 @@ contains
     end do
   end subroutine make_room_for_fields
 
-  ! Warns of patches beyond yield or the limit, and of patches of few pixels: rim pixels are in
-  ! contact in part, and the correction of the area for that grows with their share (Yastrebov,
-  ! Anciaux and Molinari 2017).
-  pure subroutine warn_of_patches(self, patches, is_last, warnings)
+  ! Warns of patches beyond yield or the limit.
+  pure subroutine warn_of_patches(self, patches, warnings)
     type(map_press_solver), intent(in) :: self
     type(map_patch), intent(in) :: patches(:)
-    logical, intent(in) :: is_last  ! a path begins with patches of few pixels
     type(theory_warning), allocatable, intent(inout) :: warnings(:)
     real(real64), parameter :: peak = 1.5_real64  ! greatest over average pressure of Hertz
-    real(real64) :: rim
     integer :: i
 
-    if (size(patches) == 0) return
     do i = 1, size(patches)
       call look_at_pressure(self%limits, patches(i)%load / patches(i)%area, &
                             patches(i)%highest / peak, patches(i)%load, warnings)
     end do
-    rim = 1.0_real64 - sum(patches%area) / (sum(real(patches%samples, real64)) * &
-                                            product(self%map%pixel_spacing))
-    if (is_last .and. rim > warning_kinds(of_resolution)%limit) &
-      call add_warning(warnings, of_resolution, rim)
   end subroutine warn_of_patches
 
   ! Sets the results of one state and its contact patches.
@@ -248,6 +277,11 @@ contains
     type(state_row) :: state
     integer :: i
 
+    state%time = 0.0_real64
+    if (self%loading%by_load) then
+      state%prescribed = prescribed_normal
+      state%prescribed_load = self%loading%values(number)
+    end if
     state%approach = answer%level
     state%closing = maxval(self%map%height) - answer%level
     state%contacts = size(patches)
@@ -262,24 +296,27 @@ contains
         count(.not. answer%pressure < self%hardness)
       state%dissipated_work = work
     end if
-    if (keep_rows) then
-      do i = 1, size(patches)
-        associate (row => rows(i), patch => patches(i))
-          row%area_no = i
-          row%lower = i
-          row%x = patch%x
-          row%y = patch%y
-          row%area = patch%area
-          row%projected_area = patch%area
-          row%load = patch%load
-          row%vertical_load = patch%load
-          if (patch%area > 0.0_real64) row%average_pressure = patch%load / patch%area
-          row%maximum_pressure = patch%highest
-          row%penetration = patch%top - answer%level
-        end associate
-      end do
-      call add_rows(result, rows, state)
-    end if
+    do i = 1, size(patches)
+      associate (row => rows(i), patch => patches(i))
+        row%area_no = i
+        row%upper = 0
+        row%lower = i
+        row%x = patch%x
+        row%y = patch%y
+        row%area = patch%area
+        row%projected_area = patch%area
+        row%slope = 0.0_real64
+        row%load = patch%load
+        row%vertical_load = patch%load
+        row%average_pressure = min(patch%load / patch%area, patch%highest)
+        row%maximum_pressure = patch%highest
+        row%penetration = patch%top - answer%level
+        row%limit_exceeded = is_patch_at_limit(self%limit, row%load, row%average_pressure, &
+                                               row%maximum_pressure)
+      end associate
+    end do
+    result%limit_reached = any(rows%limit_exceeded)
+    if (keep_rows) call add_rows(result, rows, state)
     result%states(number) = state
   end subroutine fill_state
 

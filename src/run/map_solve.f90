@@ -108,7 +108,6 @@ contains
     class(position_solver), allocatable :: solver
     type(map_loading) :: loading
 
-    results%arithmetic = 'real64'
     call list_map_loads(scene_in, map, loading, failure)
     if (allocated(failure)) return
     call make_map_solver(scene_in, map, loading, options%fields, solver)

@@ -14,10 +14,9 @@ module asperity_run_options
 
   integer, parameter :: most_threads = 9999  ! largest accepted number of threads
 
-  !> The options. Defaults: exact events in real64, contacts kept, all cores, no progress.
+  !> The options. Defaults: exact events, contacts kept, all cores, no progress.
   type :: run_options
-    character(len=7) :: arithmetic = 'real64'      !! ibm370, real32, real64 or real128
-    !> Allowed relative error of every total: the fastest arithmetic within it is used; 0: no limit.
+    !> Allowed relative error of every total: the fastest method within it is used; 0: no limit.
     real(real64) :: accuracy = 0.0_real64
     logical :: keep_contacts = .true.              !! keep the contacts of every state
     integer :: threads = 0                         !! number of threads; 0: default of OpenMP

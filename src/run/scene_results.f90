@@ -47,7 +47,7 @@ module asperity_scene_results
     type(position_result), allocatable :: positions(:)     !! positions in their order
     !> effects of the scene; not allocated: none
     type(effect_header), allocatable :: effects
-    character(len=7) :: arithmetic = ''                    !! arithmetic of the solution
+    character(len=7) :: arithmetic = 'real64'              !! arithmetic of the solution
     real(real64) :: nominal_area = 0.0_real64              !! nominal area; 0: not given
     type(map_record), allocatable :: map                   !! comparison of the summits of a map
     real(real64) :: error_bound = 0.0_real64               !! relative, with a requested accuracy

@@ -13,7 +13,7 @@ module asperity_solve
   use asperity_scene_results, only: scene_results
   use asperity_scene_values, only: by_default, by_word, effect_off, scene
   use asperity_surface_fields, only: solve_with_fields
-  use asperity_surface_solve, only: needs_doubles
+  use asperity_surface_solve, only: has_effects
   !$ use omp_lib, only: omp_get_max_threads, omp_set_num_threads
   implicit none
   private
@@ -41,19 +41,16 @@ contains
       failure = failure(:len(failure) - 1)
       return
     end if
-    ! Effects are computed in doubles: another arithmetic leaves out those that the scene does not
-    ! set. An accuracy may be reached without interaction, where the scene does not set it.
+    ! An accuracy may be reached without interaction, where the scene does not set it.
     associate (on => scene_in%effects%modes /= effect_off, given => scene_in%effects%given)
-      if (any(on .and. given < by_word) .and. &
-          (chosen%arithmetic /= 'real64' .or. &
-           (chosen%accuracy > 0 .and. all(given == by_default .or. .not. on) .and. &
-            .not. (allocated(scene_in%map) .or. allocated(scene_in%loading%path))))) then
+      if (any(on .and. given < by_word) .and. chosen%accuracy > 0 .and. &
+          all(given == by_default .or. .not. on) .and. &
+          .not. (allocated(scene_in%map) .or. allocated(scene_in%loading%path))) then
         written = scene_in
         call written%effects%drop_unwritten()
-        if (chosen%accuracy > 0) &
-          call written%effects%set('tolerance', rounded_decimal(chosen%accuracy, 3))
+        call written%effects%set('tolerance', rounded_decimal(chosen%accuracy, 3))
         call solve(written, results, failure, chosen)
-        if (.not. (allocated(failure) .and. chosen%accuracy > 0)) return
+        if (.not. allocated(failure)) return
         deallocate (failure)
         results = scene_results()
       end if
@@ -61,7 +58,7 @@ contains
     ! A single position, or a map, may use all threads.
     !$ usual = omp_get_max_threads()
     !$ if (chosen%threads > 0) call omp_set_num_threads(chosen%threads)
-    if (chosen%accuracy > 0 .and. (needs_doubles(scene_in) .or. allocated(scene_in%map))) then
+    if (chosen%accuracy > 0 .and. (has_effects(scene_in) .or. allocated(scene_in%map))) then
       call solve_model_to_accuracy(scene_in, chosen, results, failure)
     else if (allocated(scene_in%map)) then
       call solve_map(scene_in, chosen, results, failure)

@@ -85,11 +85,10 @@ contains
     kept%part = options%part
     kept%parts = options%parts
     if (allocated(options%more_files)) kept%more = options%more_files
-    kept%of_what = 'this scene, arithmetic and list of contacts'
+    kept%of_what = 'this scene and list of contacts'
     call list_inputs(scene_in, inputs, failure)
-    kept%heading = 'asperity ' // version // ' solve, ' // trim(options%arithmetic) // &
-                   ', contacts ' // trim(merge('kept  ', 'summed', options%keep_contacts)) // &
-                   ', input'
+    kept%heading = 'asperity ' // version // ' solve, contacts ' // &
+                   trim(merge('kept  ', 'summed', options%keep_contacts)) // ', input'
     do i = 1, size(inputs)
       kept%heading = kept%heading // ' ' // inputs(i)%checksum
     end do

@@ -7,6 +7,7 @@
 !> the factor is compared, the load of the contacts together over the load of the same contacts
 !> each alone, and the area in plan.
 module asperity_error_budget
+  use asperity_accuracy_bound, only: error_bound
   use asperity_contact_records, only: solve_method, state_row
   use asperity_decimal, only: decimal_to_real64
   use asperity_kinds, only: real64
@@ -16,7 +17,7 @@ module asperity_error_budget
   use asperity_scene_results, only: last_state, scene_results
   use asperity_scene_values, only: control_separation, effect_boundary, effect_off, is_load, scene
   use asperity_solve, only: solve
-  use asperity_surface_solve, only: solve_in_arithmetic
+  use asperity_surface_solve, only: has_effects, solve_without_effects
   implicit none
   private
 
@@ -55,8 +56,7 @@ module asperity_error_budget
   type :: error_budget
     type(budget_line) :: lines(4)   !! load, vertical load, area, approach
     type(model_budget) :: model     !! of the same totals: what the model leaves out
-    logical :: by_reference = .false.     !! arithmetic: only rounding to doubles remains
-    logical :: without_effects = .false.  !! arithmetic: compared without the scene's effects
+    logical :: without_effects = .false.  !! arithmetic: bound without the scene's effects
   end type error_budget
 
   ! Largest sum over the positions of the squared number of contacts for boundary elements: 500 in
@@ -66,42 +66,34 @@ module asperity_error_budget
 
 contains
 
-  !> Compares results with exact events in real128, and the model with contacts on cells. Effects
-  !> are computed in doubles only: with them the arithmetic is that of the scene without, at the
-  !> deepest of a path.
-  !> `failure` is allocated when the arithmetics cannot be run.
+  !> Bounds the error of rounding, and compares the model with contacts on cells. With effects the
+  !> bound is that of the scene without, at the deepest of a path.
+  !> `failure` is allocated when the scene without effects cannot be solved.
   subroutine measure_budget(scene_in, options, results, budget, failure)
     type(scene), intent(in) :: scene_in                    !! what was solved
     type(run_options), intent(in) :: options               !! threads and progress of the runs
     type(scene_results), intent(in) :: results             !! its results, by exact events
     type(error_budget), intent(out) :: budget              !! plus-or-minus of the totals
     character(len=:), allocatable, intent(out) :: failure  !! reason of a failure
-    type(scene_results) :: reference, plain
-    real(real64) :: have(4), want(4)
+    type(scene_results) :: plain
+    real(real64) :: bound
     type(run_options) :: beside
     integer :: m
 
     beside = run_options(keep_contacts=.false., threads=options%threads, &
                          progress=options%progress)
-    beside%arithmetic = 'real128'
-    call solve_in_arithmetic(scene_in, solve_method(), beside, reference, failure)
-    if (allocated(failure)) return
-    budget%by_reference = results%arithmetic == 'real128'
-    budget%without_effects = scene_in%effects%any_on() .or. allocated(scene_in%loading%path)
+    budget%without_effects = has_effects(scene_in)
+    bound = error_bound(scene_in, results%positions)
     if (budget%without_effects) then
-      beside%arithmetic = results%arithmetic
-      call solve_in_arithmetic(scene_in, solve_method(), beside, plain, failure)
+      call solve_without_effects(scene_in, solve_method(), beside, plain, failure)
       if (allocated(failure)) return
+      bound = error_bound(scene_in, plain%positions)
     end if
     budget%lines%name = [character(len=14) :: 'total load', 'vertical load', 'contact area', &
                          'separation']
     do m = 1, size(results%positions)
-      have = last_totals(results, m)
-      budget%lines%value = budget%lines%value + have / size(results%positions)
-      if (budget%without_effects) have = last_totals(plain, m)
-      want = last_totals(reference, m)
-      ! The reference itself is handed over as doubles.
-      budget%lines%arithmetic = max(budget%lines%arithmetic, abs(have - want) + 0.5 * spacing(want))
+      budget%lines%value = budget%lines%value + last_totals(results, m) / size(results%positions)
+      budget%lines%arithmetic = max(budget%lines%arithmetic, bound * abs(last_totals(results, m)))
     end do
     call measure_model(scene_in, beside, results, budget%model)
   end subroutine measure_budget
@@ -120,15 +112,12 @@ contains
   !> Measures the model's share. What cannot be measured stays unknown: that is no failure.
   subroutine measure_model(scene_in, options, results, model)
     type(scene), intent(in) :: scene_in         !! what was solved
-    type(run_options), intent(in) :: options    !! of the runs beside, in doubles
+    type(run_options), intent(in) :: options    !! of the runs beside
     type(scene_results), intent(in) :: results  !! results of a run
     type(model_budget), intent(out) :: model    !! what the model leaves out
-    type(run_options) :: doubles
     type(state_row) :: last(size(results%positions))
     integer :: m
 
-    doubles = options
-    doubles%arithmetic = 'real64'
     model%interaction = scene_in%effects%mode('interaction')
     model%cells_are_good_to = scene_in%effects%number('boundary_tolerance')
     associate (effects => scene_in%effects)
@@ -148,7 +137,7 @@ contains
     if (model%interaction == effect_boundary) then
       call use_tolerance(scene_in, results, model)
     else
-      call compare_models(scene_in, doubles, results, model)
+      call compare_models(scene_in, options, results, model)
     end if
   end subroutine measure_model
 
@@ -231,7 +220,7 @@ contains
   subroutine run_model(scene_in, interaction, options, results, failure)
     type(scene), intent(in) :: scene_in                    !! scene with checked values
     integer, intent(in) :: interaction                     !! one of the `effect_` numbers
-    type(run_options), intent(in) :: options               !! options of a run in doubles
+    type(run_options), intent(in) :: options               !! options of a run
     type(scene_results), intent(out) :: results            !! results, all positions
     character(len=:), allocatable, intent(out) :: failure  !! reason of a failure
     type(scene) :: copy

@@ -16,7 +16,7 @@ module asperity_greenwood_integrals
   use asperity_greenwood_moments, only: excess_moments, height_law, law_of_heights, &
                                         means_over_radii, radius_means
   use asperity_kinds, only: real128, real64
-  use asperity_root_bracket_real64, only: guess_root, narrow_bracket, root_bracket
+  use asperity_root_bracket, only: guess_root, narrow_bracket, root_bracket
   implicit none
   private
 

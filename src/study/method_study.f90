@@ -6,7 +6,7 @@ module asperity_method_study
   use asperity_method_totals, only: error_of_area, error_of_pressure, errors_of, mean_of_ends, &
                                     original_totals, totals_of, method_errors, method_totals
   use asperity_original, only: run_in_arithmetic
-  use asperity_original_records, only: original_records, original_request
+  use asperity_original_records, only: original_records
   use asperity_pareto_front, only: on_front
   use asperity_problems, only: real_text
   use asperity_progress, only: progress_line
@@ -15,7 +15,7 @@ module asperity_method_study
   use asperity_scene_results, only: last_state, scene_results
   use asperity_scene_values, only: effect_auto, effect_boundary, effect_off, scene
   use asperity_study_methods, only: method_of_scene, list_methods, of_arithmetic, of_effects, &
-                                    of_neighbours, of_steps, run_method, study_method, &
+                                    of_neighbours, of_steps, request_of, run_method, study_method, &
                                     simulated_effects
   use asperity_timing, only: add_sample, are_enough, sample_quantile, time_allowance
   implicit none
@@ -27,7 +27,8 @@ module asperity_method_study
   ! contacts: boundary elements to 0.01 take about 5 ms a contact; a tolerance ten times smaller, of
   ! boundary elements or of `auto`, takes up to ten times as long.
   real(real64), parameter :: seconds_per_contact = 5.0e-3_real64, decade_factor = 10.0_real64
-  ! The other arithmetics over real64, at most: docs/theory/accuracy.md.
+  ! The original program in another arithmetic over exact events in real64, at most:
+  ! docs/theory/accuracy.md.
   real(real64), parameter :: times_arithmetic = 40.0_real64
   ! Largest estimated run time of a method, as a fraction of the remaining time.
   real(real64), parameter :: share_of_method = 0.9_real64
@@ -126,7 +127,7 @@ contains
       table%rows(i + 1) = row
       call progress%step()
     end do
-    call choose_reference(table, totals)
+    call choose_reference(table, totals, allocated(scene_in%map))
     if (table%reference == 0) then
       failure = table%rows(1)%left_out
       if (index(failure, too_long) == 1) &
@@ -160,9 +161,7 @@ contains
     integer :: last, plain
 
     last = size(before)
-    plain = findloc(before%method%family == of_arithmetic .and. &
-                    before%method%arithmetic == 'real64', &
-                    .true., 1)
+    plain = findloc(before%method%family, of_arithmetic, 1)
     seconds = max(0.0_real64, before(1)%seconds)
     if (plain > 0) seconds = max(0.0_real64, before(plain)%seconds)
     select case (row%method%family)
@@ -227,8 +226,8 @@ contains
     do while (.not. are_enough(samples, least_seconds))
       call system_clock(from, rate)
       if (row%method%is_original) then
-        call run_in_arithmetic(row%method%arithmetic, scene_in%deck, original_request(), records, &
-                               row%left_out)
+        call run_in_arithmetic(row%method%arithmetic, scene_in%deck, &
+                               request_of(row%method, .false.), records, row%left_out)
       else
         call run_method(scene_in, row%method, options, results, row%left_out)
       end if
@@ -248,7 +247,7 @@ contains
     if (row%method%is_original) then
       ! It is timed without its contacts, which have the pressure of the first step.
       call run_in_arithmetic(row%method%arithmetic, scene_in%deck, &
-                             original_request(keep_contacts=.true.), records, failure)
+                             request_of(row%method, .true.), records, failure)
       totals = original_totals(records, row%method%step)
     end if
     row%seconds = sample_quantile(samples, 0.5_real64)
@@ -259,12 +258,13 @@ contains
   end subroutine time_method
 
   ! Chooses the reference: the method with interaction whose own error estimate is the least, or the
-  ! scene as it is.
-  subroutine choose_reference(table, totals)
+  ! scene as it is. Of a map it is the pixels, with which its summits are compared.
+  subroutine choose_reference(table, totals, is_map)
     type(method_table), intent(inout) :: table
     type(method_totals), intent(in) :: totals(:)
+    logical, intent(in) :: is_map
     real(real64) :: estimate, least
-    integer :: best, i, plain, precise, second
+    integer :: best, i, plain, second
 
     best = merge(0, 1, allocated(table%rows(1)%left_out))
     second = 0
@@ -274,6 +274,7 @@ contains
         if (allocated(row%left_out)) cycle
         if (row%method%family /= of_neighbours .or. row%method%interaction == effect_off) cycle
         estimate = row%own_estimate
+        if (is_map .and. row%method%interaction == effect_boundary) estimate = 0.0_real64
         ! The last method without an estimate is the finest.
         if (.not. estimate > not_computed) estimate = least
         if (estimate > least) then
@@ -285,12 +286,10 @@ contains
         end if
       end associate
     end do
-    ! Without effects the arithmetic alone is left.
-    plain = row_of(table%rows, 'real64')
-    precise = row_of(table%rows, 'real128')
-    if (best == 1 .and. precise > 0 .and. .not. table%rows(1)%own_estimate > not_computed) then
-      if (difference_of(totals, 1, plain) <= epsilon(least)) best = precise
-      second = plain
+    ! Without effects rounding alone is left.
+    plain = row_of_events(table%rows)
+    if (best == 1 .and. .not. table%rows(1)%own_estimate > not_computed) then
+      if (difference_of(totals, 1, plain) <= epsilon(least)) best = plain
     end if
     if (second > 0 .and. second /= best) then
       table%next_best = second
@@ -311,13 +310,11 @@ contains
     type(method_totals), intent(in) :: totals(:)
     type(method_totals) :: exact
     real(real64) :: step
-    integer :: i, plain, precise
+    integer :: i, plain
 
-    plain = row_of(table%rows, 'real64')
-    precise = row_of(table%rows, 'real128')
+    plain = row_of_events(table%rows)
     if (plain > 0) table%plain = totals(plain)
     if (plain > 0) exact = totals(plain)
-    if (precise > 0) exact = totals(precise)
     step = 0.0_real64
     do i = 1, size(totals)
       associate (row => table%rows(i))
@@ -326,8 +323,7 @@ contains
         select case (row%method%family)
         case (of_arithmetic, of_steps)
           if (row%method%step > 0.0_real64) call find_pressures(row%method%step)
-          if (precise > 0 .or. plain > 0 .and. row%method%family == of_steps) &
-            row%own = errors_of(totals(i), exact)
+          if (plain > 0 .and. plain /= i) row%own = errors_of(totals(i), exact)
         case (of_effects)
           if (allocated(totals(1)%load)) row%own = errors_of(totals(i), totals(1))
         case default
@@ -345,30 +341,26 @@ contains
       type(run_options) :: options
       character(len=:), allocatable :: failure
 
-      if (precise == 0 .or. abs(new_step - step) <= 0.0_real64) return
+      if (plain == 0 .or. abs(new_step - step) <= 0.0_real64) return
       step = new_step
       options = run_options(keep_contacts=.false., threads=1)
       call options%interrupt%end_within(allowance%left())
-      call run_method(scene_in, study_method(family=of_arithmetic, arithmetic='real128', &
-                                             step=step), &
-                   options, results, failure)
+      call run_method(scene_in, study_method(family=of_arithmetic, step=step), options, results, &
+                      failure)
       exact%pressure(:) = not_computed
       if (.not. allocated(failure)) exact%pressure = results%positions%first_step_pressure
     end subroutine find_pressures
 
   end subroutine measure_errors
 
-  ! The row of exact events in an arithmetic; 0: it was not run.
-  pure integer function row_of(rows, arithmetic)
+  ! The row of exact events; 0: it was not run.
+  pure integer function row_of_events(rows) result(row)
     type(method_row), intent(in) :: rows(:)
-    character(len=*), intent(in) :: arithmetic
 
-    row_of = findloc(rows%method%family == of_arithmetic .and. &
-                     rows%method%arithmetic == arithmetic, &
-                       .true., 1)
-    if (row_of == 0) return
-    if (allocated(rows(row_of)%left_out)) row_of = 0
-  end function row_of
+    row = findloc(rows%method%family, of_arithmetic, 1)
+    if (row == 0) return
+    if (allocated(rows(row)%left_out)) row = 0
+  end function row_of_events
 
   ! The error of a row against another one; without that one it is huge.
   real(real64) function difference_of(totals, i, j) result(largest)

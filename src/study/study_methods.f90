@@ -1,16 +1,18 @@
-!> The methods in which any scene can be computed, from the shortest arithmetic to neighbours
-!> resolved on cells: what they are, and how one is run.
+!> The methods in which any scene can be computed, from the original program to neighbours resolved
+!> on cells: what they are, and how one is run.
 module asperity_study_methods
-  use asperity_arithmetics, only: solver_in
   use asperity_contact_records, only: by_events, by_marching, overlap_original, overlap_stable, &
                                       solve_method
   use asperity_decimal, only: decimal_value
   use asperity_effect_names, only: known_effects, why_not_together
   use asperity_height_map, only: height_map
   use asperity_interruption, only: interruption
+  use asperity_isolated_contacts, only: make_solver
   use asperity_kinds, only: int64, real64
   use asperity_map_scene, only: join_maps, summits_of_scene
   use asperity_map_summits, only: map_summits
+  use asperity_original, only: arithmetic_names
+  use asperity_original_records, only: original_request
   use asperity_position_solver, only: position_solver
   use asperity_problems, only: real_text
   use asperity_run_options, only: run_options
@@ -19,13 +21,13 @@ module asperity_study_methods
                                    criterion_load, effect_auto, effect_boundary, effect_coupled, &
                                    effect_off, has_hardness, is_thesis_sweep, scene, scene_effects
   use asperity_solve, only: solve
-  use asperity_surface_solve, only: solve_in_arithmetic
+  use asperity_surface_solve, only: solve_without_effects
   implicit none
   private
 
   public :: method_of_scene, list_methods, most_methods, run_method, study_method, &
             simulated_effects, &
-            replace_map
+            replace_map, request_of
   public :: of_scene, of_arithmetic, of_steps, of_neighbours, of_effects, of_input, of_theory, &
             family_words
 
@@ -43,8 +45,8 @@ module asperity_study_methods
 
   integer, parameter :: as_it_is = -1  ! interaction as in the scene
 
-  ! Step of the original program, cm.
-  real(real64), parameter :: original_step = 1.0e-3_real64
+  ! The step of the original program is 10**original_order cm.
+  integer, parameter :: original_order = -3
 
   !> Largest estimated influence of an effect that `auto` leaves out, relative to the load, beside a
   !> given method of taking neighbours.
@@ -83,12 +85,12 @@ contains
                scene_in%limit%criterion == criterion_load .and. .not. allocated(scene_in%map)
   end function is_sweep
 
-  !> So many methods there are at most: the scene, 8 of arithmetic and steps, 44 of a sweep, 8 of
+  !> So many methods there are at most: the scene, 4 of arithmetic and steps or 30 of a sweep, 8 of
   !> neighbours, 4 of effects.
   pure integer function most_methods(scene_in)
     type(scene), intent(in) :: scene_in  !! scene with checked values
 
-    most_methods = merge(57, 21, is_sweep(scene_in))
+    most_methods = merge(43, 17, is_sweep(scene_in))
   end function most_methods
 
   !> Which effects were simulated at some position, or are on.
@@ -136,60 +138,85 @@ contains
     if (left_out == '') call add_neighbours(scene_in, simulated, methods)
   end subroutine list_methods
 
-  ! Without effects: every arithmetic by exact events, and steps of a tenth, a hundredth and a
-  ! thousandth of the closing. Of a sweep to a limit load besides steps of about the closing, all of
-  ! them in every arithmetic and with both overlaps, and the original program where it can be run.
+  ! Without effects: exact events, and steps of a tenth, a hundredth and a thousandth of the
+  ! compression. Of a sweep to a limit load besides steps of about the compression and both
+  ! overlaps.
+  ! Of the thesis' sweep the original program, in each arithmetic and with these steps and its own.
   subroutine add_arithmetics(scene_in, closing, methods)
     type(scene), intent(in) :: scene_in
     real(real64), intent(in) :: closing
     type(study_method), allocatable, intent(inout) :: methods(:)
-    character(len=7), parameter :: names(4) = [character(len=7) :: 'real64', 'real128', 'real32', &
-                                               'ibm370']
-    real(real64) :: step
-    integer :: k
+    integer :: first_step, k, order
     logical :: sweep
 
     sweep = is_sweep(scene_in)
-    step = 0.0_real64
-    if (sweep .and. closing > 0.0_real64) step = 10.0_real64**(floor(log10(closing)) - 1)
-    call add_methods(of_arithmetic, by_events, size(names), ', exact events')
-    if (is_thesis_sweep(scene_in)) then
-      step = original_step
-      call add_methods(of_steps, by_marching, size(names), ', original program, 1976')
-    end if
+    order = 0
+    if (closing > 0.0_real64) order = floor(log10(closing))
+    call add_overlaps(study_method(family=of_arithmetic, name='real64, exact events', &
+                                   step=merge(10.0_real64**(order - 1), 0.0_real64, &
+                                              sweep .and. closing > 0.0_real64)))
+    if (is_thesis_sweep(scene_in)) call add_original(original_order, ', original program, 1976')
     if (any(scene_in%loading%control == [control_separation, control_compression]) .or. &
         .not. closing > 0.0_real64) return
-    do k = merge(0, 1, sweep), 3
-      step = 10.0_real64**(floor(log10(closing)) - k)
-      call add_methods(of_steps, by_marching, merge(size(names), 1, sweep), &
-                       ', steps ' // real_text(step, 'es7.1e2'))
+    first_step = merge(0, 1, sweep)
+    do k = order - first_step, order - 3, -1
+      if (is_thesis_sweep(scene_in) .and. k /= original_order) &
+        call add_original(k, ', original program, steps ' // step_text(k))
+      call add_overlaps(study_method(family=of_steps, path=by_marching, step=10.0_real64**k, &
+                                     name='real64, steps ' // step_text(k)))
     end do
 
   contains
 
-    ! Adds a method in arithmetics; in a sweep also with the overlap of the original.
-    subroutine add_methods(family, path, arithmetics, label)
-      integer, intent(in) :: family, path, arithmetics
-      character(len=*), intent(in) :: label
-      type(study_method) :: method
-      integer :: a, overlap
-      logical :: is_original
+    ! Adds a method; in a sweep also with the overlap of the original.
+    subroutine add_overlaps(method)
+      type(study_method), intent(in) :: method
+      integer :: last
 
-      is_original = index(label, 'original program') > 0
-      do a = 1, arithmetics
-        do overlap = merge(overlap_original, overlap_stable, is_original), &
-                     merge(overlap_original, overlap_stable, sweep)
-          method = study_method(family=family, arithmetic=names(a), path=path, overlap=overlap, &
-                          step=step, is_original=is_original)
-          method%name = trim(names(a)) // label
-          if (overlap == overlap_original .and. .not. is_original) &
-            method%name = trim(method%name) // ', original overlap'
-          methods = [methods, method]
-        end do
+      methods = [methods, method]
+      if (.not. sweep) return
+      last = size(methods) + 1
+      methods = [methods, method]
+      methods(last)%overlap = overlap_original
+      methods(last)%name = trim(method%name) // ', original overlap'
+    end subroutine add_overlaps
+
+    ! Adds the original program in each arithmetic, with steps of 10**order.
+    subroutine add_original(order, label)
+      integer, intent(in) :: order
+      character(len=*), intent(in) :: label
+      integer :: a
+
+      do a = 1, size(arithmetic_names)
+        methods = [methods, study_method( &
+          family=of_steps, name=trim(arithmetic_names(a)) // label, path=by_marching, &
+          arithmetic=arithmetic_names(a), overlap=overlap_original, step=10.0_real64**order, &
+          is_original=.true.)]
       end do
-    end subroutine add_methods
+    end subroutine add_original
+
+    pure function step_text(order) result(text)
+      integer, intent(in) :: order
+      character(len=:), allocatable :: text
+
+      text = real_text(10.0_real64**order, 'es7.1e2')
+    end function step_text
 
   end subroutine add_arithmetics
+
+  !> The request of the original program with the steps of a method: as many approaches more as the
+  !> steps are shorter.
+  pure function request_of(method, keep_contacts) result(request)
+    type(study_method), intent(in) :: method   !! a run of the original program
+    logical, intent(in) :: keep_contacts       !! keep all contacts
+    type(original_request) :: request
+    integer :: order
+
+    order = nint(log10(method%step))
+    request%keep_contacts = keep_contacts
+    request%approach_step = decimal_value(1_int64, order)
+    request%napmx = max(1, nint(request%napmx * 10.0_real64**(original_order - order)))
+  end function request_of
 
   ! Contacts each alone, as circles together, circles or cells by estimate, all on cells.
   subroutine add_neighbours(scene_in, simulated, methods)
@@ -270,24 +297,20 @@ contains
     type(run_options), intent(in) :: options               !! threads, and when it shall end
     type(scene_results), intent(out) :: results            !! results, all positions
     character(len=:), allocatable, intent(out) :: failure  !! reason of a failure
-    type(run_options) :: chosen
     type(scene) :: copy
 
     copy = scene_in
     copy%loading%points = 0
-    chosen = options
     if (any(method%family == [of_arithmetic, of_steps])) then
       if (allocated(copy%map)) call replace_map(scene_in, copy, failure)
       if (allocated(failure)) return
       call remove_effects(copy)
       copy%loading%points = 0
-      chosen%arithmetic = method%arithmetic
       if (method%path == by_marching) then
         call march_positions(copy, method, options%interrupt, results, failure)
       else
-        call solve_in_arithmetic(copy, solve_method(overlap=method%overlap, step=method%step), &
-                                 chosen, &
-                                 results, failure)
+        call solve_without_effects(copy, solve_method(overlap=method%overlap, step=method%step), &
+                                   options, results, failure)
       end if
       return
     end if
@@ -303,7 +326,7 @@ contains
         call take_summits(failure)
       if (allocated(failure)) return
     end if
-    call solve(copy, results, failure, chosen)
+    call solve(copy, results, failure, options)
 
   contains
 
@@ -330,9 +353,8 @@ contains
     class(position_solver), allocatable :: solver
     integer :: m
 
-    call solver_in(method%arithmetic, scene_in, solve_method(method%path, method%overlap, &
-                                                             method%step), &
-                   solver, failure)
+    call make_solver(scene_in, solve_method(method%path, method%overlap, method%step), solver, &
+                     failure)
     if (allocated(failure)) return
     allocate (results%positions(solver%positions))
     do m = 1, solver%positions

@@ -29,7 +29,7 @@ from made_maps import self_affine, write_bytes
 from map_press_truth import press
 from map_truth import levelled
 from run_bench import release_build
-from test_map_scene import rim_area
+from test_map_scene import patch_areas
 
 MODULUS = 1e5
 SHARES = (0.003, 0.01, 0.03, 0.1, 0.2)
@@ -70,7 +70,7 @@ def half(height):
 def truth(height, sides, load, closed=1e-7):
     """Level of the flat and corrected area."""
     level, pressure = press(height, sides, MODULUS, load, closed=closed)
-    return level, rim_area(pressure > 0, sides, False)
+    return level, patch_areas(pressure, sides, False).sum()
 
 
 def load_for(height, sides, share):

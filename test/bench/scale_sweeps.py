@@ -71,8 +71,7 @@ def threads_part(asperity, n, positions, rounds):
     with tempfile.TemporaryDirectory() as name:
         folder = Path(name)
         thesis = [thesis_sweep(folder, number) for number in (positions, 1)]
-        sweeps = [Threads(f"thesis scene, {positions} positions, real128", asperity, *thesis,
-                          "--arithmetic", "real128")]
+        sweeps = [Threads(f"thesis scene, {positions} positions", asperity, *thesis)]
         for control, value, number in (("limit", "", 300), ("load", f", value = {n}.", 30)):
             files = [csv_sweep(folder, n, some, f"control = '{control}'{value}")
                      for some in (number, 1)]
@@ -109,8 +108,7 @@ def images_part(asperity, positions, times, rounds):
             "nothing (--version)": ["--version"],
             "study of the examples": ["study", STUDY],
             f"the same, ensemble of {ensemble}": ["study", study],
-            f"thesis scene, {positions} positions, real128":
-                ["solve", sweep, "--arithmetic", "real128", "--threads", 1]}
+            f"thesis scene, {positions} positions": ["solve", sweep, "--threads", 1]}
         rows = [images_row(title, asperity, start, words, rounds) for title, words in jobs.items()]
     return "\n".join([
         "images: the release build alone and two images over MPI, one thread each, whole process",

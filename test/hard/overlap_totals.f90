@@ -1,6 +1,6 @@
 !> The totals of a scene or deck by exact events, with the stable or the original overlap.
 !>
-!>     overlap_totals SCENE ARITHMETIC stable|original
+!>     overlap_totals SCENE stable|original
 !>
 !> prints a line a position: load, vertical load, area, projected area.
 program overlap_totals
@@ -11,10 +11,10 @@ program overlap_totals
   use asperity_scene_reader, only: read_scene
   use asperity_scene_results, only: last_state, scene_results
   use asperity_scene_values, only: scene
-  use asperity_surface_solve, only: solve_in_arithmetic
+  use asperity_surface_solve, only: solve_without_effects
   implicit none
 
-  character(len=4096) :: words(3)
+  character(len=4096) :: words(2)
   character(len=:), allocatable :: failure
   type(scene) :: checked
   type(problem_list) :: problems
@@ -32,10 +32,9 @@ program overlap_totals
     write (error_unit, '(a)', advance='no') problems%text()
     error stop
   end if
-  options%arithmetic = words(2)(:len(options%arithmetic))
   options%threads = 1
-  method%overlap = merge(overlap_original, overlap_stable, words(3) == 'original')
-  call solve_in_arithmetic(checked, method, options, results, failure)
+  method%overlap = merge(overlap_original, overlap_stable, words(2) == 'original')
+  call solve_without_effects(checked, method, options, results, failure)
   if (allocated(failure)) then
     write (error_unit, '(a)') failure
     error stop

@@ -8,6 +8,7 @@ import filecmp
 
 import pytest
 from cases import ARITHMETICS, scenes
+from cells_met import ARITHMETICS as HISTORIC
 from deck_cases import decks
 from historic import NAMES, LostMeaningError, restate
 from make_cases import write_all
@@ -112,7 +113,7 @@ def test_deck_in_the_present_day_solver(name, arithmetic, asperity, data, tmp_pa
 
 
 @pytest.mark.parametrize("name, arithmetic", [
-    (name, arithmetic) for name in DECKS for arithmetic in ARITHMETICS])
+    (name, arithmetic) for name in DECKS for arithmetic in HISTORIC])
 def test_deck_in_the_historic_port(name, arithmetic, asperity, data, tmp_path):
     case, path = DECKS[name], data / f"{name}.deck"
     file = tmp_path / "positions.csv"

@@ -8,7 +8,7 @@ from stability import ROUNDOFF, measured
 pytestmark = pytest.mark.once
 
 CASES = ("penetration_1e-8", "radii_1e6", "sideways_load_20", "one_pair", "deck_one_pair")
-ARITHMETICS = ("ibm370", "real64")
+ARITHMETICS = ("real64",)
 
 
 @pytest.fixture(scope="module")

@@ -111,10 +111,7 @@ def test_any_scene(kind, asperity, root, tmp_path):
     errors = [max(float(row["error_max"]), floor) for row in front]
     assert errors == sorted(errors, reverse=True)
     assert min(float(row["seconds"]) for row in run) * 1.5 >= float(front[0]["seconds"])
-    # In doubles the arithmetic is the least of errors; short ones are worse.
-    own = {row["arithmetic"]: number(row, "own_error_max") for row in rows
-           if row["family"] == "arithmetic" and not row["left_out"]}
-    assert own["real128"] == 0.0 and own["real64"] < 1e-11 < own["real32"] < 1e-2
+    assert {row["arithmetic"] for row in rows if row["family"] == "arithmetic"} == {"real64"}
     if kind in ("plasticity path", "adhesion cycle", "creep hold", "friction"):
         assert any(row["family"] == "effects" and float(row["own_error_max"]) > 1e-4
                    for row in rows)
@@ -405,19 +402,6 @@ def test_a_tolerance_of_areas(asperity, tmp_path):
         assert abs(float(row["area"]) / want - 1) < 0.01
     assert float(fine["cells"]) > 2 * float(usual["cells"])
     assert float(fine["area_error_estimate"]) < 0.7 * float(usual["area_error_estimate"])
-
-
-def test_the_reason_of_an_arithmetic_without_the_range(asperity, tmp_path):
-    """real32 ends at 3.4e38: what it says of a modulus of 2e18 and a load of 1e50 is told, not that
-    time was short."""
-    (tmp_path / "u.csv").write_text("x,y,height,radius\n0,0,1e18,2e20\n1e20,0,9e17,2e20\n")
-    rows, text = study(asperity, write_scene(
-        tmp_path / "far.scene", surfaces={"upper": "u.csv", "lower": "plane"},
-        material={"elastic_modulus": (2e18, 2e18), "poisson_ratio": (0.3, 0.3)},
-        loading={"control": "load", "value": 1e50}), tmp_path)
-    of = {row["method"]: row for row in rows}["real32; exact events"]
-    assert not of["seconds"] and "out of the range of this arithmetic" in of["left_out"]
-    assert "out of the range of this arithmetic" in text
 
 
 def test_numbers_of_any_size(asperity, tmp_path):

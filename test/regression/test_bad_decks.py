@@ -319,7 +319,6 @@ def test_empty(content, runner):
     (b"\0", 1, 1),
     (b"\x7fELF\x02\x01\x01\0" + bytes(range(256)), 1, 1),
     (b"NO  YES \n   37\0", 2, 6),
-    (b"NO  YES \r   370.5000.070\r", 1, 9),  # a carriage return alone ends no line
     (b"NO  YES \n   \x1b[31m", 2, 4),
 ])
 def test_binary(content, line, column, runner):

@@ -100,8 +100,8 @@ int main(int words, char **word)
   option("accuracy: found 1.", scene, 1., 0, NULL);
   option("threads: found -1, expected a number from 1 to 9999", scene, 0., -1, NULL);
   option("threads: found 10000, expected", scene, 0., 10000, NULL);
-  option("arithmetic: found real16, expected one of", scene, 0., 0, "real16");
-  option("arithmetic: found , expected one of", scene, 0., 0, "");
+  option("arithmetic: found real128, expected real64", scene, 0., 0, "real128");
+  option("arithmetic: found , expected real64", scene, 0., 0, "");
   asperity_outcome *solved = expect(ASPERITY_DONE, "", asperity_solve_scene(scene, NULL));
   asperity_free(expect(ASPERITY_NOT_COMPUTED, "no scene", asperity_solve_scene(NULL, NULL)));
   asperity_free(expect(ASPERITY_NOT_COMPUTED, "no scene", asperity_solve_scene(solved, NULL)));

@@ -127,20 +127,6 @@ def test_what_is_asked_for_comes_first(asperity, tmp_path):
     assert by_word["adhesion"] == "off" and by_word["interaction"] != "off"
 
 
-@pytest.mark.parametrize("arithmetic", ("real128", "real32", "ibm370"))
-def test_another_arithmetic_leaves_the_default_out(arithmetic, asperity, tmp_path):
-    """It is no refusal: the influence is warned of. What is written is refused."""
-    scene = write_scene(tmp_path / "a.scene", by_default=True, **POSITION_56,
-                        effects={"friction_coefficient": 0.3})
-    done = solve(asperity, scene, "--arithmetic", arithmetic)
-    assert "interaction" not in row_of(done)
-    share = influence_warned_of(done, what="is left out, as it cannot be computed here")
-    assert 0.2 < share < 0.5, done.stderr
-    write_scene(tmp_path / "a.scene", by_default=True, **POSITION_56,
-                effects={"interaction": "auto"})
-    assert solve(asperity, scene, "--arithmetic", arithmetic).status == 2
-
-
 @pytest.mark.parametrize("given, why", (
     ({"material": {"contact_modulus": 1e5}, "effects": {"plastic_yield_stress": 100.0}},
      "plasticity is left out: plasticity needs Poisson's ratio"),

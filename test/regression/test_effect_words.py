@@ -165,14 +165,6 @@ def test_missing_numbers(asperity, tmp_path, tally):
     tally.add("effects: missing numbers", len(MISSING) + 1, len(MISSING) + 1)
 
 
-@pytest.mark.parametrize("arithmetic", ("ibm370", "real32"))
-def test_arithmetics_without_effects(arithmetic, asperity, tmp_path):
-    """Effects are computed in doubles: another arithmetic is refused, not ignored."""
-    scene = write_scene(tmp_path / "one.scene", surfaces={"deck": str(DECK)},
-                        motion={"x_first": 0.1}, effects={"interaction": "coupled"})
-    assert solve(asperity, scene, "--arithmetic", arithmetic).status == 2
-
-
 def test_bad_paths(asperity, tmp_path):
     """Loads of a path: not negative, one more than zero."""
     for value, words in ((0.0, "a number more than 0"), ((1.0, -1.0), "a number of 0 or more"),

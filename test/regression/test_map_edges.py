@@ -408,4 +408,4 @@ def test_summits_of_a_periodic_map_are_not_solved(asperity, tmp_path):
     asked = text.replace("'boundary'", "'auto'").replace("'pressure', value = 0.5", "'limit'")
     (tmp_path / "m.scene").write_text(asked + "&limit criterion = 'load', value = 1 /\n")
     run = command(asperity, tmp_path, "solve", "m.scene")
-    assert run.returncode == 2 and "pixels of a map have no limit" in run.stderr
+    assert run.returncode == 2 and "patches of pixels merge" in run.stderr

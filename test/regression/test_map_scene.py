@@ -46,12 +46,27 @@ def load_for(height, sides, share):
     return float(share * E * rms / 2 * height.size * np.prod(sides))
 
 
-def rim_area(pressed, sides, periodic):
-    """Yastrebov et al. 2017: less .118 of the sides on the rim; a free map has none at its edge."""
-    pad = np.pad(pressed, 1, mode="wrap" if periodic else "edge")
-    edges = ((pad[1:-1, 1:-1] & ~pad[2:, 1:-1]).sum() + (pad[1:-1, 1:-1] & ~pad[:-2, 1:-1]).sum()
-             + (pad[1:-1, 1:-1] & ~pad[1:-1, 2:]).sum() + (pad[1:-1, 1:-1] & ~pad[1:-1, :-2]).sum())
-    return (pressed.sum() - (np.pi - 1 + np.log(2)) / 24 * edges) * np.prod(sides)
+def patch_areas(pressure, sides, periodic, hardness=np.inf):
+    """Areas of the patches: pixels less .118 for each side between a pixel below the hardness and a
+    measured one out of contact (Yastrebov et al. 2017), at least the load over the greatest
+    pressure. A free map has no rim at its edge; nan is a missing pixel."""
+    around = np.pad(pressure, 1, mode="wrap" if periodic else "edge")
+    rim = sum(np.roll(around, shift, axis)[1:-1, 1:-1] == 0 for shift in (1, -1) for axis in (0, 1))
+    rim = np.where(pressure < hardness, rim * (np.pi - 1 + np.log(2)) / 24, 0.0)
+    todo, areas = set(zip(*np.nonzero(pressure > 0))), []
+    while todo:
+        patch = [todo.pop()]
+        for i, j in patch:
+            for near in ((i + 1, j), (i - 1, j), (i, j + 1), (i, j - 1)):
+                if periodic:
+                    near = near[0] % len(pressure), near[1] % len(pressure[0])
+                if near in todo:
+                    todo.remove(near)
+                    patch.append(near)
+        there = tuple(zip(*patch))
+        p = pressure[there]
+        areas.append(max(len(patch) - rim[there].sum(), p.sum() / p.max()))
+    return np.array(areas) * np.prod(sides)
 
 
 @pytest.mark.parametrize("edge", ["free", "periodic"])
@@ -69,7 +84,7 @@ def test_samples_against_numpy(asperity, tmp_path, tally, edge, share):
     row = found.positions[0]
     errors = [float(row["separation"]) / flat - 1, float(row["load"]) / load - 1,
               float(row["sample_area"]) / ((pressure > 0).sum() * np.prod(sides)) - 1,
-              float(row["area"]) / rim_area(pressure > 0, sides, edge == "periodic") - 1,
+              float(row["area"]) / patch_areas(pressure, sides, edge == "periodic").sum() - 1,
               max(float(c["maximum_pressure"]) for c in found.contacts) / pressure.max() - 1,
               sum(float(c["load"]) for c in found.contacts) / load - 1,
               sum(float(c["area"]) for c in found.contacts) / float(row["area"]) - 1]
@@ -99,6 +114,34 @@ def test_missing_samples_and_a_curve(asperity, tmp_path):
         assert not pressure[10:14, 5:8].any()
 
 
+@pytest.mark.parametrize("criterion, value, column, factor", [
+    ("load", "value", "load", 1.0), ("pressure", "value", "average_pressure", 1.0),
+    ("greenwood_williamson", "hardness", "maximum_pressure", 2 / np.pi),
+    ("hardy", "yield_stress", "maximum_pressure", 2.76)])
+def test_limits_of_patches(asperity, tmp_path, criterion, value, column, factor):
+    """Each patch beyond the limit is marked: its load, its average pressure, or the greatest
+    pressure of Hertz at the limit of Greenwood and Williamson (W = R (H/E)^2) and of Hardy. A
+    position is at the limit where a patch of its last state is. Patches have no circles."""
+    sides = (0.02, 0.02)
+    height = 1e-3 * rough(40, shortest=5, seed=12)
+    load = load_for(height, sides, 0.05)
+    limit = 0.01 * E if column != "load" else 0.1 * load
+    for k, values in enumerate(((load, 1e-3 * load), (1e-3 * load, load))):
+        scene = map_scene(tmp_path, height, sides, name=f"m{k}",
+                          loading={"control": "load", "value": values},
+                          limit={"criterion": criterion, value: limit / factor})
+        found = solve(asperity, scene)
+        assert found.status == 0, found.stderr
+        marks = {row["step"]: set() for row in found.contacts}
+        for row in found.contacts:
+            marks[row["step"]].add(row["limit_exceeded"])
+            assert row["limit_exceeded"] == ("1" if float(row[column]) >= limit else "0")
+            assert row["overlap"] == "" and float(row["penetration"]) > 0
+        assert marks["2" if k else "1"] == {"0", "1"} and marks["1" if k else "2"] == {"0"}
+        assert found.positions[0]["limit_reached"] == str(k)
+        assert found.positions[0]["overlapping_circles"] == ""
+
+
 def test_two_maps_are_their_sum(asperity, tmp_path):
     sides = (0.02, 0.02)
     lower, upper = (1e-3 * rough(32, shortest=4, seed=s) for s in (13, 14))
@@ -123,7 +166,7 @@ def test_summits_say_what_they_cost(asperity, tmp_path, tally, share):
     height = 1e-4 * rough(96, shortest=6, seed=15)
     load = load_for(height, sides, share)
     flat, pressure = press(level(height), sides, E, load)
-    area = rim_area(pressure > 0, sides, False)
+    area = patch_areas(pressure, sides, False).sum()
     more, _ = press(level(height), sides, E, 1.01 * load)
     found = solve(asperity, map_scene(tmp_path, height, sides, interaction="coupled",
                                       loading={"control": "load", "value": load}))
@@ -242,7 +285,7 @@ def test_commands_that_take_no_map(asperity, tmp_path):
     (("&material", "&tilt upper_slope = .1, .1 / &material"), "it is levelled"),
     (("'plane'", "'caps.csv'"), "found no map beside a map"),
     (("'plane'", "'small.txt'"), "expected the same grid"),
-    (("control = 'load', value = 0.001", "control = 'limit'"), "have no limit"),
+    (("control = 'load', value = 0.001", "control = 'limit'"), "patches of pixels merge"),
     (("'boundary'", "'boundary', friction = 'on', friction_coefficient = .1"),
      "pixels of a map are elastic"),
     ((", map_spacing = (0.1, 0.1)", ""), "spacing"),

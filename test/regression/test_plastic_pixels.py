@@ -9,8 +9,9 @@ import pytest
 from image_data import read_vti
 from map_press_truth import product, rough
 from programs import run_program
-from surfaces_csv import records, solve
-from test_map_scene import E, level, load_for, map_scene
+from surfaces_csv import records, solve, write_scene
+from test_map_edges import MODULUS, random_map
+from test_map_scene import E, level, load_for, map_scene, patch_areas
 
 SIDES = (0.01, 0.013)
 AREA = SIDES[0] * SIDES[1]
@@ -181,6 +182,51 @@ def test_a_cycle_goes_back_along_unloading(asperity, tmp_path, edge):
     assert states[8]["separation"] == pytest.approx((of - shapes[4]).max(), rel=1e-8)
     assert states[8]["elastic_energy"] == 0 and states[8]["plastic_area"] == 0
     assert row["plasticity"] == "on"
+
+
+@pytest.mark.parametrize("seed", range(24))
+def test_laws_of_patches(asperity, tmp_path, tally, seed):
+    """Random maps, elastic and with a hardness, over a cycle of three equal maxima: of every patch
+    of every state mean <= greatest pressure <= hardness, plastic area <= area; areas are those of
+    the pressures; at each maximum the same pixels are at the hardness."""
+    of, random = random_map(seed)
+    slope = np.nanstd(np.diff(of.height, axis=0)) / of.spacing[1]
+    hardness = float(MODULUS * slope * 10 ** random.uniform(-1.5, 0.3)) if seed % 3 else np.inf
+    load = float(min(MODULUS * slope * of.area() * 10 ** random.uniform(-4, 0),
+                     0.8 * hardness * of.area()))
+    of.write(tmp_path / "m.txt")
+    scene = write_scene(
+        tmp_path / "m.scene", material={"contact_modulus": MODULUS},
+        surfaces={"upper": "plane", "lower": "m.txt", "map_spacing": of.spacing,
+                  "map_edge": "periodic" if of.periodic else "free"},
+        loading={"control": "load", "value": (load, 0.3 * load, load, 0.0, load)},
+        effects={"interaction": "boundary",
+                 **({"plastic_hardness": hardness, "plasticity": "on"}
+                    if hardness < np.inf else {})})
+    run_program(asperity, "solve", scene, "--quiet", "--fields", tmp_path / "m.vti", "--fields-of",
+                "all", "--curve", tmp_path / "curve", "--contacts", tmp_path / "contacts")
+    plastic = []
+    for state in records(tmp_path / "curve"):
+        contacts = [row for row in records(tmp_path / "contacts") if row["step"] == state["step"]]
+        mean, greatest, area, forces = (
+            np.array([float(row[name]) for row in contacts]) for name in
+            ("average_pressure", "maximum_pressure", "area", "load"))
+        assert (mean <= greatest).all() and (greatest <= hardness).all()
+        np.testing.assert_allclose(mean * area, forces, rtol=1e-12)
+        total = float(state["area"])
+        assert area.sum() == pytest.approx(total, rel=1e-12)
+        assert forces.sum() == pytest.approx(float(state["load"]), rel=1e-6)
+        pressure = read_vti(tmp_path / f"m_{int(state['step']):04}.vti")[2]["pressure"]
+        np.testing.assert_allclose(np.sort(area), np.sort(patch_areas(
+            pressure, of.spacing, of.periodic, hardness)), rtol=1e-12)
+        if hardness < np.inf:
+            plastic.append(float(state["plastic_area"]))
+            assert plastic[-1] <= total * (1 + 1e-12)
+            assert plastic[-1] == pytest.approx(
+                (pressure == hardness).sum() * np.prod(of.spacing), rel=1e-12)
+    if plastic:
+        assert plastic[0] == plastic[2] == plastic[4] and plastic[1] == plastic[3] == 0
+    tally.add("laws of patches", 5, 5)
 
 
 def test_many_states_dissipate_the_loop(asperity, tmp_path):

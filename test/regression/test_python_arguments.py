@@ -89,7 +89,7 @@ MATRIX = "matrix.txt"
 # Name, kind, further values that are out of its own range, call.
 ARGUMENTS = [
     ("scene", "path", [], lambda asperity, value: asperity.solve(value)),
-    ("arithmetic", "word", ["real16"], option("solve", SCENE, "arithmetic")),
+    ("arithmetic", "word", ["real128"], option("solve", SCENE, "arithmetic")),
     ("accuracy", "number", [-1.0, 1.0, 2.0, -1e-300], option("solve", SCENE, "accuracy")),
     ("contacts", "flag", [], option("solve", SCENE, "contacts")),
     ("threads", "whole", [-1, 10000, 2**31 - 1], option("solve", SCENE, "threads")),

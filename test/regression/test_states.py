@@ -51,14 +51,6 @@ def test_points_are_the_states(asperity, tmp_path, control, mode):
             assert float(run.curve[0]["load"]) == 0 and run.curve[0]["contacts"] == "1"
 
 
-@pytest.mark.parametrize("arithmetic", ("ibm370", "real32", "real128"))
-def test_points_in_every_arithmetic(asperity, tmp_path, arithmetic):
-    for events, states in (("off", 6), ("on", 8)):
-        run = pressed(asperity, tmp_path, CONTROLS["load"] | {"points": 5, "events": events}, "off",
-                      options=("--arithmetic", arithmetic))
-        assert len(run.curve) == states, run.stderr
-
-
 @pytest.mark.parametrize("control", CONTROLS)
 def test_events_of_isolated_contacts(asperity, tmp_path, control):
     """Points and events together; the events alone; a contact carries nothing where it begins."""

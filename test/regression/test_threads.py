@@ -45,14 +45,13 @@ def test_thesis_sweep(asperity, root, tmp_path, tally):
     assert files["positions.csv"].count(b"\n") == 101
 
 
-@pytest.mark.parametrize("arithmetic", ["real64", "ibm370", "real128"])
-def test_large_sweep(asperity, tmp_path, tally, arithmetic):
+def test_large_sweep(asperity, tmp_path, tally):
     rng = np.random.default_rng(2000)
     scene = write_csv_scene(
         tmp_path, rough(rng, 2000), rough(rng, 2000), modulus=(275760.0, 275760.0),
         ratio=(0.42, 0.42), motion={"positions": 40, "x_step": 0.05, "y_step": -0.01},
         loading={"control": "limit", "points": 2}, limit={"criterion": "load", "value": 288.89})
-    one = [subprocess.run([asperity, "solve", scene, "--arithmetic", arithmetic, "--threads", t,
+    one = [subprocess.run([asperity, "solve", scene, "--threads", t,
                            "--curve", "/dev/stdout", "--quiet"], capture_output=True, timeout=60)
            for t in "123"]
     assert [run.returncode for run in one] == [0, 0, 0]

@@ -5,7 +5,7 @@
 
 from dataclasses import dataclass, field
 
-ARITHMETICS = ("ibm370", "real32", "real64", "real128")
+ARITHMETICS = ("real64",)
 SHORT = ("ibm370", "real32")
 
 GEOMETRY = "Geometry and Hertz with {} digits, from the numbers as the arithmetic holds them."

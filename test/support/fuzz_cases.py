@@ -151,9 +151,9 @@ def solve_arguments(rng):
     words += places(rng, [("--contacts", "c.csv", 0.6), ("--positions", "p.csv", 0.6),
                           ("--curve", "k.csv", 0.4)])
     draw = rng.random()
-    if draw < 0.4:
+    if draw < 0.1:
         words += ["--arithmetic", rng.choice(["ibm370", "real32", "real64", "real128"])]
-    elif draw < 0.5:
+    elif draw < 0.4:
         words += ["--accuracy", rng.choice(["1e-3", "0.5", "1e-9", "1e-14", "1e-40"])]
     if rng.random() < 0.15:
         words.append("--budget")
@@ -166,7 +166,7 @@ def deck_arguments(rng):
         words = ["solve"] + words + ["--curve", "k.csv"] * (rng.random() < 0.5)
     else:
         words += ["--tables", rng.choice(["none", "all", "1,2", "100"])]
-    if rng.random() < 0.7:
+    if words[0] == "deck" and rng.random() < 0.7:
         words += ["--arithmetic", rng.choice(["ibm370", "real32", "real64", "real128"])]
     return words + places(rng, [("--contacts", "c.csv", 0.6), ("--positions", "p.csv", 0.6)])
 
@@ -178,8 +178,6 @@ def effects_case(rng, files, seed):
         files["s.scene"] = keep_work_small(mutate(rng, files["s.scene"]))
     arguments = ["solve", "s.scene", "--positions", "p.csv"]
     arguments += places(rng, [("--contacts", "c.csv", 0.6), ("--curve", "k.csv", 0.2)])
-    if rng.random() < 0.05:
-        arguments += ["--arithmetic", rng.choice(["real32", "real64"])]
     return Case(files, arguments, f"effects, seed {seed}")
 
 

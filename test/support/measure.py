@@ -204,7 +204,7 @@ def run(asperity, path, arithmetic, folder, positions=()):
     if positions:
         solved = solve_some(asperity, path, arithmetic, folder, positions)
     else:
-        solved = solve(asperity, path, "--arithmetic", arithmetic, folder=folder)
+        solved = solve(asperity, path, folder=folder)
     assert solved.status in (0, 1, 2), solved.stderr
     printed = solved.stdout.replace(str(path), "")
     assert not NO_NUMBER.search(printed), f"{path.name} {arithmetic}: {printed}"
@@ -223,7 +223,7 @@ def run(asperity, path, arithmetic, folder, positions=()):
 def solve_some(asperity, path, arithmetic, folder, positions):
     """Solve a long sweep and keep the rows of a few positions."""
     file = folder / f"{path.name}-{arithmetic}.csv"
-    done = subprocess.run([asperity, "solve", path, "--arithmetic", arithmetic, "--positions",
+    done = subprocess.run([asperity, "solve", path, "--positions",
                            file], capture_output=True, text=True, timeout=300)
     rows = []
     with open(file, encoding="ascii") as lines:

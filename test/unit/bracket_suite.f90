@@ -1,12 +1,7 @@
 !> Tests of the search for roots: it ends at neighbouring numbers, in few guesses, in every case.
 module asperity_bracket_suite
-  use asperity_hex32, only: hex32, operator(*), operator(-), operator(<), operator(>)
   use asperity_kinds, only: real64
-  use asperity_numbers_ibm370, only: from_real64, to_real64
-  use asperity_root_bracket_ibm370, only: guess_ibm370 => guess_root, &
-                                          narrow_ibm370 => narrow_bracket, &
-                                          bracket_ibm370 => root_bracket
-  use asperity_root_bracket_real64, only: guess_root, narrow_bracket, root_bracket
+  use asperity_root_bracket, only: guess_root, narrow_bracket, root_bracket
   use asperity_testing, only: check, error_type, new_unittest, unittest_type
   implicit none
   private
@@ -30,8 +25,7 @@ contains
 
     suite = [ &
       new_unittest('a root is found to the last digit, whatever the function is', all_functions), &
-      new_unittest('the same with nothing known of the upper end', unknown_end), &
-      new_unittest('short hexadecimal numbers: the root of a square', hexadecimal)]
+      new_unittest('the same with nothing known of the upper end', unknown_end)]
   end subroutine collect_brackets
 
   subroutine all_functions(error)
@@ -96,26 +90,5 @@ contains
       value_of = 3.0_real64 * x - 1.0_real64
     end select
   end function value_of
-
-  subroutine hexadecimal(error)
-    type(error_type), allocatable, intent(out) :: error
-    type(bracket_ibm370) :: bracket
-    type(hex32) :: guess, two, zero
-    logical :: inside
-
-    zero = from_real64(0.0_real64)
-    two = from_real64(2.0_real64)
-    bracket = bracket_ibm370(low=zero, high=from_real64(4.0_real64), low_miss=zero - two, &
-                             high_miss=from_real64(14.0_real64))
-    do
-      call guess_ibm370(bracket, guess, inside)
-      if (.not. inside .or. bracket%guesses > 1000) exit
-      call narrow_ibm370(bracket, guess, guess * guess - two, guess * guess < two)
-    end do
-    call check(error, to_real64(bracket%high - bracket%low) <= 16.0_real64**(-5), &
-               'numbers lie between')
-    call check(error, to_real64(bracket%high), sqrt(2.0_real64), 16.0_real64**(-5), 'the root')
-    call check(error, bracket%guesses <= 35, 'too many guesses')
-  end subroutine hexadecimal
 
 end module asperity_bracket_suite

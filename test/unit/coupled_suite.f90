@@ -3,7 +3,8 @@
 !> Truths: boundary elements (see coupled_scenes), the equations solved by repetition, and closed
 !> forms where contacts coincide or lie far apart.
 module asperity_coupled_suite
-  use asperity_circle_error, only: find_errors
+  use asperity_circle_correction, only: circle_correction
+  use asperity_circle_error, only: circle_errors, find_errors
   use asperity_circle_field, only: large_set
   use asperity_contact_pairs, only: contact_pairs
   use asperity_coupled_contacts, only: coupled_solution, solve_coupled
@@ -155,8 +156,10 @@ contains
     type(coupled_solution) :: solution
     real(real64), parameter :: apart_by(4) = [0.0_real64, 1.0e-12_real64, 1.0e-8_real64, &
                                               1.0e-3_real64]
-    real(real64) :: around(5), east(5), off(5), shape(5), told, share, nested, zeros(5)
-    integer :: hosts(5), i, k, n
+    type(circle_correction) :: correction
+    type(circle_errors) :: errors
+    real(real64) :: around(5), east(5), told, zeros(5)
+    integer :: i, k, n
 
     zeros = 0.0_real64
     around = 0.3_real64 + [(2 * pi * i / 5, i=1, 5)]
@@ -169,10 +172,11 @@ contains
         call check(error, size(solution%set%x), 1, 'one contact in one place')
         call check(error, sum(solution%set%load) / depth**1.5_real64, 4.0_real64 / 3.0_real64, &
                    1.0e-6_real64, 'load in one place')
-        call find_errors(pairs, solution, hosts(:n), off(:n), shape(:n), share, nested)
-        call check(error, nested <= 0.0_real64, 'no radius is larger')
-        call check(error, share, 2.0_real64 / 3.0_real64, 1.0e-6_real64, 'L/(c dL/dc)')
-        told = sum(off(:n)) / sum(solution%set%load)
+        call find_errors(pairs, solution, .false., correction, errors)
+        call check(error, errors%nested <= 0.0_real64, 'no radius is larger')
+        call check(error, errors%compression_share, 2.0_real64 / 3.0_real64, 1.0e-6_real64, &
+                   'L/(c dL/dc)')
+        told = sum(errors%of_field + errors%of_shape) / sum(solution%set%load)
         call check(error, told <= 2.0_real64 * n * apart_by(k) + 1.0e-12_real64 .and. &
                    told >= 0.1_real64 * apart_by(k) - 1.0e-12_real64, 'error in one place')
       end do

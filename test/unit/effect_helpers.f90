@@ -5,7 +5,7 @@ module asperity_effect_helpers
   use asperity_contact_pairs, only: contact_pair, contact_pairs
   use asperity_contact_state, only: contact_state
   use asperity_decimal, only: decimal_value
-  use asperity_kernel_real64, only: touching_height
+  use asperity_sphere_overlap, only: touching_height
   use asperity_hertz_law, only: hertz_law
   use asperity_kinds, only: real64
   use asperity_numeral, only: read_numeral

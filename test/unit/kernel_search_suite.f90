@@ -1,18 +1,16 @@
 !> The solver's search for pairs, by row and by level, against a comparison of all with all.
 module asperity_kernel_search_suite
   use asperity_all_pairs, only: all_pairs, check_list, check_states, first_limit, pair_named
-  use asperity_compare_all_ibm370, only: compare_ibm370 => compare_all
-  use asperity_compare_all_real64, only: compare_real64 => compare_all
+  use asperity_compare_all, only: compare_all
   use asperity_contact_pairs, only: contact_pairs
   use asperity_contact_records, only: position_result, solve_method
   use asperity_decimal, only: decimal_value
-  use asperity_kernel_ibm370, only: list_ibm370 => list_pairs, place_ibm370 => place_scene, &
-                                    placed_ibm370 => placed_scene, solve_ibm370 => solve_position
-  use asperity_kernel_real64, only: list_real64 => list_pairs, place_real64 => place_scene, &
-                                    placed_real64 => placed_scene, solve_real64 => solve_position
+  use asperity_isolated_contacts, only: list_pairs, solve_position
   use asperity_kinds, only: int64, real64
+  use asperity_placed_scene, only: placed_scene
   use asperity_problems, only: decimal_text
   use asperity_random_philox, only: philox_block
+  use asperity_scene_placing, only: place_scene
   use asperity_scene_values, only: control_separation, control_limit, control_load, &
                                    criterion_load, criterion_pressure, scene, scene_surface
   use asperity_testing, only: check, error_type, new_unittest, unittest_type
@@ -67,8 +65,7 @@ contains
   subroutine rounded_gaps(error)
     type(error_type), allocatable, intent(out) :: error
     type(scene) :: scene_in
-    type(placed_real64) :: placed
-    type(placed_ibm370) :: old_placed
+    type(placed_scene) :: placed
     type(all_pairs) :: truth
     type(contact_pairs) :: listed
     character(len=:), allocatable :: failure
@@ -77,16 +74,11 @@ contains
     scene_in%upper%height(1) = 1.0e15_real64
     scene_in%loading%control = control_load
     scene_in%loading%value = decimal_value(1_int64, 0)
-    call place_real64(scene_in, placed, failure)
-    call list_real64(placed, 1, .true., listed, failure)
+    call place_scene(scene_in, placed, failure)
+    call list_pairs(placed, 1, .true., listed, failure)
     call check(error, .not. allocated(failure), 'the load is not borne')
-    call compare_real64(scene_in, 1, listed%length_power, truth)
-    call check_list(error, truth, listed, huge(1.0_real64) / 2, .true., 'real64')
-    call place_ibm370(scene_in, old_placed, failure)
-    call list_ibm370(old_placed, 1, .true., listed, failure)
-    call check(error, .not. allocated(failure), 'the load is not borne in ibm370')
-    call compare_ibm370(scene_in, 1, listed%length_power, truth)
-    call check_list(error, truth, listed, huge(1.0_real64) / 2, .true., 'ibm370')
+    call compare_all(scene_in, 1, listed%length_power, truth)
+    call check_list(error, truth, listed, huge(1.0_real64) / 2, .true., 'a high summit')
     call check(error, size(listed%list) > 20 .and. listed%list(1)%upper == 1, 'too few pairs')
   end subroutine rounded_gaps
 
@@ -100,7 +92,7 @@ contains
 
     what = 'kind ' // decimal_text(kind) // ', ' // decimal_text(n)
     call make_scene(kind, n, scene_in)
-    call compare(error, scene_in, what // ': limit', failures, large_in_ibm370=kind <= mixed)
+    call compare(error, scene_in, what // ': limit', failures)
     scene_in%loading%points = 2
     scene_in%limit%criterion = criterion_pressure
     scene_in%limit%value = decimal_value(20000_int64, 0)
@@ -123,52 +115,36 @@ contains
     end do
   end subroutine compare_controls
 
-  ! The positions of a scene, in two arithmetics; `failures` counts those that cannot be solved.
-  subroutine compare(error, scene_in, what, failures, large_in_ibm370)
+  ! The positions of a scene; `failures` counts those that cannot be solved.
+  subroutine compare(error, scene_in, what, failures)
     type(error_type), allocatable, intent(inout) :: error
     type(scene), intent(in) :: scene_in
     character(len=*), intent(in) :: what
     integer, intent(out) :: failures
-    logical, intent(in), optional :: large_in_ibm370
-    type(placed_real64) :: placed, placed_for_load
-    type(placed_ibm370) :: old_placed, old_for_load
+    type(placed_scene) :: placed, placed_for_load
     type(scene) :: for_load
     type(all_pairs) :: truth
     type(contact_pairs) :: every, listed
     type(position_result) :: result
     character(len=:), allocatable :: failure, list_failure
-    logical :: hexadecimal
     integer :: m
 
-    hexadecimal = .false.
-    if (present(large_in_ibm370)) hexadecimal = large_in_ibm370
     ! Under load control all pairs are listed, with the penetration of each at its limit.
     for_load = scene_in
     for_load%loading%control = control_load
     for_load%loading%value = decimal_value(1_int64, 0)
     failures = 0
-    call place_real64(scene_in, placed, failure)
-    call place_real64(for_load, placed_for_load, failure)
-    call place_ibm370(scene_in, old_placed, failure)
-    call place_ibm370(for_load, old_for_load, failure)
+    call place_scene(scene_in, placed, failure)
+    call place_scene(for_load, placed_for_load, failure)
     do m = 1, positions
-      call list_real64(placed_for_load, m, .true., every, list_failure)
-      call compare_real64(scene_in, m, every%length_power, truth)
+      call list_pairs(placed_for_load, m, .true., every, list_failure)
+      call compare_all(scene_in, m, every%length_power, truth)
       call check_list(error, truth, every, huge(1.0_real64) / 2, .true., what // ', every pair')
-      call list_real64(placed, m, .false., listed, list_failure)
-      call solve_real64(placed, m, solve_method(), .true., result, failure)
+      call list_pairs(placed, m, .false., listed, list_failure)
+      call solve_position(placed, m, solve_method(), .true., result, failure)
       call judge(error, scene_in, truth, every, listed, list_failure, result, failure, &
-                 epsilon(1.0_real64), what // ' in real64')
+                 epsilon(1.0_real64), what)
       if (allocated(failure)) failures = failures + 1
-      ! Every comparison takes long there.
-      if (size(scene_in%upper%x) > 100 .and. .not. (m == 1 .and. hexadecimal)) cycle
-      call list_ibm370(old_for_load, m, .true., every, list_failure)
-      call compare_ibm370(scene_in, m, every%length_power, truth)
-      call check_list(error, truth, every, huge(1.0_real64) / 2, .true., what // ', every pair')
-      call list_ibm370(old_placed, m, .false., listed, list_failure)
-      call solve_ibm370(old_placed, m, solve_method(), .true., result, failure)
-      call judge(error, scene_in, truth, every, listed, list_failure, result, failure, &
-                 16.0_real64**(-5), what // ' in ibm370')
     end do
   end subroutine compare
 

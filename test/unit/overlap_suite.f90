@@ -1,13 +1,12 @@
-!> Tests of the overlap of two spheres: real32 and real64 against the definition in real128.
+!> Tests of the overlap of two spheres: real64 against the definition in real128.
 !>
 !> The truth has no conjugate, no rest and no common line with the kernel: real128 has 34 digits,
 !> so the plain difference s - sqrt(d**2 + z**2) serves down to overlaps of 1e-6 of s, and its
 !> series from there on.
 module asperity_overlap_suite
   use asperity_coupled_scenes, only: random
-  use asperity_kernel_real32, only: overlap_32 => stable_overlap, height_32 => touching_height
-  use asperity_kernel_real64, only: overlap_64 => stable_overlap, height_64 => touching_height
-  use asperity_kinds, only: int64, real128, real32, real64
+  use asperity_sphere_overlap, only: stable_overlap, touching_height
+  use asperity_kinds, only: int64, real128, real64
   use asperity_testing, only: check, error_type, new_unittest, unittest_type
   implicit none
   private
@@ -31,43 +30,9 @@ contains
     type(unittest_type), allocatable, intent(out) :: suite(:)
 
     suite = [ &
-      new_unittest('a million overlaps in real32 within 4 units of the last place', million_32), &
       new_unittest('a million overlaps in real64 within 4 units of the last place', million_64), &
       new_unittest('the truth is right where a triangle is 3, 4, 5', truth_is_right)]
   end subroutine collect_overlap
-
-  subroutine million_32(error)
-    type(error_type), allocatable, intent(out) :: error
-    real(real32) :: s, d, p, zc, rest, w
-    real(real128) :: worst, worst_at(3), off, truth
-    real(real64) :: drawn(3)
-    integer :: i, used
-
-    seed = 1_int64
-    worst = 0.0_real128
-    worst_at = 0.0_real128
-    used = 0
-    do i = 1, inputs
-      drawn = draw(i, real(epsilon(s), real64), 37.0_real64)
-      s = real(drawn(1), real32)
-      d = min(real(drawn(2), real32), nearest(s, -1.0_real32))
-      call height_32(s, d, zc, rest)
-      p = min(zc * real(drawn(3), real32), zc)
-      truth = overlap(real(s, real128), real(d, real128), real(p, real128))
-      ! Below the smallest normal number there are no digits to lose.
-      if (p < tiny(p) .or. truth < tiny(w)) cycle
-      w = overlap_32(s, d, zc, rest, p)
-      off = abs(w - truth) / spacing(real(truth, real32))
-      used = used + 1
-      ! Written so that a NaN counts.
-      if (off <= worst) cycle
-      worst = off
-      worst_at = real([s, d, p], real128)
-    end do
-    write (*, '(a, i0, a)') 'overlap in real32: ', used, ' inputs, ' // told(worst, worst_at)
-    call check(error, used > inputs / 2, 'too few inputs in range')
-    call check(error, worst <= ulps_allowed, told(worst, worst_at))
-  end subroutine million_32
 
   subroutine million_64(error)
     type(error_type), allocatable, intent(out) :: error
@@ -84,12 +49,12 @@ contains
       drawn = draw(i, real(epsilon(s), real64), 300.0_real64)
       s = real(drawn(1), real64)
       d = min(real(drawn(2), real64), nearest(s, -1.0_real64))
-      call height_64(s, d, zc, rest)
+      call touching_height(s, d, zc, rest)
       p = min(zc * real(drawn(3), real64), zc)
       truth = overlap(real(s, real128), real(d, real128), real(p, real128))
       ! Below the smallest normal number there are no digits to lose.
       if (p < tiny(p) .or. truth < tiny(w)) cycle
-      w = overlap_64(s, d, zc, rest, p)
+      w = stable_overlap(s, d, zc, rest, p)
       off = abs(w - truth) / spacing(real(truth, real64))
       used = used + 1
       ! Written so that a NaN counts.
@@ -97,7 +62,6 @@ contains
       worst = off
       worst_at = real([s, d, p], real128)
     end do
-    write (*, '(a, i0, a)') 'overlap in real64: ', used, ' inputs, ' // told(worst, worst_at)
     call check(error, used > inputs / 2, 'too few inputs in range')
     call check(error, worst <= ulps_allowed, told(worst, worst_at))
   end subroutine million_64

@@ -2,6 +2,7 @@
 !> solver ends. Truths: differences of the energy itself.
 module asperity_potential_suite
   use asperity_circle_blocks, only: circle_blocks, factor_blocks, find_blocks, solve_blocks
+  use asperity_circle_correction, only: find_curvature_terms
   use asperity_circle_field, only: circle_set, find_field, list_near_circles
   use asperity_circle_products, only: multiply
   use asperity_circle_step, only: circle_model, find_step, prepare_model, trust_step
@@ -29,6 +30,7 @@ contains
 
     suite = [ &
       new_unittest('the gradient is that of the energy, near and far', gradient), &
+      new_unittest('the gradient of the curvature terms is that of their sum', curvature_terms), &
       new_unittest('a product is the change of the gradient, near', hessian_near), &
       new_unittest('a product is the change of the gradient by loads, far', hessian_far), &
       new_unittest('a product is the change of the gradient among thousands', hessian_of_many), &
@@ -144,6 +146,40 @@ contains
       call check(error, sum(gradient_of(set) * change), slope, 1.0e-6_real64, 'slope along loads')
     end do
   end subroutine gradient
+
+  ! Near circles, apart and overlapping; then some far, whose Laplacian is kept without that of the
+  ! circle's own width. The places are kept.
+  subroutine curvature_terms(error)
+    type(error_type), allocatable, intent(out) :: error
+    real(real64), parameter :: sides(3) = [7.0_real64, 5.0_real64, 40.0_real64]
+    integer, parameter :: numbers(3) = [6, 6, 24]
+    real(real64), parameter :: step = 1.0e-4_real64
+    type(circle_set) :: set, other
+    real(real64), allocatable :: change(:, :), curvature(:), gain(:), gradient(:), unused(:)
+    real(real64) :: slope, sums(-2:2)
+    integer(int64) :: seed
+    integer :: k, l
+
+    seed = 5_int64
+    do k = 1, 3
+      call scatter(numbers(k), sides(k), set)
+      allocate (curvature(numbers(k)))
+      allocate (gain, gradient, unused, mold=curvature)
+      call find_curvature_terms(set, curvature, gain, gradient)
+      change = direction(numbers(k), seed, .true.)
+      other = set
+      do l = -2, 2
+        call change_by(set, l * step, change, other)
+        call find_curvature_terms(other, curvature, gain, unused)
+        sums(l) = sum(gain)
+      end do
+      ! Five points: the error of the difference is of the fourth order in the step.
+      slope = -(8 * (sums(1) - sums(-1)) - (sums(2) - sums(-2))) / (12 * step)
+      call check(error, sum(gradient * change(1, :)) / slope, 1.0_real64, &
+                 merge(1.0e-4_real64, 1.0e-7_real64, k == 3), 'slope along loads')
+      deallocate (curvature, gain, gradient, unused)
+    end do
+  end subroutine curvature_terms
 
   subroutine hessian_near(error)
     type(error_type), allocatable, intent(out) :: error

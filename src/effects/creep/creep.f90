@@ -136,7 +136,6 @@ contains
     integer :: i, worst
 
     outcome%simulated = 'on'
-    outcome%ending%converged = .true.
     allocate (outcome%of_contacts(size(pairs%list), 2), source=0.0_real64)
     outcome%of_state = [state%time, sum(state%answers%load)]
     ! At the end of loading there is no creep, and a compression of any sign is valid.

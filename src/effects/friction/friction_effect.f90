@@ -73,8 +73,6 @@ contains
 
     call add_friction(self, pairs, state%penetration, state%answers, outcome)
     outcome%simulated = 'on'
-    outcome%ending%converged = .true.
-    outcome%ending%residual = 0.0_real64
   end subroutine apply_friction
 
   !> Sets the columns where friction is left out of the vertical loads: forces in plan may be large.

@@ -11,7 +11,7 @@ module asperity_plasticity
   use asperity_contact_state, only: answer_all, contact_state
   use asperity_first_yield, only: yielding_factor
   use asperity_hertz_law, only: hertz_law
-  use asperity_kernel_real64, only: stable_overlap
+  use asperity_sphere_overlap, only: stable_overlap
   use asperity_kinds, only: real64
   use asperity_plastic_curves, only: departure
   use asperity_plastic_law, only: past_of_contact, plastic_law, plastic_past
@@ -114,8 +114,6 @@ contains
     allocate (state%law, source=self%law)
     call answer_all(pairs, state)
     outcome%simulated = 'on'
-    outcome%ending%converged = .true.
-    outcome%ending%residual = 0.0_real64
   end subroutine apply_plasticity
 
   !> Sets the columns at the end, as later effects may change the penetrations.

@@ -1,26 +1,50 @@
-! Finding the pairs that may touch: part of kernel.inc.
-!
-! The candidates of a search in doubles are tested again in this arithmetic, so the pairs are those
-! of a comparison of all with all, bit for bit. Their order is different; no result depends on it.
+!> The pairs of a position that may touch: of two surfaces of asperities, or of caps and a plane.
+!>
+!> The candidates of a search are tested again, so the pairs are those of a comparison of all with
+!> all, bit for bit. Their order is different; no result depends on it.
+!>
+!> A plane is a body without asperities: its reference plane itself, tilted or not. Each cap meets
+!> it vertically above or below its summit, with its own radius as the combined one, and the overlap
+!> is the penetration. The tilt of the plane changes summit levels as it does for asperities; the
+!> inclination of the contact by the tilt is neglected, an error of the order of the slope squared.
+module asperity_pair_finding
+  use asperity_candidate_pairs, only: refine_heights, set_gaps, sort_by_gap
+  use asperity_cell_reach, only: margin_of_arithmetic, squared_reach
+  use asperity_contact_records, only: by_events, solve_method
+  use asperity_isolated_compression, only: closing_at_load, first_at_limit
+  use asperity_key_sort, only: sort_keys
+  use asperity_kinds, only: int64, real64
+  use asperity_pair_search_blocks, only: found_pairs
+  use asperity_pair_search_levels, only: build_levels, last_level, search_level, surface_points
+  use asperity_pair_search_row, only: build_row, first_from
+  use asperity_placed_scene, only: candidate, largest_value, level_of, placed_scene, &
+                                   position_pairs
+  use asperity_scene_values, only: control_compression, control_limit, control_load, &
+                                   control_separation
+  implicit none
+  private
 
-  ! Prepares the search, once for all positions.
+  public :: find_pairs, prepare_search
+
+contains
+
+  !> Prepares the search, once for all positions.
   subroutine prepare_search(placed)
-    type(placed_scene), intent(inout) :: placed
+    type(placed_scene), intent(inout) :: placed  !! scene in solver units
     ! Comparisons up to which a row is as fast as a grid.
     integer(int64), parameter :: few = 100000_int64
     type(surface_points) :: upper, lower
     real(real64) :: reach, widest
-    NUMBER :: unit
+    real(real64) :: unit
 
-    unit = placed%one
-    do while (placed%one + unit > placed%one)
-      unit = times_power_of_16(unit, -1)
+    unit = 1.0_real64
+    do while (1.0_real64 + unit > 1.0_real64)
+      unit = scale(unit, -4)
     end do
-    placed%unit = to_real64(times_power_of_16(unit, 1))
-    placed%load_precision = max(placed%load_precision, 16 * placed%unit)
-    reach = to_real64(placed%height_max)
+    placed%unit = scale(unit, 4)
+    reach = placed%height_max
     call put_in_doubles(placed%xl, placed%yl, placed%hl, placed%rl, lower)
-    widest = to_real64(largest_value(placed%ru)) + to_real64(largest_value(placed%rl))
+    widest = largest_value(placed%ru) + largest_value(placed%rl)
     placed%far_reach = widest * (1.0_real64 + 1.0e-6_real64)
     placed%near_reach = sqrt(squared_reach(reach, widest)) * (1.0_real64 + 1.0e-6_real64)
     placed%extent = largest_of(placed%xu) + largest_of(placed%yu) + largest_of(placed%xl) + &
@@ -38,40 +62,40 @@
 
   ! The points of a surface in doubles.
   subroutine put_in_doubles(x, y, height, radius, points)
-    NUMBER, intent(in) :: x(:), y(:), height(:), radius(:)
+    real(real64), intent(in) :: x(:), y(:), height(:), radius(:)
     type(surface_points), intent(out) :: points
     integer :: n
 
     n = size(x)
     allocate (points%x(n), points%y(n), points%height(n), points%radius(n))
-    points%x(:) = to_real64(x)
-    points%y(:) = to_real64(y)
-    points%height(:) = to_real64(height)
-    points%radius(:) = to_real64(radius)
+    points%x(:) = x
+    points%y(:) = y
+    points%height(:) = height
+    points%radius(:) = radius
   end subroutine put_in_doubles
 
   ! The largest magnitude of some numbers.
   pure function largest_of(numbers) result(largest)
-    NUMBER, intent(in) :: numbers(:)
+    real(real64), intent(in) :: numbers(:)
     real(real64) :: largest
     integer :: i
 
     largest = 0.0_real64
     do i = 1, size(numbers)
-      largest = max(largest, abs(to_real64(numbers(i))))
+      largest = max(largest, abs(numbers(i)))
     end do
   end function largest_of
 
-  ! Finds all pairs that may touch by the end of a position, and possibly others. A candidate pair
-  ! can touch before a summit reaches the other reference plane; by Appendix 5 of the thesis, for
-  ! two radii: d**2 < 2 (RU + RL) * (largest height). With `all_pairs` every pair whose spheres can
-  ! touch is found.
+  !> Finds all pairs that may touch by the end of a position, and possibly others. A candidate pair
+  !> can touch before a summit reaches the other reference plane; by Appendix 5 of the thesis, for
+  !> two radii: d**2 < 2 (RU + RL) * (largest height). With `all_pairs` every pair whose spheres can
+  !> touch is found.
   subroutine find_pairs(placed, all_pairs, method, position, failure)
-    type(placed_scene), intent(in) :: placed
-    logical, intent(in) :: all_pairs
-    type(solve_method), intent(in) :: method
-    type(position_pairs), intent(inout) :: position
-    character(len=:), allocatable, intent(out) :: failure
+    type(placed_scene), intent(in) :: placed  !! scene in solver units
+    logical, intent(in) :: all_pairs  !! every pair whose spheres can touch
+    type(solve_method), intent(in) :: method  !! path, overlap formula, step
+    type(position_pairs), intent(inout) :: position  !! gets its pairs
+    character(len=:), allocatable, intent(out) :: failure  !! set where the end is not reached
     real(real64), parameter :: none = -huge(1.0_real64)
     real(real64) :: least_touch
     integer :: level, last
@@ -138,7 +162,7 @@
     type(placed_scene), intent(in) :: placed
     type(candidate), intent(inout) :: found(:)
     real(real64), intent(inout) :: least_touch
-    NUMBER :: first_touch, closing
+    real(real64) :: first_touch, closing
     logical :: reachable
 
     call set_gaps(found, size(found), first_touch)
@@ -155,14 +179,14 @@
   subroutine raise_by_load(placed, overlap, found, least_touch)
     type(placed_scene), intent(in) :: placed
     integer, intent(in) :: overlap
-    type(candidate), intent(inout) :: found(:)
+    type(candidate), contiguous, intent(inout) :: found(:)
     real(real64), intent(inout) :: least_touch
     character(len=:), allocatable :: failure
-    NUMBER :: first_touch, closing, level
+    real(real64) :: first_touch, closing, level
     integer :: i, next
 
     call set_gaps(found, size(found), first_touch)
-    call merge_sort(found)
+    call sort_by_gap(found)
     call refine_heights(found)
     call closing_at_load(placed, found, overlap, closing, failure)
     if (allocated(failure)) return
@@ -181,10 +205,10 @@
   ! A lower bound in doubles of a separation, whatever the rounding of this arithmetic.
   pure function below_with_rounding(placed, approach) result(below)
     type(placed_scene), intent(in) :: placed
-    NUMBER, intent(in) :: approach
+    real(real64), intent(in) :: approach
     real(real64) :: below
 
-    below = to_real64(approach)
+    below = approach
     below = below - 64.0_real64 * max(placed%unit, epsilon(below)) * (placed%rise + abs(below))
   end function below_with_rounding
 
@@ -193,7 +217,7 @@
     type(placed_scene), intent(in) :: placed
     logical, intent(in) :: all_pairs
     type(position_pairs), intent(inout) :: position
-    NUMBER :: x, y
+    real(real64) :: x, y
     real(real64) :: reach, right, middle
     integer :: i, j
 
@@ -202,13 +226,13 @@
     reach = placed%near_reach
     if (all_pairs) reach = placed%far_reach
     reach = reach + margin_of_arithmetic(placed%unit, placed%extent + &
-                                         abs(to_real64(position%dx)) + abs(to_real64(position%dy)))
+                                         abs(position%dx) + abs(position%dy))
     do j = 1, size(placed%xu)
       x = placed%xu(j) + position%dx
       y = placed%yu(j) + position%dy
-      right = to_real64(x) + reach
-      middle = to_real64(y)
-      do i = first_from(placed%row, to_real64(x) - reach), size(placed%row%x)
+      right = x + reach
+      middle = y
+      do i = first_from(placed%row, x - reach), size(placed%row%x)
         if (placed%row%x(i) > right) exit
         if (abs(placed%row%y(i) - middle) > reach) cycle
         call add_if_near(placed, j, int(placed%row%asperity(i)), x, y, all_pairs, position)
@@ -229,7 +253,7 @@
     logical :: failed
 
     position%number = 0
-    call search_level(placed%levels, level, to_real64(position%dx), to_real64(position%dy), &
+    call search_level(placed%levels, level, position%dx, position%dy, &
                       all_pairs, least_touch, near, failed)
     failed = failed .or. near%number >= int(huge(position%number), int64)
     if (allocated(position%found) .and. .not. failed) then
@@ -258,10 +282,10 @@
   subroutine add_if_near(placed, j, k, x, y, all_pairs, position)
     type(placed_scene), intent(in) :: placed
     integer, intent(in) :: j, k
-    NUMBER, intent(in) :: x, y
+    real(real64), intent(in) :: x, y
     logical, intent(in) :: all_pairs
     type(position_pairs), intent(inout) :: position
-    NUMBER :: across, along, s, d2, d
+    real(real64) :: across, along, s, d2, d
     integer :: status
 
     across = x - placed%xl(k)
@@ -288,3 +312,109 @@
       pair%touch = (placed%hu(j) + placed%hl(k)) - d2 / (s + pair%zc)
     end associate
   end subroutine add_if_near
+
+  ! Sorts the caps by height over the plane, once: a displacement shifts all heights equally.
+  subroutine prepare_plane(placed)
+    type(placed_scene), intent(inout) :: placed
+
+    allocate (placed%order(size(placed%hu) + size(placed%hl)))
+    ! One of the two has no asperity.
+    call sort_keys([-placed%hu, -placed%hl], placed%order)
+  end subroutine prepare_plane
+
+  ! Finds all caps that may touch by the end of a position, and possibly others: the highest first,
+  ! until the next one touches past the end.
+  subroutine find_on_plane(placed, method, position, failure)
+    type(placed_scene), intent(in) :: placed
+    type(solve_method), intent(in) :: method
+    type(position_pairs), intent(inout) :: position
+    character(len=:), allocatable, intent(out) :: failure
+    ! Number of caps at first, and the factor by which it grows.
+    integer, parameter :: fewest = 512, growth = 8
+    real(real64) :: shift
+    real(real64) :: least_touch
+    integer :: caps, last, status
+
+    caps = size(placed%order)
+    shift = placed%plane_slope(1) * position%dx + placed%plane_slope(2) * position%dy
+    least_touch = -huge(least_touch)
+    last = caps
+    if (method%path == by_events) then
+      if (placed%control == control_separation) then
+        least_touch = below_with_rounding(placed, placed%target)
+      else if (.not. (placed%control == control_load .and. method%past_the_end)) then
+        last = min(caps, fewest)
+      end if
+    end if
+    position%number = 0
+    do
+      call make_room(position, max(last, 1), status)
+      if (status /= 0) then
+        failure = 'not enough memory for the pairs of a position'
+        return
+      end if
+      do while (position%number < last)
+        if (touch_of(position%number + 1) < least_touch) return
+        position%number = position%number + 1
+        call set_on_plane(placed, int(placed%order(position%number)), shift, &
+                          position%found(position%number))
+      end do
+      if (last == caps) return
+      call raise_least_touch(placed, method, position, least_touch)
+      last = merge(caps, growth * min(last, caps / growth), last > caps / growth)
+    end do
+
+  contains
+
+    ! The separation at which a cap touches; decreases from one to the next.
+    real(real64) function touch_of(k)
+      integer, intent(in) :: k
+
+      touch_of = level_of(placed, int(placed%order(k))) + shift
+    end function touch_of
+
+  end subroutine find_on_plane
+
+  ! Allocates room for more candidates and keeps those found.
+  subroutine make_room(position, wanted, status)
+    type(position_pairs), intent(inout) :: position
+    integer, intent(in) :: wanted
+    integer, intent(out) :: status
+    type(candidate), allocatable :: larger(:)
+
+    status = 0
+    if (allocated(position%found)) then
+      if (size(position%found) >= wanted) return
+    end if
+    allocate (larger(wanted), stat=status)
+    if (status /= 0) return
+    if (position%number > 0) larger(:position%number) = position%found(:position%number)
+    call move_alloc(larger, position%found)
+  end subroutine make_room
+
+  ! Sets the pair of a cap and the plane, which is asperity 0 of its surface. Centres are never
+  ! level: that of a plane is out of reach of any compression, and no result depends on its height.
+  subroutine set_on_plane(placed, i, shift, pair)
+    type(placed_scene), intent(in) :: placed
+    integer, intent(in) :: i
+    real(real64), intent(in) :: shift
+    type(candidate), intent(out) :: pair
+
+    if (size(placed%hu) > 0) then
+      pair%upper = i
+      pair%lower = 0
+      pair%radius = placed%ru(i)
+    else
+      pair%upper = 0
+      pair%lower = i
+      pair%radius = placed%rl(i)
+    end if
+    pair%d = 0.0_real64
+    pair%s = placed%out_of_reach
+    pair%zc = pair%s
+    pair%rest = 0.0_real64
+    pair%touch = level_of(placed, i) + shift
+    pair%gap = 0.0_real64
+  end subroutine set_on_plane
+
+end module asperity_pair_finding

@@ -1,11 +1,26 @@
-! The last compression of a position, by a limit, a load or marching: part of kernel.inc.
+!> The last compression of a position of isolated contacts: at a limit, at a load, or by marching.
+module asperity_isolated_compression
+  use asperity_candidate_pairs, only: cube_root, limit_penetration, load_of_overlap, overlap_of
+  use asperity_kinds, only: real64
+  use asperity_placed_scene, only: candidate, is_on_plane, load_unit, placed_scene, &
+                                   scaled_to_real64
+  use asperity_problems, only: decimal_text, real_text
+  use asperity_root_bracket, only: guess_root, narrow_bracket, root_bracket
+  use asperity_scene_values, only: control_compression, control_load, control_separation, &
+                                   control_words
+  implicit none
+  private
 
-  ! The least compression at which a pair reaches its limit.
+  public :: check_level, closing_at_limit, closing_at_load, first_at_limit, march_closing
+
+contains
+
+  !> The least compression at which a pair reaches its limit.
   subroutine closing_at_limit(placed, found, closing, failure)
-    type(placed_scene), intent(in) :: placed
-    type(candidate), intent(in) :: found(:)
-    NUMBER, intent(out) :: closing
-    character(len=:), allocatable, intent(inout) :: failure
+    type(placed_scene), intent(in) :: placed  !! scene in solver units
+    type(candidate), intent(in) :: found(:)  !! pairs of a position
+    real(real64), intent(out) :: closing  !! compression at the end
+    character(len=:), allocatable, intent(inout) :: failure  !! set where the end is not reached
     logical :: reachable
 
     call first_at_limit(placed, found, closing, reachable)
@@ -16,18 +31,18 @@
     end if
   end subroutine closing_at_limit
 
-  ! The same in closed form; `any_reachable` is false when no pair can reach it.
+  !> The same in closed form; `any_reachable` is false when no pair can reach it.
   subroutine first_at_limit(placed, found, closing, any_reachable)
-    type(placed_scene), intent(in) :: placed
-    type(candidate), intent(in) :: found(:)
-    NUMBER, intent(out) :: closing
-    logical, intent(out) :: any_reachable
-    NUMBER :: p
+    type(placed_scene), intent(in) :: placed  !! scene in solver units
+    type(candidate), intent(in) :: found(:)  !! pairs of a position
+    real(real64), intent(out) :: closing  !! compression at the end
+    logical, intent(out) :: any_reachable  !! false when no pair can reach it
+    real(real64) :: p
     logical :: reachable
     integer :: i
 
     any_reachable = .false.
-    closing = placed%zero
+    closing = 0.0_real64
     do i = 1, size(found)
       ! A pair that touches beyond the least compression so far is not the first at its limit.
       if (any_reachable) then
@@ -43,13 +58,13 @@
     end do
   end subroutine first_at_limit
 
-  ! Sets `failure` where centres are level or below: the spheres would move apart again. It names
-  ! the pair with the least indices.
+  !> Sets `failure` where centres are level or below: the spheres would move apart again. It names
+  !> the pair with the least indices.
   subroutine check_level(placed, found, closing, failure)
-    type(placed_scene), intent(in) :: placed
-    type(candidate), intent(in) :: found(:)
-    NUMBER, intent(in) :: closing
-    character(len=:), allocatable, intent(inout) :: failure
+    type(placed_scene), intent(in) :: placed  !! scene in solver units
+    type(candidate), intent(in) :: found(:)  !! pairs of a position
+    real(real64), intent(in) :: closing  !! compression at the end
+    character(len=:), allocatable, intent(inout) :: failure  !! set where the end is not reached
     integer :: i, first
 
     first = 0
@@ -77,23 +92,23 @@
               decimal_text(found(first)%lower) // ' (lower) come level'
   end subroutine check_level
 
-  ! The compression at which the sum of the normal forces is the target: first between two first
-  ! touches, then by bracketing load**(2/3), which is nearly linear, until no number lies between.
+  !> The compression at which the sum of the normal forces is the target: first between two first
+  !> touches, then by bracketing load**(2/3), which is nearly linear, until no number lies between.
   subroutine closing_at_load(placed, found, overlap, closing, failure)
-    type(placed_scene), intent(in) :: placed
-    type(candidate), intent(in) :: found(:)
-    integer, intent(in) :: overlap
-    NUMBER, intent(out) :: closing
-    character(len=:), allocatable, intent(inout) :: failure
+    type(placed_scene), intent(in) :: placed  !! scene in solver units
+    type(candidate), intent(in) :: found(:)  !! pairs of a position
+    integer, intent(in) :: overlap  !! `overlap_stable` or `overlap_original`
+    real(real64), intent(out) :: closing  !! compression at the end
+    character(len=:), allocatable, intent(inout) :: failure  !! set where the end is not reached
     type(root_bracket) :: bracket
-    NUMBER :: target, middle, value, most, most_load, high_load
+    real(real64) :: target, middle, value, most, most_load, high_load
     logical :: inside
     integer :: i, first, last, iteration
 
     target = placed%target / placed%modulus
     closing = found(1)%gap
     ! Without a compressive target: first touch, from which effects begin.
-    if (.not. target > placed%zero) return
+    if (.not. target > 0.0_real64) return
     most = found(1)%gap + found(1)%zc
     do i = 2, size(found)
       if (found(i)%gap + found(i)%zc < most) most = found(i)%gap + found(i)%zc
@@ -148,8 +163,8 @@
     ! Difference of a load and the target in the powers 2/3 of ratios, so that the iterates do not
     ! depend on the unit of length.
     pure function load_distance(load) result(distance)
-      NUMBER, intent(in) :: load
-      NUMBER :: distance
+      real(real64), intent(in) :: load
+      real(real64) :: distance
 
       distance = two_thirds(load / high_load) - two_thirds(target / high_load)
     end function load_distance
@@ -162,14 +177,15 @@
     type(placed_scene), intent(in) :: placed
     type(candidate), intent(in) :: found(:)
     integer, intent(in) :: overlap
-    NUMBER, intent(inout) :: closing  ! upper bound, then that of the greatest load
-    NUMBER, intent(inout) :: load
+    real(real64), intent(inout) :: closing  ! upper bound, then that of the greatest load
+    real(real64), intent(inout) :: load
     integer, parameter :: cuts = 80
-    NUMBER :: low, high, place(2), value(2), share
+    real(real64) :: low, high, place(2), value(2)
+    ! Golden section.
+    real(real64), parameter :: share = 0.618033988749894848_real64
     integer :: i, worse
 
-    share = decimal_number(decimal_value(618033988749894848_int64, -18))
-    low = placed%zero
+    low = 0.0_real64
     high = closing
     place(1) = high - share * (high - low)
     place(2) = low + share * (high - low)
@@ -201,8 +217,8 @@
 
   ! The power x**(2/3) for x >= 0.
   pure function two_thirds(x) result(power)
-    NUMBER, intent(in) :: x
-    NUMBER :: power
+    real(real64), intent(in) :: x
+    real(real64) :: power
 
     power = cube_root(x)
     power = power * power
@@ -213,36 +229,36 @@
   pure function load_at(placed, found, closing, overlap) result(load)
     type(placed_scene), intent(in) :: placed
     type(candidate), intent(in) :: found(:)
-    NUMBER, intent(in) :: closing
+    real(real64), intent(in) :: closing
     integer, intent(in) :: overlap
-    NUMBER :: load, p, w, one_load
+    real(real64) :: load, p, w, one_load
     integer :: i
 
-    load = placed%zero
+    load = 0.0_real64
     do i = 1, size(found)
       if (.not. found(i)%gap < closing) exit
       p = closing - found(i)%gap
       w = overlap_of(found(i), p, overlap)
       one_load = load_of_overlap(placed, found(i)%radius, w)
       ! Without an offset in plan the cosine is 1, also where the centres coincide.
-      if (placed%vertical .and. found(i)%d > placed%zero) &
+      if (placed%vertical .and. found(i)%d > 0.0_real64) &
         one_load = one_load * ((found(i)%zc - p) / (found(i)%s - w))
       load = load + one_load
     end do
   end function load_at
 
-  ! Equal steps until a pair is at its limit or the load is reached, with shorter steps to each
-  ! first touch: the method of the original, for the accuracy study.
+  !> Equal steps until a pair is at its limit or the load is reached, with shorter steps to each
+  !> first touch: the method of the original, for the accuracy study.
   subroutine march_closing(placed, found, step, overlap, closing)
-    type(placed_scene), intent(in) :: placed
-    type(candidate), intent(in) :: found(:)
-    NUMBER, intent(in) :: step
-    integer, intent(in) :: overlap
-    NUMBER, intent(out) :: closing
+    type(placed_scene), intent(in) :: placed  !! scene in solver units
+    type(candidate), intent(in) :: found(:)  !! pairs of a position
+    real(real64), intent(in) :: step  !! step of the compression
+    integer, intent(in) :: overlap  !! `overlap_stable` or `overlap_original`
+    real(real64), intent(out) :: closing  !! compression at the end
     integer :: contacts, i
     logical :: at_limit
 
-    closing = placed%zero
+    closing = 0.0_real64
     contacts = 1
     at_limit = .false.
     do while (.not. at_limit)
@@ -274,10 +290,12 @@
     ! The load of each contact at each step, as in the original.
     function march_load(i) result(load)
       integer, intent(in) :: i
-      NUMBER :: load
+      real(real64) :: load
 
       load = placed%modulus * load_of_overlap(placed, found(i)%radius, &
                                               overlap_of(found(i), closing - found(i)%gap, overlap))
     end function march_load
 
   end subroutine march_closing
+
+end module asperity_isolated_compression

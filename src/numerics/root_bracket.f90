@@ -1,8 +1,9 @@
-! The search for the root of an increasing function by reverse communication: a bracket returns a
-! guess, and the caller passes the value of the function there. False position with the Illinois
-! rule (Dowell and Jarratt 1971), bisection where that is slow. The bracket never widens, so that no
-! search fails. The including module names the number type (NUMBER) and has `whole_number`.
-
+!> The search for the root of an increasing function by reverse communication: a bracket returns a
+!> guess, and the caller passes the value of the function there. False position with the Illinois
+!> rule (Dowell and Jarratt 1971), bisection where that is slow. The bracket never widens, so that
+!> no search fails.
+module asperity_root_bracket
+  use asperity_kinds, only: real64
   implicit none
   private
 
@@ -11,13 +12,13 @@
 
   !> Two places, 0 or more, on both sides of a zero of a function, and its values there.
   type :: root_bracket
-    NUMBER :: low            !! place where the function is below zero
-    NUMBER :: high           !! place where it is zero or above
-    NUMBER :: low_miss       !! its value at `low`; halved while only `high` moves
-    NUMBER :: high_miss      !! its value at `high`; below zero: unknown; halved as the other
-    integer :: side = 0      !! end that moved last: -1 `low`, 1 `high`
-    integer :: guesses = 0   !! number of guesses so far
-    integer :: halving = 3   !! every guess of this number is a bisection
+    real(real64) :: low           !! place where the function is below zero
+    real(real64) :: high          !! place where it is zero or above
+    real(real64) :: low_miss      !! its value at `low`; halved while only `high` moves
+    real(real64) :: high_miss     !! its value at `high`; below zero: unknown; halved as the other
+    integer :: side = 0           !! end that moved last: -1 `low`, 1 `high`
+    integer :: guesses = 0        !! number of guesses so far
+    integer :: halving = 3        !! every guess of this number is a bisection
   end type root_bracket
 
 contains
@@ -27,9 +28,9 @@ contains
   !> unless no number lies between the ends.
   pure subroutine guess_root(bracket, guess, inside)
     type(root_bracket), intent(inout) :: bracket  !! bracket with its number of guesses
-    NUMBER, intent(out) :: guess                  !! next place of the function
+    real(real64), intent(out) :: guess            !! next place of the function
     logical, intent(out) :: inside                !! false: the search has ended
-    NUMBER :: sixteen, far
+    real(real64), parameter :: far = 2.0_real64**40
 
     bracket%guesses = bracket%guesses + 1
     associate (low => bracket%low, high => bracket%high)
@@ -39,11 +40,8 @@ contains
         inside = guess > low .and. guess < high
         if (inside) return
       end if
-      sixteen = whole_number(16)
-      far = whole_number(16**5)
-      far = far * far
-      if (.not. high / sixteen > low) then
-        guess = low + (high - low) / whole_number(2)
+      if (.not. high / 16 > low) then
+        guess = low + (high - low) / 2
       else if (low > high / far / far) then
         guess = low * sqrt(high / low)
       else
@@ -57,19 +55,21 @@ contains
   !> so that both ends move.
   pure subroutine narrow_bracket(bracket, place, residual, is_low)
     type(root_bracket), intent(inout) :: bracket  !! bracket, narrowed on exit
-    NUMBER, intent(in) :: place                   !! place inside the bracket
-    NUMBER, intent(in) :: residual                !! value of the function there
+    real(real64), intent(in) :: place              !! place inside the bracket
+    real(real64), intent(in) :: residual           !! value of the function there
     logical, intent(in) :: is_low                 !! whether it is below zero before rounding
 
     if (is_low) then
       bracket%low = place
       bracket%low_miss = residual
-      if (bracket%side < 0) bracket%high_miss = bracket%high_miss / whole_number(2)
+      if (bracket%side < 0) bracket%high_miss = bracket%high_miss / 2
       bracket%side = -1
     else
       bracket%high = place
       bracket%high_miss = residual
-      if (bracket%side > 0) bracket%low_miss = bracket%low_miss / whole_number(2)
+      if (bracket%side > 0) bracket%low_miss = bracket%low_miss / 2
       bracket%side = 1
     end if
   end subroutine narrow_bracket
+
+end module asperity_root_bracket

@@ -1,8 +1,87 @@
-! Solving one position, and the states on the way to its end: part of kernel.inc.
+!> Positions of isolated contacts: their pairs, their end, and the states on the way to it.
+module asperity_isolated_contacts
+  use asperity_candidate_pairs, only: four_thirds, keep_within, limit_penetration, &
+                                      load_of_overlap, overlap_of, refine_heights, set_gaps, &
+                                      sort_by_gap
+  use asperity_constants, only: pi
+  use asperity_contact_pairs, only: contact_pairs
+  use asperity_contact_records, only: add_rows, by_marching, contact_row, cut_rows, most_rows, &
+                                      no_contacts, position_result, prescribed_normal, &
+                                      prescribed_vertical, solve_method, state_row
+  use asperity_isolated_compression, only: check_level, closing_at_limit, closing_at_load, &
+                                           march_closing
+  use asperity_kinds, only: int64, real64
+  use asperity_overlapping_circles, only: count_overlapping
+  use asperity_pair_finding, only: find_pairs
+  use asperity_placed_scene, only: candidate, load_unit, place_of_touch, placed_scene, &
+                                   position_pairs, scaled_to_real64
+  use asperity_position_solver, only: position_solver
+  use asperity_problems, only: not_enough_memory
+  use asperity_process, only: has_memory
+  use asperity_scene_placing, only: place_scene
+  use asperity_scene_values, only: control_compression, control_limit, control_load, &
+                                   control_separation, criterion_none, scene
+  use asperity_theory_limits, only: look_at_contact, look_at_state, seen_contact
+  use asperity_theory_warnings, only: take_worse, theory_warning
+  implicit none
+  private
+
+  public :: closings_on_the_way, empty_state, list_pairs, make_solver, solve_position
+
+  !> Solver of a scene without effects.
+  type, extends(position_solver) :: isolated_solver
+    private
+    type(placed_scene) :: placed  ! the scene
+    type(solve_method) :: method  ! how to compute
+  contains
+    procedure :: solve => solve_isolated  !! solves one position
+  end type isolated_solver
+
+  ! One contact at one compression.
+  type :: solved_contact
+    real(real64) :: p         ! penetration
+    real(real64) :: z         ! height between the centres
+    real(real64) :: w         ! overlap
+    real(real64) :: area      ! contact area
+    real(real64) :: load      ! normal load, scaled
+    real(real64) :: cosine    ! of its inclination
+    real(real64) :: pressure  ! average pressure
+    logical :: at_limit
+  end type solved_contact
+
+contains
+
+  !> Makes the solver of a scene.
+  subroutine make_solver(scene_in, method, solver, failure)
+    type(scene), intent(in) :: scene_in                    !! scene with checked values
+    type(solve_method), intent(in) :: method               !! path, overlap formula, step
+    class(position_solver), allocatable, intent(out) :: solver
+    character(len=:), allocatable, intent(out) :: failure  !! set where a number is out of range
+    type(isolated_solver), allocatable :: new
+
+    allocate (new)
+    call place_scene(scene_in, new%placed, failure)
+    new%method = method
+    new%positions = new%placed%positions
+    new%states = new%placed%states
+    new%work = new%placed%work
+    new%loads_differ = new%placed%loads_differ
+    call move_alloc(new, solver)
+  end subroutine make_solver
+
+  subroutine solve_isolated(self, m, keep_rows, result, failure)
+    class(isolated_solver), intent(in) :: self
+    integer, intent(in) :: m
+    logical, intent(in) :: keep_rows
+    type(position_result), intent(out) :: result
+    character(len=:), allocatable, intent(out) :: failure
+
+    call solve_position(self%placed, m, self%method, keep_rows, result, failure)
+  end subroutine solve_isolated
 
   !> Solves one position. `failure` is allocated when its prescribed end cannot be reached.
   subroutine solve_position(placed, m, method, keep_rows, result, failure, pairs)
-    type(placed_scene), intent(in) :: placed               !! scene in this arithmetic
+    type(placed_scene), intent(in) :: placed               !! scene in solver units
     integer, intent(in) :: m                               !! position, from 1
     type(solve_method), intent(in) :: method               !! path, overlap formula, step
     logical, intent(in) :: keep_rows                       !! keep the contacts of every state
@@ -17,7 +96,7 @@
     result%y_displacement = scaled_to_real64(position%dy, placed%length_power)
     call end_position(placed, method, position, all_pairs, failure)
     if (allocated(failure)) return
-    if (position%closing < placed%zero) position%number = 0
+    if (position%closing < 0.0_real64) position%number = 0
     if (present(pairs)) then
       do while (position%number > 0)
         if (.not. position%found(position%number)%gap > position%closing) exit
@@ -40,8 +119,8 @@
     integer, intent(in) :: m
     type(position_pairs), intent(inout) :: position
 
-    position%dx = placed%x_first + whole_number(m - 1) * placed%x_step
-    position%dy = placed%y_first + whole_number(m - 1) * placed%y_step
+    position%dx = placed%x_first + real(m - 1, real64) * placed%x_step
+    position%dy = placed%y_first + real(m - 1, real64) * placed%y_step
   end subroutine displace_upper
 
   ! Finds the pairs that matter at a position, and its last compression. `all_pairs` is true when
@@ -76,19 +155,19 @@
     call find_pairs(placed, all_pairs, method, position, failure)
     complete = .true.
     if (allocated(failure)) return
-    position%first_touch = placed%zero
-    position%closing = placed%zero
+    position%first_touch = 0.0_real64
+    position%closing = 0.0_real64
     if (position%number == 0) then
       ! The caps of a deck end at their reference plane: under limit control such a position of it
       ! has no contact.
       complete = all_pairs .or. (placed%is_deck .and. placed%control == control_limit .and. &
-                                 placed%height_max > placed%zero)
+                                 placed%height_max > 0.0_real64)
       return
     end if
     call set_gaps(position%found, position%number, position%first_touch)
     associate (found => position%found(:position%number), closing => position%closing)
       if (method%path == by_marching) then
-        call merge_sort(found)
+        call sort_by_gap(found)
         call refine_heights(found)
         call march_closing(placed, found, step_of(placed, method), method%overlap, closing)
       else
@@ -102,7 +181,7 @@
           closing = placed%target
           call check_level(placed, found, closing, failure)
         case default
-          call merge_sort(found)
+          call sort_by_gap(found)
           call refine_heights(found)
           call closing_at_load(placed, found, method%overlap, closing, failure)
         end select
@@ -120,24 +199,29 @@
   function step_of(placed, method) result(step)
     type(placed_scene), intent(in) :: placed
     type(solve_method), intent(in) :: method
-    NUMBER :: step
+    real(real64) :: step
 
-    step = times_power_of_16(from_real64(method%step), -placed%length_power)
+    step = scale(method%step, -4 * placed%length_power)
   end function step_of
 
   !> Sets the state of a position without contacts. Under load control that is a failure; else it
   !> is at the prescribed separation, or where the reference planes meet.
   subroutine empty_state(placed, result, failure)
-    type(placed_scene), intent(in) :: placed                  !! scene in this arithmetic
+    type(placed_scene), intent(in) :: placed                  !! scene in solver units
     type(position_result), intent(inout) :: result            !! gets its only state
     character(len=:), allocatable, intent(inout) :: failure   !! set under load control
 
     allocate (result%states(1), result%rows(0))
     if (placed%control == control_load) then
       failure = 'no pair of asperities can touch, so they carry no load'
-    else if (placed%control == control_separation) then
-      result%states(1)%approach = scaled_to_real64(placed%target, placed%length_power)
+      return
     end if
+    result%states(1) = no_contacts
+    result%states(1)%closing = 0.0_real64
+    result%states(1)%approach = 0.0_real64
+    result%overlapping_circles = 0
+    if (placed%control == control_separation) &
+      result%states(1)%approach = scaled_to_real64(placed%target, placed%length_power)
   end subroutine empty_state
 
   ! The states of a position up to its end.
@@ -147,7 +231,7 @@
     integer, intent(in) :: overlap
     logical, intent(in) :: keep_rows
     type(position_result), intent(inout) :: result
-    NUMBER, allocatable :: closings(:), gaps(:)
+    real(real64), allocatable :: closings(:), gaps(:)
     integer :: i
 
     allocate (gaps(merge(position%number, 0, placed%events)))
@@ -169,21 +253,14 @@
     end associate
   end subroutine compute_states
 
-  ! The power of 16 that is the unit of scaled loads.
-  pure integer function load_unit(placed)
-    type(placed_scene), intent(in) :: placed
-
-    load_unit = placed%modulus_power + 2 * placed%length_power - 3 * placed%load_lift
-  end function load_unit
-
   !> Sets the compressions of the states, ascending, each once: first touch and the ends of the
   !> equal parts, if any; the gaps; the end.
   subroutine closings_on_the_way(points, gaps, closing, closings)
     integer, intent(in) :: points                    !! number of equal parts; 0 or 1: none
-    NUMBER, intent(in) :: gaps(:)                    !! compressions of first touches, ascending
-    NUMBER, intent(in) :: closing                    !! compression at the end
-    NUMBER, allocatable, intent(out) :: closings(:)  !! at least one compression
-    NUMBER :: part
+    real(real64), intent(in) :: gaps(:)              !! compressions of first touches, ascending
+    real(real64), intent(in) :: closing              !! compression at the end
+    real(real64), allocatable, intent(out) :: closings(:)  !! at least one compression
+    real(real64) :: part
     integer :: event, k, used, parts
 
     parts = merge(points, 0, points > 1)
@@ -192,7 +269,7 @@
     event = 1
     do k = 0, parts
       part = closing
-      if (k < parts) part = closing * whole_number(k) / whole_number(parts)
+      if (k < parts) part = closing * real(k, real64) / real(parts, real64)
       do while (event <= size(gaps))
         if (gaps(event) > part) exit
         call add_if_new(gaps(event))
@@ -205,7 +282,7 @@
   contains
 
     subroutine add_if_new(candidate_closing)
-      NUMBER, intent(in) :: candidate_closing
+      real(real64), intent(in) :: candidate_closing
 
       if (candidate_closing > closing) return
       if (used > 0) then
@@ -221,7 +298,7 @@
   subroutine compute_state(placed, position, closing, overlap, keep_rows, number, result)
     type(placed_scene), intent(in) :: placed
     type(position_pairs), intent(in) :: position
-    NUMBER, intent(in) :: closing
+    real(real64), intent(in) :: closing
     integer, intent(in) :: overlap, number
     logical, intent(in) :: keep_rows
     type(position_result), intent(inout) :: result
@@ -229,17 +306,19 @@
     type(state_row) :: state
     type(theory_warning), allocatable :: warnings(:)
     real(real64), allocatable :: circles(:, :)
-    NUMBER :: total_load, total_vertical, total_area, total_projected, x, y, greatest
+    real(real64) :: total_load, total_vertical, total_area, total_projected, x, y, greatest
     type(solved_contact) :: contact
     type(seen_contact) :: seen
     logical :: count_circles
     integer :: i, overlapping
 
-    total_load = placed%zero
-    total_vertical = placed%zero
-    total_area = placed%zero
-    total_projected = placed%zero
-    greatest = placed%zero
+    state = no_contacts
+    result%limit_reached = .false.
+    total_load = 0.0_real64
+    total_vertical = 0.0_real64
+    total_area = 0.0_real64
+    total_projected = 0.0_real64
+    greatest = 0.0_real64
     if (keep_rows) allocate (rows(position%number))
     count_circles = position%number > 1 .and. number == size(result%states)
     allocate (circles(merge(position%number, 0, count_circles), 3))
@@ -258,7 +337,7 @@
         call look_at_contact(placed%limits, seen, warnings)
         if (.not. (keep_rows .or. count_circles)) cycle
         call place_of_touch(placed, pair, position%dx, position%dy, x, y)
-        if (count_circles) circles(i, :) = [to_real64(x), to_real64(y), seen%contact_radius]
+        if (count_circles) circles(i, :) = [x, y, seen%contact_radius]
         if (keep_rows) rows(i) = row_of(placed, i, pair, contact, x, y)
       end associate
     end do
@@ -274,7 +353,7 @@
       count_overlapping(circles(:state%contacts, 1), circles(:state%contacts, 2), &
                         circles(:state%contacts, 3))
     result%overlapping_circles = overlapping
-    call look_at_state(placed%limits, to_real64(total_projected), overlapping, warnings)
+    call look_at_state(placed%limits, total_projected, overlapping, warnings)
     call take_worse(result%warnings, warnings, number)
   end subroutine compute_state
 
@@ -282,21 +361,21 @@
   pure subroutine solve_contact(placed, pair, closing, overlap, contact)
     type(placed_scene), intent(in) :: placed
     type(candidate), intent(in) :: pair
-    NUMBER, intent(in) :: closing
+    real(real64), intent(in) :: closing
     integer, intent(in) :: overlap
     type(solved_contact), intent(out) :: contact
-    NUMBER :: limit
+    real(real64) :: limit
     logical :: reachable
 
     contact%p = closing - pair%gap
     contact%z = pair%zc - contact%p
     contact%w = overlap_of(pair, contact%p, overlap)
-    contact%area = placed%pi * contact%w * pair%radius
+    contact%area = pi * contact%w * pair%radius
     contact%load = placed%modulus * load_of_overlap(placed, pair%radius, contact%w)
     contact%cosine = contact%z / (pair%s - contact%w)
     ! Average pressure 4 E sqrt(W/R)/(3 pi).
-    contact%pressure = placed%modulus * placed%four_thirds * sqrt(contact%w / pair%radius) / &
-                       placed%pi
+    contact%pressure = placed%modulus * four_thirds * sqrt(contact%w / pair%radius) / &
+                       pi
     contact%at_limit = .false.
     if (placed%criterion == criterion_none) return
     call limit_penetration(placed, pair, limit, reachable)
@@ -309,15 +388,15 @@
     type(candidate), intent(in) :: pair
     type(solved_contact), intent(in) :: contact
 
-    seen = seen_contact(contact_radius=to_real64(sqrt(pair%radius * contact%w)), &
-                        overlap=to_real64(contact%w), d=to_real64(pair%d), &
-                        z=to_real64(contact%z), pressure=to_real64(contact%pressure))
+    seen = seen_contact(contact_radius=sqrt(pair%radius * contact%w), &
+                        overlap=contact%w, d=pair%d, &
+                        z=contact%z, pressure=contact%pressure)
     if (pair%upper > 0) then
-      seen%upper_radius = to_real64(placed%ru(pair%upper))
+      seen%upper_radius = placed%ru(pair%upper)
       seen%upper_height = placed%cap_u(pair%upper)
     end if
     if (pair%lower > 0) then
-      seen%lower_radius = to_real64(placed%rl(pair%lower))
+      seen%lower_radius = placed%rl(pair%lower)
       seen%lower_height = placed%cap_l(pair%lower)
     end if
   end function seen_from
@@ -328,7 +407,7 @@
     integer, intent(in) :: number
     type(candidate), intent(in) :: pair
     type(solved_contact), intent(in) :: contact
-    NUMBER, intent(in) :: x, y
+    real(real64), intent(in) :: x, y
 
     associate (length => placed%length_power)
       row%area_no = number
@@ -341,7 +420,7 @@
       row%overlap = scaled_to_real64(contact%w, length)
       row%area = scaled_to_real64(contact%area, 2 * length)
       row%projected_area = scaled_to_real64(contact%area * contact%cosine, 2 * length)
-      row%slope = to_real64(pair%d / contact%z)
+      row%slope = pair%d / contact%z
       row%load = scaled_to_real64(contact%load, load_unit(placed))
       row%vertical_load = scaled_to_real64(contact%load * contact%cosine, load_unit(placed))
       row%average_pressure = scaled_to_real64(contact%pressure, placed%modulus_power)
@@ -354,35 +433,129 @@
   function first_pressure(placed, pair, step, overlap) result(pressure)
     type(placed_scene), intent(in) :: placed
     type(candidate), intent(in) :: pair
-    NUMBER, intent(in) :: step
+    real(real64), intent(in) :: step
     integer, intent(in) :: overlap
     real(real64) :: pressure
-    NUMBER :: w, load, area
+    real(real64) :: w, load, area
 
     w = overlap_of(pair, step, overlap)
     pressure = 0.0_real64
-    if (.not. w > placed%zero) return
+    if (.not. w > 0.0_real64) return
     load = placed%modulus * load_of_overlap(placed, pair%radius, w)
-    area = placed%pi * w * pair%radius
+    area = pi * w * pair%radius
     pressure = scaled_to_real64(load / area, placed%modulus_power - 3 * placed%load_lift)
   end function first_pressure
 
-  ! A number times 16**power as a double. It becomes a double between 1/16 and 1 first, which is in
-  ! the range of both arithmetics. A result out of the range of doubles, by overflow or underflow,
-  ! is infinite, without a trap; `are_finite` finds it.
-  elemental function scaled_to_real64(number, power) result(value)
-    use, intrinsic :: ieee_arithmetic, only: ieee_positive_inf, ieee_value
-    NUMBER, intent(in) :: number
-    integer, intent(in) :: power
-    real(real64) :: value
-    integer :: own
+  !> Lists the pairs of a position, with the compression at which non-interacting elastic
+  !> contacts end. Under load control these are all pairs that may touch, as effects may increase
+  !> the compression; else those that touch by the end, as effects decrease penetrations only. With
+  !> `all_pairs` no candidate distance is used.
+  subroutine list_pairs(placed, m, all_pairs, pairs, failure)
+    type(placed_scene), intent(in) :: placed               !! scene in solver units
+    integer, intent(in) :: m                               !! position, from 1
+    logical, intent(in) :: all_pairs                       !! every pair whose spheres can touch
+    type(contact_pairs), intent(out) :: pairs              !! pairs in order of first touch
+    character(len=:), allocatable, intent(out) :: failure  !! set where the end is not reached
+    ! Memory of a pair, bytes: about 20 numbers in the list and 13 in each of three states (start,
+    ! solution, trial).
+    integer(int64), parameter :: bytes_of_pair = 500
+    type(position_pairs) :: position
+    logical :: are_all
+    type(solve_method) :: method
 
-    own = exponent_of_16(number)
-    value = to_real64(times_power_of_16(number, -own))
-    if (exponent(value) + 4 * (power + own) > maxexponent(value) .or. &
-        (abs(value) > 0 .and. exponent(value) + 4 * (power + own) < least_exponent)) then
-      value = sign(ieee_value(value, ieee_positive_inf), value)
-    else
-      value = scale(value, 4 * (power + own))
+    method%past_the_end = .true.
+    call displace_upper(placed, m, position)
+    ! A load that is 0 in the solver's units would be reached at first touch.
+    if ((placed%target > 0.0_real64 .or. placed%target < 0.0_real64) .and. &
+        placed%control == control_load .and. .not. abs(target_of(placed)) > 0.0_real64) then
+      failure = 'the load is too small beside the moduli and lengths to be met with effects'
+      return
     end if
-  end function scaled_to_real64
+    if (all_pairs) then
+      call close_position(placed, .true., method, position, are_all, failure)
+    else
+      call end_position(placed, method, position, are_all, failure)
+    end if
+    if (allocated(failure)) return
+    if (position%closing < 0.0_real64) position%number = 0
+    ! The list is also complete when it has every combination of asperities.
+    if (real(position%number, real64) >= real(size(placed%xu), real64) * size(placed%xl)) &
+      are_all = .true.
+    if (.not. has_memory(int(position%number, int64) * bytes_of_pair)) then
+      failure = not_enough_memory // ' for the pairs of a position'
+      return
+    end if
+    call fill_pairs(placed, position, pairs)
+    if (.not. are_all) &
+      pairs%complete_to = position%first_touch - placed%complete_above
+  end subroutine list_pairs
+
+  ! The target load in the unit of the pairs; 0 under another control.
+  real(real64) function target_of(placed)
+    type(placed_scene), intent(in) :: placed
+
+    target_of = 0.0_real64
+    if (placed%control == control_load) &
+      target_of = scale(placed%target, -12 * placed%load_lift)
+  end function target_of
+
+  ! Sets pairs from those of a position.
+  subroutine fill_pairs(placed, position, pairs)
+    type(placed_scene), intent(in) :: placed
+    type(position_pairs), intent(in) :: position
+    type(contact_pairs), intent(out) :: pairs
+    real(real64) :: limit, x, y
+    integer :: i, j, k
+    logical :: reachable
+
+    pairs%x_displacement = scaled_to_real64(position%dx, placed%length_power)
+    pairs%y_displacement = scaled_to_real64(position%dy, placed%length_power)
+    pairs%modulus = placed%modulus
+    pairs%modulus_power = placed%modulus_power
+    pairs%length_power = placed%length_power
+    pairs%limits = placed%limits
+    pairs%vertical = placed%vertical
+    pairs%target = target_of(placed)
+    pairs%first_touch = position%first_touch
+    pairs%closing = position%closing
+    allocate (pairs%list(position%number))
+    do i = 1, position%number
+      associate (pair => pairs%list(i), from => position%found(i))
+        j = from%upper
+        k = from%lower
+        pair%upper = j
+        pair%lower = k
+        call place_of_touch(placed, from, position%dx, position%dy, x, y)
+        pair%x = x
+        pair%y = y
+        ! The centre of a plane is taken vertically above or below the contact.
+        pair%upper_x = pair%x
+        pair%upper_y = pair%y
+        pair%lower_x = pair%x
+        pair%lower_y = pair%y
+        if (j > 0) then
+          pair%upper_x = placed%xu(j) + position%dx
+          pair%upper_y = placed%yu(j) + position%dy
+          pair%upper_radius = placed%ru(j)
+          pair%upper_height = placed%cap_u(j)
+        end if
+        if (k > 0) then
+          pair%lower_x = placed%xl(k)
+          pair%lower_y = placed%yl(k)
+          pair%lower_radius = placed%rl(k)
+          pair%lower_height = placed%cap_l(k)
+        end if
+        pair%gap = from%gap
+        pair%d = from%d
+        pair%s = from%s
+        pair%zc = from%zc
+        pair%rest = from%rest
+        pair%radius = from%radius
+        if (placed%criterion == criterion_none) cycle
+        call limit_penetration(placed, from, limit, reachable)
+        if (reachable) pair%limit = limit
+      end associate
+    end do
+  end subroutine fill_pairs
+
+end module asperity_isolated_contacts

@@ -1,5 +1,10 @@
-! All asperities compared with all, in one arithmetic: the including module names it (NUMBER).
-
+!> All asperities compared with all.
+module asperity_compare_all
+  use asperity_all_pairs, only: all_pairs
+  use asperity_decimal, only: decimal_to_real64, decimal_value
+  use asperity_sphere_overlap, only: touching_height
+  use asperity_kinds, only: real64
+  use asperity_scene_values, only: scene
   implicit none
   private
 
@@ -13,22 +18,22 @@ contains
     integer, intent(in) :: m             !! position, from 1
     integer, intent(in) :: power         !! the unit of length is 16**power
     type(all_pairs), intent(out) :: truth  !! in doubles
-    NUMBER :: dx, dy, across, along, s, d, zc, first_touch
-    NUMBER, allocatable :: touch(:, :)
-    NUMBER, dimension(size(scene_in%upper%x)) :: xu, yu, hu, ru
-    NUMBER, dimension(size(scene_in%lower%x)) :: xl, yl, hl, rl
+    real(real64) :: dx, dy, across, along, s, d, zc, first_touch
+    real(real64), allocatable :: touch(:, :)
+    real(real64), dimension(size(scene_in%upper%x)) :: xu, yu, hu, ru
+    real(real64), dimension(size(scene_in%lower%x)) :: xl, yl, hl, rl
     integer :: i, k
 
-    dx = length(scene_in%motion%x_first) + whole_number(m - 1) * length(scene_in%motion%x_step)
-    dy = length(scene_in%motion%y_first) + whole_number(m - 1) * length(scene_in%motion%y_step)
-    xu = times_power_of_16(from_real64(scene_in%upper%x), -power)
-    yu = times_power_of_16(from_real64(scene_in%upper%y), -power)
-    hu = times_power_of_16(from_real64(scene_in%upper%height), -power)
-    ru = times_power_of_16(from_real64(scene_in%upper%radius), -power)
-    xl = times_power_of_16(from_real64(scene_in%lower%x), -power)
-    yl = times_power_of_16(from_real64(scene_in%lower%y), -power)
-    hl = times_power_of_16(from_real64(scene_in%lower%height), -power)
-    rl = times_power_of_16(from_real64(scene_in%lower%radius), -power)
+    dx = length(scene_in%motion%x_first) + (m - 1) * length(scene_in%motion%x_step)
+    dy = length(scene_in%motion%y_first) + (m - 1) * length(scene_in%motion%y_step)
+    xu = scale(scene_in%upper%x, -4 * power)
+    yu = scale(scene_in%upper%y, -4 * power)
+    hu = scale(scene_in%upper%height, -4 * power)
+    ru = scale(scene_in%upper%radius, -4 * power)
+    xl = scale(scene_in%lower%x, -4 * power)
+    yl = scale(scene_in%lower%y, -4 * power)
+    hl = scale(scene_in%lower%height, -4 * power)
+    rl = scale(scene_in%lower%radius, -4 * power)
     i = size(xu)
     k = size(xl)
     allocate (touch(i, k), truth%can_touch(i, k), truth%gap(i, k), truth%d(i, k), truth%s(i, k), &
@@ -51,26 +56,27 @@ contains
           first_touch = touch(i, k)
         end if
         truth%can_touch(i, k) = .true.
-        truth%d(i, k) = to_real64(d)
-        truth%s(i, k) = to_real64(s)
-        truth%radius(i, k) = to_real64(ru(i) * rl(k) / s)
+        truth%d(i, k) = d
+        truth%s(i, k) = s
+        truth%radius(i, k) = ru(i) * rl(k) / s
         call touching_height(s, d, zc, along)
-        truth%zc(i, k) = to_real64(zc)
+        truth%zc(i, k) = zc
       end do
     end do
     truth%gap = huge(1.0_real64)
     if (.not. any(truth%can_touch)) return
-    where (truth%can_touch) truth%gap = to_real64(first_touch - touch)
-    truth%first_touch = to_real64(first_touch)
-    truth%closing = to_real64(first_touch - length(scene_in%loading%value))
+    where (truth%can_touch) truth%gap = first_touch - touch
+    truth%first_touch = first_touch
+    truth%closing = first_touch - length(scene_in%loading%value)
 
   contains
 
     function length(value)
       type(decimal_value), intent(in) :: value
-      NUMBER :: length
+      real(real64) :: length
 
-      length = times_power_of_16(decimal_number(value), -power)
+      length = scale(decimal_to_real64(value), -4 * power)
     end function length
 
   end subroutine compare_all
+end module asperity_compare_all

@@ -1,0 +1,171 @@
+!> A scene in the units of the solver, and the pairs of its positions.
+!>
+!> Lengths are held in a unit of 16**n near the largest radius and the combined modulus in a unit of
+!> 16**m, so that no scale of the scene can overflow or underflow; changing units is exact.
+!>
+!> A position is described by its compression c, the decrease of the separation since its first pair
+!> touched. A pair touches at the separation `touch`; its gap at first touch is
+!> g = max(touch) - touch and its penetration p = c - g. Positions are independent.
+module asperity_placed_scene
+  use asperity_contact_pairs, only: least_exponent
+  use asperity_kinds, only: int32, int64, real64
+  use asperity_pair_search_levels, only: pair_levels
+  use asperity_pair_search_row, only: summit_row
+  use asperity_scene_values, only: control_limit, criterion_none
+  use asperity_theory_limits, only: theory_limits
+  implicit none
+  private
+
+  public :: candidate, placed_scene, position_pairs
+  public :: exponent_of_16, is_on_plane, largest_value, level_of, load_unit, place_of_touch, &
+            scaled_to_real64
+
+  !> A scene in the units of the solver.
+  type :: placed_scene
+    integer :: positions = 0                       !! number of positions of the scene
+    integer :: states = 1                          !! estimated states of a position
+    integer(int64) :: work = 0_int64               !! number of asperities
+    real(real64) :: loads_differ = huge(1.0_real64)  !! as in position_solver
+    type(theory_limits) :: limits                  !! limits of the theories
+    real(real64), allocatable :: cap_u(:), cap_l(:)  !! heights of summits above their planes
+    integer :: length_power = 0                    !! unit of length is 16**length_power
+    real(real64) :: out_of_reach                   !! height of a plane: 16**5 largest radii
+    integer :: modulus_power = 0                   !! unit of the combined modulus
+    integer :: load_lift = 0                       !! loads are held times 16**(3*load_lift)
+    real(real64) :: modulus                        !! combined modulus
+    real(real64), allocatable :: xu(:), yu(:), hu(:), ru(:)  !! upper: place, summit level, radius
+    real(real64), allocatable :: xl(:), yl(:), hl(:), rl(:)  !! lower, mirrored on request
+    logical :: is_deck = .false.                   !! the surfaces are those of a card deck
+    logical :: on_plane = .false.                  !! one surface is a plane without asperities
+    real(real64) :: plane_slope(2)                 !! of that plane
+    integer(int32), allocatable :: order(:)        !! caps on a plane, the highest first
+    real(real64) :: height_max                     !! largest height of both surfaces
+    ! Pairs outside the candidate distance touch below this separation only: their offset in plan
+    ! reduces the separation of first touch by more than the largest height.
+    real(real64) :: complete_above
+    real(real64) :: x_first, x_step, y_first, y_step     !! displacement of the upper surface
+    integer :: control = control_limit
+    logical :: vertical = .false.                  !! the load is the sum of the vertical parts
+    real(real64) :: target                         !! separation, compression or load
+    integer :: points = 0                          !! equal parts of the compression; 0, 1: its end
+    logical :: events = .false.                    !! a state at each first touch as well
+    integer :: criterion = criterion_none
+    real(real64) :: limit                          !! load, or overlap over radius: limit_overlap
+    ! Search for pairs: along a row in small scenes, else level by level.
+    type(summit_row) :: row                        !! the lower surface
+    type(pair_levels) :: levels                    !! both surfaces; empty in a small scene
+    real(real64) :: near_reach = 0.0_real64        !! largest candidate distance in plan
+    real(real64) :: far_reach = 0.0_real64         !! largest distance in plan of spheres that touch
+    real(real64) :: unit = 0.0_real64              !! spacing of doubles at 1, in powers of 16
+    real(real64) :: extent = 0.0_real64            !! largest |x| + |y| + sum of radii
+    real(real64) :: rise = 0.0_real64              !! largest |heights| and sum of radii
+  end type placed_scene
+
+  !> A pair of asperities that may touch. Not initialised: a large array would be written twice.
+  type :: candidate
+    integer :: upper, lower
+    real(real64) :: touch   !! separation at which it touches first
+    real(real64) :: d       !! distance of the centres in plan
+    real(real64) :: s       !! sum of the radii: distance of the centres at first touch
+    real(real64) :: zc      !! height between the centres at first touch
+    real(real64) :: rest    !! rounding error of zc
+    real(real64) :: radius  !! combined radius of the pair
+    real(real64) :: gap     !! compression at which it touches
+  end type candidate
+
+  !> One position: the pairs that may touch, and its end.
+  type :: position_pairs
+    real(real64) :: dx, dy       !! displacement of the upper surface
+    real(real64) :: first_touch  !! separation at which the first pair touches
+    real(real64) :: closing      !! compression at its end
+    integer :: number = 0  !! pairs in `found`, which may be larger
+    type(candidate), allocatable :: found(:)
+  end type position_pairs
+
+contains
+
+  !> The least n with |number| < 16**n; 0 for zero.
+  elemental integer function exponent_of_16(number)
+    real(real64), intent(in) :: number  !! any finite number
+
+    exponent_of_16 = ceiling(exponent(number) / 4.0)
+  end function exponent_of_16
+
+  !> A number times 16**power. A result out of the range of doubles, by overflow or underflow, is
+  !> infinite, without a trap; `are_finite` finds it.
+  elemental function scaled_to_real64(number, power) result(value)
+    use, intrinsic :: ieee_arithmetic, only: ieee_positive_inf, ieee_value
+    real(real64), intent(in) :: number  !! any finite number
+    integer, intent(in) :: power        !! power of 16
+    real(real64) :: value
+
+    if (exponent(number) + 4 * power > maxexponent(value) .or. &
+        (abs(number) > 0 .and. exponent(number) + 4 * power < least_exponent)) then
+      value = sign(ieee_value(value, ieee_positive_inf), number)
+    else
+      value = scale(number, 4 * power)
+    end if
+  end function scaled_to_real64
+
+  !> The power of 16 that is the unit of scaled loads.
+  pure integer function load_unit(placed)
+    type(placed_scene), intent(in) :: placed  !! scene in solver units
+
+    load_unit = placed%modulus_power + 2 * placed%length_power - 3 * placed%load_lift
+  end function load_unit
+
+  !> Whether one of a pair is the plane.
+  pure logical function is_on_plane(pair)
+    type(candidate), intent(in) :: pair  !! pair of asperities
+
+    is_on_plane = pair%upper == 0 .or. pair%lower == 0
+  end function is_on_plane
+
+  !> The level of a cap's summit over the plane.
+  pure function level_of(placed, i) result(level)
+    type(placed_scene), intent(in) :: placed  !! scene in solver units
+    integer, intent(in) :: i  !! number of the cap
+    real(real64) :: level
+
+    if (size(placed%hu) > 0) then
+      level = placed%hu(i)
+    else
+      level = placed%hl(i)
+    end if
+  end function level_of
+
+  !> Point of first touch in plan: on the line between the centres, or at the summit of a cap.
+  pure subroutine place_of_touch(placed, pair, dx, dy, x, y)
+    type(placed_scene), intent(in) :: placed  !! scene in solver units
+    type(candidate), intent(in) :: pair  !! pair of asperities
+    real(real64), intent(in) :: dx, dy  !! displacement of the upper surface
+    real(real64), intent(out) :: x, y  !! place in plan
+    real(real64) :: share
+
+    if (pair%upper == 0) then
+      x = placed%xl(pair%lower)
+      y = placed%yl(pair%lower)
+      return
+    end if
+    x = placed%xu(pair%upper) + dx
+    y = placed%yu(pair%upper) + dy
+    if (pair%lower == 0) return
+    share = placed%ru(pair%upper) / pair%s
+    x = x + share * (placed%xl(pair%lower) - x)
+    y = y + share * (placed%yl(pair%lower) - y)
+  end subroutine place_of_touch
+
+  !> The largest of some numbers; 0 without numbers.
+  pure function largest_value(h) result(largest)
+    real(real64), intent(in) :: h(:)  !! numbers of any sign
+    real(real64) :: largest
+    integer :: i
+
+    largest = 0.0_real64
+    if (size(h) > 0) largest = h(1)
+    do i = 2, size(h)
+      if (h(i) > largest) largest = h(i)
+    end do
+  end function largest_value
+
+end module asperity_placed_scene

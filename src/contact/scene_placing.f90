@@ -1,0 +1,320 @@
+!> Conversion of a scene to the units of the solver.
+module asperity_scene_placing
+  use asperity_constants, only: pi
+  use asperity_decimal, only: decimal_to_real64, decimal_value
+  use asperity_kinds, only: int64, real64
+  use asperity_pair_finding, only: prepare_search
+  use asperity_placed_scene, only: exponent_of_16, largest_value, placed_scene
+  use asperity_problems, only: decimal_text, not_enough_memory
+  use asperity_process, only: has_memory
+  use asperity_scene_values, only: control_compression, control_load, control_pressure, &
+                                   control_separation, criterion_greenwood_williamson, &
+                                   criterion_hardy, criterion_load, criterion_none, &
+                                   criterion_pressure, is_load, is_vertical_load, scene, &
+                                   scene_limit, scene_surface
+  use asperity_theory_limits, only: set_theory_limits
+  implicit none
+  private
+
+  public :: place_scene
+
+  character(len=*), parameter :: out_of_range = &
+    'a number of the scene is out of the range of doubles'
+
+contains
+
+  !> Converts a scene to the units of the solver. `failure` is allocated when a number is out of
+  !> range.
+  subroutine place_scene(scene_in, placed, failure)
+    type(scene), intent(in) :: scene_in                    !! scene with checked values
+    type(placed_scene), intent(out) :: placed              !! scene in the units of the solver
+    character(len=:), allocatable, intent(out) :: failure  !! set where it cannot be converted
+    ! Bytes of the numbers of each asperity, with temporary copies, and of those in the search,
+    ! whose higher levels repeat an eighth of them.
+    integer(int64), parameter :: bytes_each = 128
+
+    placed%work = size(scene_in%upper%x, kind=int64) + size(scene_in%lower%x, kind=int64)
+    if (.not. has_memory(bytes_each * placed%work)) then
+      failure = not_enough_memory // ' for ' // decimal_text(int(placed%work)) // ' asperities'
+      return
+    end if
+    placed%positions = scene_in%motion%positions
+    placed%states = max(1, scene_in%loading%points)
+    if (allocated(scene_in%loading%path)) &
+      placed%states = placed%states * size(scene_in%loading%path)
+    if (.not. is_vertical_load(scene_in%loading%control)) &
+      placed%loads_differ = scene_in%effects%number('tolerance')
+    call place_surfaces(scene_in, placed)
+    call combine_moduli(scene_in, placed, failure)
+    if (allocated(failure)) return
+    call place_loading(scene_in, placed)
+    call place_limit(scene_in%limit, placed)
+    call check_range(placed, scene_in%loading%value%all_digits /= 0_int64, failure)
+    if (allocated(failure)) return
+    call set_theory_limits(scene_in, placed%length_power, placed%modulus_power, placed%limits)
+    placed%cap_u = scale(scene_in%upper%height, -4 * placed%length_power)
+    placed%cap_l = scale(scene_in%lower%height, -4 * placed%length_power)
+    call prepare_search(placed)
+  end subroutine place_scene
+
+  ! Places, summit levels and radii of both surfaces in the unit of length, which this sets.
+  subroutine place_surfaces(scene_in, placed)
+    type(scene), intent(in) :: scene_in
+    type(placed_scene), intent(inout) :: placed
+    real(real64) :: largest
+
+    placed%ru = scene_in%upper%radius
+    placed%rl = scene_in%lower%radius
+    largest = largest_value(placed%ru)
+    if (largest_value(placed%rl) > largest) largest = largest_value(placed%rl)
+    placed%length_power = exponent_of_16(largest)
+    placed%ru = scale(placed%ru, -4 * placed%length_power)
+    placed%rl = scale(placed%rl, -4 * placed%length_power)
+    placed%out_of_reach = scale(largest, 4 * (5 - placed%length_power))
+
+    call place_surface(scene_in%upper, -placed%length_power, placed%xu, placed%yu, placed%hu)
+    placed%height_max = largest_value(placed%hu)
+    call level_surface(scene_in%upper, .true., placed%xu, placed%yu, placed%hu)
+    call place_surface(scene_in%lower, -placed%length_power, placed%xl, placed%yl, placed%hl)
+    if (largest_value(placed%hl) > placed%height_max) placed%height_max = largest_value(placed%hl)
+    if (scene_in%lower_is_mirrored) &
+      placed%yl = length_of(scene_in%lower_mirror_width, placed) - placed%yl
+    call level_surface(scene_in%lower, .false., placed%xl, placed%yl, placed%hl)
+    placed%plane_slope = 0.0_real64
+    if (scene_in%upper%is_plane) then
+      call level_surface(scene_in%upper, .true., placed%xl, placed%yl, placed%hl)
+      placed%plane_slope = decimal_to_real64(scene_in%upper%slope)
+    else if (scene_in%lower%is_plane) then
+      call level_surface(scene_in%lower, .false., placed%xu, placed%yu, placed%hu)
+      placed%plane_slope = decimal_to_real64(scene_in%lower%slope)
+    end if
+    placed%is_deck = scene_in%from_deck
+    placed%on_plane = scene_in%upper%is_plane .or. scene_in%lower%is_plane
+    placed%complete_above = largest_value(placed%hu) + largest_value(placed%hl) - placed%height_max
+  end subroutine place_surfaces
+
+  ! Displacements and the quantity that ends a position.
+  subroutine place_loading(scene_in, placed)
+    type(scene), intent(in) :: scene_in
+    type(placed_scene), intent(inout) :: placed
+
+    placed%x_first = length_of(scene_in%motion%x_first, placed)
+    placed%x_step = length_of(scene_in%motion%x_step, placed)
+    placed%y_first = length_of(scene_in%motion%y_first, placed)
+    placed%y_step = length_of(scene_in%motion%y_step, placed)
+
+    placed%control = scene_in%loading%control
+    if (is_load(placed%control)) placed%control = control_load
+    placed%vertical = is_vertical_load(scene_in%loading%control)
+    placed%points = scene_in%loading%points
+    placed%events = scene_in%loading%events
+    placed%target = 0.0_real64
+    if (placed%control == control_load) call lift_loads(load_power(scene_in, placed), placed)
+    if (scene_in%limit%criterion == criterion_load) &
+      call lift_loads(exponent_of_16(decimal_to_real64(scene_in%limit%value)), placed)
+    if (any(placed%control == [control_separation, control_compression])) then
+      placed%target = length_of(scene_in%loading%value, placed)
+    else if (scene_in%loading%control == control_pressure) then
+      ! Both factors are scaled first, so that the product does not overflow.
+      placed%target = scale(decimal_to_real64(scene_in%loading%value), &
+                            4 * (3 * placed%load_lift - placed%modulus_power)) * &
+                      scale(decimal_to_real64(scene_in%nominal_area), -8 * placed%length_power)
+    else if (placed%control == control_load) then
+      placed%target = load_of(decimal_to_real64(scene_in%loading%value), placed)
+    end if
+  end subroutine place_loading
+
+  ! Places and heights of one surface, rotated in plan.
+  subroutine place_surface(surface, power, x, y, h)
+    type(scene_surface), intent(in) :: surface
+    integer, intent(in) :: power
+    real(real64), allocatable, intent(out) :: x(:), y(:), h(:)
+    real(real64) :: angle, turned
+    integer :: i
+
+    x = scale(surface%x, 4 * power)
+    y = scale(surface%y, 4 * power)
+    h = scale(surface%height, 4 * power)
+    if (surface%rotation%all_digits == 0_int64) return
+    angle = decimal_to_real64(surface%rotation)
+    do i = 1, size(x)
+      turned = x(i) * cos(angle) - y(i) * sin(angle)
+      y(i) = x(i) * sin(angle) + y(i) * cos(angle)
+      x(i) = turned
+    end do
+  end subroutine place_surface
+
+  ! Turns heights into summit levels: where the tilt raises the plate, it lowers an upper summit and
+  ! raises a lower one.
+  subroutine level_surface(surface, upper, x, y, h)
+    type(scene_surface), intent(in) :: surface
+    logical, intent(in) :: upper
+    real(real64), intent(in) :: x(:), y(:)
+    real(real64), intent(inout) :: h(:)
+    real(real64) :: slope(2), tilt
+    integer :: i
+
+    slope = decimal_to_real64(surface%slope)
+    do i = 1, size(h)
+      tilt = x(i) * slope(1) + y(i) * slope(2)
+      if (upper) then
+        h(i) = h(i) - tilt
+      else
+        h(i) = h(i) + tilt
+      end if
+    end do
+  end subroutine level_surface
+
+  ! The combined modulus: that of the scene, or from the moduli of both surfaces.
+  subroutine combine_moduli(scene_in, placed, failure)
+    type(scene), intent(in) :: scene_in
+    type(placed_scene), intent(inout) :: placed
+    character(len=:), allocatable, intent(inout) :: failure
+    real(real64) :: compliance
+    logical :: good
+
+    if (scene_in%contact_modulus%all_digits > 0_int64) then
+      placed%modulus = decimal_to_real64(scene_in%contact_modulus)
+      good = .true.
+    else
+      compliance = compliance_of(scene_in%upper) + compliance_of(scene_in%lower)
+      ! Smaller moduli have a compliance that overflows.
+      good = all(decimal_to_real64([scene_in%upper%elastic_modulus, &
+                                    scene_in%lower%elastic_modulus]) > 4 * tiny(compliance))
+      if (good) placed%modulus = 1.0_real64 / compliance
+    end if
+    if (.not. good) then
+      failure = out_of_range
+      return
+    end if
+    placed%modulus_power = exponent_of_16(placed%modulus)
+    placed%modulus = scale(placed%modulus, -4 * placed%modulus_power)
+  end subroutine combine_moduli
+
+  ! (1 - nu**2)/E of one surface.
+  function compliance_of(surface) result(compliance)
+    type(scene_surface), intent(in) :: surface
+    real(real64) :: compliance, modulus, nu
+
+    nu = decimal_to_real64(surface%poisson_ratio)
+    modulus = decimal_to_real64(surface%elastic_modulus)
+    compliance = 0.0_real64
+    if (.not. modulus > compliance) return
+    compliance = (1.0_real64 - nu) * (1.0_real64 + nu) / modulus
+  end function compliance_of
+
+  ! A length of the scene in the unit of length.
+  function length_of(value, placed) result(length)
+    type(decimal_value), intent(in) :: value
+    type(placed_scene), intent(in) :: placed
+    real(real64) :: length
+
+    length = scale(decimal_to_real64(value), -4 * placed%length_power)
+  end function length_of
+
+  ! A very small target scales all loads half way to 1 in powers of 16, as small hexadecimal and
+  ! subnormal numbers have fewer digits.
+  subroutine lift_loads(power, placed)
+    integer, intent(in) :: power  ! exponent of the load in the scene's unit
+    type(placed_scene), intent(inout) :: placed
+
+    placed%load_lift = max(placed%load_lift, &
+                           -(power - placed%modulus_power - 2 * placed%length_power) / 6)
+  end subroutine lift_loads
+
+  ! The exponent of the target load.
+  integer function load_power(scene_in, placed) result(power)
+    type(scene), intent(in) :: scene_in
+    type(placed_scene), intent(in) :: placed
+
+    power = exponent_of_16(decimal_to_real64(scene_in%loading%value))
+    if (.not. placed%vertical .or. scene_in%loading%control /= control_pressure) return
+    power = power + exponent_of_16(decimal_to_real64(scene_in%nominal_area))
+  end function load_power
+
+  ! A force of the scene in the unit of modulus times length squared, scaled by the lift.
+  function load_of(value, placed) result(load)
+    real(real64), intent(in) :: value
+    type(placed_scene), intent(in) :: placed
+    real(real64) :: load
+
+    load = scale(value, 4 * (-placed%modulus_power - 2 * placed%length_power + &
+                                    3 * placed%load_lift))
+  end function load_of
+
+  ! The limit, as a load or as a ratio of overlap to combined radius.
+  subroutine place_limit(limit, placed)
+    type(scene_limit), intent(in) :: limit
+    type(placed_scene), intent(inout) :: placed
+    real(real64) :: strain
+
+    placed%criterion = limit%criterion
+    placed%limit = 0.0_real64
+    select case (limit%criterion)
+    case (criterion_load)
+      if (limit%from_thesis) then
+        ! 65*9.8/2.205 N, exactly 2600/9.
+        placed%limit = load_of(2600.0_real64 / 9.0_real64, placed)
+      else
+        placed%limit = load_of(decimal_to_real64(limit%value), placed)
+      end if
+      return
+    case (criterion_pressure)
+      ! The average pressure is 4 E sqrt(W/R)/(3 pi).
+      strain = 3.0_real64 * pi * modulus_ratio(limit%value, placed) / 4.0_real64
+    case (criterion_greenwood_williamson)
+      ! Greenwood and Williamson 1966: W = R (H/E)**2.
+      strain = modulus_ratio(limit%hardness, placed)
+    case (criterion_hardy)
+      ! Hardy and others 1971: maximum pressure 2.76 tau; maximum pressure 2 E sqrt(W/R)/pi.
+      strain = decimal_to_real64(decimal_value(276_int64, -2)) * &
+               modulus_ratio(limit%yield_stress, placed) * pi / 2.0_real64
+    case default
+      return
+    end select
+    ! A limit beyond reach is reduced to one beyond reach whose square does not overflow.
+    if (exponent_of_16(strain) > 14) strain = scale(1.0_real64, 56)
+    placed%limit = strain * strain
+  end subroutine place_limit
+
+  ! A stress over the combined modulus.
+  function modulus_ratio(value, placed) result(ratio)
+    type(decimal_value), intent(in) :: value
+    type(placed_scene), intent(in) :: placed
+    real(real64) :: ratio
+
+    ratio = scale(decimal_to_real64(value), -4 * placed%modulus_power) / placed%modulus
+  end function modulus_ratio
+
+  ! Sets `failure` where numbers of the scene are not finite or vanish in these units.
+  subroutine check_range(placed, has_load, failure)
+    type(placed_scene), intent(in) :: placed
+    logical, intent(in) :: has_load    ! the value of the loading is not 0
+    character(len=:), allocatable, intent(out) :: failure
+    real(real64) :: limit
+    logical :: vanished
+
+    if (.not. (all_finite([placed%modulus, placed%target, placed%limit, placed%x_first, &
+                           placed%x_step, placed%y_first, placed%y_step]) .and. &
+               all_finite(placed%xu) .and. all_finite(placed%yu) .and. all_finite(placed%hu) .and. &
+               all_finite(placed%ru) .and. all_finite(placed%xl) .and. all_finite(placed%yl) .and. &
+               all_finite(placed%hl) .and. all_finite(placed%rl))) &
+      failure = out_of_range
+    ! A load that becomes zero in these units would be reached at first touch. An overlap must
+    ! not be subnormal.
+    limit = placed%limit
+    if (placed%criterion /= criterion_load) limit = scale(limit, -52)
+    vanished = placed%control == control_load .and. has_load .and. &
+               .not. (placed%target > 0.0_real64 .or. placed%target < 0.0_real64)
+    if (vanished .or. &
+        (placed%criterion /= criterion_none .and. .not. limit > 0.0_real64)) &
+      failure = 'the load or the limit of the scene is too small for the arithmetic'
+  end subroutine check_range
+
+  pure logical function all_finite(numbers)
+    real(real64), intent(in) :: numbers(:)
+
+    all_finite = all(abs(numbers) <= huge(1.0_real64))
+  end function all_finite
+
+end module asperity_scene_placing

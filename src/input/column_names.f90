@@ -1,0 +1,126 @@
+!> Names of columns in a line, each perhaps with a unit: `z [um]`, `z (um)`, `z/um`, `z_um`, `z um`.
+module asperity_column_names
+  use asperity_delimited_text, only: line_cells, read_cells
+  use asperity_height_map, only: plain_unit, unit_number
+  use asperity_input_text, only: lower_case
+  use asperity_word_hint, only: nearest_word
+  implicit none
+  private
+
+  public :: column_list, columns_named, is_height_name, split_name, header_separator
+
+  integer, parameter :: name_length = 32, unit_length = 16
+
+  !> Names of columns in small letters, with their units.
+  type :: column_list
+    character(len=name_length), allocatable :: name(:)  !! empty: a column without a name
+    character(len=unit_length), allocatable :: unit(:)  !! as written, `um` with u; empty: none
+  contains
+    procedure :: is_surface  !! whether they name the asperities of a surface
+    procedure :: of_points   !! places of x, y and z
+  end type column_list
+
+contains
+
+  !> The sign between names: a semicolon, a comma, a tabulator, or blanks.
+  pure character(len=1) function header_separator(text)
+    character(len=*), intent(in) :: text  !! line of names
+
+    header_separator = ' '
+    if (index(text, achar(9)) > 0) header_separator = achar(9)
+    if (index(text, ',') > 0) header_separator = ','
+    if (index(text, ';') > 0) header_separator = ';'
+  end function header_separator
+
+  !> The names in a line.
+  pure function columns_named(text) result(found)
+    character(len=*), intent(in) :: text  !! line of names
+    type(column_list) :: found            !! names and units
+    character(len=:), allocatable :: joined, name, unit
+    type(line_cells) :: cells
+    integer :: at, i, line, used
+
+    cells%separator = header_separator(text)
+    cells%line_comments = ''
+    cells%keep_empty = cells%separator /= ' '
+    ! Between blanks a unit belongs to the word before it.
+    joined = text
+    used = 0
+    do i = 1, merge(len(text), 0, cells%separator == ' ')
+      if (scan(text(i:i), '[(/') == 1) used = len_trim(joined(:used))
+      if (text(i:i) == ' ' .and. index(joined(max(1, used):used), '/') == 1) cycle
+      used = used + 1
+      joined(used:used) = text(i:i)
+    end do
+    if (cells%separator == ' ') joined = joined(:used)
+    at = 1
+    line = 1
+    call read_cells(joined, at, line, cells)
+    allocate (found%name(cells%cell_count), found%unit(cells%cell_count))
+    do i = 1, cells%cell_count
+      call split_name(joined(cells%first(i):cells%last(i)), name, unit)
+      found%name(i) = name
+      found%unit(i) = unit
+    end do
+  end function columns_named
+
+  !> A name in small letters without quotes, and the unit behind it.
+  pure subroutine split_name(cell, name, unit)
+    character(len=*), intent(in) :: cell                      !! name and unit as written
+    character(len=:), allocatable, intent(out) :: name, unit  !! empty: there is none
+    integer :: at, i
+
+    name = ''
+    do i = 1, len(cell)
+      if (scan(cell(i:i), '"''') == 0) name = name // cell(i:i)
+    end do
+    name = trim(adjustl(name))
+    unit = ''
+    at = scan(name, '[(/')
+    if (at > 1) then
+      i = len(name)
+      if (name(at:at) /= '/') i = at + scan(name(at + 1:), '])') - 1
+      unit = plain_unit(name(at + 1:i))
+    else
+      at = scan(name, '_ ', back=.true.)
+      if (at > 1) unit = plain_unit(name(at + 1:))
+      if (unit_number(unit) == 0) unit = ''
+    end if
+    if (at > 1 .and. (unit /= '' .or. scan(name, '[(/') > 1)) name = name(:at - 1)
+    name = trim(lower_case(name))
+  end subroutine split_name
+
+  !> Whether they are the columns of a surface: x, y and height.
+  pure logical function is_surface(self)
+    class(column_list), intent(in) :: self  !! names of a line
+
+    is_surface = any(self%name == 'x') .and. any(self%name == 'y') .and. any(self%name == 'height')
+  end function is_surface
+
+  !> Places of x, y and z among the names: in any order, z by one of its names, or the only other
+  !> column; 0, 0, 0 where they are not there.
+  pure function of_points(self) result(place)
+    class(column_list), intent(in) :: self  !! names of a line
+    integer :: place(3)                     !! which of the names are x, y and z
+    integer :: i
+
+    place = [findloc(self%name == 'x', .true., 1), findloc(self%name == 'y', .true., 1), 0]
+    do i = size(self%name), 1, -1
+      if (is_height_name(self%name(i))) place(3) = i
+    end do
+    if (place(3) == 0 .and. size(self%name) == 3) then
+      place(3) = 6 - place(1) - place(2)
+      if (nearest_word(self%name(place(3)), ['height']) > 0) place(3) = 0
+    end if
+    if (any(place == 0) .or. any(self%name == 'radius')) place = 0
+  end function of_points
+
+  !> Whether a column of this name has heights without doubt.
+  pure logical function is_height_name(name)
+    character(len=*), intent(in) :: name  !! in small letters
+
+    is_height_name = any(name == [character(len=9) :: 'z', 'height', 'heights', 'value', &
+                                  'values', 'elevation'])
+  end function is_height_name
+
+end module asperity_column_names
