@@ -349,7 +349,7 @@ contains
       if (allocated(this_cluster%change)) &
         deallocate (this_cluster%change, this_cluster%applied_share)
       call coupled%set%allocate_arrays(0)
-      this_cluster%members = pack([(k, k=1, size(task%error))], task%resolved%is_resolved)
+      this_cluster%members = pack([(k, k=1, size(task%pairs%list))], task%resolved%is_resolved)
       this_cluster%is_solved = .false.
       call solve_clusters(task%pairs, coupled, tolerance, task%area_tolerance, task%clusters, &
                           solution%failure)
