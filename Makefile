@@ -73,6 +73,8 @@ bench:
 	@bash .ci/setup build test bench
 	@.venv/bin/python test/bench/run_effects.py
 	@.venv/bin/python test/bench/run_again.py
+	@.venv/bin/python test/bench/run_scale.py --parts interaction $(if $(MOST),--most $(MOST)) \
+	  $(if $(BESIDE),--beside $(BESIDE))
 else ifeq ($(PART),scale)
 bench:
 	@bash .ci/setup build test bench images

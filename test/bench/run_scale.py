@@ -1,7 +1,7 @@
 """Large surfaces: time by phase, exponent and memory of the search and the same work by others;
-phases of the solver; one and two threads; one and two images.
+phases of the solver; one and two threads; one and two images; interaction.
 
-    python test/bench/run_scale.py [--most N] [--rounds R] [--parts NAMES] [--small] [--save]
+    python test/bench/run_scale.py [--most N] [--rounds R] [--parts NAMES] [--small] [--beside EXE] [--save]
 
 The least time of runs that take turns counts. Ratios come first: they carry over to another
 machine, seconds do not.
@@ -18,13 +18,14 @@ import numpy as np
 import scipy
 
 from run_bench import output_of, release_build, save
+from scale_interaction import interaction_part
 from scale_peers import search_part
 from scale_solve import solve_part
 from scale_sweeps import images_part, threads_part
 from search_files import search_program
 from whole_runs import Failed, images_flags
 
-PARTS = ("search", "solve", "threads", "images")
+PARTS = ("search", "solve", "threads", "images", "interaction")
 # Sizes of the sweeps: asperities, positions on threads, on images, times the study's ensemble.
 SIZES = {False: (100_000, 10_000, 50_000, 10), True: (10_000, 1000, 1000, 1)}
 
@@ -72,6 +73,7 @@ def main():
     parser.add_argument("--parts", type=names_of_parts, default=PARTS,
                         help=f"some of {','.join(PARTS)} (default all)")
     parser.add_argument("--small", action="store_true", help="small sweeps, to try the bench")
+    parser.add_argument("--beside", help="another executable, for the part 'interaction'")
     parser.add_argument("--save", action="store_true", help="also to reference_output/bench")
     options = parser.parse_args()
 
@@ -83,7 +85,9 @@ def main():
         "search": lambda: search_part(program, sizes, options.rounds),
         "solve": lambda: solve_part(asperity, sizes, options.rounds),
         "threads": lambda: threads_part(asperity, n, positions, options.rounds),
-        "images": lambda: images_part(asperity, shared, times, options.rounds)}
+        "images": lambda: images_part(asperity, shared, times, options.rounds),
+        "interaction": lambda: interaction_part(asperity, options.most, options.rounds,
+                                                options.beside)}
     blocks = [heading(flags, options)]
     print(blocks[0])
     for name in options.parts:

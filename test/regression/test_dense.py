@@ -6,13 +6,16 @@ import numpy as np
 import pytest
 from boundary_equations import evaluate
 from boundary_patch import Contact
-from dense_judge import CONTROLS, TOLERANCES, estimates, groups, run_all, table, truths
-from dense_scenes import COMBINED, caps, dense_scenes
+from csv_rows import records
+from dense_judge import CONTROLS, TOLERANCES, TRUTH, estimates, groups, run_all, table, truths
+from dense_scenes import COMBINED, caps, dense_scenes, rough_scenes
 from dense_truth import finest, on_grids, settled, truth_of
+from rough_truth import solved as solved_on_grids
 from surfaces_csv import solve, write_scene
 
 # Every twentieth scene: all families are among them. All: dense_judge.py, in some minutes.
 FEW = dense_scenes()[::20]
+ROUGH = TRUTH.with_name("rough.csv")
 # The cells' own tolerance, of the load (boundary_tolerance).
 CELLS = 1e-3
 
@@ -216,3 +219,30 @@ def test_the_truth_by_another_method(name):
     load = (pairs.law()[0] * np.array(other["loads"]) / np.array(other["loads_alone"])).sum()
     row = truths()[name]
     assert abs(load / float(row["load"]) - 1) <= float(row["load_error"]) + other["uncertainty"]
+
+
+@pytest.mark.once
+@pytest.mark.parametrize("mode", ["coupled"])
+@pytest.mark.parametrize("scene", rough_scenes(), ids=lambda scene: scene.name)
+def test_rough_caps(asperity, tmp_path, scene, mode):
+    """Penetrations to .17 of the radius, a third of the area in contact: load or compression and
+    area are within what the program estimates of them."""
+    row, = solve(asperity, scene.write(tmp_path, interaction=mode), "--threads", "1",
+                 contacts=False).positions
+    truth = next(r for r in records(ROUGH) if r["scene"] == scene.name)
+    compression = max(cap[2] for cap in scene.caps()) - float(row["separation"])
+    error = compression / float(truth["compression"]) - 1 if scene.load else \
+        float(row["load"]) / float(truth["load"]) - 1
+    area_error = float(row["area"]) / float(truth["area"]) - 1
+    assert abs(error) <= float(row["error_estimate"]) + float(truth["error"])
+    assert abs(area_error) <= float(row["area_error_estimate"]) + float(truth["area_error"])
+
+
+@pytest.mark.once
+def test_the_truth_of_rough_caps():
+    """The grids of the truth, coarser: within the errors of both."""
+    scene, truth = rough_scenes()[1], records(ROUGH)[1]
+    load, error, area, area_error = solved_on_grids(scene, (64, 128, 256))
+    assert truth["scene"] == scene.name and error < 5e-5 and area_error < 2e-3
+    assert abs(load / float(truth["load"]) - 1) <= error + float(truth["error"])
+    assert abs(area / float(truth["area"]) - 1) <= area_error + float(truth["area_error"])

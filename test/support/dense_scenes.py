@@ -332,13 +332,13 @@ class Rough:
                       float(f"{min(.22, max(.03, rng.gauss(.127, .03))):.7g}"), 1.27)
                      for _ in range(self.number))
 
-    def write(self, folder, **effects):
+    def write(self, folder, by_default=False, **effects):
         """The scene's files."""
         loading = {"control": "load", "value": self.load} if self.load else \
             {"control": "approach",
              "value": round(max(cap[2] for cap in self.caps()) - self.compression, 12)}
         return write_plane_scene(folder, self.caps(), modulus=(275760.0,) * 2, ratio=(0.42,) * 2,
-                                 loading=loading, effects=effects)
+                                 loading=loading, effects=effects, by_default=by_default)
 
 
 def rough_scenes():
