@@ -1,7 +1,9 @@
 """Large surfaces: time by phase, exponent and memory of the search and the same work by others;
-phases of the solver; one and two threads; one and two images; interaction.
+phases of the solver; one and two threads; one and two images;
+interaction.
 
-    python test/bench/run_scale.py [--most N] [--rounds R] [--parts NAMES] [--small] [--beside EXE] [--save]
+    python test/bench/run_scale.py [--most N] [--rounds R] [--parts NAMES] [--small] [--save]
+        [--beside EXE]
 
 The least time of runs that take turns counts. Ratios come first: they carry over to another
 machine, seconds do not.

@@ -9,7 +9,7 @@ preconditioned by the wave number, the inverse of A up to the edges.
 """
 
 import numpy as np
-from scipy.fft import fft, ifft, irfft, irfft2, next_fast_len, rfft, rfft2
+from numpy.fft import fft, ifft, irfft, irfft2, rfft, rfft2
 
 STEPS = 3000
 # Of the edge of the elements under pressure (a staircase), in sides of an element: area counted too
@@ -21,6 +21,13 @@ RIM, RIM_ERROR = 0.087, 0.005
 
 class Failed(Exception):
     """A solve that does not end."""
+
+
+def good(n):
+    """The least number of 2, 3 and 5 not below n: quick to transform."""
+    most = n.bit_length() + 1
+    return min(v for i in range(most) for j in range(most) for k in range(most)
+               if (v := 2 ** i * 3 ** j * 5 ** k) >= n)
 
 
 def love(x, y, a, b):
@@ -44,14 +51,14 @@ def product(shape, sides, modulus, periodic=False):
         wave = waves(shape, sides)
         wave[0, 0] = np.inf
         return lambda p: irfft2(rfft2(p) * (2 / wave / modulus), shape)
-    wide = [next_fast_len(2 * n, real=True) for n in shape]
+    wide = [good(2 * n) for n in shape]
     x, y = (np.minimum(np.arange(m), m - np.arange(m)) * side for m, side in zip(wide, sides))
     kernel = rfft2(love(x[:, None], y, *sides)) / (np.pi * modulus)
 
     def displacement(p):
         # Zeros are not transformed where that can be left out.
         turned = fft(rfft(p, wide[1]), wide[0], axis=0) * kernel
-        return irfft(ifft(turned, axis=0, overwrite_x=True)[:shape[0]], wide[1])[:, :shape[1]]
+        return irfft(ifft(turned, axis=0)[:shape[0]], wide[1])[:, :shape[1]]
 
     return displacement
 
