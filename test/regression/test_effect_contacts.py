@@ -116,9 +116,9 @@ def test_position_without_contact(mode, asperity, tmp_path):
     assert [row["position"] for row in run.contacts] == ["1"]
 
 
-# Caps on a plane. Only loads of Hertz' law are corrected by the curvature of the
-# field. A high cap far away flows: so the law is another one, and all others, which do not flow, keep
-# the equations of the potential.
+# Caps on a plane. Only loads of Hertz' law are corrected by the curvature of the field. A high
+# cap far away flows: so the law is another one, and all others, which do not flow, keep the
+# equations of the potential.
 FLOWS = {"interaction": "coupled", "plasticity": "on", "plastic_yield_stress": 7500.0}
 
 
