@@ -11,7 +11,7 @@ end module asperity_ieee_numbers
   private
 
   public :: decimal_number, whole_number, from_real64, to_real64, cut_to_integer
-  public :: three_halves_power, cube_root, times_power_of_16, exponent_of_16, upper_half
+  public :: three_halves_power
 
 contains
 
@@ -61,34 +61,6 @@ contains
     end if
   end function from_real64
 
-  !> number * 16**power, exactly while in range.
-  elemental function times_power_of_16(number, power) result(scaled)
-    real(KIND), intent(in) :: number  !! number of this kind
-    integer, intent(in) :: power      !! power of 16, any integer
-    real(KIND) :: scaled              !! number * 16**power
-
-    scaled = scale(number, 4 * power)
-  end function times_power_of_16
-
-  !> The least n with |number| < 16**n; 0 for zero.
-  elemental integer function exponent_of_16(number)
-    real(KIND), intent(in) :: number  !! any finite number
-
-    exponent_of_16 = ceiling(exponent(number) / 4.0)
-  end function exponent_of_16
-
-  !> The number rounded to half its digits: products with it and with the remainder are exact.
-  elemental function upper_half(number) result(upper)
-    real(KIND), intent(in) :: number  !! less than the largest number by half the digits
-    real(KIND) :: upper               !! the nearest number with half the digits
-    real(KIND), parameter :: one = 1
-    real(KIND), parameter :: factor = 2 * scale(one, shiftr(digits(one) - 1, 1)) + 1
-
-    ! Veltkamp's method.
-    upper = factor * number
-    upper = upper - (upper - number)
-  end function upper_half
-
   !> The whole part, as an assignment to an INTEGER does.
   elemental integer function cut_to_integer(number)
     real(KIND), intent(in) :: number  !! within the range of the default integer
@@ -103,20 +75,4 @@ contains
 
     power = number**real(1.5, KIND)
   end function three_halves_power
-
-  !> The cube root, for number >= 0; that of 8 times a number is exactly twice as much.
-  elemental function cube_root(number) result(root)
-    real(KIND), intent(in) :: number  !! number, 0 or more
-    real(KIND) :: root                !! its cube root
-    real(KIND) :: near_one
-    integer :: power
-
-    root = 0
-    if (.not. number > root) return
-    power = floor(exponent(number) / 3.0)
-    near_one = scale(number, -3 * power)
-    root = near_one**(1 / real(3, KIND))
-    ! One Newton step: the exponent 1/3 is rounded.
-    root = scale(root - (root - near_one / (root * root)) / 3, power)
-  end function cube_root
 #endif

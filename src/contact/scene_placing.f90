@@ -19,7 +19,7 @@ module asperity_scene_placing
   public :: place_scene
 
   character(len=*), parameter :: out_of_range = &
-    'a number of the scene is out of the range of doubles'
+    'a number of the scene is out of the range of this arithmetic'
 
 contains
 
@@ -308,7 +308,7 @@ contains
                .not. (placed%target > 0.0_real64 .or. placed%target < 0.0_real64)
     if (vanished .or. &
         (placed%criterion /= criterion_none .and. .not. limit > 0.0_real64)) &
-      failure = 'the load or the limit of the scene is too small for the arithmetic'
+      failure = 'the load or the limit of the scene is too small for this arithmetic'
   end subroutine check_range
 
   pure logical function all_finite(numbers)

@@ -117,6 +117,8 @@ COMP_WORDS=(asperity study --k) COMP_CWORD=2; _asperity; echo ${COMPREPLY[@]}"""
     (["DECK", "--contacts="], ["--contacts", "empty value"]),
     (["DECK", "--arithmetic", "ibm360"], ["ibm360", "ibm370", "real32", "real64", "real128"]),
     (["DECK", "--arithmetic", "IBM370"], ["IBM370"]),
+    (["solve", "DECK", "--arithmetic", "real64"],
+     ["a scene is solved in real64 only", "--arithmetic NAME` runs the original program"]),
     (["DECK", "--tables", "some"], ["'some'", "none", "all", "1 to 100"]),
     (["DECK", "--tables", "0"], ["'0'"]),
     (["DECK", "--tables", "101"], ["'101'"]),

@@ -154,5 +154,5 @@ def test_fpm_compiles_users_of_a_changed_text(tmp_path):
         return set(re.findall(r"(\w+)\.[fF]90\s+done", done.stdout))
 
     assert {"kinds", "ieee_numbers", "numbers_real64"} <= compiled()
-    text.write_text(text.read_text().replace("root * root", "(root * root)"))
+    text.write_text(text.read_text().replace("real(1.5, KIND)", "(real(1.5, KIND))"))
     assert compiled() == {"ieee_numbers", "numbers_real64"}
