@@ -68,7 +68,7 @@ def test_condition_of_a_small_penetration(name):
 def test_what_random_decks_lose_is_the_problem(seed, position, asperity, tmp_path, tally):
     """The positions of 200 random decks that are farthest from the truth, up to 1.8e-13: they end
     soon after first touch. Each is nearer than their condition times half a unit of a double."""
-    deck, motion, solved, _ = solve_deck(asperity, tmp_path, seed)
+    deck, motion, solved = solve_deck(asperity, tmp_path, seed)
     truth = deck_truth(deck, motion)
     state, row = truth.state(position), solved.positions[position - 1]
     error = max(relative(row[name], getattr(state, name)) for name in TOTALS)
