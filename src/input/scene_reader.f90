@@ -248,20 +248,10 @@ contains
     real(real64), parameter :: most_unlike = 0.1_real64  ! a few percent of the load; chosen
 
     if (checked%effects%mode('friction') /= effect_off) return
-    if (.not. (is_positive(checked%upper) .and. is_positive(checked%lower))) return
     if (abs(dundurs_beta(checked)) > most_unlike) &
       call checked%notes%add(checked%file // ': note: unlike bodies, Dundurs'' beta ' // &
                              real_text(abs(dundurs_beta(checked)), 'f6.3') // &
                              ': contacts are taken as frictionless')
-
-  contains
-
-    pure logical function is_positive(surface)
-      type(scene_surface), intent(in) :: surface
-
-      is_positive = decimal_to_real64(surface%elastic_modulus) > 0.0_real64
-    end function is_positive
-
   end subroutine note_unlike_bodies
 
   !> Group &motion; without it one position at zero displacement.

@@ -293,15 +293,16 @@ contains
   end function combined_modulus
 
   !> Second parameter of Dundurs (1969), beta = E/2 [(1 - 2 nu)(1 + nu)/E_body], upper less lower:
-  !> the tangential displacement of unlike bodies under pressure.
+  !> the tangential displacement of unlike bodies under pressure; 0 where moduli are not known.
   pure real(real64) function dundurs_beta(scene_in)
     type(scene), intent(in) :: scene_in  !! scene with checked values
     real(real64) :: ratio(2), modulus(2)
 
     dundurs_beta = 0.0_real64
-    if (decimal_to_real64(scene_in%contact_modulus) > 0.0_real64) return
     ratio = decimal_to_real64([scene_in%upper%poisson_ratio, scene_in%lower%poisson_ratio])
     modulus = decimal_to_real64([scene_in%upper%elastic_modulus, scene_in%lower%elastic_modulus])
+    if (.not. all(modulus > 0.0_real64) .or. &
+        decimal_to_real64(scene_in%contact_modulus) > 0.0_real64) return
     ratio = (1 - 2 * ratio) * (1 + ratio) / modulus
     dundurs_beta = 0.5_real64 * combined_modulus(scene_in) * (ratio(1) - ratio(2))
   end function dundurs_beta

@@ -95,10 +95,9 @@ contains
     type(scene), intent(in) :: scene_in  !! what was solved
     character(len=20) :: units(3)        !! at least one letter each
 
-    units = [character(len=20) :: length_unit(scene_in), '', scene_in%units(2)]
-    if (units(1) == '') units(1) = 'length'
-    if (units(3) == '') units(3) = 'force'
-    units(2) = trim(units(1)) // '2'
+    units = [character(len=20) :: unit_of(scene_in, is_length), unit_of(scene_in, is_area), &
+             unit_of(scene_in, is_force)]
+    where (units == '') units = [character(len=7) :: 'length', 'length2', 'force']
   end function axis_units
 
 end module asperity_unit_names

@@ -105,3 +105,6 @@ def test_unlike_bodies_are_noted(asperity, tmp_path, moduli, ratios, noted):
         note = (f"note: unlike bodies, Dundurs' beta {abs(beta):.3f}: "
                 "contacts are taken as frictionless")
         assert (note in done.stderr) == told, done.stderr
+    alone = scene(tmp_path, "alone", {"contact_modulus": COMBINED},
+                  loading={"control": "compression", "value": 1e-4})
+    assert "unlike" not in run_program(asperity, "solve", alone, "--quiet").stderr
