@@ -30,9 +30,7 @@ module asperity_element_answer
   !> Solution of a cluster on boundary elements.
   type :: element_answer
     type(element_contact), allocatable :: contacts(:)  !! members in the field of all contacts
-    type(element_contact), allocatable :: isolated(:)  !! members isolated, on equal elements
-    !> by member: whether the isolated contact is solved on elements; else it is that of Hertz' law
-    logical, allocatable :: is_isolated_solved(:)
+    real(real64) :: compression = 0.0_real64           !! given, or of a given load [length]
     integer :: elements = 0                         !! number of elements of the lattice
     !> displacement by the elements at the centre of each circle of the outside field [length]
     real(real64), allocatable :: outside_displacement(:)

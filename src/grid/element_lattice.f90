@@ -3,9 +3,14 @@
 !> Pressures only increase the gap: where the undeformed gap is 0 or more there is no pressure. The
 !> undeformed gap is negative only within sqrt(2) contact radii of first touch. Where such discs of
 !> several contacts overlap, an element has the least of their gaps and belongs to the contact of
-!> that gap, the first of equal ones. The vertical gap of two spheres is written from the position
-!> of first touch, and differences of square roots by their conjugates: no digits are lost at a
-!> penetration of 1e-12 of the radius.
+!> that gap, the first of equal ones.
+!>
+!> The bodies are those of Hertz' law: the gap of a pair is the paraboloid of its combined radius R.
+!> Measured vertically, it is (r**2 + (m.r)**2)/(2 R cos) at the offset r in plan from first touch,
+!> with the slope m and the cosine of the inclination. Its isolated contact has the load
+!> 4/3 E sqrt(R) cos p**(3/2) (1 + e**2/12) at the penetration p, e = m**2/(2 + m**2): Hertz' law of
+!> the circle of geometric mean curvature, with the first term of its eccentricity (Johnson 1985,
+!> eq. 4.25 to 4.28).
 module asperity_element_lattice
   use asperity_constants, only: pi
   use asperity_contact_pairs, only: contact_pair
@@ -14,7 +19,8 @@ module asperity_element_lattice
   implicit none
   private
 
-  public :: bounding_box, element_lattice, gap_at, gap_of_pair, gap_shape, lay_elements
+  public :: bounding_box, element_lattice, gap_at, gap_of_pair, gap_shape, lay_elements, &
+            penetration_of_load
 
   !> A rectangle of square elements. The lower left corner of element (1, 1) is `left` and `bottom`
   !> sides from the origin. Lengths in the unit of the pairs.
@@ -30,22 +36,16 @@ module asperity_element_lattice
     real(real64), allocatable :: force(:, :)  !! force over modulus, depth and side
   end type element_lattice
 
-  !> Undeformed gap of one pair, two spheres or a sphere and a plane. Lengths in the unit of the
-  !> pairs.
+  !> Undeformed gap of one pair. Lengths in the unit of the pairs.
   type :: gap_shape
     integer :: pair = 0                             !! index in the list of pairs
     real(real64) :: x = 0.0_real64                  !! position of first touch in plan
     real(real64) :: y = 0.0_real64                  !! position of first touch in plan
     real(real64) :: penetration = 0.0_real64        !! vertical penetration, > 0
     real(real64) :: reach = 0.0_real64              !! the gap is positive farther from first touch
-    real(real64) :: contact_radius = 0.0_real64     !! radius by Hertz' law without the inclination
-    real(real64) :: cosine = 1.0_real64             !! cosine of the inclination at first touch
-    real(real64) :: curvature_radius = 0.0_real64   !! R, 1/R = 1/R_upper + 1/R_lower
-    real(real64) :: upper_offset(2) = 0.0_real64    !! from the upper centre to first touch, in plan
-    real(real64) :: lower_offset(2) = 0.0_real64    !! from the lower centre to first touch, in plan
+    real(real64) :: contact_radius = 0.0_real64     !! radius in plan of the isolated contact
+    real(real64) :: curvature = 0.0_real64          !! of the gap across the slope
     real(real64) :: slope(2) = 0.0_real64           !! slope of the common tangent plane
-    real(real64) :: upper_height = 0.0_real64       !! height of the upper centre over first touch
-    real(real64) :: lower_height = 0.0_real64       !! depth of the lower centre under first touch
   end type gap_shape
 
 contains
@@ -129,67 +129,41 @@ contains
   pure function gap_of_pair(pair, number, penetration) result(profile)
     type(contact_pair), intent(in) :: pair        !! pair of asperities, or one and a plane
     integer, intent(in) :: number                 !! index in the list of pairs
-    real(real64), intent(in) :: penetration       !! vertical, > 0, less than zc of the pair
+    real(real64), intent(in) :: penetration       !! vertical penetration, > 0
     type(gap_shape) :: profile
-    real(real64) :: centre_offset(2), share, plane_height
+    real(real64) :: cosine
 
-    ! Height of the centre that stands for a plane: as large as its square is finite.
-    plane_height = 0.5_real64 * sqrt(huge(plane_height))
-    centre_offset = [pair%lower_x - pair%upper_x, pair%lower_y - pair%upper_y]
-    share = pair%upper_radius / pair%s
+    cosine = pair%zc / pair%s
     profile%pair = number
     profile%penetration = penetration
-    profile%cosine = pair%zc / pair%s
-    profile%slope = centre_offset / pair%zc
-    profile%upper_offset = share * centre_offset
-    profile%lower_offset = -(pair%lower_radius / pair%s) * centre_offset
-    profile%x = pair%upper_x + profile%upper_offset(1)
-    profile%y = pair%upper_y + profile%upper_offset(2)
-    profile%upper_height = pair%upper_radius * profile%cosine
-    profile%lower_height = pair%lower_radius * profile%cosine
-    profile%curvature_radius = share * pair%lower_radius
-    if (.not. min(pair%upper_radius, pair%lower_radius) > 0.0_real64) then
-      profile%curvature_radius = pair%radius
-      if (.not. pair%upper_radius > 0.0_real64) profile%upper_height = plane_height
-      if (.not. pair%lower_radius > 0.0_real64) profile%lower_height = plane_height
-    end if
-    ! The curvature of both spheres is at least 1/radius: gap >= r**2/(2 R) - penetration.
-    profile%contact_radius = sqrt(profile%curvature_radius * penetration)
-    profile%reach = sqrt(2.0_real64) * profile%contact_radius
+    profile%slope = [pair%lower_x - pair%upper_x, pair%lower_y - pair%upper_y] / pair%zc
+    profile%x = pair%x
+    profile%y = pair%y
+    profile%curvature = 1.0_real64 / (pair%radius * cosine)
+    profile%contact_radius = cosine * sqrt(pair%radius * penetration)
+    profile%reach = sqrt(2.0_real64 * penetration / profile%curvature)
   end function gap_of_pair
 
-  !> Undeformed vertical gap at a position; negative where the undeformed spheres overlap.
-  pure function gap_at(profile, x, y) result(gap)
+  !> Undeformed vertical gap at a position; negative where the undeformed bodies overlap.
+  pure real(real64) function gap_at(profile, x, y) result(gap)
     type(gap_shape), intent(in) :: profile  !! gap of the pair, with its penetration
     real(real64), intent(in) :: x           !! position from first touch
     real(real64), intent(in) :: y           !! position from first touch
-    real(real64) :: gap, slope, square, upper_difference, lower_difference
 
-    gap = missing_gap
-    square = x * x + y * y
-    slope = profile%slope(1) * x + profile%slope(2) * y
-    upper_difference = &
-      2.0_real64 * (profile%upper_offset(1) * x + profile%upper_offset(2) * y) + square
-    lower_difference = &
-      2.0_real64 * (profile%lower_offset(1) * x + profile%lower_offset(2) * y) + square
-    ! The position is outside one of the spheres, in plan.
-    if (upper_difference >= profile%upper_height**2 .or. &
-        lower_difference >= profile%lower_height**2) return
-    gap = above_plane(profile%upper_height, upper_difference, slope, square) + &
-          above_plane(profile%lower_height, lower_difference, -slope, square) - profile%penetration
+    gap = 0.5_real64 * profile%curvature * &
+          (x**2 + y**2 + (profile%slope(1) * x + profile%slope(2) * y)**2) - profile%penetration
   end function gap_at
 
-  ! Vertical distance of a sphere from its tangent plane at first touch. Heights over a horizontal
-  ! plane would contain the slopes of both spheres, whose sum is 0 but for rounding.
-  elemental real(real64) function above_plane(height, square_difference, slope, square)
-    real(real64), intent(in) :: height             ! height of the centre over first touch
-    real(real64), intent(in) :: square_difference  ! its square less that over the sphere here
-    real(real64), intent(in) :: slope              ! height of the plane here over first touch
-    real(real64), intent(in) :: square             ! square of the distance in plan
+  !> Penetration of the isolated contact of a pair that carries a load (see the module).
+  elemental real(real64) function penetration_of_load(pair, load) result(penetration)
+    type(contact_pair), intent(in) :: pair    !! pair of asperities, or one and a plane
+    real(real64), intent(in) :: load          !! vertical load on elements over the modulus, >= 0
+    real(real64) :: square, stiffness
 
-    associate (denominator => height + sqrt(height**2 - square_difference))
-      above_plane = (square + slope * (square_difference / denominator)) / denominator
-    end associate
-  end function above_plane
+    square = (pair%d / pair%zc)**2
+    stiffness = 4.0_real64 / 3.0_real64 * sqrt(pair%radius) * (pair%zc / pair%s) * &
+                (1.0_real64 + (square / (2.0_real64 + square))**2 / 12.0_real64)
+    penetration = (load / stiffness)**(2.0_real64 / 3.0_real64)
+  end function penetration_of_load
 
 end module asperity_element_lattice

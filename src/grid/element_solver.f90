@@ -1,21 +1,21 @@
 !> A cluster of contacts resolved on boundary elements, under the field of the contacts outside.
 !>
-!> Problem: a half-space of the combined modulus under a rigid surface, the sum of both profiles;
-!> the gap is vertical, also where a pair is inclined. Find the pressures >= 0 of least energy at a
-!> given compression (asperity_element_forces), on square elements of uniform pressure.
+!> Problem: a half-space of the combined modulus under a rigid surface, the least of the paraboloids
+!> of all pairs; the gap is vertical, also where a pair is inclined. Find the pressures >= 0 of
+!> least energy, at a given compression or of a given sum (asperity_element_forces), on square
+!> elements of uniform pressure.
 !>
 !> Method: the elements of one lattice are halved until the changes of load and area, extrapolated
-!> with the order 3/2 of the elements, are below their tolerances (Richardson), and as small as the
-!> scatter of areas and the smallest contacts require. The lattice covers a window, which is
-!> extended where contacts outside it are loaded.
+!> with the orders 2 and 3/2 of the elements (Richardson), are below their tolerances, and as small
+!> as the scatter of areas and the smallest contacts require. Of a given sum the compression stands
+!> for the load. The lattice covers a window, which is extended to loaded contacts outside it.
 !>
 !> Exits: converged; or a message in `failure`, where penetrations are too large or too small for
 !> the model, memory is short, the pressures do not converge or the run is interrupted. Modifies the
 !> lattice, which is used again while the largest penetration changes by less than a factor of 2.
 module asperity_element_solver
   use asperity_lattice_convolution, only: lattice_convolution
-  use asperity_element_answer, only: area_error, element_answer, element_contact, find_contacts, &
-                                     keep_elements
+  use asperity_element_answer, only: area_error, element_answer, find_contacts, keep_elements
   use asperity_element_influence, only: mean_influence
   use asperity_element_lattice, only: bounding_box, element_lattice, gap_at, gap_of_pair, &
                                       gap_shape, lay_elements
@@ -25,7 +25,7 @@ module asperity_element_solver
   use asperity_contact_pairs, only: contact_pair, contact_pairs
   use asperity_element_forces, only: find_forces, force_bounds
   use asperity_kinds, only: int64, real64
-  use asperity_problems, only: decimal_text, not_enough_memory
+  use asperity_problems, only: not_enough_memory
   use asperity_process, only: has_memory
   use asperity_solve_ending, only: solve_ending
   implicit none
@@ -52,18 +52,19 @@ module asperity_element_solver
     integer :: origin = 1                            ! index of that with the largest isolated load
     real(real64) :: tolerance(2) = 0.0_real64        ! relative errors of load and area
     real(real64) :: reference(2) = 0.0_real64        ! least load and area they are relative to
-    real(real64) :: totals(2) = 0.0_real64           ! load and area on the last lattice
+    real(real64) :: target = -1.0_real64             ! given load over the modulus; below 0: none
+    !> load, of a given load the compression since first touch, and area on the last lattice
+    real(real64) :: totals(2) = 0.0_real64
+    real(real64) :: level = 0.0_real64               ! mean gap under a given load [length]
     real(real64), allocatable :: displacement(:, :)  ! by element of the last lattice, over depth
   end type cluster_task
 
   ! Elements along the longer side of the box of a cluster while the box is searched; half as many
-  ! at least on the first lattice that is halved, and twice as many at most in the radius of an
-  ! isolated contact, whose load is in error by less than 1e-5 there (chosen).
+  ! at least on the first lattice that is halved (chosen).
   integer, parameter :: box_elements = 24
-  ! Elements in a radius from which on the load of the isolated contact is taken from them, and that
-  ! the least radius of a loaded contact has to have: with fewer the elements of the box are halved
-  ! (chosen: else the load of 120 caps on caps has an error of 3 %).
-  integer, parameter :: least_elements = 2
+  ! Factor of the compression for which elements of a given load are laid, on that of Hertzian
+  ! contacts, whose error is smaller (chosen; a larger compression is laid again).
+  real(real64), parameter :: laid_ratio = 1.1_real64
   ! Offset of the lattice from the contact with the largest isolated load, in elements of the first
   ! lattice that is halved, x and y (chosen: a symmetric offset lets the errors of elements at the
   ! rim add up; test: elements_suite.f90).
@@ -75,8 +76,9 @@ module asperity_element_solver
   ! much times the tolerance of the load, whose error is then 0.44 of the residual in the root mean
   ! square (measured on 390 Hertz contacts).
   real(real64), parameter :: gap_residual = 0.004_real64
-  ! Bytes that a cluster may use (chosen).
-  real(real64), parameter :: bytes_allowed = 2.0_real64**31
+  !> Largest number of elements of a lattice: 2 GiB (chosen) of 17 arrays of 8 bytes, and 4 more for
+  !! two spectra and a transform of the padded lattice.
+  real(real64), parameter, public :: elements_allowed = 2.0_real64**31 / (8 * (17 + 4))
 
 contains
 
@@ -104,49 +106,71 @@ contains
   !>
   !> Only lattices of one origin are compared. The load of members with the same position of first
   !> touch is stored at the first one.
-  subroutine solve_elements(pairs, members, compression, outside, tolerance, reference, lattice, &
-                            answer)
+  subroutine solve_elements(pairs, members, compression, outside, accuracy, lattice, answer, target)
     type(contact_pairs), intent(in), target :: pairs       !! pairs of the position
     integer, intent(in) :: members(:)                      !! contacts, indices in the list of pairs
     real(real64), intent(in) :: compression                !! compression of the contacts [length]
     type(outside_field), intent(in), target :: outside     !! field of contacts not in the cluster
-    real(real64), intent(in) :: tolerance(2)               !! relative errors of load and area
-    real(real64), intent(in) :: reference(2)               !! least load and area they refer to
+    !> relative errors of load and area; least load and area that they refer to
+    real(real64), intent(in) :: accuracy(2, 2)
     type(cluster_lattice), intent(inout) :: lattice        !! last lattice, used again if possible
     type(element_answer), intent(out) :: answer            !! contacts and errors, or a failure
+    !> sum of the forces on the elements [force]; the compression is an estimate then
+    real(real64), intent(in), optional :: target
     type(cluster_task) :: task
-    real(real64) :: first_side
+    real(real64) :: first_touch, laid
 
     task%pairs => pairs
     task%outside => outside
-    task%tolerance = tolerance
-    task%reference = reference
-    allocate (answer%contacts(size(members)), answer%isolated(size(members)))
-    allocate (answer%is_isolated_solved(size(members)), source=.false.)
-    answer%contacts%x = pairs%list(members)%x
-    answer%contacts%y = pairs%list(members)%y
-    call find_shapes(pairs, members, compression, task%shapes)
-    associate (shapes => task%shapes)
+    task%tolerance = accuracy(:, 1)
+    task%reference = accuracy(:, 2)
+    first_touch = minval(pairs%list(members)%gap)
+    laid = compression
+    if (present(target)) then
+      task%target = target / pairs%modulus
+      laid = first_touch + laid_ratio * (compression - first_touch)
+    end if
+    do
+      call find_shapes(pairs, members, laid, task%shapes)
+      call solve_shapes(task, members, lattice, answer)
+      answer%compression = laid + task%level
+      if (allocated(answer%failure) .or. .not. task%level > 0.0_real64) return
+      ! The elements were laid for a smaller compression than that of the load.
+      laid = first_touch + laid_ratio * (answer%compression - first_touch)
+      deallocate (answer%contacts, lattice%elements%force)
+    end do
+  end subroutine solve_elements
+
+  ! Solves the contacts that penetrate on lattices that are halved.
+  subroutine solve_shapes(task, members, lattice, answer)
+    type(cluster_task), intent(inout) :: task
+    integer, intent(in) :: members(:)
+    type(cluster_lattice), intent(inout) :: lattice
+    type(element_answer), intent(inout) :: answer
+    real(real64) :: first_side
+
+    associate (shapes => task%shapes, pairs => task%pairs, outside => task%outside)
+      allocate (answer%contacts(size(members)))
+      answer%contacts%x = pairs%list(members)%x
+      answer%contacts%y = pairs%list(members)%y
       if (size(shapes) == 0) then
         answer%ending = solve_ending(.true., 0.0_real64, 0)
         return
       end if
       if (.not. all(shapes%penetration < level_height(pairs%list(members(shapes%pair))))) then
         answer%failure = 'a penetration reaches the level of the centres'
-      else if (.not. maxval(shapes%penetration / shapes%curvature_radius)**2 > &
-               tiny(compression)) then
+      else if (.not. maxval(shapes%penetration * shapes%curvature)**2 > tiny(first_side)) then
         answer%failure = 'penetrations below the resolution of boundary elements'
       end if
       if (allocated(answer%failure)) return
       if (is_kept(lattice, maxval(shapes%penetration))) then
         call solve_in_window(task, lattice, answer, lattice%elements%side, &
-                             gap_residual * tolerance(1))
+                             gap_residual * task%tolerance(1))
       else
         call find_box(task, lattice, answer, first_side)
         call halve_elements(task, first_side, lattice, answer)
       end if
       if (.not. allocated(answer%failure)) call estimate_errors(task, lattice, answer)
-      if (.not. allocated(answer%failure)) call solve_isolated(task, lattice, answer)
       if (allocated(answer%failure)) then
         answer%ending%converged = .false.
         if (pairs%interrupt%is_asked()) answer%failure = 'interrupted'
@@ -158,7 +182,7 @@ contains
       if (allocated(outside%x)) &
         answer%outside_displacement = element_displacement(lattice%elements, outside%x, outside%y)
     end associate
-  end subroutine solve_elements
+  end subroutine solve_shapes
 
   ! Whether the last lattice is used again. Its elements are smaller than required by a factor from
   ! 1 to the root of 2, and the radius of a contact is proportional to the root of the penetration.
@@ -184,7 +208,7 @@ contains
     associate (shapes => task%shapes, k => task%origin)
       if (allocated(lattice%elements%force)) deallocate (lattice%elements%force)
       lattice%largest_penetration = maxval(shapes%penetration)
-      k = maxloc(shapes%contact_radius * shapes%penetration * shapes%cosine, 1)
+      k = maxloc(shapes%contact_radius * shapes%penetration, 1)
       call bounding_box(shapes, shapes(k)%x, shapes(k)%y, low, high)
       side = maxval(high - low) / box_elements
       lattice%x = shapes(k)%x - lattice_offset(1) * side
@@ -197,7 +221,7 @@ contains
         if (allocated(answer%failure)) return
         if (.not. task%totals(1) > 0.0_real64) then
           ! No element is loaded: the loaded contact may be smaller than an element.
-          if (least_elements * side < shapes(k)%contact_radius) exit
+          if (2 * side < shapes(k)%contact_radius) exit
           side = 0.5_real64 * side
           cycle
         end if
@@ -236,7 +260,7 @@ contains
       side = 0.5_real64 * side
       call solve_in_window(task, lattice, answer, side, gap_residual * task%tolerance(1))
       if (allocated(answer%failure)) return
-      lattice%halving_error = remaining_error(abs(task%totals / previous_totals - 1.0_real64))
+      lattice%halving_error = remaining_errors(abs(task%totals / previous_totals - 1.0_real64))
       if (all(lattice%halving_error <= allowed_errors(task)) .and. &
           side < required_side(task, lattice, answer)) exit
       ! The rounding of coordinates is not small against the contact: further halving would converge
@@ -258,13 +282,16 @@ contains
     type(cluster_lattice), intent(in) :: lattice
     type(element_answer), intent(inout) :: answer
 
-    answer%error = max(lattice%halving_error(1) * task%totals(1), &
+    real(real64) :: load, error(2)
+
+    load = sum(answer%contacts%load)
+    error = remaining_errors(task%tolerance)
+    answer%error = max(lattice%halving_error(1) * load, &
                        min(deviations * norm2(answer%contacts%error), &
-                           remaining_error(task%tolerance(1)) * &
-                           max(task%reference(1), task%totals(1))))
+                           error(1) * max(task%reference(1), load)))
     if (lattice%halving_error(1) > 0.0_real64 .and. task%totals(1) > 0.0_real64) &
       answer%area_error = max(lattice%halving_error(2) / deviations, &
-          area_error * (lattice%elements%side / largest_radius(lattice, answer))**1.5_real64)
+          area_error * (lattice%elements%side / scatter_radius(lattice, answer))**1.5_real64)
   end subroutine estimate_errors
 
   ! Tolerated errors of load and area, relative to those on the last lattice.
@@ -272,11 +299,13 @@ contains
     type(cluster_task), intent(in) :: task
     real(real64) :: share(2)
 
-    share = task%tolerance * max(1.0_real64, task%reference / max(task%totals, tiny(share)))
+    share = task%tolerance
+    if (.not. task%target > 0.0_real64) &
+      share = share * max(1.0_real64, task%reference / max(task%totals, tiny(share)))
   end function allowed_errors
 
-  ! Largest side of the elements that meets the tolerance of the area, by its scatter, and resolves
-  ! the smallest loaded contact.
+  ! Largest side of the elements that meets the tolerance of the area, by its scatter, and that of
+  ! the load by contacts that are smaller than an element.
   real(real64) function required_side(task, lattice, answer) result(side)
     type(cluster_task), intent(in) :: task
     type(cluster_lattice), intent(in) :: lattice
@@ -284,17 +313,42 @@ contains
     real(real64) :: share(2)
 
     share = allowed_errors(task)
-    side = largest_radius(lattice, answer) * &
+    side = scatter_radius(lattice, answer) * &
            (share(2) / (deviations * area_error))**(2.0_real64 / 3.0_real64)
-    if (sqrt(minval(answer%contacts%area, mask=answer%contacts%area > 0.0_real64) / pi) < &
-        least_elements * side) &
-      side = min(side, sqrt(0.5_real64) * longer_side(lattice%window) / box_elements)
+    if (missed_load(task, lattice%elements, answer) > &
+        share(1) * sum(answer%contacts%load) / task%pairs%modulus) &
+      side = min(side, sqrt(0.5_real64) * lattice%elements%side)
   end function required_side
 
-  ! Largest radius of a contact, or of equal circles with the total area and rim of the loaded
-  ! elements, as contacts that merge have no rim between them. The rim of a circle of radius a has
-  ! 8 a/h sides.
-  real(real64) function largest_radius(lattice, answer) result(radius)
+  ! Load over the modulus of contacts of which no element is loaded: that of their isolated contacts
+  ! in the displacement at first touch, by the elements and by contacts outside.
+  pure real(real64) function missed_load(task, lattice, answer) result(load)
+    type(cluster_task), intent(in) :: task
+    type(element_lattice), intent(in) :: lattice
+    type(element_answer), intent(in) :: answer
+    real(real64) :: penetration
+    integer :: i, j, n
+
+    load = 0.0_real64
+    do n = 1, size(task%shapes)
+      associate (contact => task%shapes(n))
+        if (answer%contacts(contact%pair)%load > 0.0_real64) cycle
+        i = floor((contact%x - lattice%x) / lattice%side) - lattice%left + 1
+        j = floor((contact%y - lattice%y) / lattice%side) - lattice%bottom + 1
+        if (min(i, j) < 1 .or. i > size(lattice%force, 1) .or. j > size(lattice%force, 2)) cycle
+        penetration = contact%penetration + task%level - task%displacement(i, j) * lattice%depth - &
+          outside_displacement(task%outside, task%pairs%modulus, contact%x, contact%y)
+        if (penetration > 0.0_real64) load = load + 4.0_real64 / 3.0_real64 * &
+          contact%contact_radius * penetration * sqrt(penetration / contact%penetration)
+      end associate
+    end do
+  end function missed_load
+
+  ! Radius a of a contact whose area has the same relative scatter, of the power -3/2 of a, as the
+  ! sum of independent areas; or of equal circles with the total area and rim of the loaded
+  ! elements, if that is larger, as contacts that merge have no rim between them. The rim of a
+  ! circle of radius a has 8 a/h sides.
+  real(real64) function scatter_radius(lattice, answer) result(radius)
     type(cluster_lattice), intent(in) :: lattice
     type(element_answer), intent(in) :: answer
     logical :: loaded(size(lattice%elements%force, 1), size(lattice%elements%force, 2))
@@ -306,9 +360,13 @@ contains
     sides = count(loaded(:columns - 1, :) .neqv. loaded(2:, :)) + &
             count(loaded(:, :rows - 1) .neqv. loaded(:, 2:)) + count(loaded(1, :)) + &
             count(loaded(columns, :)) + count(loaded(:, 1)) + count(loaded(:, rows))
-    radius = max(sqrt(maxval(answer%contacts%area) / pi), &
-                 8 * count(loaded) * lattice%elements%side / (pi * max(1, sides)))
-  end function largest_radius
+    associate (areas => pack(answer%contacts%area, answer%contacts%area > 0.0_real64))
+      radius = 0.0_real64
+      if (size(areas) > 0) radius = sqrt(1.0_real64 / pi) * (sum(areas) / &
+                                    norm2(areas**0.25_real64))**(2.0_real64 / 3.0_real64)
+    end associate
+    radius = max(radius, 8 * count(loaded) * lattice%elements%side / (pi * max(1, sides)))
+  end function scatter_radius
 
   ! Solves all contacts in the window with elements of a side, and sets the totals. The window is
   ! extended where elements on its rim, or contacts outside it, are loaded.
@@ -352,6 +410,8 @@ contains
       contacts%error = 0.0_real64
       call find_contacts(task%pairs%modulus, task%shapes, lattice%elements, contacts)
       task%totals = [sum(contacts%load), sum(contacts%area)]
+      if (task%target > 0.0_real64) &
+        task%totals(1) = max(0.0_real64, lattice%elements%depth + task%level)
     end associate
   end subroutine solve_in_window
 
@@ -360,14 +420,12 @@ contains
     type(cluster_lattice), intent(in) :: lattice
     real(real64), intent(in) :: side
     type(element_answer), intent(inout) :: answer
-    real(real64) :: bytes
+    real(real64) :: share
 
-    ! 17 arrays of 8 bytes; 4 more for two spectra and a transform of the padded lattice.
-    bytes = 8 * (17 + 4) * product((lattice%window(3:) - lattice%window(:2)) / side + 2)
-    if (.not. bytes < bytes_allowed) then
-      answer%failure = 'the boundary elements would need more than ' // &
-                       decimal_text(nint(bytes_allowed / 2.0_real64**30)) // ' GiB of memory'
-    else if (.not. has_memory(nint(bytes, int64))) then
+    share = product((lattice%window(3:) - lattice%window(:2)) / side + 2) / elements_allowed
+    if (.not. share < 1.0_real64) then
+      answer%failure = 'the boundary elements would need more than 2 GiB of memory'
+    else if (.not. has_memory(nint(share * 2.0_real64**31, int64))) then
       answer%failure = not_enough_memory // ' for the boundary elements of a group of contacts'
     end if
   end subroutine check_memory
@@ -385,7 +443,7 @@ contains
       associate (contact => task%shapes(n))
         position = [contact%x - lattice%x, contact%y - lattice%y]
         if (all(position > lattice%window(:2) .and. position < lattice%window(3:))) cycle
-        gap = least_gap(contact, lattice%elements, task%outside, task%pairs%modulus)
+        gap = least_gap(contact, lattice%elements, task%outside, task%pairs%modulus) - task%level
         if (.not. gap < 0.0_real64) cycle
         is_complete = .false.
         reach = contact%contact_radius * sqrt(min(1.0_real64, -gap / contact%penetration)) + &
@@ -403,54 +461,24 @@ contains
     type(element_lattice), intent(inout) :: next
     type(element_answer), intent(inout) :: answer
     type(lattice_convolution) :: influence
+    type(force_bounds) :: bounds
 
     if (.not. task%pairs%interrupt%is_asked()) &
       call influence%prepare(mean_influence(size(next%gap, 1), size(next%gap, 2)))
     if (task%pairs%interrupt%is_asked()) answer%failure = 'interrupted'
     if (allocated(answer%failure)) return
-    call find_forces(influence, next%gap, force_bounds(tolerance=residual), next%force, &
-                     answer%ending, task%pairs%interrupt, displacement=task%displacement)
+    bounds%tolerance = residual
+    if (task%target > 0.0_real64 .and. any(next%owner > 0)) then
+      bounds%load = task%target / (next%depth * next%side)
+      where (next%owner > 0) next%force = max(next%force, epsilon(residual))
+      next%force = next%force * (bounds%load / sum(next%force))
+    end if
+    call find_forces(influence, next%gap, bounds, next%force, answer%ending, task%pairs%interrupt, &
+                     level=task%level, displacement=task%displacement)
+    task%level = merge(task%level * next%depth, 0.0_real64, bounds%load > 0.0_real64)
     if (.not. answer%ending%converged) &
       answer%failure = 'the pressures on the boundary elements did not converge'
   end subroutine solve_lattice
-
-  ! Solves each isolated contact on the elements of the cluster, as the discretisation errors then
-  ! cancel in the ratio of loads. Contacts smaller than that have the load of Hertz' law.
-  subroutine solve_isolated(task, lattice, answer)
-    type(cluster_task), intent(inout) :: task
-    type(cluster_lattice), intent(in) :: lattice
-    type(element_answer), intent(inout) :: answer
-    type(element_lattice) :: next
-    type(solve_ending) :: ending
-    real(real64) :: centre(2), side
-    integer :: i
-
-    ending = answer%ending
-    do i = 1, size(task%shapes)
-      associate (contact => task%shapes(i))
-        answer%isolated(contact%pair) = hertz_contact(task%pairs%modulus, contact)
-        if (.not. answer%contacts(contact%pair)%load > 0.0_real64) cycle
-        answer%is_isolated_solved(contact%pair) = &
-          contact%contact_radius > least_elements * lattice%elements%side
-        if (.not. answer%is_isolated_solved(contact%pair)) cycle
-        if (size(task%shapes) == 1 .and. .not. (allocated(task%outside%x) .or. &
-                                                allocated(task%outside%node_displacement))) then
-          answer%isolated = answer%contacts
-          return
-        end if
-        side = lattice%elements%side * 2.0_real64**max(0, ceiling(log(contact%contact_radius / &
-          (2 * box_elements * lattice%elements%side)) / log(2.0_real64)))
-        centre = [contact%x - lattice%x, contact%y - lattice%y]
-        call lay_elements(task%shapes(i:i), lattice%x, lattice%y, side, &
-                          [centre - contact%contact_radius - side, &
-                           centre + contact%contact_radius + side], next)
-        call solve_lattice(task, gap_residual * task%tolerance(1), next, answer)
-        if (allocated(answer%failure)) return
-        call find_contacts(task%pairs%modulus, task%shapes(i:i), next, answer%isolated)
-      end associate
-    end do
-    answer%ending = ending
-  end subroutine solve_isolated
 
   ! Finds the box of the loaded elements and their neighbours, and of contacts smaller than an
   ! element that are loaded in the displacement there.
@@ -477,7 +505,7 @@ contains
         i = floor(x / lattice%side) - lattice%left + 1
         j = floor(y / lattice%side) - lattice%bottom + 1
         if (min(i, j) < 1 .or. i > size(lattice%force, 1) .or. j > size(lattice%force, 2)) cycle
-        if (.not. contact%penetration > task%displacement(i, j) * lattice%depth) cycle
+        if (.not. contact%penetration + task%level > task%displacement(i, j) * lattice%depth) cycle
         reach = min(contact%reach, lattice%side)
         box(:2) = min(box(:2), [x, y] - reach)
         box(3:) = max(box(3:), [x, y] + reach)
@@ -524,13 +552,14 @@ contains
     is_radius_resolved = contact_radius > sqrt(epsilon(x)) * max(abs(x), abs(y))
   end function is_radius_resolved
 
-  ! Relative error after halving the elements changed a result by `change`: errors are proportional
-  ! to the power 3/2 of the side of the elements, those of loads to a higher power.
-  elemental real(real64) function remaining_error(change)
-    real(real64), intent(in) :: change
+  ! Relative errors of load and area after halving the elements has changed them: these are
+  ! proportional to the powers 2 and 3/2 of the side of the elements.
+  pure function remaining_errors(change) result(error)
+    real(real64), intent(in) :: change(2)
+    real(real64) :: error(2)
 
-    remaining_error = change / (2.0_real64**1.5_real64 - 1.0_real64)
-  end function remaining_error
+    error = change / ([4.0_real64, 2.0_real64**1.5_real64] - 1.0_real64)
+  end function remaining_errors
 
   ! Penetration at which the centres of a pair are at equal height, or a centre is in the plane.
   elemental real(real64) function level_height(pair)
@@ -558,23 +587,6 @@ contains
       end associate
     end do
   end subroutine find_shapes
-
-  ! The isolated contact by Hertz' law. By its inclination a vertical section of a sphere has the
-  ! curvature over the cosine across the slope, and over its third power along it: the radius is
-  ! that of the circle of equal area.
-  pure type(element_contact) function hertz_contact(modulus, profile) result(contact)
-    real(real64), intent(in) :: modulus
-    type(gap_shape), intent(in) :: profile
-
-    associate (radius => profile%contact_radius * profile%cosine)
-      contact%x = profile%x
-      contact%y = profile%y
-      contact%load = 4.0_real64 / 3.0_real64 * modulus * radius * profile%penetration
-      contact%area = pi * radius**2
-      if (radius > 0.0_real64) &
-        contact%pressure = 2.0_real64 / pi * modulus * profile%penetration / radius
-    end associate
-  end function hertz_contact
 
   ! Sets the forces on a lattice to those of the pressures on a solved one.
   pure subroutine transfer_forces(solved, next)

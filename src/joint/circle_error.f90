@@ -2,8 +2,8 @@
 !>
 !> That of the field of the neighbours is estimated by the size of its correction
 !> (circle_correction). Others are estimated contact by contact here, as indicators by the first
-!> neglected term, tested against boundary elements, not proved bounds: of inclined contacts, of
-!> spheres as paraboloids, and of caps that stand out of the contact that covers them.
+!> neglected term, tested against boundary elements, not proved bounds: of inclined contacts
+!> and of caps that stand out of the contact that covers them.
 module asperity_circle_error
   use asperity_circle_correction, only: area_factor, circle_correction, find_correction
   use asperity_circle_field, only: are_close, relative_position
@@ -16,7 +16,7 @@ module asperity_circle_error
   implicit none
   private
 
-  public :: circle_errors, find_errors, find_open_neighbours
+  public :: circle_errors, find_errors, find_open_neighbours, sphere_share
 
   !> Errors of the loads over the modulus, and of the areas, by pair. They are 0 for open contacts
   !> that no circle covers.
@@ -41,10 +41,6 @@ module asperity_circle_error
   ! decrease of its load by neighbours, over the slope squared (measured: 0.054 at most on 33 scenes
   ! of slopes from 0.14 to 0.56 where no other error is larger).
   real(real64), parameter :: inclination_share = 0.06_real64
-  ! Factor of the error of a sphere as a paraboloid, by the displacement by neighbours: 1 for the
-  ! ratio to the load of the isolated contact, 1.5 as its neighbours are displaced less (derived:
-  ! 2.5; measured: 3.3 at most).
-  real(real64), parameter :: sphere_factor = 3.5_real64
   ! Least ratio of the radii of two overlapping contacts for which the sharper one is nested
   ! (chosen; test: nested contacts in test/regression/test_warnings_at_limits.py).
   real(real64), parameter :: nested_ratio = 3.0_real64
@@ -117,8 +113,7 @@ contains
     end associate
   end subroutine find_open_neighbours
 
-  ! Finds the error of the load of one contact by its inclination and as a sphere, and whether it is
-  ! nested.
+  ! Finds the error of the load of one contact by its inclination, and whether it is nested.
   subroutine find_shape_error(pairs, solution, k, error, is_nested)
     type(contact_pairs), intent(in) :: pairs
     type(coupled_solution), intent(in) :: solution
@@ -137,9 +132,8 @@ contains
           is_nested = is_nested .or. are_close(set, k, j, 1.0_real64)
       end do
       displacement = max(0.0_real64, solution%compression - pair%gap - p)
-      error = set%load(k) * (inclination_share * displacement / (p + displacement) * &
-                             (pair%d / pair%zc)**2 + &
-                             sphere_factor * sphere_share(pair, min(p, displacement)))
+      error = set%load(k) * inclination_share * displacement / (p + displacement) * &
+              (pair%d / pair%zc)**2
     end associate
   end subroutine find_shape_error
 
@@ -166,12 +160,12 @@ contains
     segment_area = radius**2 * (acos(cosine) - cosine * sqrt(1 - cosine**2))
   end function segment_area
 
-  ! Relative decrease of the load of a sphere from that of its paraboloid: p/(10 R) under a plane,
-  ! to first order (the next term of the gap is r**4/(8 R**3)). A plane has the radius 0 and no
-  ! term.
-  pure real(real64) function sphere_share(pair, p) result(share)
-    type(contact_pair), intent(in) :: pair
-    real(real64), intent(in) :: p
+  !> Relative decrease of the load of a sphere from that of its paraboloid: p/(10 R) under a plane,
+  !! to first order (the next term of the gap is r**4/(8 R**3)). A plane has the radius 0 and no
+  !! term.
+  elemental real(real64) function sphere_share(pair, p) result(share)
+    type(contact_pair), intent(in) :: pair   !! pair of asperities, or one and a plane
+    real(real64), intent(in) :: p            !! penetration of the pair, > 0
 
     share = 0.0_real64
     if (pair%upper_radius > 0.0_real64) share = 1.0_real64 / pair%upper_radius**3

@@ -9,17 +9,19 @@
 !> field of all contacts outside. A cluster returns its loads and centres of pressure, and the
 !> Hertzian contacts are coupled again with contacts that carry these loads there. This is block
 !> coordinate descent (Gauss and Seidel) between clusters and Hertzian
-!> contacts, with the derivatives of all loads in the second block. A single cluster of all contacts
-!> needs no Hertzian contacts; its compression at a load is found by secants in a bracket, at first
-!> with elements of a coarse tolerance.
+!> contacts, with the derivatives of all loads in the second block. Where one lattice under all
+!> contacts costs less than the clusters, it is solved instead.
 !>
 !> Exits: converged, where the last change of the total load is at most `settled_share` times the
 !> tolerance; a message in `failure`, where a solve failed or after `most_iterations` iterations.
 module asperity_joint_contacts
   use asperity_circle_correction, only: circle_correction
-  use asperity_circle_error, only: circle_errors, find_errors, find_open_neighbours
-  use asperity_element_solver, only: cluster_lattice, deviations
-  use asperity_circle_field, only: are_close, inclination_factor
+  use asperity_circle_error, only: circle_errors, find_errors, find_open_neighbours, &
+                                   sphere_share
+  use asperity_element_answer, only: area_error
+  use asperity_element_lattice, only: penetration_of_load
+  use asperity_element_solver, only: deviations, elements_allowed, solve_elements
+  use asperity_circle_field, only: are_close, circle_set, inclination_factor
   use asperity_constants, only: pi
   use asperity_contact_law, only: contact_law, contact_response
   use asperity_contact_pairs, only: contact_pairs
@@ -31,6 +33,7 @@ module asperity_joint_contacts
   use asperity_index_groups, only: gather_groups
   use asperity_key_sort, only: sort_keys
   use asperity_kinds, only: real64
+  use asperity_outside_field, only: outside_field
   use asperity_problems, only: decimal_text, real_text
   use asperity_resolved_answers, only: represent_clusters, distribute_loads
   use asperity_resolved_clusters, only: cluster, form_clusters, solve_clusters
@@ -90,14 +93,6 @@ module asperity_joint_contacts
     type(cluster), allocatable :: clusters(:)
   end type joint_task
 
-  ! Search of the compression at a load, by secants in a bracket.
-  type :: load_search
-    real(real64) :: first_touch = 0.0_real64               ! compression of load 0
-    real(real64) :: low = 0.0_real64, high = 0.0_real64    ! bracket of the compression
-    real(real64) :: previous(2) = 0.0_real64               ! previous compression and its load
-    real(real64) :: power = 2.0_real64 / 3.0_real64        ! compression ~ load**power; Hertz: 2/3
-  end type load_search
-
 contains
 
   !> Solves the contacts at the compression in `solution%coupled`, or at a load (problem, method and
@@ -134,9 +129,7 @@ contains
     if (choice == resolve_all) &
       solution%is_resolved = pairs%list%gap < solution%coupled%compression
     if (sum(solution%coupled%set%load) > 0.0_real64) then
-      if (choice /= resolve_all) call find_errors(pairs, solution%coupled, &
-                                                  allocated(task%target), task%correction, &
-                                                  task%errors)
+      call find_errors(pairs, solution%coupled, allocated(task%target), task%correction, task%errors)
       solution%nested = task%errors%nested
       if (choice == resolve_called_for) call choose_resolved(task, solution%coupled, &
                                                              solution%is_resolved)
@@ -194,7 +187,7 @@ contains
     type(joint_task), intent(inout) :: task
     type(joint_solution), intent(inout) :: solution
     type(cluster), allocatable :: previous_clusters(:)
-    real(real64) :: compression, load, previous_load, tolerance
+    real(real64) :: load, previous_load, tolerance
     logical :: has_grown
 
     tolerance = merge(task%elements_tolerance, task%tolerance, task%choice == resolve_all)
@@ -207,9 +200,8 @@ contains
           call form_clusters(pairs, coupled, is_resolved, task%clusters)
           if (allocated(previous_clusters)) call keep_lattices(previous_clusters, task%clusters)
           task%resolved = resolved_contacts(is_resolved, pairs%list%x, pairs%list%y, pairs%list%gap)
-          if (size(task%clusters) == 1 .and. all(is_resolved(coupled%set%contact))) then
-            compression = coupled%compression
-            call solve_one_cluster(task, solution, compression)
+          if (is_one_grid_cheaper(task, coupled)) then
+            call solve_one_grid(task, solution)
             return
           end if
         end if
@@ -220,7 +212,7 @@ contains
         call add_close_contacts(pairs, task%clusters, is_resolved, has_grown)
         if (has_grown) cycle
         task%clusters%is_solved = .false.
-        call represent_clusters(pairs, task%law, task%clusters, coupled, task%resolved, .false.)
+        call represent_clusters(pairs, task%law, task%clusters, coupled, task%resolved)
         call adopt_failure(solution)
         if (allocated(solution%failure)) return
         ! The change of the load by this coupling is the error of the field in which the clusters
@@ -248,7 +240,7 @@ contains
   subroutine estimate_errors(task, solution)
     type(joint_task), intent(in) :: task
     type(joint_solution), intent(inout) :: solution
-    real(real64) :: total, area
+    real(real64) :: total, area, spheres
     integer :: k
 
     associate (coupled => solution%coupled, is_resolved => solution%is_resolved)
@@ -279,127 +271,122 @@ contains
           task%clusters(k)%answer%ending%residual * sum(task%clusters(k)%answer%contacts%load), &
           k=1, size(task%clusters))])) / (task%pairs%modulus * total), task%last_change])
       end if
-      if (allocated(task%target)) solution%error = task%compression_share * solution%error
+      ! The law and the elements have paraboloids for spheres.
+      spheres = sum(coupled%set%load * sphere_share(task%pairs%list(coupled%set%contact), &
+                                                    coupled%penetration(coupled%set%contact))) / &
+                total
+      if (allocated(task%target)) then
+        solution%error = task%compression_share * solution%error
+        spheres = task%errors%compression_share * spheres
+      end if
+      solution%error = solution%error + spheres
     end associate
   end subroutine estimate_errors
 
-  ! Solves one cluster of all contacts at a compression, or at a load. Exits: solved, or a message
-  ! in `failure` after `most_iterations` iterations.
-  subroutine solve_one_cluster(task, solution, compression)
+  ! Whether one lattice under all contacts costs less than the lattices of the clusters: elements
+  ! times the logarithm of their number, by the transforms of a product, and for clusters times the
+  ! iterations until changes that contract by a half are below `settled_share`. One lattice serves
+  ! also where the only cluster has all loaded contacts.
+  logical function is_one_grid_cheaper(task, coupled) result(is_cheaper)
+    type(joint_task), intent(in) :: task
+    type(coupled_solution), intent(in) :: coupled
+    integer :: circle_of(size(task%pairs%list)), i, k
+    real(real64) :: cluster_elements(size(task%clusters)), reference(2), elements
+
+    associate (set => coupled%set)
+      circle_of = 0
+      circle_of(set%contact) = [(i, i=1, size(set%contact))]
+      reference = [sum(set%load), pi * sum(set%radius**2)]
+      elements = elements_needed(task, set, [(i, i=1, size(set%contact))], reference)
+      do k = 1, size(task%clusters)
+        associate (circles => circle_of(task%clusters(k)%members), n => size(task%clusters))
+          cluster_elements(k) = elements_needed( &
+            task, set, pack(circles, circles > 0), &
+            reference / [real(n, real64), sqrt(real(n, real64))])
+        end associate
+      end do
+      is_cheaper = (size(task%clusters) == 1 .and. all(task%resolved%is_resolved(set%contact))) &
+        .or. (elements < elements_allowed .and. elements * log(elements) < &
+              log(settled_share) / log(0.5_real64) * sum(cluster_elements * log(cluster_elements)))
+    end associate
+  end function is_one_grid_cheaper
+
+  ! Number of elements under circles whose load and area are in error by the tolerances, by the
+  ! errors of isolated contacts (asperity_element_answer): these of loads add up, those of areas are
+  ! independent.
+  real(real64) function elements_needed(task, set, circles, reference) result(elements)
+    type(joint_task), intent(in) :: task
+    type(circle_set), intent(in) :: set
+    integer, intent(in) :: circles(:)
+    real(real64), intent(in) :: reference(2)   ! least load over the modulus, and area
+    real(real64) :: side
+
+    elements = 2.0_real64
+    if (size(circles) == 0) return
+    associate (x => set%x(circles), y => set%y(circles), load => set%load(circles), &
+               radius => set%radius(circles))
+      side = min((task%elements_tolerance * max(reference(1), sum(load)) / &
+                  (0.5_real64 * area_error * sum(load / radius**2.5_real64)))**0.4_real64, &
+                 (max(task%elements_tolerance, task%area_tolerance) * &
+                  max(reference(2), pi * sum(radius**2)) / &
+                  (deviations * area_error * pi * norm2(sqrt(radius))))**(2.0_real64 / 3.0_real64))
+      elements = elements + (maxval(x + radius) - minval(x - radius)) * &
+                 (maxval(y + radius) - minval(y - radius)) / side**2
+    end associate
+  end function elements_needed
+
+  ! Solves all contacts on one lattice, at a compression or at a load. The given load is that of the
+  ! law, and the sum of the forces on elements differs from it by inclinations: a few iterations.
+  ! Exits: solved, or a message in `failure`.
+  subroutine solve_one_grid(task, solution)
     type(joint_task), intent(inout) :: task
     type(joint_solution), intent(inout) :: solution
-    real(real64), intent(inout) :: compression    ! start; compression of the load
-    type(cluster_lattice) :: empty_lattice        ! without elements
-    type(load_search) :: search
-    real(real64) :: load, slope, share
+    real(real64), allocatable :: force
+    real(real64) :: load, slope
+    integer :: i
 
     task%compression_share = 1.0_real64
-    ! The load is searched with elements of a coarse tolerance first: the elements of the final
-    ! tolerance are then laid for its compression.
-    share = task%elements_tolerance
-    if (allocated(task%target)) share = max(share, settled_share)
-    search%first_touch = minval(task%pairs%list%gap)
-    call reset_search(search)
-    associate (coupled => solution%coupled, pairs => task%pairs)
-      coupled%penetration = spread(open_penetration, 1, size(pairs%list))
-      coupled%shift = spread(spread(0.0_real64, 1, 2), 2, size(pairs%list))
+    if (size(task%clusters) > 1) task%clusters = task%clusters(1:1)
+    associate (coupled => solution%coupled, pairs => task%pairs, grid => task%clusters(1), &
+               resolved => task%resolved)
+      if (allocated(task%target)) force = pairs%modulus * sum(coupled%set%load)
+      grid%members = [(i, i=1, size(pairs%list))]
+      coupled%shift = 0.0_real64
       do
+        solution%iterations = solution%iterations + 1
+        call solve_elements(pairs, grid%members, coupled%compression, outside_field(), &
+                            reshape([task%elements_tolerance, max(task%elements_tolerance, &
+                                     task%area_tolerance), 0.0_real64, 0.0_real64], [2, 2]), &
+                            grid%lattice, grid%answer, force)
+        if (allocated(grid%answer%failure)) solution%failure = grid%answer%failure
+        if (allocated(solution%failure)) return
+        coupled%compression = grid%answer%compression
+        associate (contacts => grid%answer%contacts)
+          coupled%penetration = merge(penetration_of_load(pairs%list, contacts%load / &
+                                                          pairs%modulus), &
+                                      open_penetration, contacts%load > 0.0_real64)
+          resolved = resolved_contacts(pairs%list%gap < coupled%compression .or. &
+                                       contacts%load > 0.0_real64, contacts%x, contacts%y, &
+                                       pairs%list%gap)
+        end associate
+        if (.not. allocated(task%target)) exit
+        call find_carried_load(pairs, task%law, coupled%penetration, 0.0_real64, load, slope)
+        load = load * pairs%modulus
+        if (abs(load - task%target) <= settled_share * task%elements_tolerance * task%target) exit
         if (solution%iterations == most_iterations) then
           solution%failure = 'the load of the boundary elements was not met'
           return
         end if
-        solution%iterations = solution%iterations + 1
-        coupled%compression = compression
-        task%resolved%is_resolved = pairs%list%gap < compression
-        call solve_cluster_elements(task, solution, share)
-        if (allocated(solution%failure)) return
-        if (.not. allocated(task%target)) exit
-        call find_carried_load(pairs, task%law, coupled%penetration, 0.0_real64, load, slope)
-        load = load * pairs%modulus
-        if (abs(load - task%target) > task%target * &
-            merge(share, settled_share * share, share > task%elements_tolerance)) then
-          call update_compression(search, load, task%target, compression, task%compression_share)
-        else if (share <= task%elements_tolerance) then
-          exit
-        else
-          share = task%elements_tolerance
-          task%clusters(1)%lattice = empty_lattice
-          ! The load at this compression changes: the bracket is no longer valid.
-          call reset_search(search)
-        end if
+        force = force * (task%target / load)
       end do
-      solution%is_resolved = task%resolved%is_resolved
       if (allocated(task%target)) &
         call raise_to_load(pairs, task%law, task%target / pairs%modulus, coupled%penetration)
-      call distribute_loads(pairs, task%law, task%clusters, coupled, task%resolved)
+      solution%is_resolved = resolved%is_resolved
+      coupled%ending = grid%answer%ending
+      call adopt_penetrations(pairs, task%law, coupled, resolved)
     end associate
     call adopt_failure(solution)
-  end subroutine solve_one_cluster
-
-  ! Solves the one cluster of all resolved contacts at the compression in `solution`.
-  subroutine solve_cluster_elements(task, solution, tolerance)
-    type(joint_task), intent(inout) :: task
-    type(joint_solution), intent(inout) :: solution
-    real(real64), intent(in) :: tolerance          ! relative error of the load
-    integer :: k
-
-    associate (this_cluster => task%clusters(1), coupled => solution%coupled)
-      if (allocated(this_cluster%representative)) deallocate (this_cluster%representative)
-      ! The members depend on the compression.
-      if (allocated(this_cluster%change)) &
-        deallocate (this_cluster%change, this_cluster%applied_share)
-      call coupled%set%allocate_arrays(0)
-      this_cluster%members = pack([(k, k=1, size(task%pairs%list))], task%resolved%is_resolved)
-      this_cluster%is_solved = .false.
-      call solve_clusters(task%pairs, coupled, tolerance, task%area_tolerance, task%clusters, &
-                          solution%failure)
-      if (allocated(solution%failure)) return
-      call represent_clusters(task%pairs, task%law, task%clusters, coupled, task%resolved, .true.)
-      coupled%ending = this_cluster%answer%ending
-      call adopt_failure(solution)
-    end associate
-  end subroutine solve_cluster_elements
-
-  ! Resets bracket and secant.
-  subroutine reset_search(search)
-    type(load_search), intent(inout) :: search
-
-    search%low = search%first_touch
-    search%high = huge(search%high)
-    search%previous = [search%first_touch, 0.0_real64]
-  end subroutine reset_search
-
-  ! Sets the next compression: by a power of the load at first, then by secants. A step out of the
-  ! bracket is replaced by bisection, or by doubling while there is no upper limit.
-  subroutine update_compression(search, load, target, compression, compression_share)
-    type(load_search), intent(inout) :: search
-    real(real64), intent(in) :: load, target         ! load at `compression`, prescribed load
-    real(real64), intent(inout) :: compression
-    real(real64), intent(inout) :: compression_share  ! d log compression/d log load
-    real(real64) :: next_compression
-
-    if (load < target) search%low = compression
-    if (load > target) search%high = compression
-    associate (first_touch => search%first_touch, previous => search%previous)
-      next_compression = compression + &
-                         (target - load) * (compression - previous(1)) / (load - previous(2))
-      if (previous(2) <= 0.0_real64) then
-        next_compression = first_touch + (compression - first_touch) * &
-                           min(2.0_real64, (target / load)**search%power)
-      else
-        compression_share = load / (compression - first_touch) * (compression - previous(1)) / &
-                            (load - previous(2))
-        if (compression_share > 0.0_real64 .and. compression_share < 1.0_real64) &
-          search%power = compression_share
-      end if
-      if (.not. (next_compression > search%low .and. next_compression < search%high)) &
-        next_compression = merge(0.5_real64 * (search%low + search%high), &
-                                 first_touch + 2 * (compression - first_touch), &
-                                 search%high < huge(next_compression))
-      previous = [compression, load]
-    end associate
-    compression = next_compression
-  end subroutine update_compression
+  end subroutine solve_one_grid
 
   ! Copies lattices and answers from previous clusters of the same members.
   subroutine keep_lattices(previous_clusters, clusters)
@@ -432,13 +419,13 @@ contains
     end if
   end subroutine adopt_failure
 
-  ! Sets areas in plan and maximum pressures of contacts on elements: the ratio to the isolated
-  ! contact multiplies that of the law.
+  ! Sets areas in plan and maximum pressures of contacts on elements: these are multiplied by the
+  ! ratio of the law and of the paraboloid at the load of the contact, 1 but for the inclination.
   subroutine set_cluster_areas(task, solution)
     type(joint_task), intent(in) :: task
     type(joint_solution), intent(inout) :: solution
     type(contact_response) :: response
-    real(real64) :: upper_limit
+    real(real64) :: penetration, radius
     integer :: i, k, m
 
     associate (coupled => solution%coupled, pairs => task%pairs)
@@ -448,14 +435,14 @@ contains
           do m = 1, size(this_cluster%members)
             i = this_cluster%members(m)
             if (.not. coupled%penetration(i) > 0.0_real64) cycle
-            call task%law%respond(pairs%list(i), i, coupled%compression - &
-                                  this_cluster%displacement - &
-                                  pairs%list(i)%gap, response)
-            upper_limit = merge(1.0_real64, huge(upper_limit), answer%is_isolated_solved(m))
-            solution%area(i) = pi * response%contact_radius**2 * &
-                               min(upper_limit, answer%contacts(m)%area / answer%isolated(m)%area)
-            solution%maximum_pressure(i) = response%maximum_pressure * &
-              min(upper_limit, answer%contacts(m)%pressure / answer%isolated(m)%pressure)
+            penetration = penetration_of_load(pairs%list(i), answer%contacts(m)%load / &
+                                              pairs%modulus)
+            if (.not. penetration > 0.0_real64) cycle
+            radius = pairs%list(i)%zc / pairs%list(i)%s * sqrt(pairs%list(i)%radius * penetration)
+            call task%law%respond(pairs%list(i), i, penetration, response)
+            solution%area(i) = answer%contacts(m)%area * (response%contact_radius / radius)**2
+            solution%maximum_pressure(i) = answer%contacts(m)%pressure * &
+              (0.5_real64 * pi * radius / (pairs%modulus * penetration)) * response%maximum_pressure
           end do
         end associate
       end do

@@ -12,6 +12,7 @@ module asperity_resolved_answers
   use asperity_coupled_contacts, only: adopt_penetrations, coupled_solution, resolved_contacts
   use asperity_coupled_groups, only: group_law
   use asperity_coupled_state, only: open_penetration, raise_to_load
+  use asperity_element_lattice, only: penetration_of_load
   use asperity_kinds, only: real64
   use asperity_mutual_displacement, only: mutual_displacement, mutual_terms
   use asperity_resolved_clusters, only: cluster
@@ -26,18 +27,16 @@ module asperity_resolved_answers
 contains
 
   !> Represents the clusters by contacts that carry their loads at their centres of pressure.
-  subroutine represent_clusters(pairs, law, clusters, coupled, resolved, is_separate)
+  subroutine represent_clusters(pairs, law, clusters, coupled, resolved)
     type(contact_pairs), intent(in) :: pairs            !! pairs of the position
     class(contact_law), intent(in) :: law               !! contact law of each pair
     type(cluster), intent(inout) :: clusters(:)         !! solved; loads, representatives are set
     type(coupled_solution), intent(inout) :: coupled    !! penetrations of the members are set
     type(resolved_contacts), intent(inout) :: resolved  !! positions and gaps are set
-    logical, intent(in) :: is_separate                  !! whether each member represents itself
     type(contact_response) :: isolated
     type(circle_set) :: previous_set
     real(real64), dimension(size(pairs%list)) :: previous_gap
     integer, dimension(size(pairs%list)) :: previous_circle, new_circle
-    real(real64) :: share
     integer :: i, k, m
 
     previous_set = coupled%set
@@ -51,20 +50,13 @@ contains
         clusters(k)%load = 0 * answer%contacts%load
         do m = 1, size(members)
           i = members(m)
-          if (.not. (answer%contacts(m)%load > 0.0_real64 .and. &
-                     answer%isolated(m)%load > 0.0_real64)) cycle
-          ! The ratio to the isolated contact multiplies the load of the law, which includes the
-          ! inclination of the pair. Neighbours only reduce loads: a ratio above 1 is an error of
-          ! the elements.
-          share = answer%contacts(m)%load / answer%isolated(m)%load
-          if (answer%is_isolated_solved(m)) share = min(1.0_real64, share)
-          call law%respond(pairs%list(i), i, &
-                           coupled%compression - clusters(k)%displacement - pairs%list(i)%gap, &
-                             isolated)
-          clusters(k)%load(m) = share * isolated%vertical_load
+          if (.not. answer%contacts(m)%load > 0.0_real64) cycle
+          call law%respond(pairs%list(i), i, penetration_of_load( &
+                           pairs%list(i), answer%contacts(m)%load / pairs%modulus), isolated)
+          clusters(k)%load(m) = isolated%vertical_load
         end do
       end associate
-      call merge_members(pairs, law, clusters(k), coupled, resolved, is_separate)
+      call merge_members(pairs, law, clusters(k), coupled, resolved)
     end do
     call adopt_penetrations(pairs, law, coupled, resolved)
     if (allocated(coupled%failure)) return
@@ -117,13 +109,12 @@ contains
   ! distribution of the load, and the equations of nearly coincident circles have several solutions.
   ! Members that were merged in the last iteration stay merged. Sets representatives, positions and
   ! penetrations.
-  subroutine merge_members(pairs, law, this_cluster, coupled, resolved, is_separate)
+  subroutine merge_members(pairs, law, this_cluster, coupled, resolved)
     type(contact_pairs), intent(in) :: pairs
     class(contact_law), intent(in) :: law
     type(cluster), intent(inout) :: this_cluster
     type(coupled_solution), intent(inout) :: coupled
     type(resolved_contacts), intent(inout) :: resolved
-    logical, intent(in) :: is_separate
     real(real64), dimension(size(this_cluster%members)) :: load, radius
     integer, dimension(size(this_cluster%members)) :: previous_representative
     logical :: has_merged
@@ -137,7 +128,7 @@ contains
     do m = 1, size(load)
       call set_merged_contact(m)
     end do
-    has_merged = .not. is_separate
+    has_merged = .true.
     do while (has_merged)
       has_merged = .false.
       do a = 1, size(load)

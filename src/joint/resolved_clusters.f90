@@ -121,8 +121,9 @@ contains
         if (this_cluster%is_solved) cycle
         call solve_elements(pairs, this_cluster%members, &
                             coupled%compression - this_cluster%displacement, this_cluster%outside, &
-                            [tolerance, max(area_per_load * tolerance, area_tolerance)], &
-                            reference, this_cluster%lattice, this_cluster%answer)
+                            reshape([tolerance, max(area_per_load * tolerance, area_tolerance), &
+                                     reference], [2, 2]), this_cluster%lattice, &
+                            this_cluster%answer)
       end associate
     end do
     !$omp end parallel do

@@ -228,14 +228,16 @@ contains
     real(real64) :: together
     integer :: i
 
-    call lay_contacts([0.0_real64, 1.5_real64, 9.0_real64, 10.8_real64, 9.9_real64], &
+    call lay_contacts([0.0_real64, 1.5_real64, 70.0_real64, 71.8_real64, 70.9_real64], &
                       [0.0_real64, 0.3_real64, 0.0_real64, 0.0_real64, 1.3_real64], &
                       [0.0_real64, 0.1_real64, 0.15_real64, 0.2_real64, 0.4_real64], pairs, law)
     call solve(error, pairs, law, resolve_all, 0.005_real64, solution, 'clusters')
     call check(error, solution%clusters, 2, 'clusters')
-    call solve_elements(pairs, [(i, i=1, 5)], depth, nothing, [5.0e-4_real64, 0.005_real64], &
-                     spread(0.0_real64, 1, 2), lattice, answer)
-    together = sum(answer%contacts%load) / sum(answer%isolated%load)
+    call solve_elements(pairs, [(i, i=1, 5)], depth, nothing, reshape( &
+                        [5.0e-4_real64, 0.005_real64, 0.0_real64, 0.0_real64], [2, 2]), lattice, &
+                        answer)
+    together = sum(answer%contacts%load) / (4.0_real64 / 3.0_real64 * law%modulus * &
+               sum(sqrt(pairs%list%radius) * (depth - pairs%list%gap)**1.5_real64))
     call check(error, share_of(pairs, solution%coupled) / together, 1.0_real64, 1.0e-3_real64, &
                'load')
     ! Each of both is within half a percent.
