@@ -129,7 +129,8 @@ contains
     if (choice == resolve_all) &
       solution%is_resolved = pairs%list%gap < solution%coupled%compression
     if (sum(solution%coupled%set%load) > 0.0_real64) then
-      call find_errors(pairs, solution%coupled, allocated(task%target), task%correction, task%errors)
+      call find_errors(pairs, solution%coupled, allocated(task%target), task%correction, &
+                       task%errors)
       solution%nested = task%errors%nested
       if (choice == resolve_called_for) call choose_resolved(task, solution%coupled, &
                                                              solution%is_resolved)
