@@ -11,7 +11,8 @@ import numpy as np
 import pytest
 from builds import ROOT
 from image_data import read_png, read_vti
-from map_press_truth import press, product, rough
+from elements_truth import product
+from map_press_truth import press, rough
 from programs import run_program
 from surfaces_csv import records, solve, write_scene
 from test_map_scene import E, level, load_for, map_scene, write_map
@@ -68,7 +69,7 @@ def test_ten_maps_against_numpy(asperity, tmp_path, tally, number):
     assert np.nansum(pressure) * np.prod(sides) == pytest.approx(load, rel=1e-12)
     assert np.nanmean(pressure) == pytest.approx(row["nominal_pressure"], rel=1e-12)
     # Conditions of the one solution: gaps of these pressures by another transform.
-    act = product(height.shape, sides, periodic)
+    act = product(height.shape, sides, 1.0, periodic)
     moved = act(np.nan_to_num(pressure)) / E
     left = row["separation"] - of + moved
     reach = np.ptp(of[there])

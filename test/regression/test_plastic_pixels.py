@@ -7,7 +7,8 @@ import numpy as np
 import pytest
 
 from image_data import read_vti
-from map_press_truth import product, rough
+from elements_truth import product
+from map_press_truth import rough
 from programs import run_program
 from surfaces_csv import records, solve, write_scene
 from test_map_edges import MODULUS, random_map
@@ -57,7 +58,7 @@ def clip_to_load(pressure, hardness, total):
 def projected_gradients(height, hardness, edge, total=None, flat=None):
     """Level of the flat and pressures: Nesterov's accelerated projected gradients with restarts, of
     a given sum or at a given level; violations are closed to 1e-10 of the range of heights."""
-    act = product(height.shape, SIDES, edge == "periodic")
+    act = product(height.shape, SIDES, 1.0, edge == "periodic")
     probe = np.random.default_rng(0).random(height.shape)
     for _ in range(200):
         probe = act(probe) / np.linalg.norm(probe)
@@ -108,7 +109,8 @@ def test_against_projected_gradients(asperity, tmp_path, tally, edge, share, har
     errors = [row["separation"] / flat - 1, np.abs(field["pressure"] - true).max() / true.max(),
               row["load"] / load - 1, field["pressure"].sum() * AREA / load - 1]
     assert max(map(abs, errors)) < 1e-7, errors
-    overlap = np.where(full, of - flat - product(of.shape, SIDES, edge == "periodic")(true) / E, 0)
+    act = product(of.shape, SIDES, E, edge == "periodic")
+    overlap = np.where(full, of - flat - act(true), 0)
     assert overlap.min() > -1e-9 * np.ptp(of)
     assert row["plastic_area"] == pytest.approx(full.sum() * AREA, rel=1e-12)
     assert row["dissipated_work"] == pytest.approx(hardness * overlap.sum() * AREA, rel=1e-7,
@@ -134,7 +136,7 @@ def test_conditions_on_the_fields(asperity, tmp_path, edge):
         "control": "load", "value": (load, 0.3 * load, 1.5 * load), "points": 2})
     shape = np.zeros_like(of)
     work = 0.0
-    act = product(of.shape, SIDES, edge == "periodic")
+    act = product(of.shape, SIDES, 1.0, edge == "periodic")
     reach = np.ptp(of)
     for state, field in zip(states, fields):
         p, gap = field["pressure"], field["gap"]

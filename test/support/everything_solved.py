@@ -67,7 +67,7 @@ def run(exe, mode, timeout, case):
         except subprocess.TimeoutExpired:
             outcome.message = f"no end in {timeout:g} s"
         outcome.seconds = time.perf_counter() - start
-        for row in records(positions):
+        for row in records(positions) if positions.exists() else []:
             outcome.contacts = int(row["contacts"])
             outcome.share = float(row["area"]) / case.area
             outcome.steps = float(row.get("interaction_iterations") or "nan")

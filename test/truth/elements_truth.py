@@ -65,7 +65,7 @@ def product(shape, sides, modulus, periodic=False):
 
 def press(gap, act, sides, load=None, start=None, closed=1e-8):
     """Pressures and level: the gap left is g + A p - level, 0 where loaded to `closed` of the range
-    of gaps there. At a compression (no load) the level is 0."""
+    of gaps. At a compression (no load) the level is 0."""
     shape, cell = gap.shape, sides[0] * sides[1]
     wave = waves(shape, sides)
     if load is None:
@@ -74,7 +74,7 @@ def press(gap, act, sides, load=None, start=None, closed=1e-8):
     else:
         p = np.where(np.isfinite(gap), 1.0 if start is None else start, 0.0)
         p = p * (load / cell / p.sum())
-    scale = 1.0 if load is None else load
+    size = -gap.min() if load is None else np.ptp(gap[np.isfinite(gap)])
     gap = np.where(np.isfinite(gap), gap, 1e6 * np.ptp(gap[np.isfinite(gap)]))
     direction, before, change = np.zeros(shape), 0.0, None
     g = gap + act(p)
@@ -83,7 +83,6 @@ def press(gap, act, sides, load=None, start=None, closed=1e-8):
         level = 0.0 if load is None or not loaded.any() else g[loaded].mean()
         g -= level
         wanted = loaded | (g < 0)
-        size = -gap.min() if load is None else np.ptp(gap[wanted])
         if np.abs(g[wanted]).max() <= closed * size:
             return p, level
         z = np.where(wanted, irfft2(rfft2(np.where(wanted, g, 0.0)) * wave, shape), 0.0)
@@ -102,7 +101,7 @@ def press(gap, act, sides, load=None, start=None, closed=1e-8):
         step = (g * direction).sum() / (image * direction).sum()
         moved = np.maximum(0.0, p - step * direction)
         if load is not None:
-            moved *= scale / cell / moved.sum()
+            moved *= load / cell / moved.sum()
         if ((moved > 0) == loaded).all() and load is None:
             g = g - step * image
         else:
