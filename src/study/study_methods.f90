@@ -215,7 +215,7 @@ contains
     order = nint(log10(method%step))
     request%keep_contacts = keep_contacts
     request%approach_step = decimal_value(1_int64, order)
-    request%napmx = max(1, nint(request%napmx * 10.0_real64**(original_order - order)))
+    request%napmx = max(request%napmx, nint(request%napmx * 10.0_real64**(original_order - order)))
   end function request_of
 
   ! Contacts each alone, as circles together, circles or cells by estimate, all on cells.

@@ -154,7 +154,7 @@ def test_the_front_follows_from_errors_and_times(name, request):
 @pytest.mark.long
 def test_what_the_study_must_find(whole):
     """Errors that follow from the methods themselves, not from a run of ours."""
-    rows = {name_of(row): row for row in whole[1]}
+    rows = {name_of(row): row for row in whole[1] if row["own_error_max"]}
     for row in rows.values():
         for name in ERRORS:
             assert 0.0 <= float(row[name + "_mean"]) <= float(row[name + "_max"])
@@ -170,12 +170,11 @@ def test_what_the_study_must_find(whole):
             row = next(row for key, row in rows.items()
                        if (*key[:2], key[3]) == name and key[2] == pytest.approx(step))
             assert float(row["load_max"]) < 2 * step / 0.0139 * 1.5
-    # Rounding makes short steps of short arithmetics worse than those of real64.
-    for arithmetic in ("ibm370", "real32"):
-        short, double = (next(float(row["area_max"]) for key, row in rows.items()
-                              if key[:2] == (a, "original") and key[2] == pytest.approx(0.00001))
-                         for a in (arithmetic, "real64"))
-        assert short > 2 * double
+    # Fault 2: the sums of many cut steps make short steps of ibm370 worse than those of real64.
+    short, double = (next(float(row["load_max"]) for key, row in rows.items()
+                          if key[:2] == (a, "original") and key[2] == pytest.approx(0.00001))
+                     for a in ("ibm370", "real64"))
+    assert short > 2 * double
 
 
 def test_the_levels_are_what_the_solver_does(part, runs, tally):
