@@ -11,7 +11,7 @@ module asperity_run_generate
   use asperity_generation_values, only: generation_spec
   use asperity_height_map, only: height_map, length_units
   use asperity_kinds, only: int64, real64
-  use asperity_map_file, only: check_map_path, stage_map_file
+  use asperity_map_file, only: check_map_path, note_of_file, stage_map_file
   use asperity_output_files, only: commit_files, same_file, stage_file
   use asperity_problems, only: decimal_text, problem_list
   use asperity_surface_text, only: surface_as_csv, surfaces_as_deck
@@ -65,6 +65,7 @@ contains
     type(generation_spec), intent(in) :: spec
     type(command_outcome), intent(inout) :: outcome
     type(height_map) :: map
+    character(len=:), allocatable :: note
     character(len=2) :: unit
 
     if (outcome%problems%count() > 0) return
@@ -86,6 +87,8 @@ contains
       return
     end if
     call stage_map_file(line%output_path('--output'), map, outcome%problems, outcome%failure)
+    note = note_of_file(line%output_path('--output'), map)
+    if (note /= '') call outcome%warnings%add(note)
     if (.not. allocated(outcome%failure)) call commit_files(outcome%failure)
   end subroutine make_map
 

@@ -17,7 +17,7 @@ module asperity
                                  periodic_edge, &
                                  plain_unit, put_in_unit, usual_level
   use asperity_height_map_reader, only: read_height_map, take_map
-  use asperity_map_file, only: write_map_file
+  use asperity_map_file, only: note_of_file, write_map_file
   use asperity_map_despiking, only: despike_map
   use asperity_map_levelling, only: level_map
   use asperity_map_spectrum, only: measure_spectra, power_spectrum, spectrum_names
@@ -60,7 +60,7 @@ module asperity
   public :: rebuild_scene, list_groups
   ! Measured maps and their summits.
   public :: height_map, is_measured, no_height, read_height_map, take_map, put_in_unit, &
-            write_map_file, most_samples
+            note_of_file, write_map_file, most_samples
   public :: level_map, level_plane, level_mean, level_none, despike_map
   public :: find_summits, map_summits, rule_eight, rule_contact
   public :: radius_neighbours, radius_geometric, radius_paraboloid

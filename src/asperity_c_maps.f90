@@ -5,8 +5,8 @@ module asperity_c_maps
   use, intrinsic :: iso_fortran_env, only: int64, real64
   use asperity, only: add_reals, add_wholes, build_scene_of, decimal_text, height_map, &
                       is_measured, length_units, level_names, map_statistics, map_summits, &
-                      measure_map, not_enough_memory, periodic_edge, problem_list, &
-                      put_in_unit, &
+                      measure_map, not_enough_memory, note_of_file, periodic_edge, &
+                      problem_list, put_in_unit, &
                       radius_names, read_height_map, rule_names, scene_side, summit_choices, &
                       summits_of_array, summits_of_file, text_buffer, write_map_file, &
                       write_summits_table
@@ -294,6 +294,7 @@ contains
     call take_heights('map', given, map, new%problems, new%failure)
     if (new%problems%count() == 0 .and. .not. allocated(new%failure)) &
       call write_map_file(text_of(path), map, new%problems, new%failure)
+    call set_text(new, text_notes, note_of_file(text_of(path), map))
     call finish_outcome(new)
   end function c_write_map
 

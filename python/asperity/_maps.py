@@ -115,8 +115,8 @@ class HeightMap:
         Parameters
         ----------
         path : str or os.PathLike
-            `.sdf`: surface data (ISO 25178-71), binary, in metres; needs a unit. `.npy`: the
-            heights alone. `.txt`: a matrix.
+            `.sdf`: surface data (ISO 25178-71), binary; needs a unit. `.npy`: the heights alone.
+            `.txt`: a matrix. `.sdf` and `.txt` keep unit, spacing and edge.
 
         Raises
         ------
@@ -125,7 +125,9 @@ class HeightMap:
         ComputeError
             When the file cannot be written.
         """
-        _c.call("write_map", byref(self._struct()), _a.path("path", path)).checked()
+        written = _c.call("write_map", byref(self._struct()), _a.path("path", path)).checked()
+        for note in written.lines(_c.NOTES):
+            warn_caller(note, UserWarning)
 
     def power_spectrum(self, kind: str = "iso", level: str | None = None) -> Table:
         """Power spectral density of the heights (`docs/reference/height-maps.md`).
@@ -306,7 +308,7 @@ def read_map(path: _a.Path, *, spacing: float | Sequence[float] | None = None,
         `m`, `mm`, `um`, `nm`, `cm` or `in`: the map is converted to it. For a file without a unit
         it is the unit of its numbers.
     periodic : bool, default False
-        Whether the map repeats itself.
+        Whether the map repeats itself. A file that says so needs it not.
 
     Returns
     -------

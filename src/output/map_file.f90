@@ -13,7 +13,7 @@ module asperity_map_file
   implicit none
   private
 
-  public :: write_map_file, stage_map_file, check_map_path
+  public :: write_map_file, stage_map_file, check_map_path, note_of_file
 
   integer, parameter :: block_size = 65536
   integer(c_int), parameter :: mode_rw_r_r = int(o'644', c_int)
@@ -89,6 +89,17 @@ contains
     map%pixel_spacing = 1.0_real64
     call make_header(path, ending_of(path), map, head, problems)
   end subroutine check_map_path
+
+  !> A note of what a file does not hold of a map; empty: it holds all that cannot be given later on.
+  function note_of_file(path, map) result(note)
+    character(len=*), intent(in) :: path    !! the file; empty: standard output
+    type(height_map), intent(in) :: map     !! map that is written
+    character(len=:), allocatable :: note   !! one line of text
+
+    note = ''
+    if (ending_of(path) == 'npy' .and. is_periodic(map)) &
+      note = path // ': note: an array (.npy) has no edge: give it as periodic where it is read'
+  end function note_of_file
 
   ! The ending behind the last point, in small letters; text for standard output.
   pure function ending_of(path) result(ending)
