@@ -308,7 +308,7 @@ def read_map(path: _a.Path, *, spacing: float | Sequence[float] | None = None,
         `m`, `mm`, `um`, `nm`, `cm` or `in`: the map is converted to it. For a file without a unit
         it is the unit of its numbers.
     periodic : bool, default False
-        Whether the map repeats itself. A file that says so needs it not.
+        Whether the map repeats itself. Not needed where the file has the edge.
 
     Returns
     -------

@@ -90,7 +90,7 @@ contains
     call make_header(path, ending_of(path), map, head, problems)
   end subroutine check_map_path
 
-  !> A note of what a file does not hold of a map; empty: it holds all that cannot be given later on.
+  !> A note of what a file does not hold of a map; empty: it holds its edge.
   function note_of_file(path, map) result(note)
     character(len=*), intent(in) :: path    !! the file; empty: standard output
     type(height_map), intent(in) :: map     !! map that is written

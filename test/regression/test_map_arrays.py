@@ -563,21 +563,26 @@ def test_array_through_a_pipe(library, asperity, tmp_path):
 
 # ---------------------------------------------------------------- files that are written
 
+@pytest.mark.parametrize("unit", [b"m", b"um", b"nm", b"in"])
 @pytest.mark.parametrize("ending", ["sdf", "npy", "txt", "NPY"])
 @pytest.mark.parametrize("make", [uneven, missing])
-def test_written_and_read(library, tmp_path, ending, make):
-    """All bits come back: heights, spacing, unit."""
+def test_written_and_read(library, tmp_path, ending, make, unit):
+    """All bits come back: heights, spacing, unit, and the edge where the format has one."""
     heights, path = make(), tmp_path / f"m.{ending}"
     spacing = (0.1, 1 / 3)
-    written = library.write(height_map(heights, spacing, b"m"), path)
-    assert (written.status, written.wrong) == (DONE, "")
     bare = ending.lower() == "npy"
-    read = library.read(path, spacing if bare else None, b"m" if bare else None)
-    assert (read.wrong, read.text(NOTES), read.text(UNIT)) == ("", "", "m")
-    table = read.table(MAP)
-    assert (table["columns"][0], table["rows"][0]) == (24, 40)
-    assert (table["spacing_x"][0], table["spacing_y"][0]) == spacing
-    assert np.array_equal(read.table(PIXELS)["height"].reshape(40, 24), heights, equal_nan=True)
+    for edge in (0, 1):
+        written = library.write(height_map(heights, spacing, unit, edge), path)
+        assert (written.status, written.wrong) == (DONE, "")
+        assert ("has no edge" in written.text(NOTES)) == (bare and edge == 1)
+        read = library.read(path, spacing if bare else None, unit)
+        assert (read.wrong, read.text(NOTES), read.text(UNIT)) == ("", "", unit.decode())
+        table = read.table(MAP)
+        assert (table["columns"][0], table["rows"][0]) == (24, 40)
+        assert (table["spacing_x"][0], table["spacing_y"][0]) == spacing
+        assert table["periodic"][0] == (edge if not bare else 0)
+        assert np.array_equal(read.table(PIXELS)["height"].reshape(40, 24), heights,
+                              equal_nan=True)
 
 
 def test_read_by_numpy(library, tmp_path):

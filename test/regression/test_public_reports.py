@@ -515,6 +515,179 @@ def test_a_path_from_a_decimal_comma_is_noted(value, note, asperity, tmp_path):
         ("decimal comma" not in found.stderr)
 
 
+# ---------------------------------------------------------------- what parses as a number
+
+def table(form=exact, first=(), index=(), separator=","):
+    rows = [separator.join([*map(str, index[i:i + 1]), *map(form, row)])
+            for i, row in enumerate(HEIGHTS)]
+    return "\n".join([separator.join(map(str, first))] * bool(len(first)) + rows) + "\n"
+
+
+@pytest.mark.parametrize("word", ["1.#QNAN", "-1.#IND", "1.#IND00", "-1.#QNAN0", "nan(ind)",
+                                  "-nan(0x8)", "+NaN"])
+def test_missing_pixels_of_other_libraries(word, maps):
+    """At the end of a line too, where a comment may stand."""
+    holes = HEIGHTS.copy()
+    holes[3, -1] = np.nan
+    plain = rows_of(holes, form=lambda z: "NaN" if np.isnan(z) else f"{z:.6f}")
+    points = points_of(HEIGHTS).splitlines()
+    points[3 * 16 + 15] = points[3 * 16 + 15].rpartition(" ")[0] + " " + word
+    for done in (maps.summits(plain.replace("NaN", word), SPACING),
+                 maps.summits("\n".join(points))):
+        assert number(done, "missing")[0] == 1
+        assert done.found == maps.summits(plain, SPACING).found
+
+
+@pytest.mark.parametrize("word", ["1.#INF", "#N/A", "#DIV/0!", "1#", "1.#QNAN9"])
+def test_words_that_are_no_heights(word, maps):
+    text = MATRIX.splitlines()
+    text[3] = text[3].rpartition(" ")[0] + " " + word
+    done = maps.summits("\n".join(text), SPACING)
+    assert done.returncode == 2 and f"found '{word}'" in done.stderr
+
+
+@pytest.mark.parametrize("text, said", [
+    (table(first=range(16)), "1:1: found equal steps in the first line"),
+    (table(index=range(12)), "1:1: found equal steps in the first column"),
+    (table(first=range(1, 17), separator=" "), "1:1: found equal steps in the first line"),
+    (table(first=np.arange(16) * 0.5, separator=" "), "note: equal steps in the first line"),
+    (table(index=np.arange(12) * 0.25), "note: equal steps in the first column"),
+    (table(first=["", *range(16)], index=range(12)), "1:1: found 16 cells before lines of 17"),
+])
+def test_numbers_of_lines_and_columns(text, said, maps):
+    done = maps.summits(text, SPACING)
+    assert said in done.stderr and done.returncode == (0 if "note" in said else 2)
+    assert len(done.stderr.splitlines()) == 1
+
+
+def test_a_ramp_is_a_profile(maps):
+    ramp = np.add.outer(np.arange(9.0) ** 2, 0.5 * np.arange(7))
+    assert maps.summits(rows_of(ramp), SPACING).stderr == ""
+
+
+# ---------------------------------------------------------------- one beginning of file
+
+@pytest.mark.parametrize("names, order", [
+    ("y x z", (1, 0, 2)), ('"X" "Y" "mlw"', (0, 1, 2)), ("z,y,x", (2, 1, 0)),
+    ("x_mm,y_mm,z_mm", (0, 1, 2)), ("z/mm y/mm x/mm", (2, 1, 0)),
+    ("x / mm;y / mm;z / mm", (0, 1, 2)), ("# y [mm] x [mm] z [mm]", (1, 0, 2)),
+])
+def test_columns_by_their_names(names, order, maps):
+    separator = next((sign for sign in ",;" if sign in names), " ")
+    lines = [line.split() for line in POINTS.splitlines()]
+    text = names + "\n" + "".join(separator.join(cells[i] for i in order) + "\n"
+                                  for cells in lines)
+    done = maps.summits(text)
+    assert done.returncode == 0, done.stderr
+    assert done.found[1] == maps.summits(POINTS).found[1]
+    assert number(done, "spacing along x")[0] == SPACING[0]
+    assert (" mm\n" in done.stdout) == ("mm" in names)
+    assert maps.scene(text).positions == maps.scene(POINTS).positions
+
+
+def test_columns_beside_x_y_z(maps):
+    text = "id,x,y,quality,z\n" + "".join(
+        f"{i},{','.join(line.split()[:2])},0.5,{line.split()[2]}\n"
+        for i, line in enumerate(POINTS.splitlines()))
+    done = maps.summits(text)
+    assert done.found == maps.summits(POINTS).found and "2 more columns" in done.stderr
+
+
+def test_names_that_are_not_understood(maps):
+    done = maps.summits("lat lon z\n" + POINTS)
+    assert done.stderr == ("F:1:1: found 'lat lon z', expected heights, or the names x, y and z of "
+                           "columns\n")
+
+
+def test_grids_of_other_programs(maps):
+    holes = HEIGHTS.copy()
+    holes[4, 5] = np.nan
+    plain = maps.summits(rows_of(holes, form=lambda z: "NaN" if np.isnan(z) else exact(z)),
+                         (0.5, 0.5)).found
+    words = [["-9999" if np.isnan(z) else exact(z) for z in row] for row in holes]
+    esri = ("ncols 16\nnrows 12\nxllcorner 100.5\nyllcorner 7\ncellsize 0.5\n"
+            "NODATA_value  -9999\n" + "".join(" ".join(row) + "\n" for row in words[::-1]))
+    surfer = ("DSAA\n16 12\n0 7.5\n0 5.5\n2 4.1\n" + "".join(
+        " ".join(row[:10]) + "\n" + " ".join(row[10:]) + "\n\n" for row in words))
+    for text in (esri, esri.upper(), esri.replace("NODATA_value  -9999\n", ""),
+                 "\ufeff" + esri.replace("\n", "\r\n"), surfer.replace("-9999", "1.70141e+038")):
+        assert maps.summits(text).found == plain, maps.summits(text).stderr
+        assert maps.scene(text).status == 0
+    for text, said in ((esri + "5\n", "found '5' behind 16 x 12 pixels"),
+                       (esri.replace("16", "17", 1), "the pixels end, expected 17 x 12"),
+                       (esri.replace("ncols 16", "ncols x"), "1:1: ncols: found 'x'"),
+                       (surfer.replace("0 7.5", "7.5 0"), "3:1: found '7.5 0', expected least")):
+        done = maps.summits(text)
+        assert done.returncode == 2 and said in done.stderr, done.stderr
+
+
+def test_a_line_before_the_matrix(maps):
+    done = maps.summits("16 12\n" + MATRIX, SPACING)
+    assert done.stderr.startswith("F:1:1: found 2 cells before lines of 16")
+    assert len(done.stderr.splitlines()) == 1
+
+
+NOISE = np.random.default_rng(2).integers(0, 256, 3000, dtype=np.uint8).tobytes()
+WRONG = {
+    "random": NOISE, "zip": b"PK\x03\x04" + NOISE, "gwy": b"GWYPGWYO" + NOISE,
+    "sur": b"DIGITAL SURF" + NOISE, "hdf5": b"\x89HDF\r\n\x1a\n" + NOISE, "nc": b"CDF\x01" + NOISE,
+    "gzip": b"\x1f\x8b\x08" + NOISE, "opd": b"\x01\x00Directory" + NOISE,
+    "di": b"\\*File list\r\n" + b"\\Version: 5\r\n" * 30, "png": b"\x89PNG\r\n\x1a\n" + NOISE,
+    "zygo": b"Zygo ASCII Data File\n" + b"1 2 3\n" * 30, "utf16": MATRIX.encode("utf-16"),
+    "prose": b"It was the best of times.\nIt was the worst of 3 times.\n" * 30,
+    "numbers and words": b"12 men went to mow\n3 men, 2 men and his dog\n" * 30,
+    "program": b"program a\n  print *, 1\nend program a\n" * 20,
+}
+
+
+@pytest.mark.parametrize("kind", WRONG)
+def test_a_wrong_file_is_one_mistake(kind, maps):
+    """At most three lines, and the program that reads the format where there is one."""
+    maps.write(WRONG[kind])
+    maps.write("&surfaces upper = 'F', lower = 'plane' /\n&material contact_modulus = 1. /\n"
+               "&loading control = 'load', value = 1. /\n", "a.scene")
+    for words in (["summits", "F"], ["summits", "F", "--spacing=1,1"], ["F"], ["solve", "F"],
+                  ["generate", "F"], ["study", "F"], ["solve", "a.scene"]):
+        done = run_program(maps.asperity, *words, status=2, cwd=maps.folder)
+        lines = done.stderr.splitlines()
+        assert 1 <= len(lines) <= 3 and re.match(r"F:\d+:\d+: ", lines[0]), done.stderr
+        if kind in ("zip", "gwy", "sur", "hdf5", "nc", "opd", "di"):
+            assert "not a format of this program" in lines[0] and "SurfaceTopography" in lines[0]
+
+
+@pytest.mark.parametrize("change", [
+    lambda text: b"\xef\xbb\xbf" + text, lambda text: text.replace(b"\n", b"\r\n"),
+    lambda text: b"\xef\xbb\xbf" + text.replace(b"\n", b"\r")])
+def test_a_deck_as_other_editors_write_it(change, root, maps):
+    plain = (root / "data/thesis.deck").read_bytes()
+    reports = []
+    for text in (plain, change(plain)):
+        maps.write(text, "d.deck")
+        reports.append(run_program(maps.asperity, "d.deck", "--arithmetic=real64",
+                                   cwd=maps.folder).stdout)
+    assert reports[0] == reports[1]
+
+
+def test_tabs_in_a_surface_data_header(maps):
+    text = TEXT_HEADER.format(magic="aISO-1.0", kind=7) + rows_of(HEIGHTS) + "*\n"
+    assert maps.summits(text.replace(" = ", "\t=\t")).found == maps.summits(text).found
+
+
+# ---------------------------------------------------------------- decimal commas in scenes
+
+@pytest.mark.parametrize("names, said", [
+    ({"map_spacing": "1,5"}, "note: 1,5 in map_spacing of &surfaces"),
+    ({"map_spacing": "1, 5"}, None), ({"map_spacing": "1.,5."}, None),
+    ({"map_spacing": "0,05"}, "map_spacing: found 0,05, a decimal comma, expected a point"),
+    ({"map_spacing": "1, 5", "nominal_area": "3,5"}, "3,5: a decimal comma? write a point"),
+    ({"map_spacing": "1,5e0"}, "note: 1,5e0 in map_spacing"),
+])
+def test_pairs_without_a_blank(names, said, maps):
+    found = maps.scene(MATRIX, **names)
+    assert (said in found.stderr) if said else ("comma" not in found.stderr)
+    assert found.status == (2 if said and "note" not in said else 0), found.stderr
+
+
 # ---------------------------------------------------------------- mixed dialects
 
 CELL = {".": r"[+-]?(?:\d+\.?\d*|\.\d+)(?:[eE][+-]?\d+)?",
