@@ -177,6 +177,7 @@ contains
       associate (table => new%tables(table_statistics))
         call add_reals(table, 'samples', [real(found%samples, real64)])
         call add_reals(table, 'missing', [real(found%missing, real64)])
+        call add_reals(table, 'slopes_left_out', [found%slopes_left_out])
         call add_reals(table, 'spacing_x', map%pixel_spacing(1:1), map%unit)
         call add_reals(table, 'spacing_y', map%pixel_spacing(2:2), map%unit)
         call add_reals(table, 'rms_height', [found%rms_height], map%unit)

@@ -14,7 +14,7 @@ module asperity_height_map
             no_height, is_measured, is_length, make_room, read_height, expected_length, &
             expected_height, highest, largest_height, &
             most_samples, digit_of, no_power, edge_names, index_beside, level_mean, level_names, &
-            level_none, level_plane, free_edge, periodic_edge, usual_level
+            level_none, level_plane, free_edge, note_repeated_line, periodic_edge, usual_level
 
   !> Edges: the half-space goes on without load beyond a free map; a periodic map repeats itself.
   character(len=*), parameter :: edge_names(2) = [character(len=8) :: 'free', 'periodic']
@@ -102,6 +102,38 @@ contains
 
     is_length = value >= least_length .and. value <= most_length
   end function is_length
+
+  !> Adds a note where the last column or row of a periodic map repeats its first, as a period then
+  !> has it twice. Where all lines are alike along an axis none is repeated.
+  pure subroutine note_repeated_line(map)
+    type(height_map), intent(inout) :: map  !! with all heights; its notes are added to
+    real(real64), parameter :: rounding = 1.0e-9_real64  ! of heights, over their range (chosen)
+    real(real64) :: least
+
+    if (.not. map%periodic) return
+    least = rounding * (maxval(map%height) - minval(map%height, is_measured(map%height)))
+    if (repeats_line(map%height(1, :), map%height(map%columns, :), map%height(2, :))) &
+      call map%notes%add_in_file('note: ' // text_of('column'))
+    if (repeats_line(map%height(:, 1), map%height(:, map%rows), map%height(:, 2))) &
+      call map%notes%add_in_file('note: ' // text_of('row'))
+
+  contains
+
+    pure logical function repeats_line(first, last, second)
+      real(real64), intent(in) :: first(:), last(:), second(:)
+
+      repeats_line = all(abs(first - last) <= least) .and. .not. all(abs(first - second) <= least)
+    end function repeats_line
+
+    pure function text_of(line) result(text)
+      character(len=*), intent(in) :: line
+      character(len=:), allocatable :: text
+
+      text = 'the map is periodic and its last ' // line // ' repeats its first: a period has ' // &
+             'each ' // line // ' once'
+    end function text_of
+
+  end subroutine note_repeated_line
 
   !> Moves a map without a copy of its heights.
   pure subroutine move_map(from, to)

@@ -7,7 +7,8 @@ module asperity_scene_maps
   use asperity_file_beginning, only: skip_mark
   use asperity_height_map, only: change_unit, edge_names, expected_length, give_spacing, &
                                  height_map, is_length, length_units, level_names, level_plane, &
-                                 periodic_edge, plain_unit, put_in_unit, unit_number, usual_level
+                                 note_repeated_line, periodic_edge, plain_unit, put_in_unit, &
+                                 unit_number, usual_level
   use asperity_height_map_reader, only: head_length, is_height_map, take_height_map
   use asperity_input_text, only: in_quotes
   use asperity_kept_records, only: checksum
@@ -88,6 +89,12 @@ contains
       maps%periodic = edge == periodic_edge
       maps%upper%periodic = maps%periodic
       maps%lower%periodic = maps%periodic
+      if (other_files%count() == 0 .and. good) then
+        if (is_given(1)) call note_repeated_line(maps%upper)
+        if (is_given(2)) call note_repeated_line(maps%lower)
+      end if
+      call checked%notes%append(maps%upper%notes)
+      call checked%notes%append(maps%lower%notes)
       maps%despike = despike == 2
       maps%level = usual_level(maps%periodic)
       call fields%take_word('surfaces', 'map_level', level_names, maps%level)
@@ -162,7 +169,6 @@ contains
         found%lacks_memory = allocated(failure)
       end if
       call other_files%append(found)
-      call checked%notes%append(map%notes)
     end subroutine make_one
 
     ! Puts a map in the unit of the scene, which is that of the first map. One without a unit has

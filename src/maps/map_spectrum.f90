@@ -10,8 +10,9 @@
 !> C_1D over q > 0, over L.
 !>
 !> A periodic map has w = 1. A free map has a Hann window, whose mean square is 1: of lines w in
-!> proportion to 1 - cos(2 pi i/n), of the area w in proportion to 1 + cos(pi r/R) within the circle
-!> of radius R, half of the shorter side, about pixel (n_x/2, n_y/2).
+!> proportion to 1 - cos(2 pi i/n), on the heights less the mean of their line; of the area w in
+!> proportion to 1 + cos(pi r/R) within the circle of radius R, half of the shorter side, about
+!> pixel (n_x/2, n_y/2).
 !>
 !> Rings are those of SurfaceTopography 1.27: their edges, 10 for each decade and 10 more, are
 !> equally spaced in the logarithm of q from the smallest wave number of the map to the lower one of
@@ -111,10 +112,11 @@ contains
     spectrum%c(:) = 0.0_real64
     do i = 1, lines
       if (along == 1) then
-        line = map%height(:, i) * window
+        line = map%height(:, i)
       else
-        line = map%height(i, :) * window
+        line = map%height(i, :)
       end if
+      line = (line - sum(line) / n) * window
       call fftw_real_to_complex(plan, c_loc(line), c_loc(waves))
       spectrum%c = spectrum%c + real(waves(1:last))**2 + aimag(waves(1:last))**2
     end do

@@ -3,7 +3,9 @@
 !> Spectral moments by differences: m0 the mean square of the heights about their mean, m2 of the
 !> first differences over the spacing, m4 of the second differences over its square, along x and y.
 !> Differences underestimate derivatives: m2 lacks m4 d^2/12, m4 lacks m6 d^2/6 to first order in
-!> the square of the spacing d.
+!> the square of the spacing d. Beside missing pixels a difference counts by the share of its
+!> neighbouring lines on which the same pixels are measured: for slopes these are cells of four
+!> measured pixels.
 !>
 !> Theory: P. R. Nayak, Random process model of rough surfaces, J. Lubr. Technol. 93 (1971) 398;
 !> the summits' means as in A. W. Bush, R. D. Gibson, G. P. Keogh, Mech. Res. Commun. 3 (1976) 169
@@ -24,6 +26,7 @@ module asperity_map_statistics
   type :: map_statistics
     integer(int64) :: samples = 0_int64         !! number of pixels
     integer(int64) :: missing = 0_int64         !! pixels that were not measured
+    real(real64) :: slopes_left_out = 0.0_real64  !! share of first differences, at missing pixels
     real(real64) :: rms_height = 0.0_real64     !! root mean square about the mean
     real(real64) :: rms_slope = 0.0_real64      !! root mean square of the gradient
     real(real64) :: m0 = 0.0_real64             !! spectral moments: length squared
@@ -85,8 +88,8 @@ contains
   subroutine measure_moments(map, found)
     type(height_map), intent(in) :: map
     type(map_statistics), intent(inout) :: found
-    real(real64) :: sums(4), row_sums(4), mean, row_sum
-    integer(int64) :: numbers(4), measured
+    real(real64) :: numbers(4), sums(4), row_sums(4), mean, row_sum
+    integer(int64) :: measured, slopes
     integer :: across(-2:0), along(-2:0), i, j
 
     found%samples = int(map%columns, int64) * map%rows
@@ -103,7 +106,8 @@ contains
     end do
     mean = mean / real(measured, real64)
     found%missing = found%samples - measured
-    numbers = 0_int64
+    slopes = 0_int64
+    numbers = 0.0_real64
     sums = 0.0_real64
     do j = 1, map%rows
       row_sums = 0.0_real64
@@ -112,39 +116,48 @@ contains
         if (is_measured(map%height(i, j))) row_sum = row_sum + (map%height(i, j) - mean)**2
         across = index_beside([i - 2, i - 1, i], map%columns, map%periodic)
         along = index_beside([j - 2, j - 1, j], map%rows, map%periodic)
-        if (across(-1) > 0) call first_difference(1, map%height(across(-1:), j))
-        if (along(-1) > 0) call first_difference(2, map%height(i, along(-1:)))
-        if (across(-2) > 0) call second_difference(3, map%height(across, j))
-        if (along(-2) > 0) call second_difference(4, map%height(i, along))
+        if (across(-1) > 0) call add_difference(1, map%height(across(-1:), j), across(-1:), j)
+        if (along(-1) > 0) call add_difference(2, map%height(i, along(-1:)), along(-1:), i)
+        if (across(-2) > 0) call add_difference(3, map%height(across, j), across, j)
+        if (along(-2) > 0) call add_difference(4, map%height(i, along), along, i)
       end do
       sums = sums + row_sums
       found%m0 = found%m0 + row_sum
     end do
     found%m0 = found%m0 / real(measured, real64)
-    where (numbers(1:2) > 0_int64) &
-      found%m2 = sums(1:2) / real(numbers(1:2), real64) / map%pixel_spacing**2
-    where (numbers(3:4) > 0_int64) &
-      found%m4 = sums(3:4) / real(numbers(3:4), real64) / map%pixel_spacing**4
+    where (numbers(1:2) > 0.0_real64) found%m2 = sums(1:2) / numbers(1:2) / map%pixel_spacing**2
+    where (numbers(3:4) > 0.0_real64) found%m4 = sums(3:4) / numbers(3:4) / map%pixel_spacing**4
+    if (slopes > 0_int64) found%slopes_left_out = 1.0_real64 - sum(numbers(1:2)) / slopes
 
   contains
 
-    subroutine first_difference(which, z)
-      integer, intent(in) :: which
-      real(real64), intent(in) :: z(2)
+    ! Adds the first or second difference of heights along x (1, 3) or y (2, 4).
+    subroutine add_difference(which, z, place, line)
+      integer, intent(in) :: which, place(:), line  ! indices along the axis, and across it
+      real(real64), intent(in) :: z(:)
+      real(real64) :: share, square
+      integer :: beside(2), k
+      logical :: is_complete(2)
 
       if (.not. all(is_measured(z))) return
-      row_sums(which) = row_sums(which) + (z(2) - z(1))**2
-      numbers(which) = numbers(which) + 1_int64
-    end subroutine first_difference
-
-    subroutine second_difference(which, z)
-      integer, intent(in) :: which
-      real(real64), intent(in) :: z(3)
-
-      if (.not. all(is_measured(z))) return
-      row_sums(which) = row_sums(which) + ((z(3) - z(2)) - (z(2) - z(1)))**2
-      numbers(which) = numbers(which) + 1_int64
-    end subroutine second_difference
+      share = 1.0_real64
+      if (found%missing > 0_int64) then
+        beside = index_beside([line - 1, line + 1], merge(map%rows, map%columns, &
+                                                          mod(which, 2) == 1), map%periodic)
+        is_complete = .false.
+        do k = 1, 2
+          if (beside(k) == 0) cycle
+          if (mod(which, 2) == 1) is_complete(k) = all(is_measured(map%height(place, beside(k))))
+          if (mod(which, 2) == 0) is_complete(k) = all(is_measured(map%height(beside(k), place)))
+        end do
+        share = count(is_complete) / real(count(beside > 0), real64)
+      end if
+      if (size(z) == 2) slopes = slopes + 1_int64
+      square = (z(2) - z(1))**2
+      if (size(z) == 3) square = ((z(3) - z(2)) - (z(2) - z(1)))**2
+      row_sums(which) = row_sums(which) + share * square
+      numbers(which) = numbers(which) + share
+    end subroutine add_difference
 
   end subroutine measure_moments
 

@@ -1,7 +1,8 @@
 !> From the file of a height map to its summits: reading, unit, levelling, removal of outliers.
 module asperity_summits_of_file
-  use asperity_height_map, only: fault_of_spacing, give_spacing, height_map, length_units, &
-                                 level_names, level_plane, periodic_edge, put_in_unit, usual_level
+  use asperity_height_map, only: fault_of_spacing, give_spacing, height_map, is_measured, &
+                                 length_units, level_names, level_plane, note_repeated_line, &
+                                 periodic_edge, put_in_unit, usual_level
   use asperity_height_map_reader, only: read_height_map
   use asperity_kinds, only: int64, real64
   use asperity_map_despiking, only: despike_map
@@ -113,9 +114,18 @@ contains
     integer(int64), intent(out) :: spikes                   !! number removed; -1: not searched for
     character(len=:), allocatable, intent(out) :: failure   !! reason, when memory is short
 
+    real(real64), parameter :: missing_noted = 0.01_real64  ! share without a note (chosen)
+    real(real64) :: missing
+
     spikes = -1_int64
     if (choices%level == 0) choices%level = usual_level(choices%periodic)
     map%periodic = choices%periodic
+    call note_repeated_line(map)
+    missing = 1.0_real64 - count(is_measured(map%height), kind=int64) / real(size(map%height, &
+      kind=int64), real64)
+    if (missing > missing_noted) call map%notes%add_in_file('note: ' // &
+      decimal_text(nint(100 * missing)) // ' % of the pixels are missing: slopes and moments ' // &
+      'leave out the rims of holes')
     call level_map(map, choices%level)
     if (choices%despike) call despike_map(map, choices%level, choices%progress, spikes, failure)
     if (choices%radius == 0) choices%radius = usual_radius(choices%rule)

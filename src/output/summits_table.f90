@@ -6,6 +6,7 @@ module asperity_summits_table
   use asperity_map_levelling, only: is_flat
   use asperity_map_statistics, only: map_statistics
   use asperity_map_summits, only: map_summits, rule_contact, rule_names
+  use asperity_number_format, only: percent_text
   use asperity_printable, only: printable_text
   use asperity_problems, only: decimal_text, real_text
   use asperity_summit_spheres, only: radius_names
@@ -41,6 +42,8 @@ contains
     call buffer%line('')
     call put_count('samples', found%samples)
     call put_count('missing', found%missing)
+    if (found%missing > 0_int64) &
+      call put_line('slopes left out', percent_text(found%slopes_left_out), '', '', buffer)
     if (spikes >= 0_int64) call put_count('spikes removed', spikes)
     call put_count('summits', size(summits%x, kind=int64))
     if (choices%rule == rule_contact) call put_count('  on ridges', int(summits%on_ridges, int64))

@@ -15,6 +15,7 @@ import map_truth
 from image_data import read_png
 from made_maps import FOLDER, self_affine, write_bytes
 from programs import run_program
+from surfaces_csv import solve, write_scene
 
 # Measured maps to try, one file each, where somebody has some.
 MEASURED = sorted(Path(folder).glob("*.sdf") if (folder := os.environ.get("ASPERITY_MAPS")) else [])
@@ -203,6 +204,52 @@ def test_spikes_are_taken_out(summits, tmp_path):
         window = mended[max(0, row - 2):row + 3, max(0, column - 2):column + 3]
         mended[row, column] = np.median(window)
     assert_same(done.rows, map_truth.summits(mended, 1.0, 1.0)[0], 1.0)
+
+
+def test_rims_of_holes(summits, tmp_path):
+    """Pixels beside holes are off, as instruments leave them: the slopes are those of cells of four
+    measured pixels. The share of slopes left out is printed, the missing pixels are noted."""
+    heights, random = self_affine((60, 70), 8, shortest=6)[0], np.random.default_rng(4)
+    holes = np.zeros(heights.shape, bool)
+    for row, column in random.integers(0, 60, (40, 2)):
+        holes[row:row + random.integers(1, 7), column:column + random.integers(1, 7)] = True
+    heights[holes] = np.nan
+    done = summits(write_matrix(tmp_path / "a.txt", heights), "--spacing", "1,1", "--level", "none")
+    slopes = np.diff(heights, axis=1), np.diff(heights, axis=0)
+    cells = [(slopes[0][:-1] ** 2 + slopes[0][1:] ** 2) / 2,
+             (slopes[1][:, :-1] ** 2 + slopes[1][:, 1:] ** 2) / 2]
+    whole = np.isfinite(cells[0] + cells[1])
+    # The outermost lines have one cell beside them.
+    assert value(done, "rms slope") == pytest.approx(
+        np.sqrt(cells[0][whole].mean() + cells[1][whole].mean()), rel=0.02)
+    left_out = 1 - 2 * whole.sum() / sum(np.isfinite(s).sum() for s in slopes)
+    assert value(done, "slopes left out") / 100 == pytest.approx(left_out, abs=0.03)
+    assert f"{round(100 * holes.mean())} % of the pixels are missing" in done.stderr
+    alone = summits(write_matrix(tmp_path / "a.txt", self_affine((60, 70), 8, shortest=6)[0]),
+                    "--spacing", "1,1")
+    assert "missing:" not in alone.stderr and "slopes left out" not in alone.stdout
+
+
+@pytest.mark.parametrize("repeated", ["row", "column", None])
+def test_a_period_with_its_first_line_twice(asperity, summits, tmp_path, repeated):
+    """Noted in scenes, too; a map without it, or of lines that are all alike, has no note."""
+    heights = self_affine((30, 34), 8, shortest=6)[0]
+    if repeated:
+        heights = np.append(heights, heights[:1] if repeated == "row" else heights[:, :1],
+                            axis=int(repeated == "column"))
+    path = write_matrix(tmp_path / "a.txt", heights)
+    note = f"last {repeated} repeats its first" if repeated else "repeats"
+    done = summits(path, "--spacing", "1,1", "--edge", "periodic")
+    assert (note in done.stderr) == bool(repeated)
+    assert "repeats" not in summits(path, "--spacing", "1,1").stderr
+    scene = write_scene(
+        tmp_path / "a.scene", surfaces={"upper": "plane", "lower": "a.txt", "map_spacing": (1, 1),
+                                        "map_edge": "periodic"},
+        material={"contact_modulus": 1.0}, loading={"control": "load", "value": 1.0},
+        effects={"interaction": "boundary"})
+    assert (note in solve(asperity, scene).stderr) == bool(repeated)
+    grooves = write_matrix(tmp_path / "b.txt", np.tile(heights[0], (30, 1)))
+    assert ("row repeats" not in summits(grooves, "--spacing", "1,1", "--edge", "periodic").stderr)
 
 
 @pytest.mark.parametrize("unit, factor", [("m", 1), ("mm", 1e3), ("um", 1e6), ("nm", 1e9),

@@ -124,18 +124,27 @@ def summits(heights, dx, dy, rule="eight", radius=None, level="plane"):
     return np.array(rows).reshape(-1, 4), len(found) - number
 
 
-def mean_square(values):
-    return np.nanmean(values ** 2)
+def mean_square(h, axis, spacing, order):
+    """Of the differences over the spacing. Beside missing samples a difference counts by the share
+    of its neighbouring lines on which the same samples are there."""
+    h = h if axis else h.T
+    there = np.isfinite(h)
+    whole = np.lib.stride_tricks.sliding_window_view(there, order + 1, axis=1).all(axis=-1)
+    beside = np.pad(whole.astype(float), ((1, 1), (0, 0)))
+    lines = np.pad(np.ones(len(h)), 1)
+    share = (beside[:-2] + beside[2:]) / (lines[:-2] + lines[2:])[:, None]
+    values = np.diff(h, order, axis=1)[whole] / spacing ** order
+    return (share[whole] * values ** 2).sum() / share[whole].sum()
 
 
 def statistics(heights, dx, dy, level="plane"):
     """Moments by differences and Nayak's expectations of them."""
     h = levelled(heights, level)
     found = {"m0": np.nanvar(h),
-             "m2 along x": mean_square(np.diff(h, axis=1) / dx),
-             "m2 along y": mean_square(np.diff(h, axis=0) / dy),
-             "m4 along x": mean_square(np.diff(h, 2, axis=1) / dx ** 2),
-             "m4 along y": mean_square(np.diff(h, 2, axis=0) / dy ** 2)}
+             "m2 along x": mean_square(h, 1, dx, 1),
+             "m2 along y": mean_square(h, 0, dy, 1),
+             "m4 along x": mean_square(h, 1, dx, 2),
+             "m4 along y": mean_square(h, 0, dy, 2)}
     m0 = found["m0"]
     m2, m4 = ((found[f"m{n} along x"] + found[f"m{n} along y"]) / 2 for n in (2, 4))
     found["rms height"] = np.sqrt(m0)
