@@ -365,7 +365,7 @@ def generate_map(specification: _a.Path | Mapping[str, Mapping[str, Any]] | None
     Returns
     -------
     HeightMap
-        The same specification gives the same bits on every machine.
+        Maps of two machines agree to 1e-12 of the rms height.
 
     Raises
     ------

@@ -5,7 +5,6 @@ module asperity_generation_values
   use asperity_decimal, only: decimal_value
   use asperity_kinds, only: int64, real128
   use asperity_problems, only: problem_list
-  use asperity_whole_fourier, only: smooth_length
   implicit none
   private
 
@@ -91,6 +90,25 @@ contains
     period = pixels
     if (.not. periodic) period = smooth_length(2 * pixels)
   end function period_of
+
+  ! Least length, n or more, without a prime factor above 5.
+  pure integer function smooth_length(n) result(length)
+    integer, intent(in) :: n
+    integer, parameter :: primes(3) = [2, 3, 5]
+    integer :: rest, i
+
+    length = n
+    do
+      rest = length
+      do i = 1, size(primes)
+        do while (modulo(rest, primes(i)) == 0)
+          rest = rest / primes(i)
+        end do
+      end do
+      if (rest == 1) return
+      length = length + 1
+    end do
+  end function smooth_length
 
   !> A number in 113 bits.
   elemental real(real128) function exact_value(value)

@@ -1,7 +1,7 @@
 !> Self-affine random height maps from a specification.
 !>
-!> The components of `asperity_map_waves` are transformed in whole numbers, first along y, then
-!> along x, two rows as one complex row. A free map is a part of a periodic one of at least twice
+!> The components of `asperity_map_waves` are transformed with FFTW, first along y, then along x: two
+!> machines differ by rounding. A free map is a part of a periodic one of at least twice
 !> its size along x and y: its edges do not fit, and it has waves longer than itself.
 !>
 !> The rms height or the rms slope is exact for the map that is made, not for the mean of all seeds:
@@ -10,17 +10,18 @@
 !> pixels, where h is the sum of waves: that of differences is smaller. On a periodic map its square
 !> is the sum of q**2 |a(q)|**2 (Parseval).
 module asperity_generated_map
-  use asperity_constants, only: pi_128
+  use, intrinsic :: iso_c_binding, only: c_double, c_double_complex, c_int, c_loc, c_ptr
+  use asperity_constants, only: pi
   use asperity_decimal, only: decimal_to_real64
+  use asperity_fftw_calls, only: fftw_backward, fftw_complex, fftw_complex_to_real, fftw_destroy, &
+                                 fftw_estimate, fftw_plan_complex, fftw_plan_complex_to_real
   use asperity_generation_values, only: map_spec
   use asperity_height_map, only: fault_of_map, free_edge, height_map, highest, largest_height, &
                                  length_units, periodic_edge
-  use asperity_kinds, only: int128, int64, real128, real64
+  use asperity_kinds, only: int64, real64
   use asperity_map_waves, only: draw_waves, map_waves, plan_waves
   use asperity_problems, only: decimal_text, not_enough_memory
   use asperity_process, only: has_memory
-  use asperity_whole_fourier, only: imaginary_part, prepare_fourier, real_part, transform_wholes, &
-                                    whole_fourier
   implicit none
   private
 
@@ -28,9 +29,7 @@ module asperity_generated_map
 
   ! Quantity to sum: 0 the heights, 1 the slopes along x, 2 the slopes along y.
   integer, parameter :: of_heights = 0
-  ! Heights are below 2**58: the sum of 2**8 of their squares is below 2**124.
-  integer, parameter :: spare_bits = 8
-  ! Rows that are copied together, an even number: they share lines of the cache.
+  ! Rows that are copied together: they share lines of the cache (chosen).
   integer, parameter :: rows_together = 8
 
 contains
@@ -41,10 +40,7 @@ contains
     type(height_map), intent(out) :: map                    !! its heights have the mean 0
     character(len=:), allocatable, intent(out) :: failure   !! why there is no map
     type(map_waves) :: waves
-    type(whole_fourier) :: along(2)
-    integer(int64), allocatable :: components(:, :, :)
-    real(real128) :: mean, mean_square, square
-    real(real64) :: factor, offset
+    real(real64) :: mean, mean_square, square
     integer :: i
 
     call plan_waves(spec, waves)
@@ -65,28 +61,20 @@ contains
     map%periodic = spec%periodic
     map%edge = merge(periodic_edge, free_edge, spec%periodic)
     allocate (map%height(map%columns, map%rows))
-    allocate (components(2, 0:waves%period(2) - 1, 0:waves%most(1)))
-    do i = 1, 2
-      call prepare_fourier(waves%period(i), along(i))
-    end do
+    mean_square = 0.0_real64
     if (spec%of_slope) then
-      mean_square = 0.0_real128
       do i = 1, 2
-        call sum_waves(waves, along, i, components, map, mean, square)
-        mean_square = mean_square + square * (2 * pi_128 / waves%side(i))**2
+        call sum_waves(waves, i, map, mean, square)
+        mean_square = mean_square + square * real((2 * pi / waves%side(i))**2, real64)
       end do
-      call sum_waves(waves, along, of_heights, components, map, mean, square)
-    else
-      call sum_waves(waves, along, of_heights, components, map, mean, square)
-      mean_square = square - mean**2
     end if
-    if (.not. mean_square > 0.0_real128) then
+    call sum_waves(waves, of_heights, map, mean, square)
+    if (.not. spec%of_slope) mean_square = square - mean**2
+    if (.not. mean_square > 0.0_real64) then
       failure = 'the map is flat'
       return
     end if
-    factor = real(spec%rms / sqrt(mean_square), real64)
-    offset = real(mean, real64)
-    map%height = (map%height - offset) * factor
+    map%height = (map%height - mean) * real(spec%rms / sqrt(mean_square), real64)
     map%digit = spacing(largest_height(map))
     failure = fault_of_map(map)
     if (largest_height(map) > highest) failure = 'heights beyond 1e30, expected a lower rms value'
@@ -101,27 +89,26 @@ contains
     real(real64), intent(out) :: begun         !! processor time when the first piece begins, s
     integer(int64), intent(out) :: bytes       !! memory that the map takes
     type(map_waves) :: waves
-    type(whole_fourier) :: along(2)
-    integer(int64), allocatable :: components(:, :), row(:, :), work(:, :)
-    integer :: i, j, k
+    type(c_ptr) :: plans(2)
+    complex(c_double_complex), allocatable, target :: components(:), row(:)
+    real(c_double), allocatable, target :: heights(:)
+    integer :: i, j
 
     call plan_waves(spec, waves)
-    do k = 1, 2
-      call prepare_fourier(waves%period(k), along(k))
-    end do
-    allocate (components(2, 0:waves%period(2) - 1), row(2, 0:waves%period(1) - 1))
-    allocate (work(2, 0:maxval(waves%period) - 1))
-    row = 0_int64
+    allocate (components(waves%period(2)), row(waves%period(1) / 2 + 1), heights(waves%period(1)))
+    call make_plans(waves, c_loc(components), c_loc(row), c_loc(heights), plans)
     tried = min(tried, waves%most(1) + 1)
     call cpu_time(begun)
     do i = 1, tried
       ! The columns are spread evenly over the map; each has its share of the rows.
       call draw_waves(waves, waves%most(1) * (i - 1) / tried, components)
-      call transform_wholes(along(2), components, work)
-      do j = 1, spec%pixels(2) / (2 * waves%most(1) + 2)
-        call transform_wholes(along(1), row, work)
+      call fftw_complex(plans(2), c_loc(components), c_loc(components))
+      do j = 1, spec%pixels(2) / (waves%most(1) + 1)
+        row = (0.0_real64, 0.0_real64)
+        call fftw_complex_to_real(plans(1), c_loc(row), c_loc(heights))
       end do
     end do
+    call destroy_plans(plans)
     total = merge(3, 1, spec%of_slope) * (waves%most(1) + 1)
     bytes = bytes_of_map(waves, spec)
   end subroutine try_map
@@ -136,98 +123,92 @@ contains
                    8_int64 * spec%pixels(1) * spec%pixels(2) + 4096_int64 * maxval(waves%period)
   end function bytes_of_map
 
-  ! Sums the waves at all pixels: the heights of the map, or a slope of which only the sums are
-  ! returned. A unit is that of the components.
-  subroutine sum_waves(waves, along, which, components, map, mean, square)
+  ! Makes the plans of the transforms of a row to pixels and of a column in its place.
+  subroutine make_plans(waves, column, row, heights, plans)
     type(map_waves), intent(in) :: waves
-    type(whole_fourier), intent(in) :: along(2)
-    integer, intent(in) :: which
-    integer(int64), intent(inout) :: components(:, 0:, 0:)
-    type(height_map), intent(inout) :: map
-    real(real128), intent(out) :: mean, square
-    integer(int64), allocatable :: work(:, :), row(:, :), block(:, :, :)
-    integer(int128) :: numbers, squares
-    integer(int64) :: half, pixels
-    integer :: i, j, k, first, lines, lost, order
+    type(c_ptr), intent(in) :: column, row, heights  ! addresses of such arrays
+    type(c_ptr), intent(out) :: plans(2)
 
-    ! Number of bits of the largest wave number.
-    order = 0
-    if (which > of_heights) order = bit_size(order) - leadz(waves%most(which))
-    ! Bits that a number loses before it is squared, so that the sum of all squares fits.
-    pixels = size(map%height, kind=int64)
-    lost = max(0, bit_size(lost) * 2 - leadz(pixels) - spare_bits + 1) / 2
-    half = shiftr(shiftl(1_int64, lost), 1)
-    numbers = 0_int128
-    squares = 0_int128
-    !$omp parallel private(work, row, block, lines, j, k) reduction(+:numbers, squares)
-    allocate (work(2, 0:maxval(waves%period) - 1), row(2, 0:waves%period(1) - 1))
-    allocate (block(2, 0:rows_together - 1, 0:waves%most(1)))
+    !$omp critical (fftw_plans)
+    plans(1) = fftw_plan_complex_to_real(int(waves%period(1), c_int), row, heights, fftw_estimate)
+    plans(2) = fftw_plan_complex(int(waves%period(2), c_int), column, column, fftw_backward, &
+                                 fftw_estimate)
+    !$omp end critical (fftw_plans)
+  end subroutine make_plans
+
+  ! Destroys the plans.
+  subroutine destroy_plans(plans)
+    type(c_ptr), intent(in) :: plans(2)
+    integer :: i
+
+    !$omp critical (fftw_plans)
+    do i = 1, size(plans)
+      call fftw_destroy(plans(i))
+    end do
+    !$omp end critical (fftw_plans)
+  end subroutine destroy_plans
+
+  ! Sums the waves at all pixels: the heights of the map, or a slope of which only mean and mean
+  ! square are returned, over 2 pi/side. Sums are made row by row: threads do not change them.
+  subroutine sum_waves(waves, which, map, mean, square)
+    type(map_waves), intent(in) :: waves
+    integer, intent(in) :: which
+    type(height_map), intent(inout) :: map
+    real(real64), intent(out) :: mean, square
+    complex(c_double_complex), allocatable, target :: components(:, :), rows(:, :)
+    real(c_double), allocatable, target :: heights(:)
+    real(real64) :: row_means(map%rows), row_squares(map%rows)
+    type(c_ptr) :: plans(2)
+    integer :: first, i, j
+
+    allocate (components(0:waves%period(2) - 1, 0:waves%most(1)))
+    allocate (rows(0:waves%period(1) / 2, rows_together), heights(waves%period(1)))
+    call make_plans(waves, c_loc(components), c_loc(rows), c_loc(heights), plans)
+    deallocate (rows, heights)
+    !$omp parallel private(rows, heights, j)
+    allocate (rows(0:waves%period(1) / 2, rows_together), heights(waves%period(1)))
     !$omp do schedule(static)
     do i = 0, waves%most(1)
-      call draw_waves(waves, i, components(:, :, i))
-      if (which > of_heights) call derive_slope(components(:, :, i), i, which, order)
-      call transform_wholes(along(2), components(:, :, i), work)
+      call draw_waves(waves, i, components(:, i))
+      if (which > of_heights) call derive_slope(components(:, i), i, which)
+      call fftw_complex(plans(2), c_loc(components(0, i)), c_loc(components(0, i)))
     end do
     !$omp end do
     !$omp do schedule(static)
-    do first = 0, map%rows - 1, rows_together
-      lines = min(rows_together, map%rows - first)
-      block = 0_int64
-      block(:, :lines - 1, :) = components(:, first:first + lines - 1, :)
-      do j = 0, lines - 1, 2
-        call pack_rows(block(:, j:j + 1, :), row)
-        call transform_wholes(along(1), row, work)
-        do k = 1, min(2, lines - j)
-          associate (height => row(k, :map%columns - 1))
-            numbers = numbers + sum(int(height, int128))
-            squares = squares + sum(square_of(shifta(height + half, lost)))
-            if (which == of_heights) map%height(:, first + j + k) = real(height, real64)
-          end associate
+    do first = 1, map%rows, rows_together
+      rows = (0.0_real64, 0.0_real64)
+      do i = 0, waves%most(1)
+        do j = 1, min(rows_together, map%rows - first + 1)
+          rows(i, j) = components(first + j - 2, i)
         end do
+      end do
+      do j = 1, min(rows_together, map%rows - first + 1)
+        call fftw_complex_to_real(plans(1), c_loc(rows(0, j)), c_loc(heights))
+        associate (row => heights(:map%columns))
+          row_means(first + j - 1) = sum(row) / map%columns
+          row_squares(first + j - 1) = sum(row**2) / map%columns
+          if (which == of_heights) map%height(:, first + j - 1) = row
+        end associate
       end do
     end do
     !$omp end do
     !$omp end parallel
-    mean = real(numbers, real128) / pixels
-    square = real(squares, real128) / pixels * 4.0_real128**(lost + order)
+    call destroy_plans(plans)
+    mean = sum(row_means) / map%rows
+    square = sum(row_squares) / map%rows
   end subroutine sum_waves
 
-  ! A product: flang-19 has no powers of whole numbers of 128 bits.
-  elemental integer(int128) function square_of(number)
-    integer(int64), intent(in) :: number
+  ! Turns the components a of heights into those of a slope, i k a.
+  pure subroutine derive_slope(components, wave, which)
+    complex(c_double_complex), intent(inout) :: components(0:)  ! by wave number along y modulo period
+    integer, intent(in) :: wave, which  ! wave number along x; slope along x or y
+    integer :: j, number
 
-    square_of = int(number, int128) * number
-  end function square_of
-
-  ! Turns the components a of heights into those of a slope, i k a, over 2**order.
-  pure subroutine derive_slope(components, wave, which, order)
-    integer(int64), intent(inout) :: components(:, 0:)  ! by wave number along y modulo the period
-    integer, intent(in) :: wave, which, order           ! wave number along x; slope along x or y
-    integer(int128) :: number, derivative(2)
-    integer :: j
-
-    do j = 0, ubound(components, 2)
+    do j = 0, ubound(components, 1)
       number = wave
-      if (which == 2) number = merge(j, j - size(components, 2), 2 * j < size(components, 2))
-      derivative = number * [-components(imaginary_part, j), components(real_part, j)]
-      components(:, j) = int(shifta(derivative, order), int64)
+      if (which == 2) number = merge(j, j - size(components), 2 * j < size(components))
+      components(j) = cmplx(0, number, real64) * components(j)
     end do
   end subroutine derive_slope
-
-  ! Combines two rows of real numbers into one of complex numbers, r_1 + i r_2. Half of the
-  ! components of a row are the conjugates of the other half.
-  pure subroutine pack_rows(rows, row)
-    integer(int64), intent(in) :: rows(:, :, 0:)  ! part, which row, wave number along x
-    integer(int64), intent(out) :: row(:, 0:)     ! part, wave number along x modulo the period
-    integer :: i
-
-    row = 0_int64
-    row(:, 0) = rows(:, 1, 0) + [-rows(imaginary_part, 2, 0), rows(real_part, 2, 0)]
-    do i = 1, ubound(rows, 3)
-      row(:, i) = rows(:, 1, i) + [-rows(imaginary_part, 2, i), rows(real_part, 2, i)]
-      row(:, size(row, 2) - i) = [rows(real_part, 1, i), -rows(imaginary_part, 1, i)] + &
-                                 [rows(imaginary_part, 2, i), rows(real_part, 2, i)]
-    end do
-  end subroutine pack_rows
 
 end module asperity_generated_map

