@@ -1,7 +1,7 @@
 !> Self-affine random height maps from a specification.
 !>
-!> The components of `asperity_map_waves` are transformed with FFTW, first along y, then along x: two
-!> machines differ by rounding. A free map is a part of a periodic one of at least twice
+!> The components of `asperity_map_waves` are transformed with FFTW, first along y, then along x:
+!> two machines differ by rounding. A free map is a part of a periodic one of at least twice
 !> its size along x and y: its edges do not fit, and it has waves longer than itself.
 !>
 !> The rms height or the rms slope is exact for the map that is made, not for the mean of all seeds:
@@ -200,7 +200,7 @@ contains
 
   ! Turns the components a of heights into those of a slope, i k a.
   pure subroutine derive_slope(components, wave, which)
-    complex(c_double_complex), intent(inout) :: components(0:)  ! by wave number along y modulo period
+    complex(c_double_complex), intent(inout) :: components(0:)  ! by wave number along y
     integer, intent(in) :: wave, which  ! wave number along x; slope along x or y
     integer :: j, number
 

@@ -17,7 +17,7 @@
 !> that of threads changes it. Counter of the generator: k_x, k_y modulo 2**32, 1 for the real and 2
 !> for the imaginary part, 7; key: seed, 0.
 !>
-!> The random numbers are whole numbers, the same on every machine; amplitudes are rounded to real64.
+!> The random numbers are whole numbers, the same on every machine; amplitudes are rounded.
 module asperity_map_waves
   use asperity_generation_values, only: below_none, exact_value, map_spec, period_of
   use asperity_kinds, only: int64, real128, real64

@@ -154,7 +154,7 @@ def draw_in_whole_numbers(words):
 @pytest.mark.parametrize("quantity, columns, rows", (("rms_height", 14, 12), ("rms_slope", 14, 12),
                                                      ("rms_height", 40, 22)))
 def test_heights_of_exact_draws(quantity, columns, rows, generate):
-    """The map anew with exact draws, their tables by mpmath: 1e-12 of the rms height is rounding."""
+    """The map anew with exact draws, tables by mpmath: within 1e-12 of the rms height."""
     found = generate(f"&map pixels = {columns}, {rows}, spacing = 0.5, hurst = 0.7, roll_off = 4., "
                      f"cut_off = 1., {quantity} = 0.3, seed = 9 /\n")
     with mpmath.workdps(45):
