@@ -222,11 +222,13 @@ def test_the_truth_by_another_method(name):
 
 
 @pytest.mark.once
-@pytest.mark.parametrize("mode", ["coupled"])
-@pytest.mark.parametrize("scene", rough_scenes(), ids=lambda scene: scene.name)
+@pytest.mark.parametrize("scene, mode", [
+    *((scene, mode) for scene in rough_scenes() for mode in ("coupled", "auto")),
+    *((scene, "boundary") for scene in rough_scenes() if not scene.load)],
+    ids=lambda value: getattr(value, "name", value))
 def test_rough_caps(asperity, tmp_path, scene, mode):
-    """Penetrations to .17 of the radius, a third of the area in contact: load or compression and
-    area are within what the program estimates of them."""
+    """Penetrations to .17 of the radius, a third of the area in contact: load or compression are
+    within what the program estimates of them; the area of `coupled` too, else to the tolerance."""
     row, = solve(asperity, scene.write(tmp_path, interaction=mode), "--threads", "1",
                  contacts=False).positions
     truth = next(r for r in records(ROUGH) if r["scene"] == scene.name)
@@ -235,7 +237,8 @@ def test_rough_caps(asperity, tmp_path, scene, mode):
         float(row["load"]) / float(truth["load"]) - 1
     area_error = float(row["area"]) / float(truth["area"]) - 1
     assert abs(error) <= float(row["error_estimate"]) + float(truth["error"])
-    assert abs(area_error) <= float(row["area_error_estimate"]) + float(truth["area_error"])
+    allowed = float(row["area_error_estimate"]) if mode == "coupled" else TOLERANCES[0]
+    assert abs(area_error) <= allowed + float(truth["area_error"])
 
 
 @pytest.mark.once
