@@ -197,32 +197,36 @@ contains
     set%shift_since = set%shift - set%listed(2:, :)
     allocate (far(6, n), batch(min(batch_size, size(set%one))))
     call sum_sources(set%tree, set%load, hertz_spread * set%radius**2, far, set%shift_since)
-    !$omp parallel do schedule(static) if(n > thread_threshold)
-    do k = 1, n
-      associate (far_field => far(:, k), square => set%radius(k)**2)
-        far_field = far_field / pi
-        set%displacement(k) = far_field(1) + flat_spread * square * far_field(2)
-        set%growth(k) = 2 * flat_spread * square * far_field(2)
-        set%slope(:, k) = far_field(3:4)
-        set%far_hessian(:, k) = [set%curvature(k) + 0.5_real64 * far_field(2) + far_field(5), &
-                                 far_field(6), &
-                                 set%curvature(k) + 0.5_real64 * far_field(2) - far_field(5)]
-        if (allocated(set%outer_field)) call add_outer_field(set, k)
-        set%hessian(:, k) = set%load(k) * set%far_hessian(:, k)
-        set%flat_slope(:, k) = set%slope(:, k)
-      end associate
-    end do
-    !$omp end parallel do
+    ! Few circles: teams of threads take longer than their work.
+    if (n > thread_threshold) then
+      !$omp parallel do schedule(static)
+      do k = 1, n
+        call set_far_field(set, k, far(:, k))
+      end do
+      !$omp end parallel do
+    else
+      do k = 1, n
+        call set_far_field(set, k, far(:, k))
+      end do
+    end if
     set%energy = 0.5_real64 * sum(set%load * (far(1, :) + hertz_spread * set%radius**2 * far(2, :)))
     do from = 1, size(set%one), batch_size
       to = min(from + batch_size - 1, size(set%one))
-      !$omp parallel do schedule(static) if(to - from > thread_threshold)
+      if (to - from <= thread_threshold) then
+        do k = from, to
+          call find_terms(set, k, batch(k - from + 1))
+          call add_displacements(set, k, batch(k - from + 1))
+          call add_slopes(set, k, batch(k - from + 1))
+        end do
+        cycle
+      end if
+      !$omp parallel do schedule(static)
       do k = from, to
         call find_terms(set, k, batch(k - from + 1))
       end do
       !$omp end parallel do
       ! The order of summation does not depend on the number of threads.
-      !$omp parallel sections private(k) if(to - from > thread_threshold)
+      !$omp parallel sections private(k)
       do k = from, to
         call add_displacements(set, k, batch(k - from + 1))
       end do
@@ -233,6 +237,26 @@ contains
       !$omp end parallel sections
     end do
   end subroutine find_field
+
+  ! Sets the field of far circles at one circle from the sums over 1/r.
+  subroutine set_far_field(set, k, far_field)
+    type(circle_set), intent(inout) :: set
+    integer, intent(in) :: k
+    real(real64), intent(inout) :: far_field(6)
+
+    associate (square => set%radius(k)**2)
+      far_field = far_field / pi
+      set%displacement(k) = far_field(1) + flat_spread * square * far_field(2)
+      set%growth(k) = 2 * flat_spread * square * far_field(2)
+      set%slope(:, k) = far_field(3:4)
+      set%far_hessian(:, k) = [set%curvature(k) + 0.5_real64 * far_field(2) + far_field(5), &
+                               far_field(6), &
+                               set%curvature(k) + 0.5_real64 * far_field(2) - far_field(5)]
+      if (allocated(set%outer_field)) call add_outer_field(set, k)
+      set%hessian(:, k) = set%load(k) * set%far_hessian(:, k)
+      set%flat_slope(:, k) = set%slope(:, k)
+    end associate
+  end subroutine set_far_field
 
   ! Adds the field from outside.
   subroutine add_outer_field(set, k)

@@ -209,8 +209,8 @@ contains
     type(coupled_solution), intent(inout) :: solution
     type(solve_state), intent(inout) :: state              !! gets gradient and residual
     type(resolved_contacts), intent(in), optional :: resolved  !! those solved elsewhere
-    real(real64) :: largest, shift_residual
-    integer :: i, k
+    real(real64) :: largest
+    integer :: k
 
     call update_circles(pairs, law, solution, state, resolved)
     state%residual = 0.0_real64
@@ -219,19 +219,56 @@ contains
       call find_field(set)
       solution%fields = solution%fields + 1
       largest = maxval(solution%penetration(set%contact))
-      !$omp parallel do schedule(static) private(i) if(size(set%x) > thread_threshold)
-      do k = 1, size(set%x)
-        i = set%contact(k)
+      ! Few circles: teams of threads take longer than their work.
+      if (size(set%x) > thread_threshold) then
+        !$omp parallel do schedule(static)
+        do k = 1, size(set%x)
+          call set_gradient(k)
+        end do
+        !$omp end parallel do
+      else
+        do k = 1, size(set%x)
+          call set_gradient(k)
+        end do
+      end if
+      if (state%target > 0.0_real64) &
+        solution%compression = dot_product(set%stiffness, state%load_gradient) / sum(set%stiffness)
+      if (size(set%x) > thread_threshold) then
+        !$omp parallel do schedule(static)
+        do k = 1, size(set%x)
+          call set_residual(k)
+        end do
+        !$omp end parallel do
+      else
+        do k = 1, size(set%x)
+          call set_residual(k)
+        end do
+      end if
+      state%residual = maxval(state%contact_residual) / largest
+      ! NaN or infinity in the gradient is no solution.
+      if (.not. sum(abs(state%load_gradient)) <= huge(largest)) state%residual = huge(largest)
+    end associate
+
+  contains
+
+    ! Sets the gradient of one circle, without the compression.
+    subroutine set_gradient(k)
+      integer, intent(in) :: k
+
+      associate (set => solution%set, i => solution%set%contact(k))
         state%load_gradient(k) = solution%penetration(i) + state%gap(i) + set%displacement(k) + &
                                  0.5_real64 * set%curvature(k) * sum(set%shift(:, k)**2)
         state%shift_gradient(:, k) = set%curvature(k) * set%shift(:, k) + set%slope(:, k)
         if (set%shift_fixed(k)) state%shift_gradient(:, k) = 0.0_real64
-      end do
-      !$omp end parallel do
-      if (state%target > 0.0_real64) &
-        solution%compression = dot_product(set%stiffness, state%load_gradient) / sum(set%stiffness)
-      !$omp parallel do schedule(static) private(shift_residual) if(size(set%x) > thread_threshold)
-      do k = 1, size(set%x)
+      end associate
+    end subroutine set_gradient
+
+    ! Subtracts the compression, and sets the error of the equations of one circle.
+    subroutine set_residual(k)
+      integer, intent(in) :: k
+      real(real64) :: shift_residual
+
+      associate (set => solution%set)
         state%load_gradient(k) = state%load_gradient(k) - solution%compression
         ! Change of the penetration by the error of the shift, to first order.
         shift_residual = 0.0_real64
@@ -239,12 +276,9 @@ contains
           set%curvature(k) * &
           (norm2(set%slope(:, k)) + set%curvature(k) * norm2(set%shift(:, k)))
         state%contact_residual(k) = max(abs(state%load_gradient(k)), shift_residual)
-      end do
-      !$omp end parallel do
-      state%residual = maxval(state%contact_residual) / largest
-      ! NaN or infinity in the gradient is no solution.
-      if (.not. sum(abs(state%load_gradient)) <= huge(largest)) state%residual = huge(largest)
-    end associate
+      end associate
+    end subroutine set_residual
+
   end subroutine evaluate_state
 
   ! Sets the circles of the contacts that carry load.
@@ -258,7 +292,6 @@ contains
     type(contact_response), allocatable :: answer(:)
     integer, allocatable :: contact(:)
     logical, allocatable :: is_loaded(:)
-    real(real64) :: factor, place(2)
     integer :: i, k, n
 
     if (allocated(state%order)) then
@@ -267,13 +300,17 @@ contains
       contact = pack([(i, i=1, size(state%gap))], solution%penetration > 0.0_real64)
     end if
     allocate (answer(size(contact)), is_loaded(size(contact)))
-    !$omp parallel do schedule(static) if(size(contact) > thread_threshold)
-    do k = 1, size(contact)
-      answer(k) = answer_at(pairs, law, contact(k), solution%penetration(contact(k)))
-      ! A load that underflows over the modulus is none.
-      is_loaded(k) = answer(k)%vertical_load / max(1.0_real64, pairs%modulus) > 0.0_real64
-    end do
-    !$omp end parallel do
+    if (size(contact) > thread_threshold) then
+      !$omp parallel do schedule(static)
+      do k = 1, size(contact)
+        call find_answer(k)
+      end do
+      !$omp end parallel do
+    else
+      do k = 1, size(contact)
+        call find_answer(k)
+      end do
+    end if
     n = count(is_loaded)
     if (n < size(contact)) then
       contact = pack(contact, is_loaded)
@@ -290,33 +327,64 @@ contains
       allocate (state%load_gradient(n), state%shift_gradient(2, n), state%contact_residual(n))
       set%contact = contact
       if (allocated(solution%outer_field)) set%outer_field = solution%outer_field(:, set%contact)
-      !$omp parallel do schedule(static) private(i, factor, place) if(n > thread_threshold) &
-      !$omp   reduction(.and.:is_same)
-      do k = 1, n
-        i = contact(k)
-        place = [pairs%list(i)%x, pairs%list(i)%y]
-        set%curvature(k) = 1.0_real64 / pairs%list(i)%radius
-        set%shift(:, k) = solution%shift(:, i)
-        set%shift_fixed(k) = .false.
-        if (present(resolved)) set%shift_fixed(k) = resolved%is_resolved(i)
-        if (set%shift_fixed(k)) then
-          place = [resolved%x(i), resolved%y(i)]
-          set%curvature(k) = 0.0_real64
-          set%shift(:, k) = 0.0_real64
-        end if
-        ! A centre of pressure has moved: the neighbour lists must be rebuilt.
-        if (any(abs(place - [set%x(k), set%y(k)]) > 0.0_real64)) is_same = .false.
-        set%x(k) = place(1)
-        set%y(k) = place(2)
-        factor = inclination_factor(answer(k)%cosine) / pairs%modulus
-        set%load(k) = answer(k)%vertical_load * factor
-        set%stiffness(k) = answer(k)%stiffness * factor
-        set%load_share(k) = 1.0_real64 / inclination_factor(answer(k)%cosine)
-        if (.not. pairs%vertical) set%load_share(k) = set%load_share(k) / answer(k)%cosine
-        set%radius(k) = answer(k)%contact_radius
-      end do
-      !$omp end parallel do
+      if (n > thread_threshold) then
+        !$omp parallel do schedule(static) reduction(.and.:is_same)
+        do k = 1, n
+          call set_circle(pairs, answer(k), solution, k, resolved, is_same)
+        end do
+        !$omp end parallel do
+      else
+        do k = 1, n
+          call set_circle(pairs, answer(k), solution, k, resolved, is_same)
+        end do
+      end if
     end associate
+
+  contains
+
+    ! Finds the response of one contact. A load that underflows over the modulus is none.
+    subroutine find_answer(k)
+      integer, intent(in) :: k
+
+      answer(k) = answer_at(pairs, law, contact(k), solution%penetration(contact(k)))
+      is_loaded(k) = answer(k)%vertical_load / max(1.0_real64, pairs%modulus) > 0.0_real64
+    end subroutine find_answer
+
   end subroutine gather_circles
+
+  ! Sets the circle of a response to its contact. `is_kept` becomes false where its centre of
+  ! pressure has moved.
+  subroutine set_circle(pairs, answer, solution, k, resolved, is_kept)
+    type(contact_pairs), intent(in) :: pairs
+    type(contact_response), intent(in) :: answer
+    type(coupled_solution), intent(inout) :: solution
+    integer, intent(in) :: k
+    type(resolved_contacts), intent(in), optional :: resolved
+    logical, intent(inout) :: is_kept
+    real(real64) :: factor, place(2)
+
+    associate (set => solution%set, i => solution%set%contact(k))
+      place = [pairs%list(i)%x, pairs%list(i)%y]
+      set%curvature(k) = 1.0_real64 / pairs%list(i)%radius
+      set%shift(:, k) = solution%shift(:, i)
+      set%shift_fixed(k) = .false.
+      if (present(resolved)) set%shift_fixed(k) = resolved%is_resolved(i)
+      if (set%shift_fixed(k)) then
+        place = [resolved%x(i), resolved%y(i)]
+        set%curvature(k) = 0.0_real64
+        set%shift(:, k) = 0.0_real64
+      end if
+      ! A centre of pressure has moved: the neighbour lists must be rebuilt.
+      if (any(abs(place - [set%x(k), set%y(k)]) > 0.0_real64)) is_kept = .false.
+      set%x(k) = place(1)
+      set%y(k) = place(2)
+      factor = inclination_factor(answer%cosine) / pairs%modulus
+      set%load(k) = answer%vertical_load * factor
+      set%stiffness(k) = answer%stiffness * factor
+      set%load_share(k) = 1.0_real64 / inclination_factor(answer%cosine)
+      if (.not. pairs%vertical) set%load_share(k) = set%load_share(k) / answer%cosine
+      set%radius(k) = answer%contact_radius
+    end associate
+  end subroutine set_circle
 
 end module asperity_coupled_state

@@ -99,47 +99,22 @@ contains
   ! Sets `first` and `near`: counts the near sources of every target, then lists them.
   subroutine list_near(tree)
     type(source_tree), intent(inout) :: tree
-    real(real64), allocatable :: source(:, :)
-    real(real64) :: point(3), distance_squared
-    integer, allocatable :: source_index(:), near(:)
-    integer :: a, i, j, k, n
+    integer :: a, i
     integer(int64) :: pairs
     logical :: is_listing
 
     tree%points(:, point_index) = tree%order
     is_listing = .false.
     do
-      !$omp parallel do schedule(dynamic, 16) &
-      !$omp   private(source, point, distance_squared, source_index, near, i, j, k, n) &
-      !$omp   if(size(tree%first) > thread_threshold)
-      do a = 1, size(tree%boxes)
-        source = touching_sources(tree, a, point_index)
-        if (size(source) == 0) cycle
-        source_index = int(source(:, point_index))
-        near = source_index
-        do i = tree%boxes(a)%points(first_point, as_target), &
-               tree%boxes(a)%points(last_own_point, as_target)
-          k = tree%order(i) - tree%target_offset
-          point = tree%points(i, :listed_reach)
-          n = 0
-          ! Without a branch, which would be mispredicted: an index that is not near is overwritten
-          ! by the next one.
-          do j = 1, size(source_index)
-            near(n + 1) = source_index(j)
-            distance_squared = (source(j, listed_x) - point(listed_x))**2 + &
-                               (source(j, listed_y) - point(listed_y))**2
-            n = n + iand(merge(1, 0, distance_squared < &
-                               (source(j, listed_reach) + point(listed_reach))**2), &
-                         merge(1, 0, source_index(j) /= tree%order(i)))
-          end do
-          if (is_listing) then
-            tree%near(tree%first(k):tree%first(k + 1) - 1) = near(:n)
-          else
-            tree%first(k + 1) = n
-          end if
+      if (size(tree%boxes) == 1) then
+        call list_box(1)
+      else
+        !$omp parallel do schedule(dynamic, 16) if(size(tree%first) > thread_threshold)
+        do a = 1, size(tree%boxes)
+          call list_box(a)
         end do
-      end do
-      !$omp end parallel do
+        !$omp end parallel do
+      end if
       if (is_listing) exit
       pairs = sum(int(tree%first(2:), int64))
       if (pairs > huge(i) - 1 .or. .not. has_memory(4_int64 * pairs + 1_int64)) then
@@ -153,6 +128,44 @@ contains
       allocate (tree%near(pairs))
       is_listing = .true.
     end do
+
+  contains
+
+    ! Counts, or lists, the near sources of the targets of a box.
+    subroutine list_box(a)
+      integer, intent(in) :: a
+      real(real64), allocatable :: source(:, :)
+      real(real64) :: point(3), distance_squared
+      integer, allocatable :: source_index(:), near(:)
+      integer :: i, j, k, n
+
+      allocate (source, source=touching_sources(tree, a, point_index))
+      if (size(source) == 0) return
+      allocate (source_index, source=int(source(:, point_index)))
+      allocate (near, source=source_index)
+      do i = tree%boxes(a)%points(first_point, as_target), &
+             tree%boxes(a)%points(last_own_point, as_target)
+        k = tree%order(i) - tree%target_offset
+        point = tree%points(i, :listed_reach)
+        n = 0
+        ! Without a branch, which would be mispredicted: an index that is not near is overwritten
+        ! by the next one.
+        do j = 1, size(source_index)
+          near(n + 1) = source_index(j)
+          distance_squared = (source(j, listed_x) - point(listed_x))**2 + &
+                             (source(j, listed_y) - point(listed_y))**2
+          n = n + iand(merge(1, 0, distance_squared < &
+                             (source(j, listed_reach) + point(listed_reach))**2), &
+                       merge(1, 0, source_index(j) /= tree%order(i)))
+        end do
+        if (is_listing) then
+          tree%near(tree%first(k):tree%first(k + 1) - 1) = near(:n)
+        else
+          tree%first(k + 1) = n
+        end if
+      end do
+    end subroutine list_box
+
   end subroutine list_near
 
   ! The first columns of the sources that are summed directly for the targets that belong to a box
@@ -219,17 +232,14 @@ contains
     if (present(low_order)) is_low_order = low_order .and. terms > 0
     if (is_low_order) terms = tree%translation%low_order_terms
     columns = merge(dipole_y, point_moment, present(dipole))
+    if (size(tree%boxes) == 1) then
+      call sum_one_box()
+      return
+    end if
     !$omp parallel private(source, a, i, k) if(size(tree%order) > thread_threshold)
     !$omp do
     do i = 1, size(tree%order)
-      k = tree%order(i)
-      tree%points(i, shifted_x:) = 0.0_real64
-      tree%points(i, shifted_x:shifted_y) = tree%points(i, listed_x:listed_y)
-      if (k > tree%sources) cycle
-      tree%points(i, point_charge:point_moment) = [charge(k), second_moment(k)]
-      if (present(shift)) tree%points(i, shifted_x:shifted_y) = &
-        tree%points(i, shifted_x:shifted_y) + shift(:, k)
-      if (present(dipole)) tree%points(i, dipole_x:dipole_y) = dipole(:, k)
+      call set_point(tree, i, charge, second_moment, shift, dipole)
     end do
     !$omp end do
     do i = size(tree%level_start) - 1, 3, -1
@@ -261,7 +271,40 @@ contains
     end do
     !$omp end do
     !$omp end parallel
+
+  contains
+
+    ! Few points: a team of threads, and boxes, take longer than the sums.
+    subroutine sum_one_box()
+      do i = 1, size(tree%order)
+        call set_point(tree, i, charge, second_moment, shift, dipole)
+      end do
+      source = tree%points(:tree%sources, :columns)
+      do i = tree%target_offset + 1, size(tree%order)
+        k = tree%order(i) - tree%target_offset
+        if (present(dipole)) value(:, k) = dipole_sum(source, tree%points(i, :))
+        if (.not. present(dipole)) value(:, k) = direct_sum(source, tree%points(i, :))
+      end do
+    end subroutine sum_one_box
+
   end subroutine sum_sources
+
+  ! Sets the position, charge, second moment and dipole of a point in the sum; targets have none.
+  subroutine set_point(tree, i, charge, second_moment, shift, dipole)
+    type(source_tree), intent(inout) :: tree
+    integer, intent(in) :: i
+    real(real64), intent(in) :: charge(:), second_moment(:)
+    real(real64), intent(in), optional :: shift(:, :), dipole(:, :)
+
+    associate (k => tree%order(i), point => tree%points(i, :))
+      point(shifted_x:) = 0.0_real64
+      point(shifted_x:shifted_y) = point(listed_x:listed_y)
+      if (k > tree%sources) return
+      point(point_charge:point_moment) = [charge(k), second_moment(k)]
+      if (present(shift)) point(shifted_x:shifted_y) = point(shifted_x:shifted_y) + shift(:, k)
+      if (present(dipole)) point(dipole_x:dipole_y) = dipole(:, k)
+    end associate
+  end subroutine set_point
 
   ! Values at a target by direct summation over sources that are not near by the positions at which
   ! the tree was built, which also leaves out the target itself.
