@@ -48,7 +48,7 @@ def dense(folder, mode):
         scenes.append(write_caps(place, *random_caps(2000, 7.6, 10.0, 7),
                                  motion={"positions": number, "x_step": 0.0},
                                  loading={"control": "load", "value": 2.0e4},
-                                 effects={"interaction": mode} if mode != "auto" else {}).scene)
+                                 effects={"interaction": mode}).scene)
     return scenes
 
 
