@@ -1,7 +1,7 @@
 #define ITEM type(candidate)
 !> The order of pairs that may touch, and the law of one pair.
 module asperity_candidate_pairs
-  use asperity_contact_records, only: overlap_stable
+  use asperity_contact_records, only: overlap_stable, solve_method
   use asperity_kinds, only: real64
   use asperity_placed_scene, only: candidate, is_on_plane, placed_scene
   use asperity_scene_values, only: criterion_load
@@ -9,8 +9,8 @@ module asperity_candidate_pairs
   implicit none
   private
 
-  public :: cube_root, four_thirds, keep_within, limit_penetration, load_of_overlap, overlap_of, &
-            refine_heights, set_gaps, sort_by_gap
+  public :: cube_root, four_thirds, keep_within, largest_rise, limit_penetration, load_of_overlap, &
+            overlap_of, refine_heights, set_gaps, sort_by_gap
 
   !> Factor of Hertz' law.
   real(real64), parameter :: four_thirds = 4.0_real64 / 3.0_real64
@@ -50,8 +50,10 @@ contains
     call merge_sort(found)
   end subroutine sort_by_gap
 
-  !> Keeps the pairs whose gap is at most `closing`, in the order of touch.
-  subroutine keep_within(found, number, closing)
+  !> Keeps the pairs that touch or attract at the compression `closing`, in the order of touch.
+  subroutine keep_within(placed, method, found, number, closing)
+    type(placed_scene), intent(in) :: placed  !! scene in solver units
+    type(solve_method), intent(in) :: method  !! range of attraction
     type(candidate), contiguous, intent(inout) :: found(:)  !! pairs of a position
     integer, intent(inout) :: number  !! number of pairs
     real(real64), intent(in) :: closing  !! compression at the end
@@ -59,13 +61,38 @@ contains
 
     kept = 0
     do i = 1, number
-      if (found(i)%gap > closing) cycle
+      if (found(i)%gap - rise_of_range(placed, method, found(i)) > closing .and. .not. &
+          (method%keeps_first .and. .not. found(i)%gap > 0.0_real64)) cycle
       kept = kept + 1
       if (kept < i) found(kept) = found(i)
     end do
     number = kept
     call merge_sort(found(:number))
   end subroutine keep_within
+
+  ! Compression from the beginning of attraction, at the gap h = `method%reach` along the line of
+  ! centres, to first touch: sqrt((s + h)**2 - d**2) - zc.
+  pure real(real64) function rise_of_range(placed, method, pair) result(rise)
+    type(placed_scene), intent(in) :: placed
+    type(solve_method), intent(in) :: method
+    type(candidate), intent(in) :: pair
+    real(real64) :: centres
+
+    rise = scale(method%reach, -4 * placed%length_power)
+    if (is_on_plane(pair) .or. .not. rise > 0.0_real64) return
+    centres = pair%s + rise
+    rise = rise * ((pair%s + centres) / &
+                   (pair%zc + sqrt((centres - pair%d) * (centres + pair%d))))
+  end function rise_of_range
+
+  !> The largest compression, over all pairs of a scene, from attraction to first touch.
+  pure real(real64) function largest_rise(placed, method) result(rise)
+    type(placed_scene), intent(in) :: placed  !! scene in solver units
+    type(solve_method), intent(in) :: method  !! range of attraction
+
+    rise = scale(method%reach, -4 * placed%length_power)
+    if (.not. placed%on_plane) rise = sqrt(rise * (2.0_real64 * placed%far_reach + rise))
+  end function largest_rise
 
   ! Order by gap, then by the quantities that determine the load, then by index: totals do not
   ! depend on the order of the asperities in the scene.

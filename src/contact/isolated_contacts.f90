@@ -1,7 +1,7 @@
 !> Positions of isolated contacts: their pairs, their end, and the states on the way to it.
 module asperity_isolated_contacts
-  use asperity_candidate_pairs, only: four_thirds, keep_within, limit_penetration, &
-                                      load_of_overlap, overlap_of, refine_heights, set_gaps, &
+  use asperity_candidate_pairs, only: four_thirds, keep_within, largest_rise, &
+                                      limit_penetration, load_of_overlap, overlap_of, refine_heights, set_gaps, &
                                       sort_by_gap
   use asperity_constants, only: pi
   use asperity_contact_pairs, only: contact_pairs
@@ -96,7 +96,6 @@ contains
     result%y_displacement = scaled_to_real64(position%dy, placed%length_power)
     call end_position(placed, method, position, all_pairs, failure)
     if (allocated(failure)) return
-    if (position%closing < 0.0_real64) position%number = 0
     if (present(pairs)) then
       do while (position%number > 0)
         if (.not. position%found(position%number)%gap > position%closing) exit
@@ -188,10 +187,11 @@ contains
       end if
     end associate
     complete = all_pairs .or. (.not. allocated(failure) .and. &
-               position%first_touch - position%closing >= placed%complete_above)
+               position%first_touch - position%closing - &
+               largest_rise(placed, method) >= placed%complete_above)
     if (allocated(failure) .or. method%path == by_marching) return
     if (placed%control == control_load) return
-    call keep_within(position%found, position%number, position%closing)
+    call keep_within(placed, method, position%found, position%number, position%closing)
     call refine_heights(position%found(:position%number))
   end subroutine close_position
 
@@ -448,14 +448,15 @@ contains
 
   !> Lists the pairs of a position, with the compression at which non-interacting elastic
   !> contacts end. Under load control these are all pairs that may touch, as effects may increase
-  !> the compression; else those that touch by the end, as effects decrease penetrations only. With
-  !> `all_pairs` no candidate distance is used.
-  subroutine list_pairs(placed, m, all_pairs, pairs, failure)
+  !> the compression; else those that touch or attract by the end, as effects decrease penetrations
+  !> only. With `all_pairs` no candidate distance is used.
+  subroutine list_pairs(placed, m, all_pairs, pairs, failure, wanted)
     type(placed_scene), intent(in) :: placed               !! scene in solver units
     integer, intent(in) :: m                               !! position, from 1
     logical, intent(in) :: all_pairs                       !! every pair whose spheres can touch
     type(contact_pairs), intent(out) :: pairs              !! pairs in order of first touch
     character(len=:), allocatable, intent(out) :: failure  !! set where the end is not reached
+    type(solve_method), intent(in), optional :: wanted     !! range of attraction; absent: none
     ! Memory of a pair, bytes: about 20 numbers in the list and 13 in each of three states (start,
     ! solution, trial).
     integer(int64), parameter :: bytes_of_pair = 500
@@ -463,6 +464,7 @@ contains
     logical :: are_all
     type(solve_method) :: method
 
+    if (present(wanted)) method = wanted
     method%past_the_end = .true.
     call displace_upper(placed, m, position)
     ! A load that is 0 in the solver's units would be reached at first touch.
@@ -477,7 +479,6 @@ contains
       call end_position(placed, method, position, are_all, failure)
     end if
     if (allocated(failure)) return
-    if (position%closing < 0.0_real64) position%number = 0
     ! The list is also complete when it has every combination of asperities.
     if (real(position%number, real64) >= real(size(placed%xu), real64) * size(placed%xl)) &
       are_all = .true.
@@ -487,7 +488,8 @@ contains
     end if
     call fill_pairs(placed, position, pairs)
     if (.not. are_all) &
-      pairs%complete_to = position%first_touch - placed%complete_above
+      pairs%complete_to = position%first_touch - placed%complete_above - &
+                          largest_rise(placed, method)
   end subroutine list_pairs
 
   ! The target load in the unit of the pairs; 0 under another control.

@@ -8,7 +8,7 @@
 !> is the penetration. The tilt of the plane changes summit levels as it does for asperities; the
 !> inclination of the contact by the tilt is neglected, an error of the order of the slope squared.
 module asperity_pair_finding
-  use asperity_candidate_pairs, only: refine_heights, set_gaps, sort_by_gap
+  use asperity_candidate_pairs, only: largest_rise, refine_heights, set_gaps, sort_by_gap
   use asperity_cell_reach, only: margin_of_arithmetic, squared_reach
   use asperity_contact_records, only: by_events, solve_method
   use asperity_isolated_compression, only: closing_at_load, first_at_limit
@@ -117,7 +117,7 @@ contains
         level = 1
       case (control_separation)
         ! Pairs that touch past the end are not needed.
-        least_touch = below_with_rounding(placed, placed%target)
+        least_touch = below_with_rounding(placed, placed%target) - largest_rise(placed, method)
         level = 1
         do while (placed%levels%complete_from(level) > least_touch)
           level = level + 1
@@ -149,7 +149,7 @@ contains
     if (position%number == 0) return
     associate (found => position%found(:position%number))
       if (any(placed%control == [control_limit, control_compression])) &
-        call raise_by_first(placed, found, least_touch)
+        call raise_by_first(placed, method, found, least_touch)
       if (placed%control == control_load) &
         call raise_by_load(placed, method%overlap, found, least_touch)
     end associate
@@ -157,9 +157,10 @@ contains
 
   ! Under limit control the compression at which the first of some pairs reaches its limit bounds
   ! that of all pairs; under compression control their first touch does. Pairs that touch only
-  ! beyond this bound are not needed.
-  subroutine raise_by_first(placed, found, least_touch)
+  ! beyond this bound, and attract only beyond it, are not needed.
+  subroutine raise_by_first(placed, method, found, least_touch)
     type(placed_scene), intent(in) :: placed
+    type(solve_method), intent(in) :: method
     type(candidate), intent(inout) :: found(:)
     real(real64), intent(inout) :: least_touch
     real(real64) :: first_touch, closing
@@ -169,8 +170,8 @@ contains
     closing = placed%target
     reachable = placed%control == control_compression
     if (.not. reachable) call first_at_limit(placed, found, closing, reachable)
-    if (reachable) least_touch = max(least_touch, &
-                                     below_with_rounding(placed, first_touch - closing))
+    if (reachable) least_touch = max(least_touch, below_with_rounding(placed, first_touch - &
+                                     closing) - largest_rise(placed, method))
   end subroutine raise_by_first
 
   ! Load control. The compression at which some pairs carry the load is an upper bound of that of
@@ -341,7 +342,7 @@ contains
     last = caps
     if (method%path == by_events) then
       if (placed%control == control_separation) then
-        least_touch = below_with_rounding(placed, placed%target)
+        least_touch = below_with_rounding(placed, placed%target) - largest_rise(placed, method)
       else if (.not. (placed%control == control_load .and. method%past_the_end)) then
         last = min(caps, fewest)
       end if
@@ -354,7 +355,8 @@ contains
         return
       end if
       do while (position%number < last)
-        if (touch_of(position%number + 1) < least_touch) return
+        if (touch_of(position%number + 1) < least_touch .and. &
+            .not. (method%keeps_first .and. position%number == 0)) return
         position%number = position%number + 1
         call set_on_plane(placed, int(placed%order(position%number)), shift, &
                           position%found(position%number))

@@ -14,14 +14,14 @@ module asperity_contact_effect
   use asperity_contact_pairs, only: contact_pairs
   use asperity_contact_records, only: effect_record
   use asperity_contact_state, only: contact_state
-  use asperity_effect_names, only: known_effects
   use asperity_kinds, only: real64
-  use asperity_scene_values, only: by_word, effect_off, scene_effects
+  use asperity_scene_values, only: effect_off, scene_effects
   use asperity_theory_warnings, only: theory_warning
   implicit none
   private
 
   public :: contact_effect, effect_box, effect_outcome
+  public :: relative_influence
   public :: column_name, effect_column, plain, length, force, moment
 
   !> Powers of the modulus and of the length in the unit of a column, derived from the dimension: a
@@ -47,11 +47,11 @@ module asperity_contact_effect
   type, abstract :: contact_effect
     character(len=11) :: name = ''                      !! name of the effect in &effects
     integer :: mode = effect_off                        !! mode of the effect in &effects
-    integer :: given = by_word                          !! source of the mode: a `by_` number
     real(real64) :: tolerance = 0.0_real64              !! share that all may leave out together
     real(real64) :: load_tolerance = 1.0e-11_real64     !! relative error of a prescribed load
     logical :: acts_in_time = .false.                   !! acts while load or separation is held
     logical :: approximates = .false.                   !! its `auto` is an approximation itself
+    real(real64) :: reach = 0.0_real64                  !! gap from which it attracts, scene's unit
     type(column_name), allocatable :: contact_columns(:)  !! columns of a contact
     type(column_name), allocatable :: state_columns(:)    !! columns of a position
   contains
@@ -74,8 +74,8 @@ module asperity_contact_effect
   end type effect_box
 
   abstract interface
-    !> Estimated change of the total vertical load, as a share of it; an upper bound while both are
-    !> small.
+    !> Estimated change of the total vertical load, or of the area if that is larger, as
+    !> `relative_influence` defines it; an upper bound while it is small.
     function estimate_influence(self, pairs, state) result(share)
       import :: contact_effect, contact_pairs, contact_state, real64
       implicit none
@@ -106,6 +106,17 @@ contains
     column = column_name(name, unit(1), unit(2))
   end function effect_column
 
+  !> Change of a total by an effect relative to the total with the effect, as the tolerance bounds
+  !> the error of a result without it. Where the total falls below half, half of it is the
+  !> reference: a share of 1 and more is above any tolerance and is an order of magnitude.
+  elemental real(real64) function relative_influence(change, without, with)
+    real(real64), intent(in) :: change   !! absolute change of the total, or its bound
+    real(real64), intent(in) :: without  !! total without the effect, > 0
+    real(real64), intent(in) :: with     !! total with the effect
+
+    relative_influence = change / max(with, 0.5_real64 * without)
+  end function relative_influence
+
   !> Sets name, mode and tolerance of an effect from the scene.
   subroutine call_as(self, name, effects)
     class(contact_effect), intent(inout) :: self  !! effect to be set
@@ -114,7 +125,6 @@ contains
 
     self%name = name
     self%mode = effects%mode(name)
-    self%given = effects%given(findloc(known_effects%name, name, 1))
     self%tolerance = effects%number('tolerance')
   end subroutine call_as
 

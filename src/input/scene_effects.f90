@@ -20,29 +20,36 @@ module asperity_scene_effects
 contains
 
   !> Reads the group. `interaction` is `auto` by default, every other effect where its own numbers
-  !> are given; numbers of an effect that is `off` may stay. With `auto` a number that is left out
-  !> is none of its kind: no work of adhesion, no hold.
+  !> are given; a default that is written out changes nothing. Numbers of an effect that is `off`
+  !> may stay. With `auto` a number that is left out is none of its kind: no work of adhesion, no
+  !> hold.
   subroutine read_effects(fields, checked)
     type(scene_fields), intent(inout) :: fields  !! the scene's text
     type(scene), intent(inout) :: checked        !! with material and limit; gets the effects
-    integer :: chosen, i
+    integer :: written(size(known_effects)), i
 
     associate (effects => checked%effects)
       do i = 1, size(known_effects)
         associate (effect => known_effects(i))
-          chosen = 1
+          written(i) = 1
           call fields%take_word('effects', trim(effect%name), &
-                                effect_words(pack(effect%modes, effect%modes > 0)), chosen)
-          if (chosen > 0) effects%modes(i) = effect%modes(chosen)
-          if (fields%has_name('effects', trim(effect%name))) effects%given(i) = by_word
+                                effect_words(pack(effect%modes, effect%modes > 0)), written(i))
+          if (written(i) > 0) written(i) = effect%modes(written(i))
         end associate
       end do
       do i = 1, size(effect_numbers)
         call take_number(fields, effect_numbers(i), effects%numbers(i))
       end do
+      do i = 1, size(known_effects)
+        call take_source(fields, checked, i)
+        if (.not. fields%has_name('effects', trim(known_effects(i)%name)) .or. &
+            written(i) == default_mode(effects, i)) cycle
+        effects%given(i) = by_word
+        if (written(i) > 0) effects%modes(i) = written(i)
+      end do
       ! Interaction comes last: it yields to what is asked for.
       do i = size(known_effects), 1, -1
-        if (effects%given(i) < by_word) call take_default(fields, checked, i)
+        if (default_mode(effects, i) == effect_auto) call take_default(fields, checked, i)
       end do
       call check_hardness(fields, checked)
       call require_numbers(fields, checked)
@@ -55,28 +62,44 @@ contains
     end associate
   end subroutine read_effects
 
-  ! An effect that the scene does not write: `auto` where it can be called for. One that cannot be
-  ! computed with the rest of the scene is left out with a note.
+  ! Sets what calls for an effect where the scene does not write a mode: its numbers or nothing.
+  subroutine take_source(fields, checked, i)
+    type(scene_fields), intent(in) :: fields
+    type(scene), intent(inout) :: checked
+    integer, intent(in) :: i
+
+    associate (effects => checked%effects, flows => known_effects(i)%name == 'plasticity')
+      ! A group &limit says where flow begins, if loading goes on beyond it.
+      if (effects%has_numbers(i) .or. (flows .and. fields%has_group('limit') .and. &
+          checked%loading%control /= control_limit) .or. &
+          (flows .and. names_hardness(checked))) effects%given(i) = by_numbers
+    end associate
+  end subroutine take_source
+
+  ! The mode of an effect that the scene does not write; `effect_off` for one that it writes.
+  pure integer function default_mode(effects, i) result(mode)
+    type(scene_effects), intent(in) :: effects
+    integer, intent(in) :: i
+
+    mode = merge(effect_auto, effect_off, effects%given(i) == by_numbers .or. &
+                 (effects%given(i) == by_default .and. known_effects(i)%name == 'interaction'))
+  end function default_mode
+
+  ! An effect that is `auto` by default. One that cannot be computed with the rest of the scene is
+  ! left out with a note.
   subroutine take_default(fields, checked, i)
     type(scene_fields), intent(in) :: fields
     type(scene), intent(inout) :: checked
     integer, intent(in) :: i
-    character(len=:), allocatable :: name, why
+    character(len=:), allocatable :: why
 
-    name = trim(known_effects(i)%name)
-    associate (effects => checked%effects)
-      ! A group &limit says where flow begins, if loading goes on beyond it.
-      if (effects%has_numbers(i) .or. (name == 'plasticity' .and. fields%has_group('limit') .and. &
-          checked%loading%control /= control_limit)) effects%given(i) = by_numbers
-      if (name == 'plasticity' .and. names_hardness(checked)) effects%given(i) = by_numbers
-      if (effects%given(i) == by_default .and. name /= 'interaction') return
-      why = why_not(fields, checked, name)
-      if (why == '') then
-        effects%modes(i) = effect_auto
-      else
-        call checked%notes%add(checked%file // ': note: ' // name // ' is left out: ' // why)
-      end if
-    end associate
+    why = why_not(fields, checked, trim(known_effects(i)%name))
+    if (why == '') then
+      checked%effects%modes(i) = effect_auto
+    else
+      call checked%notes%add(checked%file // ': note: ' // trim(known_effects(i)%name) // &
+                             ' is left out: ' // why)
+    end if
   end subroutine take_default
 
   ! Why an effect that is not written cannot be computed with the rest of the scene; empty: it can.
@@ -105,12 +128,13 @@ contains
     if (name /= 'interaction') then
       if (solves_pixels(checked) .and. &
           .not. (name == 'plasticity' .and. names_hardness(checked))) &
-        why = 'the pixels of a map are elastic: expected interaction = ''off'' beside it'
+        why = 'it is computed for asperities, not for the pixels of a map: expected ' // &
+              'interaction = ''off'' beside it'
     else
       if (checked%loading%events) why = 'the beginnings of contacts are found without it on a map'
       if (.not. checked%map%periodic) return
       if (count(checked%effects%modes /= effect_off) > merge(1, 0, has_hardness(checked))) &
-        why = 'the pixels of a periodic map are elastic'
+        why = 'the other effects are computed for asperities, not for the pixels of a periodic map'
       if (checked%loading%control == control_limit) why = 'patches of pixels merge under load'
     end if
   end function why_not

@@ -276,7 +276,8 @@ contains
              known_effects%name /= 'interaction' .and. known_effects%name /= 'plasticity'
     if (any(others)) &
       call fields%complain_of_group('effects', 'found another effect beside interaction = ''' // &
-           trim(effect_words(mode)) // ''', expected none: the pixels of a map are elastic')
+           trim(effect_words(mode)) // ''', expected none: it is computed for asperities, ' // &
+           'not for the pixels of a map')
   end subroutine check_map_scene
 
 end module asperity_scene_maps

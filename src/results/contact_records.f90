@@ -41,6 +41,8 @@ module asperity_contact_records
     integer :: overlap = overlap_stable       !! `overlap_stable` or `overlap_original`
     real(real64) :: step = 0.0_real64         !! marching step, in the scene's unit of length
     logical :: past_the_end = .false.         !! find all pairs that may touch under a larger load
+    logical :: keeps_first = .false.          !! keep the pair of first contact, though it is open
+    real(real64) :: reach = 0.0_real64        !! gap up to which pairs attract [scene's length]
   end type solve_method
 
   !> One contact in one state of one position. It is created as not computed; a whole number is then

@@ -13,7 +13,7 @@ module asperity_theory_warnings
             of_no_summit, of_scan_lines, of_spikes, of_area, of_limit, of_range, &
             of_unlike_bodies, of_yield_strain, of_flow_depth, of_unloading_depth, of_missing, &
             of_border, of_resolution, of_flat_map, of_off, of_barred, of_error, &
-            of_nested
+            of_nested, of_excluded
 
   !> Places of the kinds in `warning_kinds`, where each is described.
   enum, bind(c)
@@ -21,7 +21,7 @@ module asperity_theory_warnings
       of_tabor, of_creep_strain, of_relaxing, of_together, of_load_direction, of_map_edge, &
       of_no_summit, of_scan_lines, of_spikes, of_area, of_limit, of_range, of_unlike_bodies, &
       of_yield_strain, of_flow_depth, of_unloading_depth, of_missing, of_border, of_resolution, &
-      of_flat_map, of_off, of_barred, of_error, of_nested
+      of_flat_map, of_off, of_barred, of_error, of_nested, of_excluded
   end enum
 
   !> Classes of kinds: a result outside the range of a theory; a result whose numbers are in error,
@@ -151,7 +151,10 @@ module asperity_theory_warnings
       'a contact overlaps the circle of one 3 times blunter', &
       'of the load: error_estimate may be too small (limit 2 %)', &
       'set interaction = ''auto'', which resolves them', &
-      'expect an error of up to 10 times error_estimate')]
+      'expect an error of up to 10 times error_estimate'), &
+    warning_kind('excluded', in_accuracy, 0.0_real64, .true., &
+      '* is off and has no common theory with another effect here', &
+      'is its estimated influence on the load', 'take the load with this error')]
 
   !> One kind of warning at one position.
   type :: theory_warning

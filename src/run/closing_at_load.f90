@@ -45,7 +45,8 @@ contains
 
     if (allocated(found%called_for)) deallocate (found%called_for)
     if (allocated(found%found)) deallocate (found%found)
-    if (has_attraction(pairs, effects)) then
+    ! No effect that acts in time goes together with attraction.
+    if (.not. time > 0.0_real64 .and. has_attraction(pairs, effects)) then
       unloads = .not. target > 0.0_real64
       if (.not. unloads) then
         call simulate_effects(pairs, effects, time, found, .true.)
@@ -127,6 +128,8 @@ contains
     end if
     found%closing = bracket%high
     call simulate_effects(pairs, effects, time, found, .not. time > 0.0_real64)
+    call first_failure(effects, found%outcomes, failure)
+    if (allocated(failure)) return
     if (abs(controlled_load(pairs, found%state) - target) <= largest_error * target) return
     failure = 'the load is not reached: with the effects it jumps past it'
     jumps = .not. allocated(found%called_for) .and. &
@@ -146,7 +149,12 @@ contains
     if (allocated(found%found)) deallocate (found%found)
     if (target > 0.0_real64) &
       call ask_effects(pairs, effects, target / share_held(effects, time), time, found, failure)
-    if (allocated(failure)) return
+    if (allocated(failure)) then
+      if (pairs%interrupt%is_asked()) return
+      ! The bracketed search finds the load, or the largest one, from compressions.
+      deallocate (failure)
+      if (allocated(found%found)) deallocate (found%found)
+    end if
     guessed = found%closing
     if (target > 0.0_real64 .and. pairs%target > 0.0_real64) found%closing = &
       max(found%closing, 1.0e-3_real64 * pairs%closing * (target / pairs%target)**two_thirds)

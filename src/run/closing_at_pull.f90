@@ -57,9 +57,10 @@ contains
     character(len=:), allocatable, intent(out) :: failure   !! reason, when the load is not carried
     real(real64), allocatable :: ends(:)
     real(real64) :: top, best, level
-    logical :: is_met, seeks_least
+    logical :: begins_open, is_met, seeks_least
     integer :: first, last
 
+    begins_open = .not. found%closing > 0.0_real64
     call raise_load(top)
     if (allocated(failure)) return
     call find_ends(pairs, effects, top, ends)
@@ -80,6 +81,8 @@ contains
     if (allocated(failure)) return
     failure = 'the pull is larger than the contacts carry: ' // &
               real_text(in_scene_units(pairs, abs(level), 1, 2)) // ' at most'
+    if (begins_open) failure = failure // ' from first contact; after loading they may carry ' // &
+                               'more: expected a path, value = LOAD, PULL'
 
   contains
 

@@ -5,7 +5,7 @@ module asperity_effect_choice
   use asperity_contact_state, only: contact_state
   use asperity_effect_names, only: why_not_together
   use asperity_kinds, only: real64
-  use asperity_scene_values, only: by_default, effect_auto, effect_boundary
+  use asperity_scene_values, only: effect_auto, effect_boundary
   use asperity_theory_warnings, only: of_together, add_warning
   implicit none
   private
@@ -19,8 +19,8 @@ contains
   !> The effects with the smallest estimates are left out as long as their sum is within the
   !> tolerance, or within half of it where an effect is simulated that approximates: the rest, at
   !> least the other half, is for its own error. Of two effects without a common theory the one with
-  !> the larger estimate is simulated, with a warning for the other; an effect that is `on` has
-  !> precedence.
+  !> the larger estimate is simulated, with a warning for the other; an effect that is `on`, or acts
+  !> in the hold, has precedence.
   subroutine choose_effects(pairs, effects, state, outcomes, called, left)
     type(contact_pairs), intent(in) :: pairs             !! pairs of the position
     type(effect_box), intent(in) :: effects(:)           !! effects of the scene
@@ -41,7 +41,9 @@ contains
         if (called(i)) cycle
         tolerance = min(tolerance, effect%tolerance)
         outcomes(i)%estimate = effect%estimate(pairs, state)
-        call insert_effect(i)
+        ! A hold has states because loading ended with an effect that acts in time.
+        called(i) = effect%acts_in_time .and. state%time > 0.0_real64
+        if (.not. called(i)) call insert_effect(i)
       end associate
     end do
     if (number == 0) return
@@ -90,53 +92,28 @@ contains
   end subroutine choose_effects
 
   ! Leaves out, with a warning, effects of `auto` without a common theory with one of precedence:
-  ! one that is `on`, then explicit ones of `auto`, then the others by descending estimate.
+  ! one that is `on` or acts in the hold, then those of `auto` by descending estimate.
   subroutine exclude_conflicts(effects, order, outcomes, called)
     type(effect_box), intent(in) :: effects(:)
     integer, intent(in) :: order(:)  ! effects of `auto` by descending estimate
     type(effect_outcome), intent(inout) :: outcomes(:)
     logical, intent(inout) :: called(:)
-    integer :: i
+    integer :: i, other
 
     do i = 1, size(order)
-      if (called(order(i)) .and. is_explicit(order(i))) call exclude_conflict(order(i))
-    end do
-    do i = 1, size(order)
-      if (called(order(i)) .and. .not. is_explicit(order(i))) call exclude_conflict(order(i))
+      do other = 1, size(effects)
+        if (.not. (called(order(i)) .and. called(other))) cycle
+        if (any(order(i:) == other)) cycle
+        if (why_not_together(trim(effects(order(i))%effect%name), mode_word(order(i)), &
+                             trim(effects(other)%effect%name), mode_word(other)) == '') cycle
+        called(order(i)) = .false.
+        call add_warning(outcomes(order(i))%warnings, of_together, outcomes(order(i))%estimate, &
+                         whose=trim(effects(order(i))%effect%name) // ' beside ' // &
+                               effects(other)%effect%name)
+      end do
     end do
 
   contains
-
-    ! Leaves an effect out when one of precedence has no common theory with it.
-    subroutine exclude_conflict(effect)
-      integer, intent(in) :: effect
-      integer :: other
-
-      do other = 1, size(effects)
-        if (other == effect .or. .not. called(other)) cycle
-        if (effects(other)%effect%mode == effect_auto) then
-          if (is_explicit(other) .neqv. is_explicit(effect)) then
-            if (is_explicit(effect)) cycle
-          else if (findloc(order, other, 1) > findloc(order, effect, 1)) then
-            cycle
-          end if
-        end if
-        if (why_not_together(trim(effects(effect)%effect%name), mode_word(effect), &
-                             trim(effects(other)%effect%name), mode_word(other)) == '') cycle
-        called(effect) = .false.
-        call add_warning(outcomes(effect)%warnings, of_together, outcomes(effect)%estimate, &
-                  whose=trim(effects(effect)%effect%name) // ' beside ' // &
-                        effects(other)%effect%name)
-        return
-      end do
-    end subroutine exclude_conflict
-
-    ! Whether the scene sets an effect or its parameters.
-    logical function is_explicit(effect)
-      integer, intent(in) :: effect
-
-      is_explicit = effects(effect)%effect%given > by_default
-    end function is_explicit
 
     ! The mode in which an effect would be simulated, as far as other effects depend on it.
     function mode_word(effect) result(word)

@@ -27,7 +27,8 @@ module asperity_effect_solver
   use asperity_scene_placing, only: place_scene
   use asperity_scene_results, only: effect_header
   use asperity_scene_values, only: effect_auto, is_load, scene
-  use asperity_theory_warnings, only: of_barred, of_off, take_worse, theory_warning, add_warning
+  use asperity_theory_warnings, only: add_warning, of_barred, of_excluded, of_off, take_worse, &
+                                      theory_warning
   implicit none
   private
 
@@ -41,6 +42,7 @@ module asperity_effect_solver
     logical :: by_estimate = .false.             ! all effects may turn out to be negligible
     integer :: fields = fields_none              ! states whose pressures are kept
     logical :: remembers = .true.                ! a path, or effects other than interaction
+    type(solve_method) :: method                 ! which pairs are listed
     type(effect_box), allocatable :: effects(:)  ! initial state for a position
     type(effect_box), allocatable :: left_out(:) ! effects that are off, to be estimated
   contains
@@ -59,6 +61,7 @@ contains
     !> States whose pressures on boundary elements are kept: `fields_last` ...; absent: none.
     integer, intent(in), optional :: fields
     type(effect_solver), allocatable :: new
+    integer :: i
 
     allocate (new)
     new%scene_in => scene_in
@@ -80,6 +83,10 @@ contains
     new%by_estimate = .not. allocated(scene_in%loading%path) .and. &
                       all(header%names == 'interaction') .and. all(header%modes == effect_auto)
     new%remembers = allocated(scene_in%loading%path) .or. any(header%names /= 'interaction')
+    new%method%keeps_first = allocated(scene_in%loading%path)
+    do i = 1, size(new%effects)
+      new%method%reach = max(new%method%reach, new%effects(i)%effect%reach)
+    end do
     ! Effects take long: threads are started for a few positions.
     if (size(new%effects) > 0) new%work = huge(new%work)
     call move_alloc(new, solver)
@@ -102,11 +109,11 @@ contains
       call solve_without(self, m, keep_rows, result, run%simulated, failure)
       if (allocated(failure) .or. .not. run%simulated) return
     end if
-    call list_pairs(self%placed, m, .false., pairs, failure)
+    call list_pairs(self%placed, m, .false., pairs, failure, self%method)
     if (allocated(failure)) return
     call take_start()
     if (expected_compression(pairs) > pairs%complete_to) then
-      call list_pairs(self%placed, m, .true., pairs, failure)
+      call list_pairs(self%placed, m, .true., pairs, failure, self%method)
       if (allocated(failure)) return
     end if
     if (size(pairs%list) == 0) then
@@ -123,7 +130,7 @@ contains
     if (run%too_far) then
       call self%progress_count%add_work(-result%counted)
       ! Pairs beyond the candidate distance may touch: all that can touch are listed.
-      call list_pairs(self%placed, m, .true., pairs, failure)
+      call list_pairs(self%placed, m, .true., pairs, failure, self%method)
       if (.not. allocated(failure)) call run_effects()
     end if
     if (allocated(failure)) return
@@ -239,7 +246,7 @@ contains
     type(contact_state) :: state
     type(theory_warning), allocatable :: warnings(:)
     real(real64) :: share
-    integer :: deepest, i
+    integer :: deepest, i, warned
 
     if (size(self%left_out) == 0) return
     result%error_estimate = max(result%error_estimate, 0.0_real64)
@@ -257,27 +264,26 @@ contains
         result%error_estimate = result%error_estimate + &
           merge(of_compression, 1.0_real64, is_load(self%scene_in%loading%control)) * share
         if (.not. share > effect%tolerance) cycle
-        call add_warning(warnings, merge(of_barred, of_off, &
-          effects_of_scene%is_barred(effect%name) .or. &
-                                  is_ruled_out(self, effect%name)), share, whose=effect%name)
+        warned = merge(of_excluded, of_off, is_ruled_out(self, effect%name))
+        if (effects_of_scene%is_barred(effect%name)) warned = of_barred
+        call add_warning(warnings, warned, share, whose=effect%name)
       end associate
     end do
     call take_worse(result%warnings, warnings, deepest)
   end subroutine estimate_left_out
 
-  ! Whether an effect has no common theory with one that is simulated.
+  ! Whether an effect has no common theory with one that is on, or `auto`.
   logical function is_ruled_out(self, name)
     class(effect_solver), intent(in) :: self
     character(len=*), intent(in) :: name
-    integer :: i, mode
+    integer :: i
 
     is_ruled_out = .false.
     do i = 1, size(self%effects)
-      mode = self%scene_in%effects%mode(self%effects(i)%effect%name)
-      if (mode == effect_auto) mode = effect_on
-      is_ruled_out = is_ruled_out .or. &
-        why_not_together(trim(name), 'on', trim(self%effects(i)%effect%name), &
-                         trim(effect_words(mode))) /= ''
+      associate (effect => self%effects(i)%effect)
+        is_ruled_out = is_ruled_out .or. why_not_together(trim(name), 'on', trim(effect%name), &
+          trim(effect_words(merge(effect_on, effect%mode, effect%mode == effect_auto)))) /= ''
+      end associate
     end do
   end function is_ruled_out
 

@@ -44,6 +44,7 @@ module asperity_scene_results
 
   !> All positions of a scene.
   type :: scene_results
+    logical :: are_solved = .false.  !! whether all positions are solved; else there are no results
     type(position_result), allocatable :: positions(:)     !! positions in their order
     !> effects of the scene; not allocated: none
     type(effect_header), allocatable :: effects

@@ -50,9 +50,8 @@ contains
         call written%effects%drop_unwritten()
         call written%effects%set('tolerance', rounded_decimal(chosen%accuracy, 3))
         call solve(written, results, failure, chosen)
-        if (.not. allocated(failure)) return
+        if (results%are_solved) return
         deallocate (failure)
-        results = scene_results()
       end if
     end associate
     ! A single position, or a map, may use all threads.
@@ -66,6 +65,8 @@ contains
       call solve_with_fields(scene_in, chosen, results, failure)
     end if
     !$ call omp_set_num_threads(usual)
+    if (allocated(failure)) results = scene_results()
+    results%are_solved = .not. allocated(failure)
     if (.not. results%nominal_area > 0.0_real64) &
       results%nominal_area = decimal_to_real64(scene_in%nominal_area)
   end subroutine solve
@@ -92,7 +93,7 @@ contains
     do while (tolerance > 0.0_real64)
       call choose_model(scene_in, tolerance, on_elements, chosen)
       call solve(chosen, results, unsolved, method_options)
-      if (allocated(unsolved)) exit
+      if (.not. results%are_solved) exit
       call check_left_out(chosen, options%accuracy, results, failure)
       if (allocated(failure)) return
       errors = errors_of_run(chosen, results)
@@ -115,7 +116,7 @@ contains
       call choose_hertz_contacts(scene_in, chosen)
       if (chosen%effects%mode('interaction') /= effect_off) &
         call solve(chosen, results, failure, method_options)
-      if (allocated(failure) .or. .not. allocated(results%positions)) then
+      if (.not. results%are_solved) then
         call move_alloc(unsolved, failure)
         return
       end if

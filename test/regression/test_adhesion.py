@@ -10,7 +10,7 @@ from mpmath import mpf
 import adhesion_truth as truth
 from ball_scenes import balls, column, compare, off, path, solved, work
 from effect_runs import DECK
-from surfaces_csv import solve, write_scene
+from surfaces_csv import solve, write_csv_scene, write_scene
 
 MODULUS, RADIUS, WORK = 1000.0, 2.0, 0.01
 UNIT = math.pi * WORK * RADIUS
@@ -244,13 +244,13 @@ def test_auto(asperity, tmp_path):
         overlap = float(run.contacts[0]["overlap"])
         # a = L t**2 and overlap = L**2/R (t**4 - t): the largest root.
         root = max(r.real for r in np.roots([1, 0, 0, -1, -overlap / DEPTH]) if abs(r.imag) < 1e-9)
-        area = LENGTH**2 * root**4 / (RADIUS * overlap) - 1
+        area = 1 - RADIUS * overlap / (LENGTH**2 * root**4)
         assert area > 10 * share and (area > 0.01) == (wanted == "on")
         # What closes the contact further under the load adds 2/3 of that share of the load.
         estimate = float(run.positions[0]["adhesion_estimate"])
-        assert estimate == pytest.approx(area + 2 / 3 * share, rel=1e-6)
-        # Area of JKR at the load over that of Hertz, closed form.
-        truth = (1 + 2 * share + 2 * math.sqrt(share + share**2)) ** (2 / 3) - 1
+        assert estimate == pytest.approx(area + 2 / 3 * share / (1 - share), rel=1e-6)
+        # Area of Hertz at the load over that of JKR, closed form.
+        truth = 1 - (1 + 2 * share + 2 * math.sqrt(share + share**2)) ** (-2 / 3)
         assert truth <= estimate <= 1.01 * truth
         assert float(run.positions[0]["load"]) == pytest.approx(load, rel=1e-10)
 
@@ -301,3 +301,66 @@ def test_loads_of_many_balls(asperity, tmp_path, tally):
     carried = float(refused.stderr.split()[-3])
     assert -least <= carried * (1 + 1e-6) and carried < -least + 2 * UNIT
     assert seconds < 40 * run("held", path(list(closings)))[1] + 0.1
+
+
+def dmt_load(upper, lower, separation, modulus, distance, energy):
+    """Sum of the printed formulas over all pairs of caps (x, y, height, radius)."""
+    reach, load = 9 * math.sqrt(3) / 16 * distance, 0.0
+    for xu, yu, hu, ru in upper:
+        for xl, yl, hl, rl in lower:
+            overlap = ru + rl - math.dist((xu, yu, separation - hu - hl + ru + rl), (xl, yl, 0))
+            ball = ru * rl / (ru + rl)
+            if overlap > 0:
+                load += 4 / 3 * modulus * math.sqrt(ball) * overlap**1.5
+            load -= 2 * math.pi * energy * ball * min(1, max(0, 1 + overlap / reach))
+    return load
+
+
+def test_pairs_in_the_range_of_attraction(asperity, tmp_path, tally):
+    """Caps that never touch attract from h0 on, inclined pairs too, above first contact too: the
+    load at a separation is the sum of the formulas, and does not depend on the path."""
+    rng = np.random.default_rng(4)
+    far = 3e-4
+    upper, lower = ([(3.0 * (k % 5) + 0.8 * u, 3.0 * (k // 5) + 0.8 * v, 0.1 + far * w, 1.0 + w)
+                     for k, (u, v, w) in enumerate(rng.random((25, 3)))] for _ in range(2))
+    energy = 0.05**1.5 * MODULUS * far**1.5
+
+    def run(name, value):
+        return solved(asperity, write_csv_scene(
+            tmp_path, upper, lower, name=name, modulus=(2 * MODULUS,) * 2, ratio=(0.0, 0.0),
+            loading={"control": "separation", "value": value}, effects={
+                "adhesion": "on", "work_of_adhesion": energy, "equilibrium_distance": far}))
+
+    deep = run("deep", 0.19).positions[0]
+    touch = float(deep["separation"]) + float(deep["compression"])
+    for k, closing in enumerate((-0.9, -0.4, 0.1, 0.7, 2.0, 30.0)):
+        value = touch - closing * far
+        expected = dmt_load(upper, lower, value, MODULUS, far, energy)
+        direct, later = run(f"direct{k}", value), run(f"later{k}", (touch - 40 * far, value))
+        compare(tally, "adhesion: pairs in the range",
+                [abs(float(one.positions[0]["load"]) / expected - 1) for one in (direct, later)],
+                1e-9)
+        assert direct.positions[0]["contacts"] == later.positions[0]["contacts"] != "0"
+    assert float(run("off", touch + 1.1 * far).positions[0]["load"]) == 0
+
+
+def test_a_maugis_contact_before_it_touches(asperity, tmp_path, tally):
+    """A single separation above first contact has the load across the gap, as a path has."""
+    gap = 0.9 * float(truth.Z0_RANGE) * distance(0.5)
+    expected = truth.gap(mpf(MODULUS), mpf(RADIUS), mpf(repr(WORK)), mpf(repr(distance(0.5))),
+                         mpf(-gap)).load
+    run = adhering(asperity, tmp_path, 0.5, (-gap,))
+    compare(tally, "adhesion: Maugis before first contact",
+            abs(float(run.positions[0]["load"]) / float(expected) - 1), 1e-9)
+
+
+def test_a_pull_without_loading(asperity, tmp_path):
+    """First contact carries 4/3 pi w R of JKR, a loaded contact 3/2: the message says so."""
+    effects = {"adhesion": "on", "work_of_adhesion": WORK, "equilibrium_distance": distance(50)}
+    pull = -1.4 * UNIT
+    for value, status in ((pull, 1), ((10 * UNIT, pull), 0)):
+        done = solve(asperity, balls(tmp_path, f"pull{status}", effects,
+                                     {"control": "load", "value": value}, radii=(RADIUS,),
+                                     modulus=MODULUS))
+        assert done.status == status, done.stderr
+        assert status == 0 or "after loading they may carry more" in done.stderr

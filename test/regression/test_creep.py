@@ -206,6 +206,7 @@ def test_auto(asperity, tmp_path):
         run = held(asperity, tmp_path, effects, name="auto")
         row = run.positions[0]
         assert row["creep"] == wanted, hold_time
+        # Relative to the load with creep.
         assert float(row["creep_estimate"]) == pytest.approx(
-            1 - relaxed(0.8, 10.0, hold_time), abs=1e-12)
+            1 / relaxed(0.8, 10.0, hold_time) - 1, abs=1e-12)
         assert len(run.curve) == (30 if wanted == "on" else 1)

@@ -109,22 +109,19 @@ def test_a_limit_is_where_flow_begins(asperity, tmp_path):
     assert "plasticity" not in row_of(to_it)
 
 
-def test_what_is_asked_for_comes_first(asperity, tmp_path):
-    """Adhesion by its numbers beside interaction by default; then interaction by word."""
+def test_the_larger_of_two_effects_is_simulated(asperity, tmp_path):
+    """Adhesion beside interaction: the estimates decide, whether the modes are written or not."""
     numbers = {"work_of_adhesion": 1e-1, "equilibrium_distance": 1e-7}
-    by_default = solve(asperity, write_scene(tmp_path / "a.scene", by_default=True, **LOADED,
-                                             effects=numbers))
+    by_default, by_word = (solve(asperity, write_scene(
+        tmp_path / "a.scene", by_default=True, **LOADED, effects={**numbers, **modes}))
+        for modes in ({}, {"interaction": "auto", "adhesion": "auto"}))
     row = row_of(by_default)
     assert float(row["interaction_estimate"]) > float(row["adhesion_estimate"]) > 0.01
-    assert row["adhesion"] == "on" and row["interaction"] == "off"
-    told = re.search(r"\(interaction beside adhesion\), (\S+) % is the estimated",
+    assert row["adhesion"] == "off" and row["interaction"] != "off"
+    told = re.search(r"\(adhesion beside interaction\), (\S+) % is the estimated",
                      by_default.stderr)
-    assert float(told.group(1)) == pytest.approx(100 * float(row["interaction_estimate"]), rel=0.01)
-    # Both are asked for: the larger one is simulated.
-    by_word = row_of(solve(asperity, write_scene(
-        tmp_path / "b.scene", by_default=True, **LOADED,
-        effects={"interaction": "auto", **numbers})))
-    assert by_word["adhesion"] == "off" and by_word["interaction"] != "off"
+    assert float(told.group(1)) == pytest.approx(100 * float(row["adhesion_estimate"]), rel=0.01)
+    assert by_word == by_default
 
 
 @pytest.mark.parametrize("given, why", (
@@ -184,12 +181,12 @@ def test_a_periodic_map(asperity, tmp_path):
                             limit.read_text()))
     done = solve(asperity, limit, contacts=False)
     assert "interaction is left out" in done.stderr and row_of(done)["limit_reached"] == "1"
-    assert solve(asperity, write_scene(tmp_path / "both.scene", by_default=True, **{
-        "surfaces": {"upper": "plane", "lower": "h.txt", "map_spacing": (0.5, 0.5),
-                     "map_edge": "periodic"}, "material": {"contact_modulus": 1e5},
-        "loading": {"control": "pressure", "value": 90.0},
-        "effects": {"interaction": "auto", "adhesion": "on", "work_of_adhesion": 1.0,
-                    "equilibrium_distance": 1e-3}})).status == 2
+    # Beside another effect that is on interaction is left out, also where its default is written.
+    for mode in ({}, {"interaction": "auto"}):
+        done = solve(asperity, map_scene(tmp_path, 90.0, **mode, adhesion="on",
+                                         work_of_adhesion=1e-4, equilibrium_distance=1e-3),
+                     contacts=False)
+        assert done.status == 0 and "interaction is left out: the other effects" in done.stderr
 
 
 
@@ -230,3 +227,60 @@ def test_error_of_an_effect_left_out_on_a_path(asperity, tmp_path):
     told = re.search(r"\(interaction beside adhesion\), (\S+) % is the estimated", done.stderr)
     assert float(told.group(1)) > 1
     assert float(row_of(done)["error_estimate"]) >= 0.0095 * float(told.group(1))
+
+
+EFFECTS = {
+    "interaction": {},
+    "friction": {"friction_coefficient": 0.1},
+    "plasticity": {"plastic_yield_stress": 2.0},
+    "adhesion": {"work_of_adhesion": 1e-3, "equilibrium_distance": 1e-3},
+    "creep": {"hold_time": 1.0, "relaxation_time": 1.0, "relaxed_modulus_ratio": 0.5}}
+
+
+@pytest.mark.parametrize("effect", sorted(set(EFFECTS) - {"interaction"}))
+def test_an_accuracy_of_a_refused_scene(effect, asperity, tmp_path):
+    """`--accuracy` fails with the sentence of the plain solve; results are not read."""
+    for mode in ("on", "auto"):
+        for loading in ({"control": "load", "value": 1e9}, {"control": "compression", "value": 3.0},
+                        {"control": "separation", "value": -3.0}):
+            scene = write_csv_scene(tmp_path, BALLS[:1], CLOSE, modulus=(400.0, 400.0),
+                                    loading=loading, effects={
+                                        "interaction": "off", effect: mode, **EFFECTS[effect]})
+            plain, accurate = (solve(asperity, scene, *options)
+                               for options in ((), ("--accuracy", "1e-3")))
+            assert plain.status == accurate.status == 1, accurate.stderr
+            assert accurate.stderr == plain.stderr
+
+
+@pytest.mark.parametrize("effect", sorted(EFFECTS))
+def test_what_auto_leaves_out(effect, asperity, tmp_path):
+    """The error without the effect, relative to the result with it, is within the tolerance."""
+    rng = np.random.default_rng(6)
+    left_out = 0
+    for k in range(24):
+        tolerance = (0.03, 0.1, 0.4)[k % 3]
+        caps = [(3 * (i % 3) + u, 3 * (i // 3) + v, 0.3 + 0.002 * w, 1.0)
+                for i, (u, v, w) in enumerate(rng.random((6, 3)))]
+        numbers = dict(EFFECTS[effect])
+        # Near the tolerance, where the choice is made.
+        share = tolerance * rng.uniform(0.6, 1.1)
+        if effect == "creep":
+            numbers.update(relaxed_modulus_ratio=1 / (1 + share), hold_time=50.0,
+                           hold=("load", "separation")[k // 3 % 2])
+        if effect == "plasticity":
+            numbers["plastic_yield_stress"] *= rng.uniform(0.5, 3.0)
+        if effect == "adhesion":
+            numbers["work_of_adhesion"] *= rng.uniform(0.1, 10.0)
+        value, scenes = 10.0 ** rng.uniform(-2.7, -1.5), []
+        for mode in ("auto", "coupled" if effect == "interaction" else "on"):
+            scenes.append(write_csv_scene(
+                tmp_path, [(3.0, 2.0, 0.0, 1e3)], caps, modulus=(200.0, 200.0), ratio=(0.3, 0.3),
+                loading={"control": "compression", "value": value}, name=mode,
+                effects={"interaction": "off", **numbers, effect: mode, "tolerance": tolerance}))
+        auto, full = (row_of(solve(asperity, scene, contacts=False)) for scene in scenes)
+        if auto[effect] != "off":
+            continue
+        left_out += 1
+        for name in ("vertical_load", "area"):
+            assert abs(float(auto[name]) / float(full[name]) - 1) <= tolerance, (name, k)
+    assert left_out >= 3

@@ -145,10 +145,9 @@ def test_bad_input(asperity, tmp_path, tally):
 MISSING = [
     ({"friction": "on"}, "friction_coefficient"), ({"adhesion": "on"}, "work_of_adhesion"),
     ({"adhesion": "on", "work_of_adhesion": 1e-3}, "equilibrium_distance"),
-    ({"adhesion": "auto", "work_of_adhesion": 1e-3}, "equilibrium_distance"),
     ({"creep": "on"}, "hold_time"),
     ({"creep": "on", "hold_time": 1.0, "relaxed_modulus_ratio": 0.5}, "relaxation_time"),
-    ({"creep": "auto", "hold_time": 1.0, "relaxation_time": 0.5}, "relaxed_modulus_ratio"),
+    ({"creep": "on", "hold_time": 1.0, "relaxation_time": 0.5}, "relaxed_modulus_ratio"),
 ]
 
 

@@ -3,10 +3,10 @@
 !> It replaces the law of each contact and evaluates it. The load across a gap depends on whether
 !> the contact adhered before, so this is kept from one state of a position to the next.
 module asperity_adhesion
-  use asperity_adhesion_contact, only: adhesion_numbers, model_dmt
+  use asperity_adhesion_contact, only: adhesion_numbers, model_dmt, range_of_attraction
   use asperity_adhesion_law, only: adhesion_law, new_adhesion_law
   use asperity_contact_effect, only: contact_effect, effect_column, effect_outcome, force, &
-                                     plain
+                                     plain, relative_influence
   use asperity_contact_law, only: contact_response
   use asperity_contact_pairs, only: contact_pairs
   use asperity_contact_state, only: answer_all, contact_state
@@ -44,6 +44,7 @@ contains
     call new%call_as('adhesion', scene_in%effects)
     new%work = scene_in%effects%number('work_of_adhesion')
     new%distance = scene_in%effects%number('equilibrium_distance')
+    if (new%work > 0.0_real64) new%reach = range_of_attraction * new%distance
     new%contact_columns = [ &
       effect_column('adhering', plain), &           ! 1: it adheres
       effect_column('pull_off_force', force), &     ! its largest tensile load
@@ -55,37 +56,38 @@ contains
     allocate (effect, source=new)
   end subroutine new_adhesion
 
-  !> Sum of the pull-off forces of the contacts that adhere, over the total vertical load: an upper
-  !> bound of the change of the load. The relative growth of the area, if that is larger: at the
-  !> compression, and under a prescribed load by the further compression as well.
+  !> Sum of the pull-off forces of the contacts that adhere: an upper bound of the change of the
+  !> load. The growth of the area, if that is larger: at the compression, and under a prescribed
+  !> load by the further compression as well.
   function estimate_adhesion(self, pairs, state) result(share)
     class(adhesion_effect), intent(in) :: self  !! adhesion with its history
     type(contact_pairs), intent(in) :: pairs    !! pairs of the position
     type(contact_state), intent(in) :: state    !! contacts without adhesion
     real(real64) :: share
     type(contact_response) :: answer
-    real(real64) :: area, load, pull
+    real(real64) :: area, added, load, pull
     integer :: i
 
     share = 0.0_real64
     if (.not. self%work > 0.0_real64) return
-    area = 0.0_real64
+    added = 0.0_real64
     pull = 0.0_real64
     do i = 1, size(pairs%list)
       if (.not. self%law%is_adhering(pairs%list(i), i, state%penetration(i))) cycle
       pull = pull + self%law%known(i)%pull_off
       call self%law%respond(pairs%list(i), i, state%penetration(i), answer)
-      area = area + abs(answer%contact_radius**2 - state%answers(i)%contact_radius**2)
+      added = added + abs(answer%contact_radius**2 - state%answers(i)%contact_radius**2)
     end do
     load = sum(state%answers%vertical_load)
     if (.not. pull > 0.0_real64) return
     share = huge(share)
     if (.not. load > 0.0_real64) return
-    share = pull / load
-    area = area / sum(state%answers%contact_radius**2)
+    share = relative_influence(pull, load, load - pull)
+    area = sum(state%answers%contact_radius**2)
+    added = relative_influence(added, area, area + added)
     ! Hertz: the contact area is proportional to the power 2/3 of the load.
-    if (pairs%target > 0.0_real64) area = area + 2.0_real64 / 3.0_real64 * share
-    share = max(share, area)
+    if (pairs%target > 0.0_real64) added = added + 2.0_real64 / 3.0_real64 * share
+    share = max(share, added)
   end function estimate_adhesion
 
   !> Sets the law with adhesion in a state and evaluates it.

@@ -32,7 +32,7 @@ module asperity_adhesion_contact
 
   public :: adhesion_numbers, adhering_contact, central_answer
   public :: new_adhering_contact, adheres_at, answer_along_centres
-  public :: model_hertz, model_jkr, model_maugis, model_dmt
+  public :: model_hertz, model_jkr, model_maugis, model_dmt, range_of_attraction
 
   !> Theories: no work of adhesion; Johnson, Kendall and Roberts; Maugis; Derjaguin, Muller and
   !> Toporov.
@@ -42,8 +42,8 @@ module asperity_adhesion_contact
 
   ! Limits of the Tabor parameter (Johnson and Greenwood 1997). Test: adhesion_suite.
   real(real64), parameter :: least_of_jkr = 5.0_real64, most_of_dmt = 0.1_real64
-  ! Range of the constant stress over z0, w/(sigma0 z0) = 9 sqrt(3)/16. Derived (Maugis 1992). Test:
-  ! test_adhesion.py.
+  !> Range of the constant stress over z0, w/(sigma0 z0) = 9 sqrt(3)/16. Derived (Maugis 1992).
+  !> Test: test_adhesion.py.
   real(real64), parameter :: range_of_attraction = 0.97427857925749364_real64
 
   ! Least overlap of the curve of Johnson, Kendall and Roberts, from 4 t**3 = 1. Derived.

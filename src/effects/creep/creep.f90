@@ -6,7 +6,7 @@
 !> one.
 module asperity_creep
   use asperity_contact_effect, only: contact_effect, effect_column, effect_outcome, force, &
-                                     plain
+                                     plain, relative_influence
   use asperity_contact_law, only: contact_response
   use asperity_contact_pairs, only: contact_pairs
   use asperity_contact_state, only: contact_state
@@ -100,18 +100,19 @@ contains
     allocate (effect, source=new)
   end subroutine new_creep
 
-  !> Relative decrease of the load at the end of a hold of the separation; in a hold of the load the
-  !> ratio of load and elastic load is closer to 1. The estimate is equal for all states of a
+  !> Decrease of the load at the end of a hold of the separation; in a hold of the load the
+  !> compression changes by less. The estimate is equal for all states of a
   !> position, so that `auto` has one choice in a hold.
   function estimate_creep(self, pairs, state) result(share)
     class(creep_effect), intent(in) :: self   !! creep with its parameters
     type(contact_pairs), intent(in) :: pairs  !! pairs of the position
     type(contact_state), intent(in) :: state  !! contacts without creep
-    real(real64) :: share
+    real(real64) :: share, ratio
 
     share = 0.0_real64
+    ratio = relaxation_ratio(self%solid, self%hold_time)
     if (size(pairs%list) > 0 .and. allocated(state%answers)) &
-      share = 1.0_real64 - relaxation_ratio(self%solid, self%hold_time)
+      share = relative_influence(1.0_real64 - ratio, 1.0_real64, ratio)
   end function estimate_creep
 
   !> Load in a hold of the load over the elastic load at the same compression: the inverse of the

@@ -5,7 +5,7 @@
 module asperity_plasticity
   use asperity_constants, only: pi
   use asperity_contact_effect, only: contact_effect, effect_column, effect_outcome, force, &
-                                     length, moment, plain
+                                     length, moment, plain, relative_influence
   use asperity_contact_law, only: contact_response
   use asperity_contact_pairs, only: contact_pair, contact_pairs
   use asperity_contact_state, only: answer_all, contact_state
@@ -61,7 +61,7 @@ contains
     allocate (effect, source=new)
   end subroutine new_plasticity
 
-  !> Relative change of the total vertical load, or of the area if that is larger, by plastic flow
+  !> Change of the total vertical load, or of the area if that is larger, by plastic flow
   !> and by residual deformation. The law is evaluated in full. The other effects reduce the loads,
   !> so this is an upper bound. Under a prescribed load the area is that after one Newton step of
   !> the compression; as the load is convex on loading, this is an upper bound too. In a hold
@@ -72,7 +72,7 @@ contains
     type(contact_state), intent(in) :: state      !! contacts without plasticity
     real(real64) :: share
     type(contact_response) :: answer
-    real(real64) :: changed, lost, stiffness, area, total, further
+    real(real64) :: changed, lost, stiffness, area, changed_area, total, further
     integer :: i
 
     share = self%before_hold
@@ -94,13 +94,17 @@ contains
     if (pairs%target > 0.0_real64 .and. lost > 0.0_real64 .and. stiffness > 0.0_real64) &
       further = min(lost / stiffness, state%closing)
     area = 0.0_real64
+    changed_area = 0.0_real64
     do i = 1, size(pairs%list)
       if (.not. state%penetration(i) + further > 0.0_real64) cycle
       call self%law%respond(pairs%list(i), i, min(state%penetration(i) + further, &
                             0.999999_real64 * pairs%list(i)%zc), answer)
-      area = area + abs(answer%contact_radius**2 - state%answers(i)%contact_radius**2)
+      area = area + answer%contact_radius**2
+      changed_area = changed_area + abs(answer%contact_radius**2 - &
+                                        state%answers(i)%contact_radius**2)
     end do
-    share = max(changed / total, area / sum(state%answers%contact_radius**2))
+    share = max(relative_influence(changed, total, total - lost), &
+                relative_influence(changed_area, sum(state%answers%contact_radius**2), area))
   end function estimate_plasticity
 
   !> Sets the plastic law in a state and evaluates it.
@@ -141,11 +145,14 @@ contains
                                    past%residual]
       work = work + past%work_lost
       flattening = max(flattening, past%residual)
-      if (.not. past%flowed) cycle
+      ! The range of yield strains is one of the material, however small the flow is.
+      if (.not. (past%flowed .or. (outcome%simulated /= 'off' .and. past%largest > 0.0_real64 &
+                 .and. self%law%critical(i) < huge(strain)))) cycle
       ! w_c/R = (pi C Sy/(2 E))**2.
       strain = sqrt(self%law%critical(i) / pairs%list(i)%radius) / (0.5_real64 * pi * &
                                                                     self%law%constraint)
       call check_range(of_yield_strain, strain)
+      if (.not. past%flowed) cycle
       if (overlap >= self%law%largest(i)) then
         flowing = flowing + 1
         call check_range(of_flow_depth, overlap / self%law%critical(i))
