@@ -12,7 +12,7 @@ module asperity_run_generate
   use asperity_height_map, only: height_map, length_units
   use asperity_kinds, only: int64, real64
   use asperity_map_file, only: check_map_path, note_of_file, stage_map_file
-  use asperity_output_files, only: commit_files, same_file, stage_file
+  use asperity_output_files, only: commit_files, discard_files, same_file, stage_file
   use asperity_problems, only: decimal_text, problem_list
   use asperity_surface_text, only: surface_as_csv, surfaces_as_deck
   use asperity_work_cost, only: pieces_tried, tell_cost, work_cost
@@ -32,7 +32,9 @@ contains
     type(command_outcome), intent(inout) :: outcome  !! messages, text and files
     type(generation_spec) :: spec
     type(surface_plan) :: plans(2)
-    integer :: member
+    ! Members whose files appear together: two files each, below the number that can be staged.
+    integer, parameter :: members_at_once = 500
+    integer :: last, member
 
     call read_generation_spec(line%input, spec, outcome%problems)
     call outcome%warnings%append(spec%notes)
@@ -48,13 +50,19 @@ contains
       call try_surfaces(line, spec, plans, outcome)
       return
     end if
-    do member = max(1, line%member), merge(line%member, spec%ensemble, line%member > 0)
+    last = merge(line%member, spec%ensemble, line%member > 0)
+    do member = max(1, line%member), last
       if (spec%is_deck) then
         call make_deck(line, spec, plans, member, outcome%failure)
       else
         call make_csv(line, spec, plans, member, outcome%failure)
       end if
-      if (.not. allocated(outcome%failure)) call commit_files(outcome%failure)
+      if (allocated(outcome%failure)) then
+        call discard_files()
+        return
+      end if
+      if (mod(member, members_at_once) == 0 .or. member == last) &
+        call commit_files(outcome%failure)
       if (allocated(outcome%failure)) return
     end do
   end subroutine run_generate_command

@@ -382,3 +382,12 @@ def test_bad_options(options, words, generate, tmp_path):
 def test_a_spec_that_is_not_there(asperity, tmp_path):
     done = run_program(asperity, "generate", "none.spec", status=2, cwd=tmp_path)
     assert done.stderr.startswith("none.spec:1:1: cannot be opened")
+
+
+def test_a_later_member_cannot_be_made(generate, tmp_path):
+    """Status 1 leaves no file of the members before it, nor a part of one."""
+    spec = ("&surfaces number = 2, length = 10, width = 10, least_distance = 1 /\n"
+            "&heights mean = .001, deviation = 1, lowest = -.1, highest = .2 /\n"
+            "&radii mean = .5 /\n&random seed = 0, ensemble = 3, tries = 1 /\n")
+    done = generate(spec, "--upper", "u_%.csv", "--lower", "l_%.csv", status=1)
+    assert "cannot be packed" in done.stderr and os.listdir(tmp_path) == ["a.spec"]
