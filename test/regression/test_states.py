@@ -112,7 +112,7 @@ def test_a_path_has_its_points_alone(asperity, tmp_path):
 def test_a_map_has_its_points_alone(asperity, tmp_path):
     heights, _ = self_affine((24, 24), 3, shortest=6)
     np.savetxt(tmp_path / "map.txt", 1e-3 * heights)
-    for mode, events in (("boundary", 2), ("auto", 2), ("coupled", 0)):
+    for mode, events in (("boundary", 2), ("auto", 0), ("coupled", 0)):
         for word, status in (("off", 0), ("on", events)):
             scene = write_scene(
                 tmp_path / "map.scene",
