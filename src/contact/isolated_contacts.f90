@@ -1,8 +1,8 @@
 !> Positions of isolated contacts: their pairs, their end, and the states on the way to it.
 module asperity_isolated_contacts
   use asperity_candidate_pairs, only: four_thirds, keep_within, largest_rise, &
-                                      limit_penetration, load_of_overlap, overlap_of, refine_heights, set_gaps, &
-                                      sort_by_gap
+                                      limit_penetration, load_of_overlap, overlap_of, &
+                                      refine_heights, set_gaps, sort_by_gap
   use asperity_constants, only: pi
   use asperity_contact_pairs, only: contact_pairs
   use asperity_contact_records, only: add_rows, by_marching, contact_row, cut_rows, most_rows, &
