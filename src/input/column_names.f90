@@ -108,7 +108,7 @@ contains
     do i = size(self%name), 1, -1
       if (is_height_name(self%name(i))) place(3) = i
     end do
-    if (place(3) == 0 .and. size(self%name) == 3) then
+    if (all(place(:2) > 0) .and. place(3) == 0 .and. size(self%name) == 3) then
       place(3) = 6 - place(1) - place(2)
       if (nearest_word(self%name(place(3)), ['height']) > 0) place(3) = 0
     end if
