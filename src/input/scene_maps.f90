@@ -177,15 +177,16 @@ contains
       integer, intent(in) :: side
       type(height_map), intent(inout) :: map
       type(height_map), intent(in) :: other
+      integer :: other_unit
 
       if (unit(side) > 0) then
         if (map%unit == '') map%unit = trim(length_units(unit(side)))
         call change_unit(map, unit(1))
-      else if (side == 2 .and. sides == 2 .and. map%unit /= '' .and. &
-               unit_number(other%unit) > 0) then
-        call change_unit(map, unit_number(other%unit))
       else
-        call put_in_unit(map, 0)
+        other_unit = 0
+        if (side == 2 .and. sides == 2 .and. map%unit /= '') other_unit = unit_number(other%unit)
+        if (other_unit > 0) call change_unit(map, other_unit)
+        if (other_unit == 0) call put_in_unit(map, 0)
       end if
       if (checked%units(1) /= '' .and. map%unit /= '' .and. &
           plain_unit(checked%units(1)) /= map%unit) &
