@@ -74,7 +74,7 @@ def test_refusals(asperity, tmp_path):
             ({"contact_modulus": 0.0}, {}, ("contact_modulus: found '0.0', expected",)),
             ({"contact_modulus": 1.0}, {"friction": "on", "friction_coefficient": 0.1},
              ("friction needs shear moduli",)),
-            ({"contact_modulus": 1.0}, {"plasticity": "auto", "plastic_yield_stress": 0.1},
+            ({"contact_modulus": 1.0}, {"plasticity": "on", "plastic_yield_stress": 0.1},
              ("plasticity needs Poisson's ratio",))):
         run = solve(asperity, scene(tmp_path, "bad", material, effects=effects,
                                     loading={"control": "load", "value": 1.0}))

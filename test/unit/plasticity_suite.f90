@@ -93,7 +93,7 @@ contains
       call act(effect, pairs, state, outcome)
       load(i) = total_vertical_load(state)
       call check(error, outcome%simulated, 'on              ', 'how')
-      call check(error, share, 1.0_real64 - load(i) / elastic, 1.0e-14_real64, 'estimate')
+      call check(error, share, elastic / load(i) - 1.0_real64, 1.0e-14_real64, 'estimate')
       call check(error, outcome%of_state(1), elastic, 1.0e-14_real64 * elastic, 'elastic load')
       call check(error, nint(outcome%of_state(2)), merge(1, 0, mod(i, 2) == 0), 'flowing')
       call check(error, outcome%of_contacts(1, 1) > 0.5_real64 .eqv. i > 1, 'the first has flowed')
