@@ -1,16 +1,15 @@
 !> Gauss's rule for integrals: nodes and weights of Legendre's polynomials.
 module asperity_gauss_rule
-  use asperity_constants, only: pi_128
-  use asperity_kinds, only: real128, real64
+  use asperity_kinds, only: real64
   implicit none
   private
 
-  public :: gauss_node, gauss_points, gauss_rule, gauss_weight
+  public :: gauss_node, gauss_points, gauss_weight
 
-  !> Number of points of the rule in doubles, which is exact for polynomials up to degree 19.
+  !> Number of points of the rule, which is exact for polynomials up to degree 19.
   integer, parameter :: gauss_points = 10
 
-  !> Nodes of the rule from 0 to 1, ascending, by `gauss_rule`.
+  !> Nodes of the rule from 0 to 1, ascending.
   real(real64), parameter :: gauss_node(gauss_points) = [ &
     0.013046735741414139961_real64, 0.067468316655507744634_real64, &
     0.16029521585048779688_real64, 0.28330230293537640460_real64, &
@@ -26,34 +25,5 @@ module asperity_gauss_rule
   !> Weights of the rule; their sum is 1.
   real(real64), parameter :: gauss_weight(gauss_points) = &
     [half_of_weights, half_of_weights(gauss_points / 2:1:-1)]
-
-contains
-
-  !> Computes nodes and weights of Gauss's rule from -1 to 1.
-  pure subroutine gauss_rule(nodes, weights)
-    real(real128), intent(out) :: nodes(:)    !! nodes, in descending order
-    real(real128), intent(out) :: weights(:)  !! weights of the nodes; their sum is 2
-    real(real128) :: x, before, value, next, slope
-    integer :: i, k, step, n
-
-    n = size(nodes)
-    do i = 1, n
-      ! Zeros of Legendre's polynomial by Newton's method; the error of the guess is about 1E-3.
-      x = cos(pi_128 * (i - 0.25_real128) / (n + 0.5_real128))
-      do step = 1, 8
-        before = 1.0_real128
-        value = x
-        do k = 2, n
-          next = ((2 * k - 1) * x * value - (k - 1) * before) / k
-          before = value
-          value = next
-        end do
-        slope = n * (before - x * value) / ((1.0_real128 - x) * (1.0_real128 + x))
-        x = x - value / slope
-      end do
-      nodes(i) = x
-      weights(i) = 2 / ((1.0_real128 - x) * (1.0_real128 + x) * slope**2)
-    end do
-  end subroutine gauss_rule
 
 end module asperity_gauss_rule

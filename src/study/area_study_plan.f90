@@ -56,14 +56,14 @@ contains
     else
       plan%separation = spec%separation
     end if
-    depth = real(plan%law%heights%highest, real64) - decimal_to_real64(plan%separation)
+    depth = plan%law%highest - decimal_to_real64(plan%separation)
     if (.not. depth > 0.0_real64) then
       failure = 'no asperities can touch at the separation, expected less than ' // &
-                real_text(real(plan%law%heights%highest, real64), shown)
-    else if (depth >= real(plan%law%least_sum, real64)) then
+                real_text(plan%law%highest, shown)
+    else if (depth >= plan%law%least_sum) then
       failure = 'the centres of two asperities may come level at the separation, expected ' // &
                 'more than ' // &
-                real_text(real(plan%law%heights%highest - plan%law%least_sum, real64), shown)
+                real_text(plan%law%highest - plan%law%least_sum, shown)
     end if
     if (allocated(failure)) return
     margin = margin_at(spec, depth)
