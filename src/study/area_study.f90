@@ -2,10 +2,9 @@
 !> means and standard deviations over their sections, and the size that represents the whole.
 module asperity_area_study
   use asperity_area_study_plan, only: study_plan
-  use asperity_area_study_surface, only: leading_numbers, numbers_of_a_surface, prepare_surfaces, &
-                                         study_surface
+  use asperity_area_study_surface, only: leading_numbers, numbers_of_a_surface, study_surface
   use asperity_decimal, only: decimal_to_real64
-  use asperity_generated_surface, only: surface_plan
+  use asperity_generated_surface, only: plan_surface, surface_plan
   use asperity_greenwood_integrals, only: area_per_area, densities_at, greenwood_law, quantities
   use asperity_images, only: image_number
   use asperity_kept_records, only: checksum, kept_work, pieces_of_part, whole_number, word_record
@@ -92,7 +91,9 @@ contains
     do m = 1, work%done * merge(1, 0, image_number() == 1)
       call take_surface(work%records(m), numbers(:, m))
     end do
-    call prepare_surfaces(spec, plans)
+    do m = 1, 2
+      call plan_surface(spec%surfaces, m, plans(m))
+    end do
     call progress%begin(options%progress, 'surfaces', members, work%done)
     call cpu_time(begun)
     do

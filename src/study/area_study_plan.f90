@@ -11,13 +11,7 @@ module asperity_area_study_plan
   implicit none
   private
 
-  public :: study_plan, section_square, plan_study, section_places
-
-  !> A square that is cut out.
-  type :: section_square
-    real(real64) :: x = 0.0_real64  !! lower left corner
-    real(real64) :: y = 0.0_real64  !! lower left corner
-  end type section_square
+  public :: study_plan, plan_study, section_corner
 
   !> The plan: all that the surfaces of the ensemble share.
   type :: study_plan
@@ -88,13 +82,9 @@ contains
 
     whole = minval(plan%extent)
     if (size(spec%sizes) > 0) then
-      allocate (plan%sizes(size(spec%sizes)))
       plan%sizes = spec%sizes
     else
-      allocate (plan%sizes(spec%steps))
-      do i = 1, spec%steps
-        plan%sizes(i) = whole / spec%factor**(i - 1)
-      end do
+      plan%sizes = [(whole / spec%factor**(i - 1), i=1, spec%steps)]
     end if
     if (plan%sizes(1) > whole) then
       failure = 'sizes: found ' // real_text(plan%sizes(1), shown) // ', expected at most ' // &
@@ -117,36 +107,28 @@ contains
     end do
   end subroutine plan_sizes
 
-  !> The sections of one size on one surface.
-  pure subroutine section_places(spec, plan, size_number, member, squares)
-    type(study_spec), intent(in) :: spec                !! checked specification of the study
-    type(study_plan), intent(in) :: plan                !! plan of the study
-    integer, intent(in) :: size_number                  !! number of a size
-    integer, intent(in) :: member                       !! number of a surface
-    type(section_square), allocatable, intent(out) :: squares(:)  !! sections of this size
+  !> Lower left corner of a section on a surface.
+  pure function section_corner(spec, plan, size_number, member, k) result(corner)
+    type(study_spec), intent(in) :: spec  !! checked specification of the study
+    type(study_plan), intent(in) :: plan  !! plan of the study
+    integer, intent(in) :: size_number    !! number of a size
+    integer, intent(in) :: member         !! number of a surface
+    integer, intent(in) :: k              !! number of the section, of this size
+    real(real64) :: corner(2)
     integer(int64) :: words(4), cells(2), cell
-    real(real64) :: free(2)
-    integer :: k
 
-    allocate (squares(plan%sections(size_number)))
-    free = plan%extent - plan%sizes(size_number)
-    cells = int(squares_along(plan, size_number), int64)
-    do k = 1, size(squares)
-      if (spec%places == places_grid) then
-        ! When not all are taken, those that are lie all over the region.
-        cell = (int(k - 1, int64) * product(cells)) / size(squares)
-        squares(k)%x = modulo(cell, cells(1)) * plan%sizes(size_number)
-        squares(k)%y = (cell / cells(1)) * plan%sizes(size_number)
-      else
-        words = philox_block([int(k, int64), int(size_number, int64), int(member, int64), &
-                              place_stream], [int(spec%surfaces%seed, int64), 0_int64])
-        squares(k)%x = free(1) * (real(words(1), real64) / 2.0_real64**32)
-        squares(k)%y = free(2) * (real(words(2), real64) / 2.0_real64**32)
-      end if
-    end do
-    squares%x = squares%x + plan%corner(1)
-    squares%y = squares%y + plan%corner(2)
-  end subroutine section_places
+    if (spec%places == places_grid) then
+      ! When not all are taken, those that are lie all over the region.
+      cells = int(squares_along(plan, size_number), int64)
+      cell = (int(k - 1, int64) * product(cells)) / plan%sections(size_number)
+      corner = [modulo(cell, cells(1)), cell / cells(1)] * plan%sizes(size_number)
+    else
+      words = philox_block([int(k, int64), int(size_number, int64), int(member, int64), &
+                            place_stream], [int(spec%surfaces%seed, int64), 0_int64])
+      corner = (plan%extent - plan%sizes(size_number)) * (real(words(:2), real64) / 2.0_real64**32)
+    end if
+    corner = corner + plan%corner
+  end function section_corner
 
   !> How many squares of a size stand side by side in the region, along x and y.
   pure function squares_along(plan, size_number) result(along)

@@ -88,10 +88,10 @@ contains
        2.0_real128, 3.0_real128, 3.5_real128, 2.5_real128], [quantities, 2])
 
     if (law%with_plane) then
-      found = law%density(1) * law%radii(:, 1) * moments([0, 2, 3, 3])
+      found = law%density(1) * law%radii(:, 1) * find_moments([0, 2, 3, 3])
     else
       ! Loads differ by the cosine of the slope, (s - t)/(s - W).
-      terms = law%radii / divisors * reshape(moments([2, 4, 5, 5, 4, 6, 7, 7]), [quantities, 2])
+      terms = law%radii / divisors * reshape(find_moments([2, 4, 5, 5, 4, 6, 7, 7]), shape(terms))
       if (present(shallow)) terms(:, 2) = merge(0.0_real128, terms(:, 2), shallow)
       found = 2 * pi * law%density(1) * law%density(2) * (terms(:, 1) - terms(:, 2))
     end if
@@ -101,12 +101,12 @@ contains
 
   contains
 
-    pure function moments(doubled_powers)
+    pure function find_moments(doubled_powers) result(moments)
       integer, intent(in) :: doubled_powers(:)
       real(real128) :: moments(size(doubled_powers))
 
       moments = excess_moments(law%heights, real(separation, real128), doubled_powers)
-    end function moments
+    end function find_moments
 
   end function densities_at
 
@@ -184,17 +184,17 @@ contains
     !> Density of the varying heights, or of their sum.
     pure real(real128) function density_at(u)
       real(real128), intent(in) :: u
-      real(real128) :: spread, z, first
+      real(real128) :: sum_deviation, z, first
 
-      spread = norm2(deviation)
-      z = (u - sum(mean)) / spread
-      density_at = exp(-z**2 / 2) / (sqrt(2 * pi) * spread * mass)
+      sum_deviation = norm2(deviation)
+      z = (u - sum(mean)) / sum_deviation
+      density_at = exp(-z**2 / 2) / (sqrt(2 * pi) * sum_deviation * mass)
       if (size(part) == 1) return
-      ! The first part has this mean, given the sum, and the deviation product/spread.
-      first = mean(1) + z * deviation(1)**2 / spread
+      ! The first part has this mean, given the sum, and the deviation product/sum_deviation.
+      first = mean(1) + z * deviation(1)**2 / sum_deviation
       density_at = density_at * normal_probability( &
-        (max(part(1)%lowest, u - part(2)%highest) - first) * spread / product(deviation), &
-        (min(part(1)%highest, u - part(2)%lowest) - first) * spread / product(deviation))
+        (max(part(1)%lowest, u - part(2)%highest) - first) * sum_deviation / product(deviation), &
+        (min(part(1)%highest, u - part(2)%lowest) - first) * sum_deviation / product(deviation))
     end function density_at
 
   end function excess_moments
