@@ -2,7 +2,6 @@
 !>
 !> The first line that is neither blank nor a comment (`#`) names the columns `x,y,height,radius`
 !> in any order; `radius` may be left out. Reading takes time and memory in proportion to the file.
-!> A long file is read by all threads, each its pieces.
 module asperity_surface_csv
   use asperity_byte_reader, only: byte_reader
   use asperity_decimal, only: decimal_to_real64, decimal_value
@@ -37,10 +36,6 @@ module asperity_surface_csv
     !> Names of columns that are not read, the first five, and how many there are; or empty.
     character(len=:), allocatable :: others
   end type surface_columns
-
-  ! Bytes of a piece that a thread reads: some 2000 rows, in a millisecond or less; fewer are not
-  ! worth a thread.
-  integer, parameter :: piece_length = 131072
 
   !> The asperities of a surface; lengths in the unit of the file.
   type :: surface_table
@@ -115,41 +110,25 @@ contains
     table%unit = columns%unit
     table%others = columns%others
     if (problems%count() > 0) return
-    call read_pieces(path, text(first:), line, columns, table, problems, common_radius)
+    call read_table(text(first:), line, columns, table, problems, common_radius)
   end subroutine parse_numbers
 
-  ! Reads all rows, piece by piece: each line has its own place in the table. Where a piece has
-  ! problems all is read again as one, so that they are counted as one list.
-  subroutine read_pieces(path, text, first_line, columns, table, problems, common_radius)
-    character(len=*), intent(in) :: path, text  ! rows only
+  ! Reads all rows. Each line has its own place in the table, until lines without a row are removed.
+  subroutine read_table(text, first_line, columns, table, problems, common_radius)
+    character(len=*), intent(in) :: text        ! rows only
     integer, intent(in) :: first_line           ! number of the first one
     type(surface_columns), intent(in) :: columns
     type(surface_table), intent(inout) :: table
     type(problem_list), intent(inout) :: problems
     real(real64), intent(in), optional :: common_radius
-    integer, allocatable :: first(:), line(:)   ! byte and line where each piece begins
     logical, allocatable :: is_row(:)           ! whether a line is one of an asperity
-    type(problem_list), allocatable :: found(:)
-    integer :: k, pieces, lines
+    integer :: i, lines
 
-    pieces = 1 + len(text) / piece_length
-    allocate (first(pieces + 1), line(pieces + 1), found(pieces))
-    first(1) = 1
-    do k = 2, pieces
-      first(k) = max(first(k - 1), min(len(text), line_end(text, (k - 1) * piece_length) + 1) + 1)
-    end do
-    first(pieces + 1) = len(text) + 1
-    line(1) = first_line
-    !$omp parallel do if(pieces > 1)
-    do k = 1, pieces
-      line(k + 1) = count_line_feeds(text(first(k):first(k + 1) - 1))
-    end do
-    !$omp end parallel do
-    do k = 1, pieces
-      line(k + 1) = line(k) + line(k + 1)
-    end do
     ! The last line may have no line feed.
-    lines = line(pieces + 1) - first_line + 1
+    lines = 1
+    do i = 1, len(text)
+      if (text(i:i) == achar(10)) lines = lines + 1
+    end do
     if (.not. has_memory(36_int64 * lines)) then
       problems%lacks_memory = .true.
       call problems%add_in_file(not_enough_memory // ' for ' // decimal_text(lines) // &
@@ -160,31 +139,21 @@ contains
     is_row = .false.
     if (table%has_radius .or. present(common_radius)) allocate (table%radius(lines))
     if (present(common_radius)) table%radius = common_radius
-    !$omp parallel do schedule(dynamic) if(pieces > 1)
-    do k = 1, pieces
-      call found(k)%start(path)
-      call read_rows(text(first(k):first(k + 1) - 1), line(k), first_line, columns, table, is_row, &
-                     found(k))
-    end do
-    !$omp end parallel do
-    if (any([(found(k)%count() > 0, k=1, pieces)])) then
-      call read_rows(text, first_line, first_line, columns, table, is_row, problems)
-    else if (.not. any(is_row)) then
-      call problems%add_at(line(pieces + 1), 1, 'no asperity: found the end of the file, ' // &
-                           'expected a row')
-    end if
+    call read_rows(text, first_line, columns, table, is_row, problems)
+    if (problems%count() == 0 .and. .not. any(is_row)) &
+      call problems%add_at(first_line + lines - 1, 1, &
+                           'no asperity: found the end of the file, expected a row')
     if (all(is_row)) return
     table%x = pack(table%x, is_row)
     table%y = pack(table%y, is_row)
     table%height = pack(table%height, is_row)
     if (allocated(table%radius)) table%radius = pack(table%radius, is_row)
-  end subroutine read_pieces
+  end subroutine read_table
 
-  ! Reads all rows of a text that begins with line `own_line` of a table that begins with
-  ! `first_line`.
-  pure subroutine read_rows(text, own_line, first_line, columns, table, is_row, problems)
+  ! Reads all rows of a text that begins with line `first_line`.
+  pure subroutine read_rows(text, first_line, columns, table, is_row, problems)
     character(len=*), intent(in) :: text
-    integer, intent(in) :: own_line, first_line
+    integer, intent(in) :: first_line
     type(surface_columns), intent(in) :: columns
     type(surface_table), intent(inout) :: table
     logical, intent(inout) :: is_row(:)
@@ -196,7 +165,7 @@ contains
     logical :: good, all_good
 
     at = 1
-    line = own_line
+    line = first_line
     cells%separator = columns%separator
     do
       call read_cells(text, at, line, cells)
@@ -269,16 +238,6 @@ contains
     text = ''
     if (is_needed) text = '; a decimal comma? write a point'
   end function point_hint
-
-  pure integer function count_line_feeds(text)
-    character(len=*), intent(in) :: text
-    integer :: i
-
-    count_line_feeds = 0
-    do i = 1, len(text)
-      if (text(i:i) == achar(10)) count_line_feeds = count_line_feeds + 1
-    end do
-  end function count_line_feeds
 
   !> Reads the header at `first`.
   pure subroutine read_header(text, first, line, columns, problems)
