@@ -149,8 +149,8 @@ def test_a_header_of_many_columns(run, tmp_path):
     (tmp_path / "w.csv").write_text(f"x,y,height,radius{',c' * columns}\n"
                                     f"0,0,.1,1{',0' * columns}\n", encoding="ascii")
     said = run(SCENE.replace("ball.csv", "w.csv"), "--quiet", status=0)
-    assert said == ("w.csv: note: columns that are not read: c, c, c, c, c and "
-                    f"{columns - 5} more\n")
+    assert said.splitlines()[0] == ("w.csv: note: columns that are not read: c, c, c, c, c and "
+                                    f"{columns - 5} more")
 
 
 @pytest.mark.parametrize("option, name, ending", [
