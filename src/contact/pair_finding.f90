@@ -17,8 +17,7 @@ module asperity_pair_finding
   use asperity_pair_search_blocks, only: found_pairs
   use asperity_pair_search_levels, only: build_levels, last_level, search_level, surface_points
   use asperity_pair_search_row, only: build_row, first_from
-  use asperity_placed_scene, only: candidate, largest_value, level_of, placed_scene, &
-                                   position_pairs
+  use asperity_placed_scene, only: candidate, largest_value, placed_scene, position_pairs
   use asperity_scene_values, only: control_compression, control_limit, control_load, &
                                    control_separation
   implicit none
@@ -33,58 +32,28 @@ contains
     type(placed_scene), intent(inout) :: placed  !! scene in solver units
     ! Comparisons up to which a row is as fast as a grid.
     integer(int64), parameter :: few = 100000_int64
-    type(surface_points) :: upper, lower
-    real(real64) :: reach, widest
-    real(real64) :: unit
+    real(real64) :: widest
 
-    unit = 1.0_real64
-    do while (1.0_real64 + unit > 1.0_real64)
-      unit = scale(unit, -4)
-    end do
-    placed%unit = scale(unit, 4)
-    reach = placed%height_max
-    call put_in_doubles(placed%xl, placed%yl, placed%hl, placed%rl, lower)
     widest = largest_value(placed%ru) + largest_value(placed%rl)
     placed%far_reach = widest * (1.0_real64 + 1.0e-6_real64)
-    placed%near_reach = sqrt(squared_reach(reach, widest)) * (1.0_real64 + 1.0e-6_real64)
-    placed%extent = largest_of(placed%xu) + largest_of(placed%yu) + largest_of(placed%xl) + &
-                    largest_of(placed%yl) + widest
-    placed%rise = largest_of(placed%hu) + largest_of(placed%hl) + widest
+    placed%near_reach = sqrt(squared_reach(placed%height_max, widest)) * (1.0_real64 + 1.0e-6_real64)
+    placed%extent = largest_value(abs(placed%xu)) + largest_value(abs(placed%yu)) + &
+                    largest_value(abs(placed%xl)) + largest_value(abs(placed%yl)) + widest
+    placed%rise = largest_value(abs(placed%hu)) + largest_value(abs(placed%hl)) + widest
     if (placed%on_plane) then
-      call prepare_plane(placed)
+      ! One of the two has no asperity. A displacement shifts all heights equally.
+      placed%level = [placed%hu, placed%hl]
+      allocate (placed%order(size(placed%level)))
+      call sort_keys(-placed%level, placed%order)
     else if (size(placed%xu, kind=int64) * size(placed%xl, kind=int64) <= few) then
-      call build_row(placed%row, lower%x, lower%y)
+      call build_row(placed%row, placed%xl, placed%yl)
     else
-      call put_in_doubles(placed%xu, placed%yu, placed%hu, placed%ru, upper)
-      call build_levels(placed%levels, upper, lower, reach, placed%unit)
+      call build_levels(placed%levels, &
+                        surface_points(placed%xu, placed%yu, placed%hu, placed%ru), &
+                        surface_points(placed%xl, placed%yl, placed%hl, placed%rl), &
+                        placed%height_max, epsilon(widest))
     end if
   end subroutine prepare_search
-
-  ! The points of a surface in doubles.
-  subroutine put_in_doubles(x, y, height, radius, points)
-    real(real64), intent(in) :: x(:), y(:), height(:), radius(:)
-    type(surface_points), intent(out) :: points
-    integer :: n
-
-    n = size(x)
-    allocate (points%x(n), points%y(n), points%height(n), points%radius(n))
-    points%x(:) = x
-    points%y(:) = y
-    points%height(:) = height
-    points%radius(:) = radius
-  end subroutine put_in_doubles
-
-  ! The largest magnitude of some numbers.
-  pure function largest_of(numbers) result(largest)
-    real(real64), intent(in) :: numbers(:)
-    real(real64) :: largest
-    integer :: i
-
-    largest = 0.0_real64
-    do i = 1, size(numbers)
-      largest = max(largest, abs(numbers(i)))
-    end do
-  end function largest_of
 
   !> Finds all pairs that may touch by the end of a position, and possibly others. A candidate pair
   !> can touch before a summit reaches the other reference plane; by Appendix 5 of the thesis, for
@@ -203,14 +172,13 @@ contains
       least_touch = max(least_touch, below_with_rounding(placed, first_touch - found(next)%gap))
   end subroutine raise_by_load
 
-  ! A lower bound in doubles of a separation, whatever the rounding of this arithmetic.
+  ! A lower bound of a separation, whatever its rounding.
   pure function below_with_rounding(placed, approach) result(below)
     type(placed_scene), intent(in) :: placed
     real(real64), intent(in) :: approach
     real(real64) :: below
 
-    below = approach
-    below = below - 64.0_real64 * max(placed%unit, epsilon(below)) * (placed%rise + abs(below))
+    below = approach - 64.0_real64 * epsilon(below) * (placed%rise + abs(approach))
   end function below_with_rounding
 
   ! Pairs of a small scene: every upper asperity with those of the row that are in reach.
@@ -218,24 +186,21 @@ contains
     type(placed_scene), intent(in) :: placed
     logical, intent(in) :: all_pairs
     type(position_pairs), intent(inout) :: position
-    real(real64) :: x, y
-    real(real64) :: reach, right, middle
+    real(real64) :: x, y, reach
     integer :: i, j
 
     if (.not. allocated(position%found)) allocate (position%found(256))
     position%number = 0
     reach = placed%near_reach
     if (all_pairs) reach = placed%far_reach
-    reach = reach + margin_of_arithmetic(placed%unit, placed%extent + &
+    reach = reach + margin_of_arithmetic(epsilon(x), placed%extent + &
                                          abs(position%dx) + abs(position%dy))
     do j = 1, size(placed%xu)
       x = placed%xu(j) + position%dx
       y = placed%yu(j) + position%dy
-      right = x + reach
-      middle = y
       do i = first_from(placed%row, x - reach), size(placed%row%x)
-        if (placed%row%x(i) > right) exit
-        if (abs(placed%row%y(i) - middle) > reach) cycle
+        if (placed%row%x(i) > x + reach) exit
+        if (abs(placed%row%y(i) - y) > reach) cycle
         call add_if_near(placed, j, int(placed%row%asperity(i)), x, y, all_pairs, position)
       end do
     end do
@@ -314,15 +279,6 @@ contains
     end associate
   end subroutine add_if_near
 
-  ! Sorts the caps by height over the plane, once: a displacement shifts all heights equally.
-  subroutine prepare_plane(placed)
-    type(placed_scene), intent(inout) :: placed
-
-    allocate (placed%order(size(placed%hu) + size(placed%hl)))
-    ! One of the two has no asperity.
-    call sort_keys([-placed%hu, -placed%hl], placed%order)
-  end subroutine prepare_plane
-
   ! Finds all caps that may touch by the end of a position, and possibly others: the highest first,
   ! until the next one touches past the end.
   subroutine find_on_plane(placed, method, position, failure)
@@ -332,8 +288,7 @@ contains
     character(len=:), allocatable, intent(out) :: failure
     ! Number of caps at first, and the factor by which it grows.
     integer, parameter :: fewest = 512, growth = 8
-    real(real64) :: shift
-    real(real64) :: least_touch
+    real(real64) :: shift, least_touch
     integer :: caps, last, status
 
     caps = size(placed%order)
@@ -355,7 +310,7 @@ contains
         return
       end if
       do while (position%number < last)
-        if (touch_of(position%number + 1) < least_touch .and. &
+        if (placed%level(placed%order(position%number + 1)) + shift < least_touch .and. &
             .not. (method%keeps_first .and. position%number == 0)) return
         position%number = position%number + 1
         call set_on_plane(placed, int(placed%order(position%number)), shift, &
@@ -365,16 +320,6 @@ contains
       call raise_least_touch(placed, method, position, least_touch)
       last = merge(caps, growth * min(last, caps / growth), last > caps / growth)
     end do
-
-  contains
-
-    ! The separation at which a cap touches; decreases from one to the next.
-    real(real64) function touch_of(k)
-      integer, intent(in) :: k
-
-      touch_of = level_of(placed, int(placed%order(k))) + shift
-    end function touch_of
-
   end subroutine find_on_plane
 
   ! Allocates room for more candidates and keeps those found.
@@ -415,7 +360,7 @@ contains
     pair%s = placed%out_of_reach
     pair%zc = pair%s
     pair%rest = 0.0_real64
-    pair%touch = level_of(placed, i) + shift
+    pair%touch = placed%level(i) + shift
     pair%gap = 0.0_real64
   end subroutine set_on_plane
 

@@ -17,8 +17,7 @@ module asperity_placed_scene
   private
 
   public :: candidate, placed_scene, position_pairs
-  public :: exponent_of_16, is_on_plane, largest_value, level_of, load_unit, place_of_touch, &
-            scaled_to_real64
+  public :: exponent_of_16, is_on_plane, largest_value, load_unit, place_of_touch, scaled_to_real64
 
   !> A scene in the units of the solver.
   type :: placed_scene
@@ -38,7 +37,8 @@ module asperity_placed_scene
     logical :: is_deck = .false.                   !! the surfaces are those of a card deck
     logical :: on_plane = .false.                  !! one surface is a plane without asperities
     real(real64) :: plane_slope(2)                 !! of that plane
-    integer(int32), allocatable :: order(:)        !! caps on a plane, the highest first
+    real(real64), allocatable :: level(:)          !! summits of the caps on a plane
+    integer(int32), allocatable :: order(:)        !! these caps, the highest first
     real(real64) :: height_max                     !! largest height of both surfaces
     ! Pairs outside the candidate distance touch below this separation only: their offset in plan
     ! reduces the separation of first touch by more than the largest height.
@@ -56,7 +56,6 @@ module asperity_placed_scene
     type(pair_levels) :: levels                    !! both surfaces; empty in a small scene
     real(real64) :: near_reach = 0.0_real64        !! largest candidate distance in plan
     real(real64) :: far_reach = 0.0_real64         !! largest distance in plan of spheres that touch
-    real(real64) :: unit = 0.0_real64              !! spacing of doubles at 1, in powers of 16
     real(real64) :: extent = 0.0_real64            !! largest |x| + |y| + sum of radii
     real(real64) :: rise = 0.0_real64              !! largest |heights| and sum of radii
   end type placed_scene
@@ -121,19 +120,6 @@ contains
     is_on_plane = pair%upper == 0 .or. pair%lower == 0
   end function is_on_plane
 
-  !> The level of a cap's summit over the plane.
-  pure function level_of(placed, i) result(level)
-    type(placed_scene), intent(in) :: placed  !! scene in solver units
-    integer, intent(in) :: i  !! number of the cap
-    real(real64) :: level
-
-    if (size(placed%hu) > 0) then
-      level = placed%hu(i)
-    else
-      level = placed%hl(i)
-    end if
-  end function level_of
-
   !> Point of first touch in plan: on the line between the centres, or at the summit of a cap.
   pure subroutine place_of_touch(placed, pair, dx, dy, x, y)
     type(placed_scene), intent(in) :: placed  !! scene in solver units
@@ -156,16 +142,11 @@ contains
   end subroutine place_of_touch
 
   !> The largest of some numbers; 0 without numbers.
-  pure function largest_value(h) result(largest)
+  pure real(real64) function largest_value(h)
     real(real64), intent(in) :: h(:)  !! numbers of any sign
-    real(real64) :: largest
-    integer :: i
 
-    largest = 0.0_real64
-    if (size(h) > 0) largest = h(1)
-    do i = 2, size(h)
-      if (h(i) > largest) largest = h(i)
-    end do
+    largest_value = 0.0_real64
+    if (size(h) > 0) largest_value = maxval(h)
   end function largest_value
 
 end module asperity_placed_scene

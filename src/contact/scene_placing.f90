@@ -63,20 +63,17 @@ contains
     type(placed_scene), intent(inout) :: placed
     real(real64) :: largest
 
-    placed%ru = scene_in%upper%radius
-    placed%rl = scene_in%lower%radius
-    largest = largest_value(placed%ru)
-    if (largest_value(placed%rl) > largest) largest = largest_value(placed%rl)
+    largest = max(largest_value(scene_in%upper%radius), largest_value(scene_in%lower%radius))
     placed%length_power = exponent_of_16(largest)
-    placed%ru = scale(placed%ru, -4 * placed%length_power)
-    placed%rl = scale(placed%rl, -4 * placed%length_power)
+    placed%ru = scale(scene_in%upper%radius, -4 * placed%length_power)
+    placed%rl = scale(scene_in%lower%radius, -4 * placed%length_power)
     placed%out_of_reach = scale(largest, 4 * (5 - placed%length_power))
 
     call place_surface(scene_in%upper, -placed%length_power, placed%xu, placed%yu, placed%hu)
-    placed%height_max = largest_value(placed%hu)
     call level_surface(scene_in%upper, .true., placed%xu, placed%yu, placed%hu)
     call place_surface(scene_in%lower, -placed%length_power, placed%xl, placed%yl, placed%hl)
-    if (largest_value(placed%hl) > placed%height_max) placed%height_max = largest_value(placed%hl)
+    placed%height_max = scale(max(largest_value(scene_in%upper%height), &
+                                  largest_value(scene_in%lower%height)), -4 * placed%length_power)
     if (scene_in%lower_is_mirrored) &
       placed%yl = length_of(scene_in%lower_mirror_width, placed) - placed%yl
     call level_surface(scene_in%lower, .false., placed%xl, placed%yl, placed%hl)
@@ -151,18 +148,11 @@ contains
     logical, intent(in) :: upper
     real(real64), intent(in) :: x(:), y(:)
     real(real64), intent(inout) :: h(:)
-    real(real64) :: slope(2), tilt
-    integer :: i
+    real(real64) :: slope(2)
 
     slope = decimal_to_real64(surface%slope)
-    do i = 1, size(h)
-      tilt = x(i) * slope(1) + y(i) * slope(2)
-      if (upper) then
-        h(i) = h(i) - tilt
-      else
-        h(i) = h(i) + tilt
-      end if
-    end do
+    if (upper) slope = -slope
+    h = h + (x * slope(1) + y * slope(2))
   end subroutine level_surface
 
   ! The combined modulus: that of the scene, or from the moduli of both surfaces.
@@ -170,38 +160,20 @@ contains
     type(scene), intent(in) :: scene_in
     type(placed_scene), intent(inout) :: placed
     character(len=:), allocatable, intent(inout) :: failure
-    real(real64) :: compliance
-    logical :: good
+    real(real64) :: moduli(2), nu(2)
 
-    if (scene_in%contact_modulus%all_digits > 0_int64) then
-      placed%modulus = decimal_to_real64(scene_in%contact_modulus)
-      good = .true.
-    else
-      compliance = compliance_of(scene_in%upper) + compliance_of(scene_in%lower)
+    placed%modulus = decimal_to_real64(scene_in%contact_modulus)
+    if (.not. placed%modulus > 0.0_real64) then
+      moduli = decimal_to_real64([scene_in%upper%elastic_modulus, scene_in%lower%elastic_modulus])
+      nu = decimal_to_real64([scene_in%upper%poisson_ratio, scene_in%lower%poisson_ratio])
       ! Smaller moduli have a compliance that overflows.
-      good = all(decimal_to_real64([scene_in%upper%elastic_modulus, &
-                                    scene_in%lower%elastic_modulus]) > 4 * tiny(compliance))
-      if (good) placed%modulus = 1.0_real64 / compliance
-    end if
-    if (.not. good) then
-      failure = out_of_range
-      return
+      if (.not. all(moduli > 4 * tiny(nu))) failure = out_of_range
+      if (allocated(failure)) return
+      placed%modulus = 1.0_real64 / sum((1.0_real64 - nu) * (1.0_real64 + nu) / moduli)
     end if
     placed%modulus_power = exponent_of_16(placed%modulus)
     placed%modulus = scale(placed%modulus, -4 * placed%modulus_power)
   end subroutine combine_moduli
-
-  ! (1 - nu**2)/E of one surface.
-  function compliance_of(surface) result(compliance)
-    type(scene_surface), intent(in) :: surface
-    real(real64) :: compliance, modulus, nu
-
-    nu = decimal_to_real64(surface%poisson_ratio)
-    modulus = decimal_to_real64(surface%elastic_modulus)
-    compliance = 0.0_real64
-    if (.not. modulus > compliance) return
-    compliance = (1.0_real64 - nu) * (1.0_real64 + nu) / modulus
-  end function compliance_of
 
   ! A length of the scene in the unit of length.
   function length_of(value, placed) result(length)

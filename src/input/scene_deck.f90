@@ -90,6 +90,7 @@ contains
     type(scene_surface), intent(inout) :: surface
     type(problem_list), intent(inout) :: problems
     type(decimal_value) :: radius
+    type(decimal_value), dimension(model%number) :: x, y, z
     integer :: i
 
     surface%file = path
@@ -98,18 +99,15 @@ contains
                  surface%elastic_modulus, problems)
     surface%poisson_ratio = model%poisson_ratio
     surface%rotation = model%angle
-    allocate (surface%exact_x(model%number), surface%exact_y(model%number), &
-              surface%exact_height(model%number), surface%exact_radius(model%number))
-    surface%exact_radius = radius
     do i = 1, model%number
-      call convert_number(before + i, x_field, model%x(i), inch, surface%exact_x(i), problems)
-      call convert_number(before + i, y_field, model%y(i), inch, surface%exact_y(i), problems)
-      call convert_number(before + i, z_field, model%z(i), inch, surface%exact_height(i), problems)
+      call convert_number(before + i, x_field, model%x(i), inch, x(i), problems)
+      call convert_number(before + i, y_field, model%y(i), inch, y(i), problems)
+      call convert_number(before + i, z_field, model%z(i), inch, z(i), problems)
     end do
-    surface%x = decimal_to_real64(surface%exact_x)
-    surface%y = decimal_to_real64(surface%exact_y)
-    surface%height = decimal_to_real64(surface%exact_height)
-    surface%radius = decimal_to_real64(surface%exact_radius)
+    surface%x = decimal_to_real64(x)
+    surface%y = decimal_to_real64(y)
+    surface%height = decimal_to_real64(z)
+    surface%radius = spread(decimal_to_real64(radius), 1, model%number)
   end subroutine convert_model
 
   !> Multiplies by a unit, exactly. A card's field has at most 10 digits, so nothing overflows.

@@ -64,10 +64,6 @@ module asperity_scene_values
     real(real64), allocatable :: x(:), y(:)                   !! summits on the reference plane
     real(real64), allocatable :: height(:)                    !! summits above the reference plane
     real(real64), allocatable :: radius(:)                    !! summit radii, more than 0
-    type(decimal_value), allocatable :: exact_x(:)            !! x exactly; from a deck only
-    type(decimal_value), allocatable :: exact_y(:)            !! y exactly; from a deck only
-    type(decimal_value), allocatable :: exact_height(:)       !! heights exactly; from a deck only
-    type(decimal_value), allocatable :: exact_radius(:)       !! radii exactly; from a deck only
     type(decimal_value) :: elastic_modulus                    !! more than 0
     type(decimal_value) :: poisson_ratio                      !! more than -1, at most 0.5
     type(decimal_value) :: slope(2)                           !! rise of the plate along x and y

@@ -271,8 +271,6 @@ contains
       logical :: alike
 
       if (surface%is_plane) return
-      if (allocated(surface%exact_height)) deallocate (surface%exact_height)
-      if (allocated(surface%exact_radius)) deallocate (surface%exact_radius)
       span = span_of(surface%radius)
       alike = .not. span%largest > span%least
       do i = 1, size(surface%height)
