@@ -13,9 +13,9 @@ module asperity_contact_pairs
   implicit none
   private
 
-  public :: contact_pair, contact_pairs, in_scene_units, least_exponent
+  public :: contact_pair, contact_pairs, in_scene_units, scaled_to_real64
 
-  !> Least exponent of a result: below it a double is 0.
+  ! Least exponent of a result: below it a double is 0.
   integer, parameter :: least_exponent = minexponent(1.0_real64) - digits(1.0_real64)
 
   !> One upper and one lower asperity, or one asperity and a plane.
@@ -66,19 +66,31 @@ module asperity_contact_pairs
 contains
 
   !> A number in the unit of the scene, given the powers of modulus and length in its unit: 1 and 2
-  !> for a load. A result that would underflow to 0 is infinite, as one that overflows.
+  !> for a load.
   elemental function in_scene_units(pairs, number, modulus_power, length_power) result(value)
     type(contact_pairs), intent(in) :: pairs  !! pairs with the solver's units
     real(real64), intent(in) :: number        !! in the solver's units
     integer, intent(in) :: modulus_power      !! power of the modulus in the unit
     integer, intent(in) :: length_power       !! power of the length in the unit
     real(real64) :: value
-    integer :: power
 
-    power = 4 * (modulus_power * pairs%modulus_power + length_power * pairs%length_power)
-    value = scale(number, power)
-    if (abs(number) > 0.0_real64 .and. exponent(number) + power < least_exponent) &
-      value = ieee_value(value, ieee_positive_inf)
+    value = scaled_to_real64(number, modulus_power * pairs%modulus_power + &
+                                     length_power * pairs%length_power)
   end function in_scene_units
+
+  !> A number times 16**power. A result out of the range of doubles, by overflow or underflow, is
+  !> infinite, without a trap; `are_finite` finds it.
+  elemental function scaled_to_real64(number, power) result(value)
+    real(real64), intent(in) :: number  !! any finite number
+    integer, intent(in) :: power        !! power of 16
+    real(real64) :: value
+
+    if (abs(number) > 0.0_real64 .and. (exponent(number) + 4 * power > maxexponent(value) .or. &
+                                        exponent(number) + 4 * power < least_exponent)) then
+      value = sign(ieee_value(value, ieee_positive_inf), number)
+    else
+      value = scale(number, 4 * power)
+    end if
+  end function scaled_to_real64
 
 end module asperity_contact_pairs

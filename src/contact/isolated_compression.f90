@@ -1,9 +1,9 @@
 !> The last compression of a position of isolated contacts: at a limit, at a load, or by marching.
 module asperity_isolated_compression
   use asperity_candidate_pairs, only: cube_root, limit_penetration, load_of_overlap, overlap_of
+  use asperity_contact_pairs, only: scaled_to_real64
   use asperity_kinds, only: real64
-  use asperity_placed_scene, only: candidate, is_on_plane, load_unit, placed_scene, &
-                                   scaled_to_real64
+  use asperity_placed_scene, only: candidate, is_on_plane, load_unit, placed_scene
   use asperity_problems, only: decimal_text, real_text
   use asperity_root_bracket, only: guess_root, narrow_bracket, root_bracket
   use asperity_scene_values, only: control_compression, control_load, control_separation, &
@@ -162,11 +162,10 @@ contains
 
     ! Difference of a load and the target in the powers 2/3 of ratios, so that the iterates do not
     ! depend on the unit of length.
-    pure function load_distance(load) result(distance)
+    pure real(real64) function load_distance(load)
       real(real64), intent(in) :: load
-      real(real64) :: distance
 
-      distance = two_thirds(load / high_load) - two_thirds(target / high_load)
+      load_distance = cube_root(load / high_load)**2 - cube_root(target / high_load)**2
     end function load_distance
 
   end subroutine closing_at_load
@@ -215,15 +214,6 @@ contains
     end do
   end subroutine find_greatest
 
-  ! The power x**(2/3) for x >= 0.
-  pure function two_thirds(x) result(power)
-    real(real64), intent(in) :: x
-    real(real64) :: power
-
-    power = cube_root(x)
-    power = power * power
-  end function two_thirds
-
   ! Sum of the normal forces, or of their vertical parts, over the combined modulus at a
   ! compression; the list is sorted by gap.
   pure function load_at(placed, found, closing, overlap) result(load)
@@ -255,6 +245,7 @@ contains
     real(real64), intent(in) :: step  !! step of the compression
     integer, intent(in) :: overlap  !! `overlap_stable` or `overlap_original`
     real(real64), intent(out) :: closing  !! compression at the end
+    real(real64) :: next
     integer :: contacts, i
     logical :: at_limit
 
@@ -266,15 +257,11 @@ contains
         if (found(contacts + 1)%gap > closing) exit
         contacts = contacts + 1
       end do
+      next = closing + step
       if (contacts < size(found)) then
-        if (found(contacts + 1)%gap - closing < step) then
-          closing = found(contacts + 1)%gap
-        else
-          closing = closing + step
-        end if
-      else
-        closing = closing + step
+        if (found(contacts + 1)%gap - closing < step) next = found(contacts + 1)%gap
       end if
+      closing = next
       if (placed%control == control_load) then
         at_limit = load_at(placed, found, closing, overlap) * placed%modulus >= placed%target
       else

@@ -4,80 +4,28 @@ module asperity_isolated_contacts
                                       limit_penetration, load_of_overlap, overlap_of, &
                                       refine_heights, set_gaps, sort_by_gap
   use asperity_constants, only: pi
-  use asperity_contact_pairs, only: contact_pairs
-  use asperity_contact_records, only: add_rows, by_marching, contact_row, cut_rows, most_rows, &
-                                      no_contacts, position_result, prescribed_normal, &
-                                      prescribed_vertical, solve_method, state_row
+  use asperity_contact_pairs, only: contact_pairs, scaled_to_real64
+  use asperity_contact_records, only: by_marching, cut_rows, most_rows, no_contacts, &
+                                      position_result, prescribed_normal, prescribed_vertical, &
+                                      solve_method
   use asperity_isolated_compression, only: check_level, closing_at_limit, closing_at_load, &
                                            march_closing
   use asperity_kinds, only: int64, real64
-  use asperity_overlapping_circles, only: count_overlapping
   use asperity_pair_finding, only: find_pairs
   use asperity_placed_scene, only: candidate, load_unit, place_of_touch, placed_scene, &
-                                   position_pairs, scaled_to_real64
-  use asperity_position_solver, only: position_solver
+                                   position_pairs
   use asperity_problems, only: not_enough_memory
   use asperity_process, only: has_memory
-  use asperity_scene_placing, only: place_scene
   use asperity_scene_values, only: control_compression, control_limit, control_load, &
-                                   control_separation, criterion_none, scene
-  use asperity_theory_limits, only: look_at_contact, look_at_state, seen_contact
-  use asperity_theory_warnings, only: take_worse, theory_warning
+                                   control_separation, criterion_none
+  use asperity_state_tally, only: add_contact, begin_tally, finish_tally, state_tally
+  use asperity_theory_limits, only: seen_contact
   implicit none
   private
 
-  public :: closings_on_the_way, empty_state, list_pairs, make_solver, solve_position
-
-  !> Solver of a scene without effects.
-  type, extends(position_solver) :: isolated_solver
-    private
-    type(placed_scene) :: placed  ! the scene
-    type(solve_method) :: method  ! how to compute
-  contains
-    procedure :: solve => solve_isolated  !! solves one position
-  end type isolated_solver
-
-  ! One contact at one compression.
-  type :: solved_contact
-    real(real64) :: p         ! penetration
-    real(real64) :: z         ! height between the centres
-    real(real64) :: w         ! overlap
-    real(real64) :: area      ! contact area
-    real(real64) :: load      ! normal load, scaled
-    real(real64) :: cosine    ! of its inclination
-    real(real64) :: pressure  ! average pressure
-    logical :: at_limit
-  end type solved_contact
+  public :: closings_on_the_way, empty_state, list_pairs, solve_position
 
 contains
-
-  !> Makes the solver of a scene.
-  subroutine make_solver(scene_in, method, solver, failure)
-    type(scene), intent(in) :: scene_in                    !! scene with checked values
-    type(solve_method), intent(in) :: method               !! path, overlap formula, step
-    class(position_solver), allocatable, intent(out) :: solver
-    character(len=:), allocatable, intent(out) :: failure  !! set where a number is out of range
-    type(isolated_solver), allocatable :: new
-
-    allocate (new)
-    call place_scene(scene_in, new%placed, failure)
-    new%method = method
-    new%positions = new%placed%positions
-    new%states = new%placed%states
-    new%work = new%placed%work
-    new%loads_differ = new%placed%loads_differ
-    call move_alloc(new, solver)
-  end subroutine make_solver
-
-  subroutine solve_isolated(self, m, keep_rows, result, failure)
-    class(isolated_solver), intent(in) :: self
-    integer, intent(in) :: m
-    logical, intent(in) :: keep_rows
-    type(position_result), intent(out) :: result
-    character(len=:), allocatable, intent(out) :: failure
-
-    call solve_position(self%placed, m, self%method, keep_rows, result, failure)
-  end subroutine solve_isolated
 
   !> Solves one position. `failure` is allocated when its prescribed end cannot be reached.
   subroutine solve_position(placed, m, method, keep_rows, result, failure, pairs)
@@ -240,9 +188,6 @@ contains
     allocate (result%states(size(closings)), result%rows(0))
     do i = 1, size(closings)
       call compute_state(placed, position, closings(i), overlap, keep_rows, i, result)
-      result%states(i)%closing = scaled_to_real64(closings(i), placed%length_power)
-      result%states(i)%approach = scaled_to_real64(position%first_touch - closings(i), &
-                                                   placed%length_power)
       if (result%rows_used > most_rows) exit
     end do
     call cut_rows(result)
@@ -302,131 +247,61 @@ contains
     integer, intent(in) :: overlap, number
     logical, intent(in) :: keep_rows
     type(position_result), intent(inout) :: result
-    type(contact_row), allocatable :: rows(:)
-    type(state_row) :: state
-    type(theory_warning), allocatable :: warnings(:)
-    real(real64), allocatable :: circles(:, :)
-    real(real64) :: total_load, total_vertical, total_area, total_projected, x, y, greatest
-    type(solved_contact) :: contact
-    type(seen_contact) :: seen
-    logical :: count_circles
-    integer :: i, overlapping
+    type(state_tally) :: tally
+    type(seen_contact) :: contact
+    integer :: i
 
-    state = no_contacts
-    result%limit_reached = .false.
-    total_load = 0.0_real64
-    total_vertical = 0.0_real64
-    total_area = 0.0_real64
-    total_projected = 0.0_real64
-    greatest = 0.0_real64
-    if (keep_rows) allocate (rows(position%number))
-    count_circles = position%number > 1 .and. number == size(result%states)
-    allocate (circles(merge(position%number, 0, count_circles), 3))
+    tally = state_tally(placed%length_power, placed%modulus_power, load_unit(placed))
+    call begin_tally(tally, position%number, keep_rows, number == size(result%states))
     do i = 1, position%number
-      associate (pair => position%found(i))
-        if (pair%gap > closing) exit
-        call solve_contact(placed, pair, closing, overlap, contact)
-        total_load = total_load + contact%load
-        total_vertical = total_vertical + contact%load * contact%cosine
-        total_area = total_area + contact%area
-        total_projected = total_projected + contact%area * contact%cosine
-        state%contacts = state%contacts + 1
-        result%limit_reached = result%limit_reached .or. contact%at_limit
-        if (contact%pressure > greatest) greatest = contact%pressure
-        seen = seen_from(placed, pair, contact)
-        call look_at_contact(placed%limits, seen, warnings)
-        if (.not. (keep_rows .or. count_circles)) cycle
-        call place_of_touch(placed, pair, position%dx, position%dy, x, y)
-        if (count_circles) circles(i, :) = [x, y, seen%contact_radius]
-        if (keep_rows) rows(i) = row_of(placed, i, pair, contact, x, y)
-      end associate
+      if (position%found(i)%gap > closing) exit
+      call solve_contact(placed, position, i, closing, overlap, contact)
+      call add_contact(tally, placed%limits, contact)
     end do
-    state%load = scaled_to_real64(total_load, load_unit(placed))
-    state%vertical_load = scaled_to_real64(total_vertical, load_unit(placed))
-    state%area = scaled_to_real64(total_area, 2 * placed%length_power)
-    state%projected_area = scaled_to_real64(total_projected, 2 * placed%length_power)
-    state%greatest_pressure = 1.5_real64 * scaled_to_real64(greatest, placed%modulus_power)
-    if (keep_rows) call add_rows(result, rows(:state%contacts), state)
-    result%states(number) = state
-    overlapping = 0
-    if (count_circles) overlapping = &
-      count_overlapping(circles(:state%contacts, 1), circles(:state%contacts, 2), &
-                        circles(:state%contacts, 3))
-    result%overlapping_circles = overlapping
-    call look_at_state(placed%limits, total_projected, overlapping, warnings)
-    call take_worse(result%warnings, warnings, number)
+    call finish_tally(tally, placed%limits, position%first_touch - closing, closing, number, result)
   end subroutine compute_state
 
   ! Solves one contact at a compression, by Hertz' law.
-  pure subroutine solve_contact(placed, pair, closing, overlap, contact)
+  pure subroutine solve_contact(placed, position, i, closing, overlap, contact)
     type(placed_scene), intent(in) :: placed
-    type(candidate), intent(in) :: pair
+    type(position_pairs), intent(in) :: position
+    integer, intent(in) :: i
     real(real64), intent(in) :: closing
     integer, intent(in) :: overlap
-    type(solved_contact), intent(out) :: contact
+    type(seen_contact), intent(out) :: contact
     real(real64) :: limit
     logical :: reachable
 
-    contact%p = closing - pair%gap
-    contact%z = pair%zc - contact%p
-    contact%w = overlap_of(pair, contact%p, overlap)
-    contact%area = pi * contact%w * pair%radius
-    contact%load = placed%modulus * load_of_overlap(placed, pair%radius, contact%w)
-    contact%cosine = contact%z / (pair%s - contact%w)
-    ! Average pressure 4 E sqrt(W/R)/(3 pi).
-    contact%pressure = placed%modulus * four_thirds * sqrt(contact%w / pair%radius) / &
-                       pi
-    contact%at_limit = .false.
-    if (placed%criterion == criterion_none) return
-    call limit_penetration(placed, pair, limit, reachable)
-    if (reachable) contact%at_limit = pair%gap + limit <= closing
-  end subroutine solve_contact
-
-  ! A contact in doubles for the limits of the theories.
-  pure type(seen_contact) function seen_from(placed, pair, contact) result(seen)
-    type(placed_scene), intent(in) :: placed
-    type(candidate), intent(in) :: pair
-    type(solved_contact), intent(in) :: contact
-
-    seen = seen_contact(contact_radius=sqrt(pair%radius * contact%w), &
-                        overlap=contact%w, d=pair%d, &
-                        z=contact%z, pressure=contact%pressure)
-    if (pair%upper > 0) then
-      seen%upper_radius = placed%ru(pair%upper)
-      seen%upper_height = placed%cap_u(pair%upper)
-    end if
-    if (pair%lower > 0) then
-      seen%lower_radius = placed%rl(pair%lower)
-      seen%lower_height = placed%cap_l(pair%lower)
-    end if
-  end function seen_from
-
-  ! A contact at (x, y) in the units of the scene.
-  type(contact_row) function row_of(placed, number, pair, contact, x, y) result(row)
-    type(placed_scene), intent(in) :: placed
-    integer, intent(in) :: number
-    type(candidate), intent(in) :: pair
-    type(solved_contact), intent(in) :: contact
-    real(real64), intent(in) :: x, y
-
-    associate (length => placed%length_power)
-      row%area_no = number
-      row%upper = pair%upper
-      row%lower = pair%lower
-      row%limit_exceeded = contact%at_limit
-      row%x = scaled_to_real64(x, length)
-      row%y = scaled_to_real64(y, length)
-      row%penetration = scaled_to_real64(contact%p, length)
-      row%overlap = scaled_to_real64(contact%w, length)
-      row%area = scaled_to_real64(contact%area, 2 * length)
-      row%projected_area = scaled_to_real64(contact%area * contact%cosine, 2 * length)
-      row%slope = pair%d / contact%z
-      row%load = scaled_to_real64(contact%load, load_unit(placed))
-      row%vertical_load = scaled_to_real64(contact%load * contact%cosine, load_unit(placed))
-      row%average_pressure = scaled_to_real64(contact%pressure, placed%modulus_power)
-      row%maximum_pressure = 1.5_real64 * row%average_pressure
+    associate (pair => position%found(i))
+      contact%number = i
+      contact%upper = pair%upper
+      contact%lower = pair%lower
+      call place_of_touch(placed, pair, position%dx, position%dy, contact%x, contact%y)
+      contact%penetration = closing - pair%gap
+      contact%d = pair%d
+      contact%z = pair%zc - contact%penetration
+      contact%overlap = overlap_of(pair, contact%penetration, overlap)
+      contact%contact_radius = sqrt(pair%radius * contact%overlap)
+      contact%area = pi * contact%overlap * pair%radius
+      contact%load = placed%modulus * load_of_overlap(placed, pair%radius, contact%overlap)
+      contact%cosine = contact%z / (pair%s - contact%overlap)
+      contact%vertical_load = contact%load * contact%cosine
+      ! Average pressure 4 E sqrt(W/R)/(3 pi).
+      contact%pressure = placed%modulus * four_thirds * sqrt(contact%overlap / pair%radius) / pi
+      contact%maximum_pressure = 1.5_real64 * contact%pressure
+      if (pair%upper > 0) then
+        contact%upper_radius = placed%ru(pair%upper)
+        contact%upper_height = placed%cap_u(pair%upper)
+      end if
+      if (pair%lower > 0) then
+        contact%lower_radius = placed%rl(pair%lower)
+        contact%lower_height = placed%cap_l(pair%lower)
+      end if
+      if (placed%criterion == criterion_none) return
+      call limit_penetration(placed, pair, limit, reachable)
+      if (reachable) contact%at_limit = pair%gap + limit <= closing
     end associate
-  end function row_of
+  end subroutine solve_contact
 
   ! Pressure of the first contact one step past first touch, where cancellation is largest. It is
   ! load over area, as in the original.
@@ -506,7 +381,7 @@ contains
     type(placed_scene), intent(in) :: placed
     type(position_pairs), intent(in) :: position
     type(contact_pairs), intent(out) :: pairs
-    real(real64) :: limit, x, y
+    real(real64) :: limit
     integer :: i, j, k
     logical :: reachable
 
@@ -527,9 +402,7 @@ contains
         k = from%lower
         pair%upper = j
         pair%lower = k
-        call place_of_touch(placed, from, position%dx, position%dy, x, y)
-        pair%x = x
-        pair%y = y
+        call place_of_touch(placed, from, position%dx, position%dy, pair%x, pair%y)
         ! The centre of a plane is taken vertically above or below the contact.
         pair%upper_x = pair%x
         pair%upper_y = pair%y

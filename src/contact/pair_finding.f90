@@ -36,7 +36,8 @@ contains
 
     widest = largest_value(placed%ru) + largest_value(placed%rl)
     placed%far_reach = widest * (1.0_real64 + 1.0e-6_real64)
-    placed%near_reach = sqrt(squared_reach(placed%height_max, widest)) * (1.0_real64 + 1.0e-6_real64)
+    placed%near_reach = sqrt(squared_reach(placed%height_max, widest)) * &
+                        (1.0_real64 + 1.0e-6_real64)
     placed%extent = largest_value(abs(placed%xu)) + largest_value(abs(placed%yu)) + &
                     largest_value(abs(placed%xl)) + largest_value(abs(placed%yl)) + widest
     placed%rise = largest_value(abs(placed%hu)) + largest_value(abs(placed%hl)) + widest

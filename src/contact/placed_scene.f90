@@ -7,8 +7,7 @@
 !> touched. A pair touches at the separation `touch`; its gap at first touch is
 !> g = max(touch) - touch and its penetration p = c - g. Positions are independent.
 module asperity_placed_scene
-  use asperity_contact_pairs, only: least_exponent
-  use asperity_kinds, only: int32, int64, real64
+  use asperity_kinds, only: int32, real64
   use asperity_pair_search_levels, only: pair_levels
   use asperity_pair_search_row, only: summit_row
   use asperity_scene_values, only: control_limit, criterion_none
@@ -17,14 +16,10 @@ module asperity_placed_scene
   private
 
   public :: candidate, placed_scene, position_pairs
-  public :: exponent_of_16, is_on_plane, largest_value, load_unit, place_of_touch, scaled_to_real64
+  public :: exponent_of_16, is_on_plane, largest_value, load_unit, place_of_touch
 
   !> A scene in the units of the solver.
   type :: placed_scene
-    integer :: positions = 0                       !! number of positions of the scene
-    integer :: states = 1                          !! estimated states of a position
-    integer(int64) :: work = 0_int64               !! number of asperities
-    real(real64) :: loads_differ = huge(1.0_real64)  !! as in position_solver
     type(theory_limits) :: limits                  !! limits of the theories
     real(real64), allocatable :: cap_u(:), cap_l(:)  !! heights of summits above their planes
     integer :: length_power = 0                    !! unit of length is 16**length_power
@@ -89,22 +84,6 @@ contains
 
     exponent_of_16 = ceiling(exponent(number) / 4.0)
   end function exponent_of_16
-
-  !> A number times 16**power. A result out of the range of doubles, by overflow or underflow, is
-  !> infinite, without a trap; `are_finite` finds it.
-  elemental function scaled_to_real64(number, power) result(value)
-    use, intrinsic :: ieee_arithmetic, only: ieee_positive_inf, ieee_value
-    real(real64), intent(in) :: number  !! any finite number
-    integer, intent(in) :: power        !! power of 16
-    real(real64) :: value
-
-    if (exponent(number) + 4 * power > maxexponent(value) .or. &
-        (abs(number) > 0 .and. exponent(number) + 4 * power < least_exponent)) then
-      value = sign(ieee_value(value, ieee_positive_inf), number)
-    else
-      value = scale(number, 4 * power)
-    end if
-  end function scaled_to_real64
 
   !> The power of 16 that is the unit of scaled loads.
   pure integer function load_unit(placed)

@@ -32,18 +32,13 @@ contains
     ! Bytes of the numbers of each asperity, with temporary copies, and of those in the search,
     ! whose higher levels repeat an eighth of them.
     integer(int64), parameter :: bytes_each = 128
+    integer :: asperities
 
-    placed%work = size(scene_in%upper%x, kind=int64) + size(scene_in%lower%x, kind=int64)
-    if (.not. has_memory(bytes_each * placed%work)) then
-      failure = not_enough_memory // ' for ' // decimal_text(int(placed%work)) // ' asperities'
+    asperities = size(scene_in%upper%x) + size(scene_in%lower%x)
+    if (.not. has_memory(bytes_each * asperities)) then
+      failure = not_enough_memory // ' for ' // decimal_text(asperities) // ' asperities'
       return
     end if
-    placed%positions = scene_in%motion%positions
-    placed%states = max(1, scene_in%loading%points)
-    if (allocated(scene_in%loading%path)) &
-      placed%states = placed%states * size(scene_in%loading%path)
-    if (.not. is_vertical_load(scene_in%loading%control)) &
-      placed%loads_differ = scene_in%effects%number('tolerance')
     call place_surfaces(scene_in, placed)
     call combine_moduli(scene_in, placed, failure)
     if (allocated(failure)) return

@@ -38,6 +38,18 @@ module asperity_theory_limits
 
   !> One contact of a solution.
   type :: seen_contact
+    integer :: number = 0                         !! place in the order of first touch
+    integer :: upper = 0                          !! index of the upper asperity; 0: a plane
+    integer :: lower = 0                          !! index of the lower asperity; 0: a plane
+    logical :: at_limit = .false.                 !! at or over its limit
+    real(real64) :: x = 0.0_real64                !! place in plan
+    real(real64) :: y = 0.0_real64                !! place in plan
+    real(real64) :: penetration = 0.0_real64      !! vertical, past first touch
+    real(real64) :: area = 0.0_real64             !! contact area
+    real(real64) :: load = 0.0_real64             !! force normal to the contact
+    real(real64) :: vertical_load = 0.0_real64    !! its vertical part
+    real(real64) :: cosine = 1.0_real64           !! of its inclination
+    real(real64) :: maximum_pressure = 0.0_real64  !! greatest pressure
     real(real64) :: upper_radius = 0.0_real64     !! of the sphere; 0: a plane
     real(real64) :: lower_radius = 0.0_real64     !! of the sphere; 0: a plane
     real(real64) :: upper_height = 0.0_real64     !! of the summit above its plane

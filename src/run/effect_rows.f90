@@ -2,16 +2,16 @@
 module asperity_effect_rows
   use asperity_constants, only: pi
   use asperity_contact_effect, only: column_name, effect_box, effect_outcome
-  use asperity_contact_pairs, only: contact_pair, contact_pairs, in_scene_units
-  use asperity_contact_records, only: add_rows, contact_row, no_contacts, position_result, state_row
+  use asperity_contact_pairs, only: contact_pairs, in_scene_units
+  use asperity_contact_records, only: position_result
   use asperity_contact_state, only: contact_state, in_contact, shift_x, shift_y, start_state
   use asperity_contact_law, only: contact_response
   use asperity_hertz_law, only: hertz_law
   use asperity_kinds, only: not_computed, real64
-  use asperity_overlapping_circles, only: count_overlapping
   use asperity_scene_results, only: effect_header
   use asperity_scene_values, only: criterion_load, criterion_none, is_load, scene
-  use asperity_theory_limits, only: look_at_contact, look_at_state, seen_contact
+  use asperity_state_tally, only: add_contact, begin_tally, finish_tally, state_tally
+  use asperity_theory_limits, only: seen_contact
   use asperity_theory_warnings, only: of_error, of_together, take_worse, theory_warning, add_warning
   implicit none
   private
@@ -72,57 +72,22 @@ contains
     integer, intent(in) :: number                      !! number of the state, from 1
     logical, intent(in) :: keep_rows                   !! whether contacts are kept
     type(position_result), intent(inout) :: result     !! result of the position
-    type(contact_row), allocatable :: rows(:)
-    type(contact_response) :: answer
-    type(state_row) :: totals
-    type(theory_warning), allocatable :: warnings(:)
-    real(real64), allocatable :: circles(:, :)
-    real(real64) :: area, projected_area
-    logical :: at_limit
+    type(state_tally) :: tally
     integer :: i
 
-    allocate (rows(merge(size(pairs%list), 0, keep_rows)))
-    totals = no_contacts
-    result%limit_reached = .false.
+    tally = state_tally(pairs%length_power, pairs%modulus_power, &
+                        pairs%modulus_power + 2 * pairs%length_power)
+    call begin_tally(tally, size(pairs%list), keep_rows, number == size(result%states))
     do i = 1, size(pairs%list)
-      if (.not. in_contact(state, i)) cycle
-      answer = state%answers(i)
-      area = pi * answer%contact_radius**2
-      at_limit = is_at_limit(scene_in, pairs, state, i)
-      result%limit_reached = result%limit_reached .or. at_limit
-      totals%contacts = totals%contacts + 1
-      totals%load = totals%load + answer%load
-      totals%vertical_load = totals%vertical_load + answer%vertical_load
-      totals%area = totals%area + area
-      totals%projected_area = totals%projected_area + area * answer%cosine
-      totals%greatest_pressure = max(totals%greatest_pressure, answer%maximum_pressure)
-      call look_at_contact(pairs%limits, contact_for_limits(pairs%list(i), state%penetration(i), &
-                                                            answer), warnings)
-      if (keep_rows) call fill_row(pairs, state, i, at_limit, rows(totals%contacts))
+      if (in_contact(state, i)) &
+        call add_contact(tally, pairs%limits, contact_of(scene_in, pairs, state, i))
     end do
-    projected_area = totals%projected_area
-    totals%approach = in_scene_units(pairs, pairs%first_touch - state%closing, 0, 1)
-    totals%closing = in_scene_units(pairs, state%closing, 0, 1)
-    totals%time = state%time
-    totals%load = in_scene_units(pairs, totals%load, 1, 2)
-    totals%vertical_load = in_scene_units(pairs, totals%vertical_load, 1, 2)
-    totals%area = in_scene_units(pairs, totals%area, 0, 2)
-    totals%projected_area = in_scene_units(pairs, totals%projected_area, 0, 2)
-    totals%greatest_pressure = in_scene_units(pairs, totals%greatest_pressure, 1, 0)
-    totals%dissipated_work = state_value('dissipated_work', pairs, effects, outcomes)
-    if (keep_rows) then
-      call add_rows(result, rows(:totals%contacts), totals)
-      call add_contact_values(pairs, effects, state, outcomes, result)
-    end if
-    result%states(number) = totals
+    call finish_tally(tally, pairs%limits, pairs%first_touch - state%closing, state%closing, &
+                      number, result)
+    result%states(number)%time = state%time
+    result%states(number)%dissipated_work = state_value('dissipated_work', pairs, effects, outcomes)
+    if (keep_rows) call add_contact_values(pairs, effects, state, outcomes, result)
     if (associated(pairs%pressures)) call keep_pressures(pairs, state, number, result)
-    if (number == size(result%states)) then
-      circles = reshape([pairs%list%x, pairs%list%y, state%answers%contact_radius], &
-                        [size(pairs%list), 3])
-      result%overlapping_circles = count_overlapping(circles(:, 1), circles(:, 2), circles(:, 3))
-    end if
-    call look_at_state(pairs%limits, projected_area, result%overlapping_circles, warnings)
-    call take_worse(result%warnings, warnings, number)
     do i = 1, size(outcomes)
       call take_worse(result%warnings, outcomes(i)%warnings, number)
     end do
@@ -257,50 +222,26 @@ contains
     end do
   end function left_out_beside
 
-  ! Quantities of one contact for the comparison with the limits of theories.
-  pure type(seen_contact) function contact_for_limits(pair, penetration, answer)
-    type(contact_pair), intent(in) :: pair
-    real(real64), intent(in) :: penetration
-    type(contact_response), intent(in) :: answer
-
-    contact_for_limits = seen_contact( &
-      upper_radius=pair%upper_radius, lower_radius=pair%lower_radius, &
-      upper_height=pair%upper_height, lower_height=pair%lower_height, &
-      contact_radius=answer%contact_radius, overlap=answer%overlap, d=pair%d, &
-      z=pair%zc - penetration)
-    if (answer%contact_radius > 0.0_real64) &
-      contact_for_limits%pressure = answer%load / (pi * answer%contact_radius**2)
-  end function contact_for_limits
-
-  ! Fills the record of one contact.
-  subroutine fill_row(pairs, state, i, at_limit, row)
+  ! One contact of a state.
+  type(seen_contact) function contact_of(scene_in, pairs, state, i) result(contact)
+    type(scene), intent(in) :: scene_in
     type(contact_pairs), intent(in) :: pairs
     type(contact_state), intent(in) :: state
     integer, intent(in) :: i
-    logical, intent(in) :: at_limit
-    type(contact_row), intent(out) :: row
-    real(real64) :: area
 
     associate (pair => pairs%list(i), answer => state%answers(i))
-      area = pi * answer%contact_radius**2
-      row%area_no = i
-      row%upper = pair%upper
-      row%lower = pair%lower
-      row%limit_exceeded = at_limit
-      row%x = in_scene_units(pairs, pair%x, 0, 1)
-      row%y = in_scene_units(pairs, pair%y, 0, 1)
-      row%penetration = in_scene_units(pairs, state%penetration(i), 0, 1)
-      row%overlap = in_scene_units(pairs, answer%overlap, 0, 1)
-      row%area = in_scene_units(pairs, area, 0, 2)
-      row%projected_area = in_scene_units(pairs, area * answer%cosine, 0, 2)
-      row%slope = pair%d / (pair%zc - state%penetration(i))
-      row%load = in_scene_units(pairs, answer%load, 1, 2)
-      row%vertical_load = in_scene_units(pairs, answer%vertical_load, 1, 2)
-      row%average_pressure = 0.0_real64
-      if (area > 0.0_real64) row%average_pressure = in_scene_units(pairs, answer%load / area, 1, 0)
-      row%maximum_pressure = in_scene_units(pairs, answer%maximum_pressure, 1, 0)
+      contact = seen_contact( &
+        number=i, upper=pair%upper, lower=pair%lower, x=pair%x, y=pair%y, &
+        at_limit=is_at_limit(scene_in, pairs, state, i), penetration=state%penetration(i), &
+        upper_radius=pair%upper_radius, lower_radius=pair%lower_radius, &
+        upper_height=pair%upper_height, lower_height=pair%lower_height, &
+        contact_radius=answer%contact_radius, overlap=answer%overlap, d=pair%d, &
+        z=pair%zc - state%penetration(i), area=pi * answer%contact_radius**2, load=answer%load, &
+        vertical_load=answer%vertical_load, cosine=answer%cosine, &
+        maximum_pressure=answer%maximum_pressure)
     end associate
-  end subroutine fill_row
+    if (contact%area > 0.0_real64) contact%pressure = contact%load / contact%area
+  end function contact_of
 
   ! Whether a contact is at its limit: its load or greatest pressure is that of the contact law at
   ! the penetration of the limit.

@@ -26,7 +26,7 @@ module asperity_effect_solver
   use asperity_position_solver, only: position_solver
   use asperity_scene_placing, only: place_scene
   use asperity_scene_results, only: effect_header
-  use asperity_scene_values, only: effect_auto, is_load, scene
+  use asperity_scene_values, only: effect_auto, is_load, is_vertical_load, scene
   use asperity_theory_warnings, only: add_warning, of_barred, of_excluded, of_off, take_worse, &
                                       theory_warning
   implicit none
@@ -39,6 +39,7 @@ module asperity_effect_solver
     private
     type(scene), pointer :: scene_in => null()
     type(placed_scene) :: placed
+    logical :: isolated = .false.                ! no effect is simulated or estimated
     logical :: by_estimate = .false.             ! all effects may turn out to be negligible
     integer :: fields = fields_none              ! states whose pressures are kept
     logical :: remembers = .true.                ! a path, or effects other than interaction
@@ -53,21 +54,29 @@ contains
 
   !> Makes the solver of a scene with its effects. `failure` is allocated when a number is out of
   !> range.
-  subroutine make_effect_solver(scene_in, solver, header, failure, fields)
+  subroutine make_effect_solver(scene_in, solver, header, failure, fields, method)
     type(scene), intent(in), target :: scene_in  !! scene, checked; must outlive the solver
     class(position_solver), allocatable, intent(out) :: solver
     type(effect_header), intent(out) :: header             !! columns of the effects
     character(len=:), allocatable, intent(out) :: failure  !! reason, when there is no solver
     !> States whose pressures on boundary elements are kept: `fields_last` ...; absent: none.
     integer, intent(in), optional :: fields
+    !> Method without any effect, for the accuracy study; absent: with the effects of the scene.
+    type(solve_method), intent(in), optional :: method
     type(effect_solver), allocatable :: new
     integer :: i
 
     allocate (new)
     new%scene_in => scene_in
     if (present(fields)) new%fields = fields
-    call list_effects(scene_in, new%effects)
-    call list_left_out(scene_in, new%left_out)
+    if (present(method)) then
+      new%isolated = .true.
+      new%method = method
+      allocate (new%effects(0), new%left_out(0))
+    else
+      call list_effects(scene_in, new%effects)
+      call list_left_out(scene_in, new%left_out)
+    end if
     call name_columns(new%effects, header)
     header%tolerance = scene_in%effects%number('tolerance')
     if (any(header%names == 'plasticity')) then
@@ -76,14 +85,15 @@ contains
     end if
     call place_scene(scene_in, new%placed, failure)
     if (allocated(failure)) return
-    new%positions = new%placed%positions
-    new%states = new%placed%states
-    new%work = new%placed%work
-    new%loads_differ = new%placed%loads_differ
+    new%positions = scene_in%motion%positions
+    new%states = max(1, scene_in%loading%points)
+    if (allocated(scene_in%loading%path)) new%states = new%states * size(scene_in%loading%path)
+    new%work = size(scene_in%upper%x) + size(scene_in%lower%x)
+    if (.not. is_vertical_load(scene_in%loading%control)) new%loads_differ = header%tolerance
     new%by_estimate = .not. allocated(scene_in%loading%path) .and. &
                       all(header%names == 'interaction') .and. all(header%modes == effect_auto)
     new%remembers = allocated(scene_in%loading%path) .or. any(header%names /= 'interaction')
-    new%method%keeps_first = allocated(scene_in%loading%path)
+    new%method%keeps_first = allocated(scene_in%loading%path) .and. .not. new%isolated
     do i = 1, size(new%effects)
       new%method%reach = max(new%method%reach, new%effects(i)%effect%reach)
     end do
@@ -105,6 +115,10 @@ contains
     type(position_run) :: run
     type(element_pressures), target :: pressures
 
+    if (self%isolated) then
+      call solve_position(self%placed, m, self%method, keep_rows, result, failure)
+      return
+    end if
     if (self%by_estimate) then
       call solve_without(self, m, keep_rows, result, run%simulated, failure)
       if (allocated(failure) .or. .not. run%simulated) return

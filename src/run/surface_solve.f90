@@ -4,7 +4,6 @@ module asperity_surface_solve
   use asperity_accuracy_choice, only: check_left_out, influence_left_out
   use asperity_contact_records, only: solve_method
   use asperity_effect_solver, only: make_effect_solver
-  use asperity_isolated_contacts, only: make_solver
   use asperity_kinds, only: real64
   use asperity_position_solver, only: position_solver
   use asperity_run_options, only: run_options
@@ -35,14 +34,15 @@ contains
   !> Solves every position without effects by a method: the default is `solve_method()`; others are
   !> for the accuracy study.
   subroutine solve_without_effects(scene_in, method, options, results, failure)
-    type(scene), intent(in) :: scene_in                    !! scene, checked for faults
+    type(scene), intent(in), target :: scene_in            !! scene, checked for faults
     type(solve_method), intent(in) :: method               !! method of the solver
     type(run_options), intent(in) :: options               !! options of the run
     type(scene_results), intent(out) :: results            !! results of all positions
     character(len=:), allocatable, intent(out) :: failure  !! reason, when it is not solved
     class(position_solver), allocatable :: solver
+    type(effect_header) :: header
 
-    call make_solver(scene_in, method, solver, failure)
+    call make_effect_solver(scene_in, solver, header, failure, method=method)
     if (.not. allocated(failure)) call sweep_scene(scene_in, options, solver, results, failure)
   end subroutine solve_without_effects
 

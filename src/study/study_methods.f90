@@ -7,16 +7,17 @@ module asperity_study_methods
   use asperity_effect_names, only: known_effects, why_not_together
   use asperity_height_map, only: height_map
   use asperity_interruption, only: interruption
-  use asperity_isolated_contacts, only: make_solver
+  use asperity_isolated_contacts, only: solve_position
   use asperity_kinds, only: int64, real64
   use asperity_map_scene, only: join_maps, summits_of_scene
   use asperity_map_summits, only: map_summits
   use asperity_original, only: arithmetic_names
   use asperity_original_records, only: original_request
-  use asperity_position_solver, only: position_solver
+  use asperity_placed_scene, only: placed_scene
   use asperity_problems, only: real_text
   use asperity_run_options, only: run_options
   use asperity_scene_results, only: scene_results
+  use asperity_scene_placing, only: place_scene
   use asperity_scene_values, only: control_compression, control_limit, control_separation, &
                                    criterion_load, effect_auto, effect_boundary, effect_coupled, &
                                    effect_off, has_hardness, is_thesis_sweep, scene, scene_effects
@@ -350,17 +351,17 @@ contains
     type(interruption), intent(in) :: interrupt
     type(scene_results), intent(inout) :: results
     character(len=:), allocatable, intent(out) :: failure
-    class(position_solver), allocatable :: solver
+    type(placed_scene) :: placed
     integer :: m
 
-    call make_solver(scene_in, solve_method(method%path, method%overlap, method%step), solver, &
-                     failure)
+    call place_scene(scene_in, placed, failure)
     if (allocated(failure)) return
-    allocate (results%positions(solver%positions))
-    do m = 1, solver%positions
+    allocate (results%positions(scene_in%motion%positions))
+    do m = 1, scene_in%motion%positions
       if (interrupt%is_asked()) failure = 'interrupted'
       if (.not. allocated(failure)) &
-        call solver%solve(m, .false., results%positions(m), failure)
+        call solve_position(placed, m, solve_method(method%path, method%overlap, method%step), &
+                            .false., results%positions(m), failure)
       if (allocated(failure)) return
     end do
   end subroutine march_positions
