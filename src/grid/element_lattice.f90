@@ -7,10 +7,9 @@
 !>
 !> The bodies are those of Hertz' law: the gap of a pair is the paraboloid of its combined radius R.
 !> Measured vertically, it is (r**2 + (m.r)**2)/(2 R cos) at the offset r in plan from first touch,
-!> with the slope m and the cosine of the inclination. Its isolated contact has the load
-!> 4/3 E sqrt(R) cos p**(3/2) (1 + e**2/12) at the penetration p, e = m**2/(2 + m**2): Hertz' law of
-!> the circle of geometric mean curvature, with the first term of its eccentricity (Johnson 1985,
-!> eq. 4.25 to 4.28).
+!> with the slope m and the cosine of the inclination. Its isolated contact is the ellipse of Hertz,
+!> with curvatures in the ratio 1 + m**2 and the geometric mean 1/(R cos**2) (Johnson 1985, eq. 4.25
+!> to 4.28).
 module asperity_element_lattice
   use asperity_constants, only: pi
   use asperity_contact_pairs, only: contact_pair
@@ -20,7 +19,7 @@ module asperity_element_lattice
   private
 
   public :: bounding_box, element_lattice, gap_at, gap_of_pair, gap_shape, lay_elements, &
-            penetration_of_load
+            penetration_of_load, radius_of_load
 
   !> A rectangle of square elements. The lower left corner of element (1, 1) is `left` and `bottom`
   !> sides from the origin. Lengths in the unit of the pairs.
@@ -158,12 +157,58 @@ contains
   elemental real(real64) function penetration_of_load(pair, load) result(penetration)
     type(contact_pair), intent(in) :: pair    !! pair of asperities, or one and a plane
     real(real64), intent(in) :: load          !! vertical load on elements over the modulus, >= 0
-    real(real64) :: square, stiffness
+    real(real64) :: factor(2)
 
-    square = (pair%d / pair%zc)**2
-    stiffness = 4.0_real64 / 3.0_real64 * sqrt(pair%radius) * (pair%zc / pair%s) * &
-                (1.0_real64 + (square / (2.0_real64 + square))**2 / 12.0_real64)
-    penetration = (load / stiffness)**(2.0_real64 / 3.0_real64)
+    factor = ellipse_factors((pair%d / pair%zc)**2)
+    penetration = factor(2) * (0.75_real64 * load / (sqrt(pair%radius) * (pair%zc / pair%s)))** &
+                  (2.0_real64 / 3.0_real64)
   end function penetration_of_load
+
+  !> Geometric mean of the semi-axes in plan of the isolated contact of a pair that carries a load.
+  elemental real(real64) function radius_of_load(pair, load) result(radius)
+    type(contact_pair), intent(in) :: pair    !! pair of asperities, or one and a plane
+    real(real64), intent(in) :: load          !! vertical load on elements over the modulus, >= 0
+    real(real64) :: factor(2)
+
+    factor = ellipse_factors((pair%d / pair%zc)**2)
+    radius = factor(1) * (0.75_real64 * load * pair%radius)**(1.0_real64 / 3.0_real64) * &
+             (pair%zc / pair%s)**(2.0_real64 / 3.0_real64)
+  end function radius_of_load
+
+  ! Ratios of radius and penetration of an elliptical contact to those of the circular one of equal
+  ! load and geometric mean curvature: F1 and F2 of Johnson 1985, eq. 4.26 and 4.28. With b/a the
+  ! ratio of the axes and s = 1 - E/K by the arithmetic-geometric mean of 1 and b/a, the ratio of
+  ! curvatures is (1 - (b/a)**2 - s)/((b/a)**2 s), which is solved for b/a by substitution.
+  pure function ellipse_factors(square) result(factor)
+    real(real64), intent(in) :: square  ! of the slope: ratio of curvatures less 1
+    real(real64) :: factor(2), ratio, previous, eccentricity, mean, other, half, s, weight
+    integer, parameter :: most_substitutions = 40  ! derived: each leaves at most half of the error
+    integer :: i
+
+    factor = 1.0_real64
+    if (.not. square > sqrt(epsilon(square))) return
+    ratio = (1.0_real64 + square)**(-2.0_real64 / 3.0_real64)
+    do i = 1, most_substitutions
+      previous = ratio
+      eccentricity = (1.0_real64 - ratio) * (1.0_real64 + ratio)  ! squared
+      s = 0.5_real64 * eccentricity
+      weight = 1.0_real64
+      mean = 1.0_real64
+      other = ratio
+      do while (mean - other > sqrt(epsilon(mean)) * mean)
+        half = 0.5_real64 * (mean - other)
+        other = sqrt(mean * other)
+        mean = mean - half
+        s = s + weight * half**2
+        weight = 2 * weight
+      end do
+      mean = 0.5_real64 * (mean + other)
+      ratio = sqrt((eccentricity - s) / (s * (1.0_real64 + square)))
+      if (abs(ratio - previous) < 8 * epsilon(ratio) * ratio) exit
+    end do
+    factor(1) = (2 * sqrt(ratio) * sqrt((eccentricity - s) * s) / (mean * eccentricity))** &
+                (1.0_real64 / 3.0_real64)
+    factor(2) = sqrt(ratio) / (mean * factor(1))
+  end function ellipse_factors
 
 end module asperity_element_lattice

@@ -19,7 +19,7 @@ module asperity_joint_contacts
   use asperity_circle_error, only: circle_errors, find_errors, find_open_neighbours, &
                                    sphere_share
   use asperity_element_answer, only: area_error
-  use asperity_element_lattice, only: penetration_of_load
+  use asperity_element_lattice, only: penetration_of_load, radius_of_load
   use asperity_element_solver, only: deviations, elements_allowed, solve_elements
   use asperity_circle_field, only: are_close, circle_set, inclination_factor
   use asperity_constants, only: pi
@@ -439,11 +439,11 @@ contains
             penetration = penetration_of_load(pairs%list(i), answer%contacts(m)%load / &
                                               pairs%modulus)
             if (.not. penetration > 0.0_real64) cycle
-            radius = pairs%list(i)%zc / pairs%list(i)%s * sqrt(pairs%list(i)%radius * penetration)
+            radius = radius_of_load(pairs%list(i), answer%contacts(m)%load / pairs%modulus)
             call task%law%respond(pairs%list(i), i, penetration, response)
             solution%area(i) = answer%contacts(m)%area * (response%contact_radius / radius)**2
             solution%maximum_pressure(i) = answer%contacts(m)%pressure * &
-              (0.5_real64 * pi * radius / (pairs%modulus * penetration)) * response%maximum_pressure
+              response%maximum_pressure * pi * radius**2 / (1.5_real64 * answer%contacts(m)%load)
           end do
         end associate
       end do
