@@ -2,7 +2,6 @@
 module asperity_run_study
   use asperity_area_study, only: area_study, run_area_study
   use asperity_area_study_plan, only: plan_study, study_plan
-  use asperity_area_study_surface, only: numbers_of_a_surface
   use asperity_area_study_table, only: write_area_csv, write_area_table
   use asperity_command_line, only: command_line, tell_part
   use asperity_command_outcome, only: command_outcome
@@ -56,7 +55,7 @@ contains
       cost%pieces = 'surfaces'
       cost%total = spec%surfaces%ensemble
       cost%tried = min(pieces_tried, cost%total)
-      cost%bytes_each = 8.0_real64 * numbers_of_a_surface(plan)
+      cost%bytes_each = 8.0_real64 * plan%numbers
       spec%surfaces%ensemble = cost%tried
       options%all_images = .false.
       options%keep_file = ''

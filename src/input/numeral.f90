@@ -113,7 +113,7 @@ contains
   !> A double rounded to so many digits; 17 give it back.
   pure function rounded_decimal(value, digit_count) result(number)
     real(real64), intent(in) :: value   !! finite double of any sign
-    integer, intent(in) :: digit_count  !! from 2 to 18
+    integer, intent(in) :: digit_count  !! from 1 to 18
     type(decimal_value) :: number
     character(len=32) :: text, form
     logical :: good

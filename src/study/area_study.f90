@@ -1,8 +1,8 @@
 !> The study of the representative area: the surfaces of an ensemble, shared out over the images;
 !> means and standard deviations over their sections, and the size that represents the whole.
 module asperity_area_study
-  use asperity_area_study_plan, only: study_plan
-  use asperity_area_study_surface, only: leading_numbers, numbers_of_a_surface, study_surface
+  use asperity_area_study_plan, only: leading_numbers, study_plan
+  use asperity_area_study_surface, only: study_surface
   use asperity_decimal, only: decimal_to_real64
   use asperity_generated_surface, only: plan_surface, surface_plan
   use asperity_greenwood_integrals, only: area_per_area, densities_at, greenwood_law, quantities
@@ -70,11 +70,10 @@ contains
     real(real64), allocatable :: numbers(:, :)
     real(real64) :: begun, ended
     logical :: going_on
-    integer :: members, many, m, status, surface
+    integer :: members, m, status, surface
 
     members = pieces_of_part(spec%surfaces%ensemble, options%part, options%parts)
-    many = numbers_of_a_surface(plan)
-    allocate (numbers(many, members), source=0.0_real64, stat=status)
+    allocate (numbers(plan%numbers, members), source=0.0_real64, stat=status)
     if (status /= 0) then
       failure = 'not enough memory for the sections of ' // decimal_text(members) // ' surfaces'
       return
@@ -182,11 +181,11 @@ contains
     pure function sections_of(number) result(values)
       integer, intent(in) :: number
       real(real64) :: values(quantities, plan%sections(number), size(numbers, 2))
-      integer :: from, many
 
-      many = quantities * plan%sections(number)
-      from = leading_numbers + quantities * (plan%first(number) - 1)
-      values = reshape(numbers(from + 1:from + many, :), shape(values))
+      associate (from => plan%first(number))
+        values = reshape(numbers(from + 1:from + quantities * plan%sections(number), :), &
+                         shape(values))
+      end associate
     end function sections_of
 
   end subroutine evaluate_study

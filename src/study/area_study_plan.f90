@@ -2,7 +2,8 @@
 module asperity_area_study_plan
   use asperity_decimal, only: decimal_to_real64, decimal_value
   use asperity_generation_values, only: exact_value
-  use asperity_greenwood_integrals, only: greenwood_law, greenwood_law_of, separation_at_pressure
+  use asperity_greenwood_integrals, only: greenwood_law, greenwood_law_of, quantities, &
+                                          separation_at_pressure
   use asperity_kinds, only: int64, real64
   use asperity_numeral, only: rounded_decimal
   use asperity_problems, only: real_text
@@ -13,6 +14,10 @@ module asperity_area_study_plan
 
   public :: study_plan, plan_study, section_corner
 
+  !> The studied numbers of a surface before those of its sections: asperities of the upper and of
+  !> the lower surface in the studied region, on an area.
+  integer, parameter, public :: leading_numbers = 2
+
   !> The plan: all that the surfaces of the ensemble share.
   type :: study_plan
     type(greenwood_law) :: law                       !! the design's statistics
@@ -21,8 +26,8 @@ module asperity_area_study_plan
     real(real64) :: extent(2) = 0.0_real64           !! its sides
     real(real64), allocatable :: sizes(:)            !! sides of the sections, descending
     integer, allocatable :: sections(:)              !! how many of each on a surface
-    integer, allocatable :: first(:)                 !! where the sections of a size begin, from 1
-    integer :: total = 0                             !! sections of all sizes
+    integer, allocatable :: first(:)                 !! numbers of a surface before those of a size
+    integer :: numbers = leading_numbers             !! then `quantities` for every section
   end type study_plan
 
   ! Stream of the generator for the places of sections: 1 to 6 make the surfaces.
@@ -62,7 +67,10 @@ contains
     if (allocated(failure)) return
     margin = margin_at(spec, depth)
     plan%corner = margin
-    plan%extent = [least_side(spec, 1), least_side(spec, 2)] - 2 * margin
+    associate (rough => spec%surfaces%sides(:merge(1, 2, spec%against == against_plane)))
+      plan%extent = real([minval(exact_value(rough%length)), minval(exact_value(rough%width))], &
+                         real64) - 2 * margin
+    end associate
     if (minval(plan%extent) <= 0.0_real64) then
       failure = 'the surfaces are too small: expected length and width of more than ' // &
                 real_text(2 * margin, shown) // ', as a margin of ' // real_text(margin, shown) // &
@@ -102,8 +110,8 @@ contains
         along = squares_along(plan, i)
         plan%sections(i) = int(min(real(spec%sections, real64), along(1) * along(2)))
       end if
-      plan%first(i) = plan%total + 1
-      plan%total = plan%total + plan%sections(i)
+      plan%first(i) = plan%numbers
+      plan%numbers = plan%numbers + quantities * plan%sections(i)
     end do
   end subroutine plan_sizes
 
@@ -154,17 +162,5 @@ contains
     margin_at = max(margin_at, 2 * decimal_to_real64(spec%surfaces%sides(2)%least_distance)) + &
                 sqrt(depth * (2 * largest_sum - depth))
   end function margin_at
-
-  !> The shorter of the two surfaces, along x or y.
-  pure real(real64) function least_side(spec, direction)
-    type(study_spec), intent(in) :: spec
-    integer, intent(in) :: direction
-    real(real64) :: sides(2)
-
-    sides = real(exact_value(merge(spec%surfaces%sides%length, spec%surfaces%sides%width, &
-                                   direction == 1)), real64)
-    least_side = minval(sides)
-    if (spec%against == against_plane) least_side = sides(1)
-  end function least_side
 
 end module asperity_area_study_plan

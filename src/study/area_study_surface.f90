@@ -3,7 +3,7 @@
 !> A contact counts for a section when its point lies in it, wherever the two asperities stand: the
 !> contacts of sections side by side add up to those of the whole.
 module asperity_area_study_surface
-  use asperity_area_study_plan, only: section_corner, study_plan
+  use asperity_area_study_plan, only: leading_numbers, section_corner, study_plan
   use asperity_contact_records, only: contact_row
   use asperity_generated_surface, only: generate_surface, generated_surface, plan_surface, &
                                         surface_plan
@@ -18,20 +18,9 @@ module asperity_area_study_surface
   implicit none
   private
 
-  public :: numbers_of_a_surface, study_surface
-
-  !> The studied numbers of a surface before those of its sections: asperities of the upper and of
-  !> the lower surface in the studied region, on an area.
-  integer, parameter, public :: leading_numbers = 2
+  public :: study_surface
 
 contains
-
-  !> How many numbers a surface has: the leading ones, then `quantities` for every section.
-  pure integer function numbers_of_a_surface(plan)
-    type(study_plan), intent(in) :: plan  !! plan of the study
-
-    numbers_of_a_surface = leading_numbers + quantities * plan%total
-  end function numbers_of_a_surface
 
   !> Studies one surface. `failure` is allocated when it cannot be made or solved.
   subroutine study_surface(spec, plan, plans, member, numbers, failure)
@@ -57,12 +46,11 @@ contains
     pressed%limit%criterion = criterion_none
     call solve(pressed, results, failure)
     if (allocated(failure)) return
-    at = leading_numbers
     do i = 1, size(plan%sizes)
       do k = 1, plan%sections(i)
+        at = plan%first(i) + quantities * (k - 1)
         numbers(at + 1:at + quantities) = add_section(results%positions(1)%rows, &
           section_corner(spec, plan, i, member, k), plan%sizes(i))
-        at = at + quantities
       end do
     end do
     if (.not. all(abs(numbers) <= huge(numbers)) .or. &

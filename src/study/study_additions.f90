@@ -108,12 +108,8 @@ contains
     integer :: i
 
     call system_clock(from, rate)
-    if (allocated(scene_in%map)) then
-      call replace_map(scene_in, plain, table%no_theories)
-      if (allocated(table%no_theories)) return
-    else
-      plain = scene_in
-    end if
+    call replace_map(scene_in, plain, table%no_theories)
+    if (allocated(table%no_theories)) return
     call evaluate_theories(plain, table%truth, theories, table%criteria, table%no_theories)
     call system_clock(until)
     do i = 1, size(theories)
@@ -144,12 +140,8 @@ contains
     integer :: m, last
 
     if (.not. allocated(table%plain%first)) return
-    if (allocated(scene_in%map)) then
-      call replace_map(scene_in, one, failure)
-      if (allocated(failure)) return
-    else
-      one = scene_in
-    end if
+    call replace_map(scene_in, one, failure)
+    if (allocated(failure)) return
     associate (plain => table%plain)
       m = maxloc(plain%load(plain%first(2:) - 1), 1)
       last = plain%first(m + 1) - 1
@@ -212,37 +204,22 @@ contains
   ! Unit of the last digit of doubles: that of the shortest decimals that give them back.
   pure real(real64) function last_unit_of_doubles(values) result(unit)
     real(real64), intent(in) :: values(:)
-    integer :: i, last, power
+    type(decimal_value) :: shortest
+    integer :: i, last, number_of_digits
 
     last = huge(last)
     do i = 1, size(values), 1 + size(values) / most_looked_at
       if (.not. abs(values(i)) > 0.0_real64) cycle
-      call find_last_power(values(i), power)
-      last = min(last, power)
+      do number_of_digits = 1, 17
+        shortest = rounded_decimal(values(i), number_of_digits)
+        if (.not. abs(decimal_to_real64(shortest) - values(i)) > 0.0_real64) exit
+      end do
+      last = min(last, shortest%power_of_ten)
     end do
     unit = 0.0_real64
     if (last >= 0 .and. .not. maxval(values) > minval(values)) return
     if (last < huge(last)) unit = 10.0_real64**last
   end function last_unit_of_doubles
-
-  ! The power of ten of the last digit of the shortest decimal that gives a double back.
-  pure subroutine find_last_power(value, power)
-    real(real64), intent(in) :: value
-    integer, intent(out) :: power
-    character(len=32) :: form, text
-    real(real64) :: back
-    integer :: number_of_digits, status
-
-    do number_of_digits = 1, 17
-      write (form, '("(es32.", i0, "e4)")') number_of_digits - 1
-      write (text, form) value
-      read (text, *, iostat=status) back
-      if (status /= 0) cycle
-      if (.not. abs(back - value) > 0.0_real64) exit
-    end do
-    read (text(index(text, 'E') + 1:), *) power
-    power = power - (min(number_of_digits, 17) - 1)
-  end subroutine find_last_power
 
   !> A scene whose heights and radii are other numbers that would have been written as these, drawn
   !> evenly. Radii that are all equal move together.

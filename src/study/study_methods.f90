@@ -298,12 +298,12 @@ contains
     type(run_options), intent(in) :: options               !! threads, and when it shall end
     type(scene_results), intent(out) :: results            !! results, all positions
     character(len=:), allocatable, intent(out) :: failure  !! reason of a failure
-    type(scene) :: copy
+    type(scene) :: copy, plain
 
     copy = scene_in
     copy%loading%points = 0
     if (any(method%family == [of_arithmetic, of_steps])) then
-      if (allocated(copy%map)) call replace_map(scene_in, copy, failure)
+      call replace_map(scene_in, copy, failure)
       if (allocated(failure)) return
       call remove_effects(copy)
       copy%loading%points = 0
@@ -323,25 +323,15 @@ contains
       if (method%interaction == effect_boundary) &
         call copy%effects%set('boundary_tolerance', method%tolerance)
       ! For a map the summits alone: the scene as it is solves the pixels too.
-      if (allocated(copy%map) .and. any(method%interaction == [effect_off, effect_coupled])) &
-        call take_summits(failure)
-      if (allocated(failure)) return
+      if (allocated(copy%map) .and. any(method%interaction == [effect_off, effect_coupled])) then
+        call replace_map(copy, plain, failure)
+        if (allocated(failure)) return
+        ! Summits have no hardness: they are elastic.
+        if (has_hardness(copy)) call plain%effects%call_for('plasticity', effect_off)
+        copy = plain
+      end if
     end if
     call solve(copy, results, failure, options)
-
-  contains
-
-    subroutine take_summits(failure)
-      character(len=:), allocatable, intent(out) :: failure
-      type(scene) :: plain
-
-      call replace_map(copy, plain, failure)
-      if (allocated(failure)) return
-      ! Summits have no hardness: they are elastic.
-      if (has_hardness(copy)) call plain%effects%call_for('plasticity', effect_off)
-      copy = plain
-    end subroutine take_summits
-
   end subroutine run_method
 
   ! In steps, all positions. A load that was asked for is overshot, as it is meant to be.
@@ -366,14 +356,16 @@ contains
     end do
   end subroutine march_positions
 
-  !> The summits of a map in its place.
+  !> The summits of a map in its place; a scene without a map as it is.
   subroutine replace_map(scene_in, plain, failure)
-    type(scene), intent(in) :: scene_in                    !! scene with a map
+    type(scene), intent(in) :: scene_in                    !! scene with checked values
     type(scene), intent(out) :: plain                      !! scene of the summits
     character(len=:), allocatable, intent(out) :: failure  !! reason of a failure
     type(height_map) :: map
     type(map_summits) :: summits
 
+    plain = scene_in
+    if (.not. allocated(scene_in%map)) return
     call join_maps(scene_in, map, failure)
     if (.not. allocated(failure)) call summits_of_scene(scene_in, map, plain, summits, failure)
   end subroutine replace_map
