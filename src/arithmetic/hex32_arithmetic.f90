@@ -97,9 +97,8 @@ module asperity_hex32_arithmetic
   end interface operator(/=)
 
 contains
-  elemental function add(x, y) result(total)
+  elemental type(hex32) function add(x, y) result(total)
     type(hex32), intent(in) :: x, y
-    type(hex32) :: total
     integer(int32) :: large, small, places, signed_sum
     integer(int32) :: power
     logical :: x_leads
@@ -123,39 +122,34 @@ contains
     end if
   end function add
 
-  elemental function same_number(x) result(same)
+  elemental type(hex32) function same_number(x) result(same)
     type(hex32), intent(in) :: x
-    type(hex32) :: same
 
     same = x
   end function same_number
 
-  elemental function subtract(x, y) result(difference)
+  elemental type(hex32) function subtract(x, y) result(difference)
     type(hex32), intent(in) :: x, y
-    type(hex32) :: difference
 
     difference = add(x, opposite_of(y))
   end function subtract
 
-  elemental function opposite_of(x) result(opposite)
+  elemental type(hex32) function opposite_of(x) result(opposite)
     type(hex32), intent(in) :: x
-    type(hex32) :: opposite
 
     opposite = hex32(-x%mantissa, x%power)
   end function opposite_of
 
-  elemental function multiply(x, y) result(xy)
+  elemental type(hex32) function multiply(x, y) result(xy)
     type(hex32), intent(in) :: x, y
-    type(hex32) :: xy
 
     xy = cut_number((x%mantissa < 0_int32) .neqv. (y%mantissa < 0_int32), &
                     int(abs(x%mantissa), int64)*int(abs(y%mantissa), int64), &
                     x%power + y%power - int(2*fraction_digits, int32))
   end function multiply
 
-  elemental function divide(x, y) result(quotient)
+  elemental type(hex32) function divide(x, y) result(quotient)
     type(hex32), intent(in) :: x, y
-    type(hex32) :: quotient
     integer(int64) :: dividend
 
     if (x%mantissa == 0_int32) then
@@ -171,55 +165,48 @@ contains
     end if
   end function divide
 
-  elemental function is_less(x, y) result(holds)
+  elemental logical function is_less(x, y) result(holds)
     type(hex32), intent(in) :: x, y
-    logical :: holds
 
     holds = rank_of(x) < rank_of(y)
   end function is_less
 
-  elemental function is_less_or_equal(x, y) result(holds)
+  elemental logical function is_less_or_equal(x, y) result(holds)
     type(hex32), intent(in) :: x, y
-    logical :: holds
 
     holds = rank_of(x) <= rank_of(y)
   end function is_less_or_equal
 
-  elemental function is_greater(x, y) result(holds)
+  elemental logical function is_greater(x, y) result(holds)
     type(hex32), intent(in) :: x, y
-    logical :: holds
 
     holds = rank_of(x) > rank_of(y)
   end function is_greater
 
-  elemental function is_greater_or_equal(x, y) result(holds)
+  elemental logical function is_greater_or_equal(x, y) result(holds)
     type(hex32), intent(in) :: x, y
-    logical :: holds
 
     holds = rank_of(x) >= rank_of(y)
   end function is_greater_or_equal
 
-  elemental function is_equal(x, y) result(holds)
+  elemental logical function is_equal(x, y) result(holds)
     type(hex32), intent(in) :: x, y
-    logical :: holds
 
     holds = x%mantissa == y%mantissa .and. x%power == y%power
   end function is_equal
 
-  elemental function is_not_equal(x, y) result(holds)
+  elemental logical function is_not_equal(x, y) result(holds)
     type(hex32), intent(in) :: x, y
-    logical :: holds
 
     holds = x%mantissa /= y%mantissa .or. x%power /= y%power
   end function is_not_equal
 
   !> digits * 2**exponent2, cut to 24 bits.
-  elemental function hex32_from_binary(factor, exponent2) result(x)
+  elemental type(hex32) function hex32_from_binary(factor, exponent2) result(x)
     !> any integer, with its sign
     integer(int64), intent(in) :: factor
     !> power of two; any within +-10**9, a number out of range overflows or underflows
     integer, intent(in) :: exponent2
-    type(hex32) :: x
     integer(int64) :: magnitude
     integer :: power
 
@@ -236,34 +223,30 @@ contains
   end function hex32_from_binary
 
   !> The largest number, (1 - 2**(-24)) * 16**63, about 7.2e75.
-  pure function hex32_huge() result(x)
-    type(hex32) :: x
+  pure type(hex32) function hex32_huge() result(x)
 
     x = largest_number(.false.)
   end function hex32_huge
 
   !> The smallest number above zero, 16**(-65), about 5.4e-79.
-  pure function hex32_tiny() result(x)
-    type(hex32) :: x
+  pure type(hex32) function hex32_tiny() result(x)
 
     x = hex32(fraction_min, exponent_min)
   end function hex32_tiny
 
   !> The largest magnitude with a sign.
-  elemental function largest_number(below_zero) result(x)
+  elemental type(hex32) function largest_number(below_zero) result(x)
     logical, intent(in) :: below_zero
-    type(hex32) :: x
 
     x = hex32(merge(-fraction_max, fraction_max, below_zero), exponent_max)
   end function largest_number
 
   !> The number magnitude * 16**power, normalised and cut to 24 bits, with over- and underflow.
-  elemental function cut_number(below_zero, magnitude, power) result(x)
+  elemental type(hex32) function cut_number(below_zero, magnitude, power) result(x)
     logical, intent(in) :: below_zero
     !> not negative
     integer(int64), intent(in) :: magnitude
     integer(int32), intent(in) :: power
-    type(hex32) :: x
     integer(int32) :: mantissa, final_power
     integer :: places
 

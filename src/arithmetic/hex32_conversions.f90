@@ -19,22 +19,20 @@ module asperity_hex32_conversions
 contains
 
   !> A whole number, exact up to 24 bits and cut beyond.
-  elemental function hex32_from_integer(i) result(x)
+  elemental type(hex32) function hex32_from_integer(i) result(x)
     !> any whole number
     integer, intent(in) :: i
-    type(hex32) :: x
 
     x = hex32_from_binary(int(i, int64), 0)
   end function hex32_from_integer
 
   !> numerator * 10**exponent10, cut to 24 bits from the exact value: the conversion of the compiler
   !> and the FORMAT routines of the time.
-  elemental function hex32_from_decimal(numerator, exponent10) result(x)
+  elemental type(hex32) function hex32_from_decimal(numerator, exponent10) result(x)
     !> the decimal number without its point, with its sign
     integer(int64), intent(in) :: numerator
     !> power of ten; any, a number out of range overflows or underflows
     integer, intent(in) :: exponent10
-    type(hex32) :: x
     ! 10**120 has 399 bits, the numerator 64; a quotient needs 16 limbs below its unit.
     integer, parameter :: limbs = 20
     integer, parameter :: power_limit = 120
@@ -97,10 +95,9 @@ contains
   end function hex32_from_decimal
 
   !> A double-precision number, cut to 24 bits. Infinity gives the largest magnitude, a NaN zero.
-  elemental function hex32_from_real64(value) result(x)
+  elemental type(hex32) function hex32_from_real64(value) result(x)
     !> any double-precision number
     real(real64), intent(in) :: value
-    type(hex32) :: x
     integer, parameter :: mantissa_bits = 52, exponent_bits = 11, bias = 1023
     integer(int64) :: bits, mantissa
     integer :: exponent2
@@ -121,10 +118,9 @@ contains
   end function hex32_from_real64
 
   !> The number whose machine word this is; an unnormalised one is normalised first.
-  elemental function hex32_from_word(word) result(x)
+  elemental type(hex32) function hex32_from_word(word) result(x)
     !> sign, excess-64 exponent in 7 bits, fraction in 24 bits
     integer(int32), intent(in) :: word
-    type(hex32) :: x
 
     x = hex32_from_binary(int(ibits(word, 0, 24), int64), &
                           4*(int(ibits(word, 24, 7) - exponent_bias) - fraction_digits))
@@ -132,10 +128,9 @@ contains
   end function hex32_from_word
 
   !> The whole part, cut towards zero; beyond the range the largest integer with the sign.
-  elemental function hex32_to_integer(x) result(i)
+  elemental integer function hex32_to_integer(x) result(i)
     !> any number
     type(hex32), intent(in) :: x
-    integer :: i
     integer(int64) :: magnitude
 
     magnitude = int(abs(x%mantissa), int64)
@@ -152,10 +147,9 @@ contains
   end function hex32_to_integer
 
   !> The number in double precision, exactly.
-  elemental function hex32_to_real64(x) result(value)
+  elemental real(real64) function hex32_to_real64(x) result(value)
     !> any number
     type(hex32), intent(in) :: x
-    real(real64) :: value
 
     value = scale(real(x%mantissa, real64), 4*(x%power - fraction_digits))
   end function hex32_to_real64

@@ -99,20 +99,18 @@ contains
   end function cosine
 
   !> The number in units of 16**(-7).
-  elemental function at_seventh_place(x) result(units)
+  elemental integer(int64) function at_seventh_place(x) result(units)
     !> exponent in [-1, 1], so that no digit is lost
     type(hex32), intent(in) :: x
-    integer(int64) :: units
 
     units = shiftl(int(x%mantissa, int64), 4*(x%power + 1))
   end function at_seventh_place
 
   !> magnitude * 2**power, normalised and rounded to 24 bits; a tie goes up.
-  elemental function rounded_number(magnitude, power) result(x)
+  elemental type(hex32) function rounded_number(magnitude, power) result(x)
     !> in [0, 2**60)
     integer(int64), intent(in) :: magnitude
     integer, intent(in) :: power
-    type(hex32) :: x
     integer(int64) :: aligned
     integer :: excess
 
@@ -140,11 +138,10 @@ contains
   end function whole_root
 
   !> The sine of the angle's magnitude plus a number of quarter turns.
-  elemental function sine_of_turns(x, quarter_turns) result(value)
+  elemental type(hex32) function sine_of_turns(x, quarter_turns) result(value)
     !> magnitude 16**(-3) or more
     type(hex32), intent(in) :: x
     integer(int64), intent(in) :: quarter_turns
-    type(hex32) :: value
     integer(int64) :: angle(0:places), square(0:places), term(0:places)
     integer(int64) :: quadrant
     logical :: backwards, by_cosine
@@ -218,9 +215,8 @@ contains
   end subroutine reduce_angle
 
   !> i/n rounded upwards.
-  elemental function ceiling_quotient(i, n) result(quotient)
+  elemental integer function ceiling_quotient(i, n) result(quotient)
     integer, intent(in) :: i, n
-    integer :: quotient
 
     quotient = (i + modulo(-i, n))/n
   end function ceiling_quotient
@@ -282,9 +278,8 @@ contains
   end function limb_quotient
 
   !> A fixed-point number in [0, 1], rounded to 24 bits.
-  pure function from_limbs(a) result(x)
+  pure type(hex32) function from_limbs(a) result(x)
     integer(int64), intent(in) :: a(0:places)
-    type(hex32) :: x
     integer :: top
 
     top = 0

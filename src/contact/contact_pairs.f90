@@ -80,10 +80,9 @@ contains
 
   !> A number times 16**power. A result out of the range of doubles, by overflow or underflow, is
   !> infinite, without a trap; `are_finite` finds it.
-  elemental function scaled_to_real64(number, power) result(value)
+  elemental real(real64) function scaled_to_real64(number, power) result(value)
     real(real64), intent(in) :: number  !! any finite number
     integer, intent(in) :: power        !! power of 16
-    real(real64) :: value
 
     if (abs(number) > 0.0_real64 .and. (exponent(number) + 4 * power > maxexponent(value) .or. &
                                         exponent(number) + 4 * power < least_exponent)) then

@@ -275,9 +275,8 @@ contains
   contains
 
     ! The load of each contact at each step, as in the original.
-    function march_load(i) result(load)
+    real(real64) function march_load(i) result(load)
       integer, intent(in) :: i
-      real(real64) :: load
 
       load = placed%modulus * load_of_overlap(placed, found(i)%radius, &
                                               overlap_of(found(i), closing - found(i)%gap, overlap))

@@ -57,7 +57,8 @@ contains
     end if
     call compute_states(placed, position, method%overlap, keep_rows, result)
     if (method%step > 0.0_real64) result%first_step_pressure = &
-      first_pressure(placed, position%found(1), step_of(placed, method), method%overlap)
+      first_pressure(placed, position%found(1), scale(method%step, -4 * placed%length_power), &
+                     method%overlap)
   end subroutine solve_position
 
   ! Sets the displacement of the upper surface at position m.
@@ -116,7 +117,8 @@ contains
       if (method%path == by_marching) then
         call sort_by_gap(found)
         call refine_heights(found)
-        call march_closing(placed, found, step_of(placed, method), method%overlap, closing)
+        call march_closing(placed, found, scale(method%step, -4 * placed%length_power), &
+                           method%overlap, closing)
       else
         select case (placed%control)
         case (control_limit)
@@ -142,15 +144,6 @@ contains
     call keep_within(placed, method, position%found, position%number, position%closing)
     call refine_heights(position%found(:position%number))
   end subroutine close_position
-
-  ! The marching step in the unit of length.
-  function step_of(placed, method) result(step)
-    type(placed_scene), intent(in) :: placed
-    type(solve_method), intent(in) :: method
-    real(real64) :: step
-
-    step = scale(method%step, -4 * placed%length_power)
-  end function step_of
 
   !> Sets the state of a position without contacts. Under load control that is a failure; else it
   !> is at the prescribed separation, or where the reference planes meet.
@@ -305,12 +298,11 @@ contains
 
   ! Pressure of the first contact one step past first touch, where cancellation is largest. It is
   ! load over area, as in the original.
-  function first_pressure(placed, pair, step, overlap) result(pressure)
+  real(real64) function first_pressure(placed, pair, step, overlap) result(pressure)
     type(placed_scene), intent(in) :: placed
     type(candidate), intent(in) :: pair
     real(real64), intent(in) :: step
     integer, intent(in) :: overlap
-    real(real64) :: pressure
     real(real64) :: w, load, area
 
     w = overlap_of(pair, step, overlap)

@@ -174,10 +174,9 @@ contains
   end subroutine raise_by_load
 
   ! A lower bound of a separation, whatever its rounding.
-  pure function below_with_rounding(placed, approach) result(below)
+  pure real(real64) function below_with_rounding(placed, approach) result(below)
     type(placed_scene), intent(in) :: placed
     real(real64), intent(in) :: approach
-    real(real64) :: below
 
     below = approach - 64.0_real64 * epsilon(below) * (placed%rise + abs(approach))
   end function below_with_rounding

@@ -171,10 +171,9 @@ contains
   end subroutine combine_moduli
 
   ! A length of the scene in the unit of length.
-  function length_of(value, placed) result(length)
+  real(real64) function length_of(value, placed) result(length)
     type(decimal_value), intent(in) :: value
     type(placed_scene), intent(in) :: placed
-    real(real64) :: length
 
     length = scale(decimal_to_real64(value), -4 * placed%length_power)
   end function length_of
@@ -200,10 +199,9 @@ contains
   end function load_power
 
   ! A force of the scene in the unit of modulus times length squared, scaled by the lift.
-  function load_of(value, placed) result(load)
+  real(real64) function load_of(value, placed) result(load)
     real(real64), intent(in) :: value
     type(placed_scene), intent(in) :: placed
-    real(real64) :: load
 
     load = scale(value, 4 * (-placed%modulus_power - 2 * placed%length_power + &
                                     3 * placed%load_lift))
@@ -245,10 +243,9 @@ contains
   end subroutine place_limit
 
   ! A stress over the combined modulus.
-  function modulus_ratio(value, placed) result(ratio)
+  real(real64) function modulus_ratio(value, placed) result(ratio)
     type(decimal_value), intent(in) :: value
     type(placed_scene), intent(in) :: placed
-    real(real64) :: ratio
 
     ratio = scale(decimal_to_real64(value), -4 * placed%modulus_power) / placed%modulus
   end function modulus_ratio

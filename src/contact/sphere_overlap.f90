@@ -69,9 +69,8 @@ contains
 
   ! The number rounded to half its digits: products with it and with the remainder are exact
   ! (Veltkamp).
-  elemental function upper_half(number) result(upper)
+  elemental real(real64) function upper_half(number) result(upper)
     real(real64), intent(in) :: number
-    real(real64) :: upper
     real(real64), parameter :: factor = 2.0_real64**27 + 1.0_real64
 
     upper = factor * number

@@ -29,10 +29,9 @@ contains
   !> stiffness of N contacts of Hertz of total area A is 2 E sum(a) <= 2 E sqrt(N A/pi), and an area
   !> grows by pi R per overlap. The slope of every contact is below the limit of its warning, or
   !> that of the warning.
-  function error_bound(scene_in, positions) result(bound)
+  real(real64) function error_bound(scene_in, positions) result(bound)
     type(scene), intent(in) :: scene_in                !! scene that was solved
     type(position_result), intent(in) :: positions(:)  !! results of all positions
-    real(real64) :: bound
     real(real64) :: roundoff, in_plan, in_height, tilt, least, widest, slope, of_overlap, of_touch
     real(real64) :: per_overlap, modulus
     type(state_row) :: last

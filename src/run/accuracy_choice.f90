@@ -126,10 +126,9 @@ contains
 
   !> Estimated errors of a run. That of a path is at least its tolerance, as estimates are those of
   !> its last state.
-  function errors_of_run(scene_in, results) result(errors)
+  type(run_errors) function errors_of_run(scene_in, results) result(errors)
     type(scene), intent(in) :: scene_in         !! scene that was solved
     type(scene_results), intent(in) :: results  !! results of the scene
-    type(run_errors) :: errors
     integer :: column, e, i, m
 
     errors%arithmetic = error_bound(scene_in, results%positions)

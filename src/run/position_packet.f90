@@ -104,9 +104,8 @@ contains
              transfer(warning%magnitude, word), transfer(warning%whose, word)]
   end function words_of_warning
 
-  pure function warning_of(words) result(warning)
+  pure type(theory_warning) function warning_of(words) result(warning)
     integer(int64), intent(in) :: words(of_warning)
-    type(theory_warning) :: warning
 
     warning%number = int(words(1))
     warning%state = int(words(2))
@@ -126,9 +125,8 @@ contains
                   effect%ending%iterations], int64)]
   end function words_of_effect
 
-  pure function effect_of(words) result(effect)
+  pure type(effect_record) function effect_of(words) result(effect)
     integer(int64), intent(in) :: words(of_effect)
-    type(effect_record) :: effect
     character(len=len(effect%simulated) + len(effect%why)) :: text
     real(real64) :: numbers(6)
 

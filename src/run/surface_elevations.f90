@@ -29,12 +29,11 @@ module asperity_surface_elevations
 contains
 
   !> Places a surface in the order of a scene: rotation, mirror, slope, displacement.
-  function place_surface(surface, side, displacement, mirror) result(placed)
+  type(placed_surface) function place_surface(surface, side, displacement, mirror) result(placed)
     type(scene_surface), intent(in) :: surface  !! surface of the scene
     integer, intent(in) :: side                 !! sign of the slope: 1 lower, -1 upper surface
     type(decimal_value), intent(in), optional :: displacement(2)  !! displacement in plan [length]
     real(real64), intent(in), optional :: mirror  !! y becomes this number less y [length]
-    type(placed_surface) :: placed
     real(real64) :: angle
 
     angle = decimal_to_real64(surface%rotation)

@@ -118,9 +118,8 @@ contains
   end subroutine take_high_points
 
   ! Largest distance of a pair of asperities of a layer, with a margin.
-  pure function strip_height(largest, reach) result(tall)
+  pure real(real64) function strip_height(largest, reach) result(tall)
     real(real64), intent(in) :: largest, reach
-    real(real64) :: tall
 
     tall = sqrt(squared_reach(reach, 2.0_real64 * largest)) * (1.0_real64 + 1.0e-6_real64)
     if (.not. tall > 0.0_real64) tall = largest

@@ -15,10 +15,9 @@ contains
   !> s = RU + RL always bounds d: spheres farther apart cannot touch. The thesis bounds it by the
   !> largest height (Appendix 5), d**2 < 2 s height: a larger offset in plan reduces the height of
   !> contact by more than that. Zero when no pair can count.
-  elemental function squared_reach(height, s) result(bound)
+  elemental real(real64) function squared_reach(height, s) result(bound)
     real(real64), intent(in) :: height  !! largest height; `any_height`: no such bound
     real(real64), intent(in) :: s       !! sum of the radii, more than 0
-    real(real64) :: bound
 
     bound = s * s
     ! The comparison comes first, so that a huge height does not overflow.
@@ -30,10 +29,9 @@ contains
   !> An arithmetic rounds displaced positions (once each axis), their difference, the square of the
   !> distance and the bound (a few times each): less than 8 units of the last place of the largest
   !> length.
-  elemental function margin_of_arithmetic(unit, extent) result(margin)
+  elemental real(real64) function margin_of_arithmetic(unit, extent) result(margin)
     real(real64), intent(in) :: unit    !! spacing at 1 of its numbers: 2**-23, 16**-5, ...
     real(real64), intent(in) :: extent  !! upper bound of |x| + |y| + |dx| + |dy| + s
-    real(real64) :: margin
 
     margin = 8.0_real64 * max(unit, epsilon(unit)) * extent
   end function margin_of_arithmetic

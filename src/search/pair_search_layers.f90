@@ -206,10 +206,9 @@ contains
   end subroutine keep_batch
 
   ! Upper bound of the square of the distance, with the margin of the task.
-  elemental function reach_with_margin(task, s) result(bound)
+  elemental real(real64) function reach_with_margin(task, s) result(bound)
     type(search_task), intent(in) :: task
     real(real64), intent(in) :: s
-    real(real64) :: bound
 
     bound = (sqrt(squared_reach(task%height, s)) + task%margin)**2
   end function reach_with_margin

@@ -218,9 +218,8 @@ contains
   end subroutine rebuild_grid
 
   ! Upper bound of |x| + |y|.
-  pure function extent_of(surface) result(extent)
+  pure real(real64) function extent_of(surface) result(extent)
     type(surface_points), intent(in) :: surface
-    real(real64) :: extent
     type(number_span) :: x, y
 
     x = span_of(surface%x)

@@ -38,10 +38,9 @@ contains
 
   !> Builds the table from the original's runs on a deck, in its own arithmetic and in real128, and
   !> the present-day results. A deck on which the original goes astray has none.
-  function correct_table(deck, results) result(table)
+  type(corrected_table) function correct_table(deck, results) result(table)
     type(card_deck), intent(in) :: deck            !! cards of the deck
     type(scene_results), intent(in) :: results     !! its sweep, with the rows of the last states
-    type(corrected_table) :: table
     type(original_records) :: historic, exact_arithmetic
     real(real64) :: stage(7, 3, 0:vertical)
     integer :: number

@@ -56,9 +56,8 @@ module asperity_method_totals
 contains
 
   !> The totals of results.
-  pure function totals_of(results) result(totals)
+  pure type(method_totals) function totals_of(results) result(totals)
     type(scene_results), intent(in) :: results  !! of a method
-    type(method_totals) :: totals
     integer :: i, k, m, number
 
     number = 0
@@ -94,10 +93,9 @@ contains
   end function totals_of
 
   !> The totals of the original program: one state a position, its closing not known.
-  pure function original_totals(records, step) result(totals)
+  pure type(method_totals) function original_totals(records, step) result(totals)
     type(original_records), intent(in) :: records  !! of a run that kept its contacts
     real(real64), intent(in) :: step               !! its step of the separation [length]
-    type(method_totals) :: totals
     integer :: i, m
 
     call allocate_totals(totals, original_positions, original_positions)
@@ -134,10 +132,9 @@ contains
   !> else at the last one of a hold, else at the deepest. The error of a load, of the normal forces
   !> or of their vertical parts, is relative to the largest of the position, that of the approach to
   !> its largest closing; the largest counts, as one of them is asked for.
-  function errors_of(totals, reference) result(errors)
+  type(method_errors) function errors_of(totals, reference) result(errors)
     type(method_totals), intent(in) :: totals     !! of a method
     type(method_totals), intent(in) :: reference  !! of the method it is compared with
-    type(method_errors) :: errors
     real(real64) :: error, by_quantity(number_of_quantities)
     integer :: have, k, last, m, positions, pressures, want
     logical, parameter :: is_pressure(number_of_quantities) = &

@@ -72,8 +72,7 @@ module asperity_study_methods
 contains
 
   !> The scene as it asks.
-  pure function method_of_scene() result(method)
-    type(study_method) :: method
+  pure type(study_method) function method_of_scene() result(method)
 
     method%name = 'as in the scene'
   end function method_of_scene
@@ -207,10 +206,9 @@ contains
 
   !> The request of the original program with the steps of a method: as many approaches more as the
   !> steps are shorter.
-  pure function request_of(method, keep_contacts) result(request)
+  pure type(original_request) function request_of(method, keep_contacts) result(request)
     type(study_method), intent(in) :: method   !! a run of the original program
     logical, intent(in) :: keep_contacts       !! keep all contacts
-    type(original_request) :: request
     integer :: order
 
     order = nint(log10(method%step))
