@@ -272,7 +272,10 @@ def test_files_have_the_same_heights(ending, generate, run, tmp_path):
     """All formats, and standard output, which is text."""
     heights = generate(SMALL.format(rms="rms_height = 0.3", more=", unit = 'um'"))
     done = run("generate", "map.spec", "--output", f"again.{ending}")
-    assert done.stdout == done.stderr == ""
+    assert done.stdout == ""
+    # SMALL is periodic, which an array cannot keep.
+    assert done.stderr == ("again.npy: note: an array (.npy) has no edge: give it as periodic where "
+                           "it is read\n" if ending == "npy" else "")
     spacing = ("--spacing", "0.5,0.75") if ending == "npy" else ()
     report = run("summits", f"again.{ending}", *spacing, *([] if ending == "npy" else
                                                            ["--unit", "um"])).stdout

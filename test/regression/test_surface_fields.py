@@ -125,7 +125,7 @@ def test_loads_and_displacement(asperity, tmp_path, interaction, parts):
     """Each contact's own load, the displacement by these pressures, and, where neighbours count,
     the gap that they leave."""
     side = 0.02
-    scene = plane_scene(tmp_path, TWO, side, {"interaction": interaction})
+    scene = plane_scene(tmp_path, TWO, side, {"interaction": interaction, "tolerance": 1e-3})
     (x, y), fields, contacts, positions = fields_of(asperity, tmp_path, scene)
     pressure, there = fields["pressure"], ~np.isnan(fields["gap"])
     assert np.nansum(pressure) * side**2 == pytest.approx(positions[0]["vertical_load"], rel=1e-13)
@@ -400,7 +400,7 @@ def test_summits_of_a_map(asperity, tmp_path):
 @pytest.mark.filterwarnings("ignore::UserWarning")
 def test_python(package, asperity, tmp_path):
     """The same fields as in the file, with and without the contacts; copies keep them."""
-    path = plane_scene(tmp_path, TWO, 0.02, {"interaction": "auto"}, surfaces={
+    path = plane_scene(tmp_path, TWO, 0.02, {"interaction": "auto", "tolerance": 1e-3}, surfaces={
         "units": ("mm", "N")}, control="load", value=(1.0, 2.0))
     (x, y), arrays, *_ = fields_of(asperity, tmp_path, path)
     for contacts in (True, False):

@@ -200,7 +200,7 @@ def test_area(asperity, tmp_path):
             effects={"interaction": "auto", "tolerance": tolerance}))
         return run, float(run.positions[0]["area_error_estimate"])
 
-    (low, outside), (high, inside) = ((t, caps_by(t)[0]) for t in (0.003, 0.02))
+    (low, outside), (high, inside) = ((t, caps_by(t)[0]) for t in (0.001, 0.02))
     while high > 1.001 * low:
         middle = (low + high) / 2
         run, size = caps_by(middle)
