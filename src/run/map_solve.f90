@@ -63,6 +63,7 @@ contains
     end if
     reference%answer%interrupt = options%interrupt
     call solve_reference(map, loading, reference, failure)
+    reference%by_load = is_load(scene_in%loading%control)
     if (options%interrupt%is_asked()) failure = 'interrupted'
     if (allocated(failure) .and. .not. by_summits) then
       call solve_pixels(scene_in, map, options, results, failure)
@@ -173,8 +174,10 @@ contains
     call warn_of_shares(results%map%shares, scene_in%effects%number('tolerance'), warnings, &
                         forbids_boundary(scene_in))
     if (.not. is_load(scene_in%loading%control)) then
-      results%positions(1)%error_estimate = abs(results%map%load_difference) + &
-                                            results%map%load_uncertain
+      ! A map without load at this separation: the error is the load of the summits.
+      results%positions(1)%error_estimate = 1.0_real64
+      if (results%map%load_difference < huge(1.0_real64)) results%positions(1)%error_estimate = &
+        abs(results%map%load_difference) + results%map%load_uncertain
     else if (results%map%closing > 0.0_real64) then
       results%positions(1)%error_estimate = &
         (abs(results%map%difference) + results%map%uncertain) * results%map%rms_height / &

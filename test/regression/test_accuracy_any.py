@@ -184,7 +184,8 @@ def test_the_reference_of_flow(asperity, tmp_path):
 @pytest.mark.parametrize("asked", ("1e-2", "1e-4", "1e-8"))
 @pytest.mark.parametrize("kind", PROMISED)
 def test_the_promise(kind, asked, asperity):
-    """`solve --accuracy E` has it, or says what can be had: some of the scenes of promise_judge."""
+    """`solve --accuracy E` has it, or says what can be had: some of the scenes of promise_judge.
+    The pixels of rough maps have larger errors, by their size: refused with this figure."""
     solved = 0
     for number in (1, 2, 3):
         verdict = judge(asperity, kind, number, asked)
@@ -192,7 +193,10 @@ def test_the_promise(kind, asked, asperity):
               f"said {verdict.promised:.1e}")
         assert verdict.kept, verdict
         solved += verdict.status == 0
-    assert solved or kind in ("dense", "many")
+        if kind == "map":
+            errors = re.findall(r"(?:separations|areas) of ([-+.\dE]+)", verdict.message)
+            assert verdict.status == (max(map(float, errors), default=0.0) > float(asked))
+    assert solved or kind in ("dense", "many", "map")
 
 
 def test_what_can_be_had(asperity, tmp_path):

@@ -274,8 +274,8 @@ def test_files_have_the_same_heights(ending, generate, run, tmp_path):
     done = run("generate", "map.spec", "--output", f"again.{ending}")
     assert done.stdout == ""
     # SMALL is periodic, which an array cannot keep.
-    assert done.stderr == ("again.npy: note: an array (.npy) has no edge: give it as periodic where "
-                           "it is read\n" if ending == "npy" else "")
+    assert done.stderr == ("again.npy: note: an array (.npy) has no edge: give it as periodic "
+                           "where it is read\n" if ending == "npy" else "")
     spacing = ("--spacing", "0.5,0.75") if ending == "npy" else ()
     report = run("summits", f"again.{ending}", *spacing, *([] if ending == "npy" else
                                                            ["--unit", "um"])).stdout
