@@ -43,7 +43,7 @@ contains
     logical, intent(in) :: by_load              !! the load is prescribed, else the separation
     type(pixel_errors), intent(out) :: errors   !! errors of this solution
     real(real64), intent(in), optional :: hardness  !! largest pressure; absent: elastic
-    type(map_answer) :: of_half
+    type(map_answer) :: of_half, unsolved
     type(height_map) :: half
     type(map_patch), allocatable :: patches_of_half(:)
     real(real64), allocatable :: load
@@ -61,7 +61,9 @@ contains
       half%pixel_spacing = 2 * map%pixel_spacing
       if (map%periodic) half%pixel_spacing = map%pixel_spacing * shape(map%height) / &
                                              real(shape(half%height), real64)
-      of_half = map_answer(level=answer%level, interrupt=answer%interrupt)
+      of_half = unsolved
+      of_half%level = answer%level
+      of_half%interrupt = answer%interrupt
       of_half%pressure = answer%pressure(first::2, first::2)
       if (by_load) load = answer%load
       if (by_load .and. present(hardness)) load = min(load, most_load(half, hardness))
