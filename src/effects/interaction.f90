@@ -96,7 +96,8 @@ contains
     outcome%of_contacts(:, 2) = state%answers%vertical_load
     outcome%simulated = 'coupled'
     if (self%mode == effect_boundary) outcome%simulated = 'boundary'
-    if (.not. allocated(state%found)) &
+    ! A load is searched with Hertz' law: its solution is none of contacts of another law.
+    if (.not. (allocated(state%found) .and. same_type_as(state%law, hertz_law()))) &
       call solve_together(self, pairs, state%law, state%left, state%closing, state%found, &
                           outcome%failure)
     if (allocated(outcome%failure)) return

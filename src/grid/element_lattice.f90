@@ -160,7 +160,9 @@ contains
     real(real64) :: factor(2)
 
     factor = ellipse_factors((pair%d / pair%zc)**2)
-    penetration = factor(2) * (0.75_real64 * load / (sqrt(pair%radius) * (pair%zc / pair%s)))** &
+    ! The power of a number without unit: a power of two as unit of length changes no digit.
+    penetration = factor(2) * pair%radius * &
+                  (0.75_real64 * (load / pair%radius) / (pair%radius * (pair%zc / pair%s)))** &
                   (2.0_real64 / 3.0_real64)
   end function penetration_of_load
 

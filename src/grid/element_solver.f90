@@ -360,12 +360,13 @@ contains
     sides = count(loaded(:columns - 1, :) .neqv. loaded(2:, :)) + &
             count(loaded(:, :rows - 1) .neqv. loaded(:, 2:)) + count(loaded(1, :)) + &
             count(loaded(columns, :)) + count(loaded(:, 1)) + count(loaded(:, rows))
-    associate (areas => pack(answer%contacts%area, answer%contacts%area > 0.0_real64))
+    associate (areas => pack(answer%contacts%area, answer%contacts%area > 0.0_real64) / &
+               lattice%elements%side**2)
       radius = 0.0_real64
       if (size(areas) > 0) radius = sqrt(1.0_real64 / pi) * (sum(areas) / &
                                     norm2(areas**0.25_real64))**(2.0_real64 / 3.0_real64)
     end associate
-    radius = max(radius, 8 * count(loaded) * lattice%elements%side / (pi * max(1, sides)))
+    radius = max(radius, 8 * count(loaded) / (pi * max(1, sides))) * lattice%elements%side
   end function scatter_radius
 
   ! Solves all contacts in the window with elements of a side, and sets the totals. The window is

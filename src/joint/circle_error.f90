@@ -26,9 +26,9 @@ module asperity_circle_error
     real(real64), allocatable :: of_shape(:)   !! by all other causes; they add up
     real(real64), allocatable :: of_area(:)    !! over the area in plan of all; they add up
     integer, allocatable :: covering(:)        !! by open pair: contact that covers it, or 0
-    !> share of the load on contacts that overlap a contact of at least `nested_ratio` times their
-    !> radius: their errors may be larger than estimated
-    real(real64) :: nested = 0.0_real64
+    !> by pair: overlaps a contact of at least `nested_ratio` times its radius, and the errors may be
+    !> larger than estimated
+    logical, allocatable :: is_nested(:)
     !> relative error of the compression c at a prescribed load over that of the load L at a
     !> prescribed compression, L/(c dL/dc): 2/3 for an isolated Hertzian contact
     real(real64) :: compression_share = 1.0_real64
@@ -56,21 +56,21 @@ contains
     type(circle_errors), intent(out) :: errors         !! errors of the corrected contacts
     type(source_tree) :: tree
     integer, allocatable :: open_pairs(:)
-    logical :: is_nested(size(solution%set%contact))
     integer :: i, j, k, l
 
     allocate (errors%of_field(size(pairs%list)), source=0.0_real64)
     errors%of_shape = errors%of_field
     errors%of_area = errors%of_field
     errors%covering = spread(0, 1, size(pairs%list))
+    errors%is_nested = errors%covering > 0
     call find_correction(solution%set, keeps_load, pairs%interrupt, correction)
     errors%compression_share = sum(solution%set%load) / (solution%compression * correction%tangent)
     associate (set => solution%set)
       do k = 1, size(set%contact)
-        call find_shape_error(pairs, solution, k, errors%of_shape(set%contact(k)), is_nested(k))
+        call find_shape_error(pairs, solution, k, errors%of_shape(set%contact(k)), &
+                              errors%is_nested(set%contact(k)))
       end do
       errors%of_field(set%contact) = correction%load_error
-      errors%nested = sum(set%load, mask=is_nested) / sum(set%load)
       call find_open_neighbours(pairs, solution, 1.0_real64, tree, open_pairs)
       do l = 1, size(open_pairs)
         i = open_pairs(l)

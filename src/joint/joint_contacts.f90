@@ -131,7 +131,6 @@ contains
     if (sum(solution%coupled%set%load) > 0.0_real64) then
       call find_errors(pairs, solution%coupled, allocated(task%target), task%correction, &
                        task%errors)
-      solution%nested = task%errors%nested
       if (choice == resolve_called_for) call choose_resolved(task, solution%coupled, &
                                                              solution%is_resolved)
       if (.not. any(solution%is_resolved)) call correct_circles(task, solution)
@@ -159,7 +158,7 @@ contains
     type(joint_task), intent(inout) :: task
     type(joint_solution), intent(inout) :: solution
     type(contact_response) :: response
-    real(real64) :: ratio(size(solution%coupled%set%contact))
+    real(real64) :: before, ratio(size(solution%coupled%set%contact))
     integer :: k
 
     task%compression_share = task%errors%compression_share
@@ -172,9 +171,11 @@ contains
       if (.not. same_type_as(task%law, hertz_law())) return
       coupled%penetration(contact) = coupled%penetration(contact) * ratio
       coupled%compression = coupled%compression + task%correction%compression_change
-      if (allocated(task%target)) call raise_to_load(pairs, task%law, &
-                                                     task%target / pairs%modulus, &
-                                                     coupled%penetration)
+      if (allocated(task%target)) then
+        before = coupled%penetration(contact(1))
+        call raise_to_load(pairs, task%law, task%target / pairs%modulus, coupled%penetration)
+        coupled%compression = coupled%compression + (coupled%penetration(contact(1)) - before)
+      end if
       do k = 1, size(contact)
         call task%law%respond(pairs%list(contact(k)), contact(k), &
                               coupled%penetration(contact(k)), response)
@@ -254,6 +255,8 @@ contains
           k=1, size(task%clusters))]) / area
       total = sum(coupled%set%load)
       if (.not. total > 0.0_real64) return
+      if (allocated(task%errors%is_nested)) solution%nested = &
+        sum(coupled%set%load, mask=task%errors%is_nested(coupled%set%contact)) / total
       if (allocated(task%errors%of_field)) solution%error = ( &
         norm2(pack(task%errors%of_field, .not. is_resolved)) + &
         sum(task%errors%of_shape, mask=.not. is_resolved)) / total

@@ -186,7 +186,7 @@ contains
       real(real128), intent(in) :: u
       real(real128) :: sum_deviation, z, first
 
-      sum_deviation = norm2(deviation)
+      sum_deviation = sqrt(sum(deviation**2))
       z = (u - sum(mean)) / sum_deviation
       density_at = exp(-z**2 / 2) / (sqrt(2 * pi) * sum_deviation * mass)
       if (size(part) == 1) return

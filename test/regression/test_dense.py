@@ -171,15 +171,14 @@ def test_boundary_agrees_with_the_truth(asperity):
 
 
 @pytest.mark.once
-def test_coupled_solves_all_and_errs_low(asperity):
-    """No contact resolved: how far it is off is in the table; caps carry less, never more (steep
-    pairs, whose contacts are oval, may carry more)."""
+def test_coupled_is_within_its_estimate(asperity):
+    """No contact resolved: how far it is off is in the table, and is no more than it tells. Caps
+    carried less, never more, without the correction by the curvature of the field."""
     results = solved(asperity, FEW, "coupled")
     failed = [r for r in results if r.status != 0]
     assert not failed, told(failed)
-    low = [r for r in results if r.control == "approach" and r.family != "steep"
-           and r.error > CELLS + r.bound]
-    assert not low, told(low)
+    beyond = [r for r in results if not abs(r.error) <= r.estimate + r.bound]
+    assert not beyond, told(beyond)
 
 
 @pytest.mark.once

@@ -352,14 +352,14 @@ SPOTS = ((0.0, 0.0, 1.0, 4974.1524222838307),
 
 
 def test_error_of_nested_contacts(asperity, tmp_path):
-    """Circles miss the compression by 3.0 % where their estimate is 2.3 %."""
+    """Circles miss the compression by 3.7 %: their estimate holds it, and 'auto' resolves them."""
     run = {interaction: solve(asperity, write_plane_scene(
         tmp_path, SPOTS, modulus=1e3, loading={"control": "load", "value": 101.49736966383077},
         effects={"interaction": interaction})) for interaction in ("coupled", "auto", "boundary")}
     closing = {name: SPOTS[1][2] - float(found.positions[0]["separation"])
                for name, found in run.items()}
     error = abs(closing["coupled"] / closing["boundary"] - 1)
-    assert error > float(run["coupled"].positions[0]["error_estimate"])
+    assert 0.01 < error <= float(run["coupled"].positions[0]["error_estimate"])
     assert told(run["coupled"], NESTED) and not told(run["auto"], NESTED)
     assert abs(closing["auto"] / closing["boundary"] - 1) < 0.01
 

@@ -173,7 +173,7 @@ contains
         call check(error, sum(solution%set%load) / depth**1.5_real64, 4.0_real64 / 3.0_real64, &
                    1.0e-6_real64, 'load in one place')
         call find_errors(pairs, solution, .false., correction, errors)
-        call check(error, errors%nested <= 0.0_real64, 'no radius is larger')
+        call check(error, .not. any(errors%is_nested), 'no radius is larger')
         call check(error, errors%compression_share, 2.0_real64 / 3.0_real64, 1.0e-6_real64, &
                    'L/(c dL/dc)')
         told = sum(errors%of_field + errors%of_shape) / sum(solution%set%load)
