@@ -99,7 +99,8 @@ contains
     do try = 1, most_inner_iterations
       correction%load_change = limited_changes()
       excess = sum(set%load_share * correction%load_change)
-      if (.not. (keeps_load .and. abs(excess) > load_rounding * sum(set%load_share * set%load))) exit
+      if (.not. keeps_load .or. abs(excess) <= load_rounding * &
+          sum(set%load_share * set%load)) exit
       correction%compression_change = correction%compression_change - &
         excess / sum(set%load_share * by_compression%change(1, :))
     end do

@@ -26,8 +26,8 @@ module asperity_circle_error
     real(real64), allocatable :: of_shape(:)   !! by all other causes; they add up
     real(real64), allocatable :: of_area(:)    !! over the area in plan of all; they add up
     integer, allocatable :: covering(:)        !! by open pair: contact that covers it, or 0
-    !> by pair: overlaps a contact of at least `nested_ratio` times its radius, and the errors may be
-    !> larger than estimated
+    !> by pair: overlaps a contact of at least `nested_ratio` times its radius, and its error may
+    !> be larger than estimated
     logical, allocatable :: is_nested(:)
     !> relative error of the compression c at a prescribed load over that of the load L at a
     !> prescribed compression, L/(c dL/dc): 2/3 for an isolated Hertzian contact

@@ -370,3 +370,16 @@ def test_softer_body_yields(modulus, ratio, yields, asperity, tmp_path):
         loading={"control": "approach", "value": 0.499},
         effects={"plasticity": "on", "plastic_yield_stress": 2.0}))
     assert f"the {yields} body yields" in run.stdout
+
+
+@pytest.mark.parametrize("stress", [6000.0, 60000.0])
+def test_load_with_interaction(stress, asperity, tmp_path):
+    """The load that an approach gave is carried there, whether contacts flow or not: a load is
+    searched with Hertz' law, and its corrected solution was taken for that of the law here."""
+    effects = {"plasticity": "on", "interaction": "coupled", "plastic_yield_stress": stress}
+    first = model(asperity, tmp_path, "first", 0.2, **effects).positions[0]
+    again = solved(asperity, write_scene(
+        tmp_path / "again.scene", surfaces={"deck": str(DECK)}, motion={"x_first": 5.6},
+        loading={"control": "load", "value": float(first["load"])}, effects=effects)).positions[0]
+    for name in ("separation", "vertical_load", "area"):
+        assert float(again[name]) == pytest.approx(float(first[name]), rel=1e-9), name
