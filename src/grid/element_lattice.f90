@@ -173,8 +173,8 @@ contains
     real(real64) :: factor(2)
 
     factor = ellipse_factors((pair%d / pair%zc)**2)
-    radius = factor(1) * (0.75_real64 * load * pair%radius)**(1.0_real64 / 3.0_real64) * &
-             (pair%zc / pair%s)**(2.0_real64 / 3.0_real64)
+    radius = factor(1) * pair%radius * (0.75_real64 * (load / pair%radius) / pair%radius * &
+                                        (pair%zc / pair%s)**2)**(1.0_real64 / 3.0_real64)
   end function radius_of_load
 
   ! Ratios of radius and penetration of an elliptical contact to those of the circular one of equal
