@@ -26,7 +26,7 @@ module asperity_process
   integer(int64), parameter :: large_request = 67108864_int64
   ! Memory to be left beside a request [bytes], for small arrays without a request (chosen), and the
   ! least request that is tried: smaller ones are in that room.
-  integer(int64), parameter :: spare_room = 4194304_int64, small_request = spare_room / 4
+  integer(int64), parameter :: spare_room = 4194304_int64, small_request = spare_room / 128
   ! Stack of a thread without a limit of the user [bytes].
   integer(int64), parameter :: usual_stack = 8_int64 * 1024_int64 * 1024_int64
 

@@ -113,6 +113,8 @@ def case(seed):
     options = [option for option in ("--despike", "--rule=contact", "--radius=paraboloid",
                                      "--radius=geometric", "--level=none", "--level=mean")
                if rng.random() < 0.25]
+    # An option given twice is refused before the file is read: the last one stays.
+    options = list({option.split("=")[0]: option for option in options}.values())
     if kind in (matrix, array) or rng.random() < 0.02:
         options.append("--spacing=0.5,2")
     return mutate(rng, kind(rng, rows, columns)), options
