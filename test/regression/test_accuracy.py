@@ -183,8 +183,8 @@ def test_what_the_study_must_find(whole):
 
 
 def test_the_levels_are_what_the_solver_does(part, runs, tally):
-    """Errors of the levels of interaction, from the loads of runs of their own. The reference is the
-    method with the least estimated error."""
+    """Errors of the levels of interaction, from the loads of runs of their own. The reference is
+    the method with the least estimated error."""
     table, _, rows = part
     found = {row["method"]: row for row in rows}
     reference = next(row["method"] for row in rows if row["reference"] == "1")
