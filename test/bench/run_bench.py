@@ -24,8 +24,6 @@ from pathlib import Path
 ROOT = Path(__file__).resolve().parents[2]
 DECK = "data/thesis.deck"
 ARITHMETICS = ("real64", "real32", "ibm370", "real128")
-# From which --accuracy chooses (src/run/accuracy_bound.f90).
-WAYS = ["real64; exact events", "real128; exact events"]
 HEAD = ("arithmetic", "ratio", "median ms", "min ms", "max ms", "quartiles ms", "peak MiB")
 
 
@@ -155,12 +153,9 @@ def accuracy_study(path):
         f"{slower('real64; steps 1.0E-03'):8.2f}",
         f"  original program in real64                       "
         f"{slower('real64; original program; 1976'):8.2f}",
-        f"  exact events in real128                          "
-        f"{slower('real128; exact events'):8.2f}",
     ]
     front = [method for method, row in rows.items() if row["own_front"] == "1"]
-    ratios += ["the cheapest for their accuracy: " + ", ".join(front),
-               "  the ways of --accuracy" if front == WAYS else "  NOT the ways of --accuracy"]
+    ratios.append("the cheapest for their accuracy: " + ", ".join(front))
     return ratios + ["", table_text], text
 
 
