@@ -68,26 +68,32 @@ contains
   pure subroutine split_name(cell, name, unit)
     character(len=*), intent(in) :: cell                      !! name and unit as written
     character(len=:), allocatable, intent(out) :: name, unit  !! empty: there is none
-    integer :: at, i
+    character(len=len(cell)) :: word
+    integer :: at, i, used
 
-    name = ''
+    word = ''
+    used = 0
     do i = 1, len(cell)
-      if (scan(cell(i:i), '"''') == 0) name = name // cell(i:i)
+      if (scan(cell(i:i), '"''') > 0) cycle
+      used = used + 1
+      word(used:used) = cell(i:i)
     end do
-    name = trim(adjustl(name))
+    word = adjustl(word)
+    used = len_trim(word)
     unit = ''
-    at = scan(name, '[(/')
+    at = scan(word, '[(/')
     if (at > 1) then
-      i = len(name)
-      if (name(at:at) /= '/') i = at + scan(name(at + 1:), '])') - 1
-      unit = plain_unit(name(at + 1:i))
+      i = used
+      if (word(at:at) /= '/') i = at + scan(word(at + 1:used), '])') - 1
+      unit = plain_unit(word(at + 1:i))
+      used = at - 1
     else
-      at = scan(name, '_ ', back=.true.)
-      if (at > 1) unit = plain_unit(name(at + 1:))
+      at = scan(word(:used), '_ ', back=.true.)
+      if (at > 1) unit = plain_unit(word(at + 1:used))
       if (unit_number(unit) == 0) unit = ''
+      if (unit /= '') used = at - 1
     end if
-    if (at > 1 .and. (unit /= '' .or. scan(name, '[(/') > 1)) name = name(:at - 1)
-    name = trim(lower_case(name))
+    name = trim(lower_case(word(:used)))
   end subroutine split_name
 
   !> Whether they are the columns of a surface: x, y and height.
