@@ -3,7 +3,7 @@
 .NOTPARALLEL:
 .PHONY: help report test test-all images trouble lint strict archive docs bench figures fuzz
 .PHONY: hard-table
-.PHONY: setup clean tables laws maps fault-table pages machine mutants wheel wheel-test
+.PHONY: validation setup clean tables laws maps fault-table pages machine mutants wheel wheel-test
 
 DECK ?= data/thesis.deck
 
@@ -119,6 +119,10 @@ maps: ## how good summits are, on maps pressed against their truth; docs/accurac
 pages: ## pictures of --html pages in Chromium, to be looked at, in build/pages
 	@bash .ci/setup build test
 	@exe=$$(bash .ci/build release) && .venv/bin/python tools/look_at_pages.py "$$exe"
+
+validation: ## numbers of other programs and suites; the table of docs/reference/validation.md
+	@bash .ci/setup build test
+	@.venv/bin/python test/validation/make_page.py
 
 setup: ## set up everything for building and testing
 	@bash .ci/setup build test lint

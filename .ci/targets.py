@@ -14,7 +14,7 @@ from pathlib import Path
 
 ROOT = Path(__file__).resolve().parents[1]
 FOLDERS = [ROOT / "test" / name
-           for name in ("", "support", "truth", "regression", "hard", "bench")]
+           for name in ("", "support", "truth", "regression", "hard", "bench", "validation")]
 LISTS = {"test": "test/requirements.txt", "bench": "test/bench/requirements.txt",
          "build": ".ci/requirements/build.txt", "lint": ".ci/requirements/lint.txt",
          "docs": ".ci/requirements/docs.txt", "wheel": ".ci/requirements/wheel.txt"}

@@ -14,7 +14,7 @@ import pytest
 
 # What the tests import stands in these folders (.ci/setup gives them to scripts, too).
 sys.path[:0] = [str(Path(__file__).resolve().parent / name) for name in
-                ("support", "truth", "bench", "regression")]
+                ("support", "truth", "bench", "regression", "validation")]
 
 from builds import ROOT, build  # noqa: E402
 
