@@ -326,7 +326,6 @@ contains
   subroutine check_endings(line, problems)
     type(command_line), intent(in) :: line
     type(problem_list), intent(inout) :: problems
-    character(len=:), allocatable :: ending, path
     integer :: i
 
     do i = 1, size(options)
@@ -334,12 +333,6 @@ contains
           options(i)%value /= 'FILE' .or. options(i)%format == '') cycle
       call check_ending(line, trim(options(i)%name), trim(options(i)%format), problems)
     end do
-    if (line%command /= 'solve') return
-    path = line%output_path('--picture')
-    ending = lower_case(path(index(path, '.', back=.true.) + 1:))
-    if (path /= '' .and. path /= '/dev/stdout' .and. ending /= 'svg' .and. ending /= 'png') &
-      call problems%add('--picture: found ' // in_quotes(path) // &
-                        ', expected a name that ends with .svg or .png')
   end subroutine check_endings
 
   !> The ending of an output's name must not be that of another format than its own.

@@ -74,7 +74,7 @@ module asperity_option_table
     option_entry('solve', '--fields-of', 'WORD', &
       'states that --fields writes: last (default), or all, each in a file NAME_0001.vti'), &
     option_entry('solve', '--picture', 'FILE', &
-      'draw the pressure on the same pixels at the last state (.svg or .png)', ''), &
+      'draw the pressure on the same pixels at the last state (SVG)', 'svg'), &
     option_entry('solve', '--histogram', 'FILE', &
       'write the distribution of the pressure in contact on them at the last state as CSV'), &
     option_entry('solve', '--accuracy', 'ERROR', &

@@ -9,13 +9,11 @@ module asperity_run_solve
   use asperity_corrected_table_text, only: write_corrected_table
   use asperity_csv_tables, only: write_histogram, write_results
   use asperity_error_budget, only: error_budget, measure_budget
-  use asperity_field_picture, only: draw_plan, plan_of_pressure, width_of_picture
+  use asperity_field_picture, only: draw_plan, plan_of_pressure
   use asperity_files, only: same_name, write_standard_error
-  use asperity_input_text, only: lower_case
   use asperity_images, only: image_number
   use asperity_kinds, only: int64, real64
   use asperity_output_files, only: note_kept
-  use asperity_plan_drawing, only: plan_drawing, png_of, write_svg
   use asperity_position_packet, only: pack_position
   use asperity_number_format, only: count_text, number_text
   use asperity_printable, only: printable_text
@@ -48,7 +46,6 @@ module asperity_run_solve
     '--histogram', '--picture']
   ! States that --fields-of all writes at most: a file each.
   integer, parameter :: most_states = 1000
-  integer, parameter :: most_pixels = 1024  ! pixels of a picture along its longer side
 
 contains
 
@@ -156,8 +153,7 @@ contains
     subroutine draw_pressure(field, picture)
       type(contact_field), intent(in) :: field
       type(text_buffer), intent(inout) :: picture
-      type(plan_drawing) :: drawing
-      character(len=:), allocatable :: path, title
+      character(len=:), allocatable :: title
       character(len=20) :: units(2)
 
       units = [character(len=20) :: unit_of(scene_in, is_length), unit_of(scene_in, is_pressure)]
@@ -166,13 +162,7 @@ contains
                              parts_in_words(field) /= '')), trim(units(2))) // ' ' // &
               number_text(sum(field%pressure, mask=field%pressure > 0.0_real64) / &
                        count(field%gap >= 0.0_real64), 3)
-      call draw_plan(field, plan_of_pressure, title, units, width_of_picture, most_pixels, drawing)
-      path = line%output_path('--picture')
-      if (lower_case(path(max(1, len(path) - 3):)) == '.png') then
-        call picture%append(png_of(drawing))
-      else
-        call write_svg(drawing, title, .false., picture)
-      end if
+      call draw_plan(field, plan_of_pressure, title, units, .true., picture)
     end subroutine draw_pressure
 
     subroutine write_table(option, which)

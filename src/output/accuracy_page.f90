@@ -2,14 +2,14 @@
 !> fastest method and its time; the diagrams, and all methods as a table. It loads nothing; its
 !> script is a few lines that read the data of the page.
 module asperity_accuracy_page
-  use asperity_html_page, only: begin_page, begin_section, begin_table, end_page, end_section, &
-                                end_table, put_row
+  use asperity_html_page, only: begin_page, begin_section, begin_table, end_of_section, &
+                                end_of_table, end_page, put_row
   use asperity_kinds, only: not_computed, real64
   use asperity_method_study, only: method_table
   use asperity_method_totals, only: error_of_area
   use asperity_number_format, only: number_text
   use asperity_study_methods, only: family_words, of_input, of_theory
-  use asperity_svg_plot, only: axis_over, plot_axis, svg_plot
+  use asperity_svg_plot, only: axis_over, svg_plot
   use asperity_text_buffer, only: text_buffer
   use asperity_version, only: version
   implicit none
@@ -49,10 +49,10 @@ contains
                      'value="-2" style="width:100%"/></p>')
     call buffer%line('<p id="answer" aria-live="polite">This line needs ' // &
                      'the script of the page; the table below holds the same values.</p>')
-    call end_section(buffer)
+    call buffer%line(end_of_section)
     call begin_section('total', 'Error against time', buffer)
     call put_plot('error against the reference', 'total-plot', table, is_run, error, buffer)
-    call end_section(buffer)
+    call buffer%line(end_of_section)
     call begin_section('own', 'Error of each approximation', buffer)
     call buffer%line('<p>Steps and arithmetics against exact events in real64, effects ' // &
                      'against all effects of the scene, neighbours against the reference. ' // &
@@ -60,10 +60,10 @@ contains
                      'a map one for its summits and one for its pixels.</p>')
     call put_plot('error of the approximation', 'own-plot', table, is_run .and. &
                   table%rows%own%largest > not_computed, own, buffer)
-    call end_section(buffer)
+    call buffer%line(end_of_section)
     call begin_section('methods', 'All methods', buffer)
     call put_methods(table, buffer)
-    call end_section(buffer)
+    call buffer%line(end_of_section)
     call buffer%line('<p>asperity ' // version // '</p>')
     call put_script(table, is_run, error, buffer)
     call end_page(buffer)
@@ -77,7 +77,6 @@ contains
     real(real64), intent(in) :: error(:)
     type(text_buffer), intent(inout) :: buffer
     type(svg_plot) :: plot
-    type(plot_axis) :: across
     real(real64), allocatable :: seconds(:), level(:)
     integer :: i
 
@@ -86,9 +85,9 @@ contains
     seconds = max(seconds, 1.0e-9_real64)
     level = pack(error, shown)
     call buffer%line('<div id="' // id // '">')
-    across = axis_over('time', 's', seconds, .true.)
-    call plot%begin_plot(name // ' over time', across, &
-                    axis_over(name, '', [level, 1.0_real64], .true.), buffer)
+    plot%axes(:2) = [axis_over('time', 's', seconds, .true.), &
+                     axis_over(name, '', [level, 1.0_real64], .true.)]
+    call plot%begin_plot(name // ' over time', buffer)
     if (id == 'total-plot') call put_front(pack(table%rows%seconds, table%rows%on_front), &
                                            pack(error, table%rows%on_front))
     do i = 1, size(table%rows)
@@ -100,10 +99,9 @@ contains
                       buffer)
       if (table%rows(i)%method%family == of_input .and. id == 'own-plot' .and. &
           table%rows(i)%own%largest > 0.0_real64) &
-        call plot%add_curve([across%low, across%high], [error(i), error(i)], buffer)
+        call plot%add_curve([plot%axes(1)%low, plot%axes(1)%high], [error(i), error(i)], buffer)
     end do
-    call plot%end_plot(buffer)
-    call buffer%line('</div>')
+    call buffer%line('</svg></div>')
 
   contains
 
@@ -148,7 +146,7 @@ contains
         call put_row(cells, buffer)
       end associate
     end do
-    call end_table(buffer)
+    call buffer%line(end_of_table)
   end subroutine put_methods
 
   ! The data, and the script of the slider: the fastest method for an error, and for a tenth of it.

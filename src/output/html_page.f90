@@ -6,9 +6,52 @@ module asperity_html_page
   implicit none
   private
 
-  public :: begin_page, end_page, begin_section, end_section
-  public :: begin_table, put_row, end_table, put_lines
+  public :: begin_page, end_page, begin_section
+  public :: begin_table, put_row, put_lines, put_paragraphs
   public :: escaped_text
+  public :: end_of_section, end_of_table
+
+  !> End of a section.
+  character(len=*), parameter :: end_of_section = '</section>'
+  !> End of a table.
+  character(len=*), parameter :: end_of_table = '</tbody></table></div>'
+
+  ! Two sets of colours, each with a contrast of 4.5 or more of text to paper; one column of any
+  ! width; what is too wide is scrolled by itself.
+  character(len=*), parameter :: nl = new_line('a'), style = &
+    ':root{color-scheme:light dark;--ink:#1b1f24;--paper:#ffffff;--soft:#57606a;' // &
+    '--line:#d0d7de;--mark:#0a58ca;--back:#f3f5f7;--warn:#8a4500}' // nl // &
+    '@media(prefers-color-scheme:dark){:root{--ink:#e6edf3;--paper:#0d1117;' // &
+    '--soft:#9aa4af;--line:#3d444d;--mark:#6cb6ff;--back:#161b22;--warn:#f0b46a}}' // nl // &
+    'body{margin:0;background:var(--paper);color:var(--ink);font:1rem/1.5 system-ui,' // &
+    'sans-serif}main{max-width:75rem;margin:0 auto;padding:1rem}' // nl // &
+    'h1{font-size:clamp(1.1rem,5vw,1.5rem);line-height:1.25;overflow-wrap:anywhere}' // &
+    'h2{font-size:1.2rem;margin:2rem 0 .5rem}' // nl // &
+    'p,li,dd,summary{overflow-wrap:anywhere}p,dd{max-width:60rem}dt{font-weight:600}' // nl // &
+    '.scroll{overflow:auto;max-height:48rem}' // &
+    'table{border-collapse:collapse;font-variant-numeric:tabular-nums}' // nl // &
+    'caption{text-align:left;color:var(--soft)}' // &
+    'th,td{padding:.15rem .75rem .15rem 0;border-bottom:1px solid var(--line);' // &
+    'text-align:right;white-space:nowrap}' // &
+    'th:first-child{text-align:left;white-space:normal}' // nl // &
+    'thead th{position:sticky;top:0;background:var(--paper)}tbody th{font-weight:400}' // nl // &
+    'pre{overflow:auto;max-height:30rem;padding:.75rem;background:var(--back);' // &
+    'font-size:.85rem}summary{cursor:pointer;padding:.25rem 0}' // nl // &
+    '.warn{border-left:4px solid var(--warn);padding-left:.75rem}' // &
+    '.plots{display:grid;gap:1rem;grid-template-columns:repeat(auto-fit,' // &
+    'minmax(min(100%,22rem),1fr))}' // nl // &
+    'svg{display:block;width:100%;max-width:36rem;height:auto;margin-bottom:.5rem}' // nl // &
+    'text{fill:var(--ink);font:13px system-ui,sans-serif}.grid{stroke:var(--line);fill:none}' // &
+    '.curve{stroke:var(--mark);stroke-width:1.5;stroke-linejoin:round;fill:none}' // nl // &
+    '.dot{fill:var(--mark)}.arrow{fill:var(--ink)}.bar{stroke:var(--ink);fill:none}' // nl // &
+    '.upper,.lower{stroke:var(--soft);fill:none}.upper.outline{stroke-dasharray:6 3}' // nl // &
+    '.lower.summits{stroke-width:3.5;stroke-linecap:round}' // &
+    '.patch{stroke:var(--mark);fill:var(--mark);fill-opacity:.35}.many{stroke-width:.3}' // nl // &
+    '.note{display:none;font-size:11px}' // &
+    '.patch:hover,.patch:focus{stroke:var(--warn);fill:var(--warn);outline:none}' // nl // &
+    'g:hover>.note,g:focus>.note{display:block;stroke:none;fill-opacity:1}' // &
+    'svg:hover g:focus:not(:hover)>.note{display:none}' // nl // &
+    ':focus-visible{outline:2px solid var(--mark);outline-offset:2px}'
 
 contains
 
@@ -17,91 +60,24 @@ contains
     character(len=*), intent(in) :: title         !! what the page is about, as it stands
     type(text_buffer), intent(inout) :: buffer    !! gets the page
     logical, intent(in), optional :: with_script  !! a script in the page may run
-    character(len=:), allocatable :: script
 
-    script = ''
-    if (present(with_script)) script = '; script-src ''unsafe-inline'''
-
-    call buffer%line('<!DOCTYPE html>')
-    call buffer%line('<html lang="en">')
-    call buffer%line('<head>')
-    call buffer%line('<meta charset="utf-8"/>')
-    call buffer%line('<meta http-equiv="Content-Security-Policy" ' // &
-                     'content="default-src ''none''; img-src data:; ' // &
-                     'style-src ''unsafe-inline''' // &
-                     script // '"/>')
-    call buffer%line('<meta name="viewport" content="width=device-width, initial-scale=1"/>')
-    call buffer%line('<title>' // escaped_text(title) // '</title>')
-    call put_style(buffer)
-    call buffer%line('</head>')
-    call buffer%line('<body>')
-    call buffer%line('<main>')
-    call buffer%line('<h1>' // escaped_text(title) // '</h1>')
+    call buffer%append('<!DOCTYPE html>' // nl // '<html lang="en">' // nl // '<head>' // nl // &
+                       '<meta charset="utf-8"/>' // nl // &
+                       '<meta http-equiv="Content-Security-Policy" content="default-src ' // &
+                       '''none''; img-src data:; style-src ''unsafe-inline''')
+    if (present(with_script)) call buffer%append('; script-src ''unsafe-inline''')
+    call buffer%line('"/>' // nl // '<meta name="viewport" content="width=device-width, ' // &
+                     'initial-scale=1"/>' // nl // '<title>' // escaped_text(title) // &
+                     '</title>' // nl // '<style>' // nl // style // nl // '</style>' // nl // &
+                     '</head>' // nl // '<body>' // nl // '<main>' // nl // '<h1>' // &
+                     escaped_text(title) // '</h1>')
   end subroutine begin_page
-
-  ! Two sets of colours, each with a contrast of 4.5 or more of text to paper; one column of any
-  ! width; what is too wide is scrolled by itself.
-  subroutine put_style(buffer)
-    type(text_buffer), intent(inout) :: buffer
-
-    call buffer%line('<style>')
-    call buffer%line(':root{color-scheme:light dark;--ink:#1b1f24;--paper:#ffffff;' // &
-                     '--soft:#57606a;--line:#d0d7de;--mark:#0a58ca;--back:#f3f5f7;--warn:#8a4500}')
-    call buffer%line('@media(prefers-color-scheme:dark){:root{--ink:#e6edf3;--paper:#0d1117;' // &
-                     '--soft:#9aa4af;--line:#3d444d;--mark:#6cb6ff;--back:#161b22;' // &
-                     '--warn:#f0b46a}}')
-    call buffer%line('body{margin:0;background:var(--paper);color:var(--ink);' // &
-                     'font:1rem/1.5 system-ui,sans-serif}')
-    call buffer%line('main{max-width:75rem;margin:0 auto;padding:1rem}')
-    call buffer%line('h1{font-size:clamp(1.1rem,5vw,1.5rem);line-height:1.25;' // &
-                     'overflow-wrap:anywhere}')
-    call buffer%line('h2{font-size:1.2rem;margin:2rem 0 .5rem}')
-    call buffer%line('p,li,dd,summary{overflow-wrap:anywhere}')
-    call buffer%line('p,dd{max-width:60rem}')
-    call buffer%line('dt{font-weight:600}')
-    call buffer%line('a{color:var(--mark)}')
-    call buffer%line('.scroll{overflow:auto;max-height:48rem}')
-    call buffer%line('table{border-collapse:collapse;font-variant-numeric:tabular-nums}')
-    call buffer%line('caption{text-align:left;color:var(--soft)}')
-    call buffer%line('th,td{padding:.15rem .75rem .15rem 0;' // &
-                     'border-bottom:1px solid var(--line);text-align:right;white-space:nowrap}')
-    call buffer%line('th:first-child{text-align:left;white-space:normal}')
-    call buffer%line('thead th{position:sticky;top:0;background:var(--paper)}')
-    call buffer%line('tbody th{font-weight:400}')
-    call buffer%line('pre{overflow:auto;max-height:30rem;padding:.75rem;' // &
-                     'background:var(--back);font-size:.85rem}')
-    call buffer%line('summary{cursor:pointer;padding:.25rem 0}')
-    call buffer%line('.warn{border-left:4px solid var(--warn);padding-left:.75rem}')
-    call buffer%line('.plots{display:grid;gap:1rem;' // &
-                     'grid-template-columns:repeat(auto-fit,minmax(min(100%,22rem),1fr))}')
-    call buffer%line('svg{display:block;width:100%;max-width:36rem;height:auto;' // &
-                     'margin-bottom:.5rem}')
-    call buffer%line('text{fill:var(--ink);font:13px system-ui,sans-serif}')
-    call buffer%line('.grid{stroke:var(--line);fill:none}')
-    call buffer%line('.curve{stroke:var(--mark);stroke-width:1.5;stroke-linejoin:round;fill:none}')
-    call buffer%line('.dot{fill:var(--mark)}')
-    call buffer%line('.arrow{fill:var(--ink)}')
-    call buffer%line('.bar{stroke:var(--ink);fill:none}')
-    call buffer%line('.upper,.lower{stroke:var(--soft);fill:none}')
-    call buffer%line('.upper.outline{stroke-dasharray:6 3}')
-    call buffer%line('.lower.summits{stroke-width:3.5;stroke-linecap:round}')
-    call buffer%line('.patch{stroke:var(--mark);fill:var(--mark);fill-opacity:.35}')
-    call buffer%line('.many{stroke-width:.3}')
-    call buffer%line('.note{display:none;font-size:11px}')
-    call buffer%line('.patch:hover,.patch:focus{stroke:var(--warn);fill:var(--warn);outline:none}')
-    call buffer%line('g:hover>.note,g:focus>.note{display:block;stroke:none;fill-opacity:1}')
-    call buffer%line('svg:hover g:focus:not(:hover)>.note{display:none}')
-    call buffer%line(':focus-visible{outline:2px solid var(--mark);outline-offset:2px}')
-    call buffer%line('</style>')
-  end subroutine put_style
 
   !> Everything behind the last section.
   subroutine end_page(buffer)
     type(text_buffer), intent(inout) :: buffer  !! gets the page
 
-    call buffer%line('</main>')
-    call buffer%line('</body>')
-    call buffer%line('</html>')
+    call buffer%line('</main>' // nl // '</body>' // nl // '</html>')
   end subroutine end_page
 
   !> A part of the page that a reader of screens can go to.
@@ -110,16 +86,9 @@ contains
     character(len=*), intent(in) :: heading     !! as it stands
     type(text_buffer), intent(inout) :: buffer  !! gets the page
 
-    call buffer%line('<section aria-labelledby="' // name // '">')
-    call buffer%line('<h2 id="' // name // '">' // escaped_text(heading) // '</h2>')
+    call buffer%line('<section aria-labelledby="' // name // '">' // nl // '<h2 id="' // name // &
+                     '">' // escaped_text(heading) // '</h2>')
   end subroutine begin_section
-
-  !> Its end.
-  subroutine end_section(buffer)
-    type(text_buffer), intent(inout) :: buffer  !! gets the page
-
-    call buffer%line('</section>')
-  end subroutine end_section
 
   !> A table that scrolls by itself, with the keyboard, too.
   subroutine begin_table(caption, headers, buffer)
@@ -128,16 +97,13 @@ contains
     type(text_buffer), intent(inout) :: buffer   !! gets the page
     integer :: i
 
-    call buffer%line('<div class="scroll" role="region" tabindex="0" aria-label="' // &
-                     escaped_text(caption) // '">')
-    call buffer%line('<table>')
-    call buffer%line('<caption>' // escaped_text(caption) // '</caption>')
-    call buffer%append('<thead><tr>')
+    call buffer%append('<div class="scroll" role="region" tabindex="0" aria-label="' // &
+                       escaped_text(caption) // '">' // nl // '<table><caption>' // &
+                       escaped_text(caption) // '</caption>' // nl // '<thead><tr>')
     do i = 1, size(headers)
       call buffer%append('<th scope="col">' // escaped_text(trim(headers(i))) // '</th>')
     end do
-    call buffer%line('</tr></thead>')
-    call buffer%line('<tbody>')
+    call buffer%line('</tr></thead>' // nl // '<tbody>')
   end subroutine begin_table
 
   !> A row, as many cells as the table has headers.
@@ -153,50 +119,53 @@ contains
     call buffer%line('</tr>')
   end subroutine put_row
 
-  !> The end of a table.
-  subroutine end_table(buffer)
-    type(text_buffer), intent(inout) :: buffer  !! gets the page
-
-    call buffer%line('</tbody>')
-    call buffer%line('</table>')
-    call buffer%line('</div>')
-  end subroutine end_table
-
   !> Lines of text as they were written; `label` says what they are.
   subroutine put_lines(label, text, buffer)
     character(len=*), intent(in) :: label       !! as it stands
     character(len=*), intent(in) :: text        !! lines, of any bytes
     type(text_buffer), intent(inout) :: buffer  !! gets the page
-    integer :: first, last
 
     call buffer%line('<pre role="region" tabindex="0" aria-label="' // escaped_text(label) // '">')
-    first = 1
-    do while (first <= len(text))
-      last = first + scan(text(first:), new_line('a')) - 2
-      if (last < first - 1) last = len(text)
-      ! A carriage return before the end of a line is a part of that end.
-      call buffer%line(escaped_text(text(first:last - merge(1, 0, &
-                                                            ends_with_return(text(first:last))))))
-      first = last + 2
-    end do
+    call put_each_line(text, '', '', buffer)
     call buffer%line('</pre>')
   end subroutine put_lines
 
-  pure logical function ends_with_return(line)
-    character(len=*), intent(in) :: line
+  !> A paragraph a line.
+  subroutine put_paragraphs(lines, attributes, buffer)
+    character(len=*), intent(in) :: lines       !! as they stand
+    character(len=*), intent(in) :: attributes  !! of each paragraph; empty: none
+    type(text_buffer), intent(inout) :: buffer  !! gets the page
 
-    ends_with_return = .false.
-    if (len(line) > 0) ends_with_return = iachar(line(len(line):)) == 13
-  end function ends_with_return
+    call put_each_line(lines, '<p' // attributes // '>', '</p>', buffer)
+  end subroutine put_paragraphs
+
+  ! Each line of a text between two pieces.
+  subroutine put_each_line(text, begin, end, buffer)
+    character(len=*), intent(in) :: text, begin, end
+    type(text_buffer), intent(inout) :: buffer
+    integer :: first, last
+
+    first = 1
+    do while (first <= len(text))
+      last = first + scan(text(first:) // nl, nl) - 2
+      ! A carriage return before the end of a line is a part of that end.
+      call buffer%line(begin // escaped_text(text(first:last - merge(1, 0, &
+                       scan(text(first:last), achar(13), back=.true.) == last - first + 1 .and. &
+                       last >= first))) // end)
+      first = last + 2
+    end do
+  end subroutine put_each_line
 
   !> One line of text for a page, between tags or in quotes: what has a meaning there is written by
   !> name, a tab is a blank, what cannot be shown is a question mark.
   pure function escaped_text(text) result(safe)
     character(len=*), intent(in) :: text    !! text of any bytes
     character(len=:), allocatable :: safe   !! a piece of a page
+    character(len=*), parameter :: names(4) = [character(len=6) :: '&amp;', '&lt;', '&gt;', &
+                                               '&quot;']
     type(text_buffer) :: buffer
     character(len=len(text)) :: shown
-    integer :: i
+    integer :: i, which
 
     shown = text
     do i = 1, len(shown)
@@ -204,18 +173,12 @@ contains
     end do
     shown = printable_text(shown)
     do i = 1, len(shown)
-      select case (shown(i:i))
-      case ('&')
-        call buffer%append('&amp;')
-      case ('<')
-        call buffer%append('&lt;')
-      case ('>')
-        call buffer%append('&gt;')
-      case ('"')
-        call buffer%append('&quot;')
-      case default
+      which = index('&<>"', shown(i:i))
+      if (which > 0) then
+        call buffer%append(trim(names(which)))
+      else
         call buffer%append(shown(i:i))
-      end select
+      end if
     end do
     safe = buffer%text()
   end function escaped_text

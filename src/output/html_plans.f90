@@ -4,13 +4,13 @@ module asperity_html_plans
   use asperity_contact_records, only: contact_radius, contact_row, position_result, state_row
   use asperity_decimal, only: decimal_to_real64
   use asperity_height_map, only: height_map
-  use asperity_html_page, only: begin_table, end_table, escaped_text, put_row
+  use asperity_html_page, only: begin_table, end_of_table, put_row
   use asperity_kinds, only: not_computed, real64
   use asperity_number_format, only: count_text, number_text
   use asperity_problems, only: decimal_text
   use asperity_scene_results, only: scene_results
   use asperity_scene_values, only: scene, scene_surface
-  use asperity_svg_plot, only: plot_axis, svg_plot
+  use asperity_svg_plot, only: plot_axis, side_of_plan, svg_plot
   use asperity_text_buffer, only: text_buffer
   use asperity_unit_names, only: axis_units
   implicit none
@@ -29,7 +29,7 @@ module asperity_html_plans
 
   !> All plans.
   type :: plan_frame
-    type(plot_axis) :: across, up                !! to the right and upwards
+    type(plot_axis) :: axes(2)                   !! to the right and upwards
     real(real64), allocatable :: lower(:, :)     !! corners, then summits; without columns: none
     real(real64), allocatable :: upper(:, :)     !! the same at no displacement
     real(real64) :: first(2) = 0.0_real64        !! displacement in the first plan
@@ -54,11 +54,9 @@ contains
       frame%has_patches = any(results%effects%contact_columns == 'samples')
     call find_surfaces(scene_in, frame)
     call find_frame(results, frame)
+    frame%axes%name = ['x', 'y']
     associate (units => axis_units(scene_in))
-      frame%across%name = 'x'
-      frame%across%unit = units(1)
-      frame%up%name = 'y'
-      frame%up%unit = units(1)
+      frame%axes%unit = units(1)
     end associate
     plans = 0
     do m = 1, size(results%positions)
@@ -174,8 +172,8 @@ contains
       low = low - more
       high = high + more
     end associate
-    frame%across = plot_axis(low=low(1), high=high(1))
-    frame%up = plot_axis(low=low(2), high=high(2))
+    frame%axes%low = low
+    frame%axes%high = high
 
   contains
 
@@ -277,8 +275,9 @@ contains
     else
       call buffer%line('<div>')
     end if
-    call plot%begin_plot('plan of contacts, ' // title, frame%across, frame%up, buffer, &
-                    is_true=.true., is_again=frame%plans > 1)
+    plot%axes(:2) = frame%axes
+    plot%longest = side_of_plan
+    call plot%begin_plot('plan of contacts, ' // title, buffer, is_again=frame%plans > 1)
     if (frame%plans == 1) then
       frame%first = displacement_of(results, m)
       frame%upper = frame%upper + spread(frame%first, 2, size(frame%upper, 2))
@@ -298,7 +297,7 @@ contains
       end associate
     end do
     if (.not. reached) call buffer%line('</g>')
-    call plot%end_plot(buffer)
+    call buffer%line('</svg>')
     if (last_in_table >= last%first_row) then
       call begin_table('contacts, ' // title, [character(len=16) :: 'area_no', 'x', 'y', &
                        merge('area          ', 'contact_radius', frame%has_patches), 'load', &
@@ -306,7 +305,7 @@ contains
       do i = last%first_row, last_in_table
         call put_contact(results%positions(m)%rows(i), frame%has_patches, buffer)
       end do
-      call end_table(buffer)
+      call buffer%line(end_of_table)
     end if
     call buffer%line(trim(merge('</details>', '</div>    ', size(results%positions) > 1)))
   end subroutine put_plan

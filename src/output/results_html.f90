@@ -5,13 +5,13 @@ module asperity_results_html
   use asperity_contact_records, only: state_row
   use asperity_effect_names, only: known_effects
   use asperity_effects_summary, only: list_effects, effect_sentence
-  use asperity_field_picture, only: draw_plan, plan_of_gap, plan_of_pressure, width_of_page
-  use asperity_html_page, only: begin_page, begin_section, begin_table, end_page, end_section, &
-                                end_table, escaped_text, put_lines, put_row
+  use asperity_field_picture, only: draw_plan, plan_of_gap, plan_of_pressure
+  use asperity_html_page, only: begin_page, begin_section, begin_table, end_of_section, &
+                                end_of_table, end_page, escaped_text, put_lines, &
+                                put_paragraphs, put_row
   use asperity_html_plans, only: put_plans
   use asperity_kinds, only: real64
   use asperity_number_format, only: number_text
-  use asperity_plan_drawing, only: plan_drawing, write_svg
   use asperity_problems, only: decimal_text, problem_list
   use asperity_result_table, only: cell_whole, cell_word, of_positions, of_states, result_table
   use asperity_scene_inputs, only: input_file
@@ -33,8 +33,6 @@ module asperity_results_html
   integer, parameter :: most_rows = 500, most_points = 4000
   ! Curves of at most so many points show the values of each.
   integer, parameter :: most_dots = 200
-  ! Pixels of a plan along its longer side.
-  integer, parameter :: most_pixels = 256
 
 contains
 
@@ -52,7 +50,7 @@ contains
     call put_paragraphs(text%text(), '', buffer)
     call begin_section('summary', 'Summary', buffer)
     call put_totals(scene_in, results, warnings, buffer)
-    call end_section(buffer)
+    call buffer%line(end_of_section)
     if (size(results%positions) > 1) then
       call begin_section('positions', 'Positions', buffer)
       call put_positions(scene_in, results, buffer)
@@ -60,25 +58,25 @@ contains
       call begin_section('curves', 'Load and contact area', buffer)
       call put_states(scene_in, results, buffer)
     end if
-    call end_section(buffer)
+    call buffer%line(end_of_section)
     if (allocated(results%positions(1)%fields)) then
       call begin_section('fields', 'Pressure and gap', buffer)
       call put_fields(scene_in, results%positions(1)%fields, buffer)
-      call end_section(buffer)
+      call buffer%line(end_of_section)
     end if
     call begin_section('contacts', 'Plan of contacts', buffer)
     call put_plans(scene_in, results, buffer)
-    call end_section(buffer)
+    call buffer%line(end_of_section)
     call begin_section('effects', 'Effects', buffer)
     call put_effects(results, buffer)
     if (allocated(results%map)) then
       call write_map_table(results%map, .not. uses_samples(results), map_text)
       call put_lines('summits against the map', map_text%text(), buffer)
     end if
-    call end_section(buffer)
+    call buffer%line(end_of_section)
     call begin_section('origin', 'Input', buffer)
     call put_origin(scene_in, inputs, results, buffer)
-    call end_section(buffer)
+    call buffer%line(end_of_section)
     call end_page(buffer)
   end subroutine write_html
 
@@ -87,12 +85,7 @@ contains
     type(scene), intent(in) :: scene_in
     type(contact_field), intent(in) :: fields(:)
     type(text_buffer), intent(inout) :: buffer
-    character(len=*), parameter :: labels(2) = [character(len=30) :: &
-      'pressure in plan', 'gap in plan']
-    integer, parameter :: quantities(2) = [plan_of_pressure, plan_of_gap]
     character(len=20) :: units(2)
-    type(plan_drawing) :: drawing
-    integer :: i
 
     units = [character(len=20) :: unit_of(scene_in, is_length), unit_of(scene_in, is_pressure)]
     call buffer%line('<p>Pressure and gap of the deformed surfaces on the pixels, at the last ' // &
@@ -102,27 +95,11 @@ contains
                        'pressures of contacts: ' // &
                        escaped_text(parts_in_words(fields(size(fields)))) // '.</p>')
     call buffer%line('<div class="plots">')
-    do i = 1, size(quantities)
-      call draw_plan(fields(size(fields)), quantities(i), '', units, width_of_page, most_pixels, &
-                     drawing)
-      call write_svg(drawing, trim(labels(i)), .true., buffer)
-    end do
+    call draw_plan(fields(size(fields)), plan_of_pressure, 'pressure in plan', units, .false., &
+                   buffer)
+    call draw_plan(fields(size(fields)), plan_of_gap, 'gap in plan', units, .false., buffer)
     call buffer%line('</div>')
   end subroutine put_fields
-
-  ! A paragraph a line.
-  subroutine put_paragraphs(lines, attributes, buffer)
-    character(len=*), intent(in) :: lines, attributes
-    type(text_buffer), intent(inout) :: buffer
-    integer :: first, last
-
-    first = 1
-    do while (first <= len(lines))
-      last = first + index(lines(first:), new_line('a')) - 2
-      call buffer%line('<p' // attributes // '>' // escaped_text(lines(first:last)) // '</p>')
-      first = last + 2
-    end do
-  end subroutine put_paragraphs
 
   subroutine put_totals(scene_in, results, warnings, buffer)
     type(scene), intent(in) :: scene_in
@@ -150,7 +127,7 @@ contains
       end do
       call put_row(cells(:lines(i)%known + 1), buffer)
     end do
-    call end_table(buffer)
+    call buffer%line(end_of_table)
     if (errors_in_words(results) /= '') &
       call buffer%line('<p>' // errors_in_words(results) // '</p>')
     call write_remarks(scene_in, results, remarks)
@@ -233,8 +210,8 @@ contains
     type(svg_plot) :: plot
     integer :: every, i
 
-    call plot%begin_plot(name_y // ' against ' // name_x, axis_over(name_x, unit_x, x, .false.), &
-                    axis_over(name_y, unit_y, y, .false.), buffer)
+    plot%axes(:2) = [axis_over(name_x, unit_x, x, .false.), axis_over(name_y, unit_y, y, .false.)]
+    call plot%begin_plot(name_y // ' against ' // name_x, buffer)
     every = 1 + (size(x) - 1) / most_points
     associate (chosen => [(i, i = 1, size(x) - 1, every), size(x)])
       call plot%add_curve(x(chosen), y(chosen), buffer)
@@ -246,7 +223,7 @@ contains
                       ' ' // number_text(y(i)), buffer)
       end do
     end if
-    call plot%end_plot(buffer)
+    call buffer%line('</svg>')
   end subroutine put_plot
 
   ! Curves and table of the last states of all positions.
@@ -316,7 +293,7 @@ contains
       end do
       call put_row(cells(:size(columns)), buffer)
     end do
-    call end_table(buffer)
+    call buffer%line(end_of_table)
     if (table%rows > most_rows) &
       call buffer%line('<p>The first ' // decimal_text(most_rows) // ' of ' // &
                        decimal_text(table%rows) // ' ' // caption(:scan(caption // ',', ',') - 1) &
@@ -338,7 +315,7 @@ contains
       call buffer%line('<tr><th scope="row">' // escaped_text(inputs(i)%path) // '</th><td>' // &
                        inputs(i)%checksum // '</td></tr>')
     end do
-    call end_table(buffer)
+    call buffer%line(end_of_table)
     call put_paragraphs(scene_in%notes%text(), '', buffer)
     call put_lines('the scene', scene_in%text, buffer)
   end subroutine put_origin

@@ -1,23 +1,34 @@
-!> A drawing with two axes inside a page (SVG): curves, arrows, dots, circles, surfaces in plan.
-!> Colours are those of the page's style (`asperity_html_page`).
+!> The plotter: a drawing with two axes as SVG, inside a page or as a file of its own. It has
+!> curves, arrows, dots, circles, surfaces in plan, and values of pixels as colours.
+!> In a page colours are those of the page's style (`asperity_html_page`).
 module asperity_svg_plot
   use asperity_html_page, only: escaped_text
-  use asperity_kinds, only: real64
+  use asperity_kinds, only: not_computed, real64
   use asperity_number_format, only: number_text
+  use asperity_png_image, only: blank_colour, first_colour, image_address, last_colour, &
+                                missing_colour
   use asperity_text_buffer, only: text_buffer
+  use asperity_unit_names, only: with_unit
   implicit none
   private
 
-  public :: plot_axis, svg_plot, axis_over, round_step
+  public :: plot_axis, svg_plot, axis_over, side_of_plan
 
+  !> Longer side of a plan on a page, points.
+  integer, parameter :: side_of_plan = 300
   ! Frame and room around it in points. A letter has 13 of them: on the narrowest screens a drawing
   ! is as wide as a page, 360 points, and its letters are of the size of others.
-  integer, parameter :: width = 300, height = 200
-  integer, parameter :: left = 74, right = 26, above = 44, below = 42
-  ! Line below a plan with its scale bar, points.
-  integer, parameter :: bar_line = 24
-  ! Widths of letters and of the widest ones, points: a longer text is condensed to its room.
-  real(real64), parameter :: letter = 8.0_real64, wide_letter = 13.0_real64
+  real(real64), parameter :: diagram(2) = [300.0_real64, 200.0_real64]
+  integer, parameter :: left = 74, right = 26, above = 44, below = 42, line = 15
+  ! Least sides of a plan of pixels; room right of it, before, in and beside the colour bar.
+  real(real64), parameter :: least_side(2) = [200.0_real64, 76.0_real64]
+  integer, parameter :: beside = 18, bar = 16, numbers = 92, least_bar = 128
+  ! Line below a plan with its scale bar and each line of notes, points.
+  integer, parameter :: bar_line = 24, note_line = 20
+  ! A longer name of an axis takes two lines, the second one with its unit; a note breaks there.
+  integer, parameter :: longest_name = 26, longest_note = 40
+  ! A longer unit has no room beside the scale bar: it stands at the axes.
+  integer, parameter :: longest_unit = 8
   ! A span of values that are equal but for rounding shows no more of them than this share.
   real(real64), parameter :: least_span = 1.0e-3_real64
   ! Numbers beyond that have no room for a span.
@@ -44,20 +55,25 @@ module asperity_svg_plot
     logical :: is_log = .false.              !! decades are equally long; `low` is more than 0
   end type plot_axis
 
-  !> A drawing that is begun.
+  !> A drawing: its axes and sizes are set, then it begins.
   type :: svg_plot
-    type(plot_axis) :: across                !! to the right
-    type(plot_axis) :: up                    !! upwards
-    real(real64) :: frame(2) = 0.0_real64    !! its size in the drawing's points
+    type(plot_axis) :: axes(3)               !! to the right, upwards, of the colour bar
+    character(len=:), allocatable :: title   !! of a file of its own; not allocated: in a page
+    integer :: longest = 0                   !! longer side of a plan, points; 0: a diagram
+    integer :: notes = 0                     !! lines of notes below a plan
+    logical :: has_colours = .false.         !! it has pixels and a colour bar
+    real(real64) :: frame(2) = diagram       !! its size in the drawing's points
   contains
-    procedure :: begin_plot    !! frame and axes
-    procedure :: add_curve    !! points joined by straight lines
-    procedure :: add_arrows   !! direction of a curve that turns back
-    procedure :: add_dot      !! one point, with what it says
-    procedure :: add_circle   !! a circle of a true size
-    procedure :: add_surface  !! outline and summits of a surface in plan
-    procedure :: repeat_surface    !! the same surface, displaced
-    procedure :: end_plot   !! the end
+    procedure :: begin_plot      !! frame and axes
+    procedure :: add_curve       !! points joined by straight lines
+    procedure :: add_arrows      !! direction of a curve that turns back
+    procedure :: add_dot         !! one point, with what it says
+    procedure :: add_circle      !! a circle of a true size
+    procedure :: add_pixels      !! values as colours, with their colour bar
+    procedure :: add_marks       !! small dots of one path
+    procedure :: add_note        !! a line below a plan
+    procedure :: add_surface     !! outline and summits of a surface in plan
+    procedure :: repeat_surface  !! the same surface, displaced
   end type svg_plot
 
 contains
@@ -89,78 +105,129 @@ contains
     end if
   end function axis_over
 
-  !> Begins a drawing: frame, marks, names of the axes.
-  subroutine begin_plot(self, label, across, up, buffer, is_true, is_again)
-    class(svg_plot), intent(out) :: self          !! drawing that begins
+  !> Begins a drawing: frame, marks, names of the axes, a plan with a scale bar. Its axes, sizes and
+  !> title are set.
+  subroutine begin_plot(self, label, buffer, is_again)
+    class(svg_plot), intent(inout) :: self        !! drawing that begins
     character(len=*), intent(in) :: label         !! what it shows, for screen readers
-    type(plot_axis), intent(in) :: across         !! axis to the right
-    type(plot_axis), intent(in) :: up             !! the axis upwards
     type(text_buffer), intent(inout) :: buffer    !! gets the page
-    logical, intent(in), optional :: is_true      !! equal scales, with a scale bar
-    logical, intent(in), optional :: is_again     !! the axes are those of the first true drawing
-    character(len=:), allocatable :: name
-    integer :: foot
+    logical, intent(in), optional :: is_again     !! the axes are those of the first plan of a page
+    type(text_buffer) :: marks
+    character(len=:), allocatable :: names, sizes
+    real(real64) :: corner(2), room(2)
+    integer :: axis
 
-    self%across = across
-    self%up = up
-    self%frame = [width, height]
-    foot = below
-    if (present(is_true)) then
-      self%frame = [across%high - across%low, up%high - up%low] * &
-                   (width / max(across%high - across%low, up%high - up%low))
-      foot = below + bar_line
+    associate (spans => self%axes(:2)%high - self%axes(:2)%low)
+      if (self%longest > 0) self%frame = spans * (self%longest / maxval(spans))
+      if (self%has_colours) self%frame = max(self%frame, least_side)
+    end associate
+    corner = -real([left, above], real64)
+    room = self%frame + [left + right, above + below]
+    if (self%longest > 0) then
+      corner(2) = corner(2) - line
+      room(2) = room(2) + line + bar_line + note_line * self%notes
     end if
-    call buffer%line('<svg viewBox="' // point_text(-real(left, real64)) // ' ' // &
-                     point_text(-real(above, real64)) // ' ' // &
-                     point_text(real(left + right + width, real64)) // ' ' // &
-                     point_text(self%frame(2) + above + foot) // '" role="' // &
-                     trim(merge('group', 'img  ', present(is_true))) // '" aria-label="' // &
-                     escaped_text(label) // '">')
+    if (self%has_colours) room = max(room + [beside + bar + numbers - right, 0], &
+                                     [0.0_real64, real(above + least_bar + below, real64)])
+    do axis = 1, 2
+      call put_marks(self, axis, names, marks)
+      ! A name of two lines.
+      if (len(names) > longest_name) room(2) = room(2) + line
+      if (len(names) > longest_name .and. axis == 2) corner(2) = corner(2) - line
+      if (axis == 1) call put_name(names, self%frame + [0, 36], 'end', marks)
+      if (axis == 2) call put_name(names, [8.0_real64 - left, -16.0_real64 - &
+                                   merge(line, 0, len(names) > longest_name)], 'start', marks)
+    end do
+    sizes = point_text(room(1)) // ' ' // point_text(room(2))
+    call buffer%append('<svg viewBox="' // point_text(corner(1)) // ' ' // &
+                       point_text(corner(2)) // ' ' // sizes // '" role="' // &
+                       trim(merge('group', 'img  ', self%longest > 0)) // '" aria-label="' // &
+                       escaped_text(label) // '"')
+    if (allocated(self%title)) then
+      call buffer%line(' xmlns="http://www.w3.org/2000/svg" width="' // point_text(room(1)) // &
+                       '" height="' // point_text(room(2)) // '">')
+      call buffer%line('<style>text{font:13px sans-serif}.bar{stroke:black;fill:none}' // &
+                       '.grid{stroke:#ccc;fill:none}</style>')
+      call buffer%line('<rect' // place_attributes(corner) // &
+                       ' width="100%" height="100%" fill="white"/>')
+      call put_text(corner + [8, 18], 'start" style="font-weight:bold', &
+                    cut_text(self%title, int(room(1))), buffer)
+    else
+      call buffer%line('>')
+    end if
     if (present(is_again)) then
       if (is_again) then
         call buffer%line('<use href="#axes" aria-hidden="true"/>')
         return
       end if
     end if
-    call buffer%line('<g' // trim(merge(' id="axes"', '          ', present(is_true))) // &
-                     ' aria-hidden="true">')
-    call put_marks(self, 1, name, buffer)
-    call buffer%line('<text x="' // point_text(self%frame(1)) // '" y="' // &
-                     point_text(self%frame(2) + 36) // '" text-anchor="end"' // &
-                     fitted_length(name, self%frame(1) + left - 8) // '>' // escaped_text(name) // &
-                     '</text>')
-    call put_marks(self, 2, name, buffer)
-    call buffer%line('<text x="' // point_text(8.0_real64 - left) // '" y="-16"' // &
-                     fitted_length(name, real(left + right + width - 16, real64)) // '>' // &
-                     escaped_text(name) // '</text>')
-    call buffer%line('<rect class="grid" x="0" y="0" width="' // point_text(self%frame(1)) // &
-                     '" height="' // point_text(self%frame(2)) // '"/>')
-    if (present(is_true)) call put_bar(self, buffer)
+    call buffer%line('<g' // trim(merge(' id="axes"', '          ', self%longest > 0 .and. &
+                                        .not. self%has_colours)) // ' aria-hidden="true">')
+    call buffer%append_text(marks)
+    call put_frame([0.0_real64, 0.0_real64], self%frame, 'grid', buffer)
+    if (self%longest > 0) call put_bar(self, buffer)
     call buffer%line('</g>')
   end subroutine begin_plot
 
-  ! Numbers along one axis: decades, or multiples of 1, 2 or 5 times a power of ten. `name` gets
-  ! the quantity, an offset and a power of ten where the numbers would be long, and the unit.
+  ! A text; what follows its anchor may be further attributes.
+  subroutine put_text(place, anchor, text, buffer)
+    real(real64), intent(in) :: place(2)
+    character(len=*), intent(in) :: anchor, text
+    type(text_buffer), intent(inout) :: buffer
+
+    call buffer%line('<text' // place_attributes(place) // ' text-anchor="' // anchor // '">' // &
+                     escaped_text(text) // '</text>')
+  end subroutine put_text
+
+  ! The name of an axis: a long one has its unit in a second line.
+  subroutine put_name(name, place, anchor, buffer)
+    character(len=*), intent(in) :: name, anchor
+    real(real64), intent(in) :: place(2)
+    type(text_buffer), intent(inout) :: buffer
+    integer :: last
+
+    last = len(name)
+    if (last > longest_name .and. index(name, ' (') > 0) last = index(name, ' (')
+    call put_text(place, anchor, name(:last), buffer)
+    if (last < len(name)) call put_text(place + [0, line], anchor, name(last + 1:), buffer)
+  end subroutine put_name
+
+  ! The sides of a rectangle.
+  subroutine put_frame(corner, sides, style, buffer)
+    real(real64), intent(in) :: corner(2), sides(2)
+    character(len=*), intent(in) :: style
+    type(text_buffer), intent(inout) :: buffer
+
+    call buffer%line('<rect class="' // style // '"' // place_attributes(corner) // ' width="' // &
+                     point_text(sides(1)) // '" height="' // point_text(sides(2)) // '"/>')
+  end subroutine put_frame
+
+  ! Numbers along one axis or the colour bar: decades, or multiples of 1, 2 or 5 times a power of
+  ! ten. `name` gets the quantity, an offset and a power of ten where the numbers would be long, and
+  ! the unit.
   subroutine put_marks(self, which, name, buffer)
     class(svg_plot), intent(in) :: self
     integer, intent(in) :: which
     character(len=:), allocatable, intent(out) :: name
     type(text_buffer), intent(inout) :: buffer
     integer, parameter :: most = 16
-    character(len=:), allocatable :: at, unit
+    character(len=:), allocatable :: at, number, unit
     type(plot_axis) :: axis
-    real(real64) :: values(most), shown(most), step, offset
+    integer, parameter :: edges(3) = [1, 2, 2]
+    real(real64) :: values(most), shown(most), offset, place, step
     integer :: number_of_digits, k, marks, power
 
-    axis = self%across
-    if (which == 2) axis = self%up
+    axis = self%axes(which)
     offset = 0.0_real64
     marks = 0
     number_of_digits = 1
     if (axis%is_log) call list_decades(axis, values, marks)
-    if (marks < 2) then
-      step = round_step((axis%high - axis%low) / max(3, min(8, int(self%frame(which)) / &
-                                                               distance(which))))
+    if (.not. axis%high > axis%low) then
+      marks = 1
+      values(1) = axis%low
+    else if (marks < 2) then
+      step = round_step((axis%high - axis%low) / max(3, min(8, int(self%frame(edges(which))) / &
+                                                               distance(edges(which)))))
       number_of_digits = 2 + int(max(0.0_real64, log10(max(abs(axis%low), abs(axis%high)) / step)))
       marks = 0
       do k = 0, most - 1
@@ -182,27 +249,29 @@ contains
         power = max(-300, floor(log10(maxval(abs(shown(:marks))))))
     end do
     do k = 1, marks
-      at = point_text(place_of(self, which, values(k)))
-      if (which == 1) then
+      number = number_text(shown(k) / 10.0_real64**power, number_of_digits)
+      place = place_of(self, which, values(k))
+      at = point_text(place)
+      select case (which)
+      case (1)
         call buffer%append('<path class="grid" d="M' // at // ' 0V' // &
-                           point_text(self%frame(2)) // &
-                           '"/><text x="' // at // '" y="' // point_text(self%frame(2) + 17) // &
-                           '" text-anchor="middle">')
-      else
+                           point_text(self%frame(2)) // '"/>')
+        call put_text([place, self%frame(2) + 17], 'middle', number, buffer)
+      case (2)
         call buffer%append('<path class="grid" d="M0 ' // at // 'H' // &
-                           point_text(self%frame(1)) // &
-                           '"/><text x="-6" y="' // &
-                           point_text(place_of(self, 2, values(k)) + 4.5_real64) // &
-                           '" text-anchor="end">')
-      end if
-      call buffer%line(number_text(shown(k) / 10.0_real64**power, number_of_digits) // '</text>')
+                           point_text(self%frame(1)) // '"/>')
+        call put_text([-6.0_real64, place + 4.5_real64], 'end', number, buffer)
+      case default
+        call put_text([self%frame(1) + beside + bar + 6, place + 4.5_real64], 'start', number, &
+                      buffer)
+      end select
     end do
     name = trim(axis%name)
     if (abs(offset) > 0.0_real64) name = name // merge(' - ', ' + ', offset > 0.0_real64) // &
                                          number_text(abs(offset), 15)
     unit = trim(axis%unit)
     if (power /= 0) unit = trim(number_text(10.0_real64**power, 1) // ' ' // unit)
-    if (unit /= '') name = name // ' (' // unit // ')'
+    name = with_unit(name, unit)
   end subroutine put_marks
 
   ! Powers of ten within an axis; for less than two decades their doubles and fives, too.
@@ -225,9 +294,9 @@ contains
     end do
   end subroutine list_decades
 
-  !> The least of 1, 2, 5 times a power of ten that is not below a length.
+  ! The least of 1, 2, 5 times a power of ten that is not below a length.
   pure real(real64) function round_step(length) result(step)
-    real(real64), intent(in) :: length  !! more than 0
+    real(real64), intent(in) :: length
     integer, parameter :: steps(4) = [1, 2, 5, 10]
     integer :: k
 
@@ -242,39 +311,32 @@ contains
   subroutine put_bar(self, buffer)
     class(svg_plot), intent(in) :: self
     type(text_buffer), intent(inout) :: buffer
-    character(len=:), allocatable :: foot, name
-    real(real64) :: length, points
+    character(len=:), allocatable :: name
+    real(real64) :: foot, length, points
 
-    length = round_step((self%across%high - self%across%low) / 6)
-    points = length * (self%frame(1) / (self%across%high - self%across%low))
-    foot = point_text(self%frame(2) + below + 8)
-    name = trim(number_text(length, 1) // ' ' // self%across%unit)
-    if (self%across%unit == 'length') name = number_text(length, 1)
-    call buffer%line('<path class="bar" d="M0 ' // foot // 'v6m0-3h' // point_text(points) // &
-                     'm0-3v6"/><text x="' // point_text(points + 8) // '" y="' // &
-                     point_text(self%frame(2) + below + 15) // '"' // &
-                     fitted_length(name, width + right - points - 16) // '>' // &
-                     escaped_text(name) // '</text>')
+    associate (axis => self%axes(1))
+      length = round_step((axis%high - axis%low) / 6)
+      points = length * (self%frame(1) / (axis%high - axis%low))
+      foot = self%frame(2) + below + 8
+      name = number_text(length, 1)
+      if (axis%unit /= 'length' .and. len_trim(axis%unit) <= longest_unit) &
+        name = trim(name // ' ' // axis%unit)
+    end associate
+    call buffer%line('<path class="bar" d="M0 ' // point_text(foot) // 'v6m0-3h' // &
+                     point_text(points) // 'm0-3v6"/>')
+    call put_text([points + 8, foot + 7], 'start', name, buffer)
   end subroutine put_bar
 
-  ! Condenses a text that may be wider than its room.
-  pure function fitted_length(text, room) result(attribute)
+  ! A text in a room of so many points.
+  pure function cut_text(text, room) result(cut)
     character(len=*), intent(in) :: text
-    real(real64), intent(in) :: room
-    character(len=:), allocatable :: attribute
-    real(real64) :: needed
-    integer :: i
+    integer, intent(in) :: room
+    character(len=:), allocatable :: cut
+    integer, parameter :: widest_letter = 8
 
-    needed = 0.0_real64
-    do i = 1, len(text)
-      ! A letter has one byte that does not continue it (UTF-8).
-      if (iachar(text(i:i)) < 128 .or. iachar(text(i:i)) > 191) &
-        needed = needed + merge(wide_letter, letter, scan(text(i:i), 'MWmw%@') > 0)
-    end do
-    attribute = ''
-    if (needed > room) &
-      attribute = ' textLength="' // point_text(room) // '" lengthAdjust="spacingAndGlyphs"'
-  end function fitted_length
+    cut = text
+    if (len(cut) > room / widest_letter) cut = cut(:room / widest_letter - 3) // '...'
+  end function cut_text
 
   !> Points joined by straight lines.
   subroutine add_curve(self, x, y, buffer)
@@ -364,25 +426,114 @@ contains
     character(len=*), intent(in) :: text        !! text that names it
     logical, intent(in) :: stops                !! with the keyboard, too
     type(text_buffer), intent(inout) :: buffer  !! gets the page
-    character(len=:), allocatable :: drawn
+    integer :: last
 
-    drawn = '<circle cx="' // point_text(place_of(self, 1, x)) // '" cy="' // &
-            point_text(place_of(self, 2, y)) // '" r="' // &
-            number_text(max(least_radius, radius * &
-                         (self%frame(1) / (self%across%high - self%across%low))), 3) // &
-            '"><title>' // escaped_text(text) // '</title></circle>'
-    if (stops) then
-      call buffer%line('<g class="patch" tabindex="0" role="img" aria-label="' // &
-                       escaped_text(text) // &
-                       '">' // drawn // '<text class="note" x="' // &
-                       point_text(8.0_real64 - left) // &
-                       '" y="-31"' // fitted_length(text, real(left + right + width - 16, &
-                                                               real64)) // &
-                       '>' // escaped_text(text) // '</text></g>')
-    else
-      call buffer%line(drawn)
-    end if
+    if (stops) call buffer%append('<g class="patch" tabindex="0" role="img" aria-label="' // &
+                                  escaped_text(text) // '">')
+    call buffer%line('<circle cx="' // point_text(place_of(self, 1, x)) // '" cy="' // &
+                     point_text(place_of(self, 2, y)) // '" r="' // &
+                     number_text(max(least_radius, radius * self%frame(1) / &
+                                     (self%axes(1)%high - self%axes(1)%low)), 3) // &
+                     '"><title>' // escaped_text(text) // '</title></circle>')
+    if (.not. stops) return
+    last = len(text)
+    if (last > longest_note) last = index(text(:longest_note), ', ', back=.true.)
+    call put_text(real([8 - left, -31 - line], real64), 'start" class="note', text(:last), buffer)
+    if (last < len(text)) &
+      call put_text(real([8 - left, -31], real64), 'start" class="note', text(last + 2:), buffer)
+    call buffer%line('</g>')
   end subroutine add_circle
+
+  !> Values of pixels as colours over the whole frame, and the colour bar with its numbers.
+  subroutine add_pixels(self, values, has_blank, buffer)
+    class(svg_plot), intent(in) :: self         !! plan with a third axis
+    real(real64), intent(in) :: values(:, :)    !! by x and y; `not_computed` where not measured
+    logical, intent(in) :: has_blank            !! a value of 0 has no colour
+    type(text_buffer), intent(inout) :: buffer  !! gets the drawing
+    character(len=:), allocatable :: name
+    integer :: colour(size(values, 1), size(values, 2)), i, j
+
+    associate (low => self%axes(3)%low, high => self%axes(3)%high)
+      do j = 1, size(values, 2)
+        do i = 1, size(values, 1)
+          associate (at => colour(i, size(values, 2) + 1 - j), value => values(i, j))
+            at = first_colour
+            if (high > low) at = first_colour + nint((last_colour - first_colour) * &
+                                                     ((min(max(value, low), high) - low) / &
+                                                      (high - low)))
+            if (has_blank .and. .not. abs(value) > 0.0_real64) at = blank_colour
+            if (.not. value > not_computed) at = missing_colour
+          end associate
+        end do
+      end do
+    end associate
+    call put_image([0.0_real64, 0.0_real64], self%frame, colour, buffer)
+    associate (corner => [self%frame(1) + beside, 0.0_real64], &
+               sides => [real(bar, real64), bar_height(self)])
+      call put_image(corner, sides, reshape([(i, i=last_colour, first_colour, -1)], &
+                                            [1, last_colour - first_colour + 1]), buffer)
+      call put_marks(self, 3, name, buffer)
+      call put_name(name, [self%frame(1) + beside + bar + numbers - 8, -16.0_real64 - &
+                           merge(line, 0, len(name) > longest_name)], 'end', buffer)
+    end associate
+  end subroutine add_pixels
+
+  ! An image with a frame; each of its pixels is a rectangle of one colour.
+  subroutine put_image(corner, sides, colour, buffer)
+    real(real64), intent(in) :: corner(2), sides(2)
+    integer, intent(in) :: colour(:, :)
+    type(text_buffer), intent(inout) :: buffer
+
+    call buffer%append('<image' // place_attributes(corner) // ' width="' // &
+                       point_text(sides(1)) // '" height="' // point_text(sides(2)) // &
+                       '" preserveAspectRatio="none" style="image-rendering:pixelated" href="')
+    call buffer%append(image_address(colour))
+    call buffer%line('"/>')
+    call put_frame(corner, sides, 'bar', buffer)
+  end subroutine put_image
+
+  ! Height of the colour bar, points.
+  pure real(real64) function bar_height(self)
+    class(svg_plot), intent(in) :: self
+
+    bar_height = max(self%frame(2), real(least_bar, real64))
+  end function bar_height
+
+  !> Small dots of one path.
+  subroutine add_marks(self, x, y, diameter, buffer)
+    class(svg_plot), intent(in) :: self         !! plot that has axes
+    real(real64), intent(in) :: x(:)            !! values across, unit of the axis
+    real(real64), intent(in) :: y(:)            !! values upwards, as many
+    integer, intent(in) :: diameter             !! of a dot, points
+    type(text_buffer), intent(inout) :: buffer  !! gets the drawing
+    integer :: i
+
+    call buffer%append('<path fill="none" stroke="#d02020" stroke-linecap="round" ' // &
+                       'stroke-width="' // number_text(real(diameter, real64)) // '" d="')
+    do i = 1, size(x)
+      call buffer%append('M' // point_text(place_of(self, 1, x(i))) // ' ' // &
+                         point_text(place_of(self, 2, y(i))) // 'h0')
+    end do
+    call buffer%line('"/>')
+  end subroutine add_marks
+
+  !> A line below a plan, behind a square of its colour where it explains one.
+  subroutine add_note(self, number, text, buffer, colour)
+    class(svg_plot), intent(in) :: self               !! plan with such lines
+    integer, intent(in) :: number                     !! of the line, from 1
+    character(len=*), intent(in) :: text              !! text of one line
+    type(text_buffer), intent(inout) :: buffer        !! gets the drawing
+    character(len=*), intent(in), optional :: colour  !! name of the colour
+    real(real64) :: place(2)
+
+    place = [0.0_real64, self%frame(2) + below + bar_line + note_line * number - 8]
+    if (present(colour)) then
+      call buffer%append('<rect stroke="black" fill="' // colour // '"' // &
+                         place_attributes(place - [0, 11]) // ' width="12" height="12"/>')
+      place(1) = place(1) + 18
+    end if
+    call put_text(place, 'start', text, buffer)
+  end subroutine add_note
 
   !> Outline and summits of a surface in plan.
   subroutine add_surface(self, name, points, buffer)
@@ -424,37 +575,29 @@ contains
     type(text_buffer), intent(inout) :: buffer  !! gets the page
     real(real64) :: points(2)
 
-    points = shift * self%frame / [self%across%high - self%across%low, self%up%high - self%up%low]
+    points = shift * self%frame / (self%axes(:2)%high - self%axes(:2)%low)
     call buffer%line('<use href="#' // name // '" transform="translate(' // &
                      point_text(points(1)) // &
                      ' ' // point_text(-points(2)) // ')" aria-hidden="true"/>')
   end subroutine repeat_surface
 
-  !> The end of a drawing.
-  subroutine end_plot(self, buffer)
-    class(svg_plot), intent(in) :: self         !! plot that has axes
-    type(text_buffer), intent(inout) :: buffer  !! gets the page
-
-    if (self%frame(1) > 0.0_real64) call buffer%line('</svg>')
-  end subroutine end_plot
-
   ! Where a value stands in the drawing; its y grows downwards.
-  pure real(real64) function place_of(self, which, value) result(place_text)
+  pure real(real64) function place_of(self, which, value) result(place)
     class(svg_plot), intent(in) :: self
     integer, intent(in) :: which
     real(real64), intent(in) :: value
-    type(plot_axis) :: axis
 
-    axis = self%across
-    if (which == 2) axis = self%up
-    place_text = min(max(value, axis%low), axis%high)
-    if (axis%is_log) then
-      place_text = log(place_text / axis%low) / log(axis%high / axis%low)
-    else
-      place_text = (place_text - axis%low) / (axis%high - axis%low)
-    end if
-    place_text = place_text * self%frame(which)
-    if (which == 2) place_text = self%frame(2) - place_text
+    associate (low => self%axes(which)%low, high => self%axes(which)%high, &
+               sides => [self%frame, bar_height(self)])
+      place = min(max(value, low), high)
+      if (self%axes(which)%is_log) then
+        place = log(place / low) / log(high / low)
+      else if (high > low) then
+        place = (place - low) / (high - low)
+      end if
+      place = place * sides(which)
+      if (which > 1) place = sides(which) - place
+    end associate
   end function place_of
 
   ! A place with two decimals.
@@ -464,5 +607,12 @@ contains
 
     text = number_text(anint(100 * value) / 100, 6)
   end function point_text
+
+  pure function place_attributes(place) result(text)
+    real(real64), intent(in) :: place(2)
+    character(len=:), allocatable :: text
+
+    text = ' x="' // point_text(place(1)) // '" y="' // point_text(place(2)) // '"'
+  end function place_attributes
 
 end module asperity_svg_plot

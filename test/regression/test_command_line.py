@@ -44,7 +44,7 @@ def run(asperity, tmp_path):
 @pytest.mark.parametrize("words, option", [
     (("solve", "--curve", "a", "--curve", "b", "s"), "--curve"),
     (("solve", "--threads=1", "--threads", "2", "s"), "--threads"),
-    (("solve", "--picture", "a.png", "--picture", "b.svg", "s"), "--picture"),
+    (("solve", "--picture", "a.svg", "--picture", "b.svg", "s"), "--picture"),
     (("summits", "--unit", "um", "--unit", "um", "m"), "--unit"),
     (("generate", "--surface", "1", "--surface", "2", "s"), "--surface"),
     (("--tables", "13", "--tables", "all", "d"), "--tables")])

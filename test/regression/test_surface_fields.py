@@ -102,7 +102,7 @@ def test_one_sphere_against_hertz(asperity, tmp_path):
 
 def test_spacing_is_needed(asperity, tmp_path):
     scene = plane_scene(tmp_path, [(0.0, 0.0, 1.0, R)], side=None)
-    for option in ("--fields=f.vti", "--picture=f.png", "--histogram=f.csv"):
+    for option in ("--fields=f.vti", "--picture=f.svg", "--histogram=f.csv"):
         told = run(asperity, scene, option, status=2).stderr
         assert "expected field_spacing, the side of a pixel, in &surfaces" in told
     assert "field_spacing: found '0.0', expected" in run(
