@@ -16,8 +16,9 @@ module asperity_map_patches
     real(real64) :: y = 0.0_real64                 !! likewise
     real(real64) :: load = 0.0_real64              !! on it
     real(real64) :: area = 0.0_real64              !! of its pixels, corrected at the rim
-    real(real64) :: rim = 0.0_real64               !! correction of the area, where not bounded
+    real(real64) :: rim = 0.0_real64               !! correction by all sides of its rim
     real(real64) :: highest = 0.0_real64           !! of its pressures, mean over a sample
+    real(real64) :: mean = 0.0_real64              !! load over area, at most the highest
     real(real64) :: top = -huge(1.0_real64)        !! its highest sample
     integer :: samples = 0                         !! how many
     integer :: across(2) = 0                       !! first and last column; beyond the end where
@@ -27,9 +28,10 @@ module asperity_map_patches
   ! Pixels over-estimate an area by this fraction of a pixel for each side between a pressed and an
   ! open pixel, as the rim of the patch passes somewhere between their centres (Yastrebov, Anciaux
   ! and Molinari, Tribol. Int. 114 (2017) 161, eq. 2). It is a mean over smooth rims at which the
-  ! pressure falls to 0. At the edge of a free map and at missing pixels the body ends, and at the
-  ! hardness the pressure does not fall: such sides are no rim. On patches of few pixels the mean
-  ! does not hold: their area is at least the load over the greatest pressure.
+  ! pressure falls to 0. At the edge of a free map and at missing pixels the body ends: such sides
+  ! are no rim. With a hardness the area of a pixel is at least its force over the hardness: nothing
+  ! is taken from pixels at the hardness. Under a growing load no pixel opens and no pressure falls
+  ! (Barber, Quart. J. Mech. Appl. Math. 27 (1974) 1), so that no area of a pixel falls either.
   real(real64), parameter :: rim_of_samples = (pi - 1.0_real64 + log(2.0_real64)) / 24.0_real64
 
   ! Pixels: above the error of a centre of pressure when gaps are closed to 1e-10 of the range of
@@ -77,7 +79,6 @@ contains
         associate (patch => patches(n))
           patch%x = centre_of(1, patch%x / patch%load)
           patch%y = centre_of(2, patch%y / patch%load)
-          patch%area = max(patch%samples - patch%rim, patch%load / patch%highest)
         end associate
       end do
     end do
@@ -85,6 +86,7 @@ contains
     patches%load = patches%load * product(map%pixel_spacing)
     patches%area = patches%area * product(map%pixel_spacing)
     patches%rim = patches%rim * product(map%pixel_spacing)
+    patches%mean = min(patches%load / patches%area, patches%highest)
     if (present(spot)) call move_alloc(label, spot)
 
   contains
@@ -97,13 +99,14 @@ contains
       integer, value :: across, along
       type(map_patch), intent(inout) :: patch
       integer, parameter :: step(2, 4) = reshape([1, 0, -1, 0, 0, 1, 0, -1], [2, 4])
+      real(real64) :: least, rim
       integer :: k, next(2), place(2), winding(2)
-      logical :: is_elastic
 
       deep = deep - 1
       place = wrapped_pixel(across, along)
-      is_elastic = .true.
-      if (present(hardness)) is_elastic = pressure(place(1), place(2)) < hardness
+      rim = 0.0_real64
+      least = 0.0_real64
+      if (present(hardness)) least = pressure(place(1), place(2)) / hardness
       associate (p => pressure(place(1), place(2)))
         patch%samples = patch%samples + 1
         patch%load = patch%load + p
@@ -119,8 +122,7 @@ contains
         if (any(next < 1 .or. next > shape(pressure))) cycle
         winding = ([across, along] + step(:, k) - next) / shape(pressure)
         if (.not. pressure(next(1), next(2)) > 0.0_real64) then
-          if (is_elastic .and. is_measured(map%height(next(1), next(2)))) &
-            patch%rim = patch%rim + rim_of_samples
+          if (is_measured(map%height(next(1), next(2)))) rim = rim + rim_of_samples
         else if (label(next(1), next(2)) == 0) then
           deep = deep + 1
           stack(:, deep) = [across, along] + step(:, k)
@@ -130,6 +132,8 @@ contains
           spans = spans .or. windings(:, next(1), next(2)) /= winding
         end if
       end do
+      patch%area = patch%area + max(1.0_real64 - rim, least)
+      patch%rim = patch%rim + rim
     end subroutine take_pixel
 
     pure function wrapped_pixel(across, along) result(place)

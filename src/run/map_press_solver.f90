@@ -258,8 +258,8 @@ contains
     integer :: i
 
     do i = 1, size(patches)
-      call look_at_pressure(self%limits, patches(i)%load / patches(i)%area, &
-                            patches(i)%highest / peak, patches(i)%load, warnings)
+      call look_at_pressure(self%limits, patches(i)%mean, patches(i)%highest / peak, &
+                            patches(i)%load, warnings)
     end do
   end subroutine warn_of_patches
 
@@ -308,7 +308,7 @@ contains
         row%slope = 0.0_real64
         row%load = patch%load
         row%vertical_load = patch%load
-        row%average_pressure = min(patch%load / patch%area, patch%highest)
+        row%average_pressure = patch%mean
         row%maximum_pressure = patch%highest
         row%penetration = patch%top - answer%level
         row%limit_exceeded = is_patch_at_limit(self%limit, row%load, row%average_pressure, &

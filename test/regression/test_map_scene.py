@@ -47,12 +47,12 @@ def load_for(height, sides, share):
 
 
 def patch_areas(pressure, sides, periodic, hardness=np.inf):
-    """Areas of the patches: pixels less .118 for each side between a pixel below the hardness and a
-    measured one out of contact (Yastrebov et al. 2017), at least the load over the greatest
-    pressure. A free map has no rim at its edge; nan is a missing pixel."""
+    """Areas of the patches: of a pixel 1 less .118 for each side to a measured one out of contact
+    (Yastrebov et al. 2017), at least its pressure over the hardness. A free map has no rim at its
+    edge; nan is a missing pixel."""
     around = np.pad(pressure, 1, mode="wrap" if periodic else "edge")
     rim = sum(np.roll(around, shift, axis)[1:-1, 1:-1] == 0 for shift in (1, -1) for axis in (0, 1))
-    rim = np.where(pressure < hardness, rim * (np.pi - 1 + np.log(2)) / 24, 0.0)
+    of_pixel = np.maximum(1 - rim * (np.pi - 1 + np.log(2)) / 24, pressure / hardness)
     todo, areas = set(zip(*np.nonzero(pressure > 0))), []
     while todo:
         patch = [todo.pop()]
@@ -63,9 +63,7 @@ def patch_areas(pressure, sides, periodic, hardness=np.inf):
                 if near in todo:
                     todo.remove(near)
                     patch.append(near)
-        there = tuple(zip(*patch))
-        p = pressure[there]
-        areas.append(max(len(patch) - rim[there].sum(), p.sum() / p.max()))
+        areas.append(of_pixel[tuple(zip(*patch))].sum())
     return np.array(areas) * np.prod(sides)
 
 
