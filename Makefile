@@ -62,7 +62,7 @@ bench:
 	  --html docs/accuracy-thesis.html)
 else ifeq ($(PART),maps)
 bench:
-	@bash .ci/setup build test figures
+	@bash .ci/setup build test
 	@.venv/bin/python test/bench/map_area.py $(if $(SAVE),--save,--realisations 3)
 else ifeq ($(PART),search)
 bench:
@@ -92,8 +92,8 @@ bench: ## time and memory; SAVE=1 keeps them, SMALL=1; PART=search|maps|interact
 endif
 
 figures: ## draw the pictures in docs/figures anew
-	@bash .ci/setup build test figures
-	@bash .ci/figures
+	@bash .ci/setup build test
+	@exe=$$(bash .ci/build release) && .venv/bin/python docs/figures/draw.py "$$exe"
 
 fuzz: ## random decks, scenes and command lines (MINUTES=10); faults are kept in build/fuzz
 	@bash .ci/setup build test

@@ -81,7 +81,7 @@ FIRST = re.compile(r"(?:^|(?<=[.:;!?] ))(Of|Nor|Or|What|So who)\b (?![^.!?]*\?)"
 ANYWHERE = re.compile(r"\b(whoever|foretell|foretold|nobody|who bears|told|tells|press less)\b",
                       re.IGNORECASE)
 # Text files beside pages and sources, which are read for these words alone.
-OTHER_TEXTS = (".h", ".html", ".ipynb", ".json", ".gp", ".scene", ".toml", ".svg")
+OTHER_TEXTS = (".h", ".html", ".ipynb", ".json", ".scene", ".toml", ".svg")
 
 # Headings of sections that are questions or sentences.
 HEADING = re.compile(r"##+ (.*\?$|(How|What|When|Where|Which|Who|Why|So|If|It|They)\b)")

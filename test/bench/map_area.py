@@ -21,8 +21,8 @@ import csv
 import datetime
 import math
 import os
-import shutil
 import subprocess
+import sys
 import tempfile
 import time
 from pathlib import Path
@@ -119,11 +119,9 @@ def main():
              "\n".join(lines) + "\n")
     for path in [f"build/{name}", f"reference_output/bench/{name}"][:1 + words.save]:
         (ROOT / path).write_text(table, encoding="ascii")
-    if shutil.which("gnuplot"):
-        subprocess.run(["gnuplot", "-e", f"kind = 'png'; table = '{ROOT}/build/{name}'; "
-                        f"out = '{ROOT}/build/map-area.png'", "map-area.gp"],
-                       cwd=ROOT / "docs/figures", check=True)
-        print("build/map-area.png")
+    if words.save:
+        subprocess.run([sys.executable, "docs/figures/draw.py", exe, "map-area"], cwd=ROOT,
+                       check=True)
 
 
 if __name__ == "__main__":

@@ -2,7 +2,7 @@
 
     python test/support/stability.py EXECUTABLE FILE
 
-writes a CSV for docs/figures/stability.gp: case, condition, arithmetic, formula, the largest
+writes a CSV for the figure stability: case, condition, arithmetic, formula, the largest
 relative error of the totals of all positions compared. The truth is that of the decimal numbers of
 the scene, so rounding them to the arithmetic is part of the error. Cases are left out where they
 are refused, where nothing is borne, and the sweeps of ten thousand positions and more.
@@ -21,7 +21,7 @@ from mpmath import mp
 from programs import run_program
 
 FORMULAS = ("stable", "original")
-# What an operation may lose. docs/figures/stability.gp draws it.
+# What an operation may lose. docs/figures/draw.py draws it.
 ROUNDOFF = {"real64": 2.0 ** -53}
 LONG = ("positions_ten_thousand", "positions_a_million")
 # Decimal digits of the truth: the smallest penetration compared is 1e-147 of the lengths.

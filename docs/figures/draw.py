@@ -1,0 +1,630 @@
+"""Draws docs/figures/*.svg from runs of the program, by matplotlib.
+
+    python docs/figures/draw.py EXE [NAME ...]     # all figures, or some, as fig10 fig11
+
+The runs write CSV files into build/figures. `work_precision` has times of the machine that draws
+it; a file build/figures/accuracy.csv that is there already is used.
+"""
+
+import csv
+import subprocess
+import sys
+from math import erf, exp, pi, sqrt
+from pathlib import Path
+
+import matplotlib
+import numpy as np
+
+matplotlib.use("svg")
+import matplotlib.pyplot as plt
+from matplotlib.colors import LinearSegmentedColormap
+from matplotlib.patches import Circle, Rectangle
+
+FOLDER = Path(__file__).resolve().parent
+ROOT = FOLDER.parents[1]
+DATA = ROOT / "build/figures"
+EFFECTS = ROOT / "data/examples/effects"
+KEPT = ROOT / "reference_output"
+# Paul Tol's high-contrast colours, safe for the colour-blind and in grey.
+BLUE, YELLOW, RED, INK, GREY = "#004488", "#DDAA33", "#BB5566", "#222222", "#888888"
+PALETTE = LinearSegmentedColormap.from_list("loads", [
+    "#FDE725", "#90D743", "#35B779", "#21918C", "#31688E", "#443983", "#440154"])
+INCH = 2.54
+STYLE = {"font.size": 10.5, "axes.spines.top": False, "axes.spines.right": False,
+         "axes.edgecolor": "#666666", "axes.grid": True, "grid.color": "#DDDDDD",
+         "grid.linewidth": 0.6, "axes.axisbelow": True, "lines.linewidth": 1.8,
+         "legend.edgecolor": "none", "legend.framealpha": 0.9, "svg.hashsalt": "asperity",
+         "figure.constrained_layout.use": True, "xtick.color": "#333333",
+         "ytick.color": "#333333", "lines.markersize": 4}
+PRINTED = {"marker": "o", "fillstyle": "none", "color": INK, "linestyle": "none",
+           "markersize": 6, "markeredgewidth": 0.9}
+FIGURES = {}
+
+
+def figure(height, rows=1, columns=1, **options):
+    """Registers a drawing procedure of a figure of a height in units of 1/100 of 8 inches."""
+    def register(draw):
+        def make():
+            canvas, axes = plt.subplots(rows, columns, figsize=(8, height / 100), **options)
+            draw(canvas, *np.atleast_1d(axes).flat)
+            return canvas
+        FIGURES[draw.__name__] = make
+        return draw
+    return register
+
+
+def table(path, **chosen):
+    """Columns of a CSV file by name; an empty field is not a number. `chosen`: words of rows."""
+    with open(path, newline="", encoding="ascii") as file:
+        rows = list(csv.DictReader(line for line in file if not line.startswith("#")))
+    rows = [row for row in rows if all(row[name] == word for name, word in chosen.items())]
+
+    def column(name):
+        try:
+            return np.array([float(row[name] or "nan") for row in rows])
+        except ValueError:
+            return np.array([row[name] for row in rows])
+    return {name: column(name) for name in rows[0]}
+
+
+def run(executable, *words):
+    done = subprocess.run([executable, *map(str, words)], cwd=ROOT, capture_output=True, text=True)
+    if done.returncode:
+        sys.exit(done.stderr)
+    return done.stdout
+
+
+def solve_scenes(executable, wanted):
+    """Runs what the figures need."""
+    DATA.mkdir(parents=True, exist_ok=True)
+    scenes = ROOT / "docs/figures/scenes"
+    for position in (13, 55, 56):
+        run(executable, "solve", scenes / f"position_{position}.scene", "--quiet", "--curve",
+            DATA / f"curve_{position}.csv", "--contacts", DATA / f"contacts_{position}.csv")
+    for name in ("coupled", "boundary", "friction"):
+        run(executable, "solve", scenes / f"{name}.scene", "--quiet", "--positions",
+            DATA / f"{name}.csv")
+    for name in ("press", "press_samples"):
+        run(executable, "solve", f"data/examples/summits/{name}.scene", "--quiet", "--curve",
+            DATA / f"{name}.csv")
+    run(executable, "solve", "data/examples/thesis.scene", "--quiet", "--positions",
+        DATA / "sweep.csv")
+    run(executable, "solve", scenes / "pair.scene", "--quiet", "--curve", DATA / "pair.csv")
+    run(executable, "solve", "data/examples/csv_surfaces.scene", "--quiet", "--positions",
+        DATA / "slide.csv")
+    run(executable, "generate", "data/examples/generate/thesis.spec", "--output",
+        DATA / "generated.deck")
+    if "representative-area" in wanted:
+        run(executable, "study", "data/examples/study/thesis.spec", "--quiet", "--csv",
+            DATA / "area_study.csv")
+    if "work_precision" in wanted and not (DATA / "accuracy.csv").exists():
+        run(executable, "accuracy", "data/thesis.deck", "--csv", DATA / "accuracy.csv")
+    if "stability" in wanted:
+        subprocess.run([sys.executable, ROOT / "test/support/stability.py", executable,
+                        DATA / "stability.csv"], cwd=ROOT, check=True)
+    (DATA / "report.txt").write_text(run(executable, "data/thesis.deck"), encoding="ascii")
+
+
+# ------------------------------------------------------------------ the thesis
+
+def three_curves(axes, name, column):
+    """A quantity against load at three displacements, with the totals that the thesis prints."""
+    for position, letter, colour, width in ((13, "a", YELLOW, 3), (55, "b", RED, 2.2),
+                                            (56, "c", BLUE, 1.4)):
+        curve = table(DATA / f"curve_{position}.csv")
+        axes.plot(curve["load"], curve[name], color=colour, linewidth=width,
+                  label=f"x = {position / 10} cm",
+                  drawstyle="steps-post" if name == "contacts" else "default")
+        printed = table(KEPT / f"thesis/table_vii{letter}.csv")
+        number, last, touch = 0, 0.0, None
+        points = []
+        for kind, separation, area, load, label in zip(*(printed[key] for key in (
+                "kind", "approach", "area", "load", "area_no"))):
+            separation = float(separation) if separation not in ("", "?") else np.nan
+            if kind == "contact":
+                number, last = float(label), separation
+                touch = separation if touch is None else touch
+            elif kind == "total" and float(str(load).strip("?") or 0) > 0:
+                area = str(area)
+                points.append((float(load), {"contacts": number, "compression": touch - last,
+                                             "area": np.nan if "?" in area else float(area)}[name]))
+        axes.plot(*np.array(points).T, **PRINTED,
+                  label="printed in the thesis" if position == 56 else None)
+    axes.set(xlabel="Total load (N)", ylabel=column)
+
+
+@figure(460)
+def fig10(_, axes):
+    three_curves(axes, "contacts", "Contacts")
+    axes.set(xlim=(0, 1500), ylim=(0, 9), yticks=range(10))
+    axes.legend(loc="lower right")
+
+
+def logarithmic(axes, low, high, ticks):
+    axes.set(xscale="log", yscale="log", xlim=(1, 2000), ylim=(low, high), xticks=(
+        1, 10, 100, 1000), xticklabels=("1", "10", "100", "1000"))
+    axes.set_yticks(ticks, [f"{tick:g}" for tick in ticks])
+    axes.legend(loc="upper left")
+
+
+@figure(520)
+def fig11(_, axes):
+    three_curves(axes, "compression", "Compression (cm)")
+    logarithmic(axes, 2e-4, 2e-2, (2e-4, 5e-4, 1e-3, 2e-3, 5e-3, 1e-2, 2e-2))
+
+
+@figure(520)
+def fig12(_, axes):
+    three_curves(axes, "area", "Contact area (cm²)")
+    logarithmic(axes, 5e-4, 0.2, (5e-4, 1e-3, 2e-3, 5e-3, 1e-2, 2e-2, 5e-2, 0.1, 0.2))
+
+
+def summits(deck):
+    """Upper and lower summits of a deck, x, y and height in inches: NU in columns 1-5 of card 2."""
+    lines = Path(deck).read_text(encoding="ascii").splitlines()
+    upper = int(lines[1][:5])
+    rows = np.array([[float(line[k:k + 6]) for k in (0, 6, 12)] for line in lines[4:]
+                     if line[:6].strip()])
+    return rows[:upper], rows[upper:]
+
+
+@figure(760, 2, 3, gridspec_kw={"height_ratios": [1.25, 1], "width_ratios": [1, 1, 0.35]})
+def fig28(canvas, *panels):
+    """The thesis gives surfaces of 3 in x 8 in and 3 in x 4 in on models 3.455 in wide. The margin
+    at their ends is taken to be that at their sides."""
+    for panel in (panels[0], panels[1], panels[2], panels[5]):
+        panel.remove()
+    width = 3.455 * INCH
+    margin = (width - 3 * INCH) / 2
+    shift = 5.6
+    upper, lower = summits(ROOT / "data/thesis.deck")
+    contacts = table(DATA / "contacts_56.csv")
+    last = contacts["step"] == contacts["step"].max()
+    places = ((7.52, 7.55, "a"), (9.92, 2.17, "b"))
+    whole = canvas.add_subplot(panels[0].get_gridspec()[0, :])
+    for axes in (whole, panels[3], panels[4]):
+        axes.grid(False)
+        axes.set_aspect("equal")
+        axes.spines[:].set_visible(True)
+        axes.add_patch(Rectangle((0, 0), 8 * INCH + 2 * margin, width, facecolor="#F3F3F3",
+                                 edgecolor="#777777"))
+        axes.add_patch(Rectangle((shift, 0), 4 * INCH + 2 * margin, width, facecolor="#DCE6F2",
+                                 edgecolor=BLUE))
+        large = 1 if axes is whole else 3
+        for x, y, area, load in zip(*(contacts[key][last] for key in ("x", "y", "area", "load"))):
+            axes.add_patch(Circle((x, y), sqrt(area / pi), facecolor=PALETTE(load / 300),
+                                  edgecolor=INK if axes is whole else "white", linewidth=0.5))
+            if axes is not whole:
+                axes.text(x, y, f"{load:.0f} N", ha="center", va="center", fontsize=8, clip_on=True,
+                          color="white" if load > 120 else "black")
+        axes.plot(lower[:, 0] * INCH, width - lower[:, 1] * INCH, ".", color="#777777",
+                  markersize=3 * large, label="lower summits")
+        axes.plot(upper[:, 0] * INCH + shift, upper[:, 1] * INCH, "+", color=BLUE,
+                  markersize=4 * large, markeredgewidth=0.8, label="upper summits")
+    whole.plot([], [], "o", color="#35B779", label="contacts, to scale")
+    whole.legend(loc="lower center", bbox_to_anchor=(0.5, 1), ncols=3)
+    whole.text(0.3, 0.4, "lower model", color="#555555")
+    whole.text(shift + 0.3, 0.4, "upper model, moved by 5.6 cm", color=BLUE)
+    whole.set(xlim=(-0.3, 21.8), ylim=(-0.3, 9.1), xlabel="x (cm)", ylabel="y (cm)")
+    for axes, (x, y, name) in zip(panels[3:5], places):
+        whole.add_patch(Rectangle((x - 0.35, y - 0.35), 0.7, 0.7, fill=False, edgecolor=INK))
+        whole.text(x + 0.45, y, name)
+        axes.set(xlim=(x - 0.35, x + 0.35), ylim=(y - 0.35, y + 0.35), title=name, xlabel="x (cm)")
+    panels[3].set_ylabel("y (cm)")
+    scale = plt.cm.ScalarMappable(matplotlib.colors.Normalize(0, 300), PALETTE)
+    canvas.colorbar(scale, ax=panels[4], label="Load of a contact (N)")
+
+
+@figure(760)
+def report_head(canvas, axes):
+    """The first page of Table VIIA, on the paper of a line printer: pale bars of two lines, the
+    holes of the edges every half inch of three lines."""
+    page = next(page for page in (DATA / "report.txt").read_text(encoding="ascii").split("\f")
+                if any(line.endswith(" TABLE VIIA") for line in map(str.rstrip, page.split("\n"))))
+    lines = [line.rstrip()[7:] for line in page.strip("\n").split("\n")]
+    while not lines[-1]:
+        lines.pop()
+    pitch, strip, wide = 17, 36, 800
+    tall = pitch * (len(lines) + 4)
+    canvas.set_size_inches(8, tall / 100)
+    canvas.set_layout_engine("none")
+    axes.set_position((0, 0, 1, 1))
+    axes.set(xlim=(0, wide), ylim=(tall, 0))
+    axes.axis("off")
+    for first in range(0, len(lines), 4):
+        axes.add_patch(Rectangle((strip, (2 + first) * pitch), wide - 2 * strip, 2 * pitch,
+                                 color="#E6F2E8", linewidth=0))
+    for x in (strip / 2, wide - strip / 2):
+        for y in np.arange(1.5 * pitch, tall, 3 * pitch):
+            axes.add_patch(Circle((x, y), 5, facecolor="#E4E4E4", edgecolor="#BBBBBB"))
+    for x in (strip, wide - strip):
+        axes.axvline(x, color="#CCCCCC", linewidth=0.6, linestyle=":")
+    for number, line in enumerate(lines):
+        axes.text(strip + 6, (2.5 + number) * pitch, line, family="monospace", fontsize=8.1,
+                  va="center", color=INK)
+
+
+@figure(460)
+def interaction(_, axes):
+    """Load of the contacts together over that of isolated contacts. Positions with overlapping
+    contact circles are named."""
+    truth = table(KEPT / "boundary/factors.csv")
+    coupled, boundary = table(DATA / "coupled.csv"), table(DATA / "boundary.csv")
+    axes.axhline(1, color="#999999", linestyle=":", label="isolated contacts")
+    axes.plot(coupled["x_displacement"], coupled["factor"], "o", color=YELLOW, label="coupled")
+    axes.plot(boundary["x_displacement"], boundary["factor"], "o", color=RED, fillstyle="none",
+              markersize=7, label="boundary elements")
+    axes.plot(truth["position"] / 10, truth["factor"], "x", color=INK,
+              label="independent evaluation")
+    for position, factor, circles in zip(truth["position"], truth["factor"],
+                                         truth["overlapping_circles"]):
+        if circles > 0:
+            axes.annotate(f"{position:.0f}", (position / 10, factor), (7, -3),
+                          textcoords="offset points")
+    axes.set(xlabel="Displacement (cm)", xlim=(0, 10.1), ylim=(0.74, 1.02),
+             ylabel="Load with interaction / load of isolated contacts")
+    axes.legend(loc="center", bbox_to_anchor=(0.4, 0.42))
+
+
+@figure(460)
+def friction(_, axes):
+    rows = table(DATA / "friction.csv")
+    lateral = np.hypot(rows["rig_force_x"], rows["rig_force_y"]) / rows["vertical_load"]
+    axes.plot(rows["x_displacement"], 100 * lateral, "o", color=RED, fillstyle="none",
+              markersize=6, label="lateral force on the fixture")
+    axes.plot(rows["x_displacement"], 100 * rows["friction_influence"], "o", color=BLUE,
+              label="vertical load added by friction, coefficient 0.1")
+    axes.set(xlabel="Displacement (cm)", ylabel="Share of the vertical load (%)", xlim=(0, 10.1),
+             ylim=(0, 11))
+    axes.legend(loc="upper right")
+
+
+@figure(440)
+def gallery_sweep(_, axes):
+    rows = table(DATA / "sweep.csv")
+    axes.plot(rows["x_displacement"], rows["load"], color=BLUE, label="load")
+    axes.plot([], [], color=YELLOW, label="contacts")
+    axes.set(xlabel="Displacement of the upper model (cm)", ylabel="Load at the limit (N)",
+             xlim=(0, 10.1), ylim=(0, 1500))
+    other = axes.twinx()
+    other.grid(False)
+    other.spines.right.set_visible(True)
+    other.step(rows["x_displacement"], rows["contacts"], color=YELLOW, where="post")
+    other.set(ylim=(0, 42), yticks=range(0, 9, 2))
+    other.set_ylabel("Contacts", y=0.1)
+    axes.legend(loc="upper left")
+
+
+# ------------------------------------------------------------------ effects
+
+@figure(480)
+def adhesion(_, axes):
+    """The models of the thesis in gelatine."""
+    curve = table(EFFECTS / "gelatine.curve.csv")
+    for first, style in ((0, {"color": BLUE, "label": "loading"}),
+                         (100, {"color": RED, "label": "unloading"}),
+                         (200, {**PRINTED, "markersize": 3, "label": "reloading"})):
+        part = (curve["step"] > first) & (curve["step"] <= first + 101)
+        axes.plot(curve["separation"][part], 1000 * curve["load"][part], **style)
+    axes.axhline(0, color="#666666", linewidth=0.8)
+    axes.set(xlabel="Separation (cm), decreasing", ylabel="Load (mN)", xlim=(0.302, 0.259),
+             ylim=(-12.5, 7.5))
+    axes.legend(loc="upper left")
+
+
+@figure(440)
+def creep(_, axes):
+    """Polymethyl methacrylate held for ten minutes: share r of the load that relaxes, time tau."""
+    held = table(EFFECTS / "ten_minutes.curve.csv")
+    stopped = table(EFFECTS / "ten_minutes_approach.curve.csv")
+    share, tau = 0.8, 100.0
+    time = np.linspace(0, 610, 300)
+    axes.plot(held["time"], held["area"] / held["area"][0], color=YELLOW,
+              label="load held: contact area")
+    axes.plot(held["time"], held["compression"] / held["compression"][0], color=RED,
+              label="load held: compression")
+    single = [(1 / share - (1 / share - 1) * exp(-share * t / tau))**(2 / 3) for t in time]
+    axes.plot(time, single, ":", color=INK, linewidth=1, label="both, for a single contact")
+    axes.plot(stopped["time"], stopped["load"] / stopped["load"][0], color=BLUE,
+              label="separation held: load")
+    axes.set(xlabel="Time since loading (s)", ylabel="Value over that at the end of loading",
+             xlim=(0, 610), ylim=(0.78, 1.2))
+    axes.legend(loc="center right")
+
+
+@figure(480)
+def hysteresis(_, axes):
+    """Steps 2 to 41 go up, 42 to 81 down, and so on; at `limit` the first contact is at its."""
+    cycle, elastic = (table(EFFECTS / f"{name}.curve.csv") for name in ("cycle", "cycle_elastic"))
+    limit = 1.372
+    axes.plot([0, 0.0295], [limit, limit], ":", color="#999999")
+    axes.text(0.03, limit, "first contact at its limit", color="#555555", va="center")
+    axes.plot(elastic["compression"], elastic["load"] / 1000, "--", color="#999999",
+              label="elastic: loading and unloading")
+    for k in range(6):
+        part = (cycle["step"] > 40 * k) & (cycle["step"] <= 40 * k + 41)
+        axes.plot(cycle["compression"][part], cycle["load"][part] / 1000,
+                  color=(BLUE, RED)[k % 2], label=("plastic: loading", "unloading")[k] if k < 2
+                  else None)
+    axes.set(xlabel="Compression (cm)", ylabel="Load (kN)", xlim=(0, 0.052), ylim=(0, 12.6))
+    axes.legend(loc="upper left")
+
+
+@figure(460)
+def plasticity(_, axes):
+    """A ball past its elastic limit: load and area over those of Hertz at the same overlap."""
+    overlap, force, area = 1.1090941284170878e-4, 3.470072092352658e-4, 3.484321965974697e-4
+    curve = table(EFFECTS / "steel.curve.csv")
+    first = curve["compression"] > np.r_[-1, np.maximum.accumulate(curve["compression"])[:-1]]
+    first &= curve["compression"] > 0
+    x = curve["compression"][first] / overlap
+    axes.axvspan(1.9, 6, color="#F0F0F0")
+    axes.text(3.38, 0.29, "joined", color="#666666", ha="center")
+    axes.axhline(1, color="#999999", linestyle=":", label="Hertz")
+    axes.plot(x, curve["area"][first] / area / x, color=YELLOW, label="area")
+    axes.plot(x, curve["load"][first] / force / x**1.5, color=BLUE, label="load")
+    fit = np.geomspace(6, 110, 50)
+    axes.plot(fit, 1.40 * fit**1.263 / fit**1.5, "--", color=RED, label="load, Kogut and Etsion")
+    axes.set(xscale="log", xlim=(1, 130), ylim=(0.25, 2.2), ylabel="Load, area / those of Hertz",
+             xlabel="Overlap / overlap at first yield")
+    ticks = (1, 1.9, 3, 6, 10, 20, 50, 100)
+    axes.set_xticks(ticks, [f"{tick:g}" for tick in ticks])
+    axes.set_xticks([], minor=True)
+    axes.legend(loc="upper left")
+
+
+@figure(420)
+def gallery_index(_, axes):
+    """The surface of Greenwood and Williamson at a plasticity index of 0.92."""
+    curve = table(EFFECTS / "index_092.curve.csv")
+    axes.plot(curve["load"] / 400, curve["contacts"], "o-", color=BLUE)
+    axes.set(xlabel="Load per summit (N)", ylabel="Summits in contact, of 400", ylim=(0, 400))
+    axes.set_xlim(left=0)
+
+
+@figure(420)
+def gallery_limit(_, axes):
+    """One pair of summits past its limit."""
+    for name, colour, label in (
+            ("beyond_limit", BLUE, "auto: plastic from 1.5 times the limit load on"),
+            ("beyond_limit_hertz", YELLOW, "Hertz")):
+        curve = table(EFFECTS / f"{name}.curve.csv")
+        axes.plot(curve["load"], curve["area"], "o-", color=colour, label=label)
+    axes.set(xlabel="Load (N)", ylabel="Contact area (cm²)", xlim=(0, 2950))
+    axes.set_ylim(bottom=0)
+    axes.legend(loc="upper left")
+
+
+@figure(420)
+def gallery_pair(_, axes):
+    """Radii 5 and 10, one modulus of 200e3 and Poisson's ratio 0.3 for both, and Hertz by hand."""
+    pair = table(DATA / "pair.csv")
+    radius, modulus = 1 / (1 / 5 + 1 / 10), 200e3 / (2 * (1 - 0.3**2))
+    x = np.linspace(0, 0.0105, 100)
+    axes.plot(x, 4 / 3 * modulus * sqrt(radius) * x**1.5, color=YELLOW, linewidth=5, label="Hertz")
+    axes.plot(pair["compression"], pair["load"], "o-", color=BLUE, label="asperity")
+    axes.set(xlabel="Compression (unit of length of the scene)", xlim=(0, 0.0105),
+             ylabel="Load (unit of force of the scene)")
+    axes.set_ylim(bottom=0)
+    axes.legend(loc="upper left")
+
+
+@figure(420)
+def gallery_surfaces(_, axes):
+    """Two surfaces of five asperities each under one load, with the number of contacts."""
+    slide = table(DATA / "slide.csv")
+    axes.plot(slide["x_displacement"], slide["separation"], "o-", color=BLUE)
+    for x, y, number in zip(slide["x_displacement"], slide["separation"], slide["contacts"]):
+        axes.annotate(f"{number:.0f}", (x, y), (0, 6), textcoords="offset points", ha="center",
+                      color="#555555")
+    axes.margins(y=0.15)
+    axes.set(xlabel="Displacement of the upper surface (mm)",
+             ylabel="Separation of the reference planes (mm)")
+
+
+# ------------------------------------------------------------------ maps and statistics
+
+@figure(370)
+def gallery_generated(canvas, axes):
+    """A random pair of models: the summits of both in plan."""
+    upper, lower = summits(DATA / "generated.deck")
+    heights = np.r_[upper[:, 2], lower[:, 2]]
+    for rows, marker, label in ((lower, "o", "lower model"), (upper, "^", "upper model")):
+        points = axes.scatter(rows[:, 0], rows[:, 1], 26, rows[:, 2], cmap=PALETTE, marker=marker,
+                              vmin=heights.min(), vmax=heights.max(), label=label)
+    canvas.colorbar(points, label="Height (in)", shrink=0.8)
+    axes.set(xlabel="x (in)", ylabel="y (in)", xlim=(-0.1, 8.1), ylim=(-0.1, 3.1), aspect="equal")
+    axes.legend(loc="lower center", bbox_to_anchor=(0.5, 1), ncols=2)
+
+
+@figure(460, 1, 2)
+def how_good(_, left, right):
+    """Summits and theories against the pixels of fifteen maps: medians."""
+    for number, (name, label) in enumerate((
+            ("contact", "summits, coupled"), ("plain", "plain summits"),
+            ("alone", "isolated summits"), ("half", "half resolution"),
+            ("greenwood_williamson", "Greenwood, Williamson"),
+            ("bush_gibson_thomas", "Bush, Gibson, Thomas"), ("persson", "Persson"))):
+        rows = table(KEPT / "bench/maps.csv", way=name)
+        style = {"color": (BLUE, RED, YELLOW, INK, GREY, GREY, GREY)[number],
+                 "marker": "oooo*sx"[number],
+                 "linestyle": ("-", "--", ":", "-.")[max(0, number - 3)]}
+        left.plot(100 * rows["share"], rows["error_median"], **style)
+        right.plot(100 * rows["share"], rows["area_median"], **style, label=label)
+    for axes in (left, right):
+        axes.set(xlabel="Area fraction (%)", xscale="log", xlim=(0.2, 30))
+        axes.set_xticks((0.3, 1, 3, 10, 20), ("0.3", "1", "3", "10", "20"))
+        axes.set_xticks([], minor=True)
+    left.set(yscale="log", ylim=(0.01, 10), ylabel="Error of separation (rms heights)")
+    right.set(ylim=(0.6, 2), ylabel="Area over that of the pixels")
+    right.legend(loc="upper right", fontsize=9)
+
+
+@figure(420)
+def map_area(_, axes):
+    """Contact area over pressure of random height maps, in units of modulus and rms slope."""
+    x = np.geomspace(9e-4, 0.35, 200)
+    axes.axhline(sqrt(2 * pi), color=GREY, linestyle="--")
+    axes.plot(x, [erf(sqrt(2) * p) / p for p in x], ":", color=INK)
+    for name, colour in (("pixels_periodic", BLUE), ("pixels_free", "#66AADD"),
+                         ("summits_coupled", RED), ("summits_off", YELLOW)):
+        rows = table(KEPT / "bench/map_area.csv", method=name)
+        axes.plot(rows["pressure"], rows["area_fraction"] / rows["pressure"], "o-", color=colour)
+    for x, y, text, colour in (
+            (0.0011, 2.54, "Bush, Gibson and Thomas, small pressures", "#666666"),
+            (0.0011, 1.53, "Persson", INK), (0.012, 2.03, "summits, interacting", RED),
+            (0.07, 1.86, "pixels, periodic", BLUE), (0.0135, 1.70, "pixels, free edge", "#4488BB"),
+            (0.0035, 1.5, "summits, isolated", "#AA7711")):
+        axes.text(x, y, text, color=colour)
+    axes.set(xscale="log", xlim=(9e-4, 0.35), ylim=(1.2, 2.7),
+             xlabel="Nominal pressure / (contact modulus × rms slope)",
+             ylabel="Area fraction / (pressure / (modulus × slope))")
+
+
+@figure(400, 1, 2)
+def map_curves(_, left, right):
+    """A map under a flat: its summits and its pixels."""
+    for axes, name, label in ((left, "area_fraction", "Area fraction"),
+                              (right, "separation", "Separation (µm)")):
+        pixels, spheres = table(DATA / "press_samples.csv"), table(DATA / "press.csv")
+        axes.plot(pixels["nominal_pressure"], pixels[name], **PRINTED, label="pixels")
+        axes.plot(spheres["nominal_pressure"], spheres[name], color=BLUE, label="summits")
+        axes.set(xlabel="Nominal pressure (MPa)", ylabel=label, xlim=(0, 205))
+        axes.legend(loc="upper left" if axes is left else "upper right")
+    left.set_ylim(0, 0.13)
+    right.set_ylim(-0.15, 0.35)
+
+
+@figure(360)
+def scan_size(_, axes):
+    """A map with a free edge against the size of the scan."""
+    rows = table(KEPT / "bench/scan_size.csv")
+    axes.plot(rows["side"], rows["mean_gap"], "o-", color=BLUE, label="mean gap")
+    axes.plot(rows["side"], rows["separation"], "o-", color=RED,
+              label="separation of the reference planes")
+    axes.set(xscale="log", xlim=(0.9, 17.5), ylim=(-7.5, 1.5), ylabel="Length / rms height",
+             xlabel="Side of the scan / roll-off wavelength")
+    axes.set_xticks((1, 2, 4, 8, 16), ("1", "2", "4", "8", "16"))
+    axes.set_xticks([], minor=True)
+    axes.legend(loc="lower left")
+
+
+@figure(640, 2, 1, sharex=True)
+def representative_area(_, above, below):
+    """Sections of the thesis' design: means and spread against their size."""
+    sizes = (4.4, 8.8, 17.6, 28, 44, 70, 112)
+    for name, label, shift, colour in (("load", "load", 1.05, YELLOW),
+                                       ("area", "contact area", 1, RED),
+                                       ("contacts", "contacts", 0.952, BLUE)):
+        rows = table(DATA / "area_study.csv", quantity=name)
+        above.errorbar(shift * rows["size"], rows["mean"] / rows["integral"],
+                       rows["standard_error"] / rows["integral"], fmt="o", color=colour,
+                       elinewidth=1.2, capsize=3)
+        below.plot(rows["size"], 100 * rows["deviation"] / rows["integral"], "o", color=colour,
+                   label=label)
+    above.axhline(1, color=INK, linestyle="--", linewidth=1)
+    above.text(0.02, 0.92, "bars: standard error", color="#666666", transform=above.transAxes)
+    above.set(xscale="log", ylim=(0.95, 1.07), ylabel="mean / integral")
+    x = np.array([3.6, 140])
+    below.plot(x, 932 / x, "--", color=INK, linewidth=1, label="1/side")
+    below.axvline(8.8, color="#999999", linewidth=1)
+    below.text(9.2, 3.6, "thesis, upper plate", color="#666666")
+    below.set(xlabel="Side of a section (cm)", yscale="log", xlim=(3.6, 140), ylim=(3, 300),
+              ylabel="standard deviation of a section\n(% of the integral)")
+    below.set_xticks(sizes, [f"{size:g}" for size in sizes])
+    below.set_xticks([], minor=True)
+    below.set_yticks((3, 10, 30, 100, 300), ("3", "10", "30", "100", "300"))
+    below.legend(loc="upper right")
+
+
+@figure(480)
+def stability(_, axes):
+    """Condition number against error over the hard cases. An operation loses half a unit of the
+    last place at most."""
+    edge, least = 1e19, 2e-18
+    condition = np.geomspace(0.5, 1e20, 100)
+    axes.plot(condition, 2.0**-53 * condition, color="#999999", linewidth=1.5,
+              label="condition times roundoff")
+    for formula, style in (("original", {"fillstyle": "none", "markersize": 6}),
+                           ("stable", {"markersize": 4})):
+        rows = table(DATA / "stability.csv", formula=formula, arithmetic="real64")
+        axes.plot(np.where(rows["condition"] < 1e18, rows["condition"], edge),
+                  np.maximum(rows["error"], least), "o", color=BLUE, label=f"{formula} overlap",
+                  **style)
+    ticks = [10.0**k for k in range(0, 17, 4)]
+    axes.set(xscale="log", yscale="log", xlim=(0.5, 1e20), ylim=(1e-18, 1e3),
+             xlabel="Condition number", ylabel="Largest relative error of a total")
+    axes.set_xticks([*ticks, edge], [f"$10^{{{k}}}$" for k in range(0, 17, 4)] + ["more"])
+    axes.set_xticks([], minor=True)
+    axes.legend(loc="upper left")
+
+
+@figure(560)
+def work_precision(canvas, axes):
+    """Error of the totals against time for each position: all methods of `asperity accuracy`. The
+    sweep has 100 positions."""
+    rows = table(DATA / "accuracy.csv")
+    time, error = 1e4 * rows["seconds"], rows["error_max"]
+    words = rows["method"]
+    drawn = (error > 0) & (time > 0)
+    colours = {"ibm370": RED, "real32": YELLOW, "real64": BLUE, "real128": INK}
+    original = np.array(["original program" in word for word in words])
+    neighbours = drawn & (rows["family"] == "neighbours")
+    steps = drawn & np.isin(rows["family"], ("arithmetic", "steps")) & ~original & \
+        (rows["overlap"] == "stable") & (rows["arithmetic"] == "real64")
+    front = drawn & (rows["front"] == 1)
+    order = np.argsort(time[front])
+    axes.plot(time[front][order], error[front][order], "--", color=INK, linewidth=1,
+              label="Pareto front")
+    axes.plot(time[neighbours], error[neighbours], "o", color=BLUE, label="interaction")
+    axes.plot(time[steps], error[steps], "^", color=BLUE, markersize=5, label="steps, isolated")
+    for name, colour in colours.items():
+        chosen = drawn & original & (rows["arithmetic"] == name)
+        axes.plot(time[chosen], error[chosen], "s", color=colour,
+                  label=f"original program, {name}")
+    for k in np.flatnonzero(neighbours):
+        # The option to type; below its point where a neighbour is above.
+        option = next((text + words[k][skip:] for key, text, skip in (
+            ("isolated", "off", 99), ("coupled", "coupled", 99), ("auto", "auto, ", 16),
+            ("boundary", "boundary, ", 19)) if key in words[k]), "")
+        axes.annotate(option, (time[k], error[k]), (6, -10 if "0.003" in words[k] else 5),
+                      textcoords="offset points", fontsize=8, color="#333333")
+    for level, text, place in (
+            (rows["own_error_max"][rows["family"] == "input"].max(),
+             "half a digit of the heights", 1.3),
+            (rows["error_estimate"][rows["reference"] == 1].max(),
+             "estimated error of the reference", 0.6)):
+        axes.axhline(level, color="#999999", linestyle=":")
+        axes.text(1.8e5, place * level, text, ha="right", fontsize=8, color="#666666")
+    axes.set(xscale="log", yscale="log", xlim=(1.5, 2e5), ylim=(1e-5, 10),
+             xlabel="Run time for each position (µs)",
+             ylabel="Largest relative error of the load over all positions")
+    canvas.legend(loc="outside right upper")
+
+
+def main(executable, *names):
+    drawn = {name.replace("_", "-") if name.split("_")[0] in (
+        "gallery", "how", "map", "scan", "representative") else name: make
+        for name, make in FIGURES.items()}
+    pictures = {"pressure-map": ("solve", "data/examples/summits/press_samples.scene"),
+                "summits": ("summits", "data/examples/summits/smooth.sdf")}
+    names = names or (*drawn, *pictures)
+    unknown = set(names) - {*drawn, *pictures}
+    if unknown:
+        sys.exit(f"no figure {', '.join(sorted(unknown))}; there are {', '.join(drawn)}")
+    solve_scenes(executable, names)
+    plt.rcParams.update(STYLE)
+    for name in names:
+        path = FOLDER / f"{name}.svg"
+        if name in pictures:
+            run(executable, *pictures[name], "--quiet", "--picture", path)
+            continue
+        canvas = drawn[name]()
+        canvas.savefig(path, metadata={"Date": None})
+        if "--png" in sys.argv:
+            canvas.savefig(DATA / f"{name}.png", dpi=80)
+        plt.close(canvas)
+
+
+if __name__ == "__main__":
+    main(*(word for word in sys.argv[1:] if not word.startswith("--")))
