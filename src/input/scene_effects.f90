@@ -135,7 +135,6 @@ contains
       if (.not. checked%map%periodic) return
       if (count(checked%effects%modes /= effect_off) > merge(1, 0, has_hardness(checked))) &
         why = 'the other effects are computed for asperities, not for the pixels of a periodic map'
-      if (checked%loading%control == control_limit) why = 'patches of pixels merge under load'
     end if
   end function why_not
 

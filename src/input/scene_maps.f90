@@ -17,7 +17,8 @@ module asperity_scene_maps
   use asperity_problems, only: decimal_text, problem_list, real_text
   use asperity_scene_fields, only: scene_fields
   use asperity_scene_values, only: control_limit, effect_auto, effect_boundary, effect_coupled, &
-                                   effect_off, effect_words, scene, scene_surface, solves_pixels
+                                   effect_off, effect_words, has_hardness, scene, &
+                                   scene_surface, solves_pixels
   implicit none
   private
 
@@ -243,6 +244,7 @@ contains
   subroutine check_map_scene(fields, checked)
     type(scene_fields), intent(inout) :: fields  !! the scene's text
     type(scene), intent(in) :: checked           !! all groups are read
+    character(len=:), allocatable :: text
     integer :: i, mode
     logical :: others(size(known_effects))
 
@@ -269,10 +271,13 @@ contains
     if (.not. solves_pixels(checked)) return
     call fields%refuse_name('surfaces', 'field_spacing', 'found beside a map that is solved ' // &
                             'on its pixels, expected none: the fields are on the pixels')
-    if (checked%loading%control == control_limit) &
-      call fields%complain_of_group('loading', 'patches of pixels merge under load: found ' // &
-           'control = ''limit'' or none, expected ''separation'', ''load'', ''vertical_load'' ' // &
-           'or ''pressure''')
+    if (checked%loading%control == control_limit) then
+      text = 'patches of pixels merge under load: found control = ''limit'' or none, expected ' // &
+             '''separation'', ''load'', ''vertical_load'' or ''pressure'''
+      if (.not. has_hardness(checked)) &
+        text = text // ', or interaction = ''off'' in &effects, which closes isolated summits'
+      call fields%complain_of_group('loading', text)
+    end if
     others = checked%effects%modes /= effect_off .and. &
              known_effects%name /= 'interaction' .and. known_effects%name /= 'plasticity'
     if (any(others)) &

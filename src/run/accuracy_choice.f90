@@ -18,7 +18,7 @@ module asperity_accuracy_choice
 
   public :: run_errors, check_left_out, choose_hertz_contacts, choose_model, error_text, &
             errors_of_run, first_tolerance, influence_left_out, may_use_elements, next_tolerance, &
-            report_method, total_error
+            report_method, suggested_accuracy, total_error
 
   ! Smallest relative error for which boundary elements are chosen: areas are not more accurate.
   ! With finer elements the estimates 1.9e-3 and 9.3e-4 in two scenes of steep pairs were less than
@@ -181,6 +181,13 @@ contains
 
     total_error = max(errors%model, errors%area) + errors%arithmetic + errors%load
   end function total_error
+
+  !> Accuracy that a run with these errors has, with room for two digits.
+  pure real(real64) function suggested_accuracy(errors)
+    type(run_errors), intent(in) :: errors   !! errors of a run
+
+    suggested_accuracy = 1.05_real64 * total_error(errors)
+  end function suggested_accuracy
 
   !> First tolerance of boundary elements: their error estimate is about as large.
   pure real(real64) function first_tolerance(accuracy) result(first)

@@ -3,15 +3,15 @@ module asperity_solve
   use asperity_accuracy_choice, only: check_left_out, choose_hertz_contacts, choose_model, &
                                       error_text, errors_of_run, first_tolerance, &
                                       may_use_elements, next_tolerance, report_method, &
-                                      run_errors, total_error
+                                      run_errors, suggested_accuracy, total_error
   use asperity_decimal, only: decimal_to_real64
   use asperity_kinds, only: real64
   use asperity_map_solve, only: solve_map
   use asperity_numeral, only: rounded_decimal
-  use asperity_problems, only: problem_list
+  use asperity_problems, only: problem_list, real_text
   use asperity_run_options, only: check_options, run_options
   use asperity_scene_results, only: scene_results
-  use asperity_scene_values, only: by_default, by_word, effect_off, scene
+  use asperity_scene_values, only: by_default, by_word, effect_boundary, effect_off, scene
   use asperity_surface_fields, only: solve_with_fields
   use asperity_surface_solve, only: has_effects
   !$ use omp_lib, only: omp_get_max_threads, omp_set_num_threads
@@ -121,6 +121,13 @@ contains
         return
       end if
       best = error_text(errors_of_run(chosen, results)) // ' with interaction = ''coupled'''
+    end if
+    if (chosen%effects%mode('interaction') == effect_boundary .and. .not. allocated(unsolved)) then
+      failure = 'no method has this accuracy; the pixels of the map have ' // best // &
+                ': expected a map of finer pixels'
+      if (suggested_accuracy(errors) < 1.0_real64) failure = failure // ', or --accuracy ' // &
+        real_text(suggested_accuracy(errors), 'es7.1') // ' or more'
+      return
     end if
     failure = 'no method has this accuracy; the most accurate one has ' // best
     if (scene_in%effects%mode('interaction') /= effect_off .and. .not. allocated(unsolved)) &

@@ -185,7 +185,8 @@ def test_the_reference_of_flow(asperity, tmp_path):
 @pytest.mark.parametrize("kind", PROMISED)
 def test_the_promise(kind, asked, asperity):
     """`solve --accuracy E` has it, or says what can be had: some of the scenes of promise_judge.
-    The pixels of rough maps have larger errors, by their size: refused with this figure."""
+    The pixels of rough maps have larger errors, by their size: refused with this figure, and
+    what a refusal suggests is solved to it."""
     solved = 0
     for number in (1, 2, 3):
         verdict = judge(asperity, kind, number, asked)
@@ -196,6 +197,7 @@ def test_the_promise(kind, asked, asperity):
         if kind == "map":
             errors = re.findall(r"(?:separations|areas) of ([-+.\dE]+)", verdict.message)
             assert verdict.status == (max(map(float, errors), default=0.0) > float(asked))
+            assert bool(verdict.suggested) == (max(map(float, errors), default=1.0) < 0.95)
     assert solved or kind in ("dense", "many", "map")
 
 

@@ -176,12 +176,17 @@ def test_a_periodic_map(asperity, tmp_path):
     off = solve(asperity, map_scene(tmp_path, 90.0, interaction="off"), contacts=False)
     assert "the estimated error is above the tolerance" in off.stderr
     assert influence_warned_of(off) > 0.1
-    # Without a default that could be computed: summits without interaction, with a warning.
-    limit = map_scene(tmp_path, 90.0)
-    limit.write_text(re.sub("&loading.*", "&limit criterion = 'load', value = 1. /",
-                            limit.read_text()))
-    done = solve(asperity, limit, contacts=False)
-    assert "interaction is left out" in done.stderr and row_of(done)["limit_reached"] == "1"
+    # Pixels have no limit: refused, also without a word on interaction; its suggestion works.
+    for effects in ({}, {"interaction": "off"}):
+        limit = map_scene(tmp_path, 90.0, **effects)
+        limit.write_text(re.sub("&loading.*", "&limit criterion = 'load', value = 1. /",
+                                limit.read_text()))
+        done = solve(asperity, limit, contacts=False)
+        if effects:
+            assert done.status == 0 and row_of(done)["limit_reached"] == "1"
+            assert "the estimated error is above the tolerance" in done.stderr
+        else:
+            assert done.status == 2 and "or interaction = 'off' in &effects" in done.stderr
     # Beside another effect that is on interaction is left out, also where its default is written.
     for mode in ({}, {"interaction": "auto"}):
         done = solve(asperity, map_scene(tmp_path, 90.0, **mode, adhesion="on",

@@ -405,11 +405,17 @@ def test_summits_of_a_periodic_map_are_not_solved(asperity, tmp_path):
     run = command(asperity, tmp_path, "solve", "m.scene")
     assert run.returncode == 2
     assert "without its images: found 'coupled', expected 'boundary' or 'auto'" in run.stderr
-    asked = text.replace("'boundary'", "'auto'").replace("'pressure', value = 0.5", "'limit'")
-    (tmp_path / "m.scene").write_text(asked + "&limit criterion = 'load', value = 1 /\n")
+    limit = text.replace("'pressure', value = 0.5", "'limit'") \
+        + "&limit criterion = 'load', value = 1 /\n"
+    for mode in ("'boundary'", "'auto'"):
+        (tmp_path / "m.scene").write_text(limit.replace("'boundary'", mode))
+        run = command(asperity, tmp_path, "solve", "m.scene")
+        assert run.returncode == 2
+        assert "patches of pixels merge under load" in run.stderr
+        assert "or interaction = 'off' in &effects" in run.stderr
+    (tmp_path / "m.scene").write_text(limit.replace("'boundary'", "'off'"))
     run = command(asperity, tmp_path, "solve", "m.scene", "--positions", "p.csv")
     assert run.returncode == 0
-    assert "note: interaction is left out: patches of pixels merge under load" in run.stderr
     # The error of the summits is that against the pixels at this separation.
     row, = records(tmp_path / "p.csv")
     (tmp_path / "m.scene").write_text(text.replace("'pressure', value = 0.5",
