@@ -38,6 +38,7 @@ module asperity_contact_effect
   !> Outcome of one effect in one state: its change of the state, and the values of its columns.
   type, extends(effect_record) :: effect_outcome
     character(len=:), allocatable :: failure      !! error message; not allocated: simulated
+    real(real64) :: load_jump = 0.0_real64   !! jumps of the load with the compression, relative
     real(real64), allocatable :: of_contacts(:, :)  !! (pair, column), in the unit of the pairs
     real(real64), allocatable :: of_state(:)        !! (column), in the unit of the pairs
     type(theory_warning), allocatable :: warnings(:)  !! where it is outside its theory
@@ -48,7 +49,6 @@ module asperity_contact_effect
     character(len=11) :: name = ''                      !! name of the effect in &effects
     integer :: mode = effect_off                        !! mode of the effect in &effects
     real(real64) :: tolerance = 0.0_real64              !! share that all may leave out together
-    real(real64) :: load_tolerance = 1.0e-11_real64     !! relative error of a prescribed load
     logical :: acts_in_time = .false.                   !! acts while load or separation is held
     logical :: approximates = .false.                   !! its `auto` is an approximation itself
     real(real64) :: reach = 0.0_real64                  !! gap from which it attracts, scene's unit

@@ -57,9 +57,6 @@ contains
     new%approximates = .true.
     new%boundary_tolerance = scene_in%effects%number('boundary_tolerance')
     new%area_tolerance = scene_in%effects%number('area_tolerance')
-    ! The number of elements changes with the compression, so the load is not continuous.
-    if (any(new%mode == [effect_auto, effect_boundary])) &
-      new%load_tolerance = 0.1_real64 * new%boundary_tolerance
     new%contact_columns = [ &
       effect_column('lowered', length), &     ! displacement by neighbours
       effect_column('alone_load', force)]     ! vertical load of the isolated contact
@@ -104,6 +101,8 @@ contains
     state%penetration = state%found(2:, penetration)
     call answer_all(pairs, state)
     associate (of_all => state%found(1, :), found => state%found(2:, :), answers => state%answers)
+      ! The number of elements changes with the compression.
+      if (of_all(cells) > 0.0_real64) outcome%load_jump = 0.1_real64 * self%boundary_tolerance
       outcome%ending = solve_ending(.true., of_all(residual), nint(of_all(iterations)))
       if (self%mode == effect_auto .and. of_all(cells) > 0.0_real64) then
         outcome%simulated = 'coupled+boundary'

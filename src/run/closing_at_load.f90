@@ -20,8 +20,9 @@ module asperity_closing_at_load
   real(real64), parameter :: two_thirds = 2.0_real64 / 3.0_real64
   ! A compression below this share of the largest is rounding.
   real(real64), parameter :: least_closing = 1.0e-18_real64
-  ! Largest relative error of a load: the driver refuses a state with a larger one.
-  real(real64), parameter :: largest_error = 1.0e-7_real64
+  ! Relative error of a load: the solvers of effects converge to less, and a state with a larger
+  ! one is refused.
+  real(real64), parameter :: least_error = 1.0e-11_real64, largest_error = 1.0e-7_real64
 
 contains
 
@@ -101,7 +102,8 @@ contains
         deallocate (failure)
       end if
       if (target > 0.0_real64) then
-        if (abs(load - target) <= load_tolerance(effects, found%outcomes) * target) return
+        if (abs(load - target) <= target * &
+            min(max(least_error, maxval(found%outcomes%load_jump)), largest_error)) return
       end if
       ! Results of the search of an effect are valid at its compression only.
       if (allocated(found%found)) deallocate (found%found)
@@ -188,20 +190,6 @@ contains
       if (allocated(failure)) return
     end do
   end subroutine ask_effects
-
-  ! Relative error to which the simulated effects can meet a load.
-  pure real(real64) function load_tolerance(effects, outcomes) result(tolerance)
-    type(effect_box), intent(in) :: effects(:)
-    type(effect_outcome), intent(in) :: outcomes(:)
-    integer :: i
-
-    tolerance = 1.0e-11_real64
-    do i = 1, size(effects)
-      if (outcomes(i)%simulated /= 'off') &
-        tolerance = max(tolerance, effects(i)%effect%load_tolerance)
-    end do
-    tolerance = min(tolerance, largest_error)
-  end function load_tolerance
 
   ! Ratio of the load at a time to that at the same compression on loading.
   real(real64) function share_held(effects, time) result(share)

@@ -2,7 +2,6 @@
 module asperity_effect_path
   use asperity_contact_effect, only: effect_box
   use asperity_contact_pairs, only: contact_pairs
-  use asperity_contact_state, only: in_contact
   use asperity_decimal, only: decimal_to_real64, decimal_value
   use asperity_effect_sequence, only: first_failure, found_state, simulate_effects
   use asperity_isolated_contacts, only: closings_on_the_way
@@ -93,20 +92,22 @@ contains
   ! the compression less the largest penetration of the new contacts is an upper bound of the next
   ! one. The secant through two such states converges to it faster; below it the bracket is
   ! halved, as for a contact that begins with a jump. Computed states serve the later contacts.
+  ! The displacement by neighbours jumps as their load does where the number of boundary elements
+  ! changes with the compression, and so does the place of a first contact.
   subroutine find_first_contacts(pairs, effects, last, closings, failure)
     type(contact_pairs), intent(in) :: pairs
     type(effect_box), intent(in) :: effects(:)
     real(real64), intent(in) :: last
     real(real64), allocatable, intent(out) :: closings(:)          ! ascending, from first contact
     character(len=:), allocatable, intent(inout) :: failure
-    ! Tolerance relative to the last compression (chosen: the accuracy of the solution at one).
-    real(real64), parameter :: tolerance = 1.0e-10_real64
+    ! Least tolerance over the last compression (chosen: the accuracy of the solution at one).
+    real(real64), parameter :: least_tolerance = 1.0e-10_real64
     type(found_state) :: found
     logical, dimension(size(pairs%list)) :: begun, fresh
     ! Known states in descending compression [length], with the penetrations of loaded contacts.
     real(real64), allocatable :: compressions(:), penetrations(:, :)
-    real(real64) :: at, low, new, step
-    integer :: i, lead, pair_count, used
+    real(real64) :: at, low, new, tolerance, step
+    integer :: lead, pair_count, used
 
     pair_count = size(pairs%list)
     closings = [0.0_real64]
@@ -120,7 +121,7 @@ contains
         call simulate_effects(pairs, effects, 0.0_real64, found, .true.)
         call first_failure(effects, found%outcomes, failure)
         if (allocated(failure)) return
-        fresh = in_contact(found%state, [(i, i=1, pair_count)])
+        fresh = .not. found%state%penetration < 0.0_real64
         if (any(fresh .and. .not. begun)) then
           compressions = [compressions, at]
           penetrations = reshape([penetrations, merge(found%state%penetration, &
@@ -133,13 +134,15 @@ contains
         used = size(compressions)
         lead = maxloc(penetrations(:, used), 1, .not. begun)
         new = penetrations(lead, used)
-        if (new <= tolerance * last .or. compressions(used) - low <= tolerance * last) exit
+        tolerance = max(least_tolerance * last, maxval(found%outcomes%load_jump) * &
+                        (compressions(used) - pairs%list(lead)%gap - new))
+        if (min(new, compressions(used) - low) <= tolerance) exit
         at = 0.5_real64 * (low + compressions(used))
         if (.not. any(fresh .and. .not. begun)) cycle
         step = new
         if (used > 1) step = max(step, step * (compressions(used - 1) - compressions(used)) / &
-                                 max(penetrations(lead, used - 1) - step, step * tolerance) - &
-                                 0.5_real64 * tolerance * last)
+                                 max(penetrations(lead, used - 1) - step, &
+                                     step * least_tolerance) - 0.5_real64 * tolerance)
         if (compressions(used) - step > low) at = compressions(used) - step
       end do
       closings = [closings, compressions(used)]

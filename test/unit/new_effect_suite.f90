@@ -2,7 +2,7 @@
 !>
 !> Truths are its own closed forms over the loads of Hertz.
 module asperity_new_effect_suite
-  use asperity_contact_effect, only: effect_box
+  use asperity_contact_effect, only: effect_box, effect_outcome
   use asperity_contact_pairs, only: contact_pairs
   use asperity_contact_records, only: position_result
   use asperity_contact_state, only: contact_state, start_state, total_load, total_vertical_load
@@ -12,7 +12,7 @@ module asperity_new_effect_suite
   use asperity_effect_position, only: position_run, run_position
   use asperity_hertz_law, only: hertz_law
   use asperity_kinds, only: not_computed, real64
-  use asperity_made_up_effect, only: make_up
+  use asperity_made_up_effect, only: made_up_effect, make_up
   use asperity_scene_values, only: control_separation, control_load, effect_auto, effect_on, &
                                    hold_separation, hold_load, scene
   use asperity_testing, only: check, error_type, new_unittest, unittest_type
@@ -25,6 +25,13 @@ module asperity_new_effect_suite
   real(real64), parameter :: rounding = 1.0e-13_real64
   ! A load asked for is met within 1e-11.
   real(real64), parameter :: met = 1.0e-10_real64
+
+  ! Displaces the second pair by neighbours whose load alternates, and attracts it across its gap.
+  type, extends(made_up_effect) :: jumping_effect
+    integer, pointer :: solves => null()  ! number of states
+  contains
+    procedure :: apply => apply_jumping
+  end type jumping_effect
 
 contains
 
@@ -40,6 +47,7 @@ contains
       new_unittest('auto: estimate, left out, called for', by_auto), &
       new_unittest('states are kept, and forgotten with the position', states_kept), &
       new_unittest('a load is met with an effect that knows no short way to it', to_loads), &
+      new_unittest('a first contact is found within the jump of the displacement', jumps), &
       new_unittest('approach and load held in time', held)]
   end subroutine collect_new_effect
 
@@ -207,6 +215,53 @@ contains
     call check(error, result%states(2)%closing < result%states(1)%closing, 'closing')
     call check(error, result%states(1)%closing < 0.05_real64 / 16.0_real64, 'below that of Hertz')
   end subroutine to_loads
+
+  ! The second pair begins where closing - 0.4 closing (1 -+ jump) is its gap of 0.01.
+  subroutine jumps(error)
+    type(error_type), allocatable, intent(out) :: error
+    type(effect_box) :: effects(1)
+    type(jumping_effect) :: effect
+    type(contact_pairs) :: pairs
+    type(contact_state) :: hertz
+    type(position_result) :: result
+    type(position_run) :: run
+    type(scene) :: scene_in
+    character(len=:), allocatable :: failure
+    integer, target :: solves
+
+    call two_pairs(pairs, hertz)
+    scene_in = by_approach()
+    call scene_in%effects%call_for('interaction', effect_on)
+    scene_in%loading%events = .true.
+    solves = 0
+    effect%mode = effect_on
+    effect%solves => solves
+    allocate (effect%contact_columns(0), effect%state_columns(0))
+    allocate (effects(1)%effect, source=effect)
+    call run_position(scene_in, pairs, effects, result, run, failure)
+    call check(error, size(result%states), 3, 'first touch, first contact, last state')
+    if (allocated(error)) return
+    call near(error, result%states(2)%closing, 0.01_real64 / 0.6_real64 / 16.0_real64, &
+              1.0e-4_real64, 'the first contact')
+    ! Halvings of 0.05 to 1e-4 of a displacement of 0.0067: 17; to 1e-10 of the last state: 34.
+    call check(error, solves < 25, 'states of the search')
+  end subroutine jumps
+
+  subroutine apply_jumping(self, pairs, state, outcome)
+    class(jumping_effect), intent(in) :: self
+    type(contact_pairs), intent(in) :: pairs
+    type(contact_state), intent(inout) :: state
+    type(effect_outcome), intent(inout) :: outcome
+    real(real64), parameter :: jump = 1.0e-4_real64
+
+    self%solves = self%solves + 1
+    allocate (outcome%of_contacts(size(pairs%list), 0), outcome%of_state(0))
+    outcome%simulated = 'on'
+    outcome%load_jump = jump
+    state%penetration(2) = state%closing - pairs%list(2)%gap - 0.4_real64 * state%closing * &
+                           (1.0_real64 + jump * (modulo(self%solves, 2) - 0.5_real64))
+    if (state%penetration(2) < 0.0_real64) state%answers(2)%load = -1.0e-9_real64
+  end subroutine apply_jumping
 
   ! One aligned pair, so that the load is closing**1.5.
   subroutine held(error)
