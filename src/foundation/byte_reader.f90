@@ -4,14 +4,19 @@
 !> therefore read to its end when it is opened, and may have 100000000 bytes.
 module asperity_byte_reader
   use, intrinsic :: iso_c_binding, only: c_int, c_long, c_null_char, c_size_t
-  use asperity_kinds, only: int64
+  use asperity_kinds, only: int32, int64, real32, real64
   use asperity_problems, only: decimal_text, not_enough_memory
   use asperity_system_calls, only: posix_close, posix_lseek, posix_open, posix_read, &
                                    system_error, system_reason
   implicit none
   private
 
-  public :: byte_reader, signed_bits, whole_bits
+  public :: byte_reader, whole_bits
+  public :: finite, not_a_number, above_all
+
+  integer, parameter :: finite = 0                      !! a number
+  integer, parameter :: not_a_number = 1                !! NaN of IEEE 754
+  integer, parameter :: above_all = 2, below_all = 3    !! infinite, above and below
 
   integer(c_int), parameter :: read_only = 0_c_int, from_start = 0_c_int, from_end = 2_c_int
   integer, parameter :: block_size = 65536
@@ -33,6 +38,7 @@ module asperity_byte_reader
     procedure :: more => read_block     !! reads the next block
     procedure :: take => take_bytes     !! takes the next bytes
     procedure :: take_whole             !! takes all bytes
+    procedure :: take_numbers           !! takes the next numbers in binary form
     procedure :: count_bytes            !! number of bytes of the file
     procedure :: rewind => rewind_file  !! returns to the first byte
     procedure :: close => close_file    !! closes the file
@@ -43,11 +49,14 @@ contains
   !> Opens a file; `failure` is allocated when that is not possible.
   subroutine open_file(self, path)
     class(byte_reader), intent(out) :: self  !! reader at the first byte
-    character(len=*), intent(in) :: path     !! path of the file
+    character(len=*), intent(in) :: path     !! path of the file; `-` is standard input
+    character(len=:), allocatable :: name
     integer(c_long) :: known, place
 
     allocate (character(len=block_size) :: self%block)
-    self%descriptor = posix_open(path // c_null_char, read_only)
+    name = path
+    if (path == '-') name = '/dev/stdin'
+    self%descriptor = posix_open(name // c_null_char, read_only)
     if (self%descriptor < 0) then
       self%failure = 'cannot be opened: ' // system_reason()
       return
@@ -140,6 +149,31 @@ contains
       self%failure = 'cannot be read whole: it became longer while it was read'
   end subroutine take_whole
 
+  !> Takes the next numbers, in binary form, block by block; fewer at the end of the file.
+  subroutine take_numbers(self, number_kind, wide, values, classes, got, big_endian)
+    class(byte_reader), intent(inout) :: self    !! reader of the file
+    character(len=1), intent(in) :: number_kind  !! `f` of IEEE 754, `i` with sign, `u` without
+    integer, intent(in) :: wide                  !! bytes of a number: 1, 2, 4 or 8; of `f` 4 or 8
+    real(real64), intent(out) :: values(:)       !! nearest doubles; 0 where not finite
+    integer, intent(out) :: classes(:)           !! `finite` or another class of each
+    integer, intent(out) :: got                  !! how many there were
+    logical, intent(in), optional :: big_endian  !! highest byte first; absent: lowest first
+    character(len=:), allocatable :: bytes
+    integer :: i, wanted
+
+    got = 0
+    do while (got < size(values))
+      wanted = min(block_size / wide, size(values) - got)
+      call self%take(wide * wanted, bytes)
+      do i = 1, len(bytes) / wide
+        call decode_number(whole_bits(bytes(wide * (i - 1) + 1:wide * i), big_endian), &
+                           number_kind, 8 * wide, values(got + i), classes(got + i))
+      end do
+      got = got + len(bytes) / wide
+      if (len(bytes) < wide * wanted) return
+    end do
+  end subroutine take_numbers
+
   !> Number of bytes of the file.
   pure integer(int64) function count_bytes(self)
     class(byte_reader), intent(in) :: self  !! reader of the file
@@ -183,13 +217,46 @@ contains
     end do
   end function whole_bits
 
-  !> Bits as a whole number with sign, in two's complement.
+  ! Bits as a whole number with sign, in two's complement.
   pure integer(int64) function signed_bits(bits, wide)
-    integer(int64), intent(in) :: bits  !! number without sign
-    integer, intent(in) :: wide         !! number of its bits, up to 64
+    integer(int64), intent(in) :: bits  ! number without sign
+    integer, intent(in) :: wide         ! number of its bits, up to 64
 
     signed_bits = bits
     if (wide < 64 .and. btest(bits, wide - 1)) signed_bits = bits - shiftl(1_int64, wide)
   end function signed_bits
+
+  ! The number that bits stand for. No NaN is copied: a signalling one would trap.
+  pure subroutine decode_number(bits, number_kind, wide, value, class_of)
+    integer(int64), intent(in) :: bits
+    character(len=1), intent(in) :: number_kind
+    integer, intent(in) :: wide  ! number of bits
+    real(real64), intent(out) :: value
+    integer, intent(out) :: class_of
+    integer(int64) :: exponent_bits
+    integer :: fraction_bits
+
+    class_of = finite
+    if (number_kind == 'f') then
+      fraction_bits = merge(23, 52, wide == 32)
+      exponent_bits = shiftl(1_int64, wide - 1 - fraction_bits) - 1_int64
+      value = 0.0_real64
+      if (iand(shiftr(bits, fraction_bits), exponent_bits) == exponent_bits) then
+        class_of = merge(below_all, above_all, btest(bits, wide - 1))
+        if (iand(bits, shiftl(1_int64, fraction_bits) - 1_int64) /= 0_int64) class_of = not_a_number
+      else if (wide == 32) then
+        value = real(transfer(int(signed_bits(bits, 32), int32), 1.0_real32), real64)
+      else
+        value = transfer(bits, value)
+      end if
+    else if (number_kind == 'i') then
+      value = real(signed_bits(bits, wide), real64)
+    else if (bits >= 0_int64) then
+      value = real(bits, real64)
+    else
+      ! 2**63 or more: half the number; its last bit, kept, rounds as the number does.
+      value = 2.0_real64 * real(ior(shiftr(bits, 1), iand(bits, 1_int64)), real64)
+    end if
+  end subroutine decode_number
 
 end module asperity_byte_reader

@@ -1,13 +1,13 @@
 !> Names of columns in a line, each perhaps with a unit: `z [um]`, `z (um)`, `z/um`, `z_um`, `z um`.
 module asperity_column_names
-  use asperity_delimited_text, only: line_cells, read_cells
+  use asperity_delimited_text, only: line_cells, read_cells, separator_of
   use asperity_height_map, only: plain_unit, unit_number
   use asperity_input_text, only: lower_case
   use asperity_word_hint, only: nearest_word
   implicit none
   private
 
-  public :: column_list, columns_named, is_height_name, split_name, header_separator
+  public :: column_list, columns_named, is_height_name, split_name
 
   integer, parameter :: name_length = 32, unit_length = 16
 
@@ -22,16 +22,6 @@ module asperity_column_names
 
 contains
 
-  !> The sign between names: a semicolon, a comma, a tabulator, or blanks.
-  pure character(len=1) function header_separator(text)
-    character(len=*), intent(in) :: text  !! line of names
-
-    header_separator = ' '
-    if (index(text, achar(9)) > 0) header_separator = achar(9)
-    if (index(text, ',') > 0) header_separator = ','
-    if (index(text, ';') > 0) header_separator = ';'
-  end function header_separator
-
   !> The names in a line.
   pure function columns_named(text) result(found)
     character(len=*), intent(in) :: text  !! line of names
@@ -40,7 +30,7 @@ contains
     type(line_cells) :: cells
     integer :: at, i, line, used
 
-    cells%separator = header_separator(text)
+    cells%separator = separator_of(text)
     cells%line_comments = ''
     cells%keep_empty = cells%separator /= ' '
     ! Between blanks a unit belongs to the word before it.

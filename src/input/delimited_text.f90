@@ -4,13 +4,13 @@
 !> comments have no cells. Blanks around a cell do not belong to it.
 module asperity_delimited_text
   use asperity_byte_reader, only: byte_reader
-  use asperity_file_beginning, only: skip_mark
-  use asperity_input_text, only: blanks, line_end
+  use asperity_input_text, only: blanks, line_end, skip_mark
   use asperity_kinds, only: int64
   implicit none
   private
 
-  public :: begins_comment, line_cells, line_reader, read_cells, column_of
+  public :: begins_comment, line_cells, line_reader, read_cells, column_of, &
+            separator_of
 
   ! Bytes that are read at once, as many as a block of a file; a longer line needs more.
   integer, parameter :: block_length = 65536
@@ -53,6 +53,16 @@ module asperity_delimited_text
   end type line_reader
 
 contains
+
+  !> The sign between the cells of a line: a semicolon, a comma, a tabulator, or blanks.
+  pure character(len=1) function separator_of(text)
+    character(len=*), intent(in) :: text  !! line without its end
+
+    separator_of = ' '
+    if (index(text, tabulator) > 0) separator_of = tabulator
+    if (index(text, ',') > 0) separator_of = ','
+    if (index(text, ';') > 0) separator_of = ';'
+  end function separator_of
 
   !> Finds the cells of the next line that has some.
   pure subroutine read_cells(text, at, line, cells)

@@ -2,11 +2,10 @@
 module asperity_height_map_reader
   use, intrinsic :: ieee_arithmetic, only: ieee_is_nan
   use asperity_delimited_text, only: line_reader
-  use asperity_file_beginning, only: begin_file, first_control
   use asperity_height_map, only: edge_names, expected_height, fault_of_map, fault_of_spacing, &
                                  give_spacing, height_map, highest, largest_height, length_units, &
                                  make_room, no_height, plain_unit, unit_number
-  use asperity_input_text, only: check_text
+  use asperity_input_text, only: begin_file, check_text, first_control
   use asperity_kinds, only: int64, real64
   use asperity_npy_map, only: is_npy, read_npy_map
   use asperity_problems, only: decimal_text, problem_list, real_text
@@ -64,11 +63,7 @@ contains
     type(line_reader) :: file
     character(len=:), allocatable :: name
 
-    if (path == '-') then
-      call file%open('/dev/stdin')
-    else
-      call file%open(path)
-    end if
+    call file%open(path)
     name = 'spacing'
     if (present(option)) name = option
     call take_height_map(path, file, pixel_spacing, name, .false., progress, map, problems, failure)

@@ -4,6 +4,7 @@
 !> Nothing is known here of what the groups mean.
 module asperity_namelist_text
   use asperity_input_text, only: blanks, line_end, lower_case, in_quotes
+  use asperity_numeral, only: read_whole_number
   use asperity_problems, only: problem_list
   implicit none
   private
@@ -248,19 +249,14 @@ contains
     character(len=*), intent(in) :: text
     integer, intent(inout) :: at
     integer, intent(out) :: repeats
-    integer :: i, last
+    integer :: last
+    logical :: good
 
     repeats = 1
     last = place_before(text, at, verify(text(at:), digit_signs))
     if (last < at .or. next_character(text, last + 1) /= '*') return
-    repeats = 0
-    do i = at, last
-      if (repeats > 99999999) then
-        repeats = -1
-        exit
-      end if
-      repeats = 10 * repeats + iachar(text(i:i)) - iachar('0')
-    end do
+    call read_whole_number(text(at:last), repeats, good)
+    if (.not. good .or. repeats > 999999999) repeats = -1
     at = last + 2
   end subroutine read_repeats
 

@@ -5,10 +5,9 @@
 !> reports a problem, with its place, when the value there is not what is expected.
 module asperity_scene_fields
   use asperity_decimal, only: decimal_value
-  use asperity_file_beginning, only: plain_text
   use asperity_file_kind, only: other_kind
   use asperity_height_map, only: plain_unit
-  use asperity_input_text, only: check_text, lower_case, in_quotes
+  use asperity_input_text, only: check_text, lower_case, in_quotes, plain_text
   use asperity_kinds, only: int64
   use asperity_namelist_text, only: namelist_text, parse_namelist
   use asperity_number_ranges, only: expected_numbers, in_range
@@ -48,7 +47,7 @@ module asperity_scene_fields
     procedure :: refuse_name        !! reports a problem at a name where it is given
     procedure :: require_name       !! reports that a name is missing
     procedure, private :: find_comma_pair, item_of, quoting_hint, refuse_units, refuse_value
-    procedure, private :: values_of
+    procedure, private :: find_values
   end type scene_fields
 
 contains
@@ -126,14 +125,15 @@ contains
     character(len=*), intent(in) :: group, name  !! a known group, and a known name of it
     integer, intent(in) :: number_range               !! `any_number` or another range
     type(decimal_value), intent(inout) :: values(:)   !! numbers at the name
-    type(decimal_value) :: value
     character(len=:), allocatable :: pair
-    integer :: i, at, used, repeats
+    integer, allocatable :: items(:)
+    integer :: i, at
     logical :: good
 
     call self%refuse_units(group, name, at)
-    if (at > 0) at = self%values_of(group, name, size(values))
     if (at == 0) return
+    call self%find_values(group, name, size(values), items)
+    if (size(items) == 0) return
     call self%find_comma_pair(at, .false., pair, good)
     if (good) then
       call self%complain_of(group, name, 'found ' // pair // ', a decimal comma, expected a point')
@@ -142,15 +142,11 @@ contains
                                   ' in ' // name // ' of &' // group // ': two values, no ' // &
                                   'decimal comma; a blank behind the comma makes that sure')
     end if
-    used = 0
-    do i = at + 1, at + self%list%items(at)%values
-      call read_double_numeral(self%list%value_text(i), value, good)
-      good = good .and. .not. self%list%items(i)%is_quoted
-      if (good) good = in_range(value, number_range)
-      if (.not. good) call self%refuse_value(name, i, trim(expected_numbers(number_range)))
-      repeats = self%list%items(i)%repeats
-      values(used + 1:used + repeats) = value
-      used = used + repeats
+    do i = 1, size(items)
+      call read_double_numeral(self%list%value_text(items(i)), values(i), good)
+      good = good .and. .not. self%list%items(items(i))%is_quoted
+      if (good) good = in_range(values(i), number_range)
+      if (.not. good) call self%refuse_value(name, items(i), trim(expected_numbers(number_range)))
     end do
   end subroutine take_numbers
 
@@ -174,17 +170,18 @@ contains
     integer, intent(in) :: least                !! smallest number allowed
     integer, intent(in) :: most                 !! largest number allowed
     integer, intent(inout) :: value             !! number at the name
-    integer :: at, found
+    integer, allocatable :: items(:)
+    integer :: found
     logical :: good
 
-    at = self%values_of(group, name, 1)
-    if (at == 0) return
-    call read_whole_number(self%list%value_text(at + 1), found, good)
+    call self%find_values(group, name, 1, items)
+    if (size(items) == 0) return
+    call read_whole_number(self%list%value_text(items(1)), found, good)
     if (good .and. found >= least .and. found <= most .and. &
-        .not. self%list%items(at + 1)%is_quoted) then
+        .not. self%list%items(items(1))%is_quoted) then
       value = found
     else
-      call self%refuse_value(name, at + 1, 'a whole number from ' // decimal_text(least) // &
+      call self%refuse_value(name, items(1), 'a whole number from ' // decimal_text(least) // &
                              ' to ' // decimal_text(most))
     end if
   end subroutine take_whole
@@ -194,15 +191,15 @@ contains
     class(scene_fields), intent(inout) :: self             !! the scene's text
     character(len=*), intent(in) :: group, name  !! a known group, and a known name of it
     character(len=:), allocatable, intent(inout) :: text   !! text at the name
-    integer :: at
+    integer, allocatable :: items(:)
 
-    at = self%values_of(group, name, 1)
-    if (at == 0) return
-    if (self%list%items(at + 1)%is_quoted .and. self%list%value_text(at + 1) /= '') then
-      text = self%list%value_text(at + 1)
+    call self%find_values(group, name, 1, items)
+    if (size(items) == 0) return
+    if (self%list%items(items(1))%is_quoted .and. self%list%value_text(items(1)) /= '') then
+      text = self%list%value_text(items(1))
     else
-      call self%refuse_value(name, at + 1, 'a text between quotes' // self%quoting_hint(name, &
-        at + 1))
+      call self%refuse_value(name, items(1), 'a text between quotes' // &
+                             self%quoting_hint(name, items(1)))
     end if
   end subroutine take_text
 
@@ -212,21 +209,19 @@ contains
     character(len=*), intent(in) :: group, name  !! a known group, and a known name of it
     character(len=16), intent(inout) :: texts(:)    !! the texts, with u for a micro sign
     character(len=:), allocatable :: text
-    integer :: at, i, repeats, used
+    integer, allocatable :: items(:)
+    integer :: i
 
-    at = self%values_of(group, name, size(texts))
-    if (at == 0) return
-    used = 0
-    do i = at + 1, at + self%list%items(at)%values
-      text = self%list%value_text(i)
-      if (.not. self%list%items(i)%is_quoted .or. text == '' .or. len_trim(text) > len(texts)) then
-        call self%refuse_value(name, i, 'a text of 1 to ' // decimal_text(len(texts)) // &
-                               ' bytes between quotes' // self%quoting_hint(name, i))
+    call self%find_values(group, name, size(texts), items)
+    do i = 1, size(items)
+      text = self%list%value_text(items(i))
+      if (.not. self%list%items(items(i))%is_quoted .or. text == '' .or. &
+          len_trim(text) > len(texts)) then
+        call self%refuse_value(name, items(i), 'a text of 1 to ' // decimal_text(len(texts)) // &
+                               ' bytes between quotes' // self%quoting_hint(name, items(i)))
         return
       end if
-      repeats = self%list%items(i)%repeats
-      texts(used + 1:used + repeats) = plain_unit(text)
-      used = used + repeats
+      texts(i) = plain_unit(text)
     end do
   end subroutine take_names
 
@@ -252,31 +247,28 @@ contains
     character(len=*), intent(in) :: words(:)    !! the known words
     integer, intent(inout) :: numbers(:)        !! which of them; 0 when refused
     character(len=:), allocatable :: word
-    integer :: at, i, used, repeats
+    integer, allocatable :: items(:)
+    integer :: i
     logical :: is_word
 
     if (.not. self%has_name(group, name)) return
     numbers = 0
-    at = self%values_of(group, name, size(numbers))
-    if (at == 0) return
-    used = 0
-    do i = at + 1, at + self%list%items(at)%values
-      word = plain_unit(lower_case(self%list%value_text(i)))
-      is_word = self%list%items(i)%is_quoted
+    call self%find_values(group, name, size(numbers), items)
+    do i = 1, size(items)
+      word = plain_unit(lower_case(self%list%value_text(items(i))))
+      is_word = self%list%items(items(i))%is_quoted
       if (.not. is_word) then
         ! A logical constant of a namelist.
         is_word = any(word == [character(len=7) :: 'true', '.true.', 'false', '.false.'])
         if (is_word) word = trim(merge('on ', 'off', index(word, 'true') > 0))
       end if
-      repeats = self%list%items(i)%repeats
-      numbers(used + 1:used + repeats) = findloc(words == word, .true., 1)
-      if (numbers(used + 1) == 0) then
-        call self%refuse_value(name, i, one_of(words) // did_you_mean(word, words))
+      numbers(i) = findloc(words == word, .true., 1)
+      if (numbers(i) == 0) then
+        call self%refuse_value(name, items(i), one_of(words) // did_you_mean(word, words))
       else if (.not. is_word) then
-        call self%refuse_value(name, i, 'it in quotes' // self%quoting_hint(name, i))
-        numbers(used + 1:used + repeats) = 0
+        call self%refuse_value(name, items(i), 'it in quotes' // self%quoting_hint(name, items(i)))
+        numbers(i) = 0
       end if
-      used = used + repeats
     end do
   end subroutine take_units
 
@@ -416,28 +408,32 @@ contains
     item_of = sum(self%known%at, self%known%group == group .and. self%known%name == name)
   end function item_of
 
-  ! Number of a name's item when the wanted count of values follows it; else 0, and another count is
-  ! a problem.
-  integer function values_of(self, group, name, wanted) result(at)
+  ! Numbers of the items of a name's values, a repeated one as often as it counts; none when the
+  ! name is absent or another count than wanted stands there, which is a problem.
+  subroutine find_values(self, group, name, wanted, items)
     class(scene_fields), intent(inout) :: self
     character(len=*), intent(in) :: group, name
     integer, intent(in) :: wanted
-    integer(int64) :: given_values
+    integer, allocatable, intent(out) :: items(:)
     character(len=:), allocatable :: pair
+    integer :: at, i
     logical :: surely
 
+    allocate (items(0))
     at = self%item_of(group, name)
     if (at == 0) return
-    given_values = values_at(self%list, at)
-    if (given_values == int(wanted, int64) .and. .not. self%list%items(at)%is_broken) return
-    call self%find_comma_pair(at, .true., pair, surely)
-    if (pair /= '') pair = '; ' // pair // ': a decimal comma? write a point'
-    if (.not. self%list%items(at)%is_broken) &
+    if (self%list%items(at)%is_broken) return
+    if (values_at(self%list, at) == int(wanted, int64)) then
+      items = [(spread(i, 1, self%list%items(i)%repeats), i=at + 1, &
+                at + self%list%items(at)%values)]
+    else
+      call self%find_comma_pair(at, .true., pair, surely)
+      if (pair /= '') pair = '; ' // pair // ': a decimal comma? write a point'
       call self%complain_of(group, name, 'wrong number of values: found ' // &
-                            decimal_text(given_values) // ', expected ' // decimal_text(wanted) &
-                            // pair)
-    at = 0
-  end function values_of
+                            decimal_text(values_at(self%list, at)) // ', expected ' // &
+                            decimal_text(wanted) // pair)
+    end if
+  end subroutine find_values
 
   ! How many values stand at a name's item, repeated ones counted.
   pure integer(int64) function values_at(list, at)
@@ -447,7 +443,7 @@ contains
     values_at = sum(int(list%items(at + 1:at + list%items(at)%values)%repeats, int64))
   end function values_at
 
-  ! Reports that value number `i` is not one of the expected values.
+  ! Reports, once, that value number `i` is not one of the expected values.
   subroutine refuse_value(self, name, i, expected)
     class(scene_fields), intent(inout) :: self
     character(len=*), intent(in) :: name, expected
@@ -455,6 +451,8 @@ contains
     integer :: first
     character(len=:), allocatable :: found
 
+    if (self%list%items(i)%is_broken) return
+    self%list%items(i)%is_broken = .true.
     first = self%list%items(i)%first
     found = in_quotes(without_kind(self%list%value_text(i)))
     if (self%list%items(i)%is_quoted) then

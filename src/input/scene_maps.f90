@@ -4,13 +4,12 @@ module asperity_scene_maps
   use asperity_decimal, only: decimal_to_real64, decimal_value
   use asperity_delimited_text, only: line_reader
   use asperity_effect_names, only: known_effects
-  use asperity_file_beginning, only: skip_mark
   use asperity_height_map, only: change_unit, edge_names, expected_length, give_spacing, &
                                  height_map, is_length, length_units, level_names, level_plane, &
                                  note_repeated_line, periodic_edge, plain_unit, put_in_unit, &
                                  unit_number, usual_level
   use asperity_height_map_reader, only: head_length, is_height_map, take_height_map
-  use asperity_input_text, only: in_quotes
+  use asperity_input_text, only: in_quotes, skip_mark
   use asperity_kept_records, only: checksum
   use asperity_kinds, only: int64, real64
   use asperity_number_ranges, only: above_zero

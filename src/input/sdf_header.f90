@@ -4,19 +4,19 @@
 !> binary header has 81 bytes; ISO-2.0 counts samples in 4 bytes in place of 2, which makes 85. That
 !> of Olympus has 8 more, the whole numbers 5 and 1.
 module asperity_sdf_header
-  use asperity_byte_reader, only: whole_bits
+  use asperity_byte_reader, only: finite, not_a_number, whole_bits
   use asperity_decimal, only: decimal_to_real64, decimal_value
   use asperity_delimited_text, only: line_reader
   use asperity_height_map, only: expected_length, is_length
   use asperity_input_text, only: lower_case, in_quotes, without_blanks
   use asperity_kinds, only: int64, real64
   use asperity_numeral, only: read_numeral, read_whole_number
-  use asperity_problems, only: decimal_text, problem_list
+  use asperity_problems, only: decimal_text, problem_list, real_text
   implicit none
   private
 
   public :: sdf_header, is_sdf, read_text_header, read_binary_header, add_at_record
-  public :: iso_1, iso_2, bcr, magic_length, type_names, type_bytes
+  public :: bcr, magic_length, type_names, type_bytes, type_kinds
 
   !> Revisions.
   integer, parameter :: iso_1 = 1, iso_2 = 2, bcr = 3
@@ -26,6 +26,7 @@ module asperity_sdf_header
   character(len=*), parameter :: type_names(0:7) = [character(len=8) :: 'UINT8', 'UINT16', &
     'UINT32', 'BINARY32', 'INT8', 'INT16', 'INT32', 'BINARY64']
   integer, parameter :: type_bytes(0:7) = [1, 2, 4, 4, 1, 2, 4, 8]  !! bytes of a sample
+  character(len=*), parameter :: type_kinds(0:7) = ['u', 'u', 'u', 'f', 'i', 'i', 'i', 'f'] !! signs
   ! The words that BCR-1.0 allows in their place.
   character(len=*), parameter :: bcr_words(0:7) = [character(len=8) :: 'uchar', 'uinteger', &
     'ulongint', 'float', 'char', 'integer', 'longint', 'double']
@@ -46,7 +47,6 @@ module asperity_sdf_header
   character(len=*), parameter :: fields(8) = [character(len=11) :: 'NumPoints', 'NumProfiles', &
     'Xscale', 'Yscale', 'Zscale', 'DataType', 'Compression', 'CheckType']
   integer, parameter :: needed_fields = 6, type_field = 6
-  integer(int64), parameter :: low_52 = int(z'FFFFFFFFFFFFF', int64)
 
 contains
 
@@ -139,48 +139,73 @@ contains
     if (header%revision == bcr .and. index(text, ';') > 0) text = text(:index(text, ';') - 1)
   end subroutine cut_comment
 
-  ! One value of the header.
-  subroutine take_field(field, value, line, column, header, problems)
+  ! One value of the header of a text.
+  subroutine take_field(field, text, line, column, header, problems)
     integer, intent(in) :: field, line, column
-    character(len=*), intent(in) :: value
+    character(len=*), intent(in) :: text
     type(sdf_header), intent(inout) :: header
     type(problem_list), intent(inout) :: problems
     type(decimal_value) :: decimal
-    character(len=:), allocatable :: expected
+    real(real64) :: value
     integer :: whole
     logical :: good
 
+    if (field >= 3 .and. field < type_field) then
+      call read_numeral(text, decimal, good)
+      value = decimal_to_real64(decimal)
+    else
+      call read_whole_number(text, whole, good)
+      if (header%revision == bcr .and. .not. good) then
+        if (field == type_field) whole = findloc(bcr_words == lower_case(text), .true., 1) - 1
+        good = whole >= 0 .and. (field == type_field .or. any(lower_case(text) == ['null', 'none']))
+      end if
+      value = real(whole, real64)
+    end if
+    if (good) call set_field(header, field, value, good)
+    if (.not. good) call problems%add_at(line, column, trim(fields(field)) // ': found ' // &
+                                         in_quotes(text) // ', expected ' // &
+                                         expected_value(header, field))
+  end subroutine take_field
+
+  ! Sets a value of the header, unless it is not a good one.
+  pure subroutine set_field(header, field, value, good)
+    type(sdf_header), intent(inout) :: header
+    integer, intent(in) :: field
+    real(real64), intent(in) :: value
+    logical, intent(out) :: good
+
     select case (field)
     case (1, 2)
-      expected = 'a whole number from 1'
-      call read_whole_number(value, whole, good)
-      good = good .and. whole > 0
-      if (field == 1) header%points = int(whole, int64)
-      if (field == 2) header%profiles = int(whole, int64)
+      good = value >= 1.0_real64
+      if (field == 1) header%points = nint(value, int64)
+      if (field == 2) header%profiles = nint(value, int64)
     case (3:5)
-      expected = expected_length
-      call read_numeral(value, decimal, good)
-      header%scale_factor(field - 2) = decimal_to_real64(decimal)
-      good = good .and. is_length(header%scale_factor(field - 2))
+      good = is_length(value)
+      header%scale_factor(field - 2) = value
     case (type_field)
-      call read_whole_number(value, whole, good)
-      if (.not. good .and. header%revision == bcr) then
-        whole = findloc(bcr_words == lower_case(value), .true., 1) - 1
-        good = whole >= 0
-      end if
-      expected = expected_type(header)
-      good = good .and. is_type(header, whole)
-      if (good) header%data_type = whole
+      good = is_type(header, nint(value))
+      if (good) header%data_type = nint(value)
     case default
-      expected = '0: neither compression nor checks are read'
-      call read_whole_number(value, whole, good)
-      if (good) good = whole == 0
-      if (header%revision == bcr) &
-        good = good .or. lower_case(value) == 'null' .or. lower_case(value) == 'none'
+      good = abs(value) <= 0.0_real64
     end select
-    if (.not. good) call problems%add_at(line, column, trim(fields(field)) // ': found ' // &
-                                         in_quotes(value) // ', expected ' // expected)
-  end subroutine take_field
+  end subroutine set_field
+
+  ! Values that a field may have, for a message.
+  pure function expected_value(header, field) result(text)
+    type(sdf_header), intent(in) :: header
+    integer, intent(in) :: field
+    character(len=:), allocatable :: text
+    integer :: i
+
+    text = '0: neither compression nor checks are read'
+    if (field < type_field) text = expected_length
+    if (field < 3) text = 'a whole number from 1'
+    if (field /= type_field) return
+    text = 'one of'
+    do i = first_type(max(1, header%revision)), ubound(type_names, 1)
+      text = text // ' ' // decimal_text(i) // ' (' // trim(type_names(i)) // ')'
+    end do
+  end function expected_value
 
   ! Whether a revision has a type of samples.
   pure logical function is_type(header, code)
@@ -190,104 +215,55 @@ contains
     is_type = code >= first_type(max(1, header%revision)) .and. code <= ubound(type_names, 1)
   end function is_type
 
-  pure function expected_type(header) result(text)
-    type(sdf_header), intent(in) :: header
-    character(len=:), allocatable :: text
-    integer :: i
-
-    text = 'one of'
-    do i = first_type(max(1, header%revision)), ubound(type_names, 1)
-      text = text // ' ' // decimal_text(i) // ' (' // trim(type_names(i)) // ')'
-    end do
-  end function expected_type
-
   !> Reads the header of a binary file.
   subroutine read_binary_header(file, magic, header, problems)
     type(line_reader), intent(inout) :: file        !! behind the first 8 bytes; left at the data
     character(len=*), intent(in) :: magic            !! the first 8 bytes of the file
     type(sdf_header), intent(out) :: header          !! what it says
     type(problem_list), intent(inout) :: problems    !! what is wrong
-    integer, parameter :: before_counts = 34, behind_counts = 35, more_bytes = 8
-    character(len=:), allocatable :: bytes
-    integer(int64) :: bits
-    integer :: wide, at, i, code
+    integer, parameter :: before_counts = 34, more_bytes = 8
+    ! Fields in their order; 0 is Zresolution, which no result depends on.
+    integer, parameter :: order(9) = [1, 2, 3, 4, 5, 0, 7, type_field, 8]
+    character(len=:), allocatable :: bytes, found
+    integer(int64) :: place
+    real(real64) :: value(1)
+    integer :: wide(9), class_of(1), got, i
+    logical :: good
 
     call read_magic(magic, header, problems)
     if (problems%count() > 0) return
-    wide = merge(4, 2, header%revision == iso_2)
-    at = before_counts + 2 * wide + behind_counts
-    call file%take(at, bytes)
-    if (len(bytes) < at) then
-      call add_at_record(problems, int(magic_length + len(bytes) + 1, int64), 1, &
-                         'the file ends in the header, expected ' // &
-                         decimal_text(magic_length + at) // ' bytes of it')
-      return
-    end if
-    at = before_counts
-    do i = 1, 2
-      bits = whole_bits(bytes(at + 1:at + wide))
-      if (i == 1) header%points = bits
-      if (i == 2) header%profiles = bits
-      if (bits == 0_int64) call refuse_value(fields(i), '0', 'a whole number from 1')
-      at = at + wide
-    end do
-    do i = 1, 3
-      bits = whole_bits(bytes(at + 1:at + 8))
-      ! Infinite numbers and those that are none stay 0.
-      if (iand(shiftr(bits, 52), 2047_int64) < 2047_int64) &
-        header%scale_factor(i) = transfer(bits, header%scale_factor(i))
-      if (.not. is_length(header%scale_factor(i))) &
-        call refuse_value(fields(i + 2), float_text(bits), expected_length)
-      at = at + 8
-    end do
-    ! Zresolution is skipped: no result depends on it.
-    at = at + 8
-    do i = 1, 3
-      code = iachar(bytes(at + 1:at + 1))
-      if (i == 2) then
-        header%data_type = code
-        if (.not. is_type(header, code)) &
-          call refuse_value('DataType', decimal_text(code), expected_type(header))
-      else if (code /= 0) then
-        call refuse_value(fields(merge(7, 8, i == 1)), decimal_text(code), &
-                   '0: neither compression nor checks are read')
+    wide = [2, 2, 8, 8, 8, 8, 1, 1, 1]
+    if (header%revision == iso_2) wide(:2) = 4
+    call file%take(before_counts, bytes)
+    do i = 1, size(order)
+      place = file%next_byte()
+      call file%take_numbers(merge('f', 'u', wide(i) == 8), wide(i), value, class_of, got)
+      if (got == 0) then
+        call add_at_record(problems, file%next_byte(), 1, 'the file ends in the header, ' // &
+             'expected ' // decimal_text(magic_length + before_counts + sum(wide)) // &
+             ' bytes of it')
+        return
       end if
-      at = at + 1
+      if (order(i) == 0) cycle
+      call set_field(header, order(i), value(1), good)
+      if (good) cycle
+      found = decimal_text(nint(value(1)))
+      if (wide(i) == 8) found = real_text(value(1))
+      if (class_of(1) /= finite) found = 'an infinite number'
+      if (class_of(1) == not_a_number) found = 'NaN'
+      call add_at_record(problems, place, 1, trim(fields(order(i))) // ': found ' // found // &
+                         ', expected ' // expected_value(header, order(i)))
     end do
     if (problems%count() > 0) return
     ! So many bytes too many, and these: they are of the header.
-    if (file%count_bytes() - (magic_length + at + more_bytes) /= &
+    place = file%next_byte()
+    if (file%count_bytes() - place + 1_int64 - more_bytes /= &
         header%points * header%profiles * type_bytes(header%data_type)) return
     call file%take(more_bytes, bytes)
     if (whole_bits(bytes(:4)) == 5_int64 .and. whole_bits(bytes(5:)) == 1_int64) return
     call file%rewind()
-    call file%take(magic_length + at, bytes)
-
-  contains
-
-    subroutine refuse_value(field, found, expected)
-      character(len=*), intent(in) :: field, found, expected
-
-      call add_at_record(problems, int(magic_length + at + 1, int64), 1, trim(field) // &
-                         ': found ' // found // ', expected ' // expected)
-    end subroutine refuse_value
-
+    call file%take(int(place) - 1, bytes)
   end subroutine read_binary_header
-
-  ! A number for a message, by its bits.
-  pure function float_text(bits) result(text)
-    integer(int64), intent(in) :: bits
-    character(len=:), allocatable :: text
-    character(len=24) :: number_text
-
-    if (iand(shiftr(bits, 52), 2047_int64) == 2047_int64) then
-      text = 'NaN'
-      if (iand(bits, low_52) == 0_int64) text = 'an infinite number'
-    else
-      write (number_text, '(es16.8e3)') transfer(bits, 1.0_real64)
-      text = trim(adjustl(number_text))
-    end if
-  end function float_text
 
   !> Adds a problem at a byte of a binary file.
   pure subroutine add_at_record(problems, byte, record, message)

@@ -5,7 +5,7 @@
 !> the first profile is that of the largest y, as other programs have it. Bytes behind the pixels
 !> are text of the maker, which is noted, or refused: the header may be longer than it should be.
 module asperity_sdf_samples
-  use asperity_byte_reader, only: signed_bits, whole_bits
+  use asperity_byte_reader, only: above_all, finite, not_a_number
   use asperity_delimited_text, only: column_of, line_cells, line_reader
   use asperity_height_map, only: digit_of, height_map, highest, is_measured, largest_height, &
                                  length_units, make_room, most_samples, &
@@ -14,7 +14,8 @@ module asperity_sdf_samples
   use asperity_kinds, only: int64, real32, real64
   use asperity_problems, only: decimal_text, problem_list
   use asperity_progress, only: progress_line
-  use asperity_sdf_header, only: add_at_record, bcr, sdf_header, type_bytes, type_names
+  use asperity_sdf_header, only: add_at_record, bcr, sdf_header, type_bytes, type_kinds, &
+                                 type_names
   use asperity_text_header, only: read_header, text_header
   implicit none
   private
@@ -83,8 +84,8 @@ contains
     call shown%finish()
     if (others > 0_int64) &
       call map%notes%add_in_file('note: ' // decimal_text(others) // ' pixels are ' // &
-           decimal_text(other_limit(header)) // ', which other programs take for missing; ' // &
-           'here they are heights')
+           decimal_text(nint(other_limit(header), int64)) // ', which other programs take for ' // &
+           'missing; here they are heights')
     map%digit = map%digit * header%scale_factor(3)
   end subroutine read_sdf_samples
 
@@ -107,33 +108,33 @@ contains
     type(problem_list), intent(inout) :: problems
     character(len=:), allocatable :: bytes
     integer(int64) :: place
-    real(real64) :: largest
-    integer :: wide, i, first, last, profile, at
+    real(real64) :: values(map%columns), largest
+    integer :: classes(map%columns), i, got, profile, wide
     logical :: good
 
     wide = type_bytes(header%data_type)
     do profile = 1, map%rows
-      do first = 1, map%columns, 4096
-        last = min(map%columns, first + 4095)
-        place = file%next_byte()
-        call file%take(wide * (last - first + 1), bytes)
-        if (len(bytes) < wide * (last - first + 1)) then
-          call add_at_record(problems, place + len(bytes, int64), 2, &
-                             'the file ends in profile ' // &
-                             decimal_text(profile) // ', expected ' // decimal_text(map%rows) // &
-                             ' profiles of ' // decimal_text(map%columns) // ' pixels')
-          return
+      place = file%next_byte()
+      call file%take_numbers(type_kinds(header%data_type), wide, values, classes, got)
+      if (got < map%columns) then
+        call add_at_record(problems, file%next_byte(), 2, 'the file ends in profile ' // &
+                           decimal_text(profile) // ', expected ' // decimal_text(map%rows) // &
+                           ' profiles of ' // decimal_text(map%columns) // ' pixels')
+        return
+      end if
+      do i = 1, map%columns
+        call take_sample(header, values(i), others, good)
+        if (classes(i) /= finite) then
+          values(i) = no_height
+          good = classes(i) == not_a_number .or. &
+                 (classes(i) == above_all .and. header%revision == bcr)
         end if
-        do i = first, last
-          at = wide * (i - first)
-          call decode_sample(bytes(at + 1:at + wide), header, map%height(i, row_of(header, &
-                      profile)), others, good)
-          if (.not. good) &
-            call add_at_record(problems, place + int(at, int64), 2, 'pixel ' // &
-                               decimal_text(i) // ' of profile ' // decimal_text(profile) // &
-                               ': found an infinite or too large height, expected one up to 1e30')
-        end do
+        if (.not. good) &
+          call add_at_record(problems, place + int(wide, int64) * (i - 1), 2, 'pixel ' // &
+                             decimal_text(i) // ' of profile ' // decimal_text(profile) // &
+                             ': found an infinite or too large height, expected one up to 1e30')
       end do
+      map%height(:, row_of(header, profile)) = values
       call shown%reach(profile)
     end do
     ! A whole number counts; a real one is as good as its format.
@@ -199,56 +200,15 @@ contains
     is_text = is_text .and. word
   end function is_text
 
-  ! The height of a sample in bytes.
-  pure subroutine decode_sample(bytes, header, height, others, good)
-    character(len=*), intent(in) :: bytes
-    type(sdf_header), intent(in) :: header
-    real(real64), intent(out) :: height
-    integer(int64), intent(inout) :: others
-    logical, intent(out) :: good
-    integer(int64) :: bits, top
-    integer :: wide
-    logical :: negative, missing
-
-    wide = 8 * len(bytes)
-    bits = whole_bits(bytes)
-    good = .true.
-    height = no_height
-    select case (header%data_type)
-    case (binary32, binary64)
-      top = merge(int(z'7F8', int64), int(z'7FF', int64), header%data_type == binary32)
-      negative = btest(bits, wide - 1)
-      ! All bits of the exponent set: infinite, or no number.
-      if (iand(shiftr(bits, wide - 12), top) == top) then
-        bits = iand(bits, shiftl(1_int64, merge(23, 52, wide == 32)) - 1_int64)
-        good = bits /= 0_int64 .or. (header%revision == bcr .and. .not. negative)
-        return
-      else if (wide == 32) then
-        height = real(transfer(int(signed_bits(bits, wide)), 1.0_real32), real64)
-      else
-        height = transfer(bits, height)
-      end if
-    case default
-      ! The first three are without sign.
-      if (header%data_type > 2) bits = signed_bits(bits, wide)
-      height = real(bits, real64)
-      if (bits == other_limit(header)) others = others + 1_int64
-    end select
-    missing = is_reserved(header, height)
-    if (missing) height = no_height
-    if (missing) return
-    call scale_height(header, height, good)
-  end subroutine decode_sample
-
   ! The least number of a whole type with sign where the largest is reserved, or the other way;
   ! others have a number that is no sample.
-  pure integer(int64) function other_limit(header)
+  pure real(real64) function other_limit(header)
     type(sdf_header), intent(in) :: header
 
     other_limit = huge(other_limit)
     if (all(type_names(header%data_type) /= ['INT8 ', 'INT16', 'INT32'])) return
-    other_limit = shiftl(1_int64, 8 * type_bytes(header%data_type) - 1)
-    other_limit = merge(-other_limit, other_limit - 1_int64, header%revision == bcr)
+    other_limit = 2.0_real64**(8 * type_bytes(header%data_type) - 1)
+    other_limit = merge(-other_limit, other_limit - 1.0_real64, header%revision == bcr)
   end function other_limit
 
   ! Whether a number stands for a missing sample. No sample of a text comes as near to it.
@@ -271,15 +231,24 @@ contains
     is_reserved = number >= limit
   end function is_reserved
 
-  ! The number of a sample becomes its height.
-  pure subroutine scale_height(header, height, good)
+  ! The number of a sample becomes its height; `others` counts those at the other limit of their
+  ! type.
+  pure subroutine take_sample(header, height, others, good)
     type(sdf_header), intent(in) :: header
     real(real64), intent(inout) :: height
+    integer(int64), intent(inout) :: others
     logical, intent(out) :: good
 
-    good = abs(height) <= highest / max(1.0_real64, header%scale_factor(3))
-    if (good) height = height * header%scale_factor(3)
-  end subroutine scale_height
+    good = .true.
+    if (height <= other_limit(header) .and. height >= other_limit(header)) &
+      others = others + 1_int64
+    if (is_reserved(header, height)) then
+      height = no_height
+    else
+      good = abs(height) <= highest / max(1.0_real64, header%scale_factor(3))
+      if (good) height = height * header%scale_factor(3)
+    end if
+  end subroutine take_sample
 
   ! Long: all stages take words from the same line. Reads samples as words.
   subroutine read_words(file, header, map, shown, others, problems)
@@ -315,14 +284,7 @@ contains
         end if
         call read_height(word, height, good, power)
         if (whole .and. is_measured(height)) good = good .and. verify(word, '+-0123456789') == 0
-        if (good .and. is_measured(height)) then
-          if (whole .and. nint(height, int64) == other_limit(header)) others = others + 1_int64
-          if (is_reserved(header, height)) then
-            height = no_height
-          else
-            call scale_height(header, height, good)
-          end if
-        end if
+        if (good .and. is_measured(height)) call take_sample(header, height, others, good)
         if (.not. good) call refuse_word('found ' // in_quotes(word) // ', expected ' // expected)
         map%height(i, row_of(header, profile)) = height
       end do

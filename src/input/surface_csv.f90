@@ -4,11 +4,11 @@
 !> in any order; `radius` may be left out. Reading takes time and memory in proportion to the file.
 module asperity_surface_csv
   use asperity_byte_reader, only: byte_reader
+  use asperity_column_names, only: split_name
   use asperity_decimal, only: decimal_to_real64, decimal_value
-  use asperity_delimited_text, only: column_of, line_cells, read_cells
+  use asperity_delimited_text, only: column_of, line_cells, read_cells, separator_of
   use asperity_file_kind, only: a_surface, other_kind
-  use asperity_height_map, only: plain_unit
-  use asperity_input_text, only: check_text, line_end, lower_case, in_quotes, read_text
+  use asperity_input_text, only: check_text, line_end, in_quotes, read_text
   use asperity_kinds, only: int64, real64
   use asperity_numeral, only: read_numeral
   use asperity_problems, only: decimal_text, not_enough_memory, problem_list
@@ -70,21 +70,6 @@ contains
     type(problem_list), intent(out) :: problems         !! all that is wrong
     real(real64), intent(in), optional :: common_radius !! radius of all, when no column gives it
     type(problem_list) :: strange
-
-    call parse_numbers(path, text, table, problems, common_radius)
-    if (problems%count() == 0) return
-    ! Where every cell is a number there is no byte that no text has. Such a byte says enough.
-    call strange%start(path)
-    call check_text(text, 'comma-separated numbers', strange)
-    if (strange%count() > 0) problems = strange
-  end subroutine parse_surface_csv
-
-  ! The same for what may have bytes that no text has.
-  subroutine parse_numbers(path, text, table, problems, common_radius)
-    character(len=*), intent(in) :: path, text
-    type(surface_table), intent(out) :: table
-    type(problem_list), intent(out) :: problems
-    real(real64), intent(in), optional :: common_radius
     type(surface_columns) :: columns
     type(line_cells) :: cells
     character(len=:), allocatable :: other
@@ -94,82 +79,65 @@ contains
     line = 1
     first = 1
     call read_cells(text, first, line, cells)
+    other = other_kind(text, [a_surface])
     if (cells%cell_count == 0) then
       call problems%add_at(1, 1, 'the file is empty, expected the header x,y,height,radius')
-      return
-    end if
-    other = other_kind(text, [a_surface])
-    if (other /= '') then
+    else if (other /= '') then
       call problems%add_at(cells%line, 1, other // '; expected a surface, x,y,height,radius')
-      return
+    else
+      first = cells%start
+      line = cells%line
+      call read_header(text, first, line, columns, problems)
+      table%has_radius = columns%cell_of(radius_column) > 0
+      table%unit = columns%unit
+      table%others = columns%others
+      if (problems%count() == 0) &
+        call read_rows(text(first:), line, columns, table, problems, common_radius)
     end if
-    first = cells%start
-    line = cells%line
-    call read_header(text, first, line, columns, problems)
-    table%has_radius = columns%cell_of(radius_column) > 0
-    table%unit = columns%unit
-    table%others = columns%others
-    if (problems%count() > 0) return
-    call read_table(text(first:), line, columns, table, problems, common_radius)
-  end subroutine parse_numbers
+    if (problems%count() == 0) return
+    ! Where every cell is a number there is no byte that no text has. Such a byte says enough.
+    call strange%start(path)
+    call check_text(text, 'comma-separated numbers', strange)
+    if (strange%count() > 0) problems = strange
+  end subroutine parse_surface_csv
 
-  ! Reads all rows. Each line has its own place in the table, until lines without a row are removed.
-  subroutine read_table(text, first_line, columns, table, problems, common_radius)
-    character(len=*), intent(in) :: text        ! rows only
-    integer, intent(in) :: first_line           ! number of the first one
+  ! Long: a row shares its cells with the messages. Reads all rows of a text, whose first line has
+  ! the number `first_line`.
+  subroutine read_rows(text, first_line, columns, table, problems, common_radius)
+    character(len=*), intent(in) :: text
+    integer, intent(in) :: first_line
     type(surface_columns), intent(in) :: columns
     type(surface_table), intent(inout) :: table
     type(problem_list), intent(inout) :: problems
     real(real64), intent(in), optional :: common_radius
-    logical, allocatable :: is_row(:)           ! whether a line is one of an asperity
-    integer :: i, lines
+    type(line_cells) :: cells
+    type(decimal_value) :: decimal
+    real(real64) :: numbers(4)
+    integer :: i, at, line, lines, rows
+    logical :: good, all_good
 
     ! The last line may have no line feed.
     lines = 1
     do i = 1, len(text)
       if (text(i:i) == achar(10)) lines = lines + 1
     end do
-    if (.not. has_memory(36_int64 * lines)) then
+    if (.not. has_memory(32_int64 * lines)) then
       problems%lacks_memory = .true.
       call problems%add_in_file(not_enough_memory // ' for ' // decimal_text(lines) // &
                                 ' asperities')
       return
     end if
-    allocate (table%x(lines), table%y(lines), table%height(lines), is_row(lines))
-    is_row = .false.
+    allocate (table%x(lines), table%y(lines), table%height(lines))
     if (table%has_radius .or. present(common_radius)) allocate (table%radius(lines))
-    if (present(common_radius)) table%radius = common_radius
-    call read_rows(text, first_line, columns, table, is_row, problems)
-    if (problems%count() == 0 .and. .not. any(is_row)) &
-      call problems%add_at(first_line + lines - 1, 1, &
-                           'no asperity: found the end of the file, expected a row')
-    if (all(is_row)) return
-    table%x = pack(table%x, is_row)
-    table%y = pack(table%y, is_row)
-    table%height = pack(table%height, is_row)
-    if (allocated(table%radius)) table%radius = pack(table%radius, is_row)
-  end subroutine read_table
-
-  ! Reads all rows of a text that begins with line `first_line`.
-  pure subroutine read_rows(text, first_line, columns, table, is_row, problems)
-    character(len=*), intent(in) :: text
-    integer, intent(in) :: first_line
-    type(surface_columns), intent(in) :: columns
-    type(surface_table), intent(inout) :: table
-    logical, intent(inout) :: is_row(:)
-    type(problem_list), intent(inout) :: problems
-    type(line_cells) :: cells
-    type(decimal_value) :: decimal
-    real(real64) :: numbers(4)
-    integer :: i, at, line
-    logical :: good, all_good
-
+    if (present(common_radius)) numbers(radius_column) = common_radius
     at = 1
     line = first_line
+    rows = 0
     cells%separator = columns%separator
     do
       call read_cells(text, at, line, cells)
       if (cells%cell_count == 0) exit
+      rows = rows + 1
       if (cells%cell_count /= columns%column_count) then
         call problems%add_at(cells%line, 1, 'found ' // decimal_text(cells%cell_count) // &
                              ' cells, expected ' // decimal_text(columns%column_count) // &
@@ -179,8 +147,6 @@ contains
         cycle
       end if
       all_good = .true.
-      if (allocated(table%radius) .and. .not. table%has_radius) &
-        numbers(radius_column) = table%radius(1)
       do i = 1, size(column_names)
         if (columns%cell_of(i) == 0) cycle
         call read_numeral(text(cells%first(columns%cell_of(i)):cells%last(columns%cell_of(i))), &
@@ -188,44 +154,43 @@ contains
         numbers(i) = decimal_to_real64(decimal)
         if (good) cycle
         all_good = .false.
-        call refuse_value(i, 'a finite number within the range of a double' // &
-                    point_hint(index(named_cell(i), ',') > 0), problems)
+        call refuse_value(i, 'a finite number within the range of a double')
       end do
       if (all_good .and. allocated(table%radius)) then
         if (numbers(radius_column) <= 0.0_real64) then
-          call refuse_value(radius_column, 'more than 0', problems)
+          call refuse_value(radius_column, 'more than 0')
         else if (numbers(height_column) / 2 >= numbers(radius_column)) then
           ! A sphere does not stand higher than its diameter.
-          call refuse_value(height_column, 'less than twice the radius', problems)
+          call refuse_value(height_column, 'less than twice the radius')
         end if
       end if
-      i = cells%line - first_line + 1
-      is_row(i) = .true.
-      table%x(i) = numbers(1)
-      table%y(i) = numbers(2)
-      table%height(i) = numbers(height_column)
-      if (table%has_radius) table%radius(i) = numbers(radius_column)
+      table%x(rows) = numbers(1)
+      table%y(rows) = numbers(2)
+      table%height(rows) = numbers(height_column)
+      if (allocated(table%radius)) table%radius(rows) = numbers(radius_column)
     end do
+    if (rows == 0) call problems%add_at(first_line + lines - 1, 1, 'no asperity: found the end ' &
+                                        // 'of the file, expected a row')
+    if (rows == lines) return
+    table%x = table%x(:rows)
+    table%y = table%y(:rows)
+    table%height = table%height(:rows)
+    if (allocated(table%radius)) table%radius = table%radius(:rows)
 
   contains
 
-    ! The cell of a named column.
-    pure function named_cell(column)
-      integer, intent(in) :: column
-      character(len=:), allocatable :: named_cell
-
-      named_cell = text(cells%first(columns%cell_of(column)):cells%last(columns%cell_of(column)))
-    end function named_cell
-
     ! Reports that the value of a column is not what is expected.
-    pure subroutine refuse_value(column, expected, problems)
+    subroutine refuse_value(column, expected)
       integer, intent(in) :: column
       character(len=*), intent(in) :: expected
-      type(problem_list), intent(inout) :: problems
 
-      call problems%add_at(cells%line, column_of(cells, columns%cell_of(column)), &
-                           trim(column_names(column)) // ': found ' // &
-                           in_quotes(named_cell(column)) // ', expected ' // expected)
+      associate (cell => columns%cell_of(column))
+        associate (found => text(cells%first(cell):cells%last(cell)))
+          call problems%add_at(cells%line, column_of(cells, cell), trim(column_names(column)) // &
+                               ': found ' // in_quotes(found) // ', expected ' // expected // &
+                               point_hint(index(found, ',') > 0))
+        end associate
+      end associate
     end subroutine refuse_value
 
   end subroutine read_rows
@@ -253,8 +218,8 @@ contains
 
     is_mixed = .false.
     last = line_end(text, first)
-    if (index(text(first:last), ',') == 0) cells%separator = achar(9)  ! of names alone
-    if (index(text(first:last), ';') > 0) cells%separator = ';'
+    cells%separator = separator_of(text(first:last))
+    if (cells%separator == ' ') cells%separator = achar(9)
     call read_cells(text, first, line, cells)
     line = cells%line + 1
     columns%column_count = cells%cell_count
@@ -342,25 +307,5 @@ contains
       if (.not. all_numbers) return
     end do
   end function all_numbers
-
-  ! A name in small letters without quotes, and the unit in brackets behind it.
-  pure subroutine split_name(named_cell, name, unit)
-    character(len=*), intent(in) :: named_cell
-    character(len=:), allocatable, intent(out) :: name, unit
-    integer :: left, right
-
-    name = named_cell
-    unit = ''
-    if (len(name) > 1) then
-      if (name(1:1) == '"' .and. name(len(name):) == '"') name = name(2:len(name) - 1)
-    end if
-    left = scan(name, '[(')
-    if (left > 1) then
-      right = scan(name(left:), '])') + left - 1
-      if (right > left) unit = plain_unit(name(left + 1:right - 1))
-      name = name(:left - 1)
-    end if
-    name = trim(adjustl(lower_case(name)))
-  end subroutine split_name
 
 end module asperity_surface_csv

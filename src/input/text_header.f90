@@ -1,8 +1,9 @@
 !> The header of a height map written as text: comments, names of columns, or the lines of a grid of
 !> ESRI or Surfer in front of the numbers, with the units, width, height and edge that they give.
 module asperity_text_header
-  use asperity_column_names, only: column_list, columns_named, header_separator, is_height_name
+  use asperity_column_names, only: column_list, columns_named, is_height_name
   use asperity_decimal, only: decimal_to_real64, decimal_value
+  use asperity_delimited_text, only: separator_of
   use asperity_height_map, only: edge_names, is_length, no_power, plain_unit, read_height, &
                                  unit_number
   use asperity_input_text, only: blanks, lower_case, in_quotes, without_blanks
@@ -219,7 +220,7 @@ contains
     type(column_list) :: found
 
     found = columns_named(text)
-    is_surface_header = found%is_surface() .and. header_separator(text) /= ' '
+    is_surface_header = found%is_surface() .and. separator_of(text) /= ' '
   end function is_surface_header
 
   ! The names x, y, z, and their units.

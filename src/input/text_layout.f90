@@ -25,9 +25,10 @@ module asperity_text_layout
     type(line_cells) :: cells = line_cells(' ', '#%', '#', .false.)
   end type text_layout
 
-  ! Classes of bytes, and kinds of gaps between two cells.
-  integer, parameter :: a_blank = 1, a_tab = 2, a_comma = 3, a_semicolon = 4, a_decimal_comma = 5, &
-    a_hash = 6, a_point = 7, a_sign = 8, a_digit = 9, a_letter = 10
+  ! Kinds of gaps between two cells; the first four with their signs.
+  integer, parameter :: a_blank = 1, a_tab = 2, a_comma = 3, a_semicolon = 4, a_decimal_comma = 5
+  character(len=1), parameter :: tabulator = achar(9)
+  character(len=*), parameter :: separators = ' ' // tabulator // ',;', digit_signs = '0123456789'
   character(len=*), parameter :: gap_names(4) = [character(len=11) :: 'a blank', 'a tabulator', &
     'a comma', 'a semicolon']
 
@@ -89,133 +90,118 @@ contains
     end do
   end function has_number
 
-  ! Long: one pass over the bytes, with procedures that share its state. Counts lines and cells, and
-  ! what stands between them.
+  ! Long: procedures share the cells of a line. Counts lines, cells and what stands between them.
   subroutine count_cells(file, layout, counts, problems)
     type(line_reader), intent(inout) :: file
     type(text_layout), intent(inout) :: layout
     type(cell_counts), intent(out) :: counts
     type(problem_list), intent(inout) :: problems
-    integer :: class_of(0:255), code, line, i, at, first, last
-    integer :: cells, gap_line, gap_place, digit_count, digits_before, first_digit, first_before
-    integer(int64) :: gap(5)
-    logical :: inside, whole, digit_last, signed, after_comma
+    integer :: line, first, last, at, length, cells, gap_line, digits_before
+    logical :: is_fraction, zero_before, digit_before
 
-    class_of = a_letter
-    class_of([iachar(' '), 9, iachar(','), iachar(';'), iachar('#'), iachar('%'), iachar('.'), &
-              iachar('+'), iachar('-')]) = [a_blank, a_tab, a_comma, a_semicolon, a_hash, a_hash, &
-              a_point, a_sign, a_sign]
-    class_of(iachar('0'):iachar('9')) = a_digit
     gap_line = 0
-    digits_before = 0
-    first_before = 0
     do
       call file%find_line(first, last, line)
       if (first == 0) exit
+      call cut_comment()
       cells = 0
-      gap = 0_int64
-      gap_place = 0
-      inside = .false.
-      digit_last = .false.
-      after_comma = .false.
-      do at = first, last
-        i = iachar(file%lines(at:at))
-        code = class_of(i)
-        ! A per cent sign begins a comment at the beginning of a line alone.
-        if (code == a_hash .and. i == iachar('%') .and. cells > 0) code = a_letter
-        if (code == a_hash) then
-          if (begins_comment(file%lines, first, at)) exit
-          code = a_letter
-        end if
-        if (code >= a_point) then
-          if (.not. inside) call begin_cell()
-          digit_last = code == a_digit
-          if (digit_last) then
-            if (digit_count == 0) first_digit = i - iachar('0')
-            if (whole) digit_count = digit_count + 1
-          else if (code == a_sign .and. digit_count == 0) then
-            signed = .true.
-          else
-            whole = .false.
-            if (code == a_point) counts%point = .true.
-          end if
-        else
-          if (inside) call end_cell()
-          if (sum(gap) == 0_int64) gap_place = at - first + 1
-          gap(code) = gap(code) + 1_int64
-        end if
+      is_fraction = .false.
+      at = first
+      do
+        length = verify(file%lines(at:last), separators) - 1
+        if (length < 0) exit
+        if (cells > 0) call take_gap(file%lines(at:at + length - 1), file%lines(at + length:last))
+        at = at + length
+        length = scan(file%lines(at:last), separators) - 1
+        if (length < 0) length = last - at + 1
+        call take_cell(file%lines(at:at + length - 1))
+        at = at + length
       end do
-      if (inside) call end_cell()
-      call end_line()
+      call end_line(file%lines(at:last))
     end do
 
   contains
 
-    ! Counts the gap before a cell.
-    subroutine begin_cell()
-      integer :: gap_kind
+    ! A per cent sign begins a comment at the beginning of a line alone.
+    subroutine cut_comment()
+      integer :: i
 
-      if (cells > 0) then
-        if (gap(a_comma) == 1_int64 .and. sum(gap) == 1_int64 .and. digit_last .and. &
-            code == a_digit) then
-          gap_kind = a_decimal_comma
-          if (after_comma) counts%two_commas = .true.
-        else if (gap(a_semicolon) > 0_int64) then
-          gap_kind = a_semicolon
-          if (gap(a_comma) > 0_int64) call count_gap(a_comma)
-        else
-          gap_kind = merge(a_tab, a_blank, gap(a_tab) > 0_int64)
-          if (gap(a_comma) > 0_int64) then
-            gap_kind = a_comma
-            if (sum(gap) > gap(a_comma)) counts%spaced_comma = .true.
-          end if
-        end if
-        call count_gap(gap_kind)
-        after_comma = gap_kind == a_decimal_comma
+      i = verify(file%lines(first:last), separators)
+      if (i > 0) then
+        if (file%lines(first + i - 1:first + i - 1) == '%') last = first + i - 2
       end if
-      if (layout%lines == 1_int64) layout%second = layout%second + 1
-      if (layout%lines == 0_int64) then
-        if (after_comma) counts%commas = counts%commas + 1
-        if (.not. after_comma) layout%columns = layout%columns + 1
+      i = first
+      do while (index(file%lines(i:last), '#') > 0)
+        i = i + index(file%lines(i:last), '#')
+        if (begins_comment(file%lines, first, i - 1)) last = i - 2
+      end do
+    end subroutine cut_comment
+
+    ! Counts the gap before a cell.
+    subroutine take_gap(gap, rest)
+      character(len=*), intent(in) :: gap, rest
+      logical :: was_fraction
+
+      was_fraction = is_fraction
+      is_fraction = len(gap) == 1 .and. gap == ',' .and. digit_before .and. &
+                    scan(rest(1:1), digit_signs) == 1
+      if (is_fraction) then
+        call count_gap(a_decimal_comma)
+        if (was_fraction) counts%two_commas = .true.
+      else if (index(gap, ';') > 0) then
+        call count_gap(a_semicolon)
+        if (index(gap, ',') > 0) call count_gap(a_comma)
+      else if (index(gap, ',') > 0) then
+        call count_gap(a_comma)
+        if (verify(gap, ',') > 0) counts%spaced_comma = .true.
+      else
+        call count_gap(merge(a_tab, a_blank, index(gap, tabulator) > 0))
       end if
-      inside = .true.
-      cells = cells + 1
-      digits_before = digit_count
-      first_before = first_digit
-      digit_count = 0
-      first_digit = -1
-      whole = .true.
-      signed = .false.
-      gap = 0_int64
-    end subroutine begin_cell
+    end subroutine take_gap
 
     subroutine count_gap(gap_kind)
       integer, intent(in) :: gap_kind
 
       if (counts%gaps(gap_kind) == 0_int64) then
         counts%line(gap_kind) = line
-        counts%column(gap_kind) = gap_place
+        counts%column(gap_kind) = at - first + 1
       end if
       counts%gaps(gap_kind) = counts%gaps(gap_kind) + 1_int64
     end subroutine count_gap
 
-    subroutine end_cell()
-      integer :: side
+    subroutine take_cell(cell)
+      character(len=*), intent(in) :: cell
+      integer :: begin, digit_count, side
 
-      inside = .false.
+      if (layout%lines == 1_int64) layout%second = layout%second + 1
+      if (layout%lines == 0_int64) then
+        if (is_fraction) counts%commas = counts%commas + 1
+        if (.not. is_fraction) layout%columns = layout%columns + 1
+      end if
+      cells = cells + 1
+      begin = verify(cell, '+-')
+      if (begin == 0) begin = len(cell) + 1
+      digit_count = verify(cell(begin:), digit_signs) - 1
+      if (digit_count < 0) digit_count = len(cell) - begin + 1
       side = modulo(cells, 2)
       counts%least(side) = min(counts%least(side), digit_count)
       counts%most(side) = max(counts%most(side), digit_count)
-      if (signed) counts%signed(side) = .true.
-      if (first_digit == 0 .and. digit_count > 1) counts%zero_first(side) = .true.
-      if (after_comma .and. (digit_count /= 3 .or. digits_before > 3 .or. first_before == 0)) &
+      if (index(cell, '.') > 0) counts%point = .true.
+      if (begin > 1) counts%signed(side) = .true.
+      if (is_fraction .and. (digit_count /= 3 .or. digits_before > 3 .or. zero_before)) &
         counts%surely_decimal = .true.
-    end subroutine end_cell
+      zero_before = index(cell(begin:), '0') == 1
+      if (zero_before .and. digit_count > 1) counts%zero_first(side) = .true.
+      digits_before = digit_count
+      digit_before = scan(cell(len(cell):), digit_signs) == 1
+    end subroutine take_cell
 
-    subroutine end_line()
-      integer :: gap_kind
+    ! Counts a line with what stands behind its last cell.
+    subroutine end_line(gap)
+      character(len=*), intent(in) :: gap
+      integer :: i
 
-      if (cells == 0 .and. maxval(gap(a_comma:a_semicolon)) == 0_int64) then
+      if (cells == 0 .and. scan(gap, ',;') == 0) then
         if (layout%lines > 0_int64 .and. gap_line == 0) gap_line = line
         return
       end if
@@ -226,8 +212,8 @@ contains
       layout%lines = layout%lines + 1_int64
       if (layout%lines > 1_int64 .and. cells == layout%second) &
         layout%like_second = layout%like_second + 1_int64
-      do gap_kind = a_tab, a_semicolon
-        if (gap(gap_kind) > 0_int64) counts%ended(gap_kind) = counts%ended(gap_kind) + 1_int64
+      do i = a_tab, a_semicolon
+        if (index(gap, separators(i:i)) > 0) counts%ended(i) = counts%ended(i) + 1_int64
       end do
     end subroutine end_line
 
@@ -238,7 +224,6 @@ contains
     type(text_layout), intent(inout) :: layout
     type(cell_counts), intent(in) :: counts
     type(problem_list), intent(inout) :: problems, notes
-    character(len=*), parameter :: signs = ' ' // achar(9) // ',;'
     logical :: used(5)
     integer :: i, first, second, separator
 
@@ -247,7 +232,7 @@ contains
     if (used(a_decimal_comma) .and. count(used) == 2 .and. .not. used(a_comma) .and. &
         .not. (counts%point .or. counts%two_commas)) then
       layout%cells%decimal_comma = .true.
-      layout%cells%separator = signs(first:first)
+      layout%cells%separator = separators(first:first)
       if (.not. counts%surely_decimal) &
         call refuse_gaps([a_decimal_comma], &
                     'found a comma before three digits in every number with ' &
@@ -257,7 +242,7 @@ contains
       used(a_comma) = used(a_comma) .or. used(a_decimal_comma)
       first = max(1, findloc(used(:a_semicolon), .true., 1))
       second = max(1, findloc(used(:a_semicolon), .true., 1, back=.true.))
-      layout%cells%separator = signs(first:first)
+      layout%cells%separator = separators(first:first)
       if (first /= second) then
         call refuse_gaps([first, second, a_decimal_comma], 'found ' // trim(gap_names(first)) // &
                     ' and ' // trim(gap_names(second)) // ' between cells')
@@ -278,7 +263,7 @@ contains
         end if
       end if
     end if
-    separator = index(signs, layout%cells%separator)
+    separator = index(separators, layout%cells%separator)
     do i = a_tab, a_semicolon
       if (counts%ended(i) == 0_int64 .or. (i == a_tab .and. i /= separator) .or. &
           (i == separator .and. counts%ended(i) == layout%lines)) cycle
