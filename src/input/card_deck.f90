@@ -5,9 +5,11 @@ module asperity_card_deck
                                   read_i_field, shift_field, stress_field, width_field, x_field, &
                                   y_field, z_field
   use asperity_decimal, only: decimal_to_real64, decimal_value
+  use asperity_delimited_text, only: line_cells, read_cells, separator_of
   use asperity_file_kind, only: other_kind
-  use asperity_input_text, only: blanks, line_end, read_text
+  use asperity_input_text, only: blanks, check_text, line_end, read_text
   use asperity_kinds, only: real64
+  use asperity_numeral, only: read_numeral
   use asperity_problems, only: decimal_text, problem_list
   implicit none
   private
@@ -90,7 +92,7 @@ contains
       call reader%problems%add_at(1, 1, 'the deck is empty: found no text, ' // &
                                    'expected at least six cards')
     else
-      call reader%check_bytes()
+      call check_text(text, 'a card deck', reader%problems)
       if (reader%problems%count() == 0 .and. .not. has_cards(text) .and. &
           (scan(text, ':={[') > 0 .or. &
            index(path, '.scene', back=.true.) == max(1, len(path) - 5))) &
@@ -104,7 +106,7 @@ contains
         call note_heights(path, deck%upper, 'upper', deck%notes)
         call note_heights(path, deck%lower, 'lower', deck%notes)
       end if
-      if (.not. has_numbers(text)) call reader%problems%shorten(0)
+      if (.not. has_numbers(text) .or. is_table(reader)) call reader%problems%shorten(0)
     end if
     problems = reader%problems
   end subroutine parse_card_deck
@@ -122,6 +124,35 @@ contains
     end do
     has_numbers = signs(1) >= 3 * signs(2)
   end function has_numbers
+
+  ! Whether cards 2, 3 and 4 cannot be those of a deck, which have 6, 7 and 4 numbers, or fewer
+  ! where numbers touch, with one in columns 41-47 of card 3.
+  pure logical function is_table(reader)
+    type(card_reader), intent(in) :: reader
+    type(line_cells) :: cells
+    type(decimal_value) :: number
+    character(len=card_length) :: columns
+    integer :: i, k, at, line, numbers(2:header_cards), words(2:header_cards)
+    logical :: good
+
+    numbers = 0
+    cells%keep_empty = .false.
+    do i = 2, header_cards
+      columns = reader%card_columns(i)
+      if (i == 3) is_table = columns(deck_fields(width_field)%first:) == ''
+      cells%separator = separator_of(columns)
+      at = 1
+      line = i
+      call read_cells(columns, at, line, cells)
+      words(i) = cells%cell_count
+      do k = 1, words(i)
+        call read_numeral(columns(cells%first(k):cells%last(k)), number, good)
+        numbers(i) = numbers(i) + merge(1, 0, good)
+      end do
+    end do
+    is_table = is_table .or. numbers(2) == 0 .or. numbers(2) >= max(3, numbers(3)) .or. &
+               all(words == words(2)) .or. any(numbers > [6, 7, 4])
+  end function is_table
 
   !> Cards 1 to 4; `complete` is false when one of them is missing.
   subroutine read_header(reader, deck, complete)

@@ -70,7 +70,6 @@ module asperity_card_reader
     procedure :: real_field    !! reads a number under F format
     procedure :: require_card  !! reports a problem when a card is missing
     procedure :: refuse_field  !! reports a problem of a field
-    procedure :: check_bytes   !! reports the first byte that is no text
   end type card_reader
 
 contains
@@ -201,26 +200,6 @@ contains
     call self%problems%add_at(line, column, name // ': found ''' // &
                               columns(place%first:place%last) // ''', expected ' // expected)
   end subroutine refuse_field
-
-  !> Reports the first byte that is no text. A carriage return is text only at the end of a line.
-  subroutine check_bytes(self)
-    class(card_reader), intent(inout) :: self  !! cards of the deck
-    integer :: i, code, line
-
-    do i = 1, len(self%text)
-      code = iachar(self%text(i:i))
-      if (code >= 32 .and. code /= 127) cycle
-      if (any(code == [9, 10])) cycle
-      if (code == 13) then
-        if (i == len(self%text)) cycle
-        if (self%text(i + 1:i + 1) == achar(10)) cycle
-      end if
-      line = max(1, count(self%first <= i))
-      call self%problems%add_at(line, i - self%first(line) + 1, 'not a text file: found byte ' // &
-                                decimal_text(code) // ', expected a card deck')
-      return
-    end do
-  end subroutine check_bytes
 
   !> Reads a field under `Fw.d`.
   pure subroutine read_f_field(field, implied_decimals, value, bad_at)

@@ -293,6 +293,24 @@ def test_different_kinds_at_once(runner, cards):
                                               (LAST + 1, 1)]
 
 
+NUMERIC = {
+    "matrix": "\n".join(" ".join(f"{i * k % 7 - 3:.5e}" for k in range(20)) for i in range(20)),
+    "six columns": "\n".join(" ".join(f"{i * k % 5:.2f}" for k in range(6)) for i in range(20)),
+    "commas": "\n".join(f"{i},{i * .5},{i * .25}" for i in range(20)),
+    "one column": "0\n" * 30,
+    "ragged": "\n".join(" ".join(map(str, range(i % 7 + 1))) for i in range(1, 30)),
+    "ragged, wide": "\n".join(" ".join(["0.1234"] * (8 - i % 5)) for i in range(29)),
+    "tabulators": "\n".join("\t".join(f"{i * k:.4f}" for k in range(5)) for i in range(29)),
+    "atoms": "30\nwater\n" + "\n".join(f"O {i:.3f} {i * .1:.3f} 0.500" for i in range(30)),
+    "addresses": "\n".join(f"10.0.0.{i} 255.255.255.0" for i in range(30)),
+}
+
+
+@pytest.mark.parametrize("kind", NUMERIC)
+def test_numbers_of_another_kind_of_file_are_one_mistake(kind, runner):
+    assert 1 <= len(runner.problems(NUMERIC[kind].encode())) <= 3
+
+
 def test_missing_file(runner):
     assert "No such file" in runner.problem(None)[2]
 
