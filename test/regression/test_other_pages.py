@@ -1,0 +1,82 @@
+"""Pages on other programs and on the thesis: their numbers, and rows without a gap."""
+
+import re
+
+import pytest
+from builds import ROOT
+
+PROGRAMS = (ROOT / "docs/how-to/other-programs.md").read_text(encoding="utf-8")
+THESIS = (ROOT / "docs/theory/thesis-table.md").read_text(encoding="utf-8")
+README = (ROOT / "README.md").read_text(encoding="utf-8")
+VALIDATION = (ROOT / "docs/reference/validation.md").read_text(encoding="utf-8")
+
+
+def rows(text, heading):
+    """The cells of the first table below a heading, without its head."""
+    lines = text.split(f"\n## {heading}\n")[1].split("\n## ")[0].splitlines()
+    table = [line for line in lines if line.startswith("|")]
+    return [[cell.strip() for cell in line.strip("|").split("|")] for line in table[2:]]
+
+
+@pytest.mark.once
+@pytest.mark.filterwarnings("ignore::UserWarning")
+def test_the_same_map_in_three_programs(package, capsys, monkeypatch):
+    """The block of asperity prints the numbers below it; those of the others agree to 1e-8."""
+    monkeypatch.chdir(ROOT)
+    ours, *others = [[float(word) for word in line.split()]
+                     for line in re.findall(r"```\n(0[.\d]+ [.\d]+ [.\d]+)\n```", PROGRAMS)]
+    exec(compile(re.search(r"```python\n(.*?)```", PROGRAMS, re.S)[1], "page", "exec"), {})
+    printed = [float(word) for word in capsys.readouterr().out.split()]
+    assert printed == pytest.approx(ours, rel=1e-8) and len(others) == 2
+    for numbers in others:
+        assert numbers[0] == ours[0] and numbers == pytest.approx(ours, rel=1e-8)
+
+
+@pytest.mark.once
+def test_rows_of_the_thesis():
+    """Each table and figure has a row; no cell is empty; a `none` has a reason."""
+    tables, figures = rows(THESIS, "Tables"), rows(THESIS, "Figures")
+    numbers = [number for row in figures for low, high in re.findall(r"(\d+)(?: to (\d+))?", row[0])
+               for number in range(int(low), int(high or low) + 1)]
+    assert sorted(numbers) == list(range(1, 29))
+    assert [row[0].split(",")[0].split(" ")[0] for row in tables] == \
+        ["I", "II", "IIIA", "IV", "V", "VI", "VIIA"]
+    for row in (*tables, *figures, *rows(THESIS, "Theories")):
+        assert len(row) == 3 and all(row), row
+        assert re.match(r"none: \w+", row[2]) or re.search(r"`|\]\(|Hertz", row[2]), row
+
+
+@pytest.mark.once
+def test_cells_of_the_readme():
+    """Each cell of asperity has a link to its page, or is a `no`."""
+    table = rows(README, "Beside other programs")
+    assert len(table) >= 9
+    for row in table:
+        assert len(row) == 4 and all(row) and (row[1] == "no" or "](docs/" in row[1]), row
+    compared, met, missed = re.search(r"\| all \| \| (\d+) \| (\d+) \| (\d+) \|",
+                                      VALIDATION).groups()
+    assert f"{met} of {compared} numbers" in README and missed == "10" and "ten are" in README
+
+
+@pytest.mark.parametrize("scale, load", [(100.0, 300.0), (0.01, 1e-4), (1e4, 7.0), (3.0, 9.0)])
+def test_similitude(package, scale, load):
+    """Table II of the thesis: factors of lengths, areas and limits by those of radii and loads."""
+    def pair(factor, loading, **limit):
+        upper, lower = ({"x": [0.0], "y": [0.0], "height": [0.2 * factor], "radius": [r * factor]}
+                        for r in (1.0, 3.0))
+        results = package.solve({
+            "surfaces": {"upper": upper, "lower": lower}, "material": {"contact_modulus": 1e5},
+            "loading": loading, "effects": {"interaction": "off"}, **limit})
+        return {**{name: results.states[name][-1] for name in ("compression", "area", "load")},
+                "radius": results.contacts["contact_radius"][-1]}
+
+    real = pair(1.0, {"control": "load", "value": 20.0})
+    model = pair(scale, {"control": "load", "value": 20.0 * load})
+    factors = {"compression": (load**2 / scale)**(1 / 3), "radius": (load * scale)**(1 / 3),
+               "area": (load * scale)**(2 / 3)}
+    for name, factor in factors.items():
+        assert model[name] / real[name] == pytest.approx(factor, rel=1e-9), name
+    limit = {"limit": {"criterion": "pressure", "value": 3000.0}}
+    real, model = (pair(factor, {"control": "limit"}, **limit) for factor in (1.0, scale))
+    assert model["load"] / real["load"] == pytest.approx(scale**2, rel=1e-9)
+    assert model["compression"] / real["compression"] == pytest.approx(scale, rel=1e-9)
