@@ -6,6 +6,7 @@ blocks are accepted, and print what is shown; the tables of names are those of t
 
 import re
 import shlex
+from itertools import takewhile
 
 import pytest
 from builds import ROOT
@@ -157,7 +158,8 @@ def command_lines(page):
             if any(re.fullmatch(r"[A-Z]+", word) for word in words):
                 continue
             shown = lines[number - first:] if line.startswith("$ ") else []
-            yield number, words, shown
+            # Those before the next command.
+            yield number, words, list(takewhile(lambda line: not line.startswith("$ "), shown))
 
 
 def input_files(page, folder):
