@@ -67,8 +67,8 @@ def table(path, **chosen):
     return {name: column(name) for name in rows[0]}
 
 
-def run(executable, *words):
-    done = subprocess.run([executable, *map(str, words)], cwd=ROOT, capture_output=True, text=True)
+def run(executable, *words, folder=ROOT):
+    done = subprocess.run([executable, *map(str, words)], cwd=folder, capture_output=True, text=True)
     if done.returncode:
         sys.exit(done.stderr)
     return done.stdout
@@ -94,6 +94,9 @@ def solve_scenes(executable, wanted):
         DATA / "slide.csv")
     run(executable, "generate", "data/examples/generate/thesis.spec", "--output",
         DATA / "generated.deck")
+    run(executable, "generate", "data/examples/generate/surface.spec", "--output",
+        DATA / "surface.sdf")
+    (DATA / "surface.scene").write_text((scenes / "surface.scene").read_text(), encoding="ascii")
     if "representative-area" in wanted:
         run(executable, "study", "data/examples/study/thesis.spec", "--quiet", "--csv",
             DATA / "area_study.csv")
@@ -602,12 +605,90 @@ def work_precision(canvas, axes):
     canvas.legend(loc="outside right upper")
 
 
+# ------------------------------------------------------------------ drawings without a run
+
+def arrow(axes, begin, end, style="<->", colour=INK):
+    axes.annotate("", end, begin, arrowprops={"arrowstyle": style, "color": colour,
+                                              "shrinkA": 0, "shrinkB": 0})
+
+
+@figure(400)
+def quantities(_, axes):
+    """Lengths between a map and a flat under load, not to scale."""
+    x = np.linspace(0.15, 9.9, 600)
+    free = 0.8 * np.cos(2.1 * x) + 0.5 * np.cos(x + 1.3)
+    flat, touch = 0.55, free.max()
+    loaded = np.minimum(free, flat)
+    for height, label, colour, dashes in ((touch, "flat at first contact", GREY, "--"),
+                                          (flat, "flat under load", RED, "-"),
+                                          (0, "mean plane of the map", GREY, "--")):
+        axes.plot([0.15, 9.9], [height, height], dashes, color=colour,
+                  linewidth=1 if dashes == "--" else 1.8)
+        axes.text(10, height, label, color=colour, va="center")
+    axes.plot(x, free, "--", color=GREY, linewidth=1)
+    axes.plot(x, loaded, color=BLUE, linewidth=2.2)
+    axes.text(10, -1.0, "dashed: without load", color=GREY, va="center")
+    axes.text(10, -1.4, "map under load", color=BLUE, va="center")
+    for place, low, high, label in ((4.0, flat, touch, "compression"), (7.0, 0, flat, "separation"),
+                                    (1.55, loaded[np.argmin(abs(x - 1.55))], flat, "gap")):
+        arrow(axes, (place, low), (place, high))
+        axes.text(place + 0.1, (low + high) / 2, label, va="center")
+    axes.text(2.4, 2.1, "projected area: the contacts seen from above")
+    arrow(axes, (2.9, 2.0), (3.1, flat + 0.06), "->")
+    arrow(axes, (6.0, 2.0), (6.0, flat + 0.06), "->")
+    arrow(axes, (0.15, -1.7), (9.9, -1.7))
+    axes.text(3.6, -2.0, "nominal area: all of the map", va="center")
+    axes.set(xlim=(0, 13.4), ylim=(-2.2, 2.5))
+    axes.axis("off")
+
+
+@figure(400, columns=3)
+def pair_geometry(_, first, loaded, loads):
+    """Two spheres in contact beside their summits: Appendix 5 of the thesis, drawn by us."""
+    angle, depth, half = pi / 6, 0.3, 0.42
+    s, c = np.sin(angle), np.cos(angle)
+    d, z = 2 * s, 2 * c
+    for axes, title, spheres in (
+            (first, "first contact", (((0, 0), BLUE, "-"), ((d, z), RED, "-"))),
+            (loaded, "under load", (((0, 0), BLUE, "-"), ((d, z), GREY, "--"),
+                                    ((d, z - depth), RED, "-"))),
+            (loads, "loads and areas", (((0, 0), GREY, "--"), ((d, z), GREY, "--")))):
+        for centre, colour, dashes in spheres:
+            axes.add_patch(Circle(centre, 1, fill=False, edgecolor=colour, linestyle=dashes,
+                                  linewidth=1 if dashes == "--" else 1.8))
+        axes.set(title=title, xlim=(-1.6, 2.2), ylim=(-1.7, 2.9), aspect="equal")
+        axes.axis("off")
+    first.plot([0, d], [0, z], color=INK, linewidth=1)
+    first.plot([0, 0], [0, z], "--", color=GREY, linewidth=1)
+    arrow(first, (0, z), (d, z))
+    arrow(first, (-1.2, 0), (-1.2, z))
+    for x, y, text in ((0.4, z + 0.1, "d"), (-1.5, z / 2, "z"), (0.06, 0.65, "M"),
+                       (1.0, 0.3, "R1 + R2")):
+        first.text(x, y, text)
+    loaded.plot([0, d], [0, z - depth], color=INK, linewidth=1)
+    arrow(loaded, (d, z), (d, z - depth))
+    loaded.text(d + 0.1, z - depth / 2, "p", va="center")
+    loaded.text(1.0, 0.2, "W along\nthis line")
+    ends = np.array([(s - half * c, c + half * s), (s + half * c, c - half * s)])
+    loads.plot(*ends.T, color=INK, linewidth=4)
+    loads.plot(ends[:, 0], [-1.25, -1.25], color=INK, linewidth=4)
+    for x, y in ends:
+        loads.plot([x, x], [y, -1.25], "--", color=GREY, linewidth=1)
+    arrow(loads, (s + 1.4 * s, c + 1.4 * c), (s, c), "->", RED)
+    arrow(loads, (s, c + 1.4 * c * c), (s, c), "->", RED)
+    arrow(loads, (s, c), (s + 0.8 * c, c - 0.8 * s), "->", BLUE)
+    for x, y, text in ((s + 1.5 * s, c + 1.45 * c, "N"), (s - 0.25, c + 1.0, "L"),
+                       (s + 0.85 * c, c - 0.75 * s, "T"), (s - 0.35, -1.6, "A cos M")):
+        loads.text(x, y, text)
+
+
 def main(executable, *names):
     drawn = {name.replace("_", "-") if name.split("_")[0] in (
-        "gallery", "how", "map", "scan", "representative") else name: make
+        "gallery", "how", "map", "scan", "representative", "pair") else name: make
         for name, make in FIGURES.items()}
-    pictures = {"pressure-map": ("solve", "data/examples/summits/press_samples.scene"),
-                "summits": ("summits", "data/examples/summits/smooth.sdf")}
+    # The scene is named in the picture without its folder.
+    pictures = {"pressure-map": ("solve", "surface.scene"),
+                "summits": ("summits", ROOT / "data/examples/summits/smooth.sdf")}
     names = names or (*drawn, *pictures)
     unknown = set(names) - {*drawn, *pictures}
     if unknown:
@@ -617,7 +698,7 @@ def main(executable, *names):
     for name in names:
         path = FOLDER / f"{name}.svg"
         if name in pictures:
-            run(executable, *pictures[name], "--quiet", "--picture", path)
+            run(executable, *pictures[name], "--quiet", "--picture", path, folder=DATA)
             continue
         canvas = drawn[name]()
         canvas.savefig(path, metadata={"Date": None})
