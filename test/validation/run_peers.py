@@ -6,7 +6,8 @@
     export LD_LIBRARY_PATH=peers/lib
     peers/bin/python test/validation/run_peers.py PROGRAM >> test/validation/peers.csv
 
-PROGRAM is tamaas, contact_mechanics or lammps. `peers.csv` has what they printed; nothing of it comes from asperity.
+PROGRAM is tamaas, contact_mechanics or lammps. `peers.csv` has what they printed; nothing of it
+comes from asperity.
 """
 
 import sys
