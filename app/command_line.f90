@@ -15,6 +15,7 @@ module asperity_command_line
   use asperity_original_records, only: original_positions, thesis_tables
   use asperity_output_files, only: same_file
   use asperity_problems, only: decimal_text, problem_list
+  use asperity_run_options, only: totals_of_accuracy
   use asperity_scene_names, only: any_of
   use asperity_summit_spheres, only: radius_names
   use asperity_system_calls, only: canonical_path
@@ -55,6 +56,7 @@ module asperity_command_line
     logical :: cost = .false.                        !! only estimate the cost of the work
     integer :: threads = 0                           !! threads to use; 0: all cores
     real(real64) :: accuracy = 0.0_real64            !! accuracy asked for; 0 when not given
+    integer :: accuracy_of = 0                       !! place in `totals_of_accuracy`; 0: not given
     real(real64) :: seconds = 0.0_real64             !! time that may be spent; 0 when not given
     integer :: rule = rule_eight                     !! what a summit is
     integer :: level = 0                             !! of the heights of a map; 0: the usual one
@@ -126,6 +128,8 @@ contains
     if (line%accuracy > 0 .and. line%output_path('--keep') /= '') &
       call problems%add('--accuracy solves a sweep by several methods, --keep saves one: ' // &
                         'expected one of both')
+    if (line%accuracy_of > 0 .and. .not. line%accuracy > 0) &
+      call problems%add('--of: expected --accuracy ERROR beside it')
     if (line%output_path('--output') /= '' .and. line%output_path('--upper') /= '') &
       call problems%add('--output and --upper both name the upper surface, expected one of them')
     if (line%cost .and. line%budget) &
@@ -196,6 +200,8 @@ contains
     case ('--accuracy')
       call read_positive(name, value, 1.0_real64, 'a relative error between 0 and 1, for ' // &
                          'instance 1e-3', line%accuracy, problems)
+    case ('--of')
+      call read_word(name, value, totals_of_accuracy, line%accuracy_of, problems)
     case ('--rule')
       call read_word(name, value, rule_names, line%rule, problems)
     case ('--edge')

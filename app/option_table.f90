@@ -80,6 +80,8 @@ module asperity_option_table
     option_entry('solve', '--accuracy', 'ERROR', &
       'choose the fastest method with an estimated relative error below ERROR, for instance ' // &
       '1e-3, including the estimated influence of effects that are off'), &
+    option_entry('solve', '--of', 'WORD', &
+      'totals that --accuracy limits: all (default), load (or separation), or area'), &
     option_entry('solve', '--budget', '', &
       'print the error budget of every total: arithmetic, step, model'), &
     option_entry('solve', '--threads', 'N', &

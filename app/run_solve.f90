@@ -23,7 +23,7 @@ module asperity_run_solve
   use asperity_results_json, only: write_json
   use asperity_results_vti, only: write_vti
   use asperity_results_vtk, only: write_vtk
-  use asperity_run_options, only: run_options
+  use asperity_run_options, only: run_options, totals_of_accuracy
   use asperity_scene_inputs, only: input_file, list_inputs
   use asperity_scene_reader, only: read_scene
   use asperity_scene_results, only: scene_results
@@ -305,6 +305,7 @@ contains
     type(run_options) :: options
 
     options%accuracy = line%accuracy
+    if (line%accuracy_of > 0) options%accuracy_of = totals_of_accuracy(line%accuracy_of)
     options%keep_contacts = line%output_path('--contacts') // line%output_path('--json') // &
                             line%output_path('--vtk') // line%output_path('--html') /= '' .or. &
                             is_thesis_sweep(scene_in) .or. needs_fields(line)

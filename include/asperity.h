@@ -123,14 +123,16 @@ typedef struct {
 /* How a scene is solved. All bytes zero: the defaults. */
 typedef struct {
   const char *arithmetic; /* "real64" or NULL: no other; asperity_make_report has other arithmetics */
-  double accuracy;        /* relative error of every total that is allowed, less than 1: the fastest
-                             method that has it is taken; 0: none is asked for */
+  double accuracy;        /* relative error that is allowed, less than 1: the fastest method that has it
+                             is taken; 0: none is asked for */
   int totals_only;        /* not 0: contacts are not kept, their table has no rows */
   int threads;            /* at most 9999; 0: as many as OpenMP gives; the results are the same for
                              any number */
   const int *interrupt;   /* NULL, or a number that another thread or a signal's handler makes other
                              than 0 to end the call: it goes no further than the states that are
                              under way, and fails with "interrupted" */
+  const char *accuracy_of; /* totals that `accuracy` limits: "all" (also for NULL), "load" (the
+                              separation under a load), or "area" */
 } asperity_options;
 
 /* How summits are found. All bytes zero: the defaults. */

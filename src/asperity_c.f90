@@ -34,6 +34,7 @@ module asperity_c
     integer(c_int) :: totals_only    !! not 0: contacts are not kept
     integer(c_int) :: threads        !! 0: as many as OpenMP gives
     type(c_ptr) :: interrupt         !! a number that is not 0 when the work shall end; may be null
+    type(c_ptr) :: accuracy_of       !! 'all', 'load', 'area' or null
   end type c_options
 
 contains
@@ -186,6 +187,7 @@ contains
                           'deck has other arithmetics')
     end if
     chosen%accuracy = options%accuracy
+    if (c_associated(options%accuracy_of)) chosen%accuracy_of = text_of(options%accuracy_of)
     chosen%keep_contacts = options%totals_only == 0_c_int
     chosen%threads = options%threads
     call check_options(chosen, problems)

@@ -43,7 +43,8 @@ class Side(Structure):
 
 class Options(Structure):
     _fields_ = [("arithmetic", c_char_p), ("accuracy", c_double), ("totals_only", c_int),
-                ("threads", c_int), ("interrupt", POINTER(c_int))]
+                ("threads", c_int), ("interrupt", POINTER(c_int)),
+                ("accuracy_of", c_char_p)]
 
 
 class SummitsOptions(Structure):

@@ -72,14 +72,14 @@ class Scene:
                 group, name, values = line.split("\t", 2)
                 self.groups.setdefault(group, {})[name] = _a.Written(values)
 
-    def solve(self, *, arithmetic: str = "real64", accuracy: float = 0.0, contacts: bool = True,
-              threads: int = 0, progress: bool = False, fields: bool | str = False,
-              **groups: Mapping[str, Any] | None) -> Results:
+    def solve(self, *, arithmetic: str = "real64", accuracy: float = 0.0, accuracy_of: str = "all",
+              contacts: bool = True, threads: int = 0, progress: bool = False,
+              fields: bool | str = False, **groups: Mapping[str, Any] | None) -> Results:
         """Solve the scene, with other values where they are given.
 
         Parameters
         ----------
-        arithmetic, accuracy, contacts, threads, progress, fields
+        arithmetic, accuracy, accuracy_of, contacts, threads, progress, fields
             As for `asperity.solve`.
         **groups
             Values that replace those of the scene for this solve: `loading={"value": 20}` keeps the
@@ -103,8 +103,8 @@ class Scene:
             text = _a.Groups(self._name, _changed(self.groups, groups), _a.DOUBLE)
             read = _c.call("rebuild_scene", self._read, text.text).checked(text.named)
         kept = states_kept(fields)
-        solved = _solve(read, self._earlier, text, arithmetic, accuracy, contacts, threads,
-                        progress, kept)
+        solved = _solve(read, self._earlier, text, arithmetic, accuracy, accuracy_of, contacts,
+                        threads, progress, kept)
         self._earlier = solved
         return Results(solved, kept)
 
@@ -116,8 +116,8 @@ class Scene:
 
 
 def solve(scene: _a.Path | Mapping[str, Mapping[str, Any]] | Scene, *, arithmetic: str = "real64",
-          accuracy: float = 0.0, contacts: bool = True, threads: int = 0,
-          progress: bool = False, fields: bool | str = False) -> Results:
+          accuracy: float = 0.0, accuracy_of: str = "all", contacts: bool = True,
+          threads: int = 0, progress: bool = False, fields: bool | str = False) -> Results:
     """Solve a scene: contacts, load, area and pressures of two surfaces.
 
     Parameters
@@ -135,8 +135,10 @@ def solve(scene: _a.Path | Mapping[str, Mapping[str, Any]] | Scene, *, arithmeti
     arithmetic : str, default "real64"
         No other is accepted: scenes are solved in doubles. `report` has other arithmetics.
     accuracy : float, default 0
-        Largest estimated relative error of every total, less than 1; the fastest method with this
-        error is used. 0: no such choice.
+        Largest estimated relative error, less than 1; the fastest method with this error is used.
+        0: no such choice.
+    accuracy_of : 'all', 'load' or 'area', default 'all'
+        Totals that `accuracy` limits; `load` stands for the separation under a load.
     contacts : bool, default True
         False: totals only, `contacts` of the results has no rows.
     threads : int, default 0
@@ -185,19 +187,19 @@ def solve(scene: _a.Path | Mapping[str, Mapping[str, Any]] | Scene, *, arithmeti
     500.0
     """
     given = scene if isinstance(scene, Scene) else Scene(scene)
-    return given.solve(arithmetic=arithmetic, accuracy=accuracy, contacts=contacts,
-                       threads=threads, progress=progress, fields=fields)
+    return given.solve(arithmetic=arithmetic, accuracy=accuracy, accuracy_of=accuracy_of,
+                       contacts=contacts, threads=threads, progress=progress, fields=fields)
 
 
 def _solve(read: _c.Outcome, earlier: _c.Outcome | None, text: _a.Groups, arithmetic: str,
-           accuracy: float, contacts: bool, threads: int, progress: bool,
+           accuracy: float, accuracy_of: str, contacts: bool, threads: int, progress: bool,
            fields: int) -> _c.Outcome:
     interrupt = c_int(0)
     options = _c.Options(
         _a.word("arithmetic", arithmetic), _a.number("accuracy", accuracy),
         not _a.flag("contacts", contacts),
         _a.whole("threads", threads, "a number from 1 to 9999, or 0 for all cores"),
-        POINTER(c_int)(interrupt))
+        POINTER(c_int)(interrupt), _a.word("accuracy_of", accuracy_of))
     counts = (c_int * 2)()
     bar = _Progress(counts) if _a.flag("progress", progress) else None
     try:

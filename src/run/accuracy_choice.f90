@@ -16,11 +16,11 @@ module asperity_accuracy_choice
   implicit none
   private
 
-  public :: run_errors, check_left_out, choose_hertz_contacts, choose_model, error_text, &
-            errors_of_run, first_tolerance, influence_left_out, may_use_elements, next_tolerance, &
-            report_method, suggested_accuracy, total_error
+  public :: run_errors, check_left_out, choose_hertz_contacts, choose_model, errors_of_run, &
+            first_tolerance, influence_left_out, may_use_elements, next_tolerance, &
+            possible_accuracy, proposed_accuracy, report_method, total_error
 
-  ! Smallest relative error for which boundary elements are chosen: areas are not more accurate.
+  ! Smallest relative error of an area by boundary elements that is relied on.
   ! With finer elements the estimates 1.9e-3 and 9.3e-4 in two scenes of steep pairs were less than
   ! the errors 2.1e-3 and 1.5e-3.
   real(real64), parameter :: element_error = 3.0e-3_real64
@@ -35,6 +35,9 @@ module asperity_accuracy_choice
   ! as other errors prevail.
   real(real64), parameter :: tolerance_factor = 0.95_real64, least_share = 0.25_real64
 
+  ! A proposed accuracy has two digits: 0.9 keeps it above the error that a run had.
+  real(real64), parameter :: possible_share = 0.9_real64
+
   !> Estimated relative errors of a run.
   type :: run_errors
     real(real64) :: model = 0.0_real64       !! load or separation, by omitted effects and methods
@@ -48,9 +51,10 @@ contains
   !> Sets the effects of a scene for a tolerance. Without boundary elements all contacts are
   !> Hertzian, and their error is estimated. A map is solved on its pixels: this takes no longer
   !> than the comparison of its summits with them.
-  subroutine choose_model(scene_in, tolerance, on_cells, chosen)
+  subroutine choose_model(scene_in, tolerance, total, on_cells, chosen)
     type(scene), intent(in) :: scene_in       !! scene, checked, with effects
     real(real64), intent(in) :: tolerance     !! relative error of the totals
+    character(len=*), intent(in) :: total     !! which: `all`, `load` or `area`
     logical, intent(in) :: on_cells           !! boundary elements where Hertz is inaccurate
     type(scene), intent(out) :: chosen        !! scene to be solved
     integer :: mode
@@ -67,7 +71,8 @@ contains
     end if
     call chosen%effects%call_for('interaction', mode)
     call chosen%effects%set('tolerance', rounded_decimal(tolerance, 3))
-    call chosen%effects%set('area_tolerance', rounded_decimal(tolerance, 3))
+    if (total /= 'load') &
+      call chosen%effects%set('area_tolerance', rounded_decimal(tolerance, 3))
     if (tolerance < chosen%effects%number('boundary_tolerance')) &
       call chosen%effects%set('boundary_tolerance', rounded_decimal(tolerance, 3))
   end subroutine choose_model
@@ -105,13 +110,12 @@ contains
     end if
   end subroutine check_left_out
 
-  !> Whether boundary elements may have the accuracy: with interaction, and above their error.
-  pure logical function may_use_elements(scene_in, accuracy)
-    type(scene), intent(in) :: scene_in      !! scene, checked, with effects
-    real(real64), intent(in) :: accuracy     !! requested relative error
+  !> Whether boundary elements are a method for a scene: with interaction.
+  pure logical function may_use_elements(scene_in)
+    type(scene), intent(in) :: scene_in  !! scene, checked, with effects
 
     may_use_elements = scene_in%effects%mode('interaction') /= effect_off .and. &
-                      .not. allocated(scene_in%map) .and. accuracy >= element_error
+                       .not. allocated(scene_in%map)
   end function may_use_elements
 
   !> Sets a scene to Hertzian contacts only, to estimate their error.
@@ -126,11 +130,13 @@ contains
 
   !> Estimated errors of a run. That of a path is at least its tolerance, as estimates are those of
   !> its last state.
-  type(run_errors) function errors_of_run(scene_in, results) result(errors)
+  type(run_errors) function errors_of_run(scene_in, on_elements, results) result(errors)
     type(scene), intent(in) :: scene_in         !! scene that was solved
+    logical, intent(in) :: on_elements          !! boundary elements where Hertz is inaccurate
     type(scene_results), intent(in) :: results  !! results of the scene
     integer :: column, e, i, m
 
+    if (on_elements) errors%area = element_error
     errors%arithmetic = error_bound(scene_in, results%positions)
     do m = 1, size(results%positions)
       associate (position => results%positions(m))
@@ -175,38 +181,47 @@ contains
                  state%prescribed_load - 1.0_real64)
   end function load_error
 
-  !> Total error: that of loads and separation, or that of the area where it is larger.
-  pure real(real64) function total_error(errors)
+  !> Total error of loads and separation, of the area, or the larger one.
+  pure real(real64) function total_error(errors, total)
     type(run_errors), intent(in) :: errors   !! errors of a run
+    character(len=*), intent(in) :: total    !! of which: `all`, `load` or `area`
 
-    total_error = max(errors%model, errors%area) + errors%arithmetic + errors%load
+    total_error = model_error(errors, total) + errors%arithmetic + errors%load
   end function total_error
 
-  !> Accuracy that a run with these errors has, with room for two digits.
-  pure real(real64) function suggested_accuracy(errors)
-    type(run_errors), intent(in) :: errors   !! errors of a run
+  ! Error by omitted effects and methods.
+  pure real(real64) function model_error(errors, total)
+    type(run_errors), intent(in) :: errors
+    character(len=*), intent(in) :: total
 
-    suggested_accuracy = 1.05_real64 * total_error(errors)
-  end function suggested_accuracy
+    model_error = 0.0_real64
+    if (total /= 'area') model_error = errors%model
+    if (total /= 'load') model_error = max(model_error, errors%area)
+  end function model_error
 
   !> First tolerance of boundary elements: their error estimate is about as large.
-  pure real(real64) function first_tolerance(accuracy) result(first)
+  pure real(real64) function first_tolerance(accuracy, total) result(first)
     real(real64), intent(in) :: accuracy        !! requested relative error
+    character(len=*), intent(in) :: total       !! of which: `all`, `load` or `area`
 
-    first = accuracy / safety_factor
+    first = accuracy
+    if (total /= 'load') first = max(first, element_error)
+    first = first / safety_factor
   end function first_tolerance
 
   !> Next tolerance of boundary elements after one whose error estimate exceeded the accuracy; the
   !> estimate is assumed proportional to the tolerance. 0: a smaller tolerance is of no use.
-  pure real(real64) function next_tolerance(errors, accuracy, tolerance) result(next)
+  pure real(real64) function next_tolerance(errors, accuracy, total, tolerance) result(next)
     type(run_errors), intent(in) :: errors      !! errors with the last tolerance
     real(real64), intent(in) :: accuracy        !! requested relative error
+    character(len=*), intent(in) :: total       !! of which: `all`, `load` or `area`
     real(real64), intent(in) :: tolerance       !! tolerance of the last run
     real(real64) :: left
 
     left = accuracy - errors%arithmetic - errors%load
-    next = tolerance_factor * tolerance * left / max(errors%model, errors%area)
+    next = tolerance_factor * tolerance * left / model_error(errors, total)
     if (.not. (next > 0.0_real64 .and. tolerance > least_share * accuracy)) next = 0.0_real64
+    if (total /= 'load' .and. left < element_error) next = 0.0_real64
   end function next_tolerance
 
   !> Reports the chosen method, and the cost of an error smaller by a factor of ten.
@@ -242,15 +257,34 @@ contains
     end if
   end subroutine report_method
 
-  !> Estimated errors of a run as text.
-  pure function error_text(errors) result(text)
-    type(run_errors), intent(in) :: errors   !! errors of the run
-    character(len=:), allocatable :: text
-
-    text = 'an estimated error of loads and separations of ' // &
-        real_text(errors%model + errors%arithmetic + errors%load)
+  !> The errors of the most accurate run, and what to ask for.
+  pure function possible_accuracy(errors, on_pixels, accuracy, total) result(text)
+    type(run_errors), intent(in) :: errors     !! errors of the run
+    logical, intent(in) :: on_pixels           !! whether the pixels of a map are solved
+    real(real64), intent(in) :: accuracy       !! requested relative error
+    character(len=*), intent(in) :: total      !! of which: `all`, `load` or `area`
+    character(len=:), allocatable :: text      !! sentence with an option that is met
+    text = trim(merge('the pixels of the map have', 'the most accurate one has ', on_pixels)) // &
+           ' an estimated error of loads and separations of ' // &
+           real_text(total_error(errors, 'load'))
     if (errors%area > 0.0_real64) &
-      text = text // ', of areas of ' // real_text(errors%area + errors%arithmetic + errors%load)
-  end function error_text
+      text = text // ', of areas of ' // real_text(total_error(errors, 'area'))
+    text = text // proposed_accuracy(total_error(errors, total), total)
+    if (on_pixels) text = text // ', or take a map of finer pixels'
+    if (total == 'all' .and. total_error(errors, 'load') <= accuracy) &
+      text = text // ', or for --of load where areas do not matter'
+  end function possible_accuracy
+
+  !> The option that asks for an error; empty where no option is possible.
+  pure function proposed_accuracy(error, total) result(text)
+    real(real64), intent(in) :: error        !! relative error that a run had
+    character(len=*), intent(in) :: total    !! of which: `all`, `load` or `area`
+    character(len=:), allocatable :: text    !! the end of a sentence
+
+    text = ''
+    if (.not. error < possible_share) return
+    text = ': set --accuracy ' // real_text(error / possible_share, 'es7.1')
+    if (total /= 'all') text = text // ' --of ' // trim(total)
+  end function proposed_accuracy
 
 end module asperity_accuracy_choice

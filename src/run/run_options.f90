@@ -10,14 +10,18 @@ module asperity_run_options
   implicit none
   private
 
-  public :: check_options, run_options
+  public :: check_options, run_options, totals_of_accuracy
+
+  !> Totals whose error an accuracy limits; load stands for the separation under a load.
+  character(len=8), parameter :: totals_of_accuracy(3) = [character(len=8) :: 'all', 'load', 'area']
 
   integer, parameter :: most_threads = 9999  ! largest accepted number of threads
 
   !> The options. Defaults: exact events, contacts kept, all cores, no progress.
   type :: run_options
-    !> Allowed relative error of every total: the fastest method within it is used; 0: no limit.
+    !> Allowed relative error: the fastest method within it is used; 0: no limit.
     real(real64) :: accuracy = 0.0_real64
+    character(len=8) :: accuracy_of = 'all'        !! of which totals, one of `totals_of_accuracy`
     logical :: keep_contacts = .true.              !! keep the contacts of every state
     integer :: threads = 0                         !! number of threads; 0: default of OpenMP
     logical :: progress = .false.                  !! print the progress on a terminal
@@ -49,6 +53,9 @@ contains
     if (.not. (options%accuracy >= 0.0_real64 .and. options%accuracy < 1.0_real64)) &
       call problems%add('accuracy: found ' // real_text(options%accuracy) // ', expected a ' // &
                         'relative error of more than 0 and less than 1, or 0 for none')
+    if (all(options%accuracy_of /= totals_of_accuracy)) &
+      call problems%add('accuracy_of: found ' // trim(options%accuracy_of) // ', expected all, ' // &
+                        'load or area')
     if (options%threads < 0 .or. options%threads > most_threads) &
       call problems%add('threads: found ' // decimal_text(options%threads) // ', expected a ' // &
                         'number from 1 to ' // decimal_text(most_threads) // ', or 0 for all cores')

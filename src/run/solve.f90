@@ -1,14 +1,14 @@
 !> Solution of a scene, with its own settings or to a requested accuracy.
 module asperity_solve
   use asperity_accuracy_choice, only: check_left_out, choose_hertz_contacts, choose_model, &
-                                      error_text, errors_of_run, first_tolerance, &
+                                      possible_accuracy, errors_of_run, first_tolerance, &
                                       may_use_elements, next_tolerance, report_method, &
-                                      run_errors, suggested_accuracy, total_error
+                                      run_errors, total_error
   use asperity_decimal, only: decimal_to_real64
   use asperity_kinds, only: real64
   use asperity_map_solve, only: solve_map
   use asperity_numeral, only: rounded_decimal
-  use asperity_problems, only: problem_list, real_text
+  use asperity_problems, only: problem_list
   use asperity_run_options, only: check_options, run_options
   use asperity_scene_results, only: scene_results
   use asperity_scene_values, only: by_default, by_word, effect_boundary, effect_off, scene
@@ -81,37 +81,38 @@ contains
     character(len=:), allocatable, intent(out) :: failure
     type(run_options) :: method_options
     type(scene) :: chosen
-    type(run_errors) :: errors
+    type(run_errors) :: errors, least
     real(real64) :: tolerance
-    character(len=:), allocatable :: best, unsolved
+    character(len=:), allocatable :: unsolved
     logical :: on_elements
 
     method_options = options
     method_options%accuracy = 0.0_real64
     tolerance = 0.5_real64 * options%accuracy
     on_elements = .false.
+    least%load = huge(tolerance)
     do while (tolerance > 0.0_real64)
-      call choose_model(scene_in, tolerance, on_elements, chosen)
+      call choose_model(scene_in, tolerance, options%accuracy_of, on_elements, chosen)
       call solve(chosen, results, unsolved, method_options)
       if (.not. results%are_solved) exit
       call check_left_out(chosen, options%accuracy, results, failure)
       if (allocated(failure)) return
-      errors = errors_of_run(chosen, results)
-      results%error_bound = total_error(errors)
+      errors = errors_of_run(chosen, on_elements, results)
+      results%error_bound = total_error(errors, options%accuracy_of)
       if (results%error_bound <= options%accuracy) then
         call report_method(chosen, options%accuracy, results)
         return
       end if
-      best = error_text(errors)
+      if (results%error_bound < total_error(least, options%accuracy_of)) least = errors
       if (on_elements) then
-        tolerance = next_tolerance(errors, options%accuracy, tolerance)
+        tolerance = next_tolerance(errors, options%accuracy, options%accuracy_of, tolerance)
       else
-        on_elements = may_use_elements(scene_in, options%accuracy)
+        on_elements = may_use_elements(scene_in)
         if (.not. on_elements) exit
-        tolerance = first_tolerance(options%accuracy)
+        tolerance = first_tolerance(options%accuracy, options%accuracy_of)
       end if
     end do
-    if (.not. allocated(best)) then
+    if (.not. least%load < huge(tolerance)) then
       ! A scene that cannot be solved at all fails with its own reason.
       call choose_hertz_contacts(scene_in, chosen)
       if (chosen%effects%mode('interaction') /= effect_off) &
@@ -120,18 +121,11 @@ contains
         call move_alloc(unsolved, failure)
         return
       end if
-      best = error_text(errors_of_run(chosen, results)) // ' with interaction = ''coupled'''
+      least = errors_of_run(chosen, .false., results)
     end if
-    if (chosen%effects%mode('interaction') == effect_boundary .and. .not. allocated(unsolved)) then
-      failure = 'no method has this accuracy; the pixels of the map have ' // best // &
-                ': expected a map of finer pixels'
-      if (suggested_accuracy(errors) < 1.0_real64) failure = failure // ', or --accuracy ' // &
-        real_text(suggested_accuracy(errors), 'es7.1') // ' or more'
-      return
-    end if
-    failure = 'no method has this accuracy; the most accurate one has ' // best
-    if (scene_in%effects%mode('interaction') /= effect_off .and. .not. allocated(unsolved)) &
-      failure = failure // '; where only loads are needed set tolerance and interaction = ''auto'''
+    failure = 'no method has this accuracy; ' // &
+              possible_accuracy(least, chosen%effects%mode('interaction') == effect_boundary, &
+                                options%accuracy, options%accuracy_of)
     if (allocated(unsolved)) failure = failure // ' (' // unsolved // ')'
   end subroutine solve_model_to_accuracy
 

@@ -1,11 +1,12 @@
 !> Solution of two surfaces of summits: with their effects, or without them to an accuracy.
 module asperity_surface_solve
   use asperity_accuracy_bound, only: error_bound
-  use asperity_accuracy_choice, only: check_left_out, influence_left_out
+  use asperity_accuracy_choice, only: check_left_out, influence_left_out, proposed_accuracy
   use asperity_contact_records, only: solve_method
   use asperity_effect_solver, only: make_effect_solver
   use asperity_kinds, only: real64
   use asperity_position_solver, only: position_solver
+  use asperity_problems, only: real_text
   use asperity_run_options, only: run_options
   use asperity_scene_results, only: effect_header, scene_results
   use asperity_scene_values, only: scene
@@ -66,7 +67,6 @@ contains
     type(run_options), intent(in) :: options
     type(scene_results), intent(inout) :: results
     character(len=:), allocatable, intent(out) :: failure
-    character(len=10) :: bound_text
 
     call solve_effects(scene_in, options, results, failure)
     if (allocated(failure)) return
@@ -78,9 +78,8 @@ contains
     if (results%error_bound > 0.1_real64 * options%accuracy) &
       results%way_told = 'ten times better: not possible'
     if (results%error_bound <= options%accuracy) return
-    write (bound_text, '(es10.1e3)') results%error_bound
-    failure = 'no method has this accuracy; the most accurate one, real64, has an error of' // &
-              bound_text
+    failure = 'no method has this accuracy; the most accurate one, real64, has an error of ' // &
+              real_text(results%error_bound, 'es7.1') // proposed_accuracy(results%error_bound, 'all')
   end subroutine solve_to_accuracy
 
   !> Whether a scene has effects, or a path of several values.

@@ -184,9 +184,9 @@ def test_the_reference_of_flow(asperity, tmp_path):
 @pytest.mark.parametrize("asked", ("1e-2", "1e-4", "1e-8"))
 @pytest.mark.parametrize("kind", PROMISED)
 def test_the_promise(kind, asked, asperity):
-    """`solve --accuracy E` has it, or says what can be had: some of the scenes of promise_judge.
-    The pixels of rough maps have larger errors, by their size: refused with this figure, and
-    what a refusal suggests is solved to it."""
+    """`solve --accuracy E` has it, or says what can be had, which then holds: some of the scenes of
+    promise_judge.
+    The pixels of rough maps have larger errors, by their size: refused with this figure."""
     solved = 0
     for number in (1, 2, 3):
         verdict = judge(asperity, kind, number, asked)
@@ -208,7 +208,25 @@ def test_what_can_be_had(asperity, tmp_path):
                        "1e-8", status=1)
     assert done.stdout == ""
     assert "the most accurate one has an estimated error of loads and separations" in done.stderr
-    assert "where only loads are needed set tolerance" in done.stderr
+    assert re.search(r"set --accuracy \d\.\dE-\d\d$", done.stderr)
+
+
+def test_the_accuracy_of_one_total(asperity, tmp_path):
+    """Of the load alone, or of the area alone: what is asked for is within the accuracy, against
+    independent elements, and errors of the other total do not refuse it."""
+    scene = next(s for s in dense_scenes() if s.family == "triples")
+    truth = truths()[scene.name]
+    path = scene.write(tmp_path, interaction="auto")
+    refused = run_program(asperity, "solve", path, "--accuracy", "1e-3", status=1)
+    assert "or for --of load where areas do not matter" in refused.stderr
+    for total, accuracy in (("load", "1e-3"), ("area", "5e-3")):
+        run_program(asperity, "solve", path, "--accuracy", accuracy, "--of", total, "--positions",
+                    tmp_path / f"{total}.csv")
+        found = records(tmp_path / f"{total}.csv")[0]
+        allowed = float(accuracy) + float(truth[f"{total}_error"])
+        assert float(found[total]) == pytest.approx(float(truth[total]), rel=allowed)
+    missing = run_program(asperity, "solve", path, "--of", "load", status=2)
+    assert "--of: expected --accuracy ERROR beside it" in missing.stderr
 
 
 def test_the_choice_is_told(asperity, root):

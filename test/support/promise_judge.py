@@ -51,13 +51,13 @@ class Verdict:
     promised: float = 0.0  # what the run says of itself: a bound, or an estimate
     seconds: float = 0.0
     message: str = ""
-    suggested: "Verdict | None" = None  # of the accuracy that a refusal suggests
+    proposed: "Verdict | None" = None  # of the accuracy that a refusal proposes
 
     @property
     def kept(self):
         if self.status:
-            works = not self.suggested or (self.suggested.status == 0 and self.suggested.kept)
-            return self.status == 1 and self.message != "" and works
+            return self.status == 1 and self.message != "" and (
+                self.proposed is None or self.proposed.status == 0 and self.proposed.kept)
         return self.error <= self.asked + self.bound and self.promised <= self.asked * 1.06
 
 
@@ -272,8 +272,8 @@ def judge(exe, kind, number, asked, timeout=300):
             verdict.promised = float(said[1])
             verdict.error, verdict.bound = max(errors(records(file)),
                                                key=lambda pair: pair[0] - pair[1])
-    for accuracy in re.findall(r"--accuracy (\S+) or more", verdict.message):
-        verdict.suggested = judge(exe, kind, number, accuracy, timeout)
+    if proposal := re.search(r"set --accuracy (\S+?)(?:,|$)", verdict.message):
+        verdict.proposed = judge(exe, kind, number, proposal[1], timeout)
     return verdict
 
 
