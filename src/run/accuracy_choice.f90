@@ -35,8 +35,8 @@ module asperity_accuracy_choice
   ! as other errors prevail.
   real(real64), parameter :: tolerance_factor = 0.95_real64, least_share = 0.25_real64
 
-  ! A proposed accuracy has two digits: 0.9 keeps it above the error that a run had.
-  real(real64), parameter :: possible_share = 0.9_real64
+  ! A proposed accuracy is rounded to two digits, by less than 5 %.
+  real(real64), parameter :: possible_share = 0.95_real64
 
   !> Estimated relative errors of a run.
   type :: run_errors

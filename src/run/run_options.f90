@@ -54,8 +54,8 @@ contains
       call problems%add('accuracy: found ' // real_text(options%accuracy) // ', expected a ' // &
                         'relative error of more than 0 and less than 1, or 0 for none')
     if (all(options%accuracy_of /= totals_of_accuracy)) &
-      call problems%add('accuracy_of: found ' // trim(options%accuracy_of) // ', expected all, ' // &
-                        'load or area')
+      call problems%add('accuracy_of: found ' // trim(options%accuracy_of) // &
+                        ', expected all, load or area')
     if (options%threads < 0 .or. options%threads > most_threads) &
       call problems%add('threads: found ' // decimal_text(options%threads) // ', expected a ' // &
                         'number from 1 to ' // decimal_text(most_threads) // ', or 0 for all cores')

@@ -79,7 +79,8 @@ contains
       results%way_told = 'ten times better: not possible'
     if (results%error_bound <= options%accuracy) return
     failure = 'no method has this accuracy; the most accurate one, real64, has an error of ' // &
-              real_text(results%error_bound, 'es7.1') // proposed_accuracy(results%error_bound, 'all')
+              real_text(results%error_bound, 'es7.1') // &
+              proposed_accuracy(results%error_bound, 'all')
   end subroutine solve_to_accuracy
 
   !> Whether a scene has effects, or a path of several values.

@@ -197,7 +197,7 @@ def test_the_promise(kind, asked, asperity):
         if kind == "map":
             errors = re.findall(r"(?:separations|areas) of ([-+.\dE]+)", verdict.message)
             assert verdict.status == (max(map(float, errors), default=0.0) > float(asked))
-            assert bool(verdict.suggested) == (max(map(float, errors), default=1.0) < 0.95)
+            assert bool(verdict.proposed) == (max(map(float, errors), default=1.0) < 0.95)
     assert solved or kind in ("dense", "many", "map")
 
 
