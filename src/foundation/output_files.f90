@@ -5,13 +5,12 @@
 !> are removed. Devices and pipes are written directly.
 module asperity_output_files
   use, intrinsic :: iso_c_binding, only: c_char, c_funloc, c_funptr, c_int, c_intptr_t, &
-                                         c_null_char, c_null_funptr, c_size_t
+                                         c_null_char, c_size_t
   use asperity_files, only: same_name, standard_error, standard_output, write_bytes
   use asperity_problems, only: decimal_text
   use asperity_system_calls, only: canonical_path, file_owner, posix_atexit, posix_chmod, &
-                                   posix_chown, posix_close, posix_creat, &
-                                   posix_exit_now, posix_fsync, posix_getpid, posix_open, &
-                                   posix_raise, posix_rename, &
+                                   posix_chown, posix_close, posix_creat, posix_exit_now, &
+                                   posix_fsync, posix_getpid, posix_open, posix_rename, &
                                    posix_signal, posix_unlink, posix_write, system_error, &
                                    system_reason
   implicit none
@@ -22,18 +21,10 @@ module asperity_output_files
 
   integer(c_int), parameter :: mode_rw_r_r = int(o'644', c_int), write_only = 1_c_int
   integer(c_int), parameter :: no_such_file = 2_c_int, no_permission = 13_c_int
-  ! Signals that end a process: HUP, INT, QUIT, USR1, USR2, ALRM, TERM, STKFLT, XCPU, VTALRM,
-  ! PROF, IO, PWR and the real-time ones. PIPE and XFSZ become failures of a write.
-  integer :: i_signal
-  integer(c_int), parameter :: ending_signals(*) = [1_c_int, 2_c_int, 3_c_int, 10_c_int, 12_c_int, &
-    14_c_int, 15_c_int, 16_c_int, 24_c_int, 26_c_int, 27_c_int, 29_c_int, 30_c_int, &
-    [(int(i_signal, c_int), i_signal = 34, 64)]]
+  ! Signals of a user, a shell and a batch system that end a process: HUP, INT, TERM. PIPE and XFSZ
+  ! become failures of a write.
+  integer(c_int), parameter :: ending_signals(3) = [1_c_int, 2_c_int, 15_c_int]
   integer(c_int), parameter :: ignored_signals(2) = [13_c_int, 25_c_int]
-  ! Signals of a fault of the program, an end of its memory included: ILL, TRAP, ABRT, BUS, FPE,
-  ! SEGV, SYS.
-  integer(c_int), parameter :: fault_signals(*) = [4_c_int, 5_c_int, 6_c_int, 7_c_int, 8_c_int, &
-    11_c_int, 31_c_int]
-  type(c_funptr) :: fault_handlers(size(fault_signals)) = c_null_funptr
   integer(c_intptr_t), parameter :: ignore = 1_c_intptr_t  ! SIG_IGN of the C library
 
   ! Staged files. Temporary names end with a null character, as a signal handler may not build
@@ -54,9 +45,9 @@ module asperity_output_files
 
 contains
 
-  !> Installs the signal handlers, once at the start: an interruption, a fault or a lack of memory
-  !> leaves no file behind, and a closed pipe or a full quota is reported as other failures. A
-  !> signal that was ignored remains ignored.
+  !> Installs the signal handlers, once at the start: an interruption or a lack of memory leaves no
+  !> file behind, and a closed pipe or a full quota is reported as other failures. A signal that was
+  !> ignored remains ignored.
   subroutine guard_files()
     type(c_funptr) :: before
     integer(c_int) :: status
@@ -68,9 +59,6 @@ contains
     do i = 1, size(ending_signals)
       before = posix_signal(ending_signals(i), c_funloc(end_at_signal))
       if (transfer(before, ignore) == ignore) before = posix_signal(ending_signals(i), before)
-    end do
-    do i = 1, size(fault_signals)
-      fault_handlers(i) = posix_signal(fault_signals(i), c_funloc(discard_at_fault))
     end do
     status = posix_atexit(c_funloc(discard_at_end))
   end subroutine guard_files
@@ -261,18 +249,6 @@ contains
     written = posix_write(standard_error, [achar(10, c_char)], 1_c_size_t)
     call posix_exit_now(1_c_int)
   end subroutine end_at_signal
-
-  !> Removes all staged files at a fault of the program, then calls the former handler: a backtrace,
-  !> and the end with the status of the signal.
-  subroutine discard_at_fault(number) bind(c)
-    integer(c_int), value :: number
-    type(c_funptr) :: before
-    integer(c_int) :: status
-
-    call discard_files()
-    before = posix_signal(number, fault_handlers(findloc(fault_signals, number, 1)))
-    status = posix_raise(number)
-  end subroutine discard_at_fault
 
   !> Removes all staged files when the run-time library ends the program, as it does without memory.
   subroutine discard_at_end() bind(c)

@@ -1,10 +1,10 @@
 !> The running process: its memory, its stacks and its end.
 module asperity_process
-  use, intrinsic :: iso_c_binding, only: c_int, c_intptr_t, c_long, c_null_ptr, c_ptr, c_size_t
+  use, intrinsic :: iso_c_binding, only: c_int, c_long
   use asperity_files, only: read_whole_file
   use asperity_kinds, only: int64
   use asperity_problems, only: decimal_text
-  use asperity_system_calls, only: c_mallopt, posix_exit, posix_getrlimit, posix_mmap, posix_munmap
+  use asperity_system_calls, only: posix_exit, posix_getrlimit
   !$ use omp_lib, only: omp_get_max_threads, omp_set_num_threads
   implicit none
   private
@@ -13,19 +13,13 @@ module asperity_process
 
   ! RLIMIT_STACK and RLIMIT_AS of Linux.
   integer(c_int), parameter :: stack_limit = 3_c_int, address_limit = 9_c_int
-  ! PROT_READ and PROT_WRITE, MAP_PRIVATE and MAP_ANONYMOUS of Linux.
-  integer(c_int), parameter :: read_and_write = 3_c_int, private_memory = 34_c_int
-  ! M_TRIM_THRESHOLD and M_MMAP_MAX of the GNU C library's mallopt(3). Freed memory is kept for the
-  ! next array: otherwise the system clears each page again, which takes 10 to 17 % of the run time
-  ! of a million asperities (measured).
-  integer(c_int), parameter :: trim_threshold = -1_c_int, most_mapped = -4_c_int
   ! Least stack [bytes]. All tests passed with a quarter of it; a build with checks needs more.
   integer(int64), parameter :: least_stack = 512_int64 * 1024_int64
   ! Least request for memory [bytes] that is compared with the free memory of the machine: reading
   ! that takes 0.1 ms, and smaller requests do not exhaust a machine.
   integer(int64), parameter :: large_request = 67108864_int64
   ! Memory to be left beside a request [bytes], for small arrays without a request (chosen), and the
-  ! least request that is tried: smaller ones are in that room.
+  ! least request that is compared with the limit of the shell: smaller ones are in that room.
   integer(int64), parameter :: spare_room = 4194304_int64, small_request = spare_room / 128
   ! Stack of a thread without a limit of the user [bytes].
   integer(int64), parameter :: usual_stack = 8_int64 * 1024_int64 * 1024_int64
@@ -39,11 +33,8 @@ contains
   subroutine prepare_process(failure)
     character(len=:), allocatable, intent(out) :: failure  !! reason, when a stack is too small
     integer(int64) :: found
-    integer(c_int) :: status
     integer :: threads, begun
 
-    status = c_mallopt(trim_threshold, huge(status))
-    status = c_mallopt(most_mapped, 0_c_int)
     found = limit_of(stack_limit)
     if (found < least_stack) then
       failure = 'the stack is too small: found ' // kilobyte_text(found) // &
@@ -131,19 +122,15 @@ contains
   !> machine and the limit of its control group. To be called before a large array is allocated.
   logical function has_memory(bytes)
     integer(int64), intent(in) :: bytes  !! size of the memory, 0 or more
-    type(c_ptr) :: room
-    integer(c_int) :: status
-    integer(c_size_t) :: needed
+    integer(int64) :: limit
 
     has_memory = .true.
     if (bytes < small_request) return
     if (bytes >= large_request) has_memory = bytes <= available_memory()
-    if (.not. has_memory) return
-    needed = int(bytes + spare_room, c_size_t)
-    ! Not by `allocate`, as memory freed by `deallocate` may remain with the process.
-    room = posix_mmap(c_null_ptr, needed, read_and_write, private_memory, -1_c_int, 0_c_long)
-    has_memory = transfer(room, 0_c_intptr_t) /= -1_c_intptr_t
-    if (has_memory) status = posix_munmap(room, needed)
+    limit = limit_of(address_limit)
+    if (.not. has_memory .or. limit == huge(limit)) return
+    has_memory = bytes + spare_room <= &
+                 limit - 1024_int64 * number_in_file('/proc/self/status', 'VmSize:')
   end function has_memory
 
   ! Available memory of the machine and the control groups of this process [bytes]. Cached files

@@ -9,7 +9,6 @@ module asperity_system_calls
   public :: file_owner, posix_chmod, posix_chown
   public :: posix_fsync, posix_rename, posix_unlink, posix_usleep, posix_signal, posix_exit_now
   public :: posix_atexit, posix_isatty, posix_getpid, posix_exit, posix_getrlimit
-  public :: c_mallopt, posix_mmap, posix_munmap, posix_raise
   public :: system_error, system_reason, canonical_path
 
   interface
@@ -131,13 +130,6 @@ module asperity_system_calls
       type(c_funptr), value :: handler
     end function posix_signal
 
-    !> Raises a signal in this process.
-    integer(c_int) function posix_raise(number) bind(c, name='raise')
-      import :: c_int
-      implicit none
-      integer(c_int), value :: number
-    end function posix_raise
-
     !> Registers a procedure for the end of the process, unless a signal ends it; 0 on success.
     integer(c_int) function posix_atexit(procedure) bind(c, name='atexit')
       import :: c_funptr, c_int
@@ -172,32 +164,6 @@ module asperity_system_calls
       import :: c_int
       implicit none
     end function posix_getpid
-
-    !> Maps memory; the address is -1 when refused.
-    type(c_ptr) function posix_mmap(place, bytes, protection, flags, descriptor, offset) &
-      bind(c, name='mmap')
-      import :: c_int, c_long, c_ptr, c_size_t
-      implicit none
-      type(c_ptr), value :: place
-      integer(c_size_t), value :: bytes
-      integer(c_int), value :: protection, flags, descriptor
-      integer(c_long), value :: offset
-    end function posix_mmap
-
-    !> Unmaps memory of `posix_mmap`.
-    integer(c_int) function posix_munmap(place, bytes) bind(c, name='munmap')
-      import :: c_int, c_ptr, c_size_t
-      implicit none
-      type(c_ptr), value :: place
-      integer(c_size_t), value :: bytes
-    end function posix_munmap
-
-    !> Sets a parameter of the C library's memory; 0 when refused.
-    integer(c_int) function c_mallopt(parameter, value) bind(c, name='mallopt')
-      import :: c_int
-      implicit none
-      integer(c_int), value :: parameter, value
-    end function c_mallopt
 
     !> Frees memory of the C library.
     subroutine posix_free(memory) bind(c, name='free')
