@@ -124,7 +124,7 @@ contains
       if (option == '--json') then
         call write_json(scene_in, inputs, results, outcome%warnings, text, outcome%failure)
       else
-        call write_html(scene_in, inputs, results, outcome%warnings, text)
+        call write_html(scene_in, inputs, results, outcome%warnings, text, outcome%failure)
       end if
       call stage_output(option, text)
     end subroutine stage_whole

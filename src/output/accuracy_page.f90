@@ -2,8 +2,8 @@
 !> fastest method and its time; the diagrams, and all methods as a table. It loads nothing; its
 !> script is a few lines that read the data of the page.
 module asperity_accuracy_page
-  use asperity_html_page, only: begin_page, begin_section, begin_table, end_of_section, &
-                                end_of_table, end_page, put_row
+  use asperity_html_page, only: begin_page, begin_section, begin_table, end_of_table, &
+                                end_page, put_row
   use asperity_kinds, only: not_computed, real64
   use asperity_method_study, only: method_table
   use asperity_method_totals, only: error_of_area
@@ -43,16 +43,14 @@ contains
     call begin_page('Accuracy and run time: ' // title, buffer, with_script=.true.)
     call buffer%line('<p>Error: largest relative error over the positions, of the load or, at ' // &
                      'a given load, of the compression. Time: all positions, one thread.</p>')
-    call begin_section('choose', 'Fastest method for an error', buffer)
+    call begin_section('choose', 'Fastest method for an error', buffer, .true.)
     call buffer%line('<p><label for="error">Error at most</label> ' // &
                      '<input id="error" type="range" min="-16" max="0" step="0.25" ' // &
                      'value="-2" style="width:100%"/></p>')
     call buffer%line('<p id="answer" aria-live="polite">This line needs ' // &
                      'the script of the page; the table below holds the same values.</p>')
-    call buffer%line(end_of_section)
     call begin_section('total', 'Error against time', buffer)
     call put_plot('error against the reference', 'total-plot', table, is_run, error, buffer)
-    call buffer%line(end_of_section)
     call begin_section('own', 'Error of each approximation', buffer)
     call buffer%line('<p>Steps and arithmetics against exact events in real64, effects ' // &
                      'against all effects of the scene, neighbours against the reference. ' // &
@@ -60,10 +58,8 @@ contains
                      'a map one for its summits and one for its pixels.</p>')
     call put_plot('error of the approximation', 'own-plot', table, is_run .and. &
                   table%rows%own%largest > not_computed, own, buffer)
-    call buffer%line(end_of_section)
     call begin_section('methods', 'All methods', buffer)
     call put_methods(table, buffer)
-    call buffer%line(end_of_section)
     call buffer%line('<p>asperity ' // version // '</p>')
     call put_script(table, is_run, error, buffer)
     call end_page(buffer)

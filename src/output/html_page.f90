@@ -9,10 +9,8 @@ module asperity_html_page
   public :: begin_page, end_page, begin_section
   public :: begin_table, put_row, put_lines, put_paragraphs
   public :: escaped_text
-  public :: end_of_section, end_of_table
+  public :: end_of_table
 
-  !> End of a section.
-  character(len=*), parameter :: end_of_section = '</section>'
   !> End of a table.
   character(len=*), parameter :: end_of_table = '</tbody></table></div>'
 
@@ -77,15 +75,17 @@ contains
   subroutine end_page(buffer)
     type(text_buffer), intent(inout) :: buffer  !! gets the page
 
-    call buffer%line('</main>' // nl // '</body>' // nl // '</html>')
+    call buffer%line('</section>' // nl // '</main>' // nl // '</body>' // nl // '</html>')
   end subroutine end_page
 
-  !> A part of the page that a reader of screens can go to.
-  subroutine begin_section(name, heading, buffer)
+  !> A part of the page that a reader of screens can go to; it ends where the next one begins.
+  subroutine begin_section(name, heading, buffer, is_first)
     character(len=*), intent(in) :: name        !! one word, another one for every section
     character(len=*), intent(in) :: heading     !! as it stands
     type(text_buffer), intent(inout) :: buffer  !! gets the page
+    logical, intent(in), optional :: is_first   !! present: no section is before it
 
+    if (.not. present(is_first)) call buffer%line('</section>')
     call buffer%line('<section aria-labelledby="' // name // '">' // nl // '<h2 id="' // name // &
                      '">' // escaped_text(heading) // '</h2>')
   end subroutine begin_section

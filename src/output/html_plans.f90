@@ -12,7 +12,7 @@ module asperity_html_plans
   use asperity_scene_values, only: scene, scene_surface
   use asperity_svg_plot, only: plot_axis, side_of_plan, svg_plot
   use asperity_text_buffer, only: text_buffer
-  use asperity_unit_names, only: axis_units
+  use asperity_unit_names, only: axis_unit, is_length
   implicit none
   private
 
@@ -55,9 +55,7 @@ contains
     call find_surfaces(scene_in, frame)
     call find_frame(results, frame)
     frame%axes%name = ['x', 'y']
-    associate (units => axis_units(scene_in))
-      frame%axes%unit = units(1)
-    end associate
+    frame%axes%unit = axis_unit(scene_in, is_length)
     plans = 0
     do m = 1, size(results%positions)
       last = state_in_plan(results, m)
@@ -97,11 +95,8 @@ contains
     real(real64), allocatable :: points(:, :)
 
     allocate (points(2, 0))
-    if (map%columns == 0) return
-    associate (low => -0.5_real64 * map%pixel_spacing, &
-               high => map%pixel_spacing * ([map%columns, map%rows] - 0.5_real64))
-      points = rectangle_corners(low, high)
-    end associate
+    if (map%columns > 0) points = rectangle_corners(-0.5_real64 * map%pixel_spacing, &
+      map%pixel_spacing * ([map%columns, map%rows] - 0.5_real64))
   end function map_in_plan
 
   ! Corners of the rectangle around the spherical caps, and the summits, rotated.
@@ -217,30 +212,30 @@ contains
     type(scene), intent(in) :: scene_in
     type(plan_frame), intent(in) :: frame
     type(text_buffer), intent(inout) :: buffer
-    character(len=:), allocatable :: text
 
-    text = '<p>Circles: contacts, each with its area, or a dot for a smaller one.'
-    if (frame%has_patches) text = '<p>Dots: centres of the pressure of contact patches.'
-    if (allocated(scene_in%map)) then
-      text = text // ' Line: outline of the map.'
+    if (frame%has_patches) then
+      call buffer%append('<p>Dots: centres of the pressure of contact patches.')
     else
-      text = text // surface_text(frame%lower, 'Lower surface: solid outline, dots for') // &
-             surface_text(frame%upper, 'Upper surface: dashed outline, crosses for')
+      call buffer%append('<p>Circles: contacts, each with its area, or a dot for a smaller one.')
     end if
-    call buffer%line(text // '</p>')
+    if (allocated(scene_in%map)) then
+      call buffer%append(' Line: outline of the map.')
+    else
+      call put_surface(size(frame%lower, 2), 'Lower surface: solid outline', ', dots')
+      call put_surface(size(frame%upper, 2), 'Upper surface: dashed outline', ', crosses')
+    end if
+    call buffer%line('</p>')
 
   contains
 
-    pure function surface_text(points, marks) result(text)
-      real(real64), intent(in) :: points(:, :)
-      character(len=*), intent(in) :: marks
-      character(len=:), allocatable :: text
+    subroutine put_surface(points, outline, marks)
+      integer, intent(in) :: points
+      character(len=*), intent(in) :: outline, marks
 
-      text = ''
-      if (size(points, 2) > 4) text = ' ' // marks // ' the summits.'
-      if (size(points, 2) == 4) text = ' ' // marks(:index(marks, ',') - 1) // '; more than ' // &
-                                       decimal_text(most_summits) // ' summits, not drawn.'
-    end function surface_text
+      if (points > 4) call buffer%append(' ' // outline // marks // ' for the summits.')
+      if (points == 4) call buffer%append(' ' // outline // '; more than ' // &
+                                          decimal_text(most_summits) // ' summits, not drawn.')
+    end subroutine put_surface
 
   end subroutine put_legend
 
@@ -252,7 +247,9 @@ contains
     type(svg_plot) :: plot
     type(state_row) :: last
     character(len=:), allocatable :: title
-    integer :: i, last_circle, last_in_table, step
+    character(len=24) :: cells(7)
+    real(real64) :: values(6)
+    integer :: i, k, last_circle, last_in_table, step
     logical :: reached
 
     last = state_in_plan(results, m, step)
@@ -267,8 +264,8 @@ contains
             number_text(last%load)
     if (step < size(results%positions(m)%states)) &
       title = 'step ' // decimal_text(step) // ': ' // title
-    if (size(results%positions) > 1) title = 'position ' // decimal_text(m) // ': ' // title
     if (size(results%positions) > 1) then
+      title = 'position ' // decimal_text(m) // ': ' // title
       call buffer%line('<details' // &
                        trim(merge(' open="open"', '            ', frame%plans == 1)) // &
                        '><summary>' // title // '</summary>')
@@ -303,7 +300,15 @@ contains
                        merge('area          ', 'contact_radius', frame%has_patches), 'load', &
                        'average_pressure', 'maximum_pressure'], buffer)
       do i = last%first_row, last_in_table
-        call put_contact(results%positions(m)%rows(i), frame%has_patches, buffer)
+        associate (row => results%positions(m)%rows(i))
+          values = [row%x, row%y, merge(row%area, contact_radius(row), frame%has_patches), &
+                    row%load, row%average_pressure, row%maximum_pressure]
+          cells(1) = decimal_text(row%area_no)
+        end associate
+        do k = 1, size(values)
+          cells(k + 1) = number_text(values(k))
+        end do
+        call put_row(cells, buffer)
       end do
       call buffer%line(end_of_table)
     end if
@@ -318,24 +323,6 @@ contains
     radius_in = 0.0_real64
     if (.not. frame%has_patches) radius_in = contact_radius(row)
   end function radius_in
-
-  ! A row of the table of contacts.
-  subroutine put_contact(row, is_patch, buffer)
-    type(contact_row), intent(in) :: row
-    logical, intent(in) :: is_patch
-    type(text_buffer), intent(inout) :: buffer
-    real(real64) :: values(6)
-    character(len=24) :: cells(7)
-    integer :: k
-
-    values = [row%x, row%y, merge(row%area, contact_radius(row), is_patch), row%load, &
-              row%average_pressure, row%maximum_pressure]
-    cells(1) = decimal_text(row%area_no)
-    do k = 1, size(values)
-      cells(k + 1) = number_text(values(k))
-    end do
-    call put_row(cells, buffer)
-  end subroutine put_contact
 
   ! Number and values of a contact.
   function text_of(row, at_length, is_patch) result(text)

@@ -12,7 +12,7 @@ module asperity_result_arrays
   implicit none
   private
 
-  public :: array_column, array_table, make_arrays, add_reals, add_wholes, name_units
+  public :: array_column, array_table, make_arrays, add_reals, add_wholes, name_units, place_of
 
   !> One column. One of the three arrays is allocated.
   type :: array_column
@@ -85,6 +85,16 @@ contains
       end do
     end do
   end subroutine make_arrays
+
+  !> The place of a column in its table; 0: there is none.
+  pure integer function place_of(table, name)
+    type(array_table), intent(in) :: table  !! table with columns
+    character(len=*), intent(in) :: name    !! of a column
+
+    do place_of = size(table%columns), 1, -1
+      if (table%columns(place_of)%name == name) return
+    end do
+  end function place_of
 
   !> Names the units of all columns of a table of a run.
   subroutine name_units(scene_in, arrays)

@@ -2,27 +2,26 @@
 !> the plan of contacts; the scene's text. It loads nothing and runs nothing.
 module asperity_results_html
   use asperity_contact_field, only: contact_field, parts_in_words
-  use asperity_contact_records, only: state_row
   use asperity_effect_names, only: known_effects
   use asperity_effects_summary, only: list_effects, effect_sentence
   use asperity_field_picture, only: draw_plan, plan_of_gap, plan_of_pressure
-  use asperity_html_page, only: begin_page, begin_section, begin_table, end_of_section, &
-                                end_of_table, end_page, escaped_text, put_lines, &
-                                put_paragraphs, put_row
+  use asperity_html_page, only: begin_page, begin_section, begin_table, end_of_table, &
+                                end_page, escaped_text, put_lines, put_paragraphs, put_row
   use asperity_html_plans, only: put_plans
   use asperity_kinds, only: real64
   use asperity_number_format, only: number_text
   use asperity_problems, only: decimal_text, problem_list
-  use asperity_result_table, only: cell_whole, cell_word, of_positions, of_states, result_table
+  use asperity_result_arrays, only: array_table, make_arrays, place_of
+  use asperity_result_table, only: of_positions, of_states
   use asperity_scene_inputs, only: input_file
-  use asperity_scene_results, only: last_state, scene_results
+  use asperity_scene_results, only: scene_results
   use asperity_scene_values, only: scene
   use asperity_summary, only: errors_in_words, uses_samples, write_heading, write_map_table, &
                               write_path, write_remarks
-  use asperity_svg_plot, only: axis_over, svg_plot
+  use asperity_svg_plot, only: axis_over, plot_axis, svg_plot
   use asperity_text_buffer, only: text_buffer
   use asperity_totals_table, only: list_totals, total_line
-  use asperity_unit_names, only: axis_units, is_length, is_pressure, unit_of
+  use asperity_unit_names, only: axis_unit, is_length, is_pressure, unit_of
   use asperity_version, only: version
   implicit none
   private
@@ -36,47 +35,40 @@ module asperity_results_html
 
 contains
 
-  !> The whole page.
-  subroutine write_html(scene_in, inputs, results, warnings, buffer)
+  !> The whole page. `failure` is allocated when there is no memory for a table.
+  subroutine write_html(scene_in, inputs, results, warnings, buffer, failure)
     type(scene), intent(in) :: scene_in          !! what was solved
     type(input_file), intent(in) :: inputs(3)    !! the files that it is made of
     type(scene_results), intent(in) :: results   !! with their contacts
     type(problem_list), intent(in) :: warnings   !! a line a kind
     type(text_buffer), intent(inout) :: buffer   !! gets the page
+    character(len=:), allocatable, intent(out) :: failure  !! reason of a failure
     type(text_buffer) :: text, map_text
 
     call begin_page(scene_in%file, buffer)
     call write_heading(scene_in, results, text)
     call put_paragraphs(text%text(), '', buffer)
-    call begin_section('summary', 'Summary', buffer)
+    call begin_section('summary', 'Summary', buffer, .true.)
     call put_totals(scene_in, results, warnings, buffer)
-    call buffer%line(end_of_section)
-    if (size(results%positions) > 1) then
-      call begin_section('positions', 'Positions', buffer)
-      call put_positions(scene_in, results, buffer)
-    else
+    if (size(results%positions) > 1) call begin_section('positions', 'Positions', buffer)
+    if (size(results%positions) == 1) &
       call begin_section('curves', 'Load and contact area', buffer)
-      call put_states(scene_in, results, buffer)
-    end if
-    call buffer%line(end_of_section)
+    call put_curves(scene_in, results, buffer, failure)
+    if (allocated(failure)) return
     if (allocated(results%positions(1)%fields)) then
       call begin_section('fields', 'Pressure and gap', buffer)
       call put_fields(scene_in, results%positions(1)%fields, buffer)
-      call buffer%line(end_of_section)
     end if
     call begin_section('contacts', 'Plan of contacts', buffer)
     call put_plans(scene_in, results, buffer)
-    call buffer%line(end_of_section)
     call begin_section('effects', 'Effects', buffer)
     call put_effects(results, buffer)
     if (allocated(results%map)) then
       call write_map_table(results%map, .not. uses_samples(results), map_text)
       call put_lines('summits against the map', map_text%text(), buffer)
     end if
-    call buffer%line(end_of_section)
     call begin_section('origin', 'Input', buffer)
     call put_origin(scene_in, inputs, results, buffer)
-    call buffer%line(end_of_section)
     call end_page(buffer)
   end subroutine write_html
 
@@ -161,137 +153,138 @@ contains
     call buffer%line('</dl>')
   end subroutine put_effects
 
-  ! Curves and table of the states of the only position.
-  subroutine put_states(scene_in, results, buffer)
+  ! Curves and table of the states of the only position, or of the last states of all positions.
+  subroutine put_curves(scene_in, results, buffer, failure)
     type(scene), intent(in) :: scene_in
     type(scene_results), intent(in) :: results
     type(text_buffer), intent(inout) :: buffer
-    character(len=20) :: units(3)
-    character(len=:), allocatable :: pressure
+    character(len=:), allocatable, intent(out) :: failure
+    character(len=16) :: effects(size(known_effects)), across
+    type(array_table) :: table
+    logical :: varies(2)
 
-    units = axis_units(scene_in)
-    associate (states => results%positions(1)%states)
-      if (size(states) > 1) then
-        call buffer%line('<div class="plots">')
-        call put_plot('compression', units(1), states%closing, 'load', units(3), states%load, &
-                      buffer, states%closing)
-        if (uses_samples(results)) then
-          pressure = unit_of(scene_in, is_pressure)
-          call put_plot('nominal pressure', pressure, states%load / results%nominal_area, &
-                        'area fraction', '', states%area / results%nominal_area, buffer, &
-                        states%closing)
-          call put_plot('nominal pressure', pressure, states%load / results%nominal_area, &
-                        'mean gap', units(1), states%mean_gap, buffer, states%closing)
-          call put_plot('nominal pressure', pressure, states%load / results%nominal_area, &
-                        'separation', units(1), states%approach, buffer, states%closing)
-        else
-          call put_plot('load', units(3), states%load, 'contact area', units(2), states%area, &
-                        buffer, states%closing)
-        end if
-        call buffer%line('</div>')
-      else
-        call buffer%line('<p>One state: <code>points = 20</code> in <code>&amp;loading</code> ' // &
-                         'gives the load curve.</p>')
-      end if
-    end associate
-    call put_result_table(of_states, 'states', '--curve', [character(len=16) :: 'step', &
-                          'separation', 'compression', 'contacts', 'load', 'vertical_load', &
-                          'area', merge('mean_gap', '        ', uses_samples(results))], &
-                          results, buffer)
-  end subroutine put_states
-
-  ! One quantity over another; each point shows both. Arrows show the direction where `path`, the
-  ! compression, turns back.
-  subroutine put_plot(name_x, unit_x, x, name_y, unit_y, y, buffer, path)
-    character(len=*), intent(in) :: name_x, unit_x, name_y, unit_y
-    real(real64), intent(in) :: x(:), y(:)
-    type(text_buffer), intent(inout) :: buffer
-    real(real64), intent(in), optional :: path(:)
-    type(svg_plot) :: plot
-    integer :: every, i
-
-    plot%axes(:2) = [axis_over(name_x, unit_x, x, .false.), axis_over(name_y, unit_y, y, .false.)]
-    call plot%begin_plot(name_y // ' against ' // name_x, buffer)
-    every = 1 + (size(x) - 1) / most_points
-    associate (chosen => [(i, i = 1, size(x) - 1, every), size(x)])
-      call plot%add_curve(x(chosen), y(chosen), buffer)
-      if (present(path)) call plot%add_arrows(x(chosen), y(chosen), path(chosen), buffer)
-    end associate
-    if (size(x) <= most_dots) then
-      do i = 1, size(x)
-        call plot%add_dot(x(i), y(i), name_x // ' ' // number_text(x(i)) // ', ' // name_y // &
-                      ' ' // number_text(y(i)), buffer)
-      end do
+    if (size(results%positions) > 1) then
+      effects = ''
+      if (allocated(results%effects)) &
+        effects(:size(results%effects%names)) = results%effects%names
+      call make_arrays(of_positions, results, table, failure)
+      if (allocated(failure)) return
+      associate (x => results%positions%x_displacement, y => results%positions%y_displacement)
+        varies = [abs(x(2) - x(1)) > 0.0_real64, abs(y(2) - y(1)) > 0.0_real64]
+      end associate
+      across = 'position'
+      if (varies(1) .neqv. varies(2)) across = merge('x_displacement', 'y_displacement', varies(1))
+      call put_plots(scene_in, table, [across, across, across], &
+                     [character(len=16) :: 'load', 'area', 'separation'], buffer)
+      call put_result_table(table, 'positions, each at its last state', '--positions', &
+                            [character(len=16) :: 'position', 'x_displacement', 'y_displacement', &
+                             'separation', 'contacts', 'load', 'vertical_load', 'area', &
+                             'limit_reached', 'warnings', effects], buffer)
+      return
     end if
-    call buffer%line('</svg>')
-  end subroutine put_plot
+    call make_arrays(of_states, results, table, failure)
+    if (allocated(failure)) return
+    if (table%rows == 1) then
+      call buffer%line('<p>One state: <code>points = 20</code> in <code>&amp;loading</code> ' // &
+                       'gives the load curve.</p>')
+    else if (uses_samples(results)) then
+      call put_plots(scene_in, table, [character(len=16) :: 'compression', 'nominal_pressure', &
+                                       'nominal_pressure', 'nominal_pressure'], &
+                     [character(len=16) :: 'load', 'area_fraction', 'mean_gap', 'separation'], &
+                     buffer)
+    else
+      call put_plots(scene_in, table, [character(len=16) :: 'compression', 'load'], &
+                     [character(len=16) :: 'load', 'area'], buffer)
+    end if
+    call put_result_table(table, 'states', '--curve', [character(len=16) :: 'step', &
+                          'separation', 'compression', 'contacts', 'load', 'vertical_load', &
+                          'area', merge('mean_gap', '        ', uses_samples(results))], buffer)
+  end subroutine put_curves
 
-  ! Curves and table of the last states of all positions.
-  subroutine put_positions(scene_in, results, buffer)
+  ! Columns over others; each point shows both values. Arrows show the direction where the
+  ! compression of the states turns back.
+  subroutine put_plots(scene_in, table, across, up, buffer)
     type(scene), intent(in) :: scene_in
-    type(scene_results), intent(in) :: results
+    type(array_table), intent(in) :: table
+    character(len=*), intent(in) :: across(:), up(:)
     type(text_buffer), intent(inout) :: buffer
-    character(len=16) :: effects(size(known_effects))
-    type(state_row) :: ends(size(results%positions))
-    real(real64) :: place(size(ends))
-    character(len=24) :: across
-    character(len=20) :: units(3), unit
-    integer :: m
+    type(svg_plot) :: plot
+    real(real64), allocatable :: x(:), y(:), path(:)
+    integer :: i, k
 
-    effects = ''
-    if (allocated(results%effects)) &
-      effects(:size(results%effects%names)) = results%effects%names
-    ends = [(last_state(results%positions(m)), m = 1, size(ends))]
-    units = axis_units(scene_in)
-    across = 'position'
-    unit = ''
-    place = [(real(m, real64), m = 1, size(ends))]
-    associate (x => results%positions%x_displacement, y => results%positions%y_displacement)
-      if (abs(x(2) - x(1)) > 0.0_real64 .neqv. abs(y(2) - y(1)) > 0.0_real64) then
-        across = trim(merge('x', 'y', abs(x(2) - x(1)) > 0.0_real64)) // ' displacement'
-        unit = units(1)
-        place = merge(x, y, abs(x(2) - x(1)) > 0.0_real64)
+    call buffer%line('<div class="plots">')
+    do k = 1, size(up)
+      x = numbers_of(table, across(k))
+      y = numbers_of(table, up(k))
+      plot%axes(:2) = [axis_of(scene_in, table, across(k), x), axis_of(scene_in, table, up(k), y)]
+      call plot%begin_plot(trim(plot%axes(2)%name) // ' against ' // trim(plot%axes(1)%name), &
+                           buffer)
+      associate (chosen => [(i, i=1, size(x) - 1, 1 + (size(x) - 1) / most_points), size(x)])
+        call plot%add_curve(x(chosen), y(chosen), buffer)
+        path = numbers_of(table, 'compression')
+        if (table%columns(2)%name == 'step') &
+          call plot%add_arrows(x(chosen), y(chosen), path(chosen), buffer)
+      end associate
+      do i = 1, merge(size(x), 0, size(x) <= most_dots)
+        call plot%add_dot(x(i), y(i), trim(plot%axes(1)%name) // ' ' // number_text(x(i)) // &
+                          ', ' // trim(plot%axes(2)%name) // ' ' // number_text(y(i)), buffer)
+      end do
+      call buffer%line('</svg>')
+    end do
+    call buffer%line('</div>')
+  end subroutine put_plots
+
+  ! An axis over a column, with its name in words.
+  pure type(plot_axis) function axis_of(scene_in, table, name, values) result(axis)
+    type(scene), intent(in) :: scene_in
+    type(array_table), intent(in) :: table
+    character(len=*), intent(in) :: name
+    real(real64), intent(in) :: values(:)
+
+    axis = axis_over(name, axis_unit(scene_in, table%columns(place_of(table, name))%dimension), &
+                     values, .false.)
+    if (name == 'area') axis%name = 'contact area'
+    if (index(name, '_') > 0) axis%name(index(name, '_'):index(name, '_')) = ' '
+  end function axis_of
+
+  ! The numbers of a column.
+  pure function numbers_of(table, name) result(numbers)
+    type(array_table), intent(in) :: table
+    character(len=*), intent(in) :: name
+    real(real64), allocatable :: numbers(:)
+
+    associate (column => table%columns(place_of(table, name)))
+      if (allocated(column%reals)) then
+        numbers = column%reals
+      else
+        numbers = column%wholes
       end if
     end associate
-    call buffer%line('<div class="plots">')
-    call put_plot(trim(across), unit, place, 'load', units(3), ends%load, buffer)
-    call put_plot(trim(across), unit, place, 'contact area', units(2), ends%area, buffer)
-    call put_plot(trim(across), unit, place, 'separation', units(1), ends%approach, buffer)
-    call buffer%line('</div>')
-    call put_result_table(of_positions, 'positions, each at its last state', '--positions', &
-                          [character(len=16) :: 'position', 'x_displacement', 'y_displacement', &
-                           'separation', 'contacts', 'load', 'vertical_load', 'area', &
-                           'limit_reached', 'warnings', effects], results, buffer)
-  end subroutine put_positions
+  end function numbers_of
 
   ! Some columns of a table of the results, those that it has; an option writes all rows.
-  subroutine put_result_table(which, caption, option, wanted, results, buffer)
-    integer, intent(in) :: which
+  subroutine put_result_table(table, caption, option, wanted, buffer)
+    type(array_table), intent(in) :: table
     character(len=*), intent(in) :: caption, option, wanted(:)
-    type(scene_results), intent(in) :: results
     type(text_buffer), intent(inout) :: buffer
-    type(result_table) :: table
-    integer, allocatable :: columns(:)
     character(len=24) :: cells(size(wanted))
-    integer :: i, row
-    logical :: found
+    integer :: columns(size(wanted)), i, k, row, shown
 
-    call table%begin_rows(which, results)
-    columns = [(findloc(table%names, wanted(i), 1), i=1, size(wanted))]
-    columns = pack(columns, columns > 0)
-    call begin_table(caption, table%names(columns), buffer)
+    columns = [(place_of(table, wanted(i)), i=1, size(wanted))]
+    call begin_table(caption, pack(wanted, columns > 0), buffer)
+    shown = count(columns > 0)
+    columns(:shown) = pack(columns, columns > 0)
     do row = 1, min(table%rows, most_rows)
-      call table%next_row(results, found)
-      do i = 1, size(columns)
-        associate (k => columns(i))
-          cells(i) = number_text(table%numbers(k))
-          if (table%kinds(k) == cell_whole) cells(i) = decimal_text(nint(table%numbers(k)))
-          if (table%kinds(k) == cell_word) cells(i) = table%words(k)
-          if (table%names(k) == 'limit_reached') &
-            cells(i) = merge('yes', 'no ', table%numbers(k) > 0.0_real64)
+      do i = 1, shown
+        associate (column => table%columns(columns(i)))
+          if (allocated(column%reals)) cells(i) = number_text(column%reals(row))
+          if (allocated(column%wholes)) cells(i) = decimal_text(column%wholes(row))
+          if (allocated(column%letters)) &
+            write (cells(i), '(*(a))') (column%letters(k, row), k=1, size(column%letters, 1))
+          if (column%name == 'limit_reached') cells(i) = merge('yes', 'no ', column%wholes(row) > 0)
         end associate
       end do
-      call put_row(cells(:size(columns)), buffer)
+      call put_row(cells(:shown), buffer)
     end do
     call buffer%line(end_of_table)
     if (table%rows > most_rows) &

@@ -3,7 +3,7 @@ module asperity_results_vtk
   use, intrinsic :: ieee_arithmetic, only: ieee_is_nan
   use asperity_kinds, only: real64
   use asperity_problems, only: decimal_text, real_text
-  use asperity_result_arrays, only: array_column, array_table, make_arrays
+  use asperity_result_arrays, only: array_column, array_table, make_arrays, place_of
   use asperity_result_table, only: of_contacts
   use asperity_scene_results, only: scene_results
   use asperity_text_buffer, only: text_buffer
@@ -25,8 +25,8 @@ contains
 
     call make_arrays(of_contacts, results, table, failure)
     if (allocated(failure)) return
-    x = place_of('x')
-    y = place_of('y')
+    x = place_of(table, 'x')
+    y = place_of(table, 'y')
     call buffer%line('<?xml version="1.0"?>')
     call buffer%line('<VTKFile type="PolyData" version="1.0" byte_order="LittleEndian">')
     call buffer%line('<PolyData>')
@@ -55,14 +55,6 @@ contains
     call buffer%line('</VTKFile>')
 
   contains
-
-    pure integer function place_of(name)
-      character(len=*), intent(in) :: name
-
-      do place_of = 1, size(table%columns)
-        if (table%columns(place_of)%name == name) return
-      end do
-    end function place_of
 
     ! One point a vertex, counted from a first number.
     subroutine put_counts(name, first)

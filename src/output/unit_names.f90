@@ -4,7 +4,7 @@ module asperity_unit_names
   implicit none
   private
 
-  public :: axis_units, dimension_of, has_units, units_in_words, unit_of, with_unit
+  public :: axis_unit, dimension_of, has_units, units_in_words, unit_of, with_unit
   public :: is_number, is_length, is_force, is_area, is_pressure, is_moment
 
   !> Dimensions of quantities.
@@ -89,15 +89,16 @@ contains
     if (unit /= '') text = name // ' (' // trim(unit) // ')'
   end function with_unit
 
-  !> Units of length, area and force of a drawing's axes: the name of the quantity where the unit
-  !> has none.
-  pure function axis_units(scene_in) result(units)
-    type(scene), intent(in) :: scene_in  !! what was solved
-    character(len=20) :: units(3)        !! at least one letter each
+  !> Unit of a drawing's axis: the name of the quantity where the unit has none.
+  pure function axis_unit(scene_in, dimension) result(unit)
+    type(scene), intent(in) :: scene_in    !! what was solved
+    integer, intent(in) :: dimension       !! one of the `is_` numbers
+    character(len=20) :: unit              !! blank for a plain number
+    character(len=*), parameter :: words(is_number:is_moment) = [character(len=7) :: '', &
+      'length', 'force', 'length2', '', '']
 
-    units = [character(len=20) :: unit_of(scene_in, is_length), unit_of(scene_in, is_area), &
-             unit_of(scene_in, is_force)]
-    where (units == '') units = [character(len=7) :: 'length', 'length2', 'force']
-  end function axis_units
+    unit = unit_of(scene_in, dimension)
+    if (unit == '') unit = words(dimension)
+  end function axis_unit
 
 end module asperity_unit_names
