@@ -22,7 +22,8 @@ NOTEBOOKS = sorted(path.stem for path in (ROOT / "python/notebooks").glob("*.ipy
 
 def page_examples():
     """The Python examples of the pages, by page and number."""
-    pages = [ROOT / "README.md", *sorted((ROOT / "docs").glob("**/*.md"))]
+    pages = [ROOT / "README.md", ROOT / "python/README.md",
+             *sorted((ROOT / "docs").glob("**/*.md"))]
     return {f"{page.parent.stem}_{page.stem}_{number}".replace("-", "_"): text
             for page in pages for number, text in enumerate(
                 re.findall(r"```python\n(.*?)```", page.read_text(encoding="utf-8"), re.S), 1)}
