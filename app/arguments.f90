@@ -6,9 +6,9 @@ module asperity_arguments
   implicit none
   private
 
-  public :: word_at, argument_list, joined_words, read_arguments
+  public :: word_at, argument_list, given_option, joined_words, read_arguments
 
-  !> One option that was given.
+  !> An option that is given.
   type :: given_option
     character(len=:), allocatable :: name   !! with its two dashes
     character(len=:), allocatable :: value  !! empty for an option without value

@@ -1,6 +1,6 @@
 !> The command line: words in, checked choices or a list of problems out.
 module asperity_command_line
-  use asperity_arguments, only: word_at, argument_list, read_arguments
+  use asperity_arguments, only: word_at, argument_list, given_option, read_arguments
   use asperity_contact_field, only: fields_all, fields_last
   use asperity_input_text, only: lower_case, in_quotes
   use asperity_kept_records, only: kept_file
@@ -9,18 +9,16 @@ module asperity_command_line
   use asperity_height_map, only: edge_names, length_units, level_names
   use asperity_option_values, only: read_count, read_positive, read_share, read_spacing, &
                                     read_tables, read_word
-  use asperity_option_table, only: call_of, command_at, commands, known_options, options, &
-                                   output_options
+  use asperity_option_table, only: call_of, command_at, commands, known_options, options
   use asperity_original, only: arithmetic_names
   use asperity_original_records, only: original_positions, thesis_tables
   use asperity_output_files, only: same_file
   use asperity_problems, only: decimal_text, problem_list
   use asperity_run_options, only: totals_of_accuracy
-  use asperity_scene_names, only: any_of
   use asperity_summit_spheres, only: radius_names
   use asperity_system_calls, only: canonical_path
   use asperity_text_buffer, only: text_buffer
-  use asperity_word_hint, only: did_you_mean, nearest_word
+  use asperity_word_hint, only: any_of, did_you_mean, nearest_word
   implicit none
   private
 
@@ -33,27 +31,17 @@ module asperity_command_line
 
   character(len=*), parameter :: letters = 'abcdefghijklmnopqrstuvwxyz'
 
-  type :: output_file
-    character(len=18) :: option = ''       ! that names it
-    character(len=:), allocatable :: path  ! as the user gave it; not allocated: none
-  end type output_file
-
   !> The choices of the user.
   type :: command_line
     character(len=:), allocatable :: command         !! empty, help, version, original, solve ...
     character(len=:), allocatable :: topic           !! command whose help is asked for, or empty
     character(len=:), allocatable :: input           !! path of the deck or scene
     character(len=:), allocatable :: arithmetic      !! one of `arithmetic_names`
-    type(output_file), allocatable :: outputs(:)     !! of each option that names one
+    type(given_option), allocatable :: given(:)      !! options in their order, `-` as /dev/stdout
     integer :: member = 0                            !! surface of the ensemble; 0 is all
     logical :: printed(original_positions) = .false. !! positions whose contact table is printed
-    logical :: carriage_control = .false.            !! keep the printer's column one
-    logical :: quiet = .false.                       !! no summary
-    logical :: budget = .false.                      !! print the error budget
-    logical :: units = .false.                       !! name the units in CSV files
     integer :: share(2) = [1, 1]                     !! part, and how many there are
     type(kept_file), allocatable :: parts(:)         !! of --keep, but for the first; none: no such
-    logical :: cost = .false.                        !! only estimate the cost of the work
     integer :: threads = 0                           !! threads to use; 0: all cores
     real(real64) :: accuracy = 0.0_real64            !! accuracy asked for; 0 when not given
     integer :: accuracy_of = 0                       !! place in `totals_of_accuracy`; 0: not given
@@ -63,10 +51,10 @@ module asperity_command_line
     integer :: edge = 1                              !! of a map: one of `edge_names`
     integer :: radius = 0                            !! rule for radii; 0: that of the rule
     integer :: unit = 0                              !! of `length_units`; 0: the file's own
-    logical :: despike = .false.                     !! take single outliers out
     integer :: fields_of = 0                         !! `fields_last`, `fields_all`; 0: not given
     real(real64) :: pixel_spacing(2) = 0.0_real64    !! of a matrix; 0 when not given
   contains
+    procedure :: has => has_option                   !! whether an option is given
     procedure :: output_path                         !! path of an output, by its option
   end type command_line
 
@@ -78,14 +66,14 @@ contains
                                                  !! made
     type(problem_list), intent(out) :: problems  !! what is wrong
     type(argument_list) :: list
+    integer, allocatable :: keeps(:)
     integer :: i, k
 
     line%command = ''
     line%topic = ''
     line%input = ''
     line%arithmetic = ''
-    allocate (line%outputs(size(output_options())))
-    line%outputs%option = output_options()
+    allocate (line%given(0))
     line%printed(thesis_tables) = .true.
     if (command_argument_count() == 0) return
     do i = 1, command_argument_count()
@@ -117,13 +105,15 @@ contains
     if (list%operand == '' .and. (k > 1 .or. problems%count() == 0)) &
       call problems%add('no ' // trim(commands(k)%called) // ' named, expected: ' // call_of(k))
     line%input = list%operand
+    line%given = list%options
     do i = 1, size(list%options)
-      call take_option(line, list%options(i)%name, list%options(i)%value, problems)
+      call take_option(line, i, problems)
     end do
-    k = size(output_options())
-    if (size(line%outputs) > k) allocate (line%parts(size(line%outputs) - k))
-    do i = k + 1, size(line%outputs)
-      line%parts(i - k)%path = line%outputs(i)%path
+    k = size(line%given)
+    keeps = pack([(i, i=1, k)], [(line%given(i)%name == '--keep', i=1, k)])
+    if (size(keeps) > 1) allocate (line%parts(size(keeps) - 1))
+    do i = 2, size(keeps)
+      line%parts(i - 1)%path = line%given(keeps(i))%value
     end do
     if (line%accuracy > 0 .and. line%output_path('--keep') /= '') &
       call problems%add('--accuracy solves a sweep by several methods, --keep saves one: ' // &
@@ -132,7 +122,7 @@ contains
       call problems%add('--of: expected --accuracy ERROR beside it')
     if (line%output_path('--output') /= '' .and. line%output_path('--upper') /= '') &
       call problems%add('--output and --upper both name the upper surface, expected one of them')
-    if (line%cost .and. line%budget) &
+    if (line%has('--cost') .and. line%has('--budget')) &
       call problems%add('--cost does not estimate --budget, expected one of both')
     if (line%fields_of > 0 .and. line%output_path('--fields') == '') &
       call problems%add('--fields-of: expected --fields FILE beside it')
@@ -161,13 +151,15 @@ contains
                         did_you_mean(lower_case(word), commands(2:)%name))
   end function is_no_command
 
-  !> Stores one option.
-  subroutine take_option(line, name, value, problems)
+  ! Takes the value of an option.
+  subroutine take_option(line, number, problems)
     type(command_line), intent(inout) :: line
-    character(len=*), intent(in) :: name, value
+    integer, intent(in) :: number  ! place among those given
     type(problem_list), intent(inout) :: problems
-    integer :: i
+    character(len=:), allocatable :: name, value
 
+    name = line%given(number)%name
+    value = line%given(number)%value
     select case (name)
     case ('--arithmetic')
       if (any(value == arithmetic_names)) then
@@ -180,18 +172,8 @@ contains
       call read_tables(value, line%printed, problems)
     case ('--surface')
       call read_count(name, value, 7, 'a number from 1', line%member, problems)
-    case ('--carriage-control')
-      line%carriage_control = .true.
-    case ('--quiet')
-      line%quiet = .true.
-    case ('--budget')
-      line%budget = .true.
     case ('--share')
       call read_share(value, line%share, problems)
-    case ('--units')
-      line%units = .true.
-    case ('--cost')
-      line%cost = .true.
     case ('--threads')
       call read_count(name, value, 4, 'a number from 1 to 9999', line%threads, problems)
     case ('--seconds')
@@ -216,16 +198,8 @@ contains
       call read_spacing(value, line%pixel_spacing, problems)
     case ('--fields-of')
       call read_word(name, value, states_named, line%fields_of, problems)
-    case ('--despike')
-      line%despike = .true.
     case default
-      i = findloc(line%outputs%option == name, .true., 1)
-      if (name == '--keep' .and. allocated(line%outputs(i)%path)) then
-        line%outputs = [line%outputs, line%outputs(i)]
-        i = size(line%outputs)
-      end if
-      line%outputs(i)%path = value
-      if (value == '-') call take_standard_output(line, i, problems)
+      if (value == '-') call take_standard_output(line, number, problems)
     end select
   end subroutine take_option
 
@@ -237,9 +211,10 @@ contains
     if (line%share(2) == 1) return
     if (line%output_path('--keep') == '' .or. allocated(line%parts)) &
       call problems%add('--share: expected one --keep with the file of this part')
-    if (line%cost) call problems%add('--cost does not estimate --share, expected one of both')
-    if (line%budget) call problems%add('--budget needs all positions, expected no ' // &
-        '--share beside it')
+    if (line%has('--cost')) &
+      call problems%add('--cost does not estimate --share, expected one of both')
+    if (line%has('--budget')) &
+      call problems%add('--budget needs all positions, expected no --share beside it')
   end subroutine check_share
 
   !> An output goes to standard output: it holds one, and no summary. What is kept needs a file.
@@ -249,17 +224,15 @@ contains
     type(problem_list), intent(inout) :: problems
     integer :: i
 
-    line%quiet = .true.
-    line%outputs(number)%path = '/dev/stdout'
-    if (line%outputs(number)%option == '--keep') then
+    line%given(number)%value = '/dev/stdout'
+    if (line%given(number)%name == '--keep') then
       call problems%add('--keep: found -, expected a file, as a rerun reads it')
       return
     end if
-    do i = 1, size(line%outputs)
-      if (i /= number .and. line%output_path(line%outputs(i)%option) == '/dev/stdout') &
-        call problems%add(trim(line%outputs(i)%option) // ' and ' // &
-                          trim(line%outputs(number)%option) // ' both go to standard output, ' // &
-                          'expected one')
+    do i = 1, number - 1
+      if (line%given(i)%value == '/dev/stdout') &
+        call problems%add(line%given(i)%name // ' and ' // line%given(number)%name // ' both ' // &
+                          'go to standard output, expected one')
     end do
   end subroutine take_standard_output
 
@@ -280,7 +253,7 @@ contains
   pure logical function is_shared(line)
     type(command_line), intent(in) :: line  !! the user's choices
 
-    is_shared = .not. line%cost .and. (line%command == 'study' .or. &
+    is_shared = .not. line%has('--cost') .and. (line%command == 'study' .or. &
                 (line%command == 'solve' .and. .not. line%accuracy > 0.0_real64))
   end function is_shared
 
@@ -310,20 +283,16 @@ contains
 
     report = canonical_path('/dev/stdout')
     call refuse_input(line, line%input, problems)
-    do i = 1, size(line%outputs)
-      if (.not. allocated(line%outputs(i)%path)) cycle
-      option = trim(line%outputs(i)%option)
-      path = line%outputs(i)%path
+    do i = 1, size(line%given)
+      if (.not. is_output(line%given(i)%name)) cycle
+      option = line%given(i)%name
+      path = line%given(i)%value
       if (same_file(path, report)) &
         call problems%add(option // ' names the file that standard output goes to, ' // path)
-      do j = i + 1, size(line%outputs)
-        if (.not. allocated(line%outputs(j)%path)) cycle
-        if (.not. same_file(path, line%outputs(j)%path)) cycle
-        ! The first of two options is the one that is given several times, --keep.
-        if (j > size(output_options())) call problems%add('--keep and ' // option // &
-                                                          ' both name ' // path)
-        if (j <= size(output_options())) call problems%add(option // ' and ' // &
-            trim(line%outputs(j)%option) // ' both name ' // path)
+      do j = i + 1, size(line%given)
+        if (.not. is_output(line%given(j)%name)) cycle
+        if (same_file(path, line%given(j)%value)) call problems%add(option // ' and ' // &
+            line%given(j)%name // ' both name ' // path)
       end do
     end do
   end subroutine check_files
@@ -370,14 +339,36 @@ contains
 
     ! A plane comes from no file.
     if (input == '') return
-    do i = 1, size(output_options())
-      if (.not. allocated(line%outputs(i)%path)) cycle
-      if (same_file(line%outputs(i)%path, input)) &
-        call problems%add(trim(line%outputs(i)%option) // ' names the input, ' // input)
+    do i = 1, size(line%given)
+      ! Further files of --keep are read, too.
+      if (.not. is_output(line%given(i)%name) .or. &
+          line%output_path(line%given(i)%name) /= line%given(i)%value) cycle
+      if (same_file(line%given(i)%value, input)) &
+        call problems%add(line%given(i)%name // ' names the input, ' // input)
     end do
   end subroutine refuse_input
 
-  !> The path that an option names; empty when it was not given.
+  ! Whether an option names an output, with any command.
+  pure logical function is_output(name)
+    character(len=*), intent(in) :: name
+
+    is_output = any(options%name == name .and. options%value == 'FILE')
+  end function is_output
+
+  !> Whether an option is given. An output on standard output stands for --quiet, too.
+  pure logical function has_option(self, option)
+    class(command_line), intent(in) :: self  !! the user's choices
+    character(len=*), intent(in) :: option   !! with its two dashes
+    integer :: i
+
+    has_option = .false.
+    do i = 1, size(self%given)
+      has_option = has_option .or. self%given(i)%name == option .or. &
+                   (option == '--quiet' .and. self%given(i)%value == '/dev/stdout')
+    end do
+  end function has_option
+
+  !> The path that an option names, the first one of --keep; empty when it was not given.
   pure function output_path(self, option) result(path)
     class(command_line), intent(in) :: self  !! the user's choices
     character(len=*), intent(in) :: option   !! one of those that name an output
@@ -385,8 +376,9 @@ contains
     integer :: i
 
     path = ''
-    i = findloc(self%outputs%option == option, .true., 1)
-    if (allocated(self%outputs(i)%path)) path = self%outputs(i)%path
+    do i = size(self%given), 1, -1
+      if (self%given(i)%name == option) path = self%given(i)%value
+    end do
   end function output_path
 
 end module asperity_command_line

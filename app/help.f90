@@ -4,12 +4,12 @@ module asperity_help
   use asperity_arguments, only: joined_words
   use asperity_effect_names, only: effect_number, effect_numbers, effect_words, known_effects, &
                                    needed_for, one_word, whole_number
-  use asperity_number_ranges, only: expected_numbers
+  use asperity_numeral, only: expected_numbers
   use asperity_option_table, only: call_of, command_at, commands, options
   use asperity_problems, only: decimal_text
-  use asperity_scene_names, only: one_of
   use asperity_text_buffer, only: text_buffer
   use asperity_version, only: version
+  use asperity_word_hint, only: one_of
   use, intrinsic :: iso_fortran_env, only: compiler_options, compiler_version
   implicit none
   private

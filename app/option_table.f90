@@ -5,7 +5,7 @@ module asperity_option_table
   private
 
   public :: command_entry, option_entry, commands, options
-  public :: call_of, command_at, known_options, output_options
+  public :: call_of, command_at, known_options
 
   !> A command.
   type :: command_entry
@@ -174,18 +174,5 @@ contains
       end do
     end associate
   end function known_options
-
-  !> The options that name an output, of any command, each once.
-  pure function output_options() result(names)
-    character(len=18), allocatable :: names(:)  !! with their dashes
-    logical :: is_first(size(options))
-    integer :: i
-
-    do i = 1, size(options)
-      is_first(i) = options(i)%value == 'FILE' .and. &
-                    findloc(options%name == options(i)%name, .true., 1) == i
-    end do
-    names = pack(options%name, is_first)
-  end function output_options
 
 end module asperity_option_table

@@ -6,8 +6,7 @@ module asperity_option_values
   use asperity_kinds, only: real64
   use asperity_numeral, only: read_numeral
   use asperity_problems, only: decimal_text, problem_list
-  use asperity_scene_names, only: any_of
-  use asperity_word_hint, only: did_you_mean
+  use asperity_word_hint, only: any_of, did_you_mean
   implicit none
   private
 

@@ -52,7 +52,7 @@ contains
     if (outcome%problems%count() > 0) return
     seconds = merge(line%seconds, usual_seconds, line%seconds > 0.0_real64)
     pieces = most_methods(scene_in)
-    if (line%cost) then
+    if (line%has('--cost')) then
       cost%pieces = 'methods'
       cost%total = pieces
       cost%most_seconds = seconds
@@ -70,7 +70,7 @@ contains
       call add_exponent(scene_in, table)
     end if
     call progress%finish()
-    if (line%cost) then
+    if (line%has('--cost')) then
       ! A method that takes longer than the trial is no failure of the trial.
       if (allocated(outcome%failure)) deallocate (outcome%failure)
       cost%tried = max(1, cost%tried)
@@ -87,7 +87,7 @@ contains
       call write_accuracy_page(line%input, table, page)
       call outcome%stage_text(line%output_path('--html'), page)
     end if
-    if (.not. line%quiet) call write_accuracy_table(table, outcome%text)
+    if (.not. line%has('--quiet')) call write_accuracy_table(table, outcome%text)
   end subroutine run_accuracy_command
 
 end module asperity_run_accuracy

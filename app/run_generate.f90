@@ -46,7 +46,7 @@ contains
     if (outcome%problems%count() > 0) return
     call plan_surface(spec, 1, plans(1))
     call plan_surface(spec, 2, plans(2))
-    if (line%cost) then
+    if (line%has('--cost')) then
       call try_surfaces(line, spec, plans, outcome)
       return
     end if
@@ -85,7 +85,7 @@ contains
       call outcome%problems%add('--upper and --lower: found for a height map, expected --output')
     call check_map_path(line%output_path('--output'), trim(unit), outcome%problems)
     if (outcome%problems%count() > 0) return
-    if (line%cost) then
+    if (line%has('--cost')) then
       call try_waves(spec, outcome)
       return
     end if

@@ -42,8 +42,8 @@ contains
     call outcome%stage_text(line%output_path('--positions'), positions)
     if (line%output_path('--variance') /= '') call write_original_variance(records, variance)
     call outcome%stage_text(line%output_path('--variance'), variance)
-    if (.not. line%quiet) &
-      call write_report(records, line%printed, line%carriage_control, outcome%text)
+    if (.not. line%has('--quiet')) &
+      call write_report(records, line%printed, line%has('--carriage-control'), outcome%text)
   end subroutine run_original_command
 
 end module asperity_run_original

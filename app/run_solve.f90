@@ -70,10 +70,10 @@ contains
     if (image_number() == 1) call write_standard_error(scene_in%notes%text())
     if (line%output_path('--keep') == '') call note_kept('; --keep FILE would keep what is solved')
     options = options_of(line, scene_in)
-    if (line%units) units = 'units: ' // units_in_words(scene_in)
+    if (line%has('--units')) units = 'units: ' // units_in_words(scene_in)
     call solve(scene_in, results, outcome%failure, options)
     if (image_number() > 1) return
-    if (.not. allocated(outcome%failure) .and. line%budget) &
+    if (.not. allocated(outcome%failure) .and. line%has('--budget')) &
       call measure_budget(scene_in, options, results, budget, outcome%failure)
     if (allocated(outcome%failure)) then
       outcome%failure = line%input // ': ' // outcome%failure
@@ -82,15 +82,16 @@ contains
     call check_fields(line, results, outcome%failure)
     if (allocated(outcome%failure)) return
     if (line%share(2) > 1) then
-      if (.not. line%quiet) call tell_part(line, 'positions', size(results%positions), outcome%text)
+      if (.not. line%has('--quiet')) &
+        call tell_part(line, 'positions', size(results%positions), outcome%text)
       return
     end if
-    if (line%cost) call weigh_positions(scene_in, results, cost)
-    if (.not. line%cost) call list_warnings(line%input, results, outcome%warnings)
-    if (.not. (line%quiet .or. line%cost)) then
+    if (line%has('--cost')) call weigh_positions(scene_in, results, cost)
+    if (.not. line%has('--cost')) call list_warnings(line%input, results, outcome%warnings)
+    if (.not. (line%has('--quiet') .or. line%has('--cost'))) then
       call write_summary(scene_in, results, outcome%text)
       if (line%accuracy > 0.0_real64) call write_choice(line%accuracy, results, outcome%text)
-      if (line%budget) call write_budget(budget, size(results%positions), outcome%text)
+      if (line%has('--budget')) call write_budget(budget, size(results%positions), outcome%text)
       if (is_thesis_sweep(scene_in)) &
         call write_corrected_table(correct_table(scene_in%deck, results), outcome%text)
     end if
@@ -108,7 +109,8 @@ contains
         call stage_field(results%positions(1)%fields(i), i == size(results%positions(1)%fields))
       end do
     end if
-    if (line%cost .and. .not. allocated(outcome%failure)) call tell_cost(cost, outcome%text)
+    if (line%has('--cost') .and. .not. allocated(outcome%failure)) &
+      call tell_cost(cost, outcome%text)
 
   contains
 
@@ -181,7 +183,7 @@ contains
       type(text_buffer), intent(in) :: text
       character(len=*), intent(in), optional :: path  ! absent: that of the option
 
-      if (line%cost) then
+      if (line%has('--cost')) then
         cost%bytes_each = cost%bytes_each + &
                           2.0_real64 * real(len(text%text(), int64), real64) / cost%tried
       else if (present(path)) then
@@ -267,10 +269,10 @@ contains
     call refuse_input(line, scene_in%upper%file, problems)
     if (.not. same_name(scene_in%lower%file, scene_in%upper%file)) &
       call refuse_input(line, scene_in%lower%file, problems)
-    if (line%units .and. .not. has_units(scene_in)) &
+    if (line%has('--units') .and. .not. has_units(scene_in)) &
       call problems%add('--units: the scene does not name its units, expected for instance ' // &
                         'units = ''mm'', ''N'' in &surfaces')
-    if (allocated(scene_in%map) .and. line%budget) &
+    if (allocated(scene_in%map) .and. line%has('--budget')) &
       call problems%add('--budget: a map is compared with its summits in every run, expected none')
     call check_field_options(line, scene_in, problems)
     if (line%share(2) > scene_in%motion%positions .or. &
@@ -321,7 +323,7 @@ contains
     options%part = line%share(1)
     options%parts = line%share(2)
     if (allocated(line%parts)) allocate (options%more_files, source=line%parts)
-    if (.not. line%cost) return
+    if (.not. line%has('--cost')) return
     options%sample = pieces_tried
     options%threads = 1
     options%keep_file = ''

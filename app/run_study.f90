@@ -51,7 +51,7 @@ contains
     options%part = line%share(1)
     options%parts = line%share(2)
     if (allocated(line%parts)) options%more_files = line%parts
-    if (line%cost) then
+    if (line%has('--cost')) then
       cost%pieces = 'surfaces'
       cost%total = spec%surfaces%ensemble
       cost%tried = min(pieces_tried, cost%total)
@@ -64,18 +64,18 @@ contains
     call run_area_study(spec, plan, options, study, failure)
     if (allocated(failure)) then
       outcome%failure = line%input // ': ' // failure
-    else if (line%cost) then
+    else if (line%has('--cost')) then
       cost%begun = study%begun
       cost%ended = study%ended
       call tell_cost(cost, outcome%text)
     else if (image_number() == 1 .and. options%parts > 1) then
-      if (.not. line%quiet) &
+      if (.not. line%has('--quiet')) &
         call tell_part(line, 'surfaces', pieces_of_part(spec%surfaces%ensemble, options%part, &
                                                         options%parts), outcome%text)
     else if (image_number() == 1) then
       call write_area_csv(study, csv)
       call outcome%stage_text(line%output_path('--csv'), csv)
-      if (.not. line%quiet) call write_area_table(spec, study, outcome%text)
+      if (.not. line%has('--quiet')) call write_area_table(spec, study, outcome%text)
     end if
   end subroutine run_study_command
 

@@ -42,9 +42,9 @@ contains
     choices = summit_choices(rule=line%rule, level=line%level, periodic=line%edge == 2, &
                              edge_of_file=line%edge == 0, &
                              radius=line%radius, &
-                             unit=line%unit, despike=line%despike, &
+                             unit=line%unit, despike=line%has('--despike'), &
                              pixel_spacing=line%pixel_spacing, progress=.true., prefix='--')
-    if (line%cost) then
+    if (line%has('--cost')) then
       call try_rows(line, choices, outcome)
       return
     end if
@@ -58,7 +58,7 @@ contains
       call write_spectrum_csv(spectra, spectrum)
     end if
     call outcome%warnings%append(map%notes)
-    if (.not. line%quiet) then
+    if (.not. line%has('--quiet')) then
       call measure_map(map, summits, found)
       call write_summits_table(line%input, choices, spikes, map, summits, found, outcome%text)
     end if
@@ -95,7 +95,7 @@ contains
     call summits_of_samples(part, choices, summits, spikes, outcome%failure)
     if (allocated(outcome%failure)) return
     ! Each sample is marked, with outliers copied; a summit is a place, then a sphere.
-    cost%bytes_each = map%columns * merge(9.0_real64, 1.0_real64, line%despike) + &
+    cost%bytes_each = map%columns * merge(9.0_real64, 1.0_real64, line%has('--despike')) + &
                       bytes_of_summit * size(summits%x) / cost%tried
     call tell_cost(cost, outcome%text)
   end subroutine try_rows

@@ -6,7 +6,7 @@
 module asperity_effect_names
   use asperity_decimal, only: decimal_value
   use asperity_kinds, only: int64
-  use asperity_number_ranges, only: above_zero, not_negative, share, share_or_all
+  use asperity_numeral, only: above_zero, not_negative, share, share_or_all
   implicit none
   private
 
@@ -71,7 +71,7 @@ module asperity_effect_names
   type :: effect_number
     character(len=21) :: name = ''         !! in &effects
     character(len=11) :: effect = ''       !! whose it is; blank: of all under `auto`
-    integer :: number_range = not_negative  !! of `asperity_number_ranges`, or one of the two above
+    integer :: number_range = not_negative  !! of `asperity_numeral`, or one of the two above
     type(decimal_value) :: default = decimal_value()  !! when the scene does not have it
     !> When the scene must have it. `on`: with its effect on; `no limit`: with its effect, on or
     !> auto, and no limit; `pixels`: with its effect on the pixels of a map; the name of a number:

@@ -4,7 +4,7 @@ module asperity_generation_map
   use asperity_generation_values, only: below_none, below_words, exact_value, map_spec, period_of
   use asperity_height_map, only: expected_length, is_length, length_units, most_samples
   use asperity_kinds, only: int64, real128
-  use asperity_number_ranges, only: above_zero, share_or_all
+  use asperity_numeral, only: above_zero, share_or_all
   use asperity_problems, only: decimal_text
   use asperity_scene_fields, only: scene_fields
   use asperity_scene_names, only: in_group, known_name

@@ -10,7 +10,7 @@ module asperity_generation_spec
                                         most_asperities, side_names
   use asperity_input_text, only: read_text
   use asperity_kinds, only: int64, real128
-  use asperity_number_ranges, only: above_zero, any_number, not_negative, poisson_range
+  use asperity_numeral, only: above_zero, any_number, not_negative, poisson_range
   use asperity_problems, only: decimal_text, problem_list
   use asperity_scene_fields, only: read_fields, scene_fields
   use asperity_scene_names, only: in_group, known_name

@@ -10,11 +10,11 @@ module asperity_scene_fields
   use asperity_input_text, only: check_text, lower_case, in_quotes, plain_text
   use asperity_kinds, only: int64
   use asperity_namelist_text, only: namelist_text, parse_namelist
-  use asperity_number_ranges, only: expected_numbers, in_range
-  use asperity_numeral, only: read_double_numeral, read_whole_number, without_kind
+  use asperity_numeral, only: expected_numbers, in_range, read_double_numeral, read_whole_number, &
+                              without_kind
   use asperity_problems, only: decimal_text, problem_list
-  use asperity_scene_names, only: find_names, known_name, one_of
-  use asperity_word_hint, only: did_you_mean
+  use asperity_scene_names, only: find_names, known_name
+  use asperity_word_hint, only: did_you_mean, one_of
   implicit none
   private
 

@@ -3,7 +3,7 @@
 module asperity_scene_loading
   use asperity_decimal, only: decimal_to_real64, decimal_value
   use asperity_kinds, only: int64, real64
-  use asperity_number_ranges, only: above_zero, any_number, not_negative
+  use asperity_numeral, only: above_zero, any_number, not_negative
   use asperity_problems, only: decimal_text
   use asperity_scene_fields, only: scene_fields
   use asperity_scene_surfaces, only: from_csv

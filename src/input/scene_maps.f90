@@ -12,7 +12,7 @@ module asperity_scene_maps
   use asperity_input_text, only: in_quotes, skip_mark
   use asperity_kept_records, only: checksum
   use asperity_kinds, only: int64, real64
-  use asperity_number_ranges, only: above_zero
+  use asperity_numeral, only: above_zero
   use asperity_problems, only: decimal_text, problem_list, real_text
   use asperity_scene_fields, only: scene_fields
   use asperity_scene_values, only: control_limit, effect_auto, effect_boundary, effect_coupled, &

@@ -4,11 +4,11 @@ module asperity_scene_names
   use asperity_input_text, only: in_quotes
   use asperity_namelist_text, only: a_group, a_name, namelist_text
   use asperity_problems, only: problem_list
-  use asperity_word_hint, only: did_you_mean, nearest_word
+  use asperity_word_hint, only: any_of, did_you_mean, nearest_word
   implicit none
   private
 
-  public :: known_name, in_group, scene_table, find_names, any_of, one_of
+  public :: known_name, in_group, scene_table, find_names
 
   !> One name and its group. An array of them, the names of a group one behind the other, is what a
   !> kind of file knows.
@@ -129,31 +129,5 @@ contains
     end function what_is_meant
 
   end subroutine find_names
-
-  !> `x_first, x_step or positions`, each between two marks when these are given.
-  pure function any_of(words, before, behind) result(text)
-    character(len=*), intent(in) :: words(:)         !! at least one
-    character(len=*), intent(in), optional :: before !! stands before each word
-    character(len=*), intent(in), optional :: behind !! stands behind each word
-    character(len=:), allocatable :: text            !! for a message
-    integer :: i
-
-    text = ''
-    do i = 1, size(words)
-      if (i > 1 .and. i < size(words)) text = text // ', '
-      if (i > 1 .and. i == size(words)) text = text // ' or '
-      if (present(before)) text = text // before
-      text = text // trim(words(i))
-      if (present(behind)) text = text // behind
-    end do
-  end function any_of
-
-  !> `'off', 'on' or 'auto'`.
-  pure function one_of(words) result(text)
-    character(len=*), intent(in) :: words(:)  !! at least one
-    character(len=:), allocatable :: text     !! for a message
-
-    text = any_of(words, before='''', behind='''')
-  end function one_of
 
 end module asperity_scene_names

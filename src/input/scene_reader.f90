@@ -8,7 +8,7 @@ module asperity_scene_reader
   use asperity_input_text, only: blanks, read_text
   use asperity_kinds, only: real64
   use asperity_namelist_text, only: skip_blanks
-  use asperity_number_ranges, only: above_zero, any_number, poisson_range
+  use asperity_numeral, only: above_zero, any_number, poisson_range
   use asperity_problems, only: problem_list, real_text
   use asperity_scene_deck, only: surfaces_from_deck
   use asperity_scene_effects, only: read_effects

@@ -9,7 +9,7 @@ module asperity_study_spec
   use asperity_generation_values, only: generation_spec
   use asperity_input_text, only: read_text
   use asperity_kinds, only: real64
-  use asperity_number_ranges, only: above_zero, any_number, poisson_range, share
+  use asperity_numeral, only: above_zero, any_number, poisson_range, share
   use asperity_problems, only: problem_list
   use asperity_scene_fields, only: read_fields, scene_fields
   use asperity_scene_names, only: in_group

@@ -1,9 +1,9 @@
-!> The word that was probably meant by one that is not known.
+!> Words that are known, for messages, and the one that was probably meant.
 module asperity_word_hint
   implicit none
   private
 
-  public :: nearest_word, did_you_mean
+  public :: nearest_word, did_you_mean, any_of, one_of
 
 contains
 
@@ -56,5 +56,31 @@ contains
     end do
     slips_between = slips(len(a), len(b))
   end function slips_between
+
+  !> `x_first, x_step or positions`, each between two marks when these are given.
+  pure function any_of(words, before, behind) result(text)
+    character(len=*), intent(in) :: words(:)         !! at least one
+    character(len=*), intent(in), optional :: before !! stands before each word
+    character(len=*), intent(in), optional :: behind !! stands behind each word
+    character(len=:), allocatable :: text            !! for a message
+    integer :: i
+
+    text = ''
+    do i = 1, size(words)
+      if (i > 1 .and. i < size(words)) text = text // ', '
+      if (i > 1 .and. i == size(words)) text = text // ' or '
+      if (present(before)) text = text // before
+      text = text // trim(words(i))
+      if (present(behind)) text = text // behind
+    end do
+  end function any_of
+
+  !> `'off', 'on' or 'auto'`.
+  pure function one_of(words) result(text)
+    character(len=*), intent(in) :: words(:)  !! at least one
+    character(len=:), allocatable :: text     !! for a message
+
+    text = any_of(words, before='''', behind='''')
+  end function one_of
 
 end module asperity_word_hint

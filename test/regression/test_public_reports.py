@@ -653,6 +653,8 @@ def test_a_wrong_file_is_one_mistake(kind, maps):
         assert 1 <= len(lines) <= 3 and re.match(r"F:\d+:\d+: ", lines[0]), done.stderr
         if kind in ("zip", "gwy", "sur", "hdf5", "nc", "opd", "di"):
             assert "not a format of this program" in lines[0] and "SurfaceTopography" in lines[0]
+        elif kind == "utf16":
+            assert "text in UTF-16" in lines[0] and "saved as UTF-8" in lines[0]
 
 
 @pytest.mark.parametrize("change", [
