@@ -110,7 +110,9 @@ contains
       end if
       where (answers%load > 0.0_real64)
         answers%contact_radius = sqrt(found(:, area) / pi)
-        where (found(:, pressure) > 0.0_real64) answers%maximum_pressure = found(:, pressure)
+        ! Where a few elements resolve a contact their greatest pressure may be below the mean.
+        where (found(:, pressure) > 0.0_real64) &
+          answers%maximum_pressure = max(found(:, pressure), answers%load / found(:, area))
       end where
       outcome%of_contacts(:, 1) = max(0.0_real64, &
                                       state%closing - pairs%list%gap - state%penetration)

@@ -112,15 +112,9 @@ contains
     type(contact_pairs), intent(in) :: pairs        !! pairs of the position
     type(contact_state), intent(in) :: state        !! contacts without adhesion
     type(effect_outcome), intent(inout) :: outcome  !! gets the columns
-    type(contact_response) :: answer
-    integer :: i, pulling
 
-    pulling = 0
-    do i = 1, size(pairs%list)
-      call self%law%respond(pairs%list(i), i, state%penetration(i), answer)
-      if (answer%load < 0.0_real64) pulling = pulling + 1
-    end do
-    call fill_columns(self, pairs, state%penetration, pulling, outcome)
+    call fill_columns(self, pairs, state%penetration, count(state%answers%load < 0.0_real64), &
+                      outcome)
   end subroutine leave_out
 
   subroutine fill_columns(self, pairs, penetration, pulling, outcome)
