@@ -5,9 +5,8 @@
 !> neglected term, tested against boundary elements, not proved bounds: of inclined contacts
 !> and of caps that stand out of the contact that covers them.
 module asperity_circle_error
-  use asperity_circle_correction, only: area_factor, circle_correction, find_correction
-  use asperity_circle_field, only: are_close, relative_position
-  use asperity_constants, only: pi
+  use asperity_circle_correction, only: circle_correction, find_correction
+  use asperity_circle_field, only: are_close
   use asperity_contact_pairs, only: contact_pair, contact_pairs
   use asperity_coupled_contacts, only: coupled_solution
   use asperity_hidden_contacts, only: find_protrusion
@@ -18,13 +17,12 @@ module asperity_circle_error
 
   public :: circle_errors, find_errors, find_open_neighbours, sphere_share
 
-  !> Errors of the loads over the modulus, and of the areas, by pair. They are 0 for open contacts
-  !> that no circle covers.
+  !> Errors by pair: first column of the load, over the modulus; second of the area, over that of
+  !> all. They are 0 for open contacts that no circle covers.
   type :: circle_errors
     !> by the field of the neighbours; that of several contacts is the root of the sum of squares
-    real(real64), allocatable :: of_field(:)
-    real(real64), allocatable :: of_shape(:)   !! by all other causes; they add up
-    real(real64), allocatable :: of_area(:)    !! over the area in plan of all; they add up
+    real(real64), allocatable :: of_field(:, :)
+    real(real64), allocatable :: of_shape(:, :)  !! by all other causes; they add up
     integer, allocatable :: covering(:)        !! by open pair: contact that covers it, or 0
     !> by pair: overlaps a contact of at least `nested_ratio` times its radius, and its error may
     !> be larger than estimated
@@ -34,6 +32,8 @@ module asperity_circle_error
     real(real64) :: compression_share = 1.0_real64
   end type circle_errors
 
+  ! Error of an area over that of the load by shapes [1], both relative; measured on 306 scenes.
+  real(real64), parameter :: area_factor = 1.3_real64
   ! Factor of the load of a hidden cap by the pressure of the contact that covers it (measured: 1.33
   ! at most in the four scenes where no other error is larger).
   real(real64), parameter :: hidden_factor = 4.0_real64 / 3.0_real64
@@ -58,38 +58,32 @@ contains
     integer, allocatable :: open_pairs(:)
     integer :: i, j, k, l
 
-    allocate (errors%of_field(size(pairs%list)), source=0.0_real64)
+    allocate (errors%of_field(size(pairs%list), 2), source=0.0_real64)
     errors%of_shape = errors%of_field
-    errors%of_area = errors%of_field
     errors%covering = spread(0, 1, size(pairs%list))
     errors%is_nested = errors%covering > 0
     call find_correction(solution%set, keeps_load, pairs%interrupt, correction)
     errors%compression_share = sum(solution%set%load) / (solution%compression * correction%tangent)
     associate (set => solution%set)
       do k = 1, size(set%contact)
-        call find_shape_error(pairs, solution, k, errors%of_shape(set%contact(k)), &
+        call find_shape_error(pairs, solution, k, errors%of_shape(set%contact(k), 1), &
                               errors%is_nested(set%contact(k)))
       end do
-      errors%of_field(set%contact) = correction%load_error
+      errors%of_field(set%contact, 1) = correction%load_error
       call find_open_neighbours(pairs, solution, 1.0_real64, tree, open_pairs)
       do l = 1, size(open_pairs)
         i = open_pairs(l)
         do k = tree%first(l), tree%first(l + 1) - 1
           j = set%contact(tree%near(k))
           if (errors%covering(i) == 0) errors%covering(i) = j
-          errors%of_shape(i) = errors%of_shape(i) + 2 * hidden_factor * &
+          errors%of_shape(i, 1) = errors%of_shape(i, 1) + 2 * hidden_factor * &
             set%radius(tree%near(k)) * mean_protrusion(pairs, solution, i, tree%near(k))
         end do
       end do
-      errors%of_area = area_factor * (errors%of_field + errors%of_shape) / sum(set%load)
-      ! An area that belongs to two circles is counted twice.
-      do k = 1, size(set%one)
-        associate (both => set%contact([set%one(k), set%other(k)]))
-          errors%of_area(both) = errors%of_area(both) + 0.5_real64 * area_factor * &
-            common_area(norm2(relative_position(set, set%one(k), set%other(k))), &
-                        set%radius(set%one(k)), set%radius(set%other(k))) / sum(pi * set%radius**2)
-        end associate
-      end do
+      errors%of_shape(:, 2) = area_factor * errors%of_shape(:, 1) / sum(set%load)
+      errors%of_shape(set%contact, 2) = errors%of_shape(set%contact, 2) + &
+                                        correction%shared_area_error
+      errors%of_field(set%contact, 2) = correction%area_error
     end associate
   end subroutine find_errors
 
@@ -136,29 +130,6 @@ contains
               (pair%d / pair%zc)**2
     end associate
   end subroutine find_shape_error
-
-  ! Area that belongs to two circles at a distance.
-  pure real(real64) function common_area(distance, first, second) result(area)
-    real(real64), intent(in) :: distance, first, second
-    real(real64) :: to_chord
-
-    area = 0.0_real64
-    if (.not. distance < first + second) return
-    area = pi * min(first, second)**2
-    if (.not. distance > abs(first - second)) return
-    ! The chord is at this distance from the first centre.
-    to_chord = 0.5_real64 * (distance + (first - second) * ((first + second) / distance))
-    area = segment_area(first, to_chord) + segment_area(second, distance - to_chord)
-  end function common_area
-
-  ! Area of a circle beyond a chord.
-  pure real(real64) function segment_area(radius, to_chord)
-    real(real64), intent(in) :: radius, to_chord
-    real(real64) :: cosine
-
-    cosine = max(-1.0_real64, min(1.0_real64, to_chord / radius))
-    segment_area = radius**2 * (acos(cosine) - cosine * sqrt(1 - cosine**2))
-  end function segment_area
 
   !> Relative decrease of the load of a sphere from that of its paraboloid: p/(10 R) under a plane,
   !! to first order (the next term of the gap is r**4/(8 R**3)). A plane has the radius 0 and no

@@ -247,8 +247,9 @@ contains
 
     associate (coupled => solution%coupled, is_resolved => solution%is_resolved)
       area = sum(solution%area)
-      if (allocated(task%errors%of_area)) &
-        solution%area_error = sum(task%errors%of_area, mask=.not. is_resolved)
+      if (allocated(task%errors%of_field)) &
+        solution%area_error = norm2(pack(task%errors%of_field(:, 2), .not. is_resolved)) + &
+                              sum(task%errors%of_shape(:, 2), mask=.not. is_resolved)
       if (area > 0.0_real64 .and. allocated(task%clusters)) &
         solution%area_error = solution%area_error + deviations * norm2([( &
           task%clusters(k)%answer%area_error * sum(solution%area(task%clusters(k)%members)), &
@@ -258,8 +259,8 @@ contains
       if (allocated(task%errors%is_nested)) solution%nested = &
         sum(coupled%set%load, mask=task%errors%is_nested(coupled%set%contact)) / total
       if (allocated(task%errors%of_field)) solution%error = ( &
-        norm2(pack(task%errors%of_field, .not. is_resolved)) + &
-        sum(task%errors%of_shape, mask=.not. is_resolved)) / total
+        norm2(pack(task%errors%of_field(:, 1), .not. is_resolved)) + &
+        sum(task%errors%of_shape(:, 1), mask=.not. is_resolved)) / total
       if (allocated(task%clusters)) then
         ! Displacements by neighbours change the inclination of the line of centres, and with it the
         ! normal load at a vertical load.
@@ -460,23 +461,17 @@ contains
     logical, intent(inout) :: is_resolved(:)
     type(source_tree) :: tree
     integer, allocatable :: open_pairs(:), member(:), first(:)
-    ! By pair, over what is allowed: errors of the load by the field and by other causes, of the
-    ! area, and the largest.
-    real(real64), dimension(size(is_resolved)) :: of_field, of_shape, of_area, error
-    real(real64) :: allowed, excess, resolved_error
+    real(real64) :: error(size(is_resolved)), allowed(2), excess, resolved_error
     integer :: order(size(is_resolved)), i, k, l, next_rank
 
     ! Elements do not resolve contacts whose loads underflow.
-    allowed = task%tolerance * sum(coupled%set%load)
-    if (.not. allowed > tiny(allowed)) return
-    if (allocated(task%target)) allowed = allowed / task%errors%compression_share
-    of_field = task%errors%of_field / allowed
-    of_shape = task%errors%of_shape / allowed
-    of_area = task%errors%of_area / max(task%tolerance, task%area_tolerance)
-    allowed = 1.0_real64
+    allowed = [task%tolerance * sum(coupled%set%load), max(task%tolerance, task%area_tolerance)]
+    if (.not. allowed(1) > tiny(allowed)) return
+    if (allocated(task%target)) allowed(1) = allowed(1) / task%errors%compression_share
     if (.not. (any(is_resolved) .or. excess_error() > 0.0_real64)) return
-    allowed = 1 - elements_share
-    error = max(of_field + of_shape, of_area) / allowed
+    allowed = (1 - elements_share) * allowed
+    error = maxval((task%errors%of_field + task%errors%of_shape) / &
+                   spread(allowed, 1, size(error)), 2)
     associate (set => coupled%set)
       call gather_groups(set%one, set%other, &
                          [(are_close(set, set%one(k), set%other(k), adjacent_distance), k=1, &
@@ -515,10 +510,12 @@ contains
   contains
 
     ! Error of the contacts that are not resolved, over what is allowed, less 1.
-    real(real64) function excess_error()
-      excess_error = max(norm2(pack(of_field, .not. is_resolved)) + &
-                         sum(of_shape, mask=.not. is_resolved), &
-                         sum(of_area, mask=.not. is_resolved)) / allowed - 1
+    real(real64) function excess_error() result(excess)
+      integer :: l
+
+      excess = maxval([((norm2(pack(task%errors%of_field(:, l), .not. is_resolved)) + &
+                         sum(task%errors%of_shape(:, l), mask=.not. is_resolved)) / allowed(l), &
+                        l=1, 2)]) - 1
     end function excess_error
 
   end subroutine choose_resolved

@@ -182,6 +182,26 @@ def test_coupled_is_within_its_estimate(asperity):
 
 
 @pytest.mark.once
+def test_areas_of_coupled_contacts(asperity, tmp_path):
+    """Of all scenes 99 % have areas within their estimates. In the middle these are at most 5 times
+    the errors, or what the truth leaves open of them; of rough caps too."""
+    workers = int(os.environ.get("PYTEST_XDIST_WORKER_COUNT", "1"))
+    results = run_all(asperity, dense_scenes(), ("coupled",), TOLERANCES[:1], ("approach",),
+                      processes=max(1, (os.cpu_count() or 1) // workers))
+    errors, bounds, told = (np.array([getattr(r, name) for r in results])
+                            for name in ("area_error", "area_bound", "area_estimate"))
+    assert (abs(errors) <= told + bounds).mean() >= 0.99
+    assert np.median(told / np.maximum(abs(errors), bounds)) <= 5
+    found = []
+    for scene, truth in zip(rough_scenes(), records(ROUGH)):
+        row, = solve(asperity, scene.write(tmp_path, interaction="coupled"), "--threads", "1",
+                     contacts=False).positions
+        error = abs(float(row["area"]) / float(truth["area"]) - 1)
+        found.append(float(row["area_error_estimate"]) / max(error, float(truth["area_error"])))
+    assert np.median(found) <= 5 and max(found) <= 30
+
+
+@pytest.mark.once
 def test_the_truth_is_of_these_scenes(tally):
     """Every scene has a truth, each of the numbers that the generator gives, and good enough."""
     scenes = dense_scenes()

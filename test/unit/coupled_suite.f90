@@ -176,7 +176,7 @@ contains
         call check(error, .not. any(errors%is_nested), 'no radius is larger')
         call check(error, errors%compression_share, 2.0_real64 / 3.0_real64, 1.0e-6_real64, &
                    'L/(c dL/dc)')
-        told = sum(errors%of_field + errors%of_shape) / sum(solution%set%load)
+        told = sum(errors%of_field(:, 1) + errors%of_shape(:, 1)) / sum(solution%set%load)
         call check(error, told <= 2.0_real64 * n * apart_by(k) + 1.0e-12_real64 .and. &
                    told >= 0.1_real64 * apart_by(k) - 1.0e-12_real64, 'error in one place')
       end do

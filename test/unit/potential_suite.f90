@@ -155,7 +155,7 @@ contains
     integer, parameter :: numbers(3) = [6, 6, 24]
     real(real64), parameter :: step = 1.0e-4_real64
     type(circle_set) :: set, other
-    real(real64), allocatable :: change(:, :), curvature(:), gain(:), gradient(:), unused(:)
+    real(real64), allocatable :: change(:, :), curvature(:, :), gain(:), gradient(:), unused(:)
     real(real64) :: slope, sums(-2:2)
     integer(int64) :: seed
     integer :: k, l
@@ -163,8 +163,9 @@ contains
     seed = 5_int64
     do k = 1, 3
       call scatter(numbers(k), sides(k), set)
-      allocate (curvature(numbers(k)))
-      allocate (gain, gradient, unused, mold=curvature)
+      allocate (curvature(2, numbers(k)))
+      allocate (gain(numbers(k)))
+      allocate (gradient, unused, mold=gain)
       call find_curvature_terms(set, curvature, gain, gradient)
       change = direction(numbers(k), seed, .true.)
       other = set
