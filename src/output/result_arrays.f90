@@ -8,7 +8,7 @@ module asperity_result_arrays
                                    word_length
   use asperity_scene_results, only: scene_results
   use asperity_scene_values, only: scene
-  use asperity_unit_names, only: is_number, unit_of
+  use asperity_unit_names, only: unit_of, unit_powers
   implicit none
   private
 
@@ -17,7 +17,7 @@ module asperity_result_arrays
   !> One column. One of the three arrays is allocated.
   type :: array_column
     character(len=:), allocatable :: name                    !! as in the files
-    integer :: dimension = is_number                         !! one of the `is_` numbers
+    type(unit_powers) :: dimension                           !! powers in its unit
     character(len=:), allocatable :: unit                    !! `N/mm2`; not allocated: not known
     real(real64), allocatable :: reals(:)                    !! NaN where a cell is empty
     integer(int32), allocatable :: wholes(:)                 !! whole numbers; yes and no: 1 and 0

@@ -9,8 +9,8 @@ module asperity_result_table
   use asperity_kinds, only: not_computed, real64
   use asperity_scene_results, only: has_height_map, kinds_of_warnings, last_state, nominal_names, &
                                     nominal_values, scene_results
-  use asperity_unit_names, only: dimension_of, is_area, is_force, is_length, is_moment, is_number, &
-                                 is_pressure
+  use asperity_unit_names, only: is_area, is_force, is_length, is_moment, is_number, is_pressure, &
+                                 powers_of, unit_powers
   implicit none
   private
 
@@ -29,7 +29,7 @@ module asperity_result_table
   integer, parameter :: cell_real = 1, cell_whole = 2, cell_count = 3, cell_word = 4
 
   ! Dimensions of `nominal_names`.
-  integer, parameter :: nominal_dimensions(2) = [is_pressure, is_number]
+  type(unit_powers), parameter :: nominal_dimensions(2) = [is_pressure, is_number]
 
   ! Columns that a table has without effects, at most, and that it has for each.
   integer, parameter :: most_own = 30, columns_of_effect = 5
@@ -42,7 +42,7 @@ module asperity_result_table
     integer :: rows = 0                                      !! all of them
     character(len=name_length), allocatable :: names(:)      !! of the columns
     integer, allocatable :: kinds(:)                         !! of each, one of the `cell_` numbers
-    integer, allocatable :: dimensions(:)                    !! of each, one of the `is_` numbers
+    type(unit_powers), allocatable :: dimensions(:)          !! of each, powers in its unit
     real(real64), allocatable :: numbers(:)                  !! of this row, by column
     character(len=word_length), allocatable :: words(:)      !! of this row, by column
     integer, private :: which = of_positions
@@ -180,7 +180,7 @@ contains
       end do
       do i = 1, size(position%state_values)
         call self%put(results%effects%state_columns(i), position%state_values(i), &
-                      dimension_of(results%effects%state_powers(:, i)))
+                      powers_of(results%effects%state_powers(:, i)))
       end do
     end if
     if (allocated(results%map)) then
@@ -317,7 +317,7 @@ contains
         do i = 1, size(results%effects%contact_columns)
           if (self%contact > 0) value = position%contact_values(self%contact, i)
           call self%put(results%effects%contact_columns(i), value, &
-                        dimension_of(results%effects%contact_powers(:, i)))
+                        powers_of(results%effects%contact_powers(:, i)))
         end do
       end if
       call self%put('contact_radius', contact_radius(row), is_length)
@@ -328,7 +328,8 @@ contains
     class(result_table), intent(inout) :: self
     character(len=*), intent(in) :: name
     real(real64), intent(in) :: value
-    integer, intent(in), optional :: dimension, cell
+    type(unit_powers), intent(in), optional :: dimension
+    integer, intent(in), optional :: cell
 
     self%at = self%at + 1
     if (self%position == 0) then

@@ -15,7 +15,7 @@ module asperity_summary
   use asperity_text_buffer, only: text_buffer
   use asperity_totals_table, only: load_is_met, write_totals
   use asperity_unit_names, only: is_area, is_force, is_length, is_moment, is_number, unit_of, &
-                                 with_unit
+                                 unit_powers, with_unit
   use asperity_warning_lines, only: list_warnings
   implicit none
   private
@@ -153,7 +153,8 @@ contains
     type(text_buffer), intent(inout) :: buffer  !! gets the lines; none without a load path
     character(len=*), parameter :: heads(5) = [character(len=18) :: 'vertical load', &
       'contact area', 'separation', 'compression', 'contacts']
-    integer, parameter :: dimensions(5) = [is_force, is_area, is_length, is_length, is_number]
+    type(unit_powers), parameter :: dimensions(5) = [is_force, is_area, is_length, is_length, &
+                                                     is_number]
     character(len=120) :: line
     character(len=20) :: cell
     character(len=:), allocatable :: text

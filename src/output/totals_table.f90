@@ -8,8 +8,8 @@ module asperity_totals_table
   use asperity_scene_results, only: last_state, nominal_values, scene_results
   use asperity_scene_values, only: scene
   use asperity_text_buffer, only: text_buffer
-  use asperity_unit_names, only: unit_of, with_unit, is_area, is_force, is_length, is_number, &
-                                 is_pressure, is_moment
+  use asperity_unit_names, only: is_area, is_force, is_length, is_moment, is_number, is_pressure, &
+                                 unit_of, unit_powers, with_unit
   implicit none
   private
 
@@ -31,7 +31,7 @@ module asperity_totals_table
   type :: effect_total
     character(len=20) :: column
     character(len=24) :: name
-    integer :: dimension
+    type(unit_powers) :: dimension
     character(len=40) :: remark
   end type effect_total
 
@@ -99,8 +99,8 @@ contains
       'nominal pressure', 'area fraction']
     character(len=*), parameter :: remarks(12) = [character(len=28) :: '', '', '', '', '', '', &
       'over the measured pixels', 'of the reference planes', 'since first contact', '', '', '']
-    integer, parameter :: dimensions(12) = [is_force, is_force, is_area, is_area, is_pressure, &
-      is_pressure, is_length, is_length, is_length, is_number, is_pressure, is_number]
+    type(unit_powers), parameter :: dimensions(12) = [is_force, is_force, is_area, is_area, &
+      is_pressure, is_pressure, is_length, is_length, is_length, is_number, is_pressure, is_number]
     real(real64), allocatable :: values(:, :)
     type(state_row) :: last
     integer :: i, m, number

@@ -4,13 +4,30 @@ module asperity_unit_names
   implicit none
   private
 
-  public :: axis_unit, dimension_of, has_units, units_in_words, unit_of, with_unit
+  public :: axis_unit, has_units, powers_of, unit_powers, units_in_words, unit_of, with_unit
   public :: is_number, is_length, is_force, is_area, is_pressure, is_moment
 
-  !> Dimensions of quantities.
-  enum, bind(c)
-    enumerator :: is_number = 0, is_length, is_force, is_area, is_pressure, is_moment
-  end enum
+  !> Powers of length, force and time in the unit of a quantity, or the unit itself where it is made
+  !> of others, as `S` for siemens.
+  type :: unit_powers
+    integer :: length = 0            !! power of the length
+    integer :: force = 0             !! power of the force
+    integer :: time = 0              !! power of the time, whose unit has no name in a scene
+    character(len=8) :: word = ''    !! the unit; blank: of the powers
+  end type unit_powers
+
+  !> A plain number.
+  type(unit_powers), parameter :: is_number = unit_powers()
+  !> A length.
+  type(unit_powers), parameter :: is_length = unit_powers(length=1)
+  !> A force.
+  type(unit_powers), parameter :: is_force = unit_powers(force=1)
+  !> An area.
+  type(unit_powers), parameter :: is_area = unit_powers(length=2)
+  !> A pressure.
+  type(unit_powers), parameter :: is_pressure = unit_powers(length=-2, force=1)
+  !> A moment, or an energy.
+  type(unit_powers), parameter :: is_moment = unit_powers(length=1, force=1)
 
 contains
 
@@ -31,42 +48,58 @@ contains
            ', pressure ' // unit_of(scene_in, is_pressure)
   end function units_in_words
 
-  !> Dimension of a quantity whose unit holds the modulus and the length to some powers.
-  pure integer function dimension_of(powers) result(dimension)
+  !> The unit of a quantity that holds the modulus and the length to some powers.
+  pure type(unit_powers) function powers_of(powers)
     integer, intent(in) :: powers(2)  !! of the modulus, of the length
-    integer, parameter :: known(2, is_number:is_moment) = &
-      reshape([0, 0, 0, 1, 1, 2, 0, 2, 1, 0, 1, 3], [2, 6])
 
-    do dimension = is_moment, is_number + 1, -1
-      if (all(known(:, dimension) == powers)) return
-    end do
-  end function dimension_of
+    powers_of = unit_powers(length=powers(2) - 2 * powers(1), force=powers(1))
+  end function powers_of
 
-  !> Unit of a dimension in the units of the scene; empty where it has none.
-  pure function unit_of(scene_in, dimension) result(unit)
-    type(scene), intent(in) :: scene_in    !! with or without units
-    integer, intent(in) :: dimension       !! one of the `is_` numbers
-    character(len=:), allocatable :: unit  !! for instance `mm2`, `MPa`, `N/cm2`
-    character(len=:), allocatable :: length, force
+  !> Unit of a quantity in the units of the scene; empty where it has none.
+  pure function unit_of(scene_in, powers) result(unit)
+    type(scene), intent(in) :: scene_in      !! with or without units
+    type(unit_powers), intent(in) :: powers  !! of the quantity
+    character(len=:), allocatable :: unit    !! for instance `mm2`, `MPa`, `N/cm2`
     ! Length, force, and the name of a force on their area.
     character(len=*), parameter :: named(3, 5) = reshape([character(len=3) :: &
       'mm', 'N', 'MPa', 'um', 'uN', 'MPa', 'm', 'N', 'Pa', 'um', 'mN', 'GPa', 'nm', 'nN', 'GPa'], &
       [3, 5])
     integer :: known
 
-    length = length_unit(scene_in)
-    force = trim(scene_in%units(2))
-    unit = ''
-    if (dimension == is_length) unit = length
-    if (dimension == is_force) unit = force
-    if (dimension == is_area .and. length /= '') unit = length // '2'
-    if (dimension == is_pressure .and. force /= '') then
-      unit = force // '/' // length // '2'
-      known = findloc(named(1, :) == length .and. named(2, :) == force, .true., 1)
-      if (known > 0) unit = trim(named(3, known))
-    end if
-    if (dimension == is_moment .and. force /= '') unit = force // ' ' // length
+    unit = composed_unit(length_unit(scene_in), trim(scene_in%units(2)), powers)
+    if (powers%length /= is_pressure%length .or. powers%force /= is_pressure%force) return
+    known = findloc(named(1, :) == length_unit(scene_in) .and. named(2, :) == scene_in%units(2), &
+                    .true., 1)
+    if (known > 0) unit = trim(named(3, known))
   end function unit_of
+
+  ! A unit of names of length and force: `N/mm2`, `N mm`; empty where a name is.
+  pure function composed_unit(length, force, powers) result(unit)
+    character(len=*), intent(in) :: length, force
+    type(unit_powers), intent(in) :: powers
+    character(len=:), allocatable :: unit, below
+
+    unit = trim(powers%word)
+    if (unit /= '' .or. powers%time /= 0 .or. (powers%length /= 0 .and. length == '') .or. &
+        (powers%force /= 0 .and. force == '')) return
+    unit = trim(adjustl(power_text(force, powers%force) // ' ' // &
+                        power_text(length, powers%length)))
+    below = trim(adjustl(power_text(force, -powers%force) // ' ' // &
+                         power_text(length, -powers%length)))
+    if (below /= '' .and. unit == '') unit = '1'
+    if (below /= '') unit = unit // '/' // below
+  end function composed_unit
+
+  ! A name to a power; empty for one that is not positive.
+  pure function power_text(name, power) result(text)
+    character(len=*), intent(in) :: name
+    integer, intent(in) :: power
+    character(len=:), allocatable :: text
+
+    text = ''
+    if (power > 0) text = name
+    if (power > 1) text = name // achar(iachar('0') + power)
+  end function power_text
 
   ! Unit of length of the scene, or of its height map; empty where neither has one.
   pure function length_unit(scene_in) result(unit)
@@ -89,16 +122,14 @@ contains
     if (unit /= '') text = name // ' (' // trim(unit) // ')'
   end function with_unit
 
-  !> Unit of a drawing's axis: the name of the quantity where the unit has none.
-  pure function axis_unit(scene_in, dimension) result(unit)
-    type(scene), intent(in) :: scene_in    !! what was solved
-    integer, intent(in) :: dimension       !! one of the `is_` numbers
-    character(len=20) :: unit              !! blank for a plain number
-    character(len=*), parameter :: words(is_number:is_moment) = [character(len=7) :: '', &
-      'length', 'force', 'length2', '', '']
+  !> Unit of a drawing's axis, with the words length and force where the scene has no names.
+  pure function axis_unit(scene_in, powers) result(unit)
+    type(scene), intent(in) :: scene_in      !! what was solved
+    type(unit_powers), intent(in) :: powers  !! of the quantity
+    character(len=20) :: unit                !! blank for a plain number
 
-    unit = unit_of(scene_in, dimension)
-    if (unit == '') unit = words(dimension)
+    unit = unit_of(scene_in, powers)
+    if (unit == '') unit = composed_unit('length', 'force', powers)
   end function axis_unit
 
 end module asperity_unit_names

@@ -1,10 +1,13 @@
 !> Tests of text that is shown on a terminal: which bytes of UTF-8 (RFC 3629) are kept, and whether
-!> numbers of any size have room.
+!> numbers of any size have room; names of units by powers.
 module asperity_printable_suite
   use, intrinsic :: iso_fortran_env, only: real64
   use asperity_printable, only: printable_text
   use asperity_problems, only: real_text
+  use asperity_scene_values, only: scene
   use asperity_testing, only: check, error_type, new_unittest, unittest_type
+  use asperity_unit_names, only: axis_unit, is_length, is_moment, is_number, is_pressure, &
+                                 powers_of, unit_of, unit_powers
   implicit none
   private
 
@@ -25,9 +28,28 @@ contains
             new_unittest('letters of two to four bytes are kept', test_letters), &
             new_unittest('a letter in more bytes than it needs is not kept', test_too_long), &
             new_unittest('broken letters are not kept, those beside them are', test_broken), &
-            new_unittest('a number of any size has room in any form', test_sizes) &
+            new_unittest('a number of any size has room in any form', test_sizes), &
+            new_unittest('a unit follows from powers, or is a word', test_units) &
             ]
   end subroutine collect_printable
+
+  subroutine test_units(error)
+    type(error_type), allocatable, intent(out) :: error
+    type(scene) :: named, bare
+
+    named%units = [character(len=16) :: 'mm', 'lb']
+    call check(error, unit_of(named, is_pressure), 'lb/mm2', 'pressure')
+    call check(error, unit_of(named, is_moment), 'lb mm', 'moment')
+    call check(error, unit_of(named, powers_of([0, -1])), '1/mm', 'curvature')
+    call check(error, unit_of(named, powers_of([1, 0])), 'lb/mm2', 'power of the modulus')
+    call check(error, unit_of(named, unit_powers(word='S')), 'S', 'siemens')
+    call check(error, unit_of(named, is_number), '', 'number')
+    call check(error, unit_of(bare, is_length), '', 'no names')
+    call check(error, unit_of(bare, unit_powers(word='S')), 'S', 'siemens without names')
+    call check(error, trim(axis_unit(bare, is_pressure)), 'force/length2', 'axis')
+    named%units(2) = 'N'
+    call check(error, unit_of(named, is_pressure), 'MPa', 'named pressure')
+  end subroutine test_units
 
   subroutine test_letters(error)
     type(error_type), allocatable, intent(out) :: error
