@@ -98,6 +98,16 @@ def test_page_examples(package, venv, tmp_path):
         run_program(sys.executable, "-W", "ignore", "-c", text, cwd=ROOT, env=environment)
 
 
+def test_width_of_examples():
+    """Lines of the examples fit into the column of the site: 84 letters."""
+    pages = [ROOT / "README.md", *(ROOT / "docs").glob("**/*.md")]
+    wide = [(page.name, line) for page in pages
+            for text in re.findall(r"```py(?:thon)?\n(.*?)```", page.read_text(encoding="utf-8"),
+                                   re.S)
+            for line in text.splitlines() if len(line) > 84]
+    assert not wide
+
+
 def test_first_example_is_short():
     """The page keeps its promise: at most twelve lines, and neither savetxt nor asarray."""
     text = page_examples()["tutorial_first_contact_python_1"]
