@@ -35,7 +35,7 @@ class Surface(Structure):
 
 class Options(Structure):
     _fields_ = [("arithmetic", c_char_p), ("accuracy", c_double), ("totals_only", c_int),
-                ("threads", c_int), ("interrupt", POINTER(c_int))]
+                ("threads", c_int), ("interrupt", POINTER(c_int)), ("accuracy_of", c_char_p)]
 
 
 @pytest.fixture(scope="module")
