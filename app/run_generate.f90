@@ -52,11 +52,7 @@ contains
     end if
     last = merge(line%member, spec%ensemble, line%member > 0)
     do member = max(1, line%member), last
-      if (spec%is_deck) then
-        call make_deck(line, spec, plans, member, outcome%failure)
-      else
-        call make_csv(line, spec, plans, member, outcome%failure)
-      end if
+      call make_member(line, spec, plans, member, outcome%failure)
       if (allocated(outcome%failure)) then
         call discard_files()
         return
@@ -187,62 +183,40 @@ contains
     call refuse_input(line, spec%file, problems)
   end subroutine check_outputs
 
-  !> Makes the surfaces that are asked for and stages their files; the upper one goes to standard
-  !> output when no file is named.
-  subroutine make_csv(line, spec, plans, member, failure)
+  ! Makes the surfaces of a member of the ensemble and stages their files, or that of the deck; the
+  ! upper surface, or the deck, goes to standard output when no file is named.
+  subroutine make_member(line, spec, plans, member, failure)
     type(command_line), intent(in) :: line
     type(generation_spec), intent(in) :: spec
     type(surface_plan), intent(in) :: plans(2)
     integer, intent(in) :: member
     character(len=:), allocatable, intent(out) :: failure
-    character(len=:), allocatable :: upper_file
-
-    upper_file = line%output_path('--output') // line%output_path('--upper')
-    if (upper_file /= '' .or. line%output_path('--lower') == '') call make_one(1, upper_file)
-    if (allocated(failure)) return
-    if (line%output_path('--lower') /= '') call make_one(2, line%output_path('--lower'))
-
-  contains
-
-    subroutine make_one(side, pattern)
-      integer, intent(in) :: side
-      character(len=*), intent(in) :: pattern
-      type(generated_surface) :: surface
-      character(len=:), allocatable :: text
-      integer(int64) :: used
-
-      call generate_surface(plans(side), member, surface, failure)
-      if (allocated(failure)) then
-        failure = spec%file // ': ' // failure
-        return
-      end if
-      call surface_as_csv(surface, text, used)
-      call send_text(pattern, member, text(:used), failure)
-    end subroutine make_one
-
-  end subroutine make_csv
-
-  !> Makes both surfaces and stages the deck, or prints it.
-  subroutine make_deck(line, spec, plans, member, failure)
-    type(command_line), intent(in) :: line
-    type(generation_spec), intent(in) :: spec
-    type(surface_plan), intent(in) :: plans(2)
-    integer, intent(in) :: member
-    character(len=:), allocatable, intent(out) :: failure
-    type(generated_surface) :: upper, lower
+    type(generated_surface) :: surface(2)
     type(problem_list) :: notes
-    character(len=:), allocatable :: text
+    character(len=:), allocatable :: upper, lower, text
+    integer(int64) :: used
+    integer :: i, side
 
-    call generate_surface(plans(1), member, upper, failure)
-    if (.not. allocated(failure)) call generate_surface(plans(2), member, lower, failure)
-    if (allocated(failure)) then
-      failure = spec%file // ': ' // failure
-      return
-    end if
-    call surfaces_as_deck(spec, upper, lower, text, notes)
+    upper = line%output_path('--output') // line%output_path('--upper')
+    lower = line%output_path('--lower')
+    do side = 1, 2
+      if (.not. spec%is_deck .and. (side == 1 .and. upper == '' .and. lower /= '' .or. &
+                                    side == 2 .and. lower == '')) cycle
+      i = merge(side, 1, spec%is_deck)
+      call generate_surface(plans(side), member, surface(i), failure)
+      if (allocated(failure)) failure = spec%file // ': ' // failure
+      if (allocated(failure)) return
+      if (spec%is_deck) cycle
+      call surface_as_csv(surface(1), text, used)
+      if (side == 1) call send_text(upper, member, text(:used), failure)
+      if (side == 2) call send_text(lower, member, text(:used), failure)
+      if (allocated(failure)) return
+    end do
+    if (.not. spec%is_deck) return
+    call surfaces_as_deck(spec, surface(1), surface(2), text, notes)
     call write_standard_error(notes%text())
-    call send_text(line%output_path('--output'), member, text, failure)
-  end subroutine make_deck
+    call send_text(upper, member, text, failure)
+  end subroutine make_member
 
   !> Stages a file, or prints its text when none is named.
   subroutine send_text(pattern, member, text, failure)

@@ -110,10 +110,8 @@ module asperity_scene_values
     procedure :: number => number_of_effect  !! a number, or the place of a word, as a double
     procedure :: call_for => call_for_effect !! sets how an effect is called for
     procedure :: set => set_number           !! sets a number
-    procedure :: any_on => any_effect_on     !! whether one of them is not off
     procedure :: has_numbers               !! whether the numbers that call for an effect are given
     procedure :: is_barred                   !! off because something else in the scene rules it out
-    procedure :: drop_unwritten              !! switches off what the scene does not write
   end type scene_effects
 
   !> Height maps in the place of surfaces: one under or over a plane, or two on the same grid.
@@ -201,13 +199,6 @@ contains
     effects%numbers(findloc(effect_numbers%name, name, 1)) = value
   end subroutine set_number
 
-  !> Whether an effect is not off.
-  pure logical function any_effect_on(effects)
-    class(scene_effects), intent(in) :: effects  !! of a scene
-
-    any_effect_on = any(effects%modes /= effect_off)
-  end function any_effect_on
-
   !> Whether the numbers that call for an effect are given and not 0; false where it has none.
   pure logical function has_numbers(effects, effect)
     class(scene_effects), intent(in) :: effects  !! of a scene
@@ -233,13 +224,6 @@ contains
     is_barred = effects%mode(name) == effect_off .and. given < by_word .and. &
                 (given == by_numbers .or. name == 'interaction')
   end function is_barred
-
-  !> Switches off the effects that are simulated without being written, where they cannot be.
-  pure subroutine drop_unwritten(effects)
-    class(scene_effects), intent(inout) :: effects  !! of a scene
-
-    where (effects%given < by_word) effects%modes = effect_off
-  end subroutine drop_unwritten
 
   !> Whether a control asks for a load, one way or another.
   elemental logical function is_load(control)

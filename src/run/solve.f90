@@ -47,7 +47,7 @@ contains
           all(given == by_default .or. .not. on) .and. &
           .not. (allocated(scene_in%map) .or. allocated(scene_in%loading%path))) then
         written = scene_in
-        call written%effects%drop_unwritten()
+        where (written%effects%given < by_word) written%effects%modes = effect_off
         call written%effects%set('tolerance', rounded_decimal(chosen%accuracy, 3))
         call solve(written, results, failure, chosen)
         if (results%are_solved) return

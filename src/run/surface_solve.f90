@@ -9,7 +9,7 @@ module asperity_surface_solve
   use asperity_problems, only: real_text
   use asperity_run_options, only: run_options
   use asperity_scene_results, only: effect_header, scene_results
-  use asperity_scene_values, only: scene
+  use asperity_scene_values, only: effect_off, scene
   use asperity_sweep, only: sweep_scene
   implicit none
   private
@@ -87,7 +87,7 @@ contains
   pure logical function has_effects(scene_in)
     type(scene), intent(in) :: scene_in  !! scene, checked for faults
 
-    has_effects = scene_in%effects%any_on() .or. allocated(scene_in%loading%path)
+    has_effects = any(scene_in%effects%modes /= effect_off) .or. allocated(scene_in%loading%path)
   end function has_effects
 
 end module asperity_surface_solve

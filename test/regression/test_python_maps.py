@@ -137,6 +137,8 @@ def test_read_and_write(package, asperity, tmp_path):
         done = run_program(asperity, "summits", path, "--unit", "um", *words)
         assert f"{HEIGHTS.size}" in done.stdout, done.stderr
     assert np.array_equal(np.load(tmp_path / "m.npy"), HEIGHTS)
+    with pytest.warns(UserWarning, match="has no edge"):
+        package.HeightMap(HEIGHTS, 1.0, periodic=True).write(tmp_path / "p.npy")
     with pytest.raises(package.InputError, match="sdf"):
         surface.write(tmp_path / "m.jpg")
     with pytest.raises(package.ComputeError, match="m.npy: cannot be written"):
