@@ -1,20 +1,27 @@
 !> The study of the representative area: the surfaces of an ensemble, shared out over the images;
 !> means and standard deviations over their sections, and the size that represents the whole.
 module asperity_area_study
-  use asperity_area_study_plan, only: leading_numbers, study_plan
-  use asperity_area_study_surface, only: study_surface
+  use asperity_area_study_plan, only: leading_numbers, section_corner, study_plan
+  use asperity_contact_records, only: contact_row
   use asperity_decimal, only: decimal_to_real64
-  use asperity_generated_surface, only: plan_surface, surface_plan
-  use asperity_greenwood_integrals, only: area_per_area, densities_at, greenwood_law, quantities
+  use asperity_generated_surface, only: generate_surface, generated_surface, plan_surface, &
+                                        surface_plan
+  use asperity_greenwood_integrals, only: area_per_area, contacts_per_area, densities_at, &
+                                          greenwood_law, load_per_area, quantities, &
+                                          vertical_per_area
   use asperity_images, only: image_number
   use asperity_kept_records, only: checksum, kept_work, pieces_of_part, whole_number, word_record
   use asperity_kinds, only: int64, real64
   use asperity_problems, only: decimal_text, real_text
   use asperity_progress, only: progress_line
   use asperity_run_options, only: run_options
+  use asperity_scene_results, only: scene_results
+  use asperity_scene_surfaces, only: plane_surface
+  use asperity_scene_values, only: control_separation, criterion_none, scene, scene_surface
   use asperity_shared_work, only: add_failure, begin_round, begin_work, end_round, gather_round, &
                                   is_own, shared_work
-  use asperity_study_spec, only: reference_largest, study_spec
+  use asperity_solve, only: solve
+  use asperity_study_spec, only: against_plane, reference_largest, study_spec
   use asperity_version, only: version
   implicit none
   private
@@ -131,6 +138,91 @@ contains
     end if
   end subroutine run_area_study
 
+  ! Studies one surface. `failure` is allocated when it cannot be made or solved.
+  ! A contact counts for a section when its point lies in it, wherever the two asperities stand: the
+  ! contacts of sections side by side add up to those of the whole.
+  subroutine study_surface(spec, plan, plans, member, numbers, failure)
+    type(study_spec), intent(in) :: spec
+    type(study_plan), intent(in) :: plan
+    type(surface_plan), intent(in) :: plans(2)
+    integer, intent(in) :: member
+    real(real64), intent(out) :: numbers(:)
+    character(len=:), allocatable, intent(out) :: failure
+    type(scene) :: pressed
+    type(scene_results) :: results
+    integer :: i, k, at
+
+    numbers = 0.0_real64
+    call make_side(1, pressed%upper)
+    call make_side(2, pressed%lower)
+    if (allocated(failure)) return
+    numbers(:leading_numbers) = [asperities_on_area(pressed%upper), &
+                                 asperities_on_area(pressed%lower)]
+    pressed%file = spec%surfaces%file
+    pressed%loading%control = control_separation
+    pressed%loading%value = plan%separation
+    pressed%limit%criterion = criterion_none
+    call solve(pressed, results, failure)
+    if (allocated(failure)) return
+    do i = 1, size(plan%sizes)
+      do k = 1, plan%sections(i)
+        at = plan%first(i) + quantities * (k - 1)
+        numbers(at + 1:at + quantities) = add_section(results%positions(1)%rows, &
+          section_corner(spec, plan, i, member, k), plan%sizes(i))
+      end do
+    end do
+    if (.not. all(abs(numbers) <= huge(numbers)) .or. &
+        any(numbers > 0.0_real64 .and. numbers < tiny(numbers))) &
+      failure = 'a result is beyond the range of a double, expected other units'
+
+  contains
+
+    subroutine make_side(side, surface)
+      integer, intent(in) :: side
+      type(scene_surface), intent(inout) :: surface
+      type(generated_surface) :: made
+
+      if (allocated(failure)) return
+      if (side == 2 .and. spec%against == against_plane) then
+        surface = plane_surface()
+      else
+        call generate_surface(plans(side), member, made, failure)
+        if (allocated(failure)) return
+        call made%reals(surface%x, surface%y, surface%height, surface%radius)
+      end if
+      surface%file = spec%surfaces%file
+      surface%elastic_modulus = spec%elastic_modulus(side)
+      surface%poisson_ratio = spec%poisson_ratio(side)
+    end subroutine make_side
+
+    ! Asperities on an area, in the studied region.
+    pure real(real64) function asperities_on_area(surface)
+      type(scene_surface), intent(in) :: surface
+
+      asperities_on_area = count(surface%x >= plan%corner(1) .and. surface%y >= plan%corner(2) &
+                                 .and. surface%x < plan%corner(1) + plan%extent(1) .and. &
+                                 surface%y < plan%corner(2) + plan%extent(2)) / &
+                           product(plan%extent)
+    end function asperities_on_area
+
+  end subroutine study_surface
+
+  ! Sums over the contacts of a section, over its area.
+  pure function add_section(contacts, corner, side) result(sums)
+    type(contact_row), intent(in) :: contacts(:)
+    real(real64), intent(in) :: corner(2), side
+    real(real64) :: sums(quantities)
+    logical :: inside(size(contacts))
+
+    inside = contacts%x >= corner(1) .and. contacts%x < corner(1) + side .and. &
+             contacts%y >= corner(2) .and. contacts%y < corner(2) + side
+    sums(contacts_per_area) = count(inside)
+    sums(area_per_area) = sum(contacts%area, inside)
+    sums(load_per_area) = sum(contacts%load, inside)
+    sums(vertical_per_area) = sum(contacts%vertical_load, inside)
+    sums = sums / side**2
+  end function add_section
+
   ! A surface of a former run, or of another image.
   pure subroutine take_surface(record, numbers)
     type(word_record), intent(in) :: record
@@ -190,47 +282,40 @@ contains
 
   end subroutine evaluate_study
 
-  !> Means, deviations and standard errors. Sections of one surface are not independent, so the
-  !> error comes from the means of the surfaces, which are.
+  ! Means, deviations and standard errors. Sections of one surface are not independent, so the
+  ! error comes from the means of the surfaces, which are.
   pure subroutine take_means(values, result)
     real(real64), intent(in) :: values(:, :, :)
     type(size_result), intent(inout) :: result
-    real(real64) :: of_surface(quantities, size(values, 3)), size_of
-    integer :: q, surfaces
+    real(real64) :: of_surface(size(values, 3)), unit
+    integer :: q
 
-    surfaces = size(values, 3)
-    result%sections = size(values, 2) * surfaces
-    of_surface = sum(values, 2) / size(values, 2)
+    result%sections = size(values, 2) * size(values, 3)
     do q = 1, quantities
-      result%mean(q) = sum(of_surface(q, :)) / surfaces
+      of_surface = sum(values(q, :, :), 1) / size(values, 2)
+      result%mean(q) = sum(of_surface) / size(of_surface)
       ! A power of two near the largest: squares stay in range in any unit, and lose no digit.
-      size_of = set_exponent(1.0_real64, exponent(maxval(abs(values(q, :, :)))))
-      result%deviation(q) = size_of * &
-                            sqrt(sum(((values(q, :, :) - result%mean(q)) / size_of)**2) / &
-                                 max(1, result%sections - 1))
-      result%error(q) = size_of * sqrt(sum(((of_surface(q, :) - result%mean(q)) / size_of)**2) / &
-                                       max(1, surfaces - 1) / surfaces)
+      unit = set_exponent(1.0_real64, exponent(maxval(abs(values(q, :, :)))))
+      result%deviation(q) = unit * sqrt(sum(((values(q, :, :) - result%mean(q)) / unit)**2) / &
+                                        max(1, result%sections - 1))
+      result%error(q) = unit * sqrt(sum(((of_surface - result%mean(q)) / unit)**2) / &
+                                    max(1, size(of_surface) - 1) / size(of_surface))
     end do
   end subroutine take_means
 
-  !> Shares of the sections that are as near to the reference as wanted.
+  ! Shares of the sections that are as near to the reference as wanted.
   pure subroutine count_within(values, reference, tolerance, result)
     real(real64), intent(in) :: values(:, :, :), reference(quantities), tolerance
     type(size_result), intent(inout) :: result
-    logical :: within(quantities)
-    integer :: counts(quantities), all_counts, i, k
+    logical, allocatable :: within(:, :, :)
+    integer :: q
 
-    counts = 0
-    all_counts = 0
-    do i = 1, size(values, 3)
-      do k = 1, size(values, 2)
-        within = abs(values(:, k, i) - reference) <= tolerance * reference
-        counts = counts + merge(1, 0, within)
-        if (all(within)) all_counts = all_counts + 1
-      end do
+    allocate (within(quantities, size(values, 2), size(values, 3)))
+    do q = 1, quantities
+      within(q, :, :) = abs(values(q, :, :) - reference(q)) <= tolerance * reference(q)
+      result%within(q) = real(count(within(q, :, :)), real64) / result%sections
     end do
-    result%within = real(counts, real64) / result%sections
-    result%all_within = real(all_counts, real64) / result%sections
+    result%all_within = real(count(all(within, 1)), real64) / result%sections
   end subroutine count_within
 
   !> The side at which the quantity that spreads most would be within the tolerance: its deviation
