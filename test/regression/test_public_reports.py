@@ -657,6 +657,20 @@ def test_a_wrong_file_is_one_mistake(kind, maps):
             assert "text in UTF-16" in lines[0] and "saved as UTF-8" in lines[0]
 
 
+def test_a_control_character_is_one_mistake(maps):
+    """Further faults of the file are not listed beside it."""
+    maps.write(MATRIX.encode() + b"1 2 \x01 a\n3 b c d\n")
+    done = run_program(maps.asperity, "summits", "F", "--spacing=1,1", status=2, cwd=maps.folder)
+    assert re.fullmatch(r"F:13:5: not a text file: found a control character, expected .*\n",
+                        done.stderr)
+    maps.write(b"x,y,height,radius\n1,2,0.1,b\n1,2,\x01,1\n")
+    maps.write("&surfaces upper = 'F', lower = 'plane' /\n&material contact_modulus = 1. /\n"
+               "&loading control = 'load', value = 1. /\n", "a.scene")
+    done = run_program(maps.asperity, "solve", "a.scene", status=2, cwd=maps.folder)
+    assert done.stderr == ("F:3:5: not a text file: found a control character, expected "
+                           "comma-separated numbers\n")
+
+
 @pytest.mark.parametrize("change", [
     lambda text: b"\xef\xbb\xbf" + text, lambda text: text.replace(b"\n", b"\r\n"),
     lambda text: b"\xef\xbb\xbf" + text.replace(b"\n", b"\r")])
