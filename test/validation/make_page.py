@@ -64,10 +64,12 @@ def install_package():
         return
     folder = ROOT / "build/validation"
     path = os.pathsep.join((str(ROOT / ".venv/bin"), os.environ["PATH"]))
-    subprocess.run([sys.executable, "-m", "pip", "install", "-q", "--no-index", "--upgrade",
-                    "--disable-pip-version-check", "--target", folder, ROOT / "python"], check=True,
-                   cwd=ROOT, env={**os.environ, "PATH": path})
-    sys.path.insert(0, str(folder))
+    for command in (["venv", "--clear", "--without-pip", folder],
+                    ["pip", "--python", folder / "bin/python", "install", "-q", "--no-index",
+                     "--disable-pip-version-check", ROOT / "python"]):
+        subprocess.run([sys.executable, "-m", *command], check=True, cwd=ROOT,
+                       env={**os.environ, "PATH": path})
+    sys.path.insert(0, str(next(folder.glob("lib/python*/site-packages"))))
 
 
 def main(check):
