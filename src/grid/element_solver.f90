@@ -360,12 +360,11 @@ contains
     sides = count(loaded(:columns - 1, :) .neqv. loaded(2:, :)) + &
             count(loaded(:, :rows - 1) .neqv. loaded(:, 2:)) + count(loaded(1, :)) + &
             count(loaded(columns, :)) + count(loaded(:, 1)) + count(loaded(:, rows))
-    associate (areas => pack(answer%contacts%area, answer%contacts%area > 0.0_real64) / &
-               lattice%elements%side**2)
-      radius = 0.0_real64
-      if (size(areas) > 0) radius = sqrt(1.0_real64 / pi) * (sum(areas) / &
-                                    norm2(areas**0.25_real64))**(2.0_real64 / 3.0_real64)
-    end associate
+    radius = 0.0_real64
+    if (any(answer%contacts%area > 0.0_real64)) radius = sqrt(1.0_real64 / pi) * &
+      (sum(max(answer%contacts%area, 0.0_real64)) / (lattice%elements%side * &
+       sqrt(sum(sqrt(max(answer%contacts%area, 0.0_real64))) * lattice%elements%side)))** &
+      (2.0_real64 / 3.0_real64)
     radius = max(radius, 8 * count(loaded) / (pi * max(1, sides))) * lattice%elements%side
   end function scatter_radius
 
