@@ -96,6 +96,8 @@ module asperity_option_table
     option_entry('solve', '--quiet', '', 'print no summary'), &
     option_entry('accuracy', '--seconds', 'S', &
       'time limit in seconds (default 60); slower methods are left out'), &
+    option_entry('accuracy', '--finer', '', 'solve a height map on pixels half as wide too, ' // &
+      'by cubic interpolation, and compare with them'), &
     option_entry('accuracy', '--csv', 'FILE', 'write the table with all digits'), &
     option_entry('accuracy', '--html', 'FILE', 'write an HTML page: choose an error, read ' // &
         'the method', 'html'), &

@@ -6,7 +6,8 @@ module asperity_accuracy_table
   use asperity_method_study, only: method_row, method_table
   use asperity_method_totals, only: error_of_area, quantity_names
   use asperity_problems, only: real_text
-  use asperity_study_methods, only: family_words, of_arithmetic, of_steps, of_theory
+  use asperity_study_methods, only: family_words, of_arithmetic, of_neighbours, of_scene, &
+                                    of_steps, of_theory
   use asperity_text_buffer, only: text_buffer
   implicit none
   private
@@ -34,12 +35,14 @@ contains
                      'without the approximation of this method (o):')
     call buffer%line('steps and arithmetics against exact events in real64, effects against ' // &
                      'the effects of the scene.')
+    call buffer%line('<: the difference is below the estimated error of the reference, ' // &
+                     'which is printed')
     call buffer%line('* Pareto front: no other method is faster and more accurate')
     call buffer%line('')
     call buffer%line('  family     method' // repeat(' ', 35) // 'seconds    error  of ' // &
                      'area   method 1e-16    1e-12    1e-8    1e-4     1')
     do i = 1, size(table%rows)
-      associate (row => table%rows(i))
+      associate (row => table%rows(i), best => table%rows(table%reference))
         if (allocated(row%left_out)) then
           call buffer%line('  ' // family_words(row%method%family) // ' ' // row%method%name // &
                            ' left out: ' // row%left_out)
@@ -47,9 +50,11 @@ contains
         end if
         write (line, '(a1, 1x, a10, 1x, a40, 1x, a8, 3(1x, a8), 2x, "|", a, "|")') &
           merge('*', ' ', row%on_front), family_words(row%method%family), row%method%name, &
-          short_number(row%seconds), error_text(row, row%total%largest), &
-          error_text(row, row%total%quantity(error_of_area)), short_number(row%own%largest), &
-          error_axis(row)
+          short_number(row%seconds), error_text(row, row%total%largest, best%own_estimate), &
+          error_text(row, row%total%quantity(error_of_area), best%area_estimate), &
+          merge(short_number(row%own%largest), error_text(row, row%own%largest, &
+                floor_of_own(row, best)), row%is_reference), &
+          error_axis(row, best%own_estimate, floor_of_own(row, best))
         call buffer%line(line)
       end associate
     end do
@@ -139,12 +144,15 @@ contains
       text = 'without an error estimate'
   end function reference_quality
 
-  pure function error_text(row, error) result(text)
+  ! An error against the reference; below the error of the reference itself that one, as a bound.
+  pure function error_text(row, error, of_reference) result(text)
     type(method_row), intent(in) :: row
-    real(real64), intent(in) :: error
+    real(real64), intent(in) :: error, of_reference
     character(len=8) :: text
 
     text = short_number(error)
+    if (error > not_computed .and. error < of_reference .and. of_reference < 1.0_real64) &
+      text = '<' // real_text(of_reference, 'es7.1e2')
     if (row%is_reference) text = '       -'
   end function error_text
 
@@ -168,28 +176,38 @@ contains
   end function aligned_text
 
   ! Own error o, error against the reference +, both in one place *.
-  pure function error_axis(row) result(text)
+  pure function error_axis(row, floor_of_total, floor_of_own) result(text)
     type(method_row), intent(in) :: row
+    real(real64), intent(in) :: floor_of_total, floor_of_own
     character(len=2 * decades + 1) :: text
     integer :: own, total
 
     text = repeat(' ', len(text))
-    total = axis_place(row%total%largest)
-    own = axis_place(row%own%largest)
+    total = axis_place(row%total%largest, floor_of_total)
+    own = axis_place(row%own%largest, floor_of_own)
     if (own > 0) text(own:own) = 'o'
     if (total > 0 .and. .not. row%is_reference) text(total:total) = '+'
     if (own == total .and. own > 0 .and. .not. row%is_reference) text(own:own) = '*'
   end function error_axis
 
-  pure integer function axis_place(error)
-    real(real64), intent(in) :: error
+  pure integer function axis_place(error, least)
+    real(real64), intent(in) :: error, least
 
     axis_place = 0
     if (.not. error > not_computed) return
     axis_place = 1
-    if (error > 0.0_real64) &
-      axis_place = min(2 * decades + 1, max(1, nint(2 * (decades + log10(error))) + 1))
+    if (max(error, least) > 0.0_real64) axis_place = &
+      min(2 * decades + 1, max(1, nint(2 * (decades + log10(max(error, least)))) + 1))
   end function axis_place
+
+  ! Error of the reference where the own error of a method is that against it.
+  pure real(real64) function floor_of_own(row, reference)
+    type(method_row), intent(in) :: row, reference
+
+    floor_of_own = not_computed
+    if (any(row%method%family == [of_scene, of_neighbours]) .and. .not. row%is_reference) &
+      floor_of_own = reference%own_estimate
+  end function floor_of_own
 
   !> The same with all digits. What does not apply to a row is empty.
   subroutine write_accuracy_csv(table, buffer)

@@ -77,25 +77,28 @@ contains
   pure function errors_in_words(results) result(text)
     type(scene_results), intent(in) :: results  !! results of a run
     character(len=:), allocatable :: text       !! one line
-    real(real64) :: area_error
-    integer :: column, m
+    character(len=*), parameter :: columns(3) = [character(len=24) :: 'area_error_estimate', &
+      'gap_error_estimate', 'pressure_error_estimate']
+    character(len=*), parameter :: names(3) = [character(len=17) :: 'contact area', 'mean gap', &
+                                               'greatest pressure']
+    real(real64) :: error
+    integer :: at, k, m
 
     text = ''
     if (any(results%positions%error_estimate > not_computed)) &
       text = trim(merge('load       ', 'compression', &
                         all(last_prescribed(results%positions) == prescribed_nothing))) // ' ' // &
              percent_text(maxval(results%positions%error_estimate))
-    area_error = not_computed
-    if (allocated(results%effects)) then
-      column = findloc(results%effects%state_columns, 'area_error_estimate', 1)
-      do m = 1, merge(size(results%positions), 0, column > 0)
-        area_error = max(area_error, results%positions(m)%state_values(column))
+    do k = 1, merge(size(columns), 0, allocated(results%effects))
+      at = findloc(results%effects%state_columns, columns(k), 1)
+      error = not_computed
+      do m = 1, merge(size(results%positions), 0, at > 0)
+        error = max(error, results%positions(m)%state_values(at))
       end do
-    end if
-    if (area_error > not_computed) then
+      if (.not. error > not_computed) cycle
       if (text /= '') text = text // ', '
-      text = text // 'contact area ' // percent_text(area_error)
-    end if
+      text = text // trim(names(k)) // ' ' // percent_text(error)
+    end do
     if (text /= '') text = 'error estimate: ' // text
   end function errors_in_words
 

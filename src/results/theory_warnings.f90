@@ -134,7 +134,8 @@ module asperity_theory_warnings
     warning_kind('resolution', in_accuracy, 0.1_real64, .true., &
       'contact patches are not resolved by the pixels of the map', &
       'is the estimated error of their area (limit 10 %)', &
-      'take a map of finer pixels or the area with this error'), &
+      'take a map of finer pixels or the area with this error', &
+      'take area and pressures as those of these pixels: finer ones change them'), &
     warning_kind('flat_map', in_accuracy, 0.0_real64, .false., &
       'the map is flat', 'is the range of heights after levelling', &
       'check the level and the digits of the map if it should be rough'), &

@@ -40,7 +40,7 @@ contains
         ! gfortran 12 does not find the length of the second part without optimisation.
         header%contact_columns = [character(len=20) :: header%contact_columns, &
                                   effect%contact_columns%text]
-        header%state_columns = [character(len=20) :: header%state_columns, &
+        header%state_columns = [character(len=24) :: header%state_columns, &
                                 effect%state_columns%text]
         header%contact_powers = with_powers(header%contact_powers, effect%contact_columns)
         header%state_powers = with_powers(header%state_powers, effect%state_columns)

@@ -7,7 +7,7 @@ module asperity_map_press_solver
   use asperity_kinds, only: int64, not_computed, real64
   use asperity_map_contact, only: map_answer, most_load, press_map, room_to_press
   use asperity_map_despiking, only: limit_of_spikes
-  use asperity_map_error, only: estimate_pixel_errors, pixel_errors
+  use asperity_map_error, only: estimate_pixel_errors, is_rough_at_pixels, pixel_errors
   use asperity_map_fields, only: measure_fields, take_field
   use asperity_map_levelling, only: is_flat
   use asperity_map_patches, only: find_patches, map_patch
@@ -83,17 +83,17 @@ contains
     header%names = [character(len=11) :: 'interaction']
     header%modes = [scene_in%effects%mode('interaction')]
     header%contact_columns = [character(len=20) :: 'samples']
-    header%state_columns = [character(len=20) :: 'samples_in_contact', 'sample_area', &
-                            'area_error_estimate']
+    header%state_columns = [character(len=24) :: 'samples_in_contact', 'sample_area', &
+                            'area_error_estimate', 'gap_error_estimate', 'pressure_error_estimate']
     header%contact_powers = reshape([0, 0], [2, 1])
-    header%state_powers = reshape([0, 0, 0, 2, 0, 0], [2, 3])
+    header%state_powers = reshape([0, 0, 0, 2, 0, 0, 0, 0, 0, 0], [2, 5])
     if (.not. has_hardness(scene_in)) return
     header%names = [character(len=11) :: header%names, 'plasticity']
     header%modes = [header%modes, scene_in%effects%mode('plasticity')]
     header%hardness = scene_in%effects%number('plastic_hardness')
-    header%state_columns = [character(len=20) :: header%state_columns, 'plastic_area', &
+    header%state_columns = [character(len=24) :: header%state_columns, 'plastic_area', &
                             'dissipated_work']
-    header%state_powers = reshape([0, 0, 0, 2, 0, 0, 0, 2, 1, 3], [2, 5])
+    header%state_powers = reshape([header%state_powers, 0, 2, 1, 3], [2, 7])
   end subroutine name_map_columns
 
   ! Solves state after state, each the start of the next. With a hardness each state deforms the
@@ -112,7 +112,7 @@ contains
     type(map_shares) :: shares
     type(theory_warning), allocatable :: warnings(:)
     real(real64), allocatable :: values(:, :)
-    real(real64) :: area_error, work
+    real(real64) :: other_errors(3), work
     integer :: i
 
     call make_room_for_fields(self, result, failure)
@@ -156,7 +156,7 @@ contains
       call warn_of_patches(self, patches, warnings)
       call fill_state(self, pressed, answer, patches, work, keep_rows, result, i)
       if (i == self%states) &
-        call estimate_errors(self, answer, patches, result, area_error, warnings)
+        call estimate_errors(self, answer, patches, result, other_errors, warnings)
       call take_worse(result%warnings, warnings, i)
       if (self%fields == fields_all .or. (self%fields /= fields_none .and. i == self%states)) &
         call take_field(pressed, answer, i, result%fields(i - self%states + size(result%fields)))
@@ -165,7 +165,7 @@ contains
       call self%progress_count%count_state(result%counted)
     end do
     result%state_values = [count(answer%pressure > 0.0_real64) * &
-                           [1.0_real64, product(self%map%pixel_spacing)], area_error]
+                           [1.0_real64, product(self%map%pixel_spacing)], other_errors]
     call move_alloc(values, result%contact_values)
     if (allocated(self%hardness)) result%state_values = [result%state_values, &
       result%states(self%states)%plastic_area, work]
@@ -180,33 +180,40 @@ contains
 
   ! Estimates the errors of the last state by the size of the pixels, and warns of them. With a
   ! hardness they are known at the largest load of the path, where its history does not matter.
-  subroutine estimate_errors(self, answer, patches, result, area_error, warnings)
+  subroutine estimate_errors(self, answer, patches, result, other_errors, warnings)
     class(map_press_solver), intent(in) :: self
     type(map_answer), intent(in) :: answer
     type(map_patch), intent(in) :: patches(:)
     type(position_result), intent(inout) :: result
-    real(real64), intent(out) :: area_error  ! relative; `not_computed`: unknown
+    ! Relative errors of area, mean gap and greatest pressure; `not_computed`: unknown.
+    real(real64), intent(out) :: other_errors(3)
     type(theory_warning), allocatable, intent(inout) :: warnings(:)
     type(pixel_errors) :: errors
-    real(real64) :: rim
+    real(real64) :: area_error
+    character(len=32) :: whose
 
-    area_error = not_computed
+    other_errors = not_computed
     if (size(patches) == 0) return
-    rim = 0.5_real64 * sum(patches%rim) / sum(patches%area)
-    if (.not. allocated(self%hardness) .or. &
-        answer%load >= maxval(result%states%load) * (1.0_real64 - load_rounding)) &
-      call estimate_pixel_errors(self%map, self%loading%modulus, answer, patches, &
-                                 self%loading%by_load, errors, self%hardness)
-    if (errors%area > not_computed) area_error = errors%area / sum(patches%area)
-    if (errors%load > not_computed) result%error_estimate = errors%load / answer%load
-    associate (compression => result%states(self%states)%closing)
-      if (errors%level > not_computed .and. compression > 0.0_real64) &
-        result%error_estimate = errors%level / compression
+    associate (state => result%states(self%states))
+      if (.not. allocated(self%hardness) .or. &
+          answer%load >= maxval(result%states%load) * (1.0_real64 - load_rounding)) &
+        call estimate_pixel_errors(self%map, self%loading%modulus, answer, patches, state, &
+                                   self%loading%by_load, errors, self%hardness)
+      if (errors%area > not_computed) other_errors = &
+        [errors%area, errors%gap, errors%pressure] / &
+        [state%area, max(state%mean_gap, errors%gap, tiny(errors%gap)), &
+         state%greatest_pressure]
+      if (errors%load > not_computed) result%error_estimate = errors%load / answer%load
+      if (errors%level > not_computed .and. state%closing > 0.0_real64) &
+        result%error_estimate = errors%level / state%closing
     end associate
     if (result%error_estimate > self%tolerance) &
       call add_warning(warnings, of_error, result%error_estimate)
-    if (max(rim, area_error) > warning_kinds(of_resolution)%limit) &
-      call add_warning(warnings, of_resolution, max(rim, area_error))
+    area_error = max(0.5_real64 * sum(patches%rim) / sum(patches%area), other_errors(1))
+    if (.not. area_error > warning_kinds(of_resolution)%limit) return
+    whose = ''
+    if (is_rough_at_pixels(self%map)) whose = 'it is rough at their size'
+    call add_warning(warnings, of_resolution, area_error, whose=whose)
   end subroutine estimate_errors
 
   ! Lowers the pixels at the hardness by the overlap of the surfaces there, and adds its work.

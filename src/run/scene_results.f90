@@ -18,7 +18,7 @@ module asperity_scene_results
     character(len=11), allocatable :: names(:)             !! names as in &effects
     integer, allocatable :: modes(:)                       !! modes as in &effects
     character(len=20), allocatable :: contact_columns(:)   !! columns of `contact_values`
-    character(len=20), allocatable :: state_columns(:)     !! columns of `state_values`
+    character(len=24), allocatable :: state_columns(:)     !! columns of `state_values`
     !> Powers of the modulus and of the length in the unit of each of these columns (2, column).
     integer, allocatable :: contact_powers(:, :), state_powers(:, :)
     real(real64) :: tolerance = 0.0_real64  !! tolerance of `auto`, relative to the load

@@ -35,6 +35,7 @@ module asperity_method_totals
     real(real64), allocatable :: pressure(:)
     real(real64) :: greatest_pressure = 0.0_real64    !! at any point of a last state
     real(real64) :: own_estimate = not_computed  !! largest `error_estimate` of the positions
+    real(real64) :: area_estimate = not_computed !! largest of their `area_error_estimate`
     logical :: is_held = .false.                 !! states in time follow
   end type method_totals
 
@@ -90,6 +91,11 @@ contains
       end associate
     end do
     totals%first(size(totals%first)) = k + 1
+    if (.not. allocated(results%effects)) return
+    i = findloc(results%effects%state_columns, 'area_error_estimate', 1)
+    do m = 1, merge(size(results%positions), 0, i > 0)
+      totals%area_estimate = max(totals%area_estimate, results%positions(m)%state_values(i))
+    end do
   end function totals_of
 
   !> The totals of the original program: one state a position, its closing not known.

@@ -5,12 +5,14 @@ module asperity_study_methods
                                       solve_method
   use asperity_decimal, only: decimal_value
   use asperity_effect_names, only: known_effects, why_not_together
-  use asperity_height_map, only: height_map
+  use asperity_height_map, only: height_map, level_none
   use asperity_interruption, only: interruption
   use asperity_isolated_contacts, only: solve_position
   use asperity_kinds, only: int64, real64
-  use asperity_map_scene, only: join_maps, summits_of_scene
+  use asperity_map_resolution, only: doubled_map, every_pixel
+  use asperity_map_scene, only: area_of_map, join_maps, summits_of_scene
   use asperity_map_summits, only: map_summits
+  use asperity_numeral, only: rounded_decimal
   use asperity_original, only: arithmetic_names
   use asperity_original_records, only: original_request
   use asperity_placed_scene, only: placed_scene
@@ -20,7 +22,8 @@ module asperity_study_methods
   use asperity_scene_placing, only: place_scene
   use asperity_scene_values, only: control_compression, control_limit, control_separation, &
                                    criterion_load, effect_auto, effect_boundary, effect_coupled, &
-                                   effect_off, has_hardness, is_thesis_sweep, scene, scene_effects
+                                   effect_off, has_hardness, is_thesis_sweep, scene, &
+                                   scene_effects, scene_map
   use asperity_solve, only: solve
   use asperity_surface_solve, only: solve_without_effects
   implicit none
@@ -65,6 +68,8 @@ module asperity_study_methods
     real(real64) :: step = 0.0_real64
     integer :: interaction = as_it_is          !! one of the `effect_` numbers, or as it is
     type(decimal_value) :: tolerance = decimal_value()  !! of `auto` or of the cells
+    !> Pixels along a side over those of the map, a power of two.
+    real(real64) :: resolution = 1.0_real64
     character(len=11) :: without = ''          !! an effect that is left out
     logical :: is_original = .false.           !! the original program
   end type study_method
@@ -85,12 +90,12 @@ contains
                scene_in%limit%criterion == criterion_load .and. .not. allocated(scene_in%map)
   end function is_sweep
 
-  !> So many methods there are at most: the scene, 4 of arithmetic and steps or 30 of a sweep, 8 of
+  !> So many methods there are at most: the scene, 4 of arithmetic and steps or 30 of a sweep, 9 of
   !> neighbours, 4 of effects.
   pure integer function most_methods(scene_in)
     type(scene), intent(in) :: scene_in  !! scene with checked values
 
-    most_methods = merge(43, 17, is_sweep(scene_in))
+    most_methods = merge(44, 18, is_sweep(scene_in))
   end function most_methods
 
   !> Which effects were simulated at some position, or are on.
@@ -114,10 +119,11 @@ contains
 
   !> All methods except that of the scene, by family, each from the fastest on. `left_out` is the
   !> reason in one line why no method includes interaction; empty: some do.
-  subroutine list_methods(scene_in, simulated, closing, methods, left_out)
+  subroutine list_methods(scene_in, simulated, closing, finest, methods, left_out)
     type(scene), intent(in) :: scene_in                   !! scene with checked values
     logical, intent(in) :: simulated(:)                   !! as `simulated_effects` has it
     real(real64), intent(in) :: closing                   !! the largest of the scene as it asks
+    real(real64), intent(in) :: finest                    !! resolution of a map: 1 or 2
     type(study_method), allocatable, intent(out) :: methods(:)  !! at least one
     character(len=:), allocatable, intent(out) :: left_out
     integer :: e, k
@@ -135,7 +141,7 @@ contains
       if (simulated(e) .and. left_out == '') &
         left_out = why_not_together(trim(known_effects(e)%name), 'on', 'interaction', 'coupled')
     end do
-    if (left_out == '') call add_neighbours(scene_in, simulated, methods)
+    if (left_out == '') call add_neighbours(scene_in, simulated, finest, methods)
   end subroutine list_methods
 
   ! Without effects: exact events, and steps of a tenth, a hundredth and a thousandth of the
@@ -218,9 +224,10 @@ contains
   end function request_of
 
   ! Contacts each alone, as circles together, circles or cells by estimate, all on cells.
-  subroutine add_neighbours(scene_in, simulated, methods)
+  subroutine add_neighbours(scene_in, simulated, finest, methods)
     type(scene), intent(in) :: scene_in
     logical, intent(in) :: simulated(:)
+    real(real64), intent(in) :: finest
     type(study_method), allocatable, intent(inout) :: methods(:)
     type(decimal_value), parameter :: of_auto(3) = [decimal_value(1_int64, -2), &
                                                     decimal_value(3_int64, -3), &
@@ -240,7 +247,7 @@ contains
     if (scene_in%loading%control == control_limit .and. allocated(scene_in%map)) return
     ! A hardness is that of pixels: `auto` solves these alone.
     if (has_hardness(scene_in)) then
-      call add_pixel_method(methods)
+      call add_pixel_methods(finest, methods)
       return
     end if
     on_cells = ''
@@ -257,7 +264,7 @@ contains
     end do
     if (allocated(scene_in%map)) then
       if (.not. any(simulated .and. &
-                    known_effects%name /= 'interaction')) call add_pixel_method(methods)
+                    known_effects%name /= 'interaction')) call add_pixel_methods(finest, methods)
       return
     end if
     method%interaction = effect_boundary
@@ -268,16 +275,24 @@ contains
     end do
   end subroutine add_neighbours
 
-  ! The pixels of a map.
-  subroutine add_pixel_method(methods)
+  ! The pixels of a map, from every fourth one to those asked for.
+  subroutine add_pixel_methods(finest, methods)
+    real(real64), intent(in) :: finest
     type(study_method), allocatable, intent(inout) :: methods(:)
+    character(len=*), parameter :: names(4) = [character(len=24) :: 'pixels, every fourth', &
+      'pixels, every second', 'pixels of the map', 'pixels half as wide']
     type(study_method) :: method
+    integer :: k
 
     method = study_method(family=of_neighbours, interaction=effect_boundary, &
                           tolerance=tolerance_of_others)
-    method%name = 'pixels of the map'
-    methods = [methods, method]
-  end subroutine add_pixel_method
+    do k = 1, size(names)
+      method%resolution = 2.0_real64**(k - 3)
+      if (method%resolution > finest) exit
+      method%name = names(k)
+      methods = [methods, method]
+    end do
+  end subroutine add_pixel_methods
 
   ! A tolerance as .01.
   pure function tolerance_text(share) result(text)
@@ -329,8 +344,32 @@ contains
         copy = plain
       end if
     end if
+    if (abs(method%resolution - 1.0_real64) > 0.0_real64) then
+      call change_resolution(copy, method%resolution, failure)
+      if (allocated(failure)) return
+    end if
     call solve(copy, results, failure, options)
   end subroutine run_method
+
+  ! The map of a scene at another resolution, under the same loads.
+  subroutine change_resolution(changed, resolution, failure)
+    type(scene), intent(inout) :: changed
+    real(real64), intent(in) :: resolution
+    character(len=:), allocatable, intent(out) :: failure
+    type(height_map) :: map
+
+    call join_maps(changed, map, failure)
+    if (allocated(failure)) return
+    if (changed%nominal_area%all_digits == 0_int64) &
+      changed%nominal_area = rounded_decimal(area_of_map(map), 17)
+    changed%map = scene_map(periodic=changed%map%periodic, level=level_none)
+    if (resolution > 1.0_real64) then
+      changed%map%lower = doubled_map(map)
+    else
+      changed%map%lower = every_pixel(map, nint(1.0_real64 / resolution))
+      if (any(shape(changed%map%lower%height) < 2)) failure = 'the map has too few pixels'
+    end if
+  end subroutine change_resolution
 
   ! In steps, all positions. A load that was asked for is overshot, as it is meant to be.
   subroutine march_positions(scene_in, method, interrupt, results, failure)

@@ -166,6 +166,39 @@ def test_the_reference_of_a_map(asperity, tmp_path):
     assert abs(float(best["separation"]) - want) < 1e-6 * (level.max() - want)
 
 
+def test_resolutions_of_a_map(asperity, tmp_path):
+    """Every second and fourth pixel are those of the map alone under its load; pixels half as wide
+    nearly those of the exact surface. No error below that of the reference is printed."""
+    n, load = 48, 20.0
+    x = np.arange(2 * n) * np.pi
+    fine = np.cos(x / 12) + np.cos(x / 16 + 0.4)[:, None]
+    def scene(step):
+        np.savetxt(tmp_path / "w.txt", fine[::step, ::step], fmt="%.17g")
+        return write_scene(tmp_path / "w.scene", material={"contact_modulus": 1.0},
+                           loading={"control": "load", "value": load},
+                           effects={"interaction": "boundary"},
+                           surfaces={"upper": "plane", "lower": "w.txt", "map_edge": "periodic",
+                                     "map_level": "none", "map_spacing": (step / 2, step / 2)})
+    want = {}
+    for name, step in (("pixels, every fourth", 8), ("pixels, every second", 4),
+                       ("pixels of the map", 2), ("pixels half as wide", 1)):
+        run_program(asperity, "solve", scene(step), "--quiet", "--positions", tmp_path / "p.csv")
+        want[name.replace(",", ";")] = float(records(tmp_path / "p.csv")[0]["separation"])
+    run_program(asperity, "accuracy", scene(2), "--seconds", 5, "--finer", "--csv",
+                tmp_path / "a.csv", "--quiet")
+    rows = list(records(tmp_path / "a.csv"))
+    found = {row["method"]: float(row["separation"]) for row in rows if row["method"] in want}
+    assert reference(rows)["method"] == "pixels half as wide"
+    for name in want:
+        assert abs(found[name] - want[name]) < (2e-3 if "half" in name else 1e-9), name
+    rows, text = study(asperity, scene(2), tmp_path, 3)
+    best = reference(rows)
+    assert best["method"] == "pixels of the map"
+    least = float(best["error_estimate"])
+    lines = [line.split() for line in text.splitlines() if line[2:].startswith("neighbours auto")]
+    assert [line[5] for line in lines] == [f"<{least:.1E}"] * 3
+
+
 def test_the_reference_of_flow(asperity, tmp_path):
     """Plasticity on a pair: Jackson and Green's law, evaluated apart; without it, an error as
     large as the law's departure from Hertz."""

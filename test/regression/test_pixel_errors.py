@@ -1,5 +1,7 @@
 """Error estimates of maps solved on their pixels, against closed forms and finer pixels."""
 
+import re
+
 import numpy as np
 import pytest
 
@@ -105,3 +107,42 @@ def test_a_coarse_ball(asperity, tmp_path):
     assert "not resolved by the pixels of the map" in done.stderr
     done = run_program(asperity, "solve", tmp_path / "m.scene", "--accuracy", "1e-3", status=1)
     assert "no method has this accuracy" in done.stderr
+
+
+@pytest.mark.parametrize("kind, is_rough", [("noise", True), (2, True), (4, False), (8, False),
+                                            ("ball", False)])
+def test_maps_rough_at_their_pixels(asperity, tmp_path, kind, is_rough):
+    """The slope of a surface of no waves shorter than 4 pixels converges, that of noise and of
+    waves down to 2 pixels does not: coarse contacts of both are told apart by the warning."""
+    for seed in range(3):
+        edge, load = "periodic" if seed % 2 else "free", 2e-4 * N**2
+        if kind == "ball":
+            x = np.arange(N) - N / 2
+            height, edge, load = -(x**2 + x[:, None] ** 2) / 2, "free", 4 / 3 * E * 1.7**3
+        elif kind == "noise":
+            height = np.random.default_rng(seed).standard_normal((N, N + 3))
+        else:
+            height = rough(N, shortest=kind, seed=seed)
+        solve(asperity, tmp_path, height, 1.0, edge, control="load", value=load)
+        told = run_program(asperity, "solve", tmp_path / "m.scene").stderr
+        assert "not resolved by the pixels of the map" in told
+        assert ("(it is rough at their size)" in told) == is_rough
+
+
+def test_mean_gap_and_greatest_pressure(asperity, tmp_path):
+    """Hertz: greatest pressure 2 E a/pi within its estimate; of a wave on a quarter of the
+    spacing both are. They are printed with the others."""
+    height, spacing, edge, load, (level, _) = ball(np.random.default_rng(2))
+    found = solve(asperity, tmp_path, height, spacing, edge, control="load", value=load)
+    told = run_program(asperity, "solve", tmp_path / "m.scene", "--contacts",
+                       tmp_path / "c.csv").stdout
+    greatest = max(float(row["maximum_pressure"]) for row in records(tmp_path / "c.csv"))
+    error = abs(greatest / (2 * E * 0.02 / np.pi) - 1)
+    assert 0 < error < found["pressure_error_estimate"] < 0.2
+    assert re.search(r"error estimate: compression .*, contact area .*, mean gap .*, greatest "
+                     r"pressure ", told)
+    waves = [np.cos(np.arange(4 * N) * 2 * np.pi / 40 + phase) for phase in (0.3, 0.7)]
+    fine = waves[0] + waves[1][:, None]
+    true, coarse = (solve(asperity, tmp_path, h, spacing, control="load", value=0.01 * E * N**2)
+                    for h, spacing in ((fine, 0.25), (fine[::4, ::4], 1.0)))
+    assert abs(coarse["mean_gap"] / true["mean_gap"] - 1) < coarse["gap_error_estimate"] < 0.1
