@@ -62,8 +62,9 @@ contains
     least_seconds = min(seconds_a_row, seconds / (share_of_rows * pieces))
     call progress%begin(.true., 'methods', pieces, 0)
     call allowance%begin(seconds)
-    call run_method_study(scene_in, least_seconds, merge(2.0_real64, 1.0_real64, line%has('--finer')), &
-                          allowance, progress, table, outcome%failure)
+    call run_method_study(scene_in, least_seconds, &
+                          merge(2.0_real64, 1.0_real64, line%has('--finer')), allowance, progress, &
+                          table, outcome%failure)
     if (.not. allocated(outcome%failure)) then
       cost%tried = size(table%rows)
       call add_input_error(scene_in, allowance, table)

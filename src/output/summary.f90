@@ -77,9 +77,9 @@ contains
   pure function errors_in_words(results) result(text)
     type(scene_results), intent(in) :: results  !! results of a run
     character(len=:), allocatable :: text       !! one line
-    character(len=*), parameter :: columns(3) = [character(len=24) :: 'area_error_estimate', &
-      'gap_error_estimate', 'pressure_error_estimate']
-    character(len=*), parameter :: names(3) = [character(len=17) :: 'contact area', 'mean gap', &
+    character(len=*), parameter :: columns(2) = [character(len=24) :: 'area_error_estimate', &
+                                                 'pressure_error_estimate']
+    character(len=*), parameter :: names(2) = [character(len=17) :: 'contact area', &
                                                'greatest pressure']
     real(real64) :: error
     integer :: at, k, m
