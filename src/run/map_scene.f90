@@ -1,6 +1,7 @@
 !> Preparation of a scene with a map: one levelled map, its summits as a surface, its loading.
 module asperity_map_scene
   use asperity_decimal, only: decimal_to_real64, decimal_value
+  use asperity_effect_names, only: effect_on, known_effects, why_not_together
   use asperity_height_map, only: height_map, is_measured, no_height
   use asperity_kinds, only: int64, real64
   use asperity_map_despiking, only: despike_map
@@ -74,6 +75,7 @@ contains
     type(scene), intent(out) :: plain                       !! scene of summits, without a map
     type(map_summits), intent(out) :: summits               !! summits of the map
     character(len=:), allocatable, intent(out) :: failure   !! reason, when there are none
+    integer :: i
 
     call find_summits(map, rule_contact, usual_radius(rule_contact), summits, failure)
     if (allocated(failure)) return
@@ -86,8 +88,11 @@ contains
     deallocate (plain%map)
     if (plain%nominal_area%all_digits == 0_int64) &
       plain%nominal_area = rounded_decimal(area_of_map(map), 17)
-    ! The error of Hertzian contacts, which `auto` would avoid, is less than that of summits.
-    if (plain%effects%mode('interaction') == effect_auto) &
+    ! The error of Hertzian contacts, which `auto` would avoid, is less than that of summits. Beside
+    ! an effect without a common theory `auto` leaves interaction out.
+    if (plain%effects%mode('interaction') == effect_auto .and. .not. any([( &
+        plain%effects%modes(i) == effect_on .and. why_not_together(trim(known_effects(i)%name), &
+        'on', 'interaction', 'coupled') /= '', i=1, size(known_effects))])) &
       call plain%effects%call_for('interaction', effect_coupled)
     associate (upper => plain%upper, lower => plain%lower)
       upper%is_plane = .true.

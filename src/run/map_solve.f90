@@ -1,8 +1,9 @@
 !> Solution of a map: by its summits, compared with the map, or on its pixels.
 module asperity_map_solve
-  use asperity_contact_records, only: state_row
+  use asperity_contact_records, only: position_result, state_row
   use asperity_decimal, only: decimal_to_real64
   use asperity_effect_names, only: known_effects
+  use asperity_effect_rows, only: of_compression
   use asperity_height_map, only: height_map
   use asperity_kinds, only: not_computed, real64
   use asperity_map_check, only: compare_with_map, increased_load, map_reference, &
@@ -20,7 +21,8 @@ module asperity_map_solve
   use asperity_surface_fields, only: has_field_grid, solve_with_fields
   use asperity_surface_solve, only: solve_surfaces
   use asperity_sweep, only: sweep_scene
-  use asperity_theory_warnings, only: of_cap, of_error, take_worse, theory_warning, add_warning
+  use asperity_theory_warnings, only: of_barred, of_cap, of_error, of_excluded, of_off, &
+                                      of_together, take_worse, theory_warning, add_warning
   implicit none
   private
 
@@ -91,13 +93,44 @@ contains
     if (.not. by_summits) then
       results%map = of_summits%map
       call solve_pixels(scene_in, map, options, results, failure)
-      if (allocated(failure)) &
+      if (allocated(failure)) then
         failure = 'the error of its summits is above the tolerance; its pixels: ' // failure
+        return
+      end if
+      call keep_estimates(scene_in, of_summits, results%positions(1))
     else
       results = of_summits
       call add_map_warnings(scene_in, map, results)
     end if
   end subroutine solve_map
+
+  ! Keeps the estimates of the effects that are left out on the summits, for the pixels.
+  subroutine keep_estimates(scene_in, summits, pixels)
+    type(scene), intent(in) :: scene_in
+    type(scene_results), intent(in) :: summits
+    type(position_result), intent(inout) :: pixels
+    type(theory_warning), allocatable :: warnings(:)
+    real(real64) :: share
+    integer :: e
+
+    associate (of_summits => summits%positions(1))
+      pixels%left_out = of_summits%left_out
+      do e = 1, size(summits%effects%names)
+        if (summits%effects%names(e) /= 'interaction') pixels%left_out(findloc( &
+          known_effects%name, summits%effects%names(e), 1)) = of_summits%effects(e)%estimate
+      end do
+      share = sum(pixels%left_out, pixels%left_out > 0.0_real64)
+      if (.not. share > 0.0_real64) return
+      if (is_load(scene_in%loading%control)) share = of_compression * share
+      pixels%error_estimate = max(pixels%error_estimate, 0.0_real64) + share
+      if (allocated(of_summits%warnings)) warnings = pack(of_summits%warnings, [( &
+        any(of_summits%warnings(e)%number == [of_together, of_off, of_barred, of_excluded]), &
+        e=1, size(of_summits%warnings))])
+      if (pixels%error_estimate > scene_in%effects%number('tolerance')) &
+        call add_warning(warnings, of_error, pixels%error_estimate)
+      call take_worse(pixels%warnings, warnings, size(pixels%states))
+    end associate
+  end subroutine keep_estimates
 
   ! Solves a map on its pixels.
   subroutine solve_pixels(scene_in, map, options, results, failure)
