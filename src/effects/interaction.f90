@@ -114,6 +114,11 @@ contains
         where (found(:, pressure) > 0.0_real64) &
           answers%maximum_pressure = max(found(:, pressure), answers%load / found(:, area))
       end where
+      ! The pressure of another law is limited: its area is no smaller than this limit allows.
+      if (.not. same_type_as(state%law, hertz_law())) then
+        where (answers%load > 0.0_real64) answers%contact_radius = &
+          max(answers%contact_radius, sqrt(answers%load / (pi * answers%maximum_pressure)))
+      end if
       outcome%of_contacts(:, 1) = max(0.0_real64, &
                                       state%closing - pairs%list%gap - state%penetration)
       isolated_load = sum(outcome%of_contacts(:, 2))
