@@ -366,6 +366,11 @@ def alone_total(scene, row):
     return close(total, sum(values), most) or row["factor"] is not EMPTY and total > sum(values)
 
 
+def error_of(name):
+    """An estimate of pixels; empty without contact or where it is not computed."""
+    return lambda scene, row: row[name] is EMPTY or scene.is_map and row[name] >= 0
+
+
 def time_of_position(scene, row):
     return row["time"] == scene.last(row)["time"] if row["time"] is not EMPTY else \
         not scene.shows(row, "creep")
@@ -413,6 +418,7 @@ LAWS = {
         "resolved": lambda scene, row: (row["resolved"] > 0) == (row["cells"] > 0),
         "area_error_estimate": lambda scene, row: row["area_error_estimate"] is EMPTY or row[
             "area_error_estimate"] > 0 or sum(c["load"] > 0 for c in scene.rows_of(row)) < 2,
+        **{name: error_of(name) for name in ("gap_error_estimate", "pressure_error_estimate")},
         "elastic_load": total_of("elastic_load", "elastic_load", "creep"),
         "frictionless_load": of("frictionless_load", strict=True, effect="friction"),
         "sliding_contacts": counted("sliding_contacts", lambda c: c["sliding"], "friction"),
