@@ -72,19 +72,24 @@ contains
       return
     end if
     if (allocated(failure) .and. mode /= effect_off) return
-    call summits_of_scene(scene_in, map, plain, summits, failure)
-    if (allocated(failure)) return
     ! The file keeps the final result, which with `auto` may be that of the pixels.
     of_summits_options = options
     if (mode == effect_auto .and. allocated(options%keep_file)) &
       deallocate (of_summits_options%keep_file)
-    call solve_with_fields(plain, of_summits_options, of_summits, failure, &
-                           reshape([-0.5_real64 * map%pixel_spacing, map%pixel_spacing * &
-                                    ([map%columns, map%rows] - 0.5_real64)], [2, 2]))
-    if (allocated(failure)) return
-    call check_summits(scene_in, plain, map, reference, summits, of_summits, failure)
+    call summits_of_scene(scene_in, map, plain, summits, failure)
+    if (.not. allocated(failure)) &
+      call solve_with_fields(plain, of_summits_options, of_summits, failure, &
+                             reshape([-0.5_real64 * map%pixel_spacing, map%pixel_spacing * &
+                                      ([map%columns, map%rows] - 0.5_real64)], [2, 2]))
+    if (.not. allocated(failure)) &
+      call check_summits(scene_in, plain, map, reference, summits, of_summits, failure)
     if (options%interrupt%is_asked()) failure = 'interrupted'
-    if (allocated(failure)) return
+    if (allocated(failure)) then
+      ! The pixels have a solution where summits have none.
+      if (.not. (by_summits .or. options%interrupt%is_asked())) &
+        call solve_pixels(scene_in, map, options, results, failure)
+      return
+    end if
     of_summits%nominal_area = results%nominal_area
     if (by_summits .and. mode == effect_auto .and. scene_in%loading%control /= control_limit) &
       by_summits = any(of_summits%effects%names /= 'interaction' .and. &

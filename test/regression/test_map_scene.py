@@ -232,6 +232,21 @@ def test_auto_takes_what_is_good_enough(asperity, tmp_path):
     assert abs(float(summits.positions[0]["separation"]) / flat - 1) > 1e-4
 
 
+def test_auto_presses_pixels_where_summits_have_no_solution(asperity, tmp_path):
+    """The contact circles of white noise lie beyond the spheres of its summits."""
+    height = np.random.default_rng(3).standard_normal((12, 12))
+    loading = {"control": "load", "value": 0.3 * 144}
+    solved = {mode: solve(asperity, map_scene(tmp_path, height, (1.0, 1.0), interaction=mode,
+                                              loading=loading))
+              for mode in ("off", "coupled", "auto")}
+    for mode in ("off", "coupled"):
+        assert solved[mode].status == 1 and "beyond the sphere" in solved[mode].stderr
+    flat, _ = press(level(height), (1.0, 1.0), E, loading["value"])
+    found, = solved["auto"].positions
+    assert found["interaction"] == "boundary"
+    assert abs(float(found["separation"]) / flat - 1) < 1e-6
+
+
 def test_auto_keeps_its_answer_alone(asperity, tmp_path):
     """Kept or not, at once or again: the same positions; another map is another scene."""
     sides = (1 / 64, 1 / 64)
