@@ -32,8 +32,8 @@ contains
   real(real64) function error_bound(scene_in, positions) result(bound)
     type(scene), intent(in) :: scene_in                !! scene that was solved
     type(position_result), intent(in) :: positions(:)  !! results of all positions
-    real(real64) :: roundoff, in_plan, in_height, tilt, least, widest, slope, of_overlap, of_touch
-    real(real64) :: per_overlap, modulus
+    real(real64) :: roundoff, in_plan, in_height, tilt, least, widest, distance, slope, of_overlap
+    real(real64) :: of_touch, per_overlap, modulus
     type(state_row) :: last
     integer :: m
 
@@ -41,7 +41,8 @@ contains
     modulus = combined_modulus(scene_in)
     associate (upper => scene_in%upper, lower => scene_in%lower, motion => scene_in%motion)
       least = min(minval(upper%radius), minval(lower%radius))
-      widest = max(maxval(upper%radius), maxval(lower%radius))
+      ! The effective radius of a pair is at most the smaller radius.
+      widest = min(maxval(upper%radius), maxval(lower%radius))
       tilt = max(norm2(decimal_to_real64(upper%slope)), norm2(decimal_to_real64(lower%slope)))
       in_plan = max(maxval(abs(upper%x)), maxval(abs(upper%y)), maxval(abs(lower%x)), &
                     maxval(abs(lower%y)), abs(decimal_to_real64(scene_in%lower_mirror_width)), &
@@ -50,6 +51,9 @@ contains
                     maxval(abs(decimal_to_real64([motion%x_step, motion%y_step]))))
       in_height = max(maxval(abs(upper%height)), maxval(abs(lower%height))) + 2 * tilt * in_plan
     end associate
+    ! The distance of the summits of a pair in plan is less than the sum of their radii, and less
+    ! than twice the largest coordinate along x and along y.
+    distance = min(maxval(scene_in%upper%radius) + maxval(scene_in%lower%radius), 3 * in_plan)
     bound = finest_accuracy
     do m = 1, size(positions)
       last = last_state(positions(m))
@@ -61,8 +65,8 @@ contains
         slope = max(slope, maxval(positions(m)%warnings%magnitude, &
                                   positions(m)%warnings%number == of_slope))
       of_overlap = roundings * roundoff * (in_height + min(slope, 1.0_real64) * &
-                                           (in_plan + 2 * widest))
-      of_touch = roundings * roundoff * (in_height + slope * (in_plan + 2 * widest))
+                                           (in_plan + distance))
+      of_touch = roundings * roundoff * (in_height + slope * (in_plan + distance))
       per_overlap = max(2 * modulus * sqrt(last%contacts / pi) * sqrt(last%area) / last%load, &
                         pi * last%contacts * widest / last%area)
       ! Under a load the error of the overlaps is added to the separation.

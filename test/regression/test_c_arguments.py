@@ -49,7 +49,7 @@ static void surface(const char *text, int count, int radii, const double *x, con
 static void option(const char *text, const asperity_outcome *scene, double accuracy, int threads,
                    const char *arithmetic)
 {
-  const asperity_options options = {arithmetic, accuracy, 0, threads, NULL};
+  const asperity_options options = {arithmetic, accuracy, 0, threads, NULL, NULL};
   refused(text, asperity_solve_scene(scene, &options));
 }
 

@@ -48,6 +48,35 @@ def steep_scene(generator):
     return *scale, groups
 
 
+def blunt_scene(generator):
+    """A large sphere on a small one, as a plane: its summit is near."""
+    unit, large = 10.0 ** generator.uniform(-6, 6), 10.0 ** generator.uniform(0, 7)
+    compression = 10.0 ** generator.uniform(-5, -2)
+    lower = [(generator.uniform(-1, 1), generator.uniform(-1, 1), 0.1, generator.uniform(0.5, 2.0))]
+    near = 0.5 * math.sqrt(compression * large)
+    upper = [(*(c + generator.uniform(-near, near) for c in lower[0][:2]), 0.0, large)]
+    groups = {"loading": generator.choice((
+        {"control": "approach", "value": (0.1 - compression) * unit},
+        {"control": "load", "value": 1e5 * compression**1.5 * unit**2}))}
+    return *([tuple(c * unit for c in row) for row in rows] for rows in (upper, lower)), groups
+
+
+def test_bound_of_blunt_contacts(asperity, tmp_path):
+    """The bound holds, and does not grow with the radius of the larger sphere."""
+    generator = random.Random(5)
+    for number in range(40):
+        upper, lower, groups = blunt_scene(generator)
+        run = solve(asperity, write_csv_scene(tmp_path, upper, lower, name="blunt", **groups),
+                    "--accuracy", "0.5")
+        assert run.status == 0, run.stderr
+        bound = float(re.search(r"error bound ([\d.E+-]+)", run.stdout)[1])
+        state = Truth(exact_csv_scene(upper, lower, **groups), 60).state(1)
+        for name in (*TOTALS, "separation"):
+            true = getattr(state, name)
+            error = abs(float((float(run.positions[0][name]) - true) / true)) if true else 0.0
+            assert error <= bound < 1e-7, (number, name, error, bound)
+
+
 @pytest.mark.parametrize("seed", range(40))
 def test_bound_of_steep_contacts(seed, asperity, tmp_path):
     generator = random.Random(seed)
