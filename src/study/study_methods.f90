@@ -357,18 +357,21 @@ contains
     real(real64), intent(in) :: resolution
     character(len=:), allocatable, intent(out) :: failure
     type(height_map) :: map
+    type(scene_map) :: new
 
     call join_maps(changed, map, failure)
     if (allocated(failure)) return
     if (changed%nominal_area%all_digits == 0_int64) &
       changed%nominal_area = rounded_decimal(area_of_map(map), 17)
-    changed%map = scene_map(periodic=changed%map%periodic, level=level_none)
+    new%periodic = changed%map%periodic
+    new%level = level_none
     if (resolution > 1.0_real64) then
-      changed%map%lower = doubled_map(map)
+      new%lower = doubled_map(map)
     else
-      changed%map%lower = every_pixel(map, nint(1.0_real64 / resolution))
-      if (any(shape(changed%map%lower%height) < 2)) failure = 'the map has too few pixels'
+      new%lower = every_pixel(map, nint(1.0_real64 / resolution))
+      if (any(shape(new%lower%height) < 2)) failure = 'the map has too few pixels'
     end if
+    changed%map = new
   end subroutine change_resolution
 
   ! In steps, all positions. A load that was asked for is overshot, as it is meant to be.
