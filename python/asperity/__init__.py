@@ -17,11 +17,11 @@ from ._columns import Table, Values
 from ._errors import AccuracyWarning, ComputeError, InputError, Problem, TheoryWarning
 from ._fields import Fields
 from ._maps import HeightMap, generate_map, read_map
-from ._results import Results, Summits
+from ._results import Results, Summits, load
 from ._scenes import Scene, solve
 
-__all__ = ["solve", "report", "summits", "generate", "generate_map", "read_map", "Scene",
-           "HeightMap", "Results", "Fields", "Summits", "Table", "Values", "InputError",
+__all__ = ["solve", "report", "summits", "generate", "generate_map", "read_map", "load",
+           "Scene", "HeightMap", "Results", "Fields", "Summits", "Table", "Values", "InputError",
            "ComputeError", "Problem", "TheoryWarning", "AccuracyWarning", "__version__"]
 
 __version__ = _c.VERSION

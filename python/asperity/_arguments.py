@@ -75,6 +75,8 @@ def word(name: str, value: Any) -> bytes:
 
 def unwrapped(name: str, value: Any) -> Any:
     """The value in an array without dimensions or in a numpy scalar; otherwise the value itself."""
+    if type(value) in PLAIN:
+        return value
     refuse_unit(name, value)
     if getattr(value, "shape", None) != () or not hasattr(value, "item"):
         return value
@@ -279,7 +281,7 @@ class Groups:
     def _check_name(where: str, name: Any) -> None:
         if not isinstance(name, str):
             raise wrong_type(where, name, "a text as a name")
-        if not re.fullmatch(r"[a-zA-Z_]\w*", name, re.ASCII):
+        if not (name.isascii() and name.isidentifier()):
             raise wrong(where, shown(name), "a name of letters, digits and _")
 
     def named(self, problem: Problem) -> Problem:

@@ -2,11 +2,13 @@
 
 from __future__ import annotations
 
+import os
 import sys
 import types
 import warnings
-from pathlib import Path
 from typing import NamedTuple
+
+FOLDER = os.path.dirname(__file__)  #: of the package
 
 
 class Problem(NamedTuple):
@@ -62,6 +64,8 @@ def issue(lines: list[str], kinds: list[str]) -> None:
     Python's default is to show a text once for each line of code. The texts have numbers, which
     differ from solve to solve: with that default a kind is shown once for each line of code.
     """
+    if not lines:
+        return
     level, frame = _caller()
     for line, kind in zip(lines, kinds):
         name, _, family = kind.partition(" ")
@@ -82,7 +86,7 @@ def warn_caller(text: str, category: type[Warning]) -> None:
 def _caller() -> tuple[int, types.FrameType]:
     """The first frame outside the package, and its level for the caller of this function."""
     level, frame = 0, sys._getframe(0)
-    while frame.f_back and Path(frame.f_code.co_filename).parent == Path(__file__).parent:
+    while frame.f_back and os.path.dirname(frame.f_code.co_filename) == FOLDER:
         level, frame = level + 1, frame.f_back
     return level, frame
 

@@ -12,6 +12,7 @@ from ._columns import Table, Values, column, needed, numpy, shown
 from ._plots import draw_pixels
 
 if TYPE_CHECKING:
+    import xarray
     from matplotlib.axes import Axes
     from numpy.typing import NDArray
 
@@ -104,6 +105,18 @@ class Fields:
         if name not in NAMES:
             raise KeyError(f"no field {name!r}: {', '.join(NAMES)}")
         return cast("NDArray[Any]", getattr(self, name))
+
+    def to_xarray(self) -> xarray.Dataset:
+        """The arrays as a dataset with the dimensions `y` and `x`, the coordinates `position` and
+        `step`, and the centres of the pixels; `attrs["units"]` of each variable is its unit."""
+        library: Any = needed("xarray", "xarray", "a dataset")
+        places = {axis: (axis, [start + number * step for number in range(count)],
+                         {"units": self.unit or ""})
+                  for axis, start, step, count in zip("xy", self.origin, self.spacing,
+                                                      reversed(self.shape))}
+        return cast("xarray.Dataset", library.Dataset(
+            {name: (("y", "x"), self[name], {"units": self.units[name]}) for name in NAMES},
+            {**places, "position": self.position, "step": self.step}))
 
     def plot(self, name: str = "pressure", ax: Axes | None = None) -> Axes:
         """Draw one of the arrays in plan.

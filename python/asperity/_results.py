@@ -4,18 +4,19 @@ from __future__ import annotations
 
 import html
 import math
-from typing import TYPE_CHECKING, Any
+from typing import TYPE_CHECKING, Any, cast
 
 from . import _arguments as _a
-from . import _fields
+from . import _fields, _files
 from . import _library as _c
-from ._columns import Table, shown
+from ._columns import Table, needed, shown
 from ._errors import ComputeError, warn_caller
 from ._maps import HeightMap, is_topography, map_of_file, map_of_topography
 from ._plots import draw_contacts, draw_curves, draw_pixels, draw_points, new_axes
 
 if TYPE_CHECKING:
     import pandas  # type: ignore[import-untyped, unused-ignore]
+    import xarray
     from matplotlib.axes import Axes
 
     from ._columns import Column
@@ -89,11 +90,16 @@ class Results:
     def __getstate__(self) -> dict[str, Any]:
         for name in TABLES:
             getattr(self, name)
+        self._all_fields()
+        return {**vars(self), "_outcome": None}
+
+    def _all_fields(self) -> list[Fields]:
+        """The fields that were kept, in the order of the states."""
         if self._kept and self._outcome is not None and "mean_gap" in self.states \
                 and not math.isnan(self.states["mean_gap"][-1]):
             for step in range(-len(self.states) if self._kept == _fields.ALL else -1, 0):
                 self.fields(step=step)
-        return {**vars(self), "_outcome": None}
+        return [self._fields[place] for place in sorted(self._fields)]
 
     def to_dict(self) -> dict[str, Any]:
         """All results as lists, numbers and texts: what `json` writes."""
@@ -106,6 +112,50 @@ class Results:
     def to_pandas(self) -> pandas.DataFrame:
         """The states as a `pandas.DataFrame`; `positions` and `contacts` have `to_pandas`, too."""
         return self.states.to_pandas()
+
+    def to_xarray(self) -> xarray.Dataset:
+        """The fields that were kept as a dataset with the dimensions `step`, `y` and `x`.
+
+        Returns
+        -------
+        xarray.Dataset
+            Variables `pressure`, `gap`, `displacement` and `contact`; along `step` also the columns
+            of the states that are numbers. `attrs["units"]` of each is its unit.
+
+        Raises
+        ------
+        ComputeError
+            As `fields`.
+        """
+        kept = self._all_fields() or [self.fields()]
+        library: Any = needed("xarray", "xarray", "a dataset")
+        made = library.concat([one.to_xarray() for one in kept], "step")
+        rows = [one.step - 1 for one in kept]
+        for name, values in self.states.items():
+            if name not in ("step", "position") and values.dtype.kind in "fi":
+                made[name] = ("step", values[rows], {"units": self.states.units[name]})
+        return cast("xarray.Dataset", made)
+
+    def save(self, path: _a.Path) -> None:
+        """Write the results to one file: tables, texts, and the fields that were kept.
+
+        The file is a zip archive of `results.json` (version, summary, warnings, notes, units), of
+        `positions.csv`, `states.csv` and `contacts.csv`, and of numpy arrays (`.npy`) of the
+        fields. `asperity.load` reads it; other programs read its parts.
+
+        Parameters
+        ----------
+        path : str or os.PathLike
+            Name of the file; a file of this name is replaced.
+
+        Raises
+        ------
+        ComputeError
+            When the file cannot be written.
+        """
+        _files.write_results(path, _c.VERSION, {"summary": self.summary, "warnings": self.warnings,
+                                                "notes": self.notes},
+                             {name: getattr(self, name) for name in TABLES}, self._all_fields())
 
     def plot(self, ax: Any = None) -> tuple[Axes, Axes]:
         """Draw the load against the separation, and the contact area against the load.
@@ -259,6 +309,42 @@ class Results:
             parts.append("<ul>" + "".join(f"<li>{html.escape(line)}</li>"
                                           for line in self.warnings) + "</ul>")
         return "\n".join(parts)
+
+
+def load(path: _a.Path) -> Results:
+    """Read results that `Results.save` wrote.
+
+    Parameters
+    ----------
+    path : str or os.PathLike
+        Name of the file.
+
+    Returns
+    -------
+    Results
+        With the same tables, texts and fields, to the last bit.
+
+    Raises
+    ------
+    InputError
+        For a file of another kind, or none.
+
+    Examples
+    --------
+    >>> import asperity, tempfile
+    >>> results = asperity.solve("data/examples/one_pair.scene")
+    >>> path = tempfile.mkdtemp() + "/one_pair.zip"
+    >>> results.save(path)
+    >>> asperity.load(path).states == results.states
+    True
+    """
+    facts, tables, fields = _files.read_results(path)
+    made = Results.__new__(Results)
+    vars(made).update(tables, _outcome=None, summary=facts["summary"], warnings=facts["warnings"],
+                      notes=facts["notes"],
+                      _kept=(_fields.NONE, _fields.LAST, _fields.ALL)[min(len(fields), 2)],
+                      _fields={(one.position, one.step): one for one in fields})
+    return made
 
 
 class Summits(Table):

@@ -55,6 +55,7 @@ class Scene:
     def __init__(self, scene: _a.Path | Mapping[str, Mapping[str, Any]]):
         self._source = scene
         self._earlier: _c.Outcome | None = None
+        self._choices: tuple[Any, ...] = ()  # of the earlier solve
         self.groups: dict[str, dict[str, Any]]
         self._name = "scene"
         if isinstance(scene, Mapping):
@@ -97,15 +98,19 @@ class Scene:
             As `asperity.solve`.
         """
         read, text = self._read, _a.Groups(self._name, {})
+        kept = states_kept(fields)
+        choices = arithmetic, accuracy, accuracy_of, contacts, threads, progress, kept
+        # Another value of the loading keeps the number of states: the solve takes about as long.
+        is_short = (self._earlier is not None and self._earlier.seconds < _c.SHORT
+                    and choices == self._choices and _is_another_value(groups))
         if groups:
             if "surfaces" in groups:
                 raise _a.wrong("surfaces", "a change of the surfaces", "a new asperity.Scene")
             text = _a.Groups(self._name, _changed(self.groups, groups), _a.DOUBLE)
-            read = _c.call("rebuild_scene", self._read, text.text).checked(text.named)
-        kept = states_kept(fields)
-        solved = _solve(read, self._earlier, text, arithmetic, accuracy, accuracy_of, contacts,
-                        threads, progress, kept)
-        self._earlier = solved
+            read = _c.call("rebuild_scene", self._read, text.text,
+                           is_short=is_short).checked(text.named)
+        solved = _solve(read, self._earlier, text, *choices, is_short)
+        self._earlier, self._choices = solved, choices
         return Results(solved, kept)
 
     def __reduce__(self) -> Any:
@@ -193,7 +198,7 @@ def solve(scene: _a.Path | Mapping[str, Mapping[str, Any]] | Scene, *, arithmeti
 
 def _solve(read: _c.Outcome, earlier: _c.Outcome | None, text: _a.Groups, arithmetic: str,
            accuracy: float, accuracy_of: str, contacts: bool, threads: int, progress: bool,
-           fields: int) -> _c.Outcome:
+           fields: int, is_short: bool) -> _c.Outcome:
     interrupt = c_int(0)
     options = _c.Options(
         _a.word("arithmetic", arithmetic), _a.number("accuracy", accuracy),
@@ -204,7 +209,8 @@ def _solve(read: _c.Outcome, earlier: _c.Outcome | None, text: _a.Groups, arithm
     bar = _Progress(counts) if _a.flag("progress", progress) else None
     try:
         return _c.call("solve_with_fields", read, byref(options), earlier, counts, fields,
-                       interrupt=interrupt, watch=bar.show if bar else None).checked(text.named)
+                       interrupt=interrupt, watch=bar.show if bar else None,
+                       is_short=is_short and bar is None).checked(text.named)
     finally:
         if bar:
             bar.end()
@@ -253,6 +259,13 @@ def _fill(side: Any, name: str, value: Any, spacing: Any) -> None:
     if known is None:
         raise _a.wrong_type(name, value, EXPECTED_SIDE)
     side.asperities = pointer(_a.asperities(name, value, known))
+
+
+def _is_another_value(groups: Mapping[str, Mapping[str, Any] | None]) -> bool:
+    """Whether changes are none, or one number as the value of the loading."""
+    return all(group == "loading" and isinstance(names, Mapping) and all(
+        name == "value" and isinstance(value, (int, float)) for name, value in names.items())
+        for group, names in groups.items())
 
 
 def _changed(groups: Mapping[str, Mapping[str, Any]],

@@ -87,29 +87,31 @@ contains
     if (.not. value > not_computed) return
     number_of_digits = usual_digits
     if (present(most_digits)) number_of_digits = most_digits
-    ! The exponent after rounding.
     write (format, '("(es32.", i0, "e3)")') number_of_digits - 1
     write (cell, format) value
-    read (cell(29:), *) power
-    if (power >= -4 .and. power < max(number_of_digits, 6)) then
-      write (format, '("(f32.", i0, ")")') max(0, number_of_digits - 1 - power)
-      write (cell, format) value
+    read (cell(29:), '(i4)') power  ! after rounding
+    if (power >= number_of_digits .and. power < 6) then
+      write (cell, '(f32.0)') value
       cell = adjustl(cell)
-      last = len_trim(cell)
-      if (power < number_of_digits - 1) last = verify(trim(cell), '0', back=.true.)
-      if (cell(last:last) == '.') last = last - 1
-      text = cell(:last)
-      if (text == '-0' .or. text == '') text = '0'
-      if (text(1:1) == '.') text = '0' // text
-      if (index(text, '-.') == 1) text = '-0' // text(2:)
-    else
-      cell = adjustl(cell)
-      last = index(cell, 'E') - 1
-      if (number_of_digits > 1) last = verify(cell(:last), '0', back=.true.)
-      if (cell(last:last) == '.') last = last - 1
-      write (format, '(i0)') power
-      text = cell(:last) // 'e' // trim(format)
+      text = cell(:index(cell, '.') - 1)
+      return
     end if
+    ! The digits without point and last zeros, from that of the highest power.
+    cell = adjustl(cell)
+    last = index(cell, 'E') - 1
+    if (number_of_digits > 1) last = verify(cell(:last), '0', back=.true.)
+    text = cell(scan(cell, '0123456789'):last)
+    if (len(text) > 1) text = text(:1) // text(3:)
+    if (power >= max(number_of_digits, 6) .or. power < -4) then
+      if (len(text) > 1) text = text(:1) // '.' // text(2:)
+      text = text // 'e' // decimal_text(power)
+    else if (power < 0) then
+      text = '0.' // repeat('0', -power - 1) // text
+    else
+      text = text // repeat('0', max(0, power + 1 - len(text)))
+      if (len(text) > power + 1) text = text(:power + 1) // '.' // text(power + 2:)
+    end if
+    if (cell(1:1) == '-' .and. text /= '0') text = '-' // text
   end function number_text
 
 end module asperity_number_format

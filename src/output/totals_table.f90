@@ -67,6 +67,7 @@ contains
     type(total_line), allocatable :: lines(:)
     character(len=*), parameter :: heads(3) = [character(len=8) :: 'largest', 'smallest', 'mean']
     character(len=120) :: line
+    character(len=14) :: cell
     integer :: i, k, widest
 
     call list_totals(scene_in, results, lines)
@@ -79,9 +80,8 @@ contains
     do i = 1, size(lines)
       line = lines(i)%name
       do k = 1, lines(i)%known
-        line(widest + 14 * (k - 1) + 1:) = &
-          repeat(' ', 14 - len(number_text(lines(i)%numbers(k)))) // &
-          number_text(lines(i)%numbers(k))
+        cell = number_text(lines(i)%numbers(k))
+        line(widest + 14 * (k - 1) + 1:) = adjustr(cell)
       end do
       if (lines(i)%remark /= '') line = trim(line) // '   ' // lines(i)%remark
       call buffer%line(trim(line))

@@ -1,0 +1,142 @@
+"""Files of results: a zip archive of `results.json`, a CSV file for each table, and an array of
+numpy's format (`.npy`) for each field. Each part is read without this package."""
+
+from __future__ import annotations
+
+import ast
+import csv
+import io
+import json
+import math
+import os
+import sys
+import zipfile
+from array import array
+from collections.abc import Iterable, Mapping
+from typing import Any
+
+from . import _arguments as _a
+from ._columns import Table, column
+from ._errors import ComputeError, InputError, Problem
+from ._fields import NAMES, Fields, in_rows
+
+FORMAT = "asperity results 1"  #: what `results.json` states
+EXPECTED = "a file that Results.save wrote"
+# Of the Python types of a column: the code of the array, and how a cell is read.
+CODES = {"float": "d", "int": "i", "str": ""}
+# Attributes of fields beside the arrays, and those that JSON has as lists.
+FACTS = ("shape", "spacing", "origin", "unit", "units", "position", "step", "boundary_contacts",
+         "hertz_contacts")
+PAIRS = ("shape", "spacing", "origin")
+
+
+def write_results(path: _a.Path, version: str, texts: Mapping[str, Any],
+                  tables: Mapping[str, Table], fields: Iterable[Fields]) -> None:
+    """Write texts, tables and fields to a file; one that exists is replaced when all is written."""
+    name = os.fsdecode(_a.path("path", path))
+    kept = list(fields)
+    facts = {"format": FORMAT, "version": version, **texts,
+             "tables": {key: {"name": table.name, "units": table.units,
+                              "types": {title: _type_of(cells) for title, cells in table.items()}}
+                        for key, table in tables.items()},
+             "fields": [{fact: getattr(one, fact) for fact in FACTS} for one in kept]}
+    part = f"{name}.{os.getpid()}.part"
+    try:
+        with zipfile.ZipFile(part, "w", zipfile.ZIP_DEFLATED) as archive:
+            archive.writestr("results.json", json.dumps(facts, indent=1, ensure_ascii=False))
+            for key, table in tables.items():
+                archive.writestr(f"{key}.csv", _csv_of(table))
+            for one in kept:
+                for field in NAMES:
+                    archive.writestr(_member(one.position, one.step, field),
+                                     _npy_of(one[field], one.shape, field == "contact"))
+        os.replace(part, name)
+    except OSError as error:
+        raise ComputeError(f"{name}: {error.strerror}") from None
+    finally:
+        if os.path.exists(part):
+            os.remove(part)
+
+
+def read_results(path: _a.Path) -> tuple[dict[str, Any], dict[str, Table], list[Fields]]:
+    """The facts, tables and fields of a file."""
+    name = os.fsdecode(_a.path("path", path))
+    try:
+        with zipfile.ZipFile(name) as archive:
+            facts = json.loads(archive.read("results.json"))
+            if facts["format"] != FORMAT:
+                raise KeyError("format")
+            tables = {key: _table_of(archive.read(f"{key}.csv").decode(), about)
+                      for key, about in facts["tables"].items()}
+            fields = [_fields_of(archive, about) for about in facts["fields"]]
+    except OSError as error:
+        raise InputError([Problem(name, None, None, error.strerror or str(error))]) from None
+    except (zipfile.BadZipFile, KeyError, ValueError, TypeError):
+        raise InputError([Problem(name, None, None,
+                                  f"found another kind of file, expected {EXPECTED}")]) from None
+    return facts, tables, fields
+
+
+def _type_of(cells: Any) -> str:
+    kind = getattr(getattr(cells, "dtype", None), "kind", None)
+    if kind is None:
+        kind = {float: "f", int: "i"}.get(type(next(iter(cells), "")), "U")
+    return {"f": "float", "i": "int"}.get(kind, "str")
+
+
+def _csv_of(table: Table) -> str:
+    """Numbers in the shortest form that keeps their bits; one that was not computed is empty."""
+    buffer = io.StringIO()
+    writer = csv.writer(buffer, lineterminator="\n")
+    writer.writerow(table)
+    for row in zip(*(cells.tolist() for cells in table.values())):
+        writer.writerow(["" if isinstance(value, float) and math.isnan(value) else value
+                         for value in row])
+    return buffer.getvalue()
+
+
+def _table_of(text: str, about: Mapping[str, Any]) -> Table:
+    rows = list(csv.reader(io.StringIO(text)))
+    columns: dict[str, Any] = {}
+    for number, (title, kind) in enumerate(about["types"].items()):
+        cells = [row[number] for row in rows[1:]]
+        if rows[0][number] != title:
+            raise KeyError(title)
+        columns[title] = column(cells if kind == "str" else memoryview(array(
+            CODES[kind], [(float if kind == "float" else int)(cell or "nan") for cell in cells])))
+    return Table(columns, dict(about["units"]), about["name"])
+
+
+def _member(position: int, step: int, field: str) -> str:
+    return f"fields/position_{position:04}_step_{step:04}/{field}.npy"
+
+
+def _npy_of(rows: Any, shape: tuple[int, int], is_flag: bool) -> bytes:
+    """An array in version 1.0 of the format of numpy, rows first."""
+    code, descr = ("b", "|b1") if is_flag else ("d", "<f8")
+    cells = array(code)
+    for row in rows:
+        cells.extend(array(code, row.tolist()))
+    if sys.byteorder == "big":
+        cells.byteswap()
+    header = repr({"descr": descr, "fortran_order": False, "shape": shape}).encode()
+    header = header.ljust(118 - 1) + b"\n"
+    return b"\x93NUMPY\x01\x00" + len(header).to_bytes(2, "little") + header + cells.tobytes()
+
+
+def _fields_of(archive: zipfile.ZipFile, about: Mapping[str, Any]) -> Fields:
+    made = Fields.__new__(Fields)
+    for fact in FACTS:
+        setattr(made, fact, tuple(about[fact]) if fact in PAIRS else about[fact])
+    for field in NAMES:
+        raw = archive.read(_member(made.position, made.step, field))
+        length = int.from_bytes(raw[8:10], "little")
+        header = ast.literal_eval(raw[10:10 + length].decode())
+        if header["shape"] != made.shape or header["fortran_order"]:
+            raise KeyError(field)
+        cells = array("b" if field == "contact" else "d")
+        cells.frombytes(raw[10 + length:])
+        if sys.byteorder == "big":
+            cells.byteswap()
+        setattr(made, field, in_rows(column(memoryview(cells)), made.shape, field == "contact"))
+    return made

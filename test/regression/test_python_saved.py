@@ -1,0 +1,204 @@
+"""Results in a file and as a dataset; solves that start no thread; modules without a circle."""
+
+import ast
+import csv
+import io
+import json
+import threading
+import zipfile
+
+import numpy as np
+import pandas as pd
+import pytest
+from builds import ROOT
+from programs import run_program
+
+pytestmark = [pytest.mark.once, pytest.mark.filterwarnings("ignore::UserWarning")]
+
+NAMES = ("pressure", "gap", "displacement", "contact")
+SPHERE = {"x": [0.0], "y": [0.0], "height": [1.0], "radius": [10.0]}
+
+
+@pytest.fixture(scope="module")
+def solved(package):
+    """A map with missing pixels and unequal spacing, fields of four states."""
+    y, x = np.mgrid[:12, :17]
+    heights = np.sin(0.9 * x + 0.3 * y) + 0.7 * np.cos(1.1 * y - 0.2 * x)
+    heights[4, 7:9] = np.nan
+    return package.solve({
+        "surfaces": {"upper": "plane", "lower": package.HeightMap(heights, (0.5, 0.25), "um"),
+                     "units": ("um", "uN")},
+        "material": {"contact_modulus": 100.0}, "effects": {"interaction": "boundary"},
+        "loading": {"control": "load", "value": 20.0, "points": 3}}, fields="all")
+
+
+def assert_same(found, expected, steps=()):
+    for name in ("positions", "states", "contacts"):
+        mine, their = getattr(found, name), getattr(expected, name)
+        assert mine == their and mine.units == their.units and mine.name == their.name
+        assert [cells.dtype for cells in mine.values()] == [
+            cells.dtype for cells in their.values()]
+    for name in ("summary", "warnings", "notes"):
+        assert getattr(found, name) == getattr(expected, name)
+    for step in steps:
+        mine, their = found.fields(step=step), expected.fields(step=step)
+        for name in NAMES:
+            assert np.array_equal(mine[name], their[name], equal_nan=True)
+            assert mine[name].dtype == their[name].dtype and not mine[name].flags.writeable
+        for name in ("shape", "spacing", "origin", "unit", "units", "position", "step",
+                     "boundary_contacts", "hertz_contacts"):
+            assert getattr(mine, name) == getattr(their, name), name
+
+
+def test_saved_with_fields(package, solved, tmp_path):
+    solved.save(tmp_path / "a.zip")
+    loaded = package.load(tmp_path / "a.zip")
+    assert_same(loaded, solved, range(1, 5))
+    loaded.save(tmp_path / "b.zip")
+    assert_same(package.load(tmp_path / "b.zip"), solved, range(1, 5))
+    assert {path.name for path in tmp_path.iterdir()} == {"a.zip", "b.zip"}
+
+
+@pytest.mark.parametrize("name", ["data/examples/thesis.scene", "data/thesis.deck",
+                                  "data/examples/effects/cycle.scene"])
+def test_saved_tables(package, name, tmp_path):
+    results = package.solve(ROOT / name)
+    results.save(tmp_path / "a.zip")
+    loaded = package.load(tmp_path / "a.zip")
+    assert_same(loaded, results)
+    with pytest.raises(package.ComputeError, match="no fields"):
+        loaded.fields()
+
+
+def test_parts_are_read_by_others(solved, tmp_path):
+    """json, csv, numpy and pandas alone."""
+    solved.save(tmp_path / "a.zip")
+    fields = solved.fields(step=3)
+    with np.load(tmp_path / "a.zip") as arrays:
+        for name in NAMES:
+            assert np.array_equal(arrays[f"fields/position_0001_step_0003/{name}"], fields[name],
+                                  equal_nan=True)
+    with zipfile.ZipFile(tmp_path / "a.zip") as archive:
+        facts = json.loads(archive.read("results.json"))
+        assert facts["tables"]["states"]["units"] == solved.states.units
+        assert facts["summary"] == solved.summary and facts["fields"][2]["spacing"] == [0.5, 0.25]
+        rows = list(csv.DictReader(io.StringIO(archive.read("states.csv").decode())))
+        assert [float(row["load"]) for row in rows] == solved.states["load"].tolist()
+        with archive.open("contacts.csv") as file:
+            frame = pd.read_csv(file)
+    assert np.allclose(frame["area"], solved.contacts["area"], rtol=1e-15, atol=0)
+    assert list(frame) == list(solved.contacts)
+
+
+def test_refused_files(package, solved, tmp_path):
+    (tmp_path / "text.zip").write_text("no archive")
+    with zipfile.ZipFile(tmp_path / "other.zip", "w") as archive:
+        archive.writestr("results.json", json.dumps({"format": "other"}))
+    for name in ("text.zip", "other.zip"):
+        with pytest.raises(package.InputError, match=f"{name}: found another kind of file, exp"):
+            package.load(tmp_path / name)
+    with pytest.raises(package.InputError, match="none.zip: No such file"):
+        package.load(tmp_path / "none.zip")
+    with pytest.raises(package.ComputeError, match="a.zip: No such file or directory"):
+        solved.save(tmp_path / "none" / "a.zip")
+    with pytest.raises(TypeError, match="path: found 3, expected a path"):
+        solved.save(3)
+
+
+def test_saved_without_numpy(package, venv, solved, tmp_path):
+    """Written without numpy and read with it; the other way round."""
+    solved.save(tmp_path / "a.zip")
+    program = f"""
+import asperity
+results = asperity.load({str(tmp_path / "a.zip")!r})
+print(repr(results.fields(step=2).gap[2][3]), results.states["contacts"].tolist())
+results.save({str(tmp_path / "b.zip")!r})
+"""
+    done = run_program(venv / "bin/python", "-c", program)
+    assert done.stdout == f"{float(solved.fields(step=2).gap[2, 3])!r} " \
+                          f"{solved.states['contacts'].tolist()}\n"
+    assert_same(package.load(tmp_path / "b.zip"), solved, range(1, 5))
+
+
+def test_dataset(package, solved):
+    """Fields by coordinates, states along the steps."""
+    made = solved.to_xarray()
+    assert dict(made.sizes) == {"step": 4, "y": 12, "x": 17}
+    for step in range(1, 5):
+        for name in NAMES:
+            assert np.array_equal(made[name].sel(step=step), solved.fields(step=step)[name],
+                                  equal_nan=True)
+    assert float(made.x[3]) == 1.5 and float(made.y[3]) == 0.75 and made.x.units == "um"
+    assert made.pressure.units == "MPa" and made["load"].values.tolist() == \
+        solved.states["load"].tolist()
+    one = solved.fields(step=2).to_xarray()
+    assert one.gap.dims == ("y", "x") and int(one.step) == 2
+    assert np.array_equal(one.gap, solved.fields(step=2).gap, equal_nan=True)
+    with pytest.raises(package.ComputeError, match="no fields"):
+        package.solve(ROOT / "data/examples/one_pair.scene").to_xarray()
+
+
+def test_dataset_without_xarray(venv):
+    program = """
+import asperity
+try:
+    asperity.solve({"surfaces": {"upper": "plane", "lower": [[0.0, 1.0, 0.0]] * 3,
+                                 "map_spacing": 1.0}, "material": {"contact_modulus": 100.0},
+                    "loading": {"control": "load", "value": 1.0}}, fields=True).to_xarray()
+except ImportError as error:
+    print(error)
+"""
+    done = run_program(venv / "bin/python", "-W", "ignore", "-c", program)
+    assert done.stdout == "a dataset needs xarray: pip install xarray, or asperity[xarray]\n"
+
+
+def test_no_thread_for_short_solves(package, monkeypatch):
+    """A thread is started once; then the last solve has shown that the next one is short. What may
+    take longer than the last solve gets a thread."""
+    started = []
+
+    class Counted(threading.Thread):
+        def start(self):
+            started.append(self.name)
+            super().start()
+
+    scene = package.Scene({"surfaces": {"upper": SPHERE, "lower": SPHERE},
+                           "material": {"contact_modulus": 1000.0},
+                           "loading": {"control": "load", "value": 1.0}})
+    monkeypatch.setattr(threading, "Thread", Counted)
+    scene.solve()
+    assert started == ["asperity solve_with_fields"]
+    del started[:]
+    for number in range(20):
+        found = scene.solve(loading={"value": number + 1.0}).states["compression"][-1]
+        # Hertz, two spheres of radius 10: effective radius 5.
+        assert found == pytest.approx((3 * (number + 1) / 4000 / 5**0.5)**(2 / 3), rel=1e-9)
+    scene.solve()
+    # A busy machine may make one of them long.
+    assert len(started) <= 6
+    del started[:]
+    for change in ({"loading": {"points": 3}}, {"material": {"contact_modulus": 2.0}}):
+        scene.solve(**change)
+        assert started[-2:] == ["asperity rebuild_scene", "asperity solve_with_fields"]
+    scene.solve(threads=1)
+    assert len(started) == 5
+
+
+def test_no_circle_of_modules():
+    """No module of the package uses one that uses it; drawing uses none of the results."""
+    folder = ROOT / "python/asperity"
+    uses = {}
+    for path in folder.glob("_*.py"):
+        found = set()
+        for node in ast.walk(ast.parse(path.read_text(encoding="utf-8"))):
+            if isinstance(node, ast.ImportFrom) and node.level == 1:
+                found |= {node.module} if node.module else {name.name for name in node.names}
+        uses[path.stem] = found
+    assert uses["_plots"] == {"_columns"}
+    left = {name: used - {"_columns"} for name, used in uses.items() if name != "__init__"}
+    left["_columns"] = set()
+    while left:
+        lowest = [name for name, used in left.items() if not used & set(left)]
+        assert lowest, left
+        for name in lowest:
+            del left[name]
