@@ -1,10 +1,10 @@
 !> Number kinds, named once for the whole library.
 module asperity_kinds
-  use, intrinsic :: iso_fortran_env, only: int32, int64, real32, real64, real128
+  use, intrinsic :: iso_fortran_env, only: int32, int64, int8, real32, real64, real128
   implicit none
   private
 
-  public :: int32, int64, int128, real32, real64, real128
+  public :: int8, int32, int64, int128, real32, real64, real128
   public :: not_computed
 
   !> Whole numbers of 128 bits, for products of two of 64.

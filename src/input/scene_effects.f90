@@ -7,8 +7,8 @@ module asperity_scene_effects
   use asperity_scene_fields, only: scene_fields
   use asperity_scene_values, only: by_default, by_numbers, by_word, control_separation, &
                                    control_limit, criterion_none, effect_auto, effect_off, &
-                                   effect_on, effect_words, has_hardness, is_load, scene, &
-                                   scene_effects, scene_loading, solves_pixels
+                                   effect_on, effect_words, has_hardness, has_tangential, is_load, &
+                                   scene, scene_effects, scene_loading, solves_pixels
   implicit none
   private
 
@@ -56,6 +56,7 @@ contains
       if (effects%mode('friction') /= effect_off .and. rubs_back(checked)) &
         call fields%complain_of('effects', 'friction', no_way_back // &
                                 ', expected friction = ''off''')
+      if (has_tangential(checked%loading)) call check_tangential(fields, checked)
       if (effects%mode('adhesion') == effect_off) call refuse_pulls(fields, checked%loading)
       call check_together(fields, checked)
       if (checked%contact_modulus%all_digits > 0_int64) call refuse_combined(fields, checked)
@@ -126,14 +127,15 @@ contains
     if (name == 'friction' .and. rubs_back(checked)) why = no_way_back
     if (.not. allocated(checked%map)) return
     if (name /= 'interaction') then
-      if (solves_pixels(checked) .and. &
+      if (solves_pixels(checked) .and. name /= 'friction' .and. &
           .not. (name == 'plasticity' .and. names_hardness(checked))) &
         why = 'it is computed for asperities, not for the pixels of a map: expected ' // &
               'interaction = ''off'' beside it'
     else
       if (checked%loading%events) why = 'the beginnings of contacts are found without it on a map'
       if (.not. checked%map%periodic) return
-      if (count(checked%effects%modes /= effect_off) > merge(1, 0, has_hardness(checked))) &
+      if (count(checked%effects%modes /= effect_off .and. known_effects%name /= 'friction') > &
+          merge(1, 0, has_hardness(checked))) &
         why = 'the other effects are computed for asperities, not for the pixels of a periodic map'
     end if
   end function why_not
@@ -281,13 +283,30 @@ contains
            '&material: found contact_modulus in their place'
   end function needs_both
 
-  ! Whether friction would have to follow a path of loads or separations back.
+  ! A tangential load needs friction, and one law for the normal load and for less of it.
+  subroutine check_tangential(fields, checked)
+    type(scene_fields), intent(inout) :: fields
+    type(scene), intent(in) :: checked
+    character(len=:), allocatable :: name
+
+    name = 'tangential_load'
+    if (fields%has_name('loading', 'tangential_displacement')) name = 'tangential_displacement'
+    if (checked%effects%mode('friction') == effect_off) &
+      call fields%complain_of('loading', name, 'it needs friction: found friction = ''off'', ' // &
+                              'expected friction_coefficient in &effects and both ' // &
+                              'elastic_modulus and poisson_ratio in &material')
+  end subroutine check_tangential
+
+  ! Whether friction would have to follow a path of loads or separations back. On the pixels of a
+  ! map it has no history.
   pure logical function rubs_back(checked)
     type(scene), intent(in) :: checked
     real(real64), allocatable :: closing(:)
 
     rubs_back = is_there(checked%effects, 'friction_coefficient') .and. &
                 allocated(checked%loading%path)
+    if (rubs_back .and. allocated(checked%map)) &
+      rubs_back = .not. (solves_pixels(checked) .or. has_tangential(checked%loading))
     if (.not. rubs_back) return
     allocate (closing, source=decimal_to_real64(checked%loading%path))
     if (checked%loading%control == control_separation) closing = -closing

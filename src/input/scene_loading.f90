@@ -37,6 +37,12 @@ contains
       call fields%take_whole('loading', 'points', 0, most_points, loading%points)
       call fields%take_word('loading', 'events', effect_words(:effect_on), events)
       loading%events = events == effect_on
+      call fields%take_number('loading', 'tangential_load', not_negative, loading%tangential_load)
+      call fields%take_number('loading', 'tangential_displacement', not_negative, &
+                              loading%tangential_displacement)
+      if (fields%has_name('loading', 'tangential_load')) &
+        call fields%refuse_name('loading', 'tangential_displacement', 'found beside ' // &
+                                'tangential_load, expected one of them')
       if (loading%events .and. allocated(loading%path)) &
         call fields%complain_of('loading', 'events', 'found beside several values, ' // &
                                 'expected one value: a path has its points alone')

@@ -278,7 +278,8 @@ contains
       call fields%complain_of_group('loading', text)
     end if
     others = checked%effects%modes /= effect_off .and. &
-             known_effects%name /= 'interaction' .and. known_effects%name /= 'plasticity'
+             known_effects%name /= 'interaction' .and. known_effects%name /= 'plasticity' .and. &
+             known_effects%name /= 'friction'
     if (any(others)) &
       call fields%complain_of_group('effects', 'found another effect beside interaction = ''' // &
            trim(effect_words(mode)) // ''', expected none: it is computed for asperities, ' // &

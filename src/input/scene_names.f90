@@ -14,7 +14,7 @@ module asperity_scene_names
   !> kind of file knows.
   type :: known_name
     character(len=8) :: group = ''   !! its group
-    character(len=21) :: name = ''   !! the name
+    character(len=23) :: name = ''   !! the name
     integer :: group_at = 0          !! item of the file's text; 0 when the group is not there
     integer :: at = 0                !! item of the file's text; 0 when the name is not there
   end type known_name
@@ -42,7 +42,8 @@ contains
              in_group('motion', [character(len=9) :: 'x_first', 'x_step', 'y_first', 'y_step', &
                                  'positions']), &
              in_group('tilt', [character(len=11) :: 'upper_slope', 'lower_slope', 'rotation']), &
-             in_group('loading', [character(len=7) :: 'control', 'value', 'points', 'events']), &
+             in_group('loading', [character(len=23) :: 'control', 'value', 'points', 'events', &
+                                  'tangential_load', 'tangential_displacement']), &
              in_group('limit', [character(len=12) :: 'criterion', 'value', 'hardness', &
                                 'yield_stress']), &
              in_group('effects', known_effects%name), in_group('effects', effect_numbers%name)]

@@ -27,7 +27,7 @@ module asperity_scene_values
   public :: by_default, by_numbers, by_word
   public :: effect_off, effect_on, effect_auto, effect_coupled, effect_boundary, effect_words
   public :: thesis_limit_load, is_thesis_sweep, body_compliance, combined_modulus, has_hardness, &
-            dundurs_beta, may_choose_pixels, solves_pixels
+            dundurs_beta, has_tangential, may_choose_pixels, solves_pixels
 
   integer, parameter :: control_limit = 1          !! closing ends where a contact reaches its limit
   integer, parameter :: control_separation = 2     !! at a given separation of the reference planes
@@ -87,6 +87,8 @@ module asperity_scene_values
     type(decimal_value), allocatable :: path(:)
     integer :: points = 0               !! states after first touch; 0 or 1: the end state only
     logical :: events = .false.         !! also a state wherever a contact begins
+    !> At the last state and its normal load: tangential load, or displacement of the bodies by it.
+    type(decimal_value) :: tangential_load, tangential_displacement
   end type scene_loading
 
   !> When a contact is at its limit.
@@ -287,6 +289,14 @@ contains
     dundurs_beta = 0.5_real64 * combined_modulus(scene_in) * (ratio(1) - ratio(2))
   end function dundurs_beta
 
+  !> Whether the bodies are loaded or displaced tangentially after the normal load.
+  pure logical function has_tangential(loading)
+    type(scene_loading), intent(in) :: loading  !! loading of a scene
+
+    has_tangential = any([loading%tangential_load%all_digits, &
+                          loading%tangential_displacement%all_digits] > 0_int64)
+  end function has_tangential
+
   !> Whether a scene with a map is always solved on its pixels: asked for, or needed, as the summits
   !> of a periodic map are solved without its images and have no hardness.
   pure logical function solves_pixels(scene_in)
@@ -295,7 +305,8 @@ contains
     associate (mode => scene_in%effects%mode('interaction'))
       solves_pixels = mode == effect_boundary .or. &
                       (mode == effect_auto .and. &
-                       (scene_in%map%periodic .or. has_hardness(scene_in)))
+                       (scene_in%map%periodic .or. has_hardness(scene_in) .or. &
+                        has_tangential(scene_in%loading)))
     end associate
   end function solves_pixels
 

@@ -18,7 +18,7 @@ module asperity_map_contact
   implicit none
   private
 
-  public :: half_map, map_answer, most_load, press_map, room_to_press
+  public :: half_map, map_answer, most_load, prepare_influence, press_map, room_to_press
 
   !> Request and solution of the contact of a map with a rigid flat.
   type :: map_answer
@@ -172,13 +172,7 @@ contains
     type(map_answer), intent(inout) :: answer    ! pressures: start and result
     type(lattice_convolution) :: influence
 
-    if (map%periodic) then
-      call influence%prepare_periodic(size(gap, 1), size(gap, 2), 1.0_real64, &
-                                      map%pixel_spacing(2) / map%pixel_spacing(1))
-    else
-      call influence%prepare(centre_influence(size(gap, 1), size(gap, 2), &
-                                              map%pixel_spacing(2) / map%pixel_spacing(1)))
-    end if
+    call prepare_influence(map, influence)
     answer%pressure = answer%pressure / unit
     if (bounds%load > 0.0_real64) then
       if (.not. sum(answer%pressure) > 0.0_real64) &
@@ -196,6 +190,22 @@ contains
     end if
     answer%pressure = answer%pressure * unit
   end subroutine find_pressures
+
+  !> Prepares the displacements, over the side of a pixel along x, by pressures over the modulus.
+  subroutine prepare_influence(map, influence)
+    type(height_map), intent(in) :: map                     !! map with its edges
+    type(lattice_convolution), intent(inout) :: influence   !! convolution without plans
+
+    associate (gap => map%height)
+      if (map%periodic) then
+        call influence%prepare_periodic(size(gap, 1), size(gap, 2), 1.0_real64, &
+                                        map%pixel_spacing(2) / map%pixel_spacing(1))
+      else
+        call influence%prepare(centre_influence(size(gap, 1), size(gap, 2), &
+                                                map%pixel_spacing(2) / map%pixel_spacing(1)))
+      end if
+    end associate
+  end subroutine prepare_influence
 
   !> The largest load of a perfectly plastic map: the hardness on all measured pixels.
   pure real(real64) function most_load(map, hardness)

@@ -3,7 +3,7 @@
 module asperity_results_vti
   use, intrinsic :: ieee_arithmetic, only: ieee_quiet_nan, ieee_value
   use asperity_contact_field, only: contact_field
-  use asperity_kinds, only: int64, not_computed, real64
+  use asperity_kinds, only: int64, int8, not_computed, real64
   use asperity_problems, only: decimal_text
   use asperity_text_buffer, only: text_buffer
   implicit none
@@ -19,23 +19,24 @@ module asperity_results_vti
 contains
 
   !> One cell a pixel, x along a row; the centre of the first pixel of a map is at 0, 0. Arrays:
-  !> pressure, gap, displacement (NaN where a pixel was not measured) and contact (1 or 0). On the
-  !> grid of asperities two numbers state how many contacts have the pressure of boundary elements
-  !> and of Hertz.
+  !> pressure, gap, displacement (NaN where a pixel was not measured) and contact (1 or 0); with a
+  !> tangential load traction and stick (1 or 0). On the grid of asperities two numbers
+  !> state how many contacts have the pressure of boundary elements and of Hertz.
   subroutine write_vti(field, buffer)
     type(contact_field), intent(in) :: field    !! of one state
     type(text_buffer), intent(inout) :: buffer  !! gets the bytes
-    character(len=*), parameter :: names(3) = [character(len=12) :: 'pressure', 'gap', &
-      'displacement']
+    character(len=*), parameter :: names(4) = [character(len=12) :: 'pressure', 'gap', &
+      'displacement', 'traction']
     integer(int64) :: offset, pixels
     character(len=80) :: numbers
     character(len=:), allocatable :: extent
-    integer :: i, j, status
+    integer :: i, kinds, status
 
     pixels = int(field%columns, int64) * field%rows
+    kinds = merge(4, 3, allocated(field%traction))
     ! The whole file at once: a text that grows is there twice.
     if (.not. allocated(buffer%store)) then
-      allocate (character(len=pixels * (real_bytes * size(names) + 1) + head_bytes) :: &
+      allocate (character(len=pixels * (real_bytes * kinds + 2) + head_bytes) :: &
                 buffer%store, stat=status)
       if (status /= 0) then
         buffer%failed = .true.
@@ -61,22 +62,22 @@ contains
     call buffer%line('<Piece Extent=' // extent // '>')
     call buffer%line('<CellData Scalars="pressure">')
     offset = 0_int64
-    do i = 1, size(names)
+    do i = 1, kinds
       call put_head('Float64', trim(names(i)))
       offset = offset + count_bytes + real_bytes * pixels
     end do
     call put_head('UInt8', 'contact')
-    call buffer%line('</CellData>')
-    call buffer%line('</Piece>')
+    offset = offset + count_bytes + pixels
+    if (kinds == 4) call put_head('UInt8', 'stick')
+    call buffer%append('</CellData>' // new_line('a') // '</Piece>' // new_line('a'))
     call buffer%line('</ImageData>')
     call buffer%append('<AppendedData encoding="raw">_')
     call put_reals(field%pressure, buffer)
     call put_reals(field%gap, buffer)
     call put_reals(field%displacement, buffer)
-    call buffer%append(transfer(pixels, repeat('a', int(count_bytes))))
-    do j = 1, field%rows
-      call buffer%append(marks_of(field%pressure(:, j)))
-    end do
+    if (kinds == 4) call put_reals(field%traction, buffer)
+    call put_marks(field%pressure > 0.0_real64, buffer)
+    if (kinds == 4) call put_marks(field%sticks, buffer)
     call buffer%append(new_line('a'))
     call buffer%line('</AppendedData>')
     call buffer%line('</VTKFile>')
@@ -118,15 +119,17 @@ contains
     end do
   end subroutine put_reals
 
-  ! A byte a pixel of a row: 1 in contact.
-  pure function marks_of(row) result(bytes)
-    real(real64), intent(in) :: row(:)
-    character(len=size(row)) :: bytes
-    integer :: i
+  ! A byte a pixel, 1 where it is marked, with the count of the bytes.
+  subroutine put_marks(marks, buffer)
+    logical, intent(in) :: marks(:, :)
+    type(text_buffer), intent(inout) :: buffer
+    integer :: j
 
-    do i = 1, size(row)
-      bytes(i:i) = achar(merge(1, 0, row(i) > 0.0_real64))
+    call buffer%append(transfer(size(marks, kind=int64), repeat('a', int(count_bytes))))
+    do j = 1, size(marks, 2)
+      call buffer%append(transfer(int(merge(1, 0, marks(:, j)), int8), &
+                                  repeat('a', size(marks, 1))))
     end do
-  end function marks_of
+  end subroutine put_marks
 
 end module asperity_results_vti

@@ -9,7 +9,7 @@ module asperity_totals_table
   use asperity_scene_values, only: scene
   use asperity_text_buffer, only: text_buffer
   use asperity_unit_names, only: is_area, is_force, is_length, is_moment, is_number, is_pressure, &
-                                 unit_of, unit_powers, with_unit
+                                 is_stiffness, unit_of, unit_powers, with_unit
   implicit none
   private
 
@@ -29,7 +29,7 @@ module asperity_totals_table
   ! Columns of the effects in the summary: name of the column, name in words, dimension, reference.
   ! A column that is not here is in the files alone.
   type :: effect_total
-    character(len=20) :: column
+    character(len=24) :: column
     character(len=24) :: name
     type(unit_powers) :: dimension
     character(len=40) :: remark
@@ -55,6 +55,11 @@ module asperity_totals_table
     effect_total('rig_moment_x', 'fixture moment x', is_moment, 'on the upper body'), &
     effect_total('rig_moment_y', 'fixture moment y', is_moment, 'on the upper body'), &
     effect_total('rig_moment_z', 'fixture moment z', is_moment, 'on the upper body'), &
+    effect_total('tangential_load', 'tangential load', is_force, ''), &
+    effect_total('tangential_displacement', 'tangential displacement', is_length, ''), &
+    effect_total('tangential_stiffness', 'tangential stiffness', is_stiffness, ''), &
+    effect_total('stick_area', 'area that sticks', is_area, ''), &
+    effect_total('slides', 'complete sliding', is_number, '1: the traction is mu p everywhere'), &
     effect_total('samples_in_contact', 'pixels in contact', is_number, '')]
 
 contains

@@ -33,6 +33,10 @@ module asperity_contact_field
     !> Sum of the elastic displacements of both surfaces, > 0 apart from each other: on a free map
     !> that of a half-space without load elsewhere; on a periodic map its mean is 0.
     real(real64), allocatable :: displacement(:, :)
+    !> Tangential traction along the tangential load, and whether a pixel sticks; not allocated: no
+    !> tangential load.
+    real(real64), allocatable :: traction(:, :)
+    logical, allocatable :: sticks(:, :)
   end type contact_field
 
 contains

@@ -3,6 +3,7 @@ module asperity_map_press_solver
   use asperity_contact_field, only: contact_field, fields_all, fields_none, room_of_fields
   use asperity_contact_records, only: add_rows, contact_row, position_result, prescribed_normal, &
                                       state_row
+  use asperity_decimal, only: decimal_to_real64
   use asperity_height_map, only: height_map
   use asperity_kinds, only: int64, not_computed, real64
   use asperity_map_contact, only: map_answer, most_load, press_map, room_to_press
@@ -13,11 +14,15 @@ module asperity_map_press_solver
   use asperity_map_patches, only: find_patches, map_patch
   use asperity_map_scene, only: map_loading
   use asperity_map_shares, only: find_shares, map_shares, warn_of_shares
+  use asperity_partial_slip, only: slip_answer, slip_of_patches, slip_request, solve_partial_slip, &
+                                   take_traction
   use asperity_position_solver, only: position_solver
   use asperity_problems, only: decimal_text, not_enough_memory, real_text
   use asperity_process, only: has_memory
   use asperity_scene_results, only: effect_header
-  use asperity_scene_values, only: has_hardness, scene, scene_limit
+  use asperity_scene_values, only: effect_off, has_hardness, scene, scene_limit
+  use asperity_slip_columns, only: slip_contact_columns, slip_contact_powers, &
+                                   slip_state_columns, slip_state_powers, stiffness_ratio_of
   use asperity_theory_limits, only: is_patch_at_limit, look_at_pressure, set_theory_limits, &
                                     theory_limits
   use asperity_theory_warnings, only: of_error, of_flat_map, of_resolution, take_worse, &
@@ -38,6 +43,7 @@ module asperity_map_press_solver
     real(real64) :: spike_limit = 0.0_real64
     real(real64) :: tolerance = 0.0_real64
     real(real64), allocatable :: hardness        ! largest pressure; not allocated: elastic
+    type(slip_request), allocatable :: slip      ! tangential load; not allocated: no friction
     type(theory_limits) :: limits
     type(scene_limit) :: limit
     integer :: fields = fields_none              ! which states keep pressure and gap
@@ -62,6 +68,17 @@ contains
     new%loading = loading
     new%tolerance = scene_in%effects%number('tolerance')
     if (has_hardness(scene_in)) new%hardness = scene_in%effects%number('plastic_hardness')
+    if (scene_in%effects%mode('friction') /= effect_off) then
+      allocate (new%slip)
+      new%slip%coefficient = scene_in%effects%number('friction_coefficient')
+      new%slip%kappa = stiffness_ratio_of(scene_in)
+      associate (loading => scene_in%loading)
+        new%slip%by_load = loading%tangential_displacement%all_digits == 0_int64
+        new%slip%given = decimal_to_real64(merge(loading%tangential_load, &
+                                                 loading%tangential_displacement, &
+                                                 new%slip%by_load))
+      end associate
+    end if
     call set_theory_limits(scene_in, 0, 0, new%limits)
     new%limit = scene_in%limit
     new%spike_limit = limit_of_spikes(map, 1)
@@ -87,18 +104,26 @@ contains
                             'area_error_estimate', 'gap_error_estimate', 'pressure_error_estimate']
     header%contact_powers = reshape([0, 0], [2, 1])
     header%state_powers = reshape([0, 0, 0, 2, 0, 0, 0, 0, 0, 0], [2, 5])
+    if (scene_in%effects%mode('friction') /= effect_off) then
+      header%names = [header%names, 'friction   ']
+      header%modes = [header%modes, scene_in%effects%mode('friction')]
+      header%contact_columns = [header%contact_columns, slip_contact_columns]
+      header%contact_powers = reshape([header%contact_powers, slip_contact_powers], [2, 3])
+      header%state_columns = [header%state_columns, slip_state_columns]
+      header%state_powers = reshape([header%state_powers, slip_state_powers], [2, 10])
+    end if
     if (.not. has_hardness(scene_in)) return
     header%names = [character(len=11) :: header%names, 'plasticity']
     header%modes = [header%modes, scene_in%effects%mode('plasticity')]
     header%hardness = scene_in%effects%number('plastic_hardness')
     header%state_columns = [character(len=24) :: header%state_columns, 'plastic_area', &
                             'dissipated_work']
-    header%state_powers = reshape([header%state_powers, 0, 2, 1, 3], [2, 7])
+    header%state_powers = reshape([header%state_powers, 0, 2, 1, 3], &
+                                  [2, size(header%state_columns)])
   end subroutine name_map_columns
 
   ! Solves state after state, each the start of the next. With a hardness each state deforms the
-  ! map:
-  ! pixels at the hardness are lowered by the remaining overlap, at the same pressure.
+  ! map: pixels at the hardness are lowered by the remaining overlap, at the same pressure.
   subroutine press_to_states(self, m, keep_rows, result, failure)
     class(map_press_solver), intent(in) :: self
     integer, intent(in) :: m
@@ -111,13 +136,13 @@ contains
     type(map_patch), allocatable :: patches(:)
     type(map_shares) :: shares
     type(theory_warning), allocatable :: warnings(:)
-    real(real64), allocatable :: values(:, :)
+    real(real64), allocatable :: samples(:)
     real(real64) :: other_errors(3), work
     integer :: i
 
     call make_room_for_fields(self, result, failure)
     if (allocated(failure)) return
-    allocate (result%states(self%states), result%rows(0), values(0, 1))
+    allocate (result%states(self%states), result%rows(0), samples(0))
     pressed => self%map
     work = 0.0_real64
     if (allocated(self%hardness)) then
@@ -160,23 +185,55 @@ contains
       call take_worse(result%warnings, warnings, i)
       if (self%fields == fields_all .or. (self%fields /= fields_none .and. i == self%states)) &
         call take_field(pressed, answer, i, result%fields(i - self%states + size(result%fields)))
-      if (keep_rows) values = reshape([values, real(patches%samples, real64)], &
-                                      [size(values) + size(patches), 1])
+      if (keep_rows) samples = [samples, real(patches%samples, real64)]
       call self%progress_count%count_state(result%counted)
     end do
     result%state_values = [count(answer%pressure > 0.0_real64) * &
                            [1.0_real64, product(self%map%pixel_spacing)], other_errors]
-    call move_alloc(values, result%contact_values)
+    if (allocated(self%slip)) then
+      call add_slip(self, pressed, answer, samples, result, failure)
+      if (allocated(failure)) return
+    else
+      result%contact_values = reshape(samples, [size(samples), 1])
+    end if
     if (allocated(self%hardness)) result%state_values = [result%state_values, &
       result%states(self%states)%plastic_area, work]
-    allocate (result%effects(merge(2, 1, allocated(self%hardness))))
+    allocate (result%effects(1 + count([allocated(self%slip), allocated(self%hardness)])))
     result%effects%simulated = 'on'
     result%effects(1)%simulated = 'boundary'
     result%effects%why = 'on the pixels of the map'
-    result%effects%estimate = not_computed
-    result%effects%influence = not_computed
     result%effects%ending = answer%ending
   end subroutine press_to_states
+
+  ! Solves partial slip at the last state and adds its columns and its traction.
+  subroutine add_slip(self, shape_of_map, answer, samples, result, failure)
+    class(map_press_solver), intent(in) :: self
+    type(height_map), intent(in) :: shape_of_map   ! with a hardness the deformed map
+    type(map_answer), intent(in) :: answer         ! solution of the last state
+    real(real64), intent(in) :: samples(:)         ! pixels of the patches of all states
+    type(position_result), intent(inout) :: result
+    character(len=:), allocatable, intent(out) :: failure
+    type(slip_answer) :: slip
+    real(real64), allocatable :: load(:), stick_area(:), values(:, :)
+
+    call solve_partial_slip(shape_of_map, self%loading%modulus, self%slip, answer, slip)
+    if (allocated(slip%failure)) then
+      failure = slip%failure
+      return
+    end if
+    result%state_values = [result%state_values, slip%load, slip%displacement, slip%stiffness, &
+                           slip%stick_area, merge(1.0_real64, 0.0_real64, slip%slides)]
+    allocate (values(size(samples), 3), source=not_computed)
+    values(:, 1) = samples
+    if (size(samples) > 0) then
+      call slip_of_patches(shape_of_map, answer, slip, load, stick_area)
+      values(size(samples) - size(load) + 1:, 2) = load
+      values(size(samples) - size(load) + 1:, 3) = stick_area
+    end if
+    call move_alloc(values, result%contact_values)
+    if (self%fields /= fields_none) &
+      call take_traction(shape_of_map, slip, result%fields(size(result%fields)))
+  end subroutine add_slip
 
   ! Estimates the errors of the last state by the size of the pixels, and warns of them. With a
   ! hardness they are known at the largest load of the path, where its history does not matter.

@@ -76,8 +76,14 @@ def solved(asperity, tmp_path_factory):
         material={"contact_modulus": 1e11}, effects={
             "interaction": "boundary", "plasticity": "on", "plastic_hardness": 1e9},
         loading={"control": "vertical_load", "value": (5e-4, 0.0)})
+    slip = write_scene(
+        folder / "slip.scene", surfaces={"upper": "plane", "lower": str(
+            ROOT / "data/examples/summits/rough.sdf")},
+        material={"elastic_modulus": (2e11, 2e11), "poisson_ratio": (0.3, 0.3)}, effects={
+            "interaction": "boundary", "friction_coefficient": 0.2},
+        loading={"control": "vertical_load", "value": 5e-4, "tangential_load": 5e-5})
     tables = {name: [] for name in FILES}
-    for scene in (*SCENES, map_scene, summits, off, plastic):
+    for scene in (*SCENES, map_scene, summits, off, plastic, slip):
         words = [word for name in FILES for word in (name, folder / name[2:])]
         run(asperity, "solve", scene, "--quiet", *words)
         for name in FILES:

@@ -5,11 +5,10 @@ module asperity_friction_effect
   use asperity_contact_law, only: contact_response
   use asperity_contact_pairs, only: contact_pair, contact_pairs
   use asperity_contact_state, only: contact_state
-  use asperity_decimal, only: decimal_to_real64
-  use asperity_friction, only: estimate_of_friction, rubbing, solve_friction, &
-                               tangential_stiffness_ratio
+  use asperity_friction, only: estimate_of_friction, rubbing, solve_friction
   use asperity_kinds, only: real64
   use asperity_scene_values, only: scene
+  use asperity_slip_columns, only: stiffness_ratio_of
   implicit none
   private
 
@@ -35,11 +34,7 @@ contains
 
     call new%call_as('friction', scene_in%effects)
     new%coefficient = scene_in%effects%number('friction_coefficient')
-    new%kappa = tangential_stiffness_ratio( &
-      decimal_to_real64(scene_in%upper%elastic_modulus), &
-      decimal_to_real64(scene_in%upper%poisson_ratio), &
-      decimal_to_real64(scene_in%lower%elastic_modulus), &
-      decimal_to_real64(scene_in%lower%poisson_ratio))
+    new%kappa = stiffness_ratio_of(scene_in)
     new%contact_columns = [ &
       effect_column('tangential_load', force), &
       effect_column('sliding', plain), &            ! 1: complete sliding

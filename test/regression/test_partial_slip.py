@@ -1,0 +1,226 @@
+"""Partial slip under a tangential load (`tangential_load`, `tangential_displacement`): the closed
+forms of Cattaneo and Mindlin on the pixels of a sphere, the tangential problem of rough maps solved
+by another method in numpy, refused scenes."""
+
+import numpy as np
+import pytest
+
+from elements_truth import product
+from image_data import read_vti
+from map_press_truth import rough
+from programs import run_program
+from surfaces_csv import records, solve, write_scene
+from test_map_scene import write_map
+
+MODULUS, RATIO, MU = 2.0e5, 0.3, 0.25
+COMBINED = MODULUS / (1 - RATIO**2) / 2
+KAPPA = 2 * (1 - RATIO) / (2 - RATIO)  # tangential over normal stiffness (Mindlin 1949)
+COLUMNS = ("tangential_load", "tangential_displacement", "tangential_stiffness", "stick_area",
+           "slides")
+
+
+def map_slip(asperity, folder, height, sides, loading, effects=None, ratio=RATIO, **surfaces):
+    """Numbers of the position, of the contacts of the last state, and the fields."""
+    scene = write_scene(
+        folder / "slip.scene", surfaces={
+            "upper": "plane", "lower": write_map(folder / "slip.txt", height),
+            "map_spacing": sides, "map_level": "none", **surfaces},
+        material={"elastic_modulus": (MODULUS, MODULUS), "poisson_ratio": (ratio, ratio)},
+        loading=loading, effects={"interaction": "boundary", "friction_coefficient": MU,
+                                  **(effects or {})})
+    run_program(asperity, "solve", scene, "--quiet", "--fields", folder / "f.vti", "--positions",
+                folder / "p.csv", "--contacts", folder / "c.csv")
+    row, = records(folder / "p.csv")
+    steps = row["steps"]
+    return ({name: float(row[name] or "nan") for name in (*COLUMNS, "load", "separation")},
+            [{name: float(cell or "nan") for name, cell in contact.items()}
+             for contact in records(folder / "c.csv") if contact["step"] == steps],
+            read_vti(folder / "f.vti")[2])
+
+
+def sphere(pixels, side, radius=1.0):
+    """Heights, and places along one side."""
+    place = (np.arange(pixels) - (pixels - 1) / 2) * side
+    return -(place[:, None] ** 2 + place[None, :] ** 2) / (2 * radius), place
+
+
+def cattaneo(place, side, contact, stick, parts=8):
+    """Traction of a sphere of radius 1, the mean over each pixel."""
+    offset = ((np.arange(parts) + 0.5) / parts - 0.5) * side
+    fine = (place[:, None] + offset).ravel()
+    square = fine[:, None] ** 2 + fine[None, :] ** 2
+    traction = 2 * COMBINED * MU / np.pi * (np.sqrt(np.maximum(0, contact**2 - square)) -
+                                            np.sqrt(np.maximum(0, stick**2 - square)))
+    return traction.reshape(len(place), parts, len(place), parts).mean(axis=(1, 3))
+
+
+@pytest.mark.parametrize("ratio", [0.2, 0.5, 0.8])
+def test_sphere_of_cattaneo_and_mindlin(asperity, tmp_path, tally, ratio):
+    contact, pixels = 0.1, 128
+    side = 2.1 * contact / pixels
+    height, place = sphere(pixels, side)
+    load = 4 / 3 * COMBINED * contact**3
+    found, (patch,), fields = map_slip(asperity, tmp_path, height, (side, side), {
+        "control": "load", "value": load, "tangential_load": ratio * MU * load})
+    stick = contact * (1 - ratio) ** (1 / 3)
+    truth = cattaneo(place, side, contact, stick)
+    errors = {
+        "load": found["tangential_load"] / (ratio * MU * load) - 1,
+        "displacement": found["tangential_displacement"] / (
+            MU / KAPPA * (contact**2 - stick**2)) - 1,
+        "stiffness": found["tangential_stiffness"] / (KAPPA * 2 * COMBINED * stick) - 1,
+        "stick area": found["stick_area"] / (np.pi * stick**2) - 1,
+        # Over the traction of sliding at the centre: mu times the greatest pressure.
+        "traction": np.sqrt(np.mean((fields["traction"] - truth) ** 2)) / (
+            MU * 2 * COMBINED * contact / np.pi)}
+    print(errors)
+    for name, error in errors.items():
+        tally.add(f"partial slip: {name} of a sphere", 1, int(abs(error) < 5e-3))
+        assert abs(error) < 5e-3, errors
+    assert abs(errors["load"]) < 1e-12
+    assert found["slides"] == 0
+    assert patch["shear_load"] == pytest.approx(found["tangential_load"], rel=1e-12)
+    assert patch["stick_area"] == pytest.approx(found["stick_area"], rel=1e-12)
+    assert np.array_equal(fields["stick"] > 0, (fields["pressure"] > 0) & (
+        fields["traction"] < MU * fields["pressure"] * (1 - 1e-12)))
+
+
+def test_small_loads_and_sliding(asperity, tmp_path):
+    """Below the ratio at which tractions are differences of two solutions they are proportional to
+    the load; at mu times the normal load all slides."""
+    contact, pixels = 0.1, 64
+    side = 2.1 * contact / pixels
+    height, _ = sphere(pixels, side)
+    load = 4 / 3 * COMBINED * contact**3
+    for ratio in (1e-9, 1e-3):
+        found, _, fields = map_slip(asperity, tmp_path, height, (side, side), {
+            "control": "load", "value": load, "tangential_load": ratio * MU * load})
+        compliance = found["tangential_displacement"] / found["tangential_load"]
+        assert compliance * KAPPA * 2 * COMBINED * contact == pytest.approx(1, rel=3e-3)
+        assert found["tangential_load"] == pytest.approx(ratio * MU * load, rel=1e-9)
+    none, (patch,), fields = map_slip(asperity, tmp_path, height, (side, side),
+                                      {"control": "load", "value": load})
+    assert none["tangential_load"] == 0 == none["tangential_displacement"] == none["slides"]
+    assert none["tangential_stiffness"] == pytest.approx(KAPPA * 2 * COMBINED * contact, rel=5e-3)
+    assert not fields["traction"].any() and patch["stick_area"] == patch["area"]
+    for ratio in (1.0, 1.5):
+        found, (patch,), fields = map_slip(asperity, tmp_path, height, (side, side), {
+            "control": "load", "value": load, "tangential_load": ratio * MU * load})
+        assert found["slides"] == 1 and found["stick_area"] == 0 == found["tangential_stiffness"]
+        assert found["tangential_load"] == pytest.approx(MU * load, rel=1e-12)
+        assert np.isnan(found["tangential_displacement"])
+        assert np.allclose(fields["traction"], MU * fields["pressure"], rtol=1e-14, atol=0)
+        assert not fields["stick"].any() and patch["shear_load"] == pytest.approx(MU * load)
+
+
+def active_sets(act, bound, displacement):
+    """Tractions of 0 <= q <= bound with the displacement A q given where they are less, at most
+    that where not: primal and dual active sets with the matrix of the pixels in contact."""
+    inside = np.flatnonzero(bound.ravel() > 0)
+    matrix = np.empty((len(inside), len(inside)))
+    for column, pixel in enumerate(inside):
+        unit = np.zeros(bound.size)
+        unit[pixel] = 1
+        matrix[:, column] = act(unit.reshape(bound.shape)).ravel()[inside]
+    top = bound.ravel()[inside]
+    slips = np.zeros(len(inside), bool)
+    for _ in range(200):
+        q = top.copy()
+        stick = ~slips
+        q[stick] = np.linalg.solve(matrix[np.ix_(stick, stick)],
+                                   displacement - matrix[np.ix_(stick, slips)] @ top[slips])
+        lag = displacement - matrix @ q
+        new = np.where(slips, lag > 0, q > top)
+        if np.array_equal(new, slips):
+            break
+        slips = new
+    else:
+        raise RuntimeError("the active sets do not settle")
+    assert q.min() > 0
+    traction = np.zeros(bound.size)
+    traction[inside] = q
+    sticks = np.zeros(bound.size, bool)
+    sticks[inside] = ~slips
+    return traction.reshape(bound.shape), sticks.reshape(bound.shape)
+
+
+@pytest.mark.parametrize("edge", ["free", "periodic"])
+@pytest.mark.parametrize("hardness", [None, 0.03])
+@pytest.mark.parametrize("ratio", [0.3, 0.8])
+def test_rough_map_against_active_sets(asperity, tmp_path, edge, hardness, ratio):
+    """With nu = 0 the principle is the solution of the tangential problem on the same pixels."""
+    sides = (0.01, 0.013)
+    modulus = MODULUS / 2  # nu = 0
+    height = 1e-3 * rough(40, 32, shortest=6, seed=3)
+    height -= height.mean()
+    slope = np.gradient(height, *sides)
+    rms = np.sqrt(np.mean(slope[0]**2 + slope[1]**2))
+    load = float(0.06 * modulus * rms * height.size * np.prod(sides))
+    effects = {}
+    if hardness:
+        effects = {"plasticity": "on", "plastic_hardness": hardness * modulus}
+    given = {"control": "load", "value": load, "tangential_load": ratio * MU * load}
+    found, patches, fields = map_slip(asperity, tmp_path, height, sides, given, effects, ratio=0.0,
+                                      map_edge=edge)
+    pressure = fields["pressure"]
+    if hardness:
+        assert 0 < (pressure > 0.999 * hardness * modulus).sum() < (pressure > 0).sum()
+    act = product(height.shape, sides, modulus, edge == "periodic")
+    # kappa is 1 for nu = 0.
+    traction, sticks = active_sets(act, MU * pressure, found["tangential_displacement"])
+    assert traction.sum() * np.prod(sides) == pytest.approx(ratio * MU * load, rel=1e-8)
+    assert np.abs(traction - fields["traction"]).max() < 1e-8 * traction.max()
+    assert np.array_equal(sticks, fields["stick"] > 0) and 0 < sticks.sum() < (pressure > 0).sum()
+    moved = act(fields["traction"])
+    assert np.ptp(moved[sticks]) < 1e-8 * moved.max()
+    assert sum(patch["shear_load"] for patch in patches) == pytest.approx(ratio * MU * load)
+    assert sum(patch["stick_area"] for patch in patches) == pytest.approx(found["stick_area"])
+    # The displacement that was found, given; a little more of it is the stiffness.
+    del given["tangential_load"]
+    found_loads = []
+    for more in (1.0, 1.0 + 1e-5):
+        other, _, _ = map_slip(asperity, tmp_path, height, sides, {
+            **given, "tangential_displacement": float(more * found["tangential_displacement"])},
+            effects, ratio=0.0, map_edge=edge)
+        found_loads.append(other["tangential_load"])
+    assert found_loads[0] == pytest.approx(ratio * MU * load, rel=1e-8)
+    stiffness = (found_loads[1] - found_loads[0]) / (1e-5 * found["tangential_displacement"])
+    assert found["tangential_stiffness"] == pytest.approx(stiffness, rel=2e-3)
+
+
+def test_sliding_by_displacement(asperity, tmp_path):
+    contact, pixels = 0.1, 32
+    side = 2.1 * contact / pixels
+    height, _ = sphere(pixels, side)
+    separation = -float(contact**2)
+    limit = MU / KAPPA * (contact**2 + float(height.max()))
+    for share in (0.9, 1.1):
+        found, _, fields = map_slip(asperity, tmp_path, height, (side, side), {
+            "control": "separation", "value": separation,
+            "tangential_displacement": float(share * limit)})
+        assert found["slides"] == (share > 1)
+        assert found["tangential_displacement"] == pytest.approx(share * limit, rel=1e-12)
+        full = MU * found["load"]
+        truth = full if share > 1 else full * (1 - 0.1**1.5)
+        assert found["tangential_load"] == pytest.approx(truth, rel=2e-3)
+
+
+@pytest.mark.parametrize("loading, effects, material, text", [
+    ({"tangential_load": 1.0}, {}, {}, "it needs friction: found friction = 'off'"),
+    ({"tangential_load": 1.0}, {"friction_coefficient": 0.1}, {"contact_modulus": 10.0},
+     "it needs friction: found friction = 'off', expected friction_coefficient in &effects and "
+     "both elastic_modulus and poisson_ratio in &material"),
+    ({"tangential_load": -1.0}, {"friction_coefficient": 0.1}, {}, "0 or more"),
+    ({"tangential_load": 1.0, "tangential_displacement": 0.1}, {"friction_coefficient": 0.1}, {},
+     "found beside tangential_load, expected one of them")])
+def test_refused_scenes(asperity, tmp_path, loading, effects, material, text):
+    height, _ = sphere(16, 0.1)
+    scene = write_scene(
+        tmp_path / "s.scene", by_default=True,
+        surfaces={"upper": "plane", "lower": write_map(tmp_path / "m.txt", height),
+                  "map_spacing": (0.1, 0.1)},
+        material=material or {"elastic_modulus": (10.0, 10.0), "poisson_ratio": (0.3, 0.3)},
+        loading={"control": "load", "value": 1.0, **loading},
+        effects={"interaction": "boundary", **effects})
+    found = solve(asperity, scene)
+    assert found.status == 2 and text in found.stderr, found.stderr
