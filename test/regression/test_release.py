@@ -22,7 +22,8 @@ def test_one_version(asperity):
     assert re.findall(r"(?m)^version: (.*)", text_of("CITATION.cff")) == [version]
     assert f"version = '{version}'" in text_of("src/foundation/version.f90")
     assert text_of("packaging/debian/changelog").startswith(f"asperity ({version}) ")
-    assert re.findall(r'(?m)^  version: "(.*)"', text_of("packaging/conda/recipe.yaml")) == [version]
+    recipe = text_of("packaging/conda/recipe.yaml")
+    assert re.findall(r'(?m)^  version: "(.*)"', recipe) == [version]
     said = subprocess.run([asperity, "--version"], capture_output=True, text=True, timeout=100)
     assert said.stdout.startswith(f"asperity {version}\n")
 
