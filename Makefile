@@ -64,6 +64,7 @@ else ifeq ($(PART),maps)
 bench:
 	@bash .ci/setup build test
 	@.venv/bin/python test/bench/map_area.py $(if $(SAVE),--save,--realisations 3)
+	@.venv/bin/python test/bench/pixel_estimates.py $(if $(SAVE),--seeds 16 --save,--seeds 1)
 else ifeq ($(PART),search)
 bench:
 	@bash .ci/setup build test bench

@@ -5,10 +5,10 @@
 !> the separation at a load, of the load at a separation and of the mean gap, and the larger of d
 !> and half the correction of the rim of the area. The relative error of the greatest pressure is
 !> that of d, or that of the area where it is larger, as peaks lie between the pixels of all grids
-!> (measured on balls, waves and self-affine maps at 6 pressures, against closed forms and pixels a
-!> quarter as wide: 95 to 98 % of 162 errors are below the estimate, whose median is 4 to 5 times
-!> the error, 14 times for pressures; test: test/regression/test_pixel_errors.py). Waves with crests
-!> along the pixels have less accurate estimates of the area.
+!> (fitted on balls, waves and self-affine maps at 6 pressures, against closed forms and pixels a
+!> quarter as wide; measured on other kinds: 95 to 98 % of the errors are below the estimate,
+!> reference_output/bench/pixel_estimates.csv; test: test/regression/test_pixel_errors.py). Waves
+!> with crests along the pixels have less accurate estimates.
 !>
 !> They are errors of a surface that is smooth between the pixels. Of a map that is rough at their
 !> size finer pixels would show more, which no coarser ones tell.

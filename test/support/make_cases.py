@@ -6,9 +6,11 @@
 import sys
 from pathlib import Path
 
+import numpy as np
 from cases import scenes
 from deck_cases import decks
 from effect_cases import effect_cases
+from model_cases import model_cases
 from surfaces_csv import write_csv_scene, write_scene, write_surface
 
 
@@ -89,6 +91,28 @@ def write_effects(folder):
         write_effect_case(folder, case, surface)
 
 
+def write_model_case(folder, case, surface):
+    """One scene of caps or of heights under a plane."""
+    groups = dict(case.groups)
+    if case.heights is None:
+        lower = surface(case.caps, f"{case.name}_lower")
+    else:
+        lower = f"{case.name}.txt"
+        np.savetxt(folder / lower, case.heights, fmt="%.17g")
+    path = write_scene(
+        folder / f"{case.name}.scene", **{
+            **groups, "surfaces": {"upper": "plane", "lower": lower, **groups.get("surfaces", {})}})
+    path.write_text(comment("Hard", case.why) + comment("Truth", case.truth) + path.read_text())
+    return path
+
+
+def write_models(folder):
+    folder.mkdir(parents=True, exist_ok=True)
+    surface = surface_writer(folder)
+    for case in model_cases():
+        write_model_case(folder, case, surface)
+
+
 def write_all(folder):
     folder.mkdir(parents=True, exist_ok=True)
     for case in scenes():
@@ -99,6 +123,7 @@ def write_all(folder):
         write_deck(folder / f"{deck.name}.deck", **deck.deck)
         index.append(f"- `{deck.name}.deck`\n  - Hard: {deck.why}\n  - Truth: {deck.truth}\n")
     write_effects(folder / "effects")
+    write_models(folder / "models")
     (folder / "decks.md").write_text("\n".join(index))
 
 

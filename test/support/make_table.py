@@ -5,6 +5,7 @@
 
 import sys
 import tempfile
+from functools import cache
 from pathlib import Path
 
 ROOT = Path(__file__).resolve().parents[2]
@@ -12,8 +13,10 @@ ROOT = Path(__file__).resolve().parents[2]
 from cases import ARITHMETICS, scenes
 from deck_cases import decks
 from exact_contact import read_deck
+from model_cases import ModelCase, model_cases
 from measure import (condition, measure, measure_deck, positions_of,
                      positions_of_deck, scene_of)
+from surfaces_csv import solve
 
 DOCUMENT = "reference_output/bench/hard_cases.md"
 BEGIN, END = "<!-- begin: made by test/support/make_table.py -->", "<!-- end -->"
@@ -56,6 +59,13 @@ def lines(found):
         refused = dict.fromkeys(ARITHMETICS, case.solver_refused) if case.solver_refused else {}
         yield row(case.name, [verdict(refused, ARITHMETICS), historic(case)],
                   [found(case, a) for a in ("condition", *ARITHMETICS)])
+    yield from ("", "### Adhesion, plasticity, creep, maps, dense caps", "",
+                "| case | result | error | tolerance | reason of the tolerance |",
+                "| --- " * 5 + "|")
+    for case in model_cases():
+        for value in case.values:
+            yield row(f"{case.name}", [f"{value.tolerance:.0e}", value.reason],
+                      [value.column, found(case, value)])
 
 
 def without_errors(text):
@@ -87,7 +97,14 @@ def condition_of(case):
 
 def measured(executable, folder):
     """A function that runs a case and gives its cell."""
+    @cache
+    def solved(name):
+        return solve(executable, ROOT / "data/hard/models" / f"{name}.scene", folder=folder,
+                     curve=True)
+
     def found(case, arithmetic):
+        if isinstance(case, ModelCase):
+            return f"{arithmetic.error(solved(case.name)):.1e}"
         if arithmetic == "condition":
             return condition_of(case)
         if hasattr(case, "deck"):

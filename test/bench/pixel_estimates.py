@@ -1,0 +1,192 @@
+"""Coverage of the error estimates of pixels, on maps of kinds that they were not fitted on.
+
+    python test/bench/pixel_estimates.py [--seeds 6] [--pixels 48] [--save]
+
+Each map is solved on its pixels under three loads, and at one separation. The true error is the
+difference from the closed form (cones, flat-headed powers of the radius) or from the same surface
+on pixels a quarter as wide. With --save the table goes to
+reference_output/bench/pixel_estimates.csv.
+"""
+
+import argparse
+import csv
+import datetime
+import io
+import subprocess
+import tempfile
+from math import gamma, pi, sqrt
+from pathlib import Path
+
+import numpy as np
+from builds import build
+from run_bench import machine
+
+ROOT = Path(__file__).resolve().parents[2]
+KEPT = ROOT / "reference_output/bench/pixel_estimates.csv"
+E, FINER = 2.0, 4
+QUANTITIES = {"separation": "error_estimate", "area": "area_error_estimate",
+              "mean_gap": "gap_error_estimate", "pressure": "pressure_error_estimate",
+              "load": "error_estimate"}
+
+
+def spectrum(random, pixels, hurst, shortest, stretch=1.0):
+    """A random self-affine surface without waves shorter than `shortest` pixels of the coarse map,
+    on the fine pixels; `stretch` > 1 draws it out along y."""
+    n = FINER * pixels
+    k = np.fft.fftfreq(n) * FINER
+    q = np.hypot(k, stretch * k[:, None])
+    scale = np.where((q >= 2 / pixels) & (q <= 1 / shortest), np.maximum(q, 1e-9)**(-1 - hurst), 0)
+    return np.fft.ifft2(scale * np.fft.fft2(random.standard_normal((n, n)))).real
+
+
+def bumps(random, pixels):
+    """Gaussian hills at random places, widths of 2 to 5 pixels; periodic."""
+    n = FINER * pixels
+    x = np.arange(n) / FINER
+    height = np.zeros((n, n))
+    for _ in range(40):
+        place, width = random.uniform(0, pixels, 2), random.uniform(2, 5)
+        d = [(x - p + pixels / 2) % pixels - pixels / 2 for p in place]
+        height += random.uniform(0.5, 1) * width * np.exp(
+            -(d[0]**2 + d[1][:, None]**2) / (2 * width**2))
+    return height
+
+
+def caps(random, pixels):
+    """The upper envelope of spherical caps, with kinks between them; periodic."""
+    n = FINER * pixels
+    x = np.arange(n) / FINER
+    height = np.full((n, n), -np.inf)
+    for _ in range(30):
+        place = random.uniform(0, pixels, 2)
+        d = [(x - p + pixels / 2) % pixels - pixels / 2 for p in place]
+        height = np.maximum(height, random.uniform(0, 0.5) - (
+            d[0]**2 + d[1][:, None]**2) / (2 * random.uniform(5, 40)))
+    return height
+
+
+def grooves(random, pixels, along):
+    """Waves of a turned surface, crests along the rows or a few rows aslant, with a little waviness
+    across; periodic."""
+    n = FINER * pixels
+    x = np.arange(n) / n
+    turns = 0 if along else random.integers(1, 4)
+    number = random.integers(3, 7)
+    wave = np.cos(2 * pi * (turns * x + number * x[:, None] + random.random()))
+    return wave + random.uniform(0, 0.3) * np.cos(2 * pi * (2 * x + random.random()))
+
+
+def skewed(random, pixels):
+    """The exponential of a random surface: plateaus with deep valleys."""
+    wide = spectrum(random, pixels, 0.8, random.uniform(6, 16))
+    return -np.exp(-wide / spectrum(random, pixels, 0.8, 8).std())
+
+
+MAPS = {
+    "self-affine, H 0.3": lambda r, n: spectrum(r, n, 0.3, r.uniform(4, 12)),
+    "self-affine, H 0.5": lambda r, n: spectrum(r, n, 0.5, r.uniform(4, 12)),
+    "self-affine, H 0.95": lambda r, n: spectrum(r, n, 0.95, r.uniform(3, 12)),
+    "drawn out 1:4": lambda r, n: spectrum(r, n, 0.8, r.uniform(3, 8), 4.0),
+    "skewed heights": skewed, "hills": bumps,
+    "caps with kinks": caps,
+    "grooves aslant": lambda r, n: grooves(r, n, False),
+    "grooves along rows": lambda r, n: grooves(r, n, True)}
+
+
+class Runs:
+    """Solves of the program."""
+
+    def __init__(self, asperity, folder):
+        self.asperity, self.folder = asperity, folder
+
+    def solve(self, height, spacing, edge, control, value):
+        np.savetxt(self.folder / "m.txt", height, fmt="%.17g")
+        (self.folder / "m.scene").write_text(
+            f"&surfaces upper = 'plane', lower = 'm.txt', map_spacing = {spacing!r}, {spacing!r}, "
+            f"map_edge = '{edge}', map_level = 'none' /\n&material contact_modulus = {E!r} /\n"
+            f"&loading control = '{control}', value = {float(value)!r} /\n"
+            "&effects interaction = 'boundary' /\n", encoding="ascii")
+        subprocess.run([self.asperity, "solve", "m.scene", "--quiet", "--positions", "p.csv",
+                        "--contacts", "c.csv"], cwd=self.folder, check=True, capture_output=True)
+        with open(self.folder / "p.csv", encoding="ascii") as file:
+            (row,) = csv.DictReader(line for line in file if not line.startswith("#"))
+        found = {name: float(row[name]) for name in (
+            "separation", "compression", "area", "mean_gap", "load", "error_estimate",
+            "area_error_estimate", "gap_error_estimate", "pressure_error_estimate") if row[name]}
+        with open(self.folder / "c.csv", encoding="ascii") as file:
+            found["pressure"] = max(float(one["maximum_pressure"]) for one in csv.DictReader(
+                line for line in file if not line.startswith("#")))
+        return found
+
+
+def power_head(random, pixels, power):
+    """The head h = -c r**n: height, load, separation and area at a contact radius of 2 to 16
+    pixels (Galin 1946, Sneddon 1965); the cone has n = 1."""
+    spacing = 1 / random.uniform(2, 16)
+    x, y = (np.arange(pixels) - pixels / 2 + random.random(2)[:, None]) * spacing
+    c = 0.02
+    deep = c * sqrt(pi) * gamma(power / 2 + 1) / gamma((power + 1) / 2)
+    height = -c * np.hypot(x, y[:, None])**power
+    return height, spacing, 2 * E * power / (power + 1) * deep, -deep, pi
+
+
+def cases(runs, seeds, pixels):
+    """Kind, quantity, true error and estimate of each map, load and separation."""
+    for power in (1, 3, 4):
+        random = np.random.default_rng(1000 + power)
+        for _ in range(3 * seeds):
+            height, spacing, load, level, area = power_head(random, pixels, power)
+            found = runs.solve(height, spacing, "free", "load", load)
+            kind = "cones" if power == 1 else f"heads r**{power}"
+            yield (kind, "separation", abs(found["separation"] - level) / found["compression"],
+                   found["error_estimate"])
+            yield kind, "area", abs(found["area"] / area - 1), found["area_error_estimate"]
+            found = runs.solve(height, spacing, "free", "separation", level)
+            yield kind, "load", abs(found["load"] / load - 1), found["error_estimate"]
+    for number, (kind, make) in enumerate(MAPS.items()):
+        for seed in range(seeds):
+            random = np.random.default_rng([7, number, seed])
+            fine = make(random, pixels)
+            slope = sqrt(sum((np.diff(fine, axis=a)**2).mean() for a in (0, 1))) * FINER
+            coarse = fine[::FINER, ::FINER]
+            for fraction in 10 ** random.uniform([-1.8, -1.2, -0.6], [-1.2, -0.6, -0.2]):
+                load = fraction * E * slope / 2 * pixels**2
+                true = runs.solve(fine, 1 / FINER, "periodic", "load", load)
+                found = runs.solve(coarse, 1.0, "periodic", "load", load)
+                for quantity in ("separation", "area", "mean_gap", "pressure"):
+                    size = found["compression"] if quantity == "separation" else found[quantity]
+                    yield (kind, quantity, abs(found[quantity] - true[quantity]) / size,
+                           found[QUANTITIES[quantity]])
+            found = runs.solve(coarse, 1.0, "periodic", "separation", true["separation"])
+            yield (kind, "load", abs(load / found["load"] - 1), found["error_estimate"])
+
+
+def main():
+    parser = argparse.ArgumentParser(description=__doc__)
+    parser.add_argument("--seeds", type=int, default=6)
+    parser.add_argument("--pixels", type=int, default=48)
+    parser.add_argument("--save", action="store_true")
+    words = parser.parse_args()
+    ratios = {}
+    with tempfile.TemporaryDirectory() as folder:
+        for kind, quantity, error, estimate in cases(
+                Runs(build("release"), Path(folder)), words.seeds, words.pixels):
+            for key in ((kind, quantity), ("all", quantity)):
+                ratios.setdefault(key, []).append(error / estimate)
+    buffer = io.StringIO()
+    buffer.write(f"# {datetime.date.today()}; {machine('')[1].split(maxsplit=1)[1]}; python "
+                 f"test/bench/pixel_estimates.py --seeds {words.seeds} --pixels {words.pixels}\n")
+    writer = csv.writer(buffer, lineterminator="\n")
+    writer.writerow(("kind", "quantity", "errors", "below_estimate_percent",
+                     "median_estimate_over_error", "largest_error_over_estimate"))
+    for (kind, quantity), values in sorted(ratios.items(), key=lambda one: one[0][::-1]):
+        values = np.array(values)
+        writer.writerow((kind, quantity, len(values), f"{100 * (values <= 1).mean():.1f}",
+                         f"{1 / np.median(values):.2g}", f"{values.max():.2g}"))
+    print(buffer.getvalue(), end="")
+    if words.save:
+        KEPT.write_text(buffer.getvalue(), encoding="ascii")
+
+
+if __name__ == "__main__":
+    main()
