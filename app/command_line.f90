@@ -7,8 +7,8 @@ module asperity_command_line
   use asperity_kinds, only: real64
   use asperity_map_summits, only: rule_eight, rule_names
   use asperity_height_map, only: edge_names, length_units, level_names
-  use asperity_option_values, only: read_count, read_positive, read_share, read_spacing, &
-                                    read_tables, read_word
+  use asperity_option_values, only: read_count, read_depths, read_positive, read_share, &
+                                    read_spacing, read_tables, read_word
   use asperity_option_table, only: call_of, command_at, commands, known_options, options
   use asperity_original, only: arithmetic_names
   use asperity_original_records, only: original_positions, thesis_tables
@@ -51,6 +51,7 @@ module asperity_command_line
     integer :: edge = 1                              !! of a map: one of `edge_names`
     integer :: radius = 0                            !! rule for radii; 0: that of the rule
     integer :: unit = 0                              !! of `length_units`; 0: the file's own
+    real(real64), allocatable :: depths(:)           !! of --depths; not allocated: not given
     integer :: fields_of = 0                         !! `fields_last`, `fields_all`; 0: not given
     real(real64) :: pixel_spacing(2) = 0.0_real64    !! of a matrix; 0 when not given
   contains
@@ -124,6 +125,8 @@ contains
       call problems%add('--output and --upper both name the upper surface, expected one of them')
     if (line%has('--cost') .and. line%has('--budget')) &
       call problems%add('--cost does not estimate --budget, expected one of both')
+    if (line%output_path('--stress') /= '' .and. .not. line%has('--depths')) &
+      call problems%add('--stress: expected --depths LIST beside it')
     if (line%fields_of > 0 .and. line%output_path('--fields') == '') &
       call problems%add('--fields-of: expected --fields FILE beside it')
     if (line%fields_of == fields_all .and. line%output_path('--fields') == '/dev/stdout') &
@@ -196,6 +199,8 @@ contains
       call read_word(name, value, length_units, line%unit, problems)
     case ('--spacing')
       call read_spacing(value, line%pixel_spacing, problems)
+    case ('--depths')
+      call read_depths(value, line%depths, problems)
     case ('--fields-of')
       call read_word(name, value, states_named, line%fields_of, problems)
     case default

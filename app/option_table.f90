@@ -77,6 +77,11 @@ module asperity_option_table
       'draw the pressure on the same pixels at the last state (SVG)', 'svg'), &
     option_entry('solve', '--histogram', 'FILE', &
       'write the distribution of the pressure in contact on them at the last state as CSV'), &
+    option_entry('solve', '--depths', 'LIST', &
+      'print the largest stresses below these pixels at the last state: depths separated by ' // &
+      'commas, or FIRST:LAST:NUMBER'), &
+    option_entry('solve', '--stress', 'FILE', &
+      'write all stresses at the depths of --depths as CSV'), &
     option_entry('solve', '--accuracy', 'ERROR', &
       'choose the fastest method with an estimated relative error below ERROR, for instance ' // &
       '1e-3, including the estimated influence of effects that are off'), &

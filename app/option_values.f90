@@ -10,7 +10,7 @@ module asperity_option_values
   implicit none
   private
 
-  public :: read_count, read_positive, read_share, read_spacing, read_tables, read_word
+  public :: read_count, read_depths, read_positive, read_share, read_spacing, read_tables, read_word
 
 contains
 
@@ -72,6 +72,43 @@ contains
     number = 0.0_real64
     call problems%add(option // ': found ' // in_quotes(value) // ', expected ' // expected)
   end subroutine read_positive
+
+  !> Depths more than 0: a list with commas, or the first, the last and the number of equal steps.
+  subroutine read_depths(value, depths, problems)
+    character(len=*), intent(in) :: value                     !! value of the option, as given
+    real(real64), allocatable, intent(out) :: depths(:)       !! not allocated where they are not
+    type(problem_list), intent(inout) :: problems             !! what is wrong
+    type(decimal_value) :: decimal
+    real(real64), allocatable :: numbers(:)
+    character(len=1) :: mark
+    integer :: end_of, from, i, number
+    logical :: good
+
+    mark = merge(':', ',', index(value, ':') > 0)
+    allocate (numbers(0))
+    from = 1
+    good = .true.
+    do while (good .and. from <= len(value) + 1)
+      end_of = index(value(from:) // mark, mark) + from - 2
+      call read_numeral(value(from:end_of), decimal, good)
+      numbers = [numbers, decimal_to_real64(decimal)]
+      good = good .and. numbers(size(numbers)) > 0.0_real64 .and. &
+             numbers(size(numbers)) <= huge(1.0_real64)
+      from = end_of + 2
+    end do
+    if (good .and. mark == ':') then
+      good = size(numbers) == 3
+      if (good) then
+        number = count_of(value(index(value, ':', back=.true.) + 1:), 4)
+        good = number >= 2 .and. numbers(1) < numbers(2)
+        if (good) numbers = [(numbers(1) + (numbers(2) - numbers(1)) * i / (number - 1), &
+                              i=0, number - 1)]
+      end if
+    end if
+    if (good) call move_alloc(numbers, depths)
+    if (.not. good) call problems%add('--depths: found ' // in_quotes(value) // &
+      ', expected depths more than 0 with commas, as 0.1,0.2, or FIRST:LAST:NUMBER, as 0.1:2:20')
+  end subroutine read_depths
 
   !> One word of a list.
   subroutine read_word(option, value, words, choice, problems)

@@ -24,6 +24,7 @@ module asperity_run_solve
   use asperity_results_vti, only: write_vti
   use asperity_results_vtk, only: write_vtk
   use asperity_run_options, only: run_options, totals_of_accuracy
+  use asperity_run_stress, only: check_stress, compute_stress
   use asperity_scene_inputs, only: input_file, list_inputs
   use asperity_scene_reader, only: read_scene
   use asperity_scene_results, only: scene_results
@@ -42,8 +43,8 @@ module asperity_run_solve
   public :: run_solve_command
 
   ! Options that need the pressure on the pixels of a map.
-  character(len=*), parameter :: field_options(3) = [character(len=11) :: '--fields', &
-    '--histogram', '--picture']
+  character(len=*), parameter :: field_options(4) = [character(len=11) :: '--fields', &
+    '--histogram', '--picture', '--depths']
   ! States that --fields-of all writes at most: a file each.
   integer, parameter :: most_states = 1000
 
@@ -109,6 +110,7 @@ contains
         call stage_field(results%positions(1)%fields(i), i == size(results%positions(1)%fields))
       end do
     end if
+    if (allocated(line%depths) .and. .not. line%has('--cost')) call stage_stress()
     if (line%has('--cost') .and. .not. allocated(outcome%failure)) &
       call tell_cost(cost, outcome%text)
 
@@ -151,6 +153,21 @@ contains
       call draw_pressure(field, picture)
       call stage_output('--picture', picture)
     end subroutine stage_field
+
+    ! The largest stresses of the last state as text, all of them as a table.
+    subroutine stage_stress()
+      type(text_buffer) :: lines, table
+
+      associate (fields => results%positions(1)%fields)
+        if (line%output_path('--stress') /= '') then
+          call compute_stress(scene_in, fields(size(fields)), line%depths, lines, table, units)
+          call stage_output('--stress', table)
+        else
+          call compute_stress(scene_in, fields(size(fields)), line%depths, lines)
+        end if
+      end associate
+      if (.not. line%has('--quiet')) call outcome%text%append(lines%text())
+    end subroutine stage_stress
 
     subroutine draw_pressure(field, picture)
       type(contact_field), intent(in) :: field
@@ -202,7 +219,7 @@ contains
 
     needs = .false.
     do i = 1, size(field_options)
-      needs = needs .or. line%output_path(trim(field_options(i))) /= ''
+      needs = needs .or. line%has(trim(field_options(i)))
     end do
   end function needs_fields
 
@@ -290,9 +307,10 @@ contains
     character(len=:), allocatable :: option
     integer :: i
 
+    if (line%has('--depths')) call check_stress(scene_in, problems)
     do i = 1, size(field_options)
       option = trim(field_options(i))
-      if (line%output_path(option) == '') cycle
+      if (.not. line%has(option)) cycle
       call check_field_request(scene_in, option, problems)
       if (line%output_path('--keep') /= '') &
         call problems%add(option // ': a file of --keep has no pressure on pixels, expected ' // &

@@ -78,6 +78,7 @@ contains
     field%state = number
     field%columns = map%columns
     field%rows = map%rows
+    field%periodic = map%periodic
     field%pixel_spacing = map%pixel_spacing
     field%level = answer%level
     field%pressure = merge(answer%pressure, not_computed, is_measured(map%height))

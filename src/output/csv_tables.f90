@@ -3,6 +3,7 @@ module asperity_csv_tables
   use asperity_contact_field, only: contact_field, pressure_histogram
   use asperity_csv, only: csv_line
   use asperity_kinds, only: not_computed, real64
+  use asperity_map_stress, only: component_names, largest_shear, von_mises
   use asperity_map_spectrum, only: power_spectrum, spectrum_names
   use asperity_map_summits, only: map_summits
   use asperity_result_table, only: cell_real, cell_word, result_table
@@ -11,7 +12,8 @@ module asperity_csv_tables
   implicit none
   private
 
-  public :: write_histogram, write_results, write_spectrum_csv, write_summits_csv
+  public :: begin_stress_csv, write_histogram, write_results, write_spectrum_csv, &
+            write_stress_csv, write_summits_csv
 
   ! Bins of the pressure between 0 and the greatest one.
   integer, parameter :: bins = 100
@@ -89,6 +91,43 @@ contains
       end do
     end do
   end subroutine write_spectrum_csv
+
+  !> Writes the names of the columns of stresses.
+  subroutine begin_stress_csv(buffer, comment)
+    type(text_buffer), intent(inout) :: buffer  !! gets the text
+    character(len=*), intent(in), optional :: comment  !! a line before the names
+    type(csv_line) :: line
+    integer :: k
+
+    if (present(comment)) call buffer%line('# ' // comment)
+    call line%put('depth')
+    call line%put('x')
+    call line%put('y')
+    do k = 1, size(component_names)
+      call line%put('stress_' // component_names(k))
+    end do
+    call line%put('von_mises')
+    call line%put('largest_shear')
+    call line%finish(buffer)
+  end subroutine begin_stress_csv
+
+  !> Writes one line a pixel: the stresses below it at one depth.
+  subroutine write_stress_csv(field, depth, stress, buffer)
+    type(contact_field), intent(in) :: field     !! with the places of its pixels
+    real(real64), intent(in) :: depth            !! depth below the surface [length]
+    real(real64), intent(in) :: stress(:, :, :)  !! (column, row, component)
+    type(text_buffer), intent(inout) :: buffer   !! gets the text
+    type(csv_line) :: line
+    integer :: i, j
+
+    do j = 1, field%rows
+      do i = 1, field%columns
+        call line%put([depth, field%origin + ([i, j] - 1) * field%pixel_spacing, &
+                       stress(i, j, :), von_mises(stress(i, j, :)), largest_shear(stress(i, j, :))])
+        call line%finish(buffer)
+      end do
+    end do
+  end subroutine write_stress_csv
 
   !> Writes the summits as a surface: what a scene reads.
   subroutine write_summits_csv(summits, buffer)

@@ -1,0 +1,182 @@
+"""Stress below the pixels (`--depths`, `--stress`): Hertz' largest stresses, waves of pressure in
+closed form, one pixel by quadrature of Boussinesq's point loads, asperities, refused options."""
+
+import re
+
+import numpy as np
+import pytest
+from numpy.polynomial.legendre import leggauss
+
+from image_data import read_vti
+from programs import run_program
+from surfaces_csv import records, write_plane_scene, write_scene
+from test_map_scene import write_map
+
+MODULUS, RATIO = 2.0e3, 0.3
+COMBINED = MODULUS / (1 - RATIO**2) / 2
+COMPONENTS = ("xx", "yy", "zz", "xy", "xz", "yz")
+
+
+def below(asperity, folder, height, sides, depths, loading, ratio=RATIO, **surfaces):
+    """Numbers of the table by name, indexed [depth, x, y], and the summary."""
+    scene = write_scene(
+        folder / "s.scene", surfaces={
+            "upper": "plane", "lower": write_map(folder / "m.txt", height), "map_spacing": sides,
+            "map_level": "none", **surfaces},
+        material={"elastic_modulus": (MODULUS, MODULUS), "poisson_ratio": (ratio, ratio)},
+        loading=loading, effects={"interaction": "boundary"})
+    return table_of(asperity, scene, folder, depths, height.shape)
+
+
+def table_of(asperity, scene, folder, depths, shape):
+    found = run_program(asperity, "solve", scene, "--depths", depths, "--stress",
+                        folder / "s.csv", "--positions", folder / "p.csv", "--fields",
+                        folder / "f.vti")
+    rows = records(folder / "s.csv")
+    numbers = {name: np.array([float(row[name]) for row in rows]).reshape(-1, *shape[::-1])
+               .transpose(0, 2, 1) for name in rows[0]}
+    position, = records(folder / "p.csv")
+    return numbers, found.stdout, float(position["load"])
+
+
+def principal(numbers):
+    """Largest von Mises and shear stress from the components."""
+    xx, yy, zz, xy, xz, yz = (numbers[f"stress_{name}"] for name in COMPONENTS)
+    tensor = np.stack([xx, xy, xz, xy, yy, yz, xz, yz, zz], -1).reshape(*xx.shape, 3, 3)
+    values = np.linalg.eigvalsh(tensor)
+    mises = np.sqrt(((values - np.roll(values, 1, -1)) ** 2).sum(-1) / 2)
+    return mises, (values[..., 2] - values[..., 0]) / 2
+
+
+def test_largest_stresses_of_hertz(asperity, tmp_path):
+    contact, pixels = 0.1, 101
+    side = 2.1 * contact / pixels
+    place = (np.arange(pixels) - pixels // 2) * side
+    height = -(place[:, None] ** 2 + place[None, :] ** 2) / 2
+    peak = 2 * COMBINED * contact / np.pi
+    numbers, text, _ = below(asperity, tmp_path, height, (side, side), "0.04:0.056:17",
+                             {"control": "load", "value": 4 / 3 * COMBINED * contact**3})
+    mises, shear = principal(numbers)
+    assert np.abs(numbers["von_mises"] - mises).max() < 1e-12 * peak
+    assert np.abs(numbers["largest_shear"] - shear).max() < 1e-7 * peak
+    # Johnson (1985), section 3.4: .620 and .310 of the greatest pressure at .48 of the radius.
+    z = np.linspace(0.3, 0.7, 4001)
+    radial = -((1 + RATIO) * (1 - z * np.arctan(1 / z)) - 0.5 / (1 + z**2))
+    truth = np.abs(radial + 1 / (1 + z**2))
+    assert truth.max() == pytest.approx(0.620, abs=5e-4)
+    middle = pixels // 2
+    for found, factor in ((numbers["von_mises"], 1.0), (numbers["largest_shear"], 0.5)):
+        depth, x, y = np.unravel_index(found.argmax(), found.shape)
+        assert (x, y) == (middle, middle)
+        assert found.max() / peak == pytest.approx(factor * truth.max(), rel=2e-3)
+        assert numbers["depth"][depth, x, y] == pytest.approx(contact * z[truth.argmax()],
+                                                              abs=1.01e-3)
+    printed = re.findall(r"(von Mises|largest shear) stress\s+(\S+) at depth (\S+), x (\S+), "
+                         r"y (\S+)\n", text)
+    assert [name for name, *_ in printed] == ["von Mises", "largest shear"]
+    assert float(printed[0][1]) == pytest.approx(numbers["von_mises"].max(), rel=1e-5)
+    assert float(printed[1][1]) == pytest.approx(numbers["largest_shear"].max(), rel=1e-5)
+    assert float(printed[0][3]) == pytest.approx(middle * side, rel=1e-5)
+
+
+@pytest.mark.parametrize("waves", [(1, 0), (0, 3), (2, 1)])
+def test_wave_of_pressure(asperity, tmp_path, waves):
+    """Full contact of a cosine: stresses of plane strain, turned into the direction of the wave."""
+    shape, sides = (24, 18), (0.01, 0.013)
+    place = np.meshgrid(*(np.arange(n) * s for n, s in zip(shape, sides)), indexing="ij")
+    number = 2 * np.pi * np.array(waves) / (np.array(shape) * sides)
+    q = np.hypot(*number)
+    phase = number[0] * place[0] + number[1] * place[1]
+    amplitude = 1e-4
+    peak = COMBINED * q * amplitude / 2
+    load = 1.5 * peak * np.prod(shape) * np.prod(sides)
+    numbers, _, _ = below(asperity, tmp_path, amplitude * np.cos(phase), sides, "0.01,0.03",
+                          {"control": "load", "value": float(load)}, map_edge="periodic")
+    # The solve leaves 1e-10 of the heights: the wave is that of the pressures that were found.
+    found = read_vti(tmp_path / "f.vti")[2]["pressure"]
+    amplitude = 2 * (found * np.cos(phase)).mean()
+    assert amplitude == pytest.approx(peak, rel=1e-9)
+    peak = amplitude
+    for k, z in enumerate((0.01, 0.03)):
+        fall = peak * np.exp(-q * z)
+        along, down = -fall * (1 - q * z) * np.cos(phase), -fall * (1 + q * z) * np.cos(phase)
+        shear = -fall * q * z * np.sin(phase)
+        across = RATIO * (along + down)
+        c, s = number / q
+        mean = -1.5 * peak
+        truth = {"xx": c * c * along + s * s * across + mean * RATIO / (1 - RATIO),
+                 "yy": s * s * along + c * c * across + mean * RATIO / (1 - RATIO),
+                 "zz": down + mean, "xy": c * s * (along - across), "xz": c * shear,
+                 "yz": s * shear}
+        for name, stress in truth.items():
+            error = numbers[f"stress_{name}"][k] - stress
+            of_wave = [error.mean(), (error * np.exp(1j * phase)).mean()]
+            assert np.abs(of_wave).max() < 1e-10 * peak, (name, of_wave)
+            assert np.abs(error).max() < 1e-9 * peak, name
+
+
+def point_load(x, y, z, ratio):
+    """Stresses by a unit load at the origin, times 2 pi (Johnson 1985, equation 3.19)."""
+    r = np.sqrt(x * x + y * y + z * z)
+    square = x * x + y * y
+
+    def lateral(x, y):
+        return (1 - 2 * ratio) / square * ((1 - z / r) * (x * x - y * y) / square +
+                                           z * y * y / r**3) - 3 * z * x * x / r**5
+
+    return {"xx": lateral(x, y), "yy": lateral(y, x), "zz": -3 * z**3 / r**5,
+            "xy": (1 - 2 * ratio) / square * ((1 - z / r) * 2 * x * y / square -
+                                              x * y * z / r**3) - 3 * x * y * z / r**5,
+            "xz": -3 * x * z * z / r**5, "yz": -3 * y * z * z / r**5}
+
+
+@pytest.mark.parametrize("ratio", [-0.5, 0.0, 0.3, 0.5])
+def test_one_pixel_by_quadrature(asperity, tmp_path, ratio):
+    shape, sides = (9, 7), (1.0, 1.3)
+    height = np.full(shape, -10.0)
+    height[4, 2] = 0.0
+    numbers, _, load = below(asperity, tmp_path, height, sides, "0.7,3",
+                             {"control": "load", "value": 1.0}, ratio)
+    pressure = load / np.prod(sides)
+    node, weight = leggauss(60)
+    u, v = np.meshgrid(node * sides[0] / 2, node * sides[1] / 2, indexing="ij")
+    share = np.outer(weight, weight) * np.prod(sides) / 4
+    for k, z in enumerate((0.7, 3.0)):
+        for i, j in ((4, 2), (5, 2), (4, 1), (6, 4), (0, 6), (1, 0)):
+            truth = point_load((i - 4) * sides[0] - u, (j - 2) * sides[1] - v, z, ratio)
+            for name, values in truth.items():
+                stress = pressure * (values * share).sum() / (2 * np.pi)
+                assert numbers[f"stress_{name}"][k, i, j] == pytest.approx(
+                    stress, rel=1e-9, abs=1e-10 * pressure), (name, i, j)
+
+
+def test_asperities_on_their_grid(asperity, tmp_path):
+    """Below the grid of fields of a sphere: the stresses on the axis of Hertz' pressure."""
+    contact, radius, side = 0.1, 1.0, 0.004
+    load = 4 / 3 * COMBINED * contact**3 / radius
+    scene = write_plane_scene(
+        tmp_path, [(0.2, 0.2, 0.1, radius), (-0.3, -0.3, 0.0, radius)],
+        surfaces={"field_spacing": side},
+        modulus=(MODULUS, MODULUS), ratio=(RATIO, RATIO), effects={"interaction": "off"},
+        loading={"control": "load", "value": load})
+    found = run_program(asperity, "solve", scene, "--depths", "0.048")
+    value, = re.findall(r"von Mises stress\s+(\S+) at depth", found.stdout)
+    assert float(value) / (2 * COMBINED * contact / np.pi) == pytest.approx(0.620, rel=5e-3)
+
+
+@pytest.mark.parametrize("words, text", [
+    (("--stress", "s.csv"), "--stress: expected --depths LIST beside it"),
+    (("--depths", "0.1,0"), "expected depths more than 0"),
+    (("--depths", "0.2:0.1:4"), "expected depths more than 0"),
+    (("--depths", "0.1:0.2:1"), "expected depths more than 0"),
+    (("--depths", "0.1,,0.2"), "expected depths more than 0"),
+    (("--depths", "0.1"), "--depths: stress needs poisson_ratio in &material")])
+def test_refused_options(asperity, tmp_path, words, text):
+    scene = write_scene(
+        tmp_path / "s.scene",
+        surfaces={"upper": "plane", "lower": write_map(tmp_path / "m.txt", np.eye(8)),
+                  "map_spacing": (1.0, 1.0)},
+        material={"contact_modulus": 10.0}, loading={"control": "load", "value": 1.0},
+        effects={"interaction": "boundary"})
+    found = run_program(asperity, "solve", scene, *words, status=2, cwd=tmp_path)
+    assert text in found.stderr
