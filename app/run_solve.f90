@@ -329,8 +329,7 @@ contains
     options%keep_contacts = line%output_path('--contacts') // line%output_path('--json') // &
                             line%output_path('--vtk') // line%output_path('--html') /= '' .or. &
                             is_thesis_sweep(scene_in) .or. needs_fields(line)
-    options%needs_fields = needs_fields(line)
-    if (options%needs_fields .or. &
+    if (needs_fields(line) .or. &
         (line%output_path('--html') /= '' .and. line%output_path('--keep') == '' .and. &
          (allocated(scene_in%map) .or. may_have_fields(scene_in)))) &
       options%fields = max(fields_last, line%fields_of)

@@ -44,9 +44,14 @@ module asperity_effect_names
     character(len=72) :: meaning = ''  !! what it adds
     character(len=56) :: needs = ''    !! of the material, beside the combined modulus
     character(len=20) :: own(2) = ''   !! numbers that call for it where none of them is 0
+    !> Why the pixels of a map do not have it; blank: they do. Plasticity needs a hardness there.
+    character(len=88) :: not_on_pixels = ''
   end type known_effect
 
   integer, parameter :: switch(4) = [effect_off, effect_on, effect_auto, 0]
+
+  character(len=*), parameter :: for_asperities = 'it is computed for asperities, ' // &
+    'not for the pixels of a map'
 
   !> All effects.
   type(known_effect), parameter :: known_effects(*) = [ &
@@ -58,11 +63,13 @@ module asperity_effect_names
                  [character(len=20) :: 'friction_coefficient', '']), &
     known_effect('plasticity', switch, 'plastic flow beyond first yield, residual flattening', &
                  'Poisson''s ratio of the body that yields: poisson_ratio', &
-                 [character(len=20) :: 'plastic_yield_stress', '']), &
+                 [character(len=20) :: 'plastic_yield_stress', ''], &
+                 'without plastic_hardness ' // for_asperities), &
     known_effect('adhesion', switch, 'attraction between the surfaces: snap-in, pull-off', &
-                 own=[character(len=20) :: 'work_of_adhesion', '']), &
+                 own=[character(len=20) :: 'work_of_adhesion', ''], not_on_pixels=for_asperities), &
     known_effect('creep', switch, 'relaxation or creep during a hold of separation or load', &
-                 own=[character(len=20) :: 'hold_time', 'relaxation_time'])]
+                 own=[character(len=20) :: 'hold_time', 'relaxation_time'], &
+                 not_on_pixels=for_asperities)]
 
   integer, parameter :: one_word = -1  !! a number is one of `words`, by its place, and no range
   integer, parameter :: whole_number = -2  !! a number is a whole one from `least` to `most`
@@ -119,24 +126,30 @@ module asperity_effect_names
     effect_number('hold_points', 'creep', whole_number, decimal_value(20_int64, 0), &
                   least=2, most=100000, meaning='states of the hold')]
 
-  ! Two effects without a sound theory of both together.
-  type :: refused_pair
+  ! Two effects and why they are not computed together, on asperities and on the pixels of a map;
+  ! blank: they are. What pixels do not have at all is in `known_effects`.
+  type :: effect_pair
     character(len=11) :: one, other  ! as in &effects
-    character(len=72) :: why
+    character(len=72) :: on_asperities
+    character(len=72) :: on_pixels = ''
     character(len=8) :: mode = ''    ! only where `one` is simulated in this way; blank: in any
-  end type refused_pair
+  end type effect_pair
 
-  type(refused_pair), parameter :: refused(*) = [ &
-    refused_pair('adhesion', 'plasticity', 'the theories of adhesion are elastic'), &
-    refused_pair('adhesion', 'creep', 'the theory of creep has no attraction'), &
-    refused_pair('adhesion', 'interaction', &
-                 'displacements by neighbours assume Hertzian, not adhesive, pressures'), &
-    refused_pair('adhesion', 'friction', &
-                 'shear changes adhesion, and Coulomb''s law has no attraction'), &
-    refused_pair('creep', 'plasticity', 'the theory of creep is for elastic contacts'), &
-    refused_pair('creep', 'friction', 'slip and creep together have no closed theory'), &
-    refused_pair('interaction', 'plasticity', &
-                 'boundary elements are elastic: use interaction = ''coupled''', 'boundary')]
+  type(effect_pair), parameter :: pairs(*) = [ &
+    effect_pair('adhesion', 'plasticity', 'the theories of adhesion are elastic'), &
+    effect_pair('adhesion', 'creep', 'the theory of creep has no attraction', &
+                'the theory of creep has no attraction'), &
+    effect_pair('adhesion', 'interaction', &
+                'displacements by neighbours assume Hertzian, not adhesive, pressures'), &
+    effect_pair('adhesion', 'friction', &
+                'shear changes adhesion, and Coulomb''s law has no attraction', &
+                'shear changes adhesion, and Coulomb''s law has no attraction'), &
+    effect_pair('creep', 'plasticity', 'the theory of creep is for elastic contacts', &
+                'the theory of creep is for elastic contacts'), &
+    effect_pair('creep', 'friction', 'slip and creep together have no closed theory', &
+                'slip and creep together have no closed theory'), &
+    effect_pair('interaction', 'plasticity', &
+                'boundary elements are elastic: use interaction = ''coupled''', mode='boundary')]
 
 contains
 
@@ -161,29 +174,34 @@ contains
   end function needed_for
 
   !> Why two effects are not computed together; empty when they are.
-  pure function why_not_together(first, first_way, second, second_way) result(why)
+  pure function why_not_together(first, first_way, second, second_way, on_pixels) result(why)
     character(len=*), intent(in) :: first       !! an effect, as in &effects
     character(len=*), intent(in) :: first_way   !! how it is simulated
     character(len=*), intent(in) :: second      !! another effect, as in &effects
     character(len=*), intent(in) :: second_way  !! how it is simulated
+    logical, intent(in), optional :: on_pixels  !! on the pixels of a map; absent: on asperities
     character(len=:), allocatable :: why
+    logical :: of_map
     integer :: i
 
+    of_map = .false.
+    if (present(on_pixels)) of_map = on_pixels
     why = ''
-    do i = 1, size(refused)
-      if (is_refused_pair(refused(i), first, first_way, second) .or. &
-          is_refused_pair(refused(i), second, second_way, first)) &
-        why = first // ' and ' // second // ' do not go together: ' // trim(refused(i)%why)
+    do i = 1, size(pairs)
+      if (.not. (is_pair(pairs(i), first, first_way, second) .or. &
+                 is_pair(pairs(i), second, second_way, first))) cycle
+      why = trim(merge(pairs(i)%on_pixels, pairs(i)%on_asperities, of_map))
+      if (why /= '') why = first // ' and ' // second // ' do not go together: ' // why
     end do
   end function why_not_together
 
-  ! Whether a refusal holds for these two effects.
-  pure logical function is_refused_pair(refusal, one, mode, other)
-    type(refused_pair), intent(in) :: refusal
+  ! Whether an entry of the table is that of these two effects.
+  pure logical function is_pair(pair, one, mode, other)
+    type(effect_pair), intent(in) :: pair
     character(len=*), intent(in) :: one, mode, other
 
-    is_refused_pair = refusal%one == one .and. refusal%other == other .and. &
-            (refusal%mode == '' .or. refusal%mode == mode)
-  end function is_refused_pair
+    is_pair = pair%one == one .and. pair%other == other .and. (pair%mode == '' .or. &
+                                                               pair%mode == mode)
+  end function is_pair
 
 end module asperity_effect_names

@@ -8,7 +8,7 @@ module asperity_scene_effects
   use asperity_scene_values, only: by_default, by_numbers, by_word, control_separation, &
                                    control_limit, criterion_none, effect_auto, effect_off, &
                                    effect_on, effect_words, has_hardness, has_tangential, is_load, &
-                                   scene, scene_effects, scene_loading, solves_pixels
+                                   needs_pixels, scene, scene_effects, scene_loading, solves_pixels
   implicit none
   private
 
@@ -127,10 +127,11 @@ contains
     if (name == 'friction' .and. rubs_back(checked)) why = no_way_back
     if (.not. allocated(checked%map)) return
     if (name /= 'interaction') then
-      if (solves_pixels(checked) .and. name /= 'friction' .and. &
-          .not. (name == 'plasticity' .and. names_hardness(checked))) &
-        why = 'it is computed for asperities, not for the pixels of a map: expected ' // &
-              'interaction = ''off'' beside it'
+      associate (not_there => known_effects(findloc(known_effects%name, name, 1))%not_on_pixels)
+        if (needs_pixels(checked) .and. not_there /= '' .and. &
+            .not. (name == 'plasticity' .and. names_hardness(checked))) &
+          why = trim(not_there) // ': expected interaction = ''off'' beside it'
+      end associate
     else
       if (checked%loading%events) why = 'the beginnings of contacts are found without it on a map'
       if (.not. checked%map%periodic) return
@@ -319,17 +320,19 @@ contains
     type(scene_fields), intent(inout) :: fields
     type(scene), intent(in) :: checked
     character(len=:), allocatable :: why
+    logical :: on_pixels
     integer :: i, j
 
+    on_pixels = allocated(checked%map)
+    if (on_pixels) on_pixels = solves_pixels(checked)
     associate (modes => checked%effects%modes)
       do i = 1, size(modes)
         do j = 1, i - 1
           if (any([modes(i), modes(j)] == effect_off) .or. &
               any([modes(i), modes(j)] == effect_auto)) cycle
-          if (all(known_effects([i, j])%name == [character(len=11) :: 'plasticity', &
-              'interaction']) .and. flows_on_pixels(checked)) cycle
           why = why_not_together(trim(known_effects(i)%name), trim(effect_words(modes(i))), &
-                                 trim(known_effects(j)%name), trim(effect_words(modes(j))))
+                                 trim(known_effects(j)%name), trim(effect_words(modes(j))), &
+                                 on_pixels)
           if (why /= '') call fields%complain_of('effects', trim(known_effects(i)%name), why // &
                                                  ', expected one of them off')
         end do

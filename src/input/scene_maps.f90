@@ -242,7 +242,7 @@ contains
   !> Checks the names that go with a map or need one.
   subroutine check_map_scene(fields, checked)
     type(scene_fields), intent(inout) :: fields  !! the scene's text
-    type(scene), intent(in) :: checked           !! all groups are read
+    type(scene), intent(inout) :: checked        !! all groups are read; gets a note
     character(len=:), allocatable :: text
     integer :: i, mode
     logical :: others(size(known_effects))
@@ -267,6 +267,18 @@ contains
       call fields%complain_of('effects', 'interaction', 'the summits of a periodic map are ' // &
            'solved without its images: found ''coupled'', expected ''boundary'' or ''auto'', ' // &
            'which solve its pixels')
+    others = checked%effects%modes /= effect_off .and. known_effects%not_on_pixels /= ''
+    if (has_hardness(checked)) others = others .and. known_effects%name /= 'plasticity'
+    if (mode == effect_auto .and. .not. solves_pixels(checked)) then
+      text = 'control = ''limit'' closes isolated summits'
+      if (any(others)) then
+        i = findloc(others, .true., 1)
+        text = trim(known_effects(i)%name) // ': ' // trim(known_effects(i)%not_on_pixels)
+        if (checked%effects%modes(i) == effect_auto) text = text // ', and where it matters'
+      end if
+      call checked%notes%add(checked%file // ': note: ' // text // ': the summits of the map ' // &
+                             'are solved in place of its pixels')
+    end if
     if (.not. solves_pixels(checked)) return
     call fields%refuse_name('surfaces', 'field_spacing', 'found beside a map that is solved ' // &
                             'on its pixels, expected none: the fields are on the pixels')
@@ -277,13 +289,10 @@ contains
         text = text // ', or interaction = ''off'' in &effects, which closes isolated summits'
       call fields%complain_of_group('loading', text)
     end if
-    others = checked%effects%modes /= effect_off .and. &
-             known_effects%name /= 'interaction' .and. known_effects%name /= 'plasticity' .and. &
-             known_effects%name /= 'friction'
     if (any(others)) &
       call fields%complain_of_group('effects', 'found another effect beside interaction = ''' // &
-           trim(effect_words(mode)) // ''', expected none: it is computed for asperities, ' // &
-           'not for the pixels of a map')
+           trim(effect_words(mode)) // ''', expected none: ' // &
+           trim(known_effects(findloc(others, .true., 1))%not_on_pixels))
   end subroutine check_map_scene
 
 end module asperity_scene_maps

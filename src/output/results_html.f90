@@ -64,7 +64,7 @@ contains
     call begin_section('effects', 'Effects', buffer)
     call put_effects(results, buffer)
     if (allocated(results%map)) then
-      call write_map_table(results%map, .not. uses_samples(results), map_text)
+      call write_map_table(results%map, map_text)
       call put_lines('summits against the map', map_text%text(), buffer)
     end if
     call begin_section('origin', 'Input', buffer)

@@ -41,8 +41,7 @@ contains
     call write_grid(scene_in, results, buffer)
     call write_path(scene_in, results, buffer)
     call write_effects(results, buffer)
-    if (allocated(results%map)) call write_map_table(results%map, .not. uses_samples(results), &
-                                                     buffer)
+    if (allocated(results%map)) call write_map_table(results%map, buffer)
   end subroutine write_summary
 
   !> Surfaces, model and control, in two lines.
@@ -343,9 +342,8 @@ contains
   end function limit_text
 
   !> Appends the comparison.
-  subroutine write_map_table(record, used, buffer)
+  subroutine write_map_table(record, buffer)
     type(map_record), intent(in) :: record      !! how they compare
-    logical, intent(in) :: used                 !! the results are those of the summits
     type(text_buffer), intent(inout) :: buffer  !! gets the lines
     character(len=:), allocatable :: text
 
@@ -366,8 +364,6 @@ contains
                        percent_text(shares%on_lines) // ' on scan lines, ' // &
                        percent_text(shares%on_spikes) // ' on outliers')
     end associate
-    if (.not. used) &
-      call buffer%line('  the difference is too large: the results are those of the pixels')
   end subroutine write_map_table
 
   ! On how fine a map.

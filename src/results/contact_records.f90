@@ -16,7 +16,7 @@ module asperity_contact_records
   public :: contact_row, effect_record, no_contacts, position_result, solve_method, state_row
   public :: prescribed_nothing, prescribed_normal, prescribed_vertical
   public :: by_events, by_marching, overlap_stable, overlap_original
-  public :: add_rows, are_finite, contact_radius, cut_rows, most_rows, room_of_a_state
+  public :: add_rows, are_finite, contact_radius, cut_rows, drop_rows, most_rows, room_of_a_state
 
   !> Largest number of contacts that is kept: a list in a file has up to 400 bytes a contact.
   integer, parameter :: most_rows = 5000000
@@ -181,6 +181,17 @@ contains
 
     if (result%rows_used < size(result%rows)) result%rows = result%rows(:result%rows_used)
   end subroutine cut_rows
+
+  !> Removes the contacts of all states, which were kept for something else.
+  pure subroutine drop_rows(result)
+    type(position_result), intent(inout) :: result  !! results of the position
+
+    result%rows_used = 0
+    result%rows = result%rows(:0)
+    result%states%first_row = 1
+    result%states%last_row = 0
+    if (allocated(result%contact_values)) result%contact_values = result%contact_values(:0, :)
+  end subroutine drop_rows
 
   !> Whether all results of a position are finite.
   pure logical function are_finite(result)

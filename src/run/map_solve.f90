@@ -1,8 +1,9 @@
-!> Solution of a map: by its summits, compared with the map, or on its pixels.
+!> Solution of a map: on its pixels, or by its summits, compared with the map.
 module asperity_map_solve
-  use asperity_contact_records, only: position_result, state_row
+  use asperity_constants, only: pi
+  use asperity_contact_records, only: drop_rows, position_result, state_row
   use asperity_decimal, only: decimal_to_real64
-  use asperity_effect_names, only: known_effects
+  use asperity_effect_names, only: known_effects, why_not_together
   use asperity_effect_rows, only: of_compression
   use asperity_height_map, only: height_map
   use asperity_kinds, only: not_computed, real64
@@ -16,12 +17,14 @@ module asperity_map_solve
   use asperity_position_solver, only: position_solver
   use asperity_run_options, only: run_options
   use asperity_scene_results, only: last_state, scene_results
-  use asperity_scene_values, only: combined_modulus, control_limit, effect_auto, effect_off, &
-                                   is_load, may_choose_pixels, scene, solves_pixels
-  use asperity_surface_fields, only: has_field_grid, solve_with_fields
+  use asperity_numeral, only: rounded_decimal
+  use asperity_scene_values, only: combined_modulus, control_limit, control_separation, &
+                                   effect_auto, effect_off, effect_on, is_load, scene, &
+                                   solves_pixels
+  use asperity_surface_fields, only: solve_with_fields
   use asperity_surface_solve, only: solve_surfaces
   use asperity_sweep, only: sweep_scene
-  use asperity_theory_warnings, only: of_barred, of_cap, of_error, of_excluded, of_off, &
+  use asperity_theory_warnings, only: of_barred, of_cap, of_error, of_off, &
                                       of_together, take_worse, theory_warning, add_warning
   implicit none
   private
@@ -30,7 +33,7 @@ module asperity_map_solve
 
 contains
 
-  !> Solves a map by its summits, which are compared with the map, or on its pixels.
+  !> Solves a map on its pixels, or by its summits, which are compared with the map.
   subroutine solve_map(scene_in, options, results, failure)
     type(scene), intent(in) :: scene_in                    !! scene with a map, checked
     type(run_options), intent(in) :: options               !! options of the run
@@ -41,21 +44,24 @@ contains
     type(map_reference) :: reference
     type(map_summits) :: summits
     type(scene) :: plain
-    type(scene_results) :: of_summits
-    type(run_options) :: of_summits_options
-    integer :: mode
-    logical :: by_summits
+    type(scene_results) :: of_pixels, of_summits
 
     call join_maps(scene_in, map, failure)
     if (allocated(failure)) return
-    mode = scene_in%effects%mode('interaction')
     results%nominal_area = decimal_to_real64(scene_in%nominal_area)
     if (.not. results%nominal_area > 0.0_real64) results%nominal_area = area_of_map(map)
-    by_summits = .not. may_choose_pixels(scene_in)
-    if (solves_pixels(scene_in) .or. &
-        (options%needs_fields .and. .not. (by_summits .or. has_field_grid(scene_in)))) then
+    if (solves_pixels(scene_in)) then
       call solve_pixels(scene_in, map, options, results, failure)
       return
+    end if
+    if (may_be_pixels(scene_in)) then
+      ! The file of kept positions gets the final result.
+      call solve_pixels(scene_in, map, run_options(interrupt=options%interrupt), of_pixels, failure)
+      if (allocated(failure)) return
+      if (.not. calls_for_asperities(scene_in, of_pixels%positions(1)%left_out)) then
+        call solve_pixels(scene_in, map, options, results, failure)
+        return
+      end if
     end if
     if (scene_in%loading%control == control_limit) then
       loading%values = [0.0_real64]
@@ -67,75 +73,45 @@ contains
     call solve_reference(map, loading, reference, failure)
     reference%by_load = is_load(scene_in%loading%control)
     if (options%interrupt%is_asked()) failure = 'interrupted'
-    if (allocated(failure) .and. .not. by_summits) then
-      call solve_pixels(scene_in, map, options, results, failure)
-      return
-    end if
-    if (allocated(failure) .and. mode /= effect_off) return
-    ! The file keeps the final result, which with `auto` may be that of the pixels.
-    of_summits_options = options
-    if (mode == effect_auto .and. allocated(options%keep_file)) &
-      deallocate (of_summits_options%keep_file)
+    if (allocated(failure) .and. scene_in%effects%mode('interaction') /= effect_off) return
     call summits_of_scene(scene_in, map, plain, summits, failure)
     if (.not. allocated(failure)) &
-      call solve_with_fields(plain, of_summits_options, of_summits, failure, &
+      call solve_with_fields(plain, options, of_summits, failure, &
                              reshape([-0.5_real64 * map%pixel_spacing, map%pixel_spacing * &
                                       ([map%columns, map%rows] - 0.5_real64)], [2, 2]))
-    if (.not. allocated(failure)) &
-      call check_summits(scene_in, plain, map, reference, summits, of_summits, failure)
     if (options%interrupt%is_asked()) failure = 'interrupted'
-    if (allocated(failure)) then
-      ! The pixels have a solution where summits have none.
-      if (.not. (by_summits .or. options%interrupt%is_asked())) &
-        call solve_pixels(scene_in, map, options, results, failure)
-      return
-    end if
+    if (allocated(failure)) return
+    call check_summits(scene_in, plain, map, reference, summits, of_summits, failure)
+    if (options%interrupt%is_asked()) failure = 'interrupted'
+    if (allocated(failure)) return
     of_summits%nominal_area = results%nominal_area
-    if (by_summits .and. mode == effect_auto .and. scene_in%loading%control /= control_limit) &
-      by_summits = any(of_summits%effects%names /= 'interaction' .and. &
-                       of_summits%positions(1)%effects%simulated /= 'off')
-    if (.not. by_summits) by_summits = is_good_enough(scene_in, of_summits)
-    if (.not. by_summits) then
-      results%map = of_summits%map
-      call solve_pixels(scene_in, map, options, results, failure)
-      if (allocated(failure)) then
-        failure = 'the error of its summits is above the tolerance; its pixels: ' // failure
-        return
-      end if
-      call keep_estimates(scene_in, of_summits, results%positions(1))
-    else
-      results = of_summits
-      call add_map_warnings(scene_in, map, results)
-    end if
+    results = of_summits
+    call add_map_warnings(scene_in, map, results)
   end subroutine solve_map
 
-  ! Keeps the estimates of the effects that are left out on the summits, for the pixels.
-  subroutine keep_estimates(scene_in, summits, pixels)
+  ! Whether the pixels suffice where the effects that only asperities have turn out negligible.
+  pure logical function may_be_pixels(scene_in)
     type(scene), intent(in) :: scene_in
-    type(scene_results), intent(in) :: summits
-    type(position_result), intent(inout) :: pixels
-    type(theory_warning), allocatable :: warnings(:)
-    real(real64) :: share
+
+    may_be_pixels = scene_in%effects%mode('interaction') == effect_auto .and. &
+                    scene_in%loading%control /= control_limit .and. &
+                    .not. any(scene_in%effects%modes == effect_on .and. &
+                              known_effects%not_on_pixels /= '')
+  end function may_be_pixels
+
+  ! Whether `auto` simulates an effect that only asperities have, beside interaction, by its estimated
+  ! influence.
+  pure logical function calls_for_asperities(scene_in, influence)
+    type(scene), intent(in) :: scene_in
+    real(real64), intent(in) :: influence(:)  ! of each known effect
     integer :: e
 
-    associate (of_summits => summits%positions(1))
-      pixels%left_out = of_summits%left_out
-      do e = 1, size(summits%effects%names)
-        if (summits%effects%names(e) /= 'interaction') pixels%left_out(findloc( &
-          known_effects%name, summits%effects%names(e), 1)) = of_summits%effects(e)%estimate
-      end do
-      share = sum(pixels%left_out, pixels%left_out > 0.0_real64)
-      if (.not. share > 0.0_real64) return
-      if (is_load(scene_in%loading%control)) share = of_compression * share
-      pixels%error_estimate = max(pixels%error_estimate, 0.0_real64) + share
-      if (allocated(of_summits%warnings)) warnings = pack(of_summits%warnings, [( &
-        any(of_summits%warnings(e)%number == [of_together, of_off, of_barred, of_excluded]), &
-        e=1, size(of_summits%warnings))])
-      if (pixels%error_estimate > scene_in%effects%number('tolerance')) &
-        call add_warning(warnings, of_error, pixels%error_estimate)
-      call take_worse(pixels%warnings, warnings, size(pixels%states))
-    end associate
-  end subroutine keep_estimates
+    calls_for_asperities = any([( &
+      scene_in%effects%modes(e) == effect_auto .and. known_effects(e)%not_on_pixels /= '' .and. &
+      influence(e) > scene_in%effects%number('tolerance') .and. &
+      why_not_together(trim(known_effects(e)%name), 'on', 'interaction', 'coupled') == '', &
+      e=1, size(known_effects))])
+  end function calls_for_asperities
 
   ! Solves a map on its pixels.
   subroutine solve_pixels(scene_in, map, options, results, failure)
@@ -146,6 +122,9 @@ contains
     character(len=:), allocatable, intent(out) :: failure
     class(position_solver), allocatable :: solver
     type(map_loading) :: loading
+    type(run_options) :: with_contacts
+    logical :: estimates
+    integer :: e
 
     call list_map_loads(scene_in, map, loading, failure)
     if (allocated(failure)) return
@@ -153,9 +132,79 @@ contains
     allocate (results%effects)
     call name_map_columns(scene_in, results%effects)
     results%effects%tolerance = scene_in%effects%number('tolerance')
-    call sweep_scene(scene_in, options, solver, results, failure)
-    if (.not. allocated(failure)) call add_map_warnings(scene_in, map, results)
+    estimates = any([(scene_in%effects%has_numbers(e) .and. &
+                      all(results%effects%names /= known_effects(e)%name), &
+                      e=1, size(known_effects))])
+    with_contacts = options
+    with_contacts%keep_contacts = options%keep_contacts .or. estimates
+    call sweep_scene(scene_in, with_contacts, solver, results, failure)
+    if (allocated(failure)) return
+    call add_map_warnings(scene_in, map, results)
+    if (estimates) call estimate_left_out(scene_in, results%positions(1))
+    if (estimates .and. .not. options%keep_contacts) call drop_rows(results%positions(1))
   end subroutine solve_pixels
+
+  ! Estimates the influence of effects that are not simulated, in the last state: each patch of
+  ! pixels is taken as the Hertzian contact of its area and load.
+  subroutine estimate_left_out(scene_in, position)
+    type(scene), intent(in) :: scene_in
+    type(position_result), intent(inout) :: position
+    type(scene) :: spheres
+    type(scene_results) :: of_spheres
+    type(theory_warning), allocatable :: warnings(:)
+    type(state_row) :: last
+    character(len=:), allocatable :: failure
+    real(real64), allocatable :: square(:), radius(:)
+    real(real64) :: share
+    integer :: e
+
+    last = last_state(position)
+    associate (rows => position%rows(last%first_row:last%last_row))
+      if (.not. last%load > 0.0_real64) return
+      spheres = scene_in
+      deallocate (spheres%map)
+      spheres%effects%modes = effect_off
+      if (allocated(spheres%loading%path)) deallocate (spheres%loading%path)
+      spheres%loading%control = control_separation
+      spheres%loading%value = rounded_decimal(last%approach, 17)
+      spheres%loading%points = 1
+      square = rows%area / pi
+      radius = 4 * combined_modulus(scene_in) * square * sqrt(square) / (3 * rows%load)
+      spheres%upper%is_plane = .true.
+      spheres%lower%is_plane = .false.
+      spheres%lower%x = rows%x
+      spheres%lower%y = rows%y
+      spheres%lower%height = last%approach + square / radius
+      spheres%lower%radius = radius
+      spheres%upper%x = rows(:0)%x
+      spheres%upper%y = rows(:0)%x
+      spheres%upper%height = rows(:0)%x
+      spheres%upper%radius = rows(:0)%x
+    end associate
+    call solve_surfaces(spheres, run_options(), of_spheres, failure)
+    if (allocated(failure)) return
+    associate (found => of_spheres%positions(1))
+      position%left_out = merge(not_computed, found%left_out, known_effects%name == 'interaction')
+      share = sum(position%left_out, position%left_out > 0.0_real64)
+      if (.not. share > 0.0_real64) return
+      if (is_load(scene_in%loading%control)) share = of_compression * share
+      position%error_estimate = max(position%error_estimate, 0.0_real64) + share
+    end associate
+    do e = 1, size(known_effects)
+      if (.not. position%left_out(e) > scene_in%effects%number('tolerance')) cycle
+      if (scene_in%effects%modes(e) == effect_auto) then
+        call add_warning(warnings, of_together, position%left_out(e), &
+                         whose=trim(known_effects(e)%name) // ' beside interaction')
+      else
+        call add_warning(warnings, &
+                         merge(of_barred, of_off, scene_in%effects%is_barred(known_effects(e)%name)), &
+                         position%left_out(e), whose=known_effects(e)%name)
+      end if
+    end do
+    if (position%error_estimate > scene_in%effects%number('tolerance')) &
+      call add_warning(warnings, of_error, position%error_estimate)
+    call take_worse(position%warnings, warnings, size(position%states))
+  end subroutine estimate_left_out
 
   ! Adds the warnings of the map itself to those of its last state.
   subroutine add_map_warnings(scene_in, map, results)
@@ -245,17 +294,5 @@ contains
         name = 'not with ' // known_effects(i)%name
     end do
   end function forbids_boundary
-
-  ! Whether the errors of the summits are within the tolerance of `auto`, area included.
-  logical function is_good_enough(scene_in, results)
-    type(scene), intent(in) :: scene_in
-    type(scene_results), intent(in) :: results
-    real(real64) :: tolerance
-
-    tolerance = scene_in%effects%number('tolerance')
-    is_good_enough = results%positions(1)%error_estimate <= tolerance
-    if (is_good_enough .and. allocated(results%map)) is_good_enough = &
-      results%map%coarser == 1 .and. abs(results%map%area_difference) <= tolerance
-  end function is_good_enough
 
 end module asperity_map_solve

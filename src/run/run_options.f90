@@ -36,8 +36,6 @@ module asperity_run_options
     !> `fields_none`, `fields_last`, `fields_all`. Other scenes, and positions from a file of kept
     !> positions, have none.
     integer :: fields = fields_none
-    !> Whether the run is made for its fields: `auto` then solves a map on its pixels.
-    logical :: needs_fields = .false.
     type(interruption) :: interrupt = interruption()  !! ends the run from another thread
     type(work_count) :: counted_work = work_count()   !! progress of the run for another thread
     type(solution_reuse) :: reuse = solution_reuse()  !! solutions of an earlier run

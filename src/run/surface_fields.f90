@@ -8,7 +8,7 @@ module asperity_surface_fields
   use asperity_lattice_convolution, only: lattice_convolution
   use asperity_element_influence, only: centre_influence
   use asperity_contact_field, only: contact_field, fields_all, fields_none, room_of_fields
-  use asperity_contact_records, only: position_result
+  use asperity_contact_records, only: drop_rows, position_result
   use asperity_decimal, only: decimal_to_real64
   use asperity_element_pressures, only: element_pressures
   use asperity_grid_pressures, only: add_circle, add_square, field_grid
@@ -21,8 +21,7 @@ module asperity_surface_fields
   use asperity_process, only: has_memory
   use asperity_run_options, only: run_options
   use asperity_scene_results, only: scene_results
-  use asperity_scene_values, only: combined_modulus, effect_off, may_choose_pixels, scene, &
-                                   solves_pixels
+  use asperity_scene_values, only: combined_modulus, effect_off, scene, solves_pixels
   use asperity_surface_elevations, only: elevation_of, place_surface, placed_surface
   use asperity_surface_solve, only: solve_surfaces
   implicit none
@@ -63,7 +62,7 @@ contains
     else if (.not. allocated(scene_in%map)) then
       call problems%add(name // ': no grid for the fields of asperities, expected ' // &
                         'field_spacing, the side of a pixel, in &surfaces')
-    else if (.not. (solves_pixels(scene_in) .or. may_choose_pixels(scene_in))) then
+    else if (.not. solves_pixels(scene_in)) then
       call problems%add(name // ': only a height map solved on its pixels has pressure on ' // &
                         'pixels, expected interaction = ''boundary'' in &effects, or ' // &
                         'field_spacing in &surfaces for fields of its summits')
@@ -123,14 +122,7 @@ contains
                      results%positions(1), failure)
     if (options%keep_contacts) return
     ! Contacts were kept for the fields only.
-    associate (position => results%positions(1))
-      position%rows_used = 0
-      position%rows = position%rows(:0)
-      position%states%first_row = 1
-      position%states%last_row = 0
-      if (allocated(position%contact_values)) &
-        position%contact_values = position%contact_values(:0, :)
-    end associate
+    call drop_rows(results%positions(1))
   end subroutine solve_with_fields
 
   ! Computes the fields of the last state, or of all.

@@ -214,22 +214,40 @@ def test_a_large_map_is_pressed_coarser(asperity, tmp_path):
     assert 0.5 * abs(off) < estimate < 0.1
 
 
-def test_auto_takes_what_is_good_enough(asperity, tmp_path):
+@pytest.mark.parametrize("tolerance", [0.3, 1e-4])
+def test_auto_presses_pixels(asperity, tmp_path, tolerance):
     sides = (1 / 64, 1 / 64)
     height = 1e-4 * rough(64, shortest=8, seed=16)
     loading = {"control": "load", "value": load_for(height, sides, 0.03)}
-    rough_scene = map_scene(tmp_path, height, sides, interaction="auto", loading=loading)
-    text = rough_scene.read_text().replace("'auto'", "'auto', tolerance = 0.3")
-    rough_scene.write_text(text)
-    summits = solve(asperity, rough_scene)
-    assert summits.status == 0 and summits.positions[0]["interaction"] == "coupled"
-    rough_scene.write_text(text.replace("0.3", "1e-4"))
-    samples = solve(asperity, rough_scene)
-    assert samples.positions[0]["interaction"] == "boundary"
-    assert "the results are those of the pixels" in samples.stdout
+    scene = map_scene(tmp_path, height, sides, interaction="auto", loading=loading)
+    scene.write_text(scene.read_text().replace("'auto'", f"'auto', tolerance = {tolerance}"))
+    found = solve(asperity, scene)
     flat, _ = press(level(height), sides, E, loading["value"])
-    assert abs(float(samples.positions[0]["separation"]) / flat - 1) < 1e-6
-    assert abs(float(summits.positions[0]["separation"]) / flat - 1) > 1e-4
+    assert found.positions[0]["interaction"] == "boundary" and "Summits" not in found.stdout
+    assert abs(float(found.positions[0]["separation"]) / flat - 1) < 1e-6
+
+
+@pytest.mark.parametrize("more, way, said", [
+    ({"plastic_yield_stress": 1e-3, "plasticity": "auto"}, "coupled",
+     "plasticity: without plastic_hardness it is computed for asperities, not for the pixels of a "
+     "map, and where it matters: the summits of the map are solved in place of its pixels"),
+    ({"plastic_yield_stress": 1e6, "plasticity": "auto"}, "boundary", "where it matters"),
+])
+def test_summits_where_an_effect_needs_them(asperity, tmp_path, more, way, said):
+    sides = (1 / 64, 1 / 64)
+    height = 1e-4 * rough(64, shortest=8, seed=16)
+    scene = write_scene(
+        tmp_path / "effect.scene",
+        surfaces={"upper": "plane", "lower": write_map(tmp_path / "map.txt", height),
+                  "map_spacing": sides},
+        material={"elastic_modulus": (2 * E, 2 * E), "poisson_ratio": (0.3, 0.3)},
+        effects={"interaction": "auto", **more},
+        loading={"control": "load", "value": load_for(height, sides, 0.03)})
+    found = solve(asperity, scene)
+    assert found.status == 0 and said in found.stderr, found.stderr
+    assert found.positions[0]["interaction"] == way
+    left_out = re.search(r"plasticity +off: estimated influence on the load 0 %", found.stdout)
+    assert (left_out is not None) == (way == "boundary")
 
 
 def test_auto_presses_pixels_where_summits_have_no_solution(asperity, tmp_path):
