@@ -138,7 +138,8 @@ contains
       new%failure = 'no scene'
     else if (from%problems%count() == 0) then
       call set_options(options, chosen, new%problems)
-      if (chosen%fields > fields_none) call check_field_request(from%scene_in, 'fields', new%problems)
+      if (chosen%fields > fields_none) &
+        call check_field_request(from%scene_in, 'fields', new%problems)
       chosen%reuse%keeps = .true.
       if (new%problems%count() == 0) call solve(from%scene_in, results, new%failure, chosen)
       if (allocated(new%failure)) new%failure = from%scene_in%file // ': ' // new%failure

@@ -298,8 +298,8 @@ contains
   end function has_tangential
 
   !> Whether a scene with a map is solved on its pixels: with `boundary`, and with `auto` unless an
-  !> effect or the control is one that only asperities have. The summits of a periodic map are solved
-  !> without its images and have no hardness.
+  !> effect or the control is one that only asperities have. The summits of a periodic map are
+  !> solved without its images and have no hardness.
   pure logical function solves_pixels(scene_in)
     type(scene), intent(in) :: scene_in  !! checked values, with a map
 

@@ -99,8 +99,8 @@ contains
                               known_effects%not_on_pixels /= '')
   end function may_be_pixels
 
-  ! Whether `auto` simulates an effect that only asperities have, beside interaction, by its estimated
-  ! influence.
+  ! Whether `auto` simulates an effect that only asperities have, beside interaction, by its
+  ! estimated influence.
   pure logical function calls_for_asperities(scene_in, influence)
     type(scene), intent(in) :: scene_in
     real(real64), intent(in) :: influence(:)  ! of each known effect
@@ -156,7 +156,7 @@ contains
     character(len=:), allocatable :: failure
     real(real64), allocatable :: square(:), radius(:)
     real(real64) :: share
-    integer :: e
+    integer :: e, number
 
     last = last_state(position)
     associate (rows => position%rows(last%first_row:last%last_row))
@@ -196,9 +196,8 @@ contains
         call add_warning(warnings, of_together, position%left_out(e), &
                          whose=trim(known_effects(e)%name) // ' beside interaction')
       else
-        call add_warning(warnings, &
-                         merge(of_barred, of_off, scene_in%effects%is_barred(known_effects(e)%name)), &
-                         position%left_out(e), whose=known_effects(e)%name)
+        number = merge(of_barred, of_off, scene_in%effects%is_barred(known_effects(e)%name))
+        call add_warning(warnings, number, position%left_out(e), whose=known_effects(e)%name)
       end if
     end do
     if (position%error_estimate > scene_in%effects%number('tolerance')) &
