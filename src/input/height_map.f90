@@ -64,9 +64,20 @@ module asperity_height_map
     integer :: edge = 0                         !! which of `edge_names` came with them; 0: none
     type(problem_list) :: notes                 !! what is odd about the file, no error
     logical :: periodic = .false.               !! it repeats itself along x and y: it has no edge
+    integer :: strip_axis = 0                   !! axis along which alone it repeats itself; 0: none
+  contains
+    procedure :: repeats => repeats_along       !! whether it repeats itself along an axis
   end type height_map
 
 contains
+
+  !> Whether a map repeats itself along an axis.
+  pure logical function repeats_along(self, axis)
+    class(height_map), intent(in) :: self  !! a height map
+    integer, intent(in) :: axis            !! 1: x, 2: y
+
+    repeats_along = self%periodic .or. self%strip_axis == axis
+  end function repeats_along
 
   !> Whether a sample was measured.
   elemental logical function is_measured(height)

@@ -12,11 +12,11 @@ module asperity_scene_maps
   use asperity_input_text, only: in_quotes, skip_mark
   use asperity_kept_records, only: checksum
   use asperity_kinds, only: int64, real64
-  use asperity_numeral, only: above_zero
+  use asperity_numeral, only: above_zero, not_negative
   use asperity_problems, only: decimal_text, problem_list, real_text
   use asperity_scene_fields, only: scene_fields
   use asperity_scene_values, only: control_limit, effect_auto, effect_boundary, effect_coupled, &
-                                   effect_off, effect_words, has_hardness, scene, &
+                                   effect_off, effect_words, has_hardness, is_load, scene, &
                                    scene_surface, solves_pixels
   implicit none
   private
@@ -25,8 +25,9 @@ module asperity_scene_maps
 
   character(len=*), parameter :: despike_words(2) = [character(len=3) :: 'off', 'on']
   ! Names of &surfaces that a map alone has.
-  character(len=*), parameter :: own_names(5) = &
-    [character(len=11) :: 'map_edge', 'map_level', 'map_unit', 'map_spacing', 'map_despike']
+  character(len=*), parameter :: own_names(6) = &
+    [character(len=11) :: 'map_edge', 'map_level', 'map_unit', 'map_spacing', 'map_despike', &
+                          'form_radius']
 
 contains
 
@@ -61,7 +62,7 @@ contains
     type(scene), intent(inout) :: checked             !! gets the maps; has those that are given
     type(problem_list), intent(inout) :: other_files  !! what is wrong with the files
     type(decimal_value) :: pixel_spacing(2, 2)
-    integer :: despike, edge, sides, unit(2)
+    integer :: despike, edges(2), sides, unit(2)
     logical :: good, is_given(2)
 
     despike = 1
@@ -71,6 +72,7 @@ contains
                 checked%lower%file /= '' .or. checked%map%lower%columns > 0]
     sides = count(is_given)
     call take_spacing()
+    call take_form()
     if (sides == 2 .and. fields%value_count('surfaces', 'map_unit') == 2) then
       call fields%take_units('surfaces', 'map_unit', length_units, unit)
     else
@@ -86,9 +88,13 @@ contains
       if (is_given(1) .and. good) call make_one(checked%upper, 1, maps%upper)
       if (is_given(2) .and. good) call make_one(checked%lower, 2, maps%lower)
       call take_edge()
-      maps%periodic = edge == periodic_edge
-      maps%upper%periodic = maps%periodic
-      maps%lower%periodic = maps%periodic
+      maps%periodic = any(edges == periodic_edge)
+      maps%upper%periodic = all(edges == periodic_edge)
+      maps%lower%periodic = maps%upper%periodic
+      if (maps%periodic .and. .not. maps%upper%periodic) then
+        maps%upper%strip_axis = findloc(edges, periodic_edge, 1)
+        maps%lower%strip_axis = maps%upper%strip_axis
+      end if
       if (other_files%count() == 0 .and. good) then
         if (is_given(1)) call note_repeated_line(maps%upper)
         if (is_given(2)) call note_repeated_line(maps%lower)
@@ -114,19 +120,34 @@ contains
 
   contains
 
-    ! The edge that is named, or else that of the arrays and files.
+    ! The edge that is named, one for both axes or one each; else that of the arrays and files.
     subroutine take_edge()
       integer :: of_arrays(2)
 
       of_arrays = [checked%map%upper%edge, checked%map%lower%edge]
-      edge = max(1, maxval(of_arrays))
-      if (fields%has_name('surfaces', 'map_edge')) then
-        call fields%take_word('surfaces', 'map_edge', edge_names, edge)
+      edges = max(1, maxval(of_arrays))
+      if (fields%value_count('surfaces', 'map_edge') == 2) then
+        call fields%take_units('surfaces', 'map_edge', edge_names, edges)
+      else if (fields%has_name('surfaces', 'map_edge')) then
+        call fields%take_word('surfaces', 'map_edge', edge_names, edges(1))
+        edges(2) = edges(1)
       else if (all(of_arrays > 0) .and. of_arrays(1) /= of_arrays(2)) then
         call fields%complain_of('surfaces', 'upper', 'two maps: found one that is free and one ' &
                                 // 'that is periodic, expected both alike, or map_edge')
       end if
     end subroutine take_edge
+
+    ! Radii of the form: one for both axes, or one along each.
+    subroutine take_form()
+      type(decimal_value) :: values(2)
+
+      call fields%take_pair('surfaces', 'form_radius', not_negative, values)
+      checked%map%form_radius = decimal_to_real64(values)
+      if (any(checked%map%form_radius > 0.0_real64 .and. &
+              .not. is_length(checked%map%form_radius))) &
+        call fields%complain_of('surfaces', 'form_radius', 'expected ' // expected_length // &
+                                ', or 0 for a straight axis')
+    end subroutine take_form
 
     ! A pair for all maps, or one for each.
     subroutine take_spacing()
@@ -280,6 +301,12 @@ contains
                              'are solved in place of its pixels')
     end if
     if (.not. solves_pixels(checked)) return
+    ! Displacements of a strip are known up to the logarithm of a distance (Johnson, section 2.3).
+    if (max(checked%map%upper%strip_axis, checked%map%lower%strip_axis) > 0 .and. &
+        .not. (is_load(checked%loading%control) .or. checked%loading%control == control_limit)) &
+      call fields%complain_of_group('loading', 'a map that is periodic along one axis is known ' &
+           // 'by its load: found a separation, expected control = ''load'', ' // &
+           '''vertical_load'' or ''pressure''')
     call fields%refuse_name('surfaces', 'field_spacing', 'found beside a map that is solved ' // &
                             'on its pixels, expected none: the fields are on the pixels')
     if (checked%loading%control == control_limit) then

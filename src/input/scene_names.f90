@@ -36,7 +36,8 @@ contains
 
     table = [in_group('surfaces', [character(len=13) :: 'deck', 'upper', 'lower', 'radius', &
                                    'nominal_area', 'units', 'map_edge', 'map_level', 'map_unit', &
-                                   'map_spacing', 'map_despike', 'field_spacing']), &
+                                   'map_spacing', 'map_despike', 'form_radius', &
+                                   'field_spacing']), &
              in_group('material', [character(len=15) :: 'elastic_modulus', 'poisson_ratio', &
                                    'contact_modulus']), &
              in_group('motion', [character(len=9) :: 'x_first', 'x_step', 'y_first', 'y_step', &

@@ -120,9 +120,10 @@ module asperity_scene_values
   type :: scene_map
     type(height_map) :: upper      !! as it was read; without columns: there is none
     type(height_map) :: lower      !! as it was read; without columns: there is none
-    logical :: periodic = .false.  !! they repeat themselves
+    logical :: periodic = .false.  !! they repeat themselves along an axis or both
     integer :: level = level_plane !! from which heights are measured
     logical :: despike = .false.   !! single outliers are taken out of them
+    real(real64) :: form_radius(2) = 0.0_real64  !! of the form, along x and y; 0: straight
   end type scene_map
 
   !> One side of a scene that is given beside its text; where neither is allocated, the text names a

@@ -7,7 +7,7 @@
 !> of the next.
 module asperity_map_contact
   use asperity_lattice_convolution, only: lattice_convolution, padded_length
-  use asperity_element_influence, only: centre_influence
+  use asperity_element_influence, only: centre_influence, strip_influence
   use asperity_element_forces, only: find_forces, force_bounds, missing_gap
   use asperity_height_map, only: height_map, is_measured, no_height
   use asperity_interruption, only: interruption
@@ -196,13 +196,14 @@ contains
     type(height_map), intent(in) :: map                     !! map with its edges
     type(lattice_convolution), intent(inout) :: influence   !! convolution without plans
 
-    associate (gap => map%height)
+    associate (gap => map%height, side_ratio => map%pixel_spacing(2) / map%pixel_spacing(1))
       if (map%periodic) then
-        call influence%prepare_periodic(size(gap, 1), size(gap, 2), 1.0_real64, &
-                                        map%pixel_spacing(2) / map%pixel_spacing(1))
+        call influence%prepare_periodic(size(gap, 1), size(gap, 2), 1.0_real64, side_ratio)
+      else if (map%strip_axis > 0) then
+        call influence%prepare(strip_influence(shape(gap), side_ratio, map%strip_axis), &
+                               map%strip_axis)
       else
-        call influence%prepare(centre_influence(size(gap, 1), size(gap, 2), &
-                                                map%pixel_spacing(2) / map%pixel_spacing(1)))
+        call influence%prepare(centre_influence(size(gap, 1), size(gap, 2), side_ratio))
       end if
     end associate
   end subroutine prepare_influence
@@ -221,8 +222,7 @@ contains
     real(real64) :: padded(2)
 
     padded = shape(map%height)
-    if (.not. map%periodic) padded = [padded_length(2 * size(map%height, 1) - 1), &
-                                      padded_length(2 * size(map%height, 2) - 1)]
+    where (.not. [map%repeats(1), map%repeats(2)]) padded = padded_length(2 * shape(map%height) - 1)
     bytes = nint(bytes_padded * product(padded) + bytes_across * padded(1) * &
                  size(map%height, 2) + bytes_plain * size(map%height), int64)
   end function room_to_press
@@ -239,8 +239,9 @@ contains
     half%rows = (map%rows + 1) / 2
     half%pixel_spacing = merge(2, 1, shape(map%height) > 1) * map%pixel_spacing
     half%periodic = map%periodic
-    if (map%periodic) half%pixel_spacing = map%pixel_spacing * shape(map%height) / [half%columns, &
-      half%rows]
+    half%strip_axis = map%strip_axis
+    where ([map%repeats(1), map%repeats(2)]) half%pixel_spacing = map%pixel_spacing * &
+      shape(map%height) / [half%columns, half%rows]
     allocate (half%height(half%columns, half%rows), source=no_height)
     do j = 1, size(half%height, 2)
       do i = 1, size(half%height, 1)

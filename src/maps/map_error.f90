@@ -118,7 +118,8 @@ contains
       do j = 1, map%rows
         do i = 1, map%columns
           other = [i, j]
-          other(axis) = index_beside(other(axis) + distance, size(map%height, axis), map%periodic)
+          other(axis) = index_beside(other(axis) + distance, size(map%height, axis), &
+                                     map%repeats(axis))
           if (other(axis) == 0) cycle
           if (.not. (is_measured(map%height(i, j)) .and. &
                      is_measured(map%height(other(1), other(2))))) cycle

@@ -41,9 +41,9 @@ contains
         total = total + gap
         squares = squares + gap**2
         energy = energy + answer%pressure(i, j) * answer%displacement(i, j)
-        if (is_rim(i, j, index_beside(i + 1, map%columns, map%periodic), j)) &
+        if (is_rim(i, j, index_beside(i + 1, map%columns, map%repeats(1)), j)) &
           perimeter = perimeter + map%pixel_spacing(2)
-        if (is_rim(i, j, i, index_beside(j + 1, map%rows, map%periodic))) &
+        if (is_rim(i, j, i, index_beside(j + 1, map%rows, map%repeats(2)))) &
           perimeter = perimeter + map%pixel_spacing(1)
       end do
     end do

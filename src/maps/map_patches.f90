@@ -52,12 +52,13 @@ contains
     ! How many lengths of a periodic map lie between a pixel and where its patch was entered.
     integer, allocatable :: windings(:, :, :)
     type(map_patch), allocatable :: larger(:)
-    logical :: spans(2)
+    logical :: repeats(2), spans(2)
     integer :: deep, i, j, n
 
     allocate (label(size(pressure, 1), size(pressure, 2)), source=0)
     allocate (stack(2, count(pressure > 0.0_real64)), patches(16))
-    if (map%periodic) allocate (windings(2, map%columns, map%rows), source=0)
+    repeats = [map%repeats(1), map%repeats(2)]
+    if (any(repeats)) allocate (windings(2, map%columns, map%rows), source=0)
     n = 0
     do j = 1, size(pressure, 2)
       do i = 1, size(pressure, 1)
@@ -127,8 +128,8 @@ contains
           deep = deep + 1
           stack(:, deep) = [across, along] + step(:, k)
           label(next(1), next(2)) = n
-          if (map%periodic) windings(:, next(1), next(2)) = winding
-        else if (map%periodic) then
+          if (any(repeats)) windings(:, next(1), next(2)) = winding
+        else if (any(repeats)) then
           spans = spans .or. windings(:, next(1), next(2)) /= winding
         end if
       end do
@@ -141,7 +142,7 @@ contains
       integer :: place(2)
 
       place = [across, along]
-      if (map%periodic) place = 1 + modulo(place - 1, shape(pressure))
+      where (repeats) place = 1 + modulo(place - 1, shape(pressure))
     end function wrapped_pixel
 
     ! Length from the first pixel, of an unwrapped centre in pixels.
@@ -150,9 +151,9 @@ contains
       real(real64), intent(in) :: centre
 
       place = centre
-      if (map%periodic) place = modulo(centre, real(size(pressure, axis), real64))
+      if (repeats(axis)) place = modulo(centre, real(size(pressure, axis), real64))
       ! An error must not move a centre from the begin of a periodic map to its end.
-      if (map%periodic .and. size(pressure, axis) - place < centre_error) place = 0.0_real64
+      if (repeats(axis) .and. size(pressure, axis) - place < centre_error) place = 0.0_real64
       place = place * map%pixel_spacing(axis)
       if (spans(axis)) place = not_computed
     end function centre_of

@@ -28,7 +28,7 @@ contains
     type(height_map), intent(in) :: map  !! map of any size
 
     call take_heights(map, 0.5_real64, doubled_lines(transpose(doubled_lines( &
-      transpose(map%height), map%periodic)), map%periodic), fine)
+      transpose(map%height), map%repeats(2))), map%repeats(1)), fine)
   end function doubled_map
 
   ! Makes a map with other heights, at a ratio of its spacing to that of the map they are from.
@@ -41,9 +41,10 @@ contains
     changed%columns = size(height, 1)
     changed%rows = size(height, 2)
     changed%periodic = map%periodic
+    changed%strip_axis = map%strip_axis
     changed%pixel_spacing = ratio * map%pixel_spacing
-    if (map%periodic) changed%pixel_spacing = map%pixel_spacing * shape(map%height) / &
-                                              real(shape(height), real64)
+    where ([map%repeats(1), map%repeats(2)]) changed%pixel_spacing = map%pixel_spacing * &
+      shape(map%height) / real(shape(height), real64)
     if (allocated(map%unit)) changed%unit = map%unit
   end subroutine take_heights
 

@@ -14,8 +14,8 @@ module asperity_summary
                                    criterion_none, criterion_words, effect_off, scene, scene_map
   use asperity_text_buffer, only: text_buffer
   use asperity_totals_table, only: load_is_met, write_totals
-  use asperity_unit_names, only: is_area, is_force, is_length, is_moment, is_number, unit_of, &
-                                 unit_powers, with_unit
+  use asperity_unit_names, only: is_area, is_force, is_length, is_moment, is_number, &
+                                 is_pressure, unit_of, unit_powers, with_unit
   use asperity_warning_lines, only: list_warnings
   implicit none
   private
@@ -38,6 +38,7 @@ contains
     call buffer%line('')
     call write_errors(results, buffer)
     call write_remarks(scene_in, results, buffer)
+    call write_form(scene_in, results, buffer)
     call write_grid(scene_in, results, buffer)
     call write_path(scene_in, results, buffer)
     call write_effects(results, buffer)
@@ -130,6 +131,25 @@ contains
       call buffer%line(overlap_text(results%positions%overlapping_circles, &
                                     scene_in%effects%mode('interaction') == effect_off))
   end subroutine write_remarks
+
+  ! Hertz' contact of the smooth form under the roughness of a map.
+  subroutine write_form(scene_in, results, buffer)
+    type(scene), intent(in) :: scene_in
+    type(scene_results), intent(in) :: results
+    type(text_buffer), intent(inout) :: buffer
+    integer :: at
+
+    if (.not. allocated(results%effects)) return
+    at = findloc(results%effects%state_columns, 'hertz_pressure', 1)
+    if (at == 0) return
+    associate (smooth => results%positions(1)%state_values(at:at + 1))
+      if (any(smooth <= not_computed)) return
+      call buffer%line('smooth form (Hertz): greatest pressure ' // &
+                       trim(number_text(smooth(1)) // ' ' // unit_of(scene_in, is_pressure)) // &
+                       ', contact area ' // &
+                       trim(number_text(smooth(2)) // ' ' // unit_of(scene_in, is_area)))
+    end associate
+  end subroutine write_form
 
   ! Grid of the fields, and where the pressures on it come from.
   subroutine write_grid(scene_in, results, buffer)
@@ -272,7 +292,10 @@ contains
     else
       text = 'height map of ' // text // ' and a plane'
     end if
-    if (maps%periodic) text = 'periodic ' // text
+    associate (strip_axis => max(maps%upper%strip_axis, maps%lower%strip_axis))
+      if (maps%periodic .and. strip_axis == 0) text = 'periodic ' // text
+      if (strip_axis > 0) text = text // ', periodic along ' // 'xy'(strip_axis:strip_axis)
+    end associate
   end function maps_in_words
 
   !> Whether the results are those of the samples of a map.

@@ -10,6 +10,7 @@ module asperity_map_press_solver
   use asperity_map_despiking, only: limit_of_spikes
   use asperity_map_error, only: estimate_pixel_errors, is_rough_at_pixels, pixel_errors
   use asperity_map_fields, only: measure_fields, take_field
+  use asperity_map_form, only: find_form_contact
   use asperity_map_levelling, only: is_flat
   use asperity_map_patches, only: find_patches, map_patch
   use asperity_map_scene, only: map_loading
@@ -47,6 +48,7 @@ module asperity_map_press_solver
     type(theory_limits) :: limits
     type(scene_limit) :: limit
     integer :: fields = fields_none              ! which states keep pressure and gap
+    real(real64) :: form_radius(2) = 0.0_real64  ! of the form along x and y; 0: straight
     character(len=:), allocatable :: unit        ! unit of length; empty: unknown
   contains
     procedure :: solve => press_to_states  !! solves the one position
@@ -83,6 +85,7 @@ contains
     new%limit = scene_in%limit
     new%spike_limit = limit_of_spikes(map, 1)
     new%fields = fields
+    new%form_radius = scene_in%map%form_radius
     new%unit = trim(scene_in%units(1))
     if (new%unit == '' .and. allocated(map%unit)) new%unit = trim(map%unit)
     new%positions = 1
@@ -111,6 +114,12 @@ contains
       header%contact_powers = reshape([header%contact_powers, slip_contact_powers], [2, 3])
       header%state_columns = [header%state_columns, slip_state_columns]
       header%state_powers = reshape([header%state_powers, slip_state_powers], [2, 10])
+    end if
+    if (any(scene_in%map%form_radius > 0.0_real64)) then
+      header%state_columns = [character(len=24) :: header%state_columns, 'hertz_pressure', &
+                              'hertz_area']
+      header%state_powers = reshape([header%state_powers, 1, -2, 0, 2], &
+                                    [2, size(header%state_columns)])
     end if
     if (.not. has_hardness(scene_in)) return
     header%names = [character(len=11) :: header%names, 'plasticity']
@@ -196,6 +205,7 @@ contains
     else
       result%contact_values = reshape(samples, [size(samples), 1])
     end if
+    call add_form_contact(self, answer, result)
     if (allocated(self%hardness)) result%state_values = [result%state_values, &
       result%states(self%states)%plastic_area, work]
     allocate (result%effects(1 + count([allocated(self%slip), allocated(self%hardness)])))
@@ -204,6 +214,29 @@ contains
     result%effects%why = 'on the pixels of the map'
     result%effects%ending = answer%ending
   end subroutine press_to_states
+
+  ! Adds the columns of the smooth form.
+  subroutine add_form_contact(self, answer, result)
+    class(map_press_solver), intent(in) :: self
+    type(map_answer), intent(in) :: answer
+    type(position_result), intent(inout) :: result
+    real(real64) :: smooth(2)
+
+    if (.not. any(self%form_radius > 0.0_real64)) return
+    call find_form_contact(self%form_radius, answer%load, self%loading%modulus, &
+                           length_of_cylinder(self), smooth(1), smooth(2))
+    result%state_values = [result%state_values, smooth]
+  end subroutine add_form_contact
+
+  ! Length of the contact of a cylinder: that of a period along its axis; 0 where its end is free.
+  pure real(real64) function length_of_cylinder(self) result(length)
+    class(map_press_solver), intent(in) :: self
+    integer :: axis
+
+    axis = minloc(self%form_radius, 1)
+    length = 0.0_real64
+    if (self%map%repeats(axis)) length = self%map%pixel_spacing(axis) * size(self%map%height, axis)
+  end function length_of_cylinder
 
   ! Solves partial slip at the last state and adds its columns and its traction.
   subroutine add_slip(self, shape_of_map, answer, samples, result, failure)

@@ -5,6 +5,7 @@ module asperity_map_scene
   use asperity_height_map, only: height_map, is_measured, no_height
   use asperity_kinds, only: int64, real64
   use asperity_map_despiking, only: despike_map
+  use asperity_map_form, only: add_form
   use asperity_map_levelling, only: level_map
   use asperity_map_summits, only: find_summits, map_summits, rule_contact, usual_radius
   use asperity_numeral, only: rounded_decimal
@@ -25,7 +26,7 @@ module asperity_map_scene
 contains
 
   !> Makes the map that is in contact with a rigid plane: levelled, without outliers when chosen;
-  !> the sum of two maps.
+  !> the sum of two maps, and its form.
   subroutine join_maps(scene_in, map, failure)
     type(scene), intent(in) :: scene_in    !! scene with a map, or two on the same grid
     type(height_map), intent(out) :: map   !! map; pixels missing in one of two maps are missing
@@ -36,16 +37,18 @@ contains
       if (maps%lower%columns > 0) map = maps%lower
       if (maps%lower%columns == 0) map = maps%upper
       call make_level(map)
-      if (.not. (maps%lower%columns > 0 .and. maps%upper%columns > 0)) return
-      other = maps%upper
-      call make_level(other)
-      where (is_measured(map%height) .and. is_measured(other%height))
-        map%height = map%height + other%height
-      else where
-        map%height = no_height
-      end where
-      ! A pixel may be missing in one of the maps only.
-      call level_map(map, maps%level)
+      if (maps%lower%columns > 0 .and. maps%upper%columns > 0) then
+        other = maps%upper
+        call make_level(other)
+        where (is_measured(map%height) .and. is_measured(other%height))
+          map%height = map%height + other%height
+        else where
+          map%height = no_height
+        end where
+        ! A pixel may be missing in one of the maps only.
+        call level_map(map, maps%level)
+      end if
+      call add_form(map, maps%form_radius)
     end associate
 
   contains

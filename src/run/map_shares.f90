@@ -1,6 +1,7 @@
 !> Shares of the load of a map on its edge, on spikes, on scan lines and on contact patches without
 !> a summit, and the warnings of them.
 module asperity_map_shares
+  use asperity_constants, only: pi
   use asperity_height_map, only: height_map, is_measured
   use asperity_kinds, only: real64
   use asperity_map_despiking, only: is_spike
@@ -36,8 +37,8 @@ contains
     type(map_patch), intent(in) :: patches(:)   !! contact patches of the pressure
     real(real64), intent(in) :: spike_limit     !! `limit_of_spikes` of the map
     type(map_shares), intent(out) :: shares     !! shares except `without_summit`
-    real(real64) :: total
-    integer :: coarser, i, j
+    real(real64) :: inner, total
+    integer :: coarser, first(2), i, j
 
     total = sum(pressure)
     if (.not. total > 0.0_real64) return
@@ -53,10 +54,15 @@ contains
     end do
     if (map%periodic) return
     associate (n => size(pressure, 1), m => size(pressure, 2))
-      shares%on_edge = 1.0_real64 - sum(pressure(1 + edge:n - edge, 1 + edge:m - edge)) / total
-      ! Beyond the radius r of a round punch of radius 1: sqrt(1 - r**2) (Johnson, eq. 3.34).
-      shares%edge_of_punch = &
-        sqrt(1.0_real64 - max(0.0_real64, 1.0_real64 - 2.0_real64 * edge / min(n, m))**2)
+      first = merge(1, 1 + edge, [map%repeats(1), map%repeats(2)])
+      shares%on_edge = 1.0_real64 - sum(pressure(first(1):n + 1 - first(1), &
+                                                 first(2):m + 1 - first(2))) / total
+      ! Beyond the radius r of a round punch of radius 1: sqrt(1 - r**2) (Johnson, eq. 3.34). On a
+      ! strip beyond the distance r from the middle of a long one: 1 - 2/pi asin(r) (eq. 2.64).
+      inner = max(0.0_real64, 1.0_real64 - 2.0_real64 * edge / &
+                  minval([n, m], mask=first > 1))
+      shares%edge_of_punch = sqrt(1.0_real64 - inner**2)
+      if (map%strip_axis > 0) shares%edge_of_punch = 1.0_real64 - 2.0_real64 / pi * asin(inner)
     end associate
 
   contains
@@ -91,17 +97,22 @@ contains
   end subroutine warn_of_shares
 
   !> Warns of a map with missing pixels, and of a periodic map with a jump at its border.
-  pure subroutine warn_of_map(map, tolerance, warnings)
+  pure subroutine warn_of_map(map, tolerance, has_form, warnings)
     type(height_map), intent(in) :: map     !! levelled height map
     real(real64), intent(in) :: tolerance   !! largest share without a warning
+    logical, intent(in) :: has_form         !! its form has a bend at the border
     type(theory_warning), allocatable, intent(inout) :: warnings(:)  !! warnings of the state
     real(real64), parameter :: rounding = 1.0e-9_real64  ! tolerance for a ridge along the border
     real(real64) :: missing, ratio
+    integer :: axis
 
     missing = count(.not. is_measured(map%height)) / real(size(map%height), real64)
     if (missing > tolerance) call add_warning(warnings, of_missing, missing)
-    if (.not. map%periodic) return
-    ratio = max(border_ratio(map%height, 1), border_ratio(map%height, 2))
+    if (has_form) return
+    ratio = 0.0_real64
+    do axis = 1, 2
+      if (map%repeats(axis)) ratio = max(ratio, border_ratio(map%height, axis))
+    end do
     if (ratio > warning_kinds(of_border)%limit * (1.0_real64 + rounding)) &
       call add_warning(warnings, of_border, ratio)
   end subroutine warn_of_map

@@ -218,7 +218,8 @@ contains
         where (found%number == of_cap) found%whose = 'summits of the map'
       end associate
     end if
-    call warn_of_map(map, scene_in%effects%number('tolerance'), warnings)
+    call warn_of_map(map, scene_in%effects%number('tolerance'), &
+                     any(scene_in%map%form_radius > 0.0_real64), warnings)
     call take_worse(results%positions(1)%warnings, warnings, size(results%positions(1)%states))
   end subroutine add_map_warnings
 

@@ -52,29 +52,31 @@ module asperity_lattice_convolution
 contains
 
   !> Prepares the convolution with an influence that is the same at mirrored offsets.
-  subroutine prepare_plane(self, influence)
+  subroutine prepare_plane(self, influence, strip_axis)
     class(lattice_convolution), intent(inout), target :: self  !! convolution without plans
     !> (columns, rows): displacement at an offset by a unit force; of the size of the lattice
     real(real64), intent(in) :: influence(0:, 0:)
+    !> axis along which the lattice is periodic, with the influence of a whole period; absent: none
+    integer, intent(in), optional :: strip_axis
     real(c_double), allocatable, target :: row(:)
     complex(c_double_complex), allocatable, target :: column(:)
-    integer :: i, j, n
+    integer :: i, j, n(2), padded(2)
 
-    call make_plans(self, padded_length(2 * size(influence, 1) - 1), &
-                    padded_length(2 * size(influence, 2) - 1), size(influence, 2))
+    n = shape(influence)
+    padded = padded_length(2 * n - 1)
+    if (present(strip_axis)) padded(strip_axis) = n(strip_axis)
+    call make_plans(self, padded(1), padded(2), n(2))
     allocate (row(0:self%columns - 1), column(0:self%rows - 1))
-    n = size(influence, 1)
     row = 0.0_c_double
     do j = 0, ubound(influence, 2)
-      row(:n - 1) = influence(:, j)
-      row(self%columns - n + 1:) = influence(n - 1:1:-1, j)
+      row(:n(1) - 1) = influence(:, j)
+      if (padded(1) > n(1)) row(padded(1) - n(1) + 1:) = influence(n(1) - 1:1:-1, j)
       call fftw_real_to_complex(self%plans(row_forward), c_loc(row), c_loc(self%transform(0, j)))
     end do
-    n = size(influence, 2)
     do i = 0, ubound(self%transform, 1)
       column = (0.0_c_double, 0.0_c_double)
-      column(:n - 1) = real(self%transform(i, :), c_double)
-      column(self%rows - n + 1:) = column(n - 1:1:-1)
+      column(:n(2) - 1) = real(self%transform(i, :), c_double)
+      if (padded(2) > n(2)) column(padded(2) - n(2) + 1:) = column(n(2) - 1:1:-1)
       call fftw_complex(self%plans(column_forward), c_loc(column), c_loc(column))
       self%spectrum(:, i, of_influence) = real(column(:self%rows / 2), c_double)
     end do
@@ -214,7 +216,7 @@ contains
 
   !> Length of at least n and at most n plus an eighth that is at most 16 times a power of 2: FFTW
   !> is efficient for powers of 2, 3, 5 and 7 and one factor of 11 or 13.
-  pure integer function padded_length(n)
+  elemental integer function padded_length(n)
     integer, intent(in) :: n  !! least length, 1 or more
     integer :: step
 
