@@ -103,6 +103,7 @@ LITERAL = re.compile(r"`'\w+'`|-?[\d.]+(?:, -?[\d.]+)*")
 EXPECTED = re.compile(r"found [^\n]*, expected ([^\n]*)")
 # Values that no message of the reader lists, as they are files, texts or counts beside numbers.
 KEPT = ("surfaces deck", "surfaces upper", "surfaces radius", "surfaces units", "surfaces map_unit",
+        "surfaces map_edge", "surfaces form_radius",
         "surfaces map_spacing", "loading value")
 
 
