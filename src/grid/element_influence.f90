@@ -19,8 +19,7 @@ module asperity_element_influence
   ! influence by quadrature in test/unit/elements_suite.f90).
   integer, parameter :: far_offset = 20
   ! Periods of a strip on each side that are summed (chosen: the next correction of Euler and
-  ! Maclaurin is 7 (6/5760) (images_along + 1/2)**-4 = 1.4e-6 of a period; test: a ball in a period
-  ! of a strip in test/regression/test_map_form.py).
+  ! Maclaurin is 7 (6/5760) (images_along + 1/2)**-4 = 1.4e-6 of a period).
   integer, parameter :: images_along = 8
 
 contains

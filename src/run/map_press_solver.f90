@@ -205,9 +205,7 @@ contains
     else
       result%contact_values = reshape(samples, [size(samples), 1])
     end if
-    call add_form_contact(self, answer, result)
-    if (allocated(self%hardness)) result%state_values = [result%state_values, &
-      result%states(self%states)%plastic_area, work]
+    call add_last_columns(self, answer, work, result)
     allocate (result%effects(1 + count([allocated(self%slip), allocated(self%hardness)])))
     result%effects%simulated = 'on'
     result%effects(1)%simulated = 'boundary'
@@ -215,18 +213,22 @@ contains
     result%effects%ending = answer%ending
   end subroutine press_to_states
 
-  ! Adds the columns of the smooth form.
-  subroutine add_form_contact(self, answer, result)
+  ! Adds the columns of the smooth form and of a hardness.
+  subroutine add_last_columns(self, answer, work, result)
     class(map_press_solver), intent(in) :: self
     type(map_answer), intent(in) :: answer
+    real(real64), intent(in) :: work  ! dissipated
     type(position_result), intent(inout) :: result
     real(real64) :: smooth(2)
 
-    if (.not. any(self%form_radius > 0.0_real64)) return
-    call find_form_contact(self%form_radius, answer%load, self%loading%modulus, &
-                           length_of_cylinder(self), smooth(1), smooth(2))
-    result%state_values = [result%state_values, smooth]
-  end subroutine add_form_contact
+    if (any(self%form_radius > 0.0_real64)) then
+      call find_form_contact(self%form_radius, answer%load, self%loading%modulus, &
+                             length_of_cylinder(self), smooth(1), smooth(2))
+      result%state_values = [result%state_values, smooth]
+    end if
+    if (allocated(self%hardness)) result%state_values = [result%state_values, &
+      result%states(self%states)%plastic_area, work]
+  end subroutine add_last_columns
 
   ! Length of the contact of a cylinder: that of a period along its axis; 0 where its end is free.
   pure real(real64) function length_of_cylinder(self) result(length)

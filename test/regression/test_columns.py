@@ -71,7 +71,7 @@ def solved(asperity, tmp_path_factory):
                  "equilibrium_distance": 1e-7, "relaxation_time": 1.0, "hold_time": 1.0,
                  "relaxed_modulus_ratio": 0.5})
     plastic = write_scene(
-        folder / "plastic.scene", surfaces={"upper": "plane", "lower": str(
+        folder / "plastic.scene", surfaces={"upper": "plane", "form_radius": (0, 1e3), "lower": str(
             ROOT / "data/examples/summits/rough.sdf")},
         material={"contact_modulus": 1e11}, effects={
             "interaction": "boundary", "plasticity": "on", "plastic_hardness": 1e9},
