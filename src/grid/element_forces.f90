@@ -54,15 +54,19 @@ module asperity_element_forces
     real(real64) :: limit = huge(1.0_real64)  !! largest force H, > 0; times their number >= load
   end type force_bounds
 
-  ! State of the iteration between two steps; f and r as in the header.
+  ! State of the iteration between two steps, with f and r as in the header.
   type :: force_iterate
     real(real64), allocatable, dimension(:, :) :: force, gradient            ! f, r
     real(real64), allocatable, dimension(:, :) :: next_force, next_gradient  ! f, r after the step
     real(real64), allocatable, dimension(:, :) :: preconditioned  ! approximate inverse of A times r
-    real(real64), allocatable, dimension(:, :) :: direction, direction_image  ! d, A d
+    real(real64), allocatable, dimension(:, :) :: direction, image  ! d; r where f is free, then A d
+    real(real64) :: level = 0.0_real64             ! still to be subtracted from the next gradient
     real(real64) :: gradient_product = 0.0_real64  ! r times its preconditioned r; 0: restart
     real(real64) :: displacement_scale = 0.0_real64
-    logical :: is_recomputed = .true.  ! r is computed from f, not updated by the step
+    real(real64) :: residual = 0.0_real64  ! after the step, as in the header
+    real(real64) :: decrease = 0.0_real64  ! of the energy by the step; below 0: there is no step
+    real(real64) :: enough = 0.0_real64    ! upper bound of the decrease that is asked of a step
+    logical :: is_recomputed = .true.      ! r is computed from f, not updated by the step
   end type force_iterate
 
 contains
@@ -79,45 +83,41 @@ contains
     real(real64), intent(out), optional :: level        !! mean of A f + g over the free forces
     real(real64), allocatable, intent(out), optional :: displacement(:, :)  !! A f at the end
     type(force_iterate) :: state
-    real(real64) :: least_decrease, decrease
+    real(real64), allocatable :: projected(:, :)
+    real(real64) :: enough
 
-    call move_alloc(force, state%force)
-    allocate (state%gradient, state%next_force, state%next_gradient, state%preconditioned, &
-              state%direction_image, mold=gap)
-    allocate (state%direction(size(gap, 1), size(gap, 2)), source=0.0_real64)
-    if (bounds%limit < huge(1.0_real64)) call project_forces(gap, bounds, state%force)
-    call find_gradient(influence, gap, bounds, state%force, state%gradient, &
-                       state%displacement_scale)
+    call move_alloc(force, state%next_force)
+    if (bounds%limit < huge(1.0_real64)) call project_forces(gap, bounds, state%next_force)
+    allocate (state%force, source=state%next_force)
+    allocate (state%next_gradient, state%image, mold=gap)
+    allocate (state%gradient(size(gap, 1), size(gap, 2)), source=0.0_real64)
+    allocate (state%direction, state%preconditioned, source=state%gradient)
+    call find_gradient(influence, gap, bounds, state)
     do
-      ending%residual = max(maxval(state%gradient, mask=state%force > 0.0_real64), &
-                            -minval(state%gradient, mask=state%force < bounds%limit), 0.0_real64)
+      call swap_arrays(state%force, state%next_force)
+      call swap_arrays(state%gradient, state%next_gradient)
+      ending%residual = state%residual
       ending%converged = ending%residual <= max(bounds%tolerance, rounding * &
                                                 state%displacement_scale)
       if (ending%converged .and. state%is_recomputed) exit
       if (ending%iterations == iterations_allowed .or. interrupt%is_asked()) exit
       if (ending%converged) then
         ! The gradient was updated step by step: its rounding errors are removed.
-        call find_gradient(influence, gap, bounds, state%force, state%gradient, &
-                           state%displacement_scale)
-        state%is_recomputed = .true.
+        state%next_force = state%force
         state%gradient_product = 0.0_real64
+        call find_gradient(influence, gap, bounds, state)
         cycle
       end if
       ending%iterations = ending%iterations + 1
-      state%next_force = state%force - state%gradient / influence%norm
-      call project_forces(gap, bounds, state%next_force)
-      least_decrease = 0.5_real64 * sum(state%gradient * (state%force - state%next_force))
-      call take_conjugate_step(influence, gap, bounds, state, decrease)
-      if (.not. decrease >= least_decrease) then
-        state%next_force = state%force - state%gradient / influence%norm
-        call project_forces(gap, bounds, state%next_force)
-        call find_gradient(influence, gap, bounds, state%next_force, state%next_gradient, &
-                           state%displacement_scale)
-        state%is_recomputed = .true.
-        state%gradient_product = 0.0_real64
-      end if
-      state%force = state%next_force
-      state%gradient = state%next_gradient
+      enough = state%enough
+      call take_conjugate_step(influence, gap, bounds, state)
+      if (state%decrease >= enough) cycle
+      projected = state%force - state%gradient / influence%norm
+      call project_forces(gap, bounds, projected)
+      if (state%decrease >= 0.5_real64 * sum(state%gradient * (state%force - projected))) cycle
+      call move_alloc(projected, state%next_force)
+      state%gradient_product = 0.0_real64
+      call find_gradient(influence, gap, bounds, state)
     end do
     if (present(level) .or. present(displacement)) call influence%apply(state%force, state%gradient)
     if (present(level)) level = free_level(gap, bounds, state%force, state%gradient + gap)
@@ -125,78 +125,194 @@ contains
     if (present(displacement)) call move_alloc(state%gradient, displacement)
   end subroutine find_forces
 
-  ! Takes a step of conjugate gradients in the free forces. Sets the forces and the gradient after
-  ! the step; `decrease` is that of the energy, below 0 where there is no step.
-  subroutine take_conjugate_step(influence, gap, bounds, state, decrease)
+  ! Takes a step of conjugate gradients in the free forces: sets the forces and the gradient after
+  ! the step.
+  subroutine take_conjugate_step(influence, gap, bounds, state)
     type(lattice_convolution), intent(inout) :: influence
     real(real64), intent(in) :: gap(:, :)
     type(force_bounds), intent(in) :: bounds
     type(force_iterate), intent(inout) :: state
-    real(real64), intent(out) :: decrease
-    logical :: free(size(gap, 1), size(gap, 2))
-    real(real64) :: gradient_product, step, curvature
+    real(real64) :: curvature, mean, new_product, old_product, step, total
+    integer :: changes, i, j
 
-    free = is_free(state%force, bounds%limit)
+    call influence%apply(state%image, state%next_gradient, inverse=.true.)
     ! The set of free forces changes at nearly every step: the formula of Polak and Ribiere (1969)
     ! makes a restart at each change unnecessary.
-    state%next_force = merge(state%gradient, 0.0_real64, free)
-    call influence%apply(state%next_force, state%next_gradient, inverse=.true.)
-    gradient_product = sum(state%next_force * state%next_gradient)
+    new_product = 0.0_real64
+    old_product = 0.0_real64
+    do j = 1, size(gap, 2)
+      !$omp simd reduction(+:new_product, old_product)
+      do i = 1, size(gap, 1)
+        new_product = new_product + state%image(i, j) * state%next_gradient(i, j)
+        old_product = old_product + state%image(i, j) * state%preconditioned(i, j)
+      end do
+    end do
     step = 0.0_real64
     if (state%gradient_product > 0.0_real64) &
-      step = max(0.0_real64, (gradient_product - sum(state%next_force * state%preconditioned)) / &
-                 state%gradient_product)
-    state%preconditioned = state%next_gradient
-    state%direction = merge(state%preconditioned + step * state%direction, 0.0_real64, free)
+      step = max(0.0_real64, (new_product - old_product) / state%gradient_product)
+    state%gradient_product = new_product
+    call swap_arrays(state%preconditioned, state%next_gradient)
+    mean = 0.0_real64
+    changes = 0
+    do j = 1, size(gap, 2)
+      !$omp simd reduction(+:mean, changes)
+      do i = 1, size(gap, 1)
+        state%direction(i, j) = merge(state%preconditioned(i, j) + step * state%direction(i, j), &
+                                      0.0_real64, is_free(state%force(i, j), bounds%limit))
+        mean = mean + state%direction(i, j)
+        changes = changes + merge(1, 0, is_free(state%force(i, j), bounds%limit))
+      end do
+    end do
     ! The sum of the forces does not change.
-    if (bounds%load > 0.0_real64) where (free) state%direction = state%direction - &
-      sum(state%direction) / max(1, count(free))
-    state%gradient_product = gradient_product
-    call influence%apply(state%direction, state%direction_image)
-    curvature = sum(state%direction_image * state%direction)
-    step = sum(state%gradient * state%direction)
-    decrease = -1.0_real64
+    mean = merge(mean / max(1, changes), 0.0_real64, bounds%load > 0.0_real64)
+    step = 0.0_real64
+    do j = 1, size(gap, 2)
+      !$omp simd reduction(+:step)
+      do i = 1, size(gap, 1)
+        state%direction(i, j) = merge(state%direction(i, j) - mean, 0.0_real64, &
+                                      is_free(state%force(i, j), bounds%limit))
+        step = step + state%direction(i, j) * state%image(i, j)
+      end do
+    end do
+    call influence%apply(state%direction, state%image)
+    curvature = 0.0_real64
+    do j = 1, size(gap, 2)
+      !$omp simd reduction(+:curvature)
+      do i = 1, size(gap, 1)
+        curvature = curvature + state%image(i, j) * state%direction(i, j)
+      end do
+    end do
+    state%decrease = -1.0_real64
     if (.not. (step > 0.0_real64 .and. curvature > 0.0_real64)) return
     step = step / curvature
     ! Forces that would be negative become 0; a force of 0 with an overlap becomes positive.
-    state%next_force = min(bounds%limit, max(0.0_real64, &
-      state%force - step * merge(state%direction, state%gradient, free)))
-    state%is_recomputed = any((state%next_force > 0.0_real64 .neqv. state%force > 0.0_real64) .or. &
-                              (state%next_force < bounds%limit .neqv. state%force < bounds%limit))
-    if (state%is_recomputed) then
-      call scale_to_load(gap, bounds, state%next_force)
-      call find_gradient(influence, gap, bounds, state%next_force, state%next_gradient, &
-                         state%displacement_scale)
+    total = 0.0_real64
+    changes = 0
+    do j = 1, size(gap, 2)
+      !$omp simd reduction(+:total, changes)
+      do i = 1, size(gap, 1)
+        associate (old => state%force(i, j), new => state%next_force(i, j))
+          new = min(bounds%limit, max(0.0_real64, old - step * merge( &
+                state%direction(i, j), state%gradient(i, j), is_free(old, bounds%limit))))
+          total = total + new
+          changes = changes + merge(1, 0, (new > 0.0_real64 .neqv. old > 0.0_real64) .or. &
+                                          (new < bounds%limit .neqv. old < bounds%limit))
+        end associate
+      end do
+    end do
+    if (changes > 0) then
+      call scale_to_load(gap, bounds, state%next_force, total)
+      call find_gradient(influence, gap, bounds, state)
     else
-      state%next_gradient = state%gradient - step * state%direction_image
-      call subtract_level(gap, bounds, state%next_force, state%next_gradient)
+      call update_gradient(influence%norm, bounds, step, state)
     end if
-    decrease = 0.5_real64 * sum((state%force - state%next_force) * &
-                                (state%gradient + state%next_gradient))
   end subroutine take_conjugate_step
 
-  ! Computes the gradient r at the forces f, and the scale of the rounding of displacements.
-  subroutine find_gradient(influence, gap, bounds, force, gradient, displacement_scale)
-    type(lattice_convolution), intent(inout) :: influence
-    real(real64), intent(in) :: gap(:, :), force(:, :)
+  ! Updates the gradient by a step in a fixed set of free forces.
+  subroutine update_gradient(norm, bounds, step, state)
+    real(real64), intent(in) :: norm  ! |A|
     type(force_bounds), intent(in) :: bounds
-    real(real64), intent(out) :: gradient(:, :), displacement_scale
+    real(real64), intent(in) :: step  ! length of the step along the direction
+    type(force_iterate), intent(inout) :: state
+    real(real64) :: total
+    integer :: free, i, j
 
-    call influence%apply(force, gradient)
-    displacement_scale = max(maxval(abs(gradient)), &
-                               influence%norm * norm2(force) / sqrt(real(size(force), real64)))
-    gradient = gradient + gap
-    call subtract_level(gap, bounds, force, gradient)
+    total = 0.0_real64
+    free = 0
+    do j = 1, size(state%force, 2)
+      !$omp simd reduction(+:total, free)
+      do i = 1, size(state%force, 1)
+        state%next_gradient(i, j) = state%gradient(i, j) - step * state%image(i, j)
+        total = total + merge(state%next_gradient(i, j), 0.0_real64, &
+                              is_free(state%next_force(i, j), bounds%limit))
+        free = free + merge(1, 0, is_free(state%next_force(i, j), bounds%limit))
+      end do
+    end do
+    state%is_recomputed = .false.
+    state%level = merge(total / max(1, free), 0.0_real64, bounds%load > 0.0_real64)
+    call finish_step(norm, bounds, state)
+  end subroutine update_gradient
+
+  ! Computes the gradient from the forces after a step, and the scale of the rounding of
+  ! displacements.
+  subroutine find_gradient(influence, gap, bounds, state)
+    type(lattice_convolution), intent(inout) :: influence
+    real(real64), intent(in) :: gap(:, :)
+    type(force_bounds), intent(in) :: bounds
+    type(force_iterate), intent(inout) :: state
+    real(real64) :: largest, squares, total
+    integer :: free, i, j
+
+    call influence%apply(state%next_force, state%next_gradient)
+    largest = 0.0_real64
+    squares = 0.0_real64
+    total = 0.0_real64
+    free = 0
+    do j = 1, size(gap, 2)
+      !$omp simd reduction(+:squares, total, free) reduction(max:largest)
+      do i = 1, size(gap, 1)
+        largest = max(largest, abs(state%next_gradient(i, j)))
+        squares = squares + state%next_force(i, j)**2
+        state%next_gradient(i, j) = state%next_gradient(i, j) + gap(i, j)
+        total = total + merge(state%next_gradient(i, j), 0.0_real64, &
+                              is_free(state%next_force(i, j), bounds%limit))
+        free = free + merge(1, 0, is_free(state%next_force(i, j), bounds%limit))
+      end do
+    end do
+    state%displacement_scale = max(largest, influence%norm * sqrt(squares / size(gap)))
+    state%is_recomputed = .true.
+    state%level = 0.0_real64
+    if (bounds%load > 0.0_real64) then
+      state%level = total / max(1, free)
+      if (free == 0) state%level = free_level(gap, bounds, state%next_force, state%next_gradient)
+    end if
+    call finish_step(influence%norm, bounds, state)
   end subroutine find_gradient
 
-  ! Subtracts from the gradient its level, where the sum of the forces is prescribed.
-  subroutine subtract_level(gap, bounds, force, gradient)
-    real(real64), intent(in) :: gap(:, :), force(:, :)
+  ! Subtracts the level from the gradient after a step. Finds the decrease of the energy, the
+  ! residual, the gradient of the free forces, and an upper bound of the decrease that is asked of
+  ! the next step. That is half of D = r.(f - P(f - r/|A|)), where P(f - r/|A|) has the greatest
+  ! r.(f - g) - |A|/2 (f - g)**2 of all allowed forces g, at least D/2: it is largest without the
+  ! load.
+  subroutine finish_step(norm, bounds, state)
+    real(real64), intent(in) :: norm  ! |A|
     type(force_bounds), intent(in) :: bounds
-    real(real64), intent(inout) :: gradient(:, :)
+    type(force_iterate), intent(inout) :: state
+    real(real64) :: change, decrease, enough, r, residual
+    integer :: i, j
 
-    if (bounds%load > 0.0_real64) gradient = gradient - free_level(gap, bounds, force, gradient)
-  end subroutine subtract_level
+    decrease = 0.0_real64
+    enough = 0.0_real64
+    residual = 0.0_real64
+    do j = 1, size(state%force, 2)
+      !$omp simd private(change, r) reduction(+:decrease, enough) reduction(max:residual)
+      do i = 1, size(state%force, 1)
+        associate (f => state%next_force(i, j))
+          r = state%next_gradient(i, j) - state%level
+          state%next_gradient(i, j) = r
+          decrease = decrease + (state%force(i, j) - f) * (state%gradient(i, j) + r)
+          residual = max(residual, merge(r, 0.0_real64, f > 0.0_real64), &
+                         merge(-r, 0.0_real64, f < bounds%limit))
+          state%image(i, j) = merge(r, 0.0_real64, is_free(f, bounds%limit))
+          change = f - min(bounds%limit, max(0.0_real64, f - r / norm))
+          enough = enough + change * (r - 0.5_real64 * norm * change)
+        end associate
+      end do
+    end do
+    state%decrease = 0.5_real64 * decrease
+    state%enough = enough
+    state%residual = residual
+  end subroutine finish_step
+
+  ! Exchanges two arrays without a copy.
+  pure subroutine swap_arrays(one, other)
+    real(real64), allocatable, intent(inout) :: one(:, :), other(:, :)
+    real(real64), allocatable :: third(:, :)
+
+    call move_alloc(one, third)
+    call move_alloc(other, one)
+    call move_alloc(third, other)
+  end subroutine swap_arrays
 
   ! Level of the gradient: its mean over the free forces. Where no force is between 0 and the limit,
   ! the level with the least residual: midway between the forces at the limit and the zero forces.
@@ -218,19 +334,20 @@ contains
 
   ! Scales forces from 0 to the limit to the prescribed sum, if any: only the free ones change, by a
   ! factor of their values or of their differences from the limit.
-  recursive subroutine scale_to_load(gap, bounds, force)
+  recursive subroutine scale_to_load(gap, bounds, force, total)
     real(real64), intent(in) :: gap(:, :)
     type(force_bounds), intent(in) :: bounds
     real(real64), intent(inout) :: force(:, :)
-    logical :: free(size(force, 1), size(force, 2))
+    real(real64), intent(in) :: total  ! sum of the forces
+    logical, allocatable :: free(:, :)
     real(real64) :: capacity, free_sum, free_load
 
     if (.not. bounds%load > 0.0_real64) return
     if (.not. bounds%limit < huge(1.0_real64)) then
-      force = force * (bounds%load / sum(force))
+      force = force * (bounds%load / total)
       return
     end if
-    free = is_free(force, bounds%limit)
+    allocate (free(size(force, 1), size(force, 2)), source=is_free(force, bounds%limit))
     free_sum = sum(force, mask=free)
     free_load = bounds%load - bounds%limit * count(.not. force < bounds%limit)
     capacity = count(free) * bounds%limit
@@ -275,7 +392,7 @@ contains
     force = max(0.0_real64, min(bounds%limit, force))
     ! The sum is restored where the load is small against the level, whose rounding it has.
     if (.not. bounds%limit < huge(high) .and. any(force > 0.0_real64)) &
-      call scale_to_load(gap, bounds, force)
+      call scale_to_load(gap, bounds, force, sum(force))
   end subroutine project_forces
 
   ! Whether a force is neither 0 nor at the limit.
