@@ -23,7 +23,7 @@ module asperity_surface_fields
   use asperity_scene_results, only: scene_results
   use asperity_scene_values, only: combined_modulus, effect_off, scene, solves_pixels
   use asperity_surface_elevations, only: elevation_of, place_surface, placed_surface
-  use asperity_surface_solve, only: solve_surfaces
+  use asperity_contact_slip, only: solve_with_slip
   implicit none
   private
 
@@ -97,7 +97,7 @@ contains
     if (options%fields == fields_none .or. .not. has_field_grid(scene_in)) then
       with_contacts = options
       with_contacts%fields = fields_none
-      call solve_surfaces(scene_in, with_contacts, results, failure)
+      call solve_with_slip(scene_in, with_contacts, results, failure)
       return
     end if
     if (scene_in%motion%positions > 1) then
@@ -112,7 +112,7 @@ contains
     if (allocated(failure)) return
     with_contacts = options
     with_contacts%keep_contacts = .true.
-    call solve_surfaces(scene_in, with_contacts, results, failure)
+    call solve_with_slip(scene_in, with_contacts, results, failure)
     if (allocated(failure)) return
     ! Positions of other images and from files have no contacts here.
     if (.not. allocated(results%positions(1)%states)) return
