@@ -11,6 +11,7 @@ module asperity_map_press_solver
   use asperity_map_error, only: estimate_pixel_errors, is_rough_at_pixels, pixel_errors
   use asperity_map_fields, only: measure_fields, take_field
   use asperity_map_form, only: find_form_contact
+  use asperity_map_interface, only: interface_columns, interface_powers, measure_interface
   use asperity_map_levelling, only: is_flat
   use asperity_map_patches, only: find_patches, map_patch
   use asperity_map_scene, only: map_loading
@@ -115,10 +116,13 @@ contains
       header%state_columns = [header%state_columns, slip_state_columns]
       header%state_powers = reshape([header%state_powers, slip_state_powers], [2, 10])
     end if
+    header%state_columns = [header%state_columns, interface_columns]
+    header%state_powers = reshape([header%state_powers, interface_powers], &
+                                  [2, size(header%state_columns)])
     if (any(scene_in%map%form_radius > 0.0_real64)) then
       header%state_columns = [character(len=24) :: header%state_columns, 'hertz_pressure', &
                               'hertz_area']
-      header%state_powers = reshape([header%state_powers, 1, -2, 0, 2], &
+      header%state_powers = reshape([header%state_powers, 1, 0, 0, 2], &
                                     [2, size(header%state_columns)])
     end if
     if (.not. has_hardness(scene_in)) return
@@ -205,7 +209,7 @@ contains
     else
       result%contact_values = reshape(samples, [size(samples), 1])
     end if
-    call add_last_columns(self, answer, work, result)
+    call add_last_columns(self, pressed, answer, work, result)
     allocate (result%effects(1 + count([allocated(self%slip), allocated(self%hardness)])))
     result%effects%simulated = 'on'
     result%effects(1)%simulated = 'boundary'
@@ -213,14 +217,18 @@ contains
     result%effects%ending = answer%ending
   end subroutine press_to_states
 
-  ! Adds the columns of the smooth form and of a hardness.
-  subroutine add_last_columns(self, answer, work, result)
+  ! Adds the columns of the interface, of the smooth form and of a hardness.
+  subroutine add_last_columns(self, pressed, answer, work, result)
     class(map_press_solver), intent(in) :: self
+    type(height_map), intent(in) :: pressed    ! map with the residual shape
     type(map_answer), intent(in) :: answer
-    real(real64), intent(in) :: work  ! dissipated
+    real(real64), intent(in) :: work           ! dissipated
     type(position_result), intent(inout) :: result
-    real(real64) :: smooth(2)
+    real(real64) :: of_interface(size(interface_columns)), smooth(2)
 
+    call measure_interface(pressed, self%loading%modulus, answer%pressure, of_interface, &
+                           self%hardness)
+    result%state_values = [result%state_values, of_interface]
     if (any(self%form_radius > 0.0_real64)) then
       call find_form_contact(self%form_radius, answer%load, self%loading%modulus, &
                              length_of_cylinder(self), smooth(1), smooth(2))

@@ -99,6 +99,17 @@ def of(name, bound=0.0, strict=False, effect=None):
     return law
 
 
+def stiffness(name):
+    """More than 0 in contact, except where all pixels bear their limit; empty in full contact of a
+    periodic map without missing pixels."""
+    def law(scene, row):
+        if row[name] is EMPTY:
+            return row["area_fraction"] == 1
+        return row[name] > 0 or row[name] == 0 and (
+            row["contacts"] == 0 or scene.simulates(row, "plasticity") is True)
+    return law
+
+
 def any_sign(name, effect=None):
     return of(name, -math.inf, effect=effect)
 
@@ -425,6 +436,11 @@ LAWS = {
         **{f"rig_{name}": any_sign(f"rig_{name}", "friction") for name in (
             "force_x", "force_y", "moment_x", "moment_y", "moment_z")},
         "samples_in_contact": total_of("samples_in_contact", "samples", "interaction"),
+        "contact_stiffness": stiffness("contact_stiffness"),
+        "interface_stiffness": stiffness("interface_stiffness"),
+        "conductance_length": stiffness("conductance_length"),
+        **{f"open_path_{axis}": lambda scene, row, axis=axis: row[f"open_path_{axis}"] == 1 or (
+            row[f"open_path_{axis}"] == 0 and row["samples_in_contact"] > 0) for axis in "xy"},
         "sample_area": lambda scene, row: close(row["sample_area"],
                                                 0.25 * row["samples_in_contact"]),
         "warnings": of("warnings")},
