@@ -29,8 +29,8 @@ module asperity_contact_stiffness
 contains
 
   !> Solves for the stiffness. It is `not_computed` where the method does not converge; on a
-  !> periodic map in full contact, whose mean pressure has no displacement; and, for the compression,
-  !> on a strip, whose displacement has no reference.
+  !> periodic map in full contact, whose mean pressure has no displacement; for the compression,
+  !> also on a strip, whose displacement has no reference.
   subroutine find_stiffness(map, modulus, carries, stiffness, gap_stiffness)
     type(height_map), intent(in) :: map          !! map with its edges
     real(real64), intent(in) :: modulus          !! combined modulus, more than 0
