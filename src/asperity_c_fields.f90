@@ -77,8 +77,7 @@ contains
     type(outcome), intent(inout) :: new
     type(contact_field), intent(in) :: field
     character(len=*), intent(in) :: length, pressure  ! units; empty: not known
-    integer :: row, status
-    integer, allocatable :: contact(:)
+    integer :: status
 
     call set_text(new, text_unit, length)
     associate (table => new%tables(table_map))
@@ -93,10 +92,12 @@ contains
     end associate
     associate (table => new%tables(table_fields))
       table%rows = size(field%pressure)
-      allocate (table%columns(4))
-      table%columns(4)%name = 'contact'
-      table%columns(4)%unit = ''
-      allocate (table%columns(4)%wholes(table%rows), stat=status)
+      allocate (table%columns(merge(6, 4, allocated(field%traction))))
+      call set_marks(4, 'contact', field%pressure > 0.0_real64)
+      if (allocated(field%traction)) then
+        if (status == 0) call set_values(5, 'traction', field%traction, pressure)
+        if (status == 0) call set_marks(6, 'stick', field%sticks)
+      end if
       if (status == 0) call set_values(1, 'pressure', field%pressure, pressure)
       if (status == 0) call set_values(2, 'gap', field%gap, length)
       if (status == 0) call set_values(3, 'displacement', field%displacement, length)
@@ -106,10 +107,6 @@ contains
         table%rows = 0
         return
       end if
-      do row = 1, field%rows
-        contact = merge(1, 0, field%pressure(:, row) > 0.0_real64)
-        table%columns(4)%wholes((row - 1) * field%columns + 1:row * field%columns) = contact
-      end do
     end associate
 
   contains
@@ -133,6 +130,24 @@ contains
         end do
       end associate
     end subroutine set_values
+
+    ! One column of 1 and 0, row by row of the map.
+    subroutine set_marks(number, name, marks)
+      integer, intent(in) :: number
+      character(len=*), intent(in) :: name
+      logical, intent(in) :: marks(:, :)
+      integer :: j
+
+      associate (column => new%tables(table_fields)%columns(number))
+        column%name = name
+        column%unit = ''
+        allocate (column%wholes(size(marks)), stat=status)
+        if (status /= 0) return
+        do j = 1, size(marks, 2)
+          column%wholes((j - 1) * size(marks, 1) + 1:j * size(marks, 1)) = merge(1, 0, marks(:, j))
+        end do
+      end associate
+    end subroutine set_marks
 
   end subroutine set_field
 

@@ -19,6 +19,10 @@ if TYPE_CHECKING:
     from ._columns import Column
 
 NAMES = ("pressure", "gap", "displacement", "contact")
+# With friction on pixels alone.
+SLIP_NAMES = ("traction", "stick")
+# Arrays of yes and no.
+FLAGS = ("contact", "stick")
 # States that a solve keeps the fields of, by the argument of `solve`.
 NONE, LAST, ALL = 0, 1, 2
 
@@ -29,7 +33,7 @@ class Fields:
     The arrays have the shape (rows, columns) and are indexed `[row, column]` = `[y, x]`, as the map
     is. They are read-only and NaN at missing pixels; without numpy they are sequences of rows. A
     scene of asperities has them on square pixels with the sides `field_spacing` of `surfaces`.
-    `fields["pressure"]` is `fields.pressure`, and `dict(fields)` has all four by their names.
+    `fields["pressure"]` is `fields.pressure`, and `dict(fields)` has all by their names.
 
     Attributes
     ----------
@@ -42,6 +46,8 @@ class Fields:
         periodic map its mean is 0.
     contact : numpy.ndarray
         True where the pixel is in contact.
+    traction, stick : numpy.ndarray
+        Under a tangential load: tangential traction, and True where the pixel sticks.
     spacing : (float, float)
         Distance of pixels along x and y.
     origin : (float, float)
@@ -78,6 +84,8 @@ class Fields:
     gap: NDArray[Any]
     displacement: NDArray[Any]
     contact: NDArray[Any]
+    traction: NDArray[Any]
+    stick: NDArray[Any]
 
     def __init__(self, outcome: _c.Outcome, position: int, step: int):
         facts = {name: values[0] for name, values in outcome.table(_c.MAP, "maps").items()}
@@ -88,22 +96,23 @@ class Fields:
         self.boundary_contacts, self.hertz_contacts = (
             int(facts[name]) if facts[name] >= 0 else None
             for name in ("boundary_contacts", "hertz_contacts"))
+        self._names = NAMES + tuple(name for name in SLIP_NAMES if name in table)
         self.unit: str | None = outcome.text(_c.UNIT) or None
-        self.units: dict[str, str] = {name: table.units[name] for name in NAMES}
+        self.units: dict[str, str] = {name: table.units[name] for name in self._names}
         self.position, self.step = position, step
-        for name in NAMES:
-            setattr(self, name, in_rows(table[name], self.shape, name == "contact"))
+        for name in self._names:
+            setattr(self, name, in_rows(table[name], self.shape, name in FLAGS))
 
     def keys(self) -> tuple[str, ...]:
         """The names of the arrays."""
-        return NAMES
+        return self._names
 
     def __iter__(self) -> Iterator[str]:
-        return iter(NAMES)
+        return iter(self._names)
 
     def __getitem__(self, name: str) -> NDArray[Any]:
-        if name not in NAMES:
-            raise KeyError(f"no field {name!r}: {', '.join(NAMES)}")
+        if name not in self._names:
+            raise KeyError(f"no field {name!r}: {', '.join(self._names)}")
         return cast("NDArray[Any]", getattr(self, name))
 
     def to_xarray(self) -> xarray.Dataset:
@@ -115,7 +124,7 @@ class Fields:
                   for axis, start, step, count in zip("xy", self.origin, self.spacing,
                                                       reversed(self.shape))}
         return cast("xarray.Dataset", library.Dataset(
-            {name: (("y", "x"), self[name], {"units": self.units[name]}) for name in NAMES},
+            {name: (("y", "x"), self[name], {"units": self.units[name]}) for name in self._names},
             {**places, "position": self.position, "step": self.step}))
 
     def plot(self, name: str = "pressure", ax: Axes | None = None) -> Axes:
@@ -123,7 +132,7 @@ class Fields:
 
         Parameters
         ----------
-        name : {'pressure', 'gap', 'displacement', 'contact'}, default 'pressure'
+        name : {'pressure', 'gap', 'displacement', 'contact', 'traction', 'stick'}
             The array. Pixels out of contact have no colour in the pressure, those in contact none
             in the gap.
         ax : matplotlib.axes.Axes, optional
@@ -133,8 +142,8 @@ class Fields:
         -------
         matplotlib.axes.Axes
         """
-        if name not in NAMES:
-            raise _a.wrong("name", repr(name), ", ".join(map(repr, NAMES)))
+        if name not in self._names:
+            raise _a.wrong("name", repr(name), ", ".join(map(repr, self._names)))
         library: Any = needed("numpy", "plot", "a plot")
         values = library.asarray(self[name], dtype=float)
         if name in ("pressure", "gap"):
@@ -144,7 +153,7 @@ class Fields:
         if self.hertz_contacts is not None:
             corner = self.origin[0] - self.spacing[0] / 2, self.origin[1] - self.spacing[1] / 2
         return draw_pixels(values, self.spacing, self.unit, ax, corner=corner,
-                           label=None if name == "contact" else
+                           label=None if name in FLAGS else
                            Table(units=self.units).label(name),
                            least=0.0 if name in ("pressure", "gap") else None)
 

@@ -18,7 +18,7 @@ from typing import Any
 from . import _arguments as _a
 from ._columns import Table, column
 from ._errors import ComputeError, InputError, Problem
-from ._fields import NAMES, Fields, in_rows
+from ._fields import FLAGS, NAMES, SLIP_NAMES, Fields, in_rows
 
 FORMAT = "asperity results 1"  #: what `results.json` states
 EXPECTED = "a file that Results.save wrote"
@@ -47,9 +47,9 @@ def write_results(path: _a.Path, version: str, texts: Mapping[str, Any],
             for key, table in tables.items():
                 archive.writestr(f"{key}.csv", _csv_of(table))
             for one in kept:
-                for field in NAMES:
+                for field in one:
                     archive.writestr(_member(one.position, one.step, field),
-                                     _npy_of(one[field], one.shape, field == "contact"))
+                                     _npy_of(one[field], one.shape, field in FLAGS))
         os.replace(part, name)
     except OSError as error:
         raise ComputeError(f"{name}: {error.strerror}") from None
@@ -128,15 +128,17 @@ def _fields_of(archive: zipfile.ZipFile, about: Mapping[str, Any]) -> Fields:
     made = Fields.__new__(Fields)
     for fact in FACTS:
         setattr(made, fact, tuple(about[fact]) if fact in PAIRS else about[fact])
-    for field in NAMES:
+    made._names = NAMES + tuple(field for field in SLIP_NAMES if _member(
+        made.position, made.step, field) in archive.namelist())
+    for field in made:
         raw = archive.read(_member(made.position, made.step, field))
         length = int.from_bytes(raw[8:10], "little")
         header = ast.literal_eval(raw[10:10 + length].decode())
         if header["shape"] != made.shape or header["fortran_order"]:
             raise KeyError(field)
-        cells = array("b" if field == "contact" else "d")
+        cells = array("b" if field in FLAGS else "d")
         cells.frombytes(raw[10 + length:])
         if sys.byteorder == "big":
             cells.byteswap()
-        setattr(made, field, in_rows(column(memoryview(cells)), made.shape, field == "contact"))
+        setattr(made, field, in_rows(column(memoryview(cells)), made.shape, field in FLAGS))
     return made

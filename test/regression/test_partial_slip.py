@@ -85,6 +85,38 @@ def test_sphere_of_cattaneo_and_mindlin(asperity, tmp_path, tally, ratio):
         fields["traction"] < MU * fields["pressure"] * (1 - 1e-12)))
 
 
+def test_cattaneo_case_of_contact(asperity, tmp_path):
+    """The second case of examples/cattaneo.ref_out of CONTACT (E. A. H. Vollebregt), revision 2707:
+    a ball of polyethylene, 19 x 19 elements, nu 0.42. CONTACT has both tractions and the compliance
+    of each direction: shift and tractions differ by what the principle neglects."""
+    poisson, shear, side, load, friction = 0.42, 200.0, 2 * 1.26667 / 19, 9.1954, 0.4
+    place = (np.arange(19) - 9) * side
+    scene = write_scene(
+        tmp_path / "c.scene", surfaces={
+            "upper": "plane", "map_spacing": (side, side), "map_level": "none", "lower": write_map(
+                tmp_path / "c.txt", -0.01 * (place[:, None] ** 2 + place[None, :] ** 2))},
+        material={"elastic_modulus": (2 * shear * (1 + poisson),) * 2,
+                  "poisson_ratio": (poisson, poisson)},
+        loading={"control": "load", "value": load, "tangential_load": 0.875 * friction * load},
+        effects={"interaction": "boundary", "friction_coefficient": friction})
+    run_program(asperity, "solve", scene, "--quiet", "--fields", tmp_path / "f.vti", "--positions",
+                tmp_path / "p.csv")
+    row, = records(tmp_path / "p.csv")
+    fields = read_vti(tmp_path / "f.vti")[2]
+    assert f"{float(row['tangential_load']):.3f}" == "3.218"
+    assert f"{fields['pressure'].max():.3f}" == "4.393"
+    assert f"{-float(row['separation']):.3e}" == "1.998e-02"
+    assert (fields["pressure"] > 0).sum() == 177
+    stick = fields["stick"] > 0
+    assert stick.sum() == 45
+    # Rows 7 and 13 of the potential contact have 5 elements that stick, those between them 7.
+    assert stick.sum(axis=0).tolist() == [0] * 6 + [5, 7, 7, 7, 7, 7, 5] + [0] * 6
+    assert float(row["tangential_displacement"]) == pytest.approx(8.155e-3, rel=2e-3)
+    # Column 10, rows 3 to 6: elements that slip.
+    printed = [0.575, 1.06, 1.31, 1.49]
+    assert fields["traction"][9, 2:6] == pytest.approx(printed, abs=6e-3)
+
+
 def test_small_loads_and_sliding(asperity, tmp_path):
     """Below the ratio at which tractions are differences of two solutions they are proportional to
     the load; at mu times the normal load all slides."""

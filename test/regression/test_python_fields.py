@@ -260,3 +260,27 @@ print(fields)
     measured = (~np.isnan(heights())).sum()
     assert float(lines[2]) == pytest.approx(solved.fields().contact.sum() / measured)
     assert lines[3] == repr(solved.fields())
+
+
+def test_traction_and_stick(package, path, asperity, tmp_path):
+    """Under a tangential load there are two arrays more, also in a saved file."""
+    scene = path.parent / "slip.scene"
+    scene.write_text(path.read_text().replace(
+        "contact_modulus = 100.0", "elastic_modulus = 2*182., poisson_ratio = 2*0.3").replace(
+        "value = 20.0", "value = 20.0, tangential_load = 3.0").replace(
+        "interaction = 'boundary'", "interaction = 'boundary', friction_coefficient = 0.3"))
+    results = package.solve(scene, fields=True)
+    run_program(asperity, "solve", scene, "--quiet", "--fields", tmp_path / "f.vti")
+    arrays = read_vti(tmp_path / "f.vti")[2]
+    results.save(tmp_path / "r.zip")
+    for fields in (results.fields(), package.load(tmp_path / "r.zip").fields(),
+                   copy.deepcopy(results.fields())):
+        assert fields.keys() == (*NAMES, "contact", "traction", "stick")
+        assert np.array_equal(fields.traction, arrays["traction"].T, equal_nan=True)
+        assert fields.stick.dtype == bool and np.array_equal(fields.stick, arrays["stick"].T)
+        assert np.nansum(fields["traction"]) * 0.125 == pytest.approx(3.0)
+        assert fields.units["traction"] == fields.units["pressure"] != ""
+        assert fields.plot("traction") is not None
+    assert results.positions["tangential_load"][0] == pytest.approx(3.0)
+    with pytest.raises(KeyError):
+        package.solve(path, fields=True).fields()["traction"]
