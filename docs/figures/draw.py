@@ -605,6 +605,60 @@ def work_precision(canvas, axes):
     canvas.legend(loc="outside right upper")
 
 
+@figure(760, 2, 2)
+def time_and_error(canvas, *panels):
+    """Error of the load against time on four kinds of surfaces, from the kept measurement. The line
+    connects the options that no other is both faster and more accurate than."""
+    rows = table(KEPT / "bench/accuracy_costs.csv")
+    families = {"off": (GREY, "s"), "coupled": (BLUE, "o"), "auto": (YELLOW, "^"),
+                "pixel": (INK, "*"), "boundary": (RED, "D")}
+    for axes, scene in zip(panels, dict.fromkeys(rows["scene"])):
+        chosen = [(option.replace("`", ""), float(time), error) for name, option, time, error in zip(
+            rows["scene"], rows["option"], rows["seconds"], rows["error"])
+            if name == scene and time == time]
+        digit = [float(error) for name, option, error in zip(
+            rows["scene"], rows["option"], rows["error"])
+            if name == scene and option.startswith("half a digit")]
+        points = [(option, time, float(error)) for option, time, error in chosen
+                  if error != "reference" and float(error) > 0]
+        best = 10.0
+        lowest = []
+        for option, time, error in sorted(points, key=lambda one: one[1:]):
+            if error < best:
+                lowest.append((time, error))
+                best = error
+        axes.plot(*zip(*lowest), color=INK, linewidth=1, zorder=1)
+        axes.axhspan(1e-9, max(digit), color="#EEEEEE", zorder=0)
+        axes.text(0.02, 0.02, "grey: below half a digit of the heights", fontsize=8,
+                  transform=axes.transAxes, color="#666666")
+        least, most = (find(float(time) for _, time, _ in chosen) for find in (min, max))
+        labels = {}
+        for option, time, error in points:
+            colour, marker = next(style for key, style in families.items() if key in option)
+            axes.plot(time, error, marker, color=colour, markersize=6)
+            label = option.replace("interaction = ", "").replace("boundary_tolerance = ", "") \
+                .replace("tolerance = ", "")
+            near = next((place for place in labels if abs(np.log(place[0] / time)) < 0.3
+                         and abs(np.log(place[1] / error)) < 0.3), (time, error))
+            labels.setdefault(near, []).append(label)
+        for place, words in labels.items():
+            is_right = place[0] > (least * most**2)**(1 / 3) and len(words) == 1
+            is_below = (is_right and "auto" not in words[0]) or len(words) > 1
+            axes.annotate("\n".join(words), place, (-6 if is_right else 3, -4 if is_below else 4),
+                          fontsize=8, textcoords="offset points",
+                          ha="right" if is_right else "left", va="top" if is_below else "bottom")
+        for option, time, error in chosen:
+            if error == "reference":
+                axes.axvline(time, color=INK, linestyle=":", linewidth=1)
+                axes.text(time * 1.1, 2e-5, f"{option}:\nreference", fontsize=8)
+        axes.set(xscale="log", yscale="log", title=scene, ylim=(3e-9, 3),
+                 xlim=(least / 2, most * 4))
+    for axes in panels[2:]:
+        axes.set_xlabel("Run time (s)")
+    for axes in panels[::2]:
+        axes.set_ylabel("Largest relative error of the load")
+
+
 # ------------------------------------------------------------------ drawings without a run
 
 def arrow(axes, begin, end, style="<->", colour=INK):
@@ -684,7 +738,7 @@ def pair_geometry(_, first, loaded, loads):
 
 def main(executable, *names):
     drawn = {name.replace("_", "-") if name.split("_")[0] in (
-        "gallery", "how", "map", "scan", "representative", "pair") else name: make
+        "gallery", "how", "map", "time", "scan", "representative", "pair") else name: make
         for name, make in FIGURES.items()}
     # The scene is named in the picture without its folder.
     pictures = {"pressure-map": ("solve", "surface.scene"),

@@ -3,8 +3,9 @@
     python test/bench/accuracy_costs.py [--seconds 60] [--save]
 
 Runs `asperity accuracy` on the sweep of the thesis, on a rough surface, on a dense one and on a
-height map. With --save the rows go to reference_output/bench/accuracy_costs.csv, and as a table
-into docs/how-to/accuracy.md. test_reference_tables.py compares both.
+height map. With --save the rows go to reference_output/bench/accuracy_costs.csv, and as two tables
+into docs/how-to/accuracy.md: what to type for an error, and all options. test_reference_tables.py
+compares them; the figure time-and-error is drawn from the rows.
 """
 
 import argparse
@@ -22,6 +23,7 @@ ROOT = Path(__file__).resolve().parents[2]
 KEPT = ROOT / "reference_output/bench/accuracy_costs.csv"
 PAGE = ROOT / "docs/how-to/accuracy.md"
 BEGIN, END = "<!-- costs: made by make bench PART=accuracy -->", "<!-- end of what was made -->"
+TIMES = "Time in seconds on one thread, and largest relative error of load or separation:"
 MATERIAL = "&material elastic_modulus = 2*275760., poisson_ratio = 2*0.42 /\n"
 SUMMITS = ("&surfaces number = {}, length = {}, width = {} /\n"
            "&heights mean = 0.127, deviation = {}, lowest = 0.01 /\n&radii mean = 1.27 /\n")
@@ -43,7 +45,14 @@ OPTIONS = {"isolated": "`interaction = 'off'`", "coupled": "`'coupled'`",
            "auto; tolerance 0.001": "`'auto', tolerance = 0.001`",
            "boundary elements; 0.01": "`'boundary', boundary_tolerance = 0.01`",
            "boundary elements; 0.001": "`'boundary', boundary_tolerance = 0.001`",
-           "pixels": "`'boundary'`, on the pixels"}
+           "pixels; every fourth": "`'boundary'`, every fourth pixel",
+           "pixels; every second": "`'boundary'`, every second pixel",
+           "pixels of the map": "`'boundary'`, on the pixels"}
+# A change of the input that its digits do not exclude; the row has no time.
+DIGIT = "half a digit of the heights"
+# Errors of load and area that the first table has an option for.
+GOALS = (("1 % of load and area", 1e-2, 1e-2), ("0.01 % of the load", 1e-4, 1.0),
+         ("0.1 % of load and area", 1e-3, 1e-3))
 
 
 def measured(asperity, seconds):
@@ -61,15 +70,48 @@ def measured(asperity, seconds):
             for row in csv.DictReader((folder / "a.out").open(encoding="ascii")):
                 option = next((text for start, text in OPTIONS.items()
                                if start in row["method"]), "")
+                if row["family"] == "input" and "summits" not in row["method"]:
+                    yield scene, DIGIT, "", f"{float(row['own_error_max']):.1g}", ""
                 if row["family"] == "neighbours" and option and row["seconds"]:
                     yield (scene, option, f"{float(row['seconds']):.2g}",
                            *("reference" if row["reference"] == "1" else f"{float(row[name]):.1g}"
                              for name in ("error_max", "area_error_max")))
 
 
+def rows_of(text):
+    """The kept rows without the first line."""
+    return list(csv.DictReader(io.StringIO(text.partition("\n")[2])))
+
+
+def advice(text):
+    """The table of what to type: for each goal the fastest option that meets it on all surfaces of
+    asperities, its largest errors there, and its time over that of 'coupled'."""
+    scenes = list(SCENES)[:3]
+    cells = {(row["option"], row["scene"]): [float(row[name]) for name in (
+        "seconds", "error", "area_error")] for row in rows_of(text)
+        if row["scene"] in scenes and row["seconds"] and row["error"] != "reference"}
+    unit = [cells["`'coupled'`", scene][0] for scene in scenes]
+    yield "| goal | option | error of the load, area | time, `'coupled'` = 1 |"
+    yield "| --- | --- | ---: | ---: |"
+    for goal, load, area in GOALS:
+        found = []
+        for option in OPTIONS.values():
+            if all((option, scene) in cells for scene in scenes):
+                values = [cells[option, scene] for scene in scenes]
+                worst = [max(value[k] for value in values) for k in (1, 2)]
+                if worst[0] <= load and worst[1] <= area:
+                    times = [value[0] / one for value, one in zip(values, unit)]
+                    found.append((sum(times), option, worst, times))
+        if found:
+            _, option, worst, times = min(found)
+            span = " to ".join(dict.fromkeys(
+                f"{float(f'{time:.2g}'):g}" for time in (min(times), max(times))))
+            yield f"| {goal} | {option} | {worst[0]:.1g}, {worst[1]:.1g} | {span} |"
+
+
 def table(text):
     """The table of the page, from the kept rows."""
-    rows = list(csv.DictReader(io.StringIO(text.partition("\n")[2])))
+    rows = [row for row in rows_of(text) if row["seconds"]]
     cells = {(row["option"], row["scene"]): row for row in rows}
     yield "| option | " + " | ".join(SCENES) + " |"
     yield "| --- |" + " ---: |" * len(SCENES)
@@ -79,6 +121,11 @@ def table(text):
         found = [cells.get((option, scene)) for scene in SCENES]
         yield f"| {option} | " + " | ".join(
             f"{row['seconds']} s, {row['error']}" if row else "-" for row in found) + " |"
+
+
+def tables(text):
+    """What stands between the marks of the page."""
+    return "\n".join([*advice(text), "", TIMES, "", *table(text)])
 
 
 def main():
@@ -91,11 +138,11 @@ def main():
     text = "\n".join([f"# {datetime.date.today()}; {machine('')[1].split(maxsplit=1)[1]}; python "
                       f"test/bench/accuracy_costs.py --seconds {words.seconds:g}",
                       "scene,option,seconds,error,area_error", *rows, ""])
-    print("\n".join(table(text)))
+    print(tables(text))
     if words.save:
         KEPT.write_text(text, encoding="ascii")
         before, _, rest = PAGE.read_text(encoding="utf-8").partition(BEGIN)
-        PAGE.write_text("\n".join([f"{before}{BEGIN}\n", *table(text), f"\n{END}"]) +
+        PAGE.write_text(f"{before}{BEGIN}\n\n{tables(text)}\n\n{END}" +
                         rest.partition(END)[2], encoding="utf-8")
 
 
