@@ -5,6 +5,7 @@ module asperity_accuracy_table
   use asperity_kinds, only: not_computed, real64
   use asperity_method_study, only: method_row, method_table
   use asperity_method_totals, only: error_of_area, quantity_names
+  use asperity_number_format, only: number_text
   use asperity_problems, only: real_text
   use asperity_study_methods, only: family_words, of_arithmetic, of_neighbours, of_scene, &
                                     of_steps, of_theory
@@ -23,6 +24,8 @@ contains
   subroutine write_accuracy_table(table, buffer)
     type(method_table), intent(in) :: table        !! all methods of a scene
     type(text_buffer), intent(inout) :: buffer  !! gets the text
+    real(real64), allocatable :: ratios(:)
+    logical, allocatable :: is_known(:)
     character(len=160) :: line
     integer :: i
 
@@ -72,6 +75,13 @@ contains
                          trim(adjustl(short_number(table%next_best_differs))) &
                          // '.')
     end associate
+    ratios = pack(table%rows%seconds, table%rows%predicted > 0.0_real64)
+    is_known = ratios > 0.0_real64
+    ratios = pack(ratios, is_known) / &
+             pack(pack(table%rows%predicted, table%rows%predicted > 0.0_real64), is_known)
+    if (size(ratios) > 0) &
+      call buffer%line('Run times with neighbours were ' // number_text(minval(ratios), 2) // &
+                       ' to ' // number_text(maxval(ratios), 2) // ' times the predicted ones.')
     if (table%area_exponent > not_computed) then
       call buffer%line('')
       call buffer%line('Area grows as the load to the power ' // &

@@ -43,6 +43,7 @@ module asperity_method_study
   type :: method_row
     type(study_method) :: method                     !! what it is
     real(real64) :: seconds = not_computed     !! all positions, median, from the scene read on
+    real(real64) :: predicted = not_computed   !! run time predicted, with neighbours, s
     real(real64) :: time_spread = not_computed !! half the quartile distance of the time, relative
     type(method_errors) :: total = method_errors()   !! against the reference
     type(method_errors) :: own = method_errors()     !! against what differs in its family alone
@@ -175,7 +176,7 @@ contains
       if (row%method%interaction /= effect_off) seconds = last_seconds()
       if (row%method%interaction == effect_boundary) then
         if (before(last)%method%interaction == effect_boundary) then
-          seconds = seconds * merge(pixel_factor, decade_factor, &
+          seconds = seconds * merge(pixel_factor, decade(before(last - 1:)), &
             row%method%resolution > before(last)%method%resolution)
         else
           seconds = max(seconds * row%method%resolution**2, seconds_per_contact * contacts)
@@ -186,11 +187,22 @@ contains
     case default
       seconds = max(0.0_real64, before(1)%seconds)
     end select
+    if (row%method%family == of_neighbours .and. seconds > 0.0_real64) row%predicted = seconds
     if (seconds > share_of_method * left) &
       row%left_out = 'estimated to take ' // seconds_text(seconds) // ' s, ' // &
                      seconds_text(max(0.0_real64, left)) // ' s are left'
 
   contains
+
+    ! Growth of the time by a tolerance ten times smaller: that of the last two methods, where both
+    ! are boundary elements that were run.
+    pure real(real64) function decade(two)
+      type(method_row), intent(in) :: two(:)
+
+      decade = decade_factor
+      if (all(two%method%interaction == effect_boundary .and. two%seconds > 0.0_real64)) &
+        decade = max(1.0_real64, two(2)%seconds / two(1)%seconds)
+    end function decade
 
     ! Time of the last method with neighbours; a method that was left out counts a decade more than
     ! the method before it.
