@@ -176,7 +176,7 @@ contains
       if (row%method%interaction /= effect_off) seconds = last_seconds()
       if (row%method%interaction == effect_boundary) then
         if (before(last)%method%interaction == effect_boundary) then
-          seconds = seconds * merge(pixel_factor, decade_growth(before(last - 1:)), &
+          seconds = seconds * merge(pixel_factor, decade_growth(before(max(1, last - 1):)), &
             row%method%resolution > before(last)%method%resolution)
         else
           seconds = max(seconds * row%method%resolution**2, seconds_per_contact * contacts)
@@ -200,8 +200,9 @@ contains
       type(method_row), intent(in) :: two(:)
 
       decade_growth = decade_factor
-      if (all(two%method%interaction == effect_boundary .and. two%seconds > 0.0_real64)) &
-        decade_growth = max(1.0_real64, two(2)%seconds / two(1)%seconds)
+      if (size(two) == 2 .and. all(two%method%interaction == effect_boundary .and. &
+                                   two%seconds > 0.0_real64)) &
+        decade_growth = max(1.0_real64, two(size(two))%seconds / two(1)%seconds)
     end function decade_growth
 
     ! Time of the last method with neighbours; a method that was left out counts a decade more than
