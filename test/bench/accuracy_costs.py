@@ -1,11 +1,11 @@
-"""Run time and error of each mode of interaction on four kinds of surfaces: the table of the page.
+"""Run time and error of each mode of interaction on four kinds of surfaces: what to type.
 
     python test/bench/accuracy_costs.py [--seconds 60] [--save]
 
 Runs `asperity accuracy` on the sweep of the thesis, on a rough surface, on a dense one and on a
-height map. With --save the rows go to reference_output/bench/accuracy_costs.csv, and as two tables
-into docs/how-to/accuracy.md: what to type for an error, and all options. test_reference_tables.py
-compares them; the figure time-and-error is drawn from the rows.
+height map. With --save the rows go to reference_output/bench/accuracy_costs.csv, and what to type
+for an error as a table into docs/how-to/accuracy.md. test_reference_tables.py compares both; the
+figure time-and-error is drawn from the rows.
 """
 
 import argparse
@@ -23,7 +23,6 @@ ROOT = Path(__file__).resolve().parents[2]
 KEPT = ROOT / "reference_output/bench/accuracy_costs.csv"
 PAGE = ROOT / "docs/how-to/accuracy.md"
 BEGIN, END = "<!-- costs: made by make bench PART=accuracy -->", "<!-- end of what was made -->"
-TIMES = "Time in seconds on one thread, and largest relative error of load or separation:"
 MATERIAL = "&material elastic_modulus = 2*275760., poisson_ratio = 2*0.42 /\n"
 SUMMITS = ("&surfaces number = {}, length = {}, width = {} /\n"
            "&heights mean = 0.127, deviation = {}, lowest = 0.01 /\n&radii mean = 1.27 /\n")
@@ -109,25 +108,6 @@ def advice(text):
             yield f"| {goal} | {option} | {worst[0]:.1g}, {worst[1]:.1g} | {span} |"
 
 
-def table(text):
-    """The table of the page, from the kept rows."""
-    rows = [row for row in rows_of(text) if row["seconds"]]
-    cells = {(row["option"], row["scene"]): row for row in rows}
-    yield "| option | " + " | ".join(SCENES) + " |"
-    yield "| --- |" + " ---: |" * len(SCENES)
-    for option in OPTIONS.values():
-        if not any(option == row["option"] for row in rows):
-            continue
-        found = [cells.get((option, scene)) for scene in SCENES]
-        yield f"| {option} | " + " | ".join(
-            f"{row['seconds']} s, {row['error']}" if row else "-" for row in found) + " |"
-
-
-def tables(text):
-    """What stands between the marks of the page."""
-    return "\n".join([*advice(text), "", TIMES, "", *table(text)])
-
-
 def main():
     parser = argparse.ArgumentParser(description=__doc__)
     parser.add_argument("--seconds", type=float, default=60)
@@ -138,11 +118,11 @@ def main():
     text = "\n".join([f"# {datetime.date.today()}; {machine('')[1].split(maxsplit=1)[1]}; python "
                       f"test/bench/accuracy_costs.py --seconds {words.seconds:g}",
                       "scene,option,seconds,error,area_error", *rows, ""])
-    print(tables(text))
+    print("\n".join(advice(text)))
     if words.save:
         KEPT.write_text(text, encoding="ascii")
         before, _, rest = PAGE.read_text(encoding="utf-8").partition(BEGIN)
-        PAGE.write_text(f"{before}{BEGIN}\n\n{tables(text)}\n\n{END}" +
+        PAGE.write_text("\n".join([f"{before}{BEGIN}\n", *advice(text), f"\n{END}"]) +
                         rest.partition(END)[2], encoding="utf-8")
 
 
