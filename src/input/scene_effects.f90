@@ -284,11 +284,12 @@ contains
            '&material: found contact_modulus in their place'
   end function needs_both
 
-  ! A tangential load needs friction, and one law for the normal load and for less of it.
+  ! A tangential load needs friction, and normal contacts without attraction or a hold.
   subroutine check_tangential(fields, checked)
     type(scene_fields), intent(inout) :: fields
     type(scene), intent(in) :: checked
     character(len=:), allocatable :: name
+    integer :: i
 
     name = 'tangential_load'
     if (fields%has_name('loading', 'tangential_displacement')) name = 'tangential_displacement'
@@ -296,6 +297,13 @@ contains
       call fields%complain_of('loading', name, 'it needs friction: found friction = ''off'', ' // &
                               'expected friction_coefficient in &effects and both ' // &
                               'elastic_modulus and poisson_ratio in &material')
+    do i = 1, size(known_effects)
+      if (any(known_effects(i)%name == [character(len=8) :: 'adhesion', 'creep']) .and. &
+          checked%effects%modes(i) /= effect_off) &
+        call fields%complain_of('loading', name, 'its theory has no ' // &
+                                trim(known_effects(i)%name) // ': found ' // &
+                                trim(effect_words(checked%effects%modes(i))) // ', expected off')
+    end do
   end subroutine check_tangential
 
   ! Whether friction would have to follow a path of loads or separations back. On the pixels of a
@@ -307,7 +315,8 @@ contains
     rubs_back = is_there(checked%effects, 'friction_coefficient') .and. &
                 allocated(checked%loading%path)
     if (rubs_back .and. allocated(checked%map)) &
-      rubs_back = .not. (solves_pixels(checked) .or. has_tangential(checked%loading))
+      rubs_back = .not. (solves_pixels(checked) .or. checked%effects%given(findloc( &
+                  known_effects%name, 'interaction', 1)) == by_default)
     if (.not. rubs_back) return
     allocate (closing, source=decimal_to_real64(checked%loading%path))
     if (checked%loading%control == control_separation) closing = -closing

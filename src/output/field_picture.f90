@@ -13,10 +13,10 @@ module asperity_field_picture
   private
 
   public :: draw_map, draw_plan
-  public :: plan_of_gap, plan_of_pressure
+  public :: plan_of_gap, plan_of_pressure, plan_of_traction
 
   !> Quantities shown as colours.
-  integer, parameter :: plan_of_pressure = 1, plan_of_gap = 2
+  integer, parameter :: plan_of_pressure = 1, plan_of_gap = 2, plan_of_traction = 3
 
   ! Longer side of the map in a file of its own, points; pixels of its image at most, of a map and
   ! of a field, and on a page.
@@ -30,16 +30,18 @@ module asperity_field_picture
 
 contains
 
-  !> Draws the pressure or the gap of a field in plan, in the coordinates of the field.
+  !> Draws the pressure, the gap or the traction of a field in plan, in coordinates of the field.
   subroutine draw_plan(field, quantity, label, units, is_file, buffer)
     type(contact_field), intent(in) :: field      !! of one state
-    integer, intent(in) :: quantity               !! `plan_of_pressure` or `plan_of_gap`
+    integer, intent(in) :: quantity               !! one of the `plan_of_` numbers
     character(len=*), intent(in) :: label         !! what it shows; the title of a file
     character(len=*), intent(in) :: units(2)      !! of length and pressure; blank: not known
     logical, intent(in) :: is_file                !! a file of its own, not a part of a page
     type(text_buffer), intent(inout) :: buffer    !! gets the drawing, an SVG
-    character(len=*), parameter :: names(2) = [character(len=8) :: 'pressure', 'gap']
-    character(len=*), parameter :: blanks(2) = [character(len=10) :: 'no contact', 'contact']
+    character(len=*), parameter :: names(3) = [character(len=8) :: 'pressure', 'gap', &
+      'traction']
+    character(len=*), parameter :: blanks(3) = [character(len=10) :: 'no contact', 'contact', &
+      'no contact']
     type(svg_plot) :: plot
     real(real64), allocatable :: mean(:, :)
     character(len=:), allocatable :: note
@@ -48,9 +50,10 @@ contains
     associate (most => merge(pixels_of_field, pixels_of_page, is_file))
       if (quantity == plan_of_pressure) call average_squares(field%pressure, most, mean, note)
       if (quantity == plan_of_gap) call average_squares(field%gap, most, mean, note)
+      if (quantity == plan_of_traction) call average_squares(field%traction, most, mean, note)
     end associate
     call set_axes(plot, field%origin, field%pixel_spacing, shape(field%gap), units(1))
-    plot%axes(3) = plot_axis(names(quantity), units(merge(2, 1, quantity == plan_of_pressure)), &
+    plot%axes(3) = plot_axis(names(quantity), units(merge(1, 2, quantity == plan_of_gap)), &
                              0.0_real64, max(0.0_real64, maxval(mean)))
     plot%notes = 1 + merge(1, 0, note /= '') + &
                  merge(1, 0, .not. all(field%pressure > not_computed))

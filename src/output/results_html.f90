@@ -4,7 +4,7 @@ module asperity_results_html
   use asperity_contact_field, only: contact_field, parts_in_words
   use asperity_effect_names, only: known_effects
   use asperity_effects_summary, only: list_effects, effect_sentence
-  use asperity_field_picture, only: draw_plan, plan_of_gap, plan_of_pressure
+  use asperity_field_picture, only: draw_plan, plan_of_gap, plan_of_pressure, plan_of_traction
   use asperity_html_page, only: begin_page, begin_section, begin_table, end_of_table, &
                                 end_page, escaped_text, put_lines, put_paragraphs, put_row
   use asperity_html_plans, only: put_plans
@@ -90,6 +90,9 @@ contains
     call draw_plan(fields(size(fields)), plan_of_pressure, 'pressure in plan', units, .false., &
                    buffer)
     call draw_plan(fields(size(fields)), plan_of_gap, 'gap in plan', units, .false., buffer)
+    if (allocated(fields(size(fields))%traction)) &
+      call draw_plan(fields(size(fields)), plan_of_traction, 'tangential traction in plan', units, &
+                     .false., buffer)
     call buffer%line('</div>')
   end subroutine put_fields
 

@@ -220,6 +220,44 @@ def test_rough_map_against_active_sets(asperity, tmp_path, edge, hardness, ratio
     assert found["tangential_stiffness"] == pytest.approx(stiffness, rel=2e-3)
 
 
+def test_missing_pixels_path_and_page(asperity, tmp_path):
+    """Missing pixels have no traction; a path back to a load has the same slip as the load; the
+    page has a plan of the traction."""
+    sides = (0.01, 0.01)
+    height = 1e-3 * rough(24, 24, shortest=6, seed=9)
+    height[3:6, 7:9] = np.nan
+    load = 1.0
+    slips = []
+    for value in (load, (load, 3 * load, load)):
+        found, _, fields = map_slip(asperity, tmp_path, height, sides, {
+            "control": "load", "value": value, "tangential_load": 0.1})
+        assert np.array_equal(np.isnan(fields["traction"]), np.isnan(height))
+        assert np.nansum(fields["traction"]) * 1e-4 == pytest.approx(0.1)
+        slips.append((found["tangential_displacement"], found["stick_area"]))
+    assert slips[1] == pytest.approx(slips[0], rel=1e-6)
+    run_program(asperity, "solve", tmp_path / "slip.scene", "--quiet", "--html",
+                tmp_path / "s.html")
+    assert "tangential traction in plan" in (tmp_path / "s.html").read_text()
+
+
+@pytest.mark.parametrize("interaction", ["off", "coupled"])
+def test_summits_of_a_map(asperity, tmp_path, interaction):
+    """The summits of a map have the slip of asperities."""
+    place = (np.arange(40) - 19.5) * 0.01
+    height = 1e-3 * np.cos(40 * place[:, None]) * np.cos(40 * place[None, :])
+    scene = write_scene(
+        tmp_path / "m.scene", surfaces={"upper": "plane", "map_spacing": (0.01, 0.01), "lower":
+                                        write_map(tmp_path / "m.txt", height)},
+        material={"elastic_modulus": (MODULUS, MODULUS), "poisson_ratio": (RATIO, RATIO)},
+        loading={"control": "load", "value": 0.2, "tangential_load": 0.02},
+        effects={"interaction": interaction, "friction_coefficient": MU})
+    found = solve(asperity, scene)
+    assert found.status == 0, found.stderr
+    assert float(found.positions[0]["tangential_load"]) == pytest.approx(0.02, rel=1e-6)
+    assert sum(float(row["shear_load"]) for row in found.contacts) == pytest.approx(0.02, rel=1e-5)
+    assert 0 < float(found.positions[0]["stick_area"]) < float(found.positions[0]["area"])
+
+
 def test_sliding_by_displacement(asperity, tmp_path):
     contact, pixels = 0.1, 32
     side = 2.1 * contact / pixels
@@ -242,6 +280,9 @@ def test_sliding_by_displacement(asperity, tmp_path):
     ({"tangential_load": 1.0}, {"friction_coefficient": 0.1}, {"contact_modulus": 10.0},
      "it needs friction: found friction = 'off', expected friction_coefficient in &effects and "
      "both elastic_modulus and poisson_ratio in &material"),
+    ({"tangential_load": 1.0}, {"interaction": "off", "friction_coefficient": 0.1,
+                                "work_of_adhesion": 0.1, "equilibrium_distance": 1e-3}, {},
+     "its theory has no adhesion"),
     ({"tangential_load": -1.0}, {"friction_coefficient": 0.1}, {}, "0 or more"),
     ({"tangential_load": 1.0, "tangential_displacement": 0.1}, {"friction_coefficient": 0.1}, {},
      "found beside tangential_load, expected one of them")])
