@@ -1,8 +1,10 @@
 """The README: its length, and its blocks, each run as it stands in a folder that looks like the
 checkout."""
 
+import importlib
 import os
 import re
+import sys
 
 import pytest
 from builds import ROOT
@@ -102,3 +104,21 @@ def test_gallery_has_every_example():
     assert len(pictures) == len(set(pictures)) >= 12
     for picture in pictures:
         assert (ROOT / "docs" / picture).exists()
+
+
+# What the table says that other programs have, and the names of it in them.
+PEERS = {
+    "tamaas": ["PolonskyKeerRey", "EPICSolver", "KatoSaturated", "MaugisAdhesionFunctional",
+               "PolonskyKeerTan", "MaxwellViscoelastic", "Isopowerlaw2D"],
+    "tamaas.compute": ["von_mises"],
+    "ContactMechanics": ["FreeFFTElasticHalfSpace", "PeriodicFFTElasticHalfSpace",
+                         "SemiPeriodicFFTElasticHalfSpace", "PlasticSubstrate"]}
+
+
+@pytest.mark.once
+@pytest.mark.skipif(sys.version_info < (3, 11), reason="the versions that are compared need 3.11")
+@pytest.mark.parametrize("name", PEERS)
+def test_other_programs_have_it(name):
+    """Each cell of the comparison that is not a plain no has its name in the installed version."""
+    module = importlib.import_module(name)
+    assert not [one for one in PEERS[name] if not hasattr(module, one)]
