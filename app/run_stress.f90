@@ -25,10 +25,6 @@ contains
     if (decimal_to_real64(scene_in%contact_modulus) > 0.0_real64) &
       call problems%add('--depths: stress needs poisson_ratio in &material: found ' // &
                         'contact_modulus in its place')
-    if (.not. allocated(scene_in%map)) return
-    if (max(scene_in%map%upper%strip_axis, scene_in%map%lower%strip_axis) > 0) &
-      call problems%add('--depths: stress is computed below free and periodic maps: found a ' // &
-                        'map_edge of each axis')
   end subroutine check_stress
 
   !> Computes the stress in the lower body at all depths: the largest ones as lines of text, all

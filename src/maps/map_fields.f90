@@ -79,6 +79,7 @@ contains
     field%columns = map%columns
     field%rows = map%rows
     field%periodic = map%periodic
+    field%strip_axis = map%strip_axis
     field%pixel_spacing = map%pixel_spacing
     field%level = answer%level
     field%pressure = merge(answer%pressure, not_computed, is_measured(map%height))

@@ -13,7 +13,9 @@
 !>   xy: (1 - 2 nu) ln(R + z) + z/R
 !>   xz: -z**2 Y/(R (X**2 + z**2)); yz alike
 !>
-!> They are convolved with the pressures on a padded lattice, which is exact to rounding.
+!> They are convolved with the pressures on a padded lattice, which is exact to rounding. On a map
+!> that is periodic along one axis they are summed over `images_along` periods on each side; the
+!> others are an integral along the axis by the midpoint rule.
 !>
 !> On a periodic map: for a wave of pressure of the numbers qx, qy, with q**2 = qx**2 + qy**2,
 !> c = qx/q and s = qy/q, the stress is -p exp(-q z) times
@@ -51,6 +53,7 @@ module asperity_map_stress
   type :: stress_solver
     private
     logical :: periodic = .false.
+    integer :: strip_axis = 0                     ! axis of the period of a strip; 0: none
     real(real64) :: ratio = 0.0_real64            ! Poisson's ratio
     real(real64) :: side(2) = 0.0_real64          ! of a pixel
     integer :: columns = 0, rows = 0              ! of the field
@@ -60,6 +63,11 @@ module asperity_map_stress
     procedure :: prepare => prepare_solver  !! transforms the pressures
     procedure :: solve => solve_depth       !! computes the stresses at a depth
   end type stress_solver
+
+  ! Periods on each side of a strip; the error is 2e-5 of the mean pressure over a period (derived:
+  ! midpoint rule of a stress that falls as 1/x**2; test: strips in
+  ! test/regression/test_map_stress.py).
+  integer, parameter :: images_along = 16
 
   ! Parity of the corner functions in X and in Y.
   integer, parameter :: corner_parity(2, 6) = reshape([-1, -1, -1, -1, -1, -1, 1, 1, 1, -1, &
@@ -72,8 +80,10 @@ contains
     class(stress_solver), intent(inout) :: self  !! solver without plans
     type(contact_field), intent(in) :: field     !! pressures on pixels
     real(real64), intent(in) :: ratio            !! Poisson's ratio of the body, -1 to 0.5
+    integer :: padded(2)
 
     self%periodic = field%periodic
+    self%strip_axis = field%strip_axis
     self%ratio = ratio
     self%side = field%pixel_spacing
     self%columns = field%columns
@@ -81,7 +91,10 @@ contains
     if (self%periodic) then
       call self%transform%prepare(field%columns, field%rows)
     else
-      call self%transform%prepare(padded_length(2 * field%columns), padded_length(2 * field%rows))
+      padded = [padded_length(2 * field%columns), padded_length(2 * field%rows)]
+      if (self%strip_axis == 1) padded(1) = field%columns
+      if (self%strip_axis == 2) padded(2) = field%rows
+      call self%transform%prepare(padded(1), padded(2))
     end if
     allocate (self%pressure(0:self%transform%rows - 1, 0:self%transform%columns / 2))
     call self%transform%make_waves(max(0.0_real64, field%pressure), self%pressure)
@@ -103,7 +116,11 @@ contains
       if (self%periodic) then
         call multiply_wave(self, depth, k, waves)
       else
-        call fill_kernel(self, depth, k, kernel)
+        if (self%strip_axis > 0) then
+          call fill_strip_kernel(self, depth, k, kernel)
+        else
+          call fill_kernel(self, depth, k, kernel)
+        end if
         call self%transform%make_waves(kernel, waves)
         waves = waves * self%pressure
       end if
@@ -184,6 +201,79 @@ contains
       end do
     end do
   end subroutine fill_kernel
+
+  ! The same for a strip: u is along its period, v across.
+  subroutine fill_strip_kernel(self, depth, component, kernel)
+    class(stress_solver), intent(in) :: self
+    real(real64), intent(in) :: depth
+    integer, intent(in) :: component
+    real(real64), intent(out) :: kernel(:, :)
+    real(real64), allocatable :: steps(:), sums(:)
+    real(real64) :: far, right, left
+    integer :: across, along, i, j, k, n, parities(2), top
+
+    along = self%strip_axis
+    across = 3 - along
+    parities = [corner_parity(along, component), corner_parity(across, component)]
+    n = merge(self%columns, self%rows, along == 1)
+    top = (images_along + 1) * n
+    ! Beyond it the corner functions change by 1e-8 of themselves.
+    far = 1.0e8_real64 * (n * self%side(along) + depth + &
+                          self%side(across) * max(self%columns, self%rows))
+    kernel = 0.0_real64
+    !$omp parallel do private(steps, sums, i, k, left, right) schedule(dynamic)
+    do j = 0, merge(self%rows, self%columns, along == 1) - 1
+      allocate (steps(-top:top), sums(0:n - 1))
+      do i = 0, top
+        steps(i) = step_across((i + 0.5_real64) * self%side(along), j)
+      end do
+      steps(-1:-top:-1) = parities(1) * steps(0:top - 1)
+      do i = 0, n - 1
+        right = step_across((i + (images_along + 0.5_real64) * n) * self%side(along), j)
+        left = parities(1) * step_across(((images_along + 0.5_real64) * n - i) * &
+                                         self%side(along), j)
+        sums(i) = ((1 - parities(1)) * step_across(far, j) - right + left) / n
+        do k = -images_along, images_along
+          sums(i) = sums(i) + steps(i + k * n) - steps(i + k * n - 1)
+        end do
+      end do
+      sums = -sums / (2.0_real64 * pi)
+      if (along == 1) then
+        kernel(:, 1 + j) = sums
+        if (j > 0) kernel(:, size(kernel, 2) + 1 - j) = -parities(2) * sums
+      else
+        kernel(1 + j, :) = sums
+        if (j > 0) kernel(size(kernel, 1) + 1 - j, :) = -parities(2) * sums
+      end if
+      deallocate (steps, sums)
+    end do
+    !$omp end parallel do
+
+  contains
+
+    ! Difference of the corner function over a pixel across, at a place along.
+    pure real(real64) function step_across(u, j)
+      real(real64), intent(in) :: u
+      integer, intent(in) :: j
+      real(real64) :: v
+
+      v = (j - 0.5_real64) * self%side(across)
+      step_across = corner_along(u, v + self%side(across))
+      if (j > 0) step_across = step_across - corner_along(u, v)
+      if (j == 0) step_across = (1 - parities(2)) * step_across
+    end function step_across
+
+    pure real(real64) function corner_along(u, v)
+      real(real64), intent(in) :: u, v
+
+      if (along == 1) then
+        corner_along = corner_function(component, u, v, depth, self%ratio)
+      else
+        corner_along = corner_function(component, v, u, depth, self%ratio)
+      end if
+    end function corner_along
+
+  end subroutine fill_strip_kernel
 
   ! A corner function of the header, for X, Y and z more than 0.
   pure real(real64) function corner_function(component, x, y, z, ratio) result(corner)

@@ -21,6 +21,7 @@ module asperity_contact_field
     integer :: rows = 0                              !! pixels along y
     real(real64) :: pixel_spacing(2) = 0.0_real64    !! of the pixels along x and y [length]
     logical :: periodic = .false.                    !! the pixels repeat in both directions
+    integer :: strip_axis = 0                        !! axis along which alone they do; 0: none
     character(len=:), allocatable :: unit            !! unit of length; empty: not known
     real(real64) :: origin(2) = 0.0_real64           !! centre of the first pixel in plan [length]
     !> Contacts whose pressure on a grid is that of boundary elements, and of Hertz; less than 0:

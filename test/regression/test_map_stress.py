@@ -150,6 +150,46 @@ def test_one_pixel_by_quadrature(asperity, tmp_path, ratio):
                     stress, rel=1e-9, abs=1e-10 * pressure), (name, i, j)
 
 
+@pytest.mark.parametrize("axis", [0, 1])
+def test_strips(asperity, tmp_path, axis):
+    """A line of pressure across a strip: plane strain of one pixel's band (Johnson 1985, section
+    2.5). One pixel of a long strip: that of a free map, but for far images."""
+    edges = ("periodic", "free") if axis == 0 else ("free", "periodic")
+    shape, sides = ((6, 9), (0.5, 1.0)) if axis == 0 else ((9, 6), (1.0, 0.5))
+    height = np.full(shape, -10.0)
+    height[(slice(None), 4) if axis == 0 else (4, slice(None))] = 0.0
+    numbers, _, load = below(asperity, tmp_path, height, sides, "0.7,3",
+                             {"control": "load", "value": 1.0}, map_edge=edges)
+    pressure = load / (6 * 0.5)
+    names = dict(zip(COMPONENTS, COMPONENTS if axis == 0 else ("yy", "xx", "zz", "xy", "yz", "xz")))
+    for k, z in enumerate((0.7, 3.0)):
+        for offset in range(-4, 5):
+            first, second = (np.arctan2(offset + half, z) for half in (0.5, -0.5))
+            span, double = first - second, (np.sin(2 * first) - np.sin(2 * second)) / 2
+            across = -pressure / np.pi * (span - double)
+            down = -pressure / np.pi * (span + double)
+            shear = pressure / np.pi * (np.cos(2 * first) - np.cos(2 * second)) / 2
+            truth = {"xx": RATIO * (across + down), "yy": across, "zz": down, "xy": 0.0,
+                     "xz": 0.0, "yz": shear}
+            for name, stress in truth.items():
+                found = numbers[f"stress_{names[name]}"][k]
+                line = found[:, 4 + offset] if axis == 0 else found[4 + offset, :]
+                assert np.abs(line - stress).max() < 1e-6 * pressure, (name, offset, line, stress)
+
+
+def test_long_strip_is_nearly_free(asperity, tmp_path):
+    """Images of a sphere that are 40 radii away."""
+    height = np.full((81, 9), -10.0)
+    height[40, 4] = 0.0
+    given = {"control": "load", "value": 1.0}
+    free, _, load = below(asperity, tmp_path, height, (1.0, 1.0), "0.7,3", given)
+    strip, _, _ = below(asperity, tmp_path, height, (1.0, 1.0), "0.7,3", given,
+                        map_edge=("periodic", "free"))
+    for name in COMPONENTS:
+        error = np.abs(strip[f"stress_{name}"] - free[f"stress_{name}"])[:, 30:51].max()
+        assert error < 2e-4 * load, name
+
+
 def test_asperities_on_their_grid(asperity, tmp_path):
     """Below the grid of fields of a sphere: the stresses on the axis of Hertz' pressure."""
     contact, radius, side = 0.1, 1.0, 0.004
