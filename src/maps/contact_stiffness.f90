@@ -4,8 +4,7 @@
 !> with the matrix A of displacements. At the minimum A x is the same, y, on these pixels: x are the
 !> pressures by a small increase of the load while no pixel opens or closes, and 1/y is
 !> dP/d(compression) over the area of a pixel. The change of the set of pixels in contact has no
-!> effect of first order (Barber, Proc. R. Soc. A 459 (2003) 53). The error of y is of the second
-!> order in the residual.
+!> effect of first order (Barber, Proc. R. Soc. A 459 (2003) 53).
 !>
 !> Method: conjugate gradients on these pixels with a fixed sum, preconditioned with the approximate
 !> inverse of `lattice_convolution`, which is symmetric and positive definite on them. The sum is
@@ -20,9 +19,9 @@ module asperity_contact_stiffness
 
   public :: find_stiffness
 
-  ! Largest residual relative to y: its square is below the rounding of the transforms (chosen;
+  ! Largest residual relative to y: the error is its square, by the mean gap 1e-7 at most (chosen;
   ! test: differences of loads in test/regression/test_map_interface.py).
-  real(real64), parameter :: residual_left = 1.0e-6_real64
+  real(real64), parameter :: residual_left = 1.0e-5_real64
   ! Largest number of iterations (chosen).
   integer, parameter :: iterations_allowed = 1000
 
@@ -40,8 +39,8 @@ contains
     real(real64), intent(out), optional :: gap_stiffness
     type(lattice_convolution) :: influence
     real(real64), allocatable, dimension(:, :) :: direction, image, pressure, residual
-    real(real64) :: curvature, displacement, mean, product_before, residual_product, step
-    integer :: number, turn
+    real(real64) :: curvature, displacement, largest, mean, product_before, residual_product, step
+    integer :: i, j, number, turn
 
     stiffness = 0.0_real64
     if (present(gap_stiffness)) gap_stiffness = 0.0_real64
@@ -56,26 +55,40 @@ contains
     call influence%apply(pressure, image)
     displacement = sum(image, mask=carries) / number
     residual = merge(displacement - image, 0.0_real64, carries)
+    largest = maxval(abs(residual))
     residual_product = 0.0_real64
     do turn = 1, iterations_allowed
       if (.not. displacement > epsilon(displacement) * influence%norm) return
-      if (maxval(abs(residual)) <= residual_left * displacement) exit
+      if (largest <= residual_left * displacement) exit
       call influence%apply(residual, image, inverse=.true.)
-      mean = sum(image, mask=carries) / number
-      image = merge(image - mean, 0.0_real64, carries)
       product_before = residual_product
-      residual_product = sum(residual * image)
+      call find_sums(image, residual, carries, mean, residual_product)
+      mean = mean / number
       step = 0.0_real64
       if (product_before > 0.0_real64) step = residual_product / product_before
-      direction = image + step * direction
+      do j = 1, size(image, 2)
+        !$omp simd
+        do i = 1, size(image, 1)
+          direction(i, j) = merge(image(i, j) - mean, 0.0_real64, carries(i, j)) + &
+                            step * direction(i, j)
+        end do
+      end do
       call influence%apply(direction, image)
-      curvature = sum(direction * image)
+      call find_sums(image, direction, carries, mean, curvature)
+      mean = mean / number
       if (.not. (curvature > 0.0_real64 .and. residual_product > 0.0_real64)) return
       step = residual_product / curvature
-      pressure = pressure + step * direction
-      mean = sum(image, mask=carries) / number
       displacement = displacement + step * mean
-      residual = residual - merge(step * (image - mean), 0.0_real64, carries)
+      largest = 0.0_real64
+      do j = 1, size(image, 2)
+        !$omp simd reduction(max:largest)
+        do i = 1, size(image, 1)
+          pressure(i, j) = pressure(i, j) + step * direction(i, j)
+          residual(i, j) = residual(i, j) - merge(step * (image(i, j) - mean), 0.0_real64, &
+                                                  carries(i, j))
+          largest = max(largest, abs(residual(i, j)))
+        end do
+      end do
     end do
     if (turn > iterations_allowed) return
     call influence%apply(pressure, image)
@@ -88,5 +101,23 @@ contains
     if (displacement > epsilon(displacement) * influence%norm) &
       gap_stiffness = modulus * map%pixel_spacing(2) / displacement
   end subroutine find_stiffness
+
+  ! Finds the sum of an array over the pixels in contact and its product with another one.
+  pure subroutine find_sums(image, other, carries, total, scalar_product)
+    real(real64), intent(in) :: image(:, :), other(:, :)
+    logical, intent(in) :: carries(:, :)
+    real(real64), intent(out) :: total, scalar_product
+    integer :: i, j
+
+    total = 0.0_real64
+    scalar_product = 0.0_real64
+    do j = 1, size(image, 2)
+      !$omp simd reduction(+:total, scalar_product)
+      do i = 1, size(image, 1)
+        total = total + merge(image(i, j), 0.0_real64, carries(i, j))
+        scalar_product = scalar_product + other(i, j) * image(i, j)
+      end do
+    end do
+  end subroutine find_sums
 
 end module asperity_contact_stiffness

@@ -9,7 +9,6 @@ module asperity_map_check
   use asperity_height_map, only: height_map, is_measured
   use asperity_kinds, only: int64, not_computed, real64
   use asperity_map_contact, only: closed_fully, closed_start, half_map, map_answer, press_map
-  use asperity_map_despiking, only: limit_of_spikes
   use asperity_map_patches, only: find_patches, map_patch
   use asperity_map_scene, only: area_of_map, map_loading
   use asperity_map_shares, only: find_shares
@@ -196,7 +195,7 @@ contains
     integer, allocatable :: patch_at(:, :)
     logical, allocatable :: has_summit(:)
     integer :: i, j, k
-    real(real64) :: first
+    real(real64) :: first, spike_limit
 
     ! Distance of the first pixel to the centre of the first coarser one [coarser pixels].
     first = 0.5_real64 * (1.0_real64 - 1.0_real64 / reference%coarser)
@@ -213,8 +212,9 @@ contains
       has_summit(patch_at(min(max(i, 1), reference%map%columns), &
                           min(max(j, 1), reference%map%rows))) = .true.
     end do
-    call find_shares(map, reference%answer%pressure, patches, &
-                     limit_of_spikes(map, reference%coarser), check%shares)
+    spike_limit = -1.0_real64
+    call find_shares(map, reference%answer%pressure, patches, 0.0_real64, spike_limit, &
+                     check%shares)
     check%shares%without_summit = sum(patches%load, mask=.not. has_summit(1:)) / sum(patches%load)
   end subroutine find_load_shares
 

@@ -7,7 +7,6 @@ module asperity_map_press_solver
   use asperity_height_map, only: height_map
   use asperity_kinds, only: int64, not_computed, real64
   use asperity_map_contact, only: map_answer, most_load, press_map, room_to_press
-  use asperity_map_despiking, only: limit_of_spikes
   use asperity_map_error, only: estimate_pixel_errors, is_rough_at_pixels, pixel_errors
   use asperity_map_fields, only: measure_fields, take_field
   use asperity_map_form, only: find_form_contact
@@ -42,7 +41,6 @@ module asperity_map_press_solver
     private
     type(height_map), pointer :: map => null()
     type(map_loading) :: loading
-    real(real64) :: spike_limit = 0.0_real64
     real(real64) :: tolerance = 0.0_real64
     real(real64), allocatable :: hardness        ! largest pressure; not allocated: elastic
     type(slip_request), allocatable :: slip      ! tangential load; not allocated: no friction
@@ -84,7 +82,6 @@ contains
     end if
     call set_theory_limits(scene_in, 0, 0, new%limits)
     new%limit = scene_in%limit
-    new%spike_limit = limit_of_spikes(map, 1)
     new%fields = fields
     new%form_radius = scene_in%map%form_radius
     new%unit = trim(scene_in%units(1))
@@ -150,9 +147,10 @@ contains
     type(map_shares) :: shares
     type(theory_warning), allocatable :: warnings(:)
     real(real64), allocatable :: samples(:)
-    real(real64) :: other_errors(3), work
+    real(real64) :: other_errors(3), spike_limit, work
     integer :: i
 
+    spike_limit = -1.0_real64
     call make_room_for_fields(self, result, failure)
     if (allocated(failure)) return
     allocate (result%states(self%states), result%rows(0), samples(0))
@@ -187,7 +185,7 @@ contains
       end if
       if (allocated(deformed)) call deform_map(self%hardness, answer, deformed, work)
       call find_patches(self%map, answer%pressure, patches, hardness=self%hardness)
-      call find_shares(self%map, answer%pressure, patches, self%spike_limit, shares)
+      call find_shares(self%map, answer%pressure, patches, self%tolerance, spike_limit, shares)
       if (allocated(warnings)) deallocate (warnings)
       call warn_of_shares(shares, self%tolerance, warnings)
       if (is_flat(self%map)) call add_warning(warnings, of_flat_map, 0.0_real64)

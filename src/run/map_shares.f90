@@ -4,7 +4,7 @@ module asperity_map_shares
   use asperity_constants, only: pi
   use asperity_height_map, only: height_map, is_measured
   use asperity_kinds, only: real64
-  use asperity_map_despiking, only: is_spike
+  use asperity_map_despiking, only: is_spike, limit_of_spikes
   use asperity_map_patches, only: map_patch
   use asperity_theory_warnings, only: add_warning, of_border, of_map_edge, of_missing, &
                                       of_no_summit, of_scan_lines, of_spikes, theory_warning, &
@@ -31,11 +31,13 @@ module asperity_map_shares
 contains
 
   !> Finds the shares of a map that was solved on its pixels or on coarser ones.
-  subroutine find_shares(map, pressure, patches, spike_limit, shares)
+  subroutine find_shares(map, pressure, patches, least_spikes, spike_limit, shares)
     type(height_map), intent(in) :: map         !! map at its full resolution
     real(real64), intent(in) :: pressure(:, :)  !! pressure on its pixels, or on coarser ones
     type(map_patch), intent(in) :: patches(:)   !! contact patches of the pressure
-    real(real64), intent(in) :: spike_limit     !! `limit_of_spikes` of the map
+    !> share of the load on outliers of their surroundings, up to which the limit is not computed
+    real(real64), intent(in) :: least_spikes
+    real(real64), intent(inout) :: spike_limit  !! `limit_of_spikes` of the map; below 0: unknown
     type(map_shares), intent(out) :: shares     !! shares except `without_summit`
     real(real64) :: inner, total
     integer :: coarser, first(2), i, j
@@ -46,12 +48,12 @@ contains
                           patches%across(2) - patches%across(1) >= long_line - 1) / &
                       sum(patches%load)
     coarser = (map%columns - 1) / size(pressure, 1) + 1
-    do j = 1, size(pressure, 2)
-      do i = 1, size(pressure, 1)
-        if (.not. pressure(i, j) > 0.0_real64) cycle
-        if (on_spike(i, j)) shares%on_spikes = shares%on_spikes + pressure(i, j) / total
-      end do
-    end do
+    ! The limit takes the medians around all pixels: most maps have too few outliers for it.
+    shares%on_spikes = share_on_spikes(max(0.0_real64, spike_limit))
+    if (spike_limit < 0.0_real64 .and. shares%on_spikes > least_spikes) then
+      spike_limit = limit_of_spikes(map, coarser)
+      shares%on_spikes = share_on_spikes(spike_limit)
+    end if
     if (map%periodic) return
     associate (n => size(pressure, 1), m => size(pressure, 2))
       first = merge(1, 1 + edge, [map%repeats(1), map%repeats(2)])
@@ -67,15 +69,29 @@ contains
 
   contains
 
+    ! Share of the load on outliers by more than a limit.
+    real(real64) function share_on_spikes(limit) result(share)
+      real(real64), intent(in) :: limit
+
+      share = 0.0_real64
+      do j = 1, size(pressure, 2)
+        do i = 1, size(pressure, 1)
+          if (.not. pressure(i, j) > 0.0_real64) cycle
+          if (on_spike(i, j, limit)) share = share + pressure(i, j) / total
+        end do
+      end do
+    end function share_on_spikes
+
     ! Whether the highest pixel of a coarser one is an outlier.
-    logical function on_spike(across, along)
+    logical function on_spike(across, along, limit)
       integer, intent(in) :: across, along
+      real(real64), intent(in) :: limit
       integer :: first(2), place(2)
 
       first = coarser * ([across, along] - 1)
       place = first + maxloc(map%height(first(1) + 1:min(first(1) + coarser, map%columns), &
                                         first(2) + 1:min(first(2) + coarser, map%rows)))
-      on_spike = is_spike(map, place(1), place(2), spike_limit)
+      on_spike = is_spike(map, place(1), place(2), limit)
     end function on_spike
 
   end subroutine find_shares
