@@ -357,7 +357,7 @@ def test_called_for(asperity, tmp_path, effects, words, interaction):
      "expected plastic_yield_stress in its place"),
     ("boundary", "plastic_hardness = 0.", "plastic_hardness"),
     ("boundary", "plastic_hardness = 1., friction = 'on', friction_coefficient = .1",
-     "computed for asperities, not for the pixels of a map")])
+     "friction needs shear moduli")])
 def test_refused(asperity, tmp_path, interaction, effects, sentence):
     height = 1e-3 * rough(32, shortest=5, seed=3)
     scene = map_scene(tmp_path, height, SIDES, interaction=interaction,
