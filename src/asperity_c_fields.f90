@@ -6,6 +6,7 @@ module asperity_c_fields
   use, intrinsic :: iso_fortran_env, only: real64
   use asperity, only: add_reals, add_wholes, array_table, contact_field, decimal_text, &
                       not_computed, not_enough_memory, of_contacts, of_positions
+  use asperity_contact_field, only: contact_marks
   use asperity_c_outcome, only: begin_outcome, finish_outcome, look_at, outcome, set_text, &
                                 table_fields, table_map, text_unit
   implicit none
@@ -93,7 +94,7 @@ contains
     associate (table => new%tables(table_fields))
       table%rows = size(field%pressure)
       allocate (table%columns(merge(6, 4, allocated(field%traction))))
-      call set_marks(4, 'contact', field%pressure > 0.0_real64)
+      call set_marks(4, 'contact', contact_marks(field))
       if (allocated(field%traction)) then
         if (status == 0) call set_values(5, 'traction', field%traction, pressure)
         if (status == 0) call set_marks(6, 'stick', field%sticks)

@@ -13,6 +13,7 @@ module asperity_effect_names
   public :: effect_off, effect_on, effect_auto, effect_coupled, effect_boundary, effect_words
   public :: by_default, by_numbers, by_word
   public :: hold_load, hold_separation, hold_words
+  public :: law_exponential, law_van_der_waals, law_words
   public :: known_effect, known_effects, effect_number, effect_numbers
   public :: one_word, whole_number, needed_for, why_not_together
 
@@ -33,9 +34,14 @@ module asperity_effect_names
   integer, parameter :: hold_separation = 2  !! creep only: the separation is held
   !> The words of a scene for them.
   character(len=*), parameter :: hold_words(3) = &
-    [character(len=10) :: 'load', 'separation', 'approach']
+    [character(len=13) :: 'load', 'separation', 'approach']
+  integer, parameter :: law_exponential = 1    !! adhesion on pixels: attraction w/rho exp(-g/rho)
+  integer, parameter :: law_van_der_waals = 2  !! adhesion on pixels: 2 w/z0 (1 + g/z0)**-3
+  !> The words of a scene for them; the third has none.
+  character(len=*), parameter :: law_words(3) = &
+    [character(len=13) :: 'exponential', 'van_der_waals', '']
   ! The words of a scene for the body that yields; the third has none.
-  character(len=*), parameter :: plastic_bodies(3) = [character(len=10) :: 'upper', 'lower', '']
+  character(len=*), parameter :: plastic_bodies(3) = [character(len=13) :: 'upper', 'lower', '']
 
   !> An effect. Where a scene does not write how it is simulated, `asperity_scene_effects` does.
   type :: known_effect
@@ -50,9 +56,6 @@ module asperity_effect_names
 
   integer, parameter :: switch(4) = [effect_off, effect_on, effect_auto, 0]
 
-  character(len=*), parameter :: for_asperities = 'it is computed for asperities, ' // &
-    'not for the pixels of a map'
-
   !> All effects.
   type(known_effect), parameter :: known_effects(*) = [ &
     known_effect('interaction', [effect_off, effect_auto, effect_coupled, effect_boundary], &
@@ -64,12 +67,12 @@ module asperity_effect_names
     known_effect('plasticity', switch, 'plastic flow beyond first yield, residual flattening', &
                  'Poisson''s ratio of the body that yields: poisson_ratio', &
                  [character(len=20) :: 'plastic_yield_stress', ''], &
-                 'without plastic_hardness ' // for_asperities), &
+                 'without plastic_hardness it is computed for asperities, not for the pixels ' // &
+                 'of a map'), &
     known_effect('adhesion', switch, 'attraction between the surfaces: snap-in, pull-off', &
-                 own=[character(len=20) :: 'work_of_adhesion', ''], not_on_pixels=for_asperities), &
+                 own=[character(len=20) :: 'work_of_adhesion', '']), &
     known_effect('creep', switch, 'relaxation or creep during a hold of separation or load', &
-                 own=[character(len=20) :: 'hold_time', 'relaxation_time'], &
-                 not_on_pixels=for_asperities)]
+                 own=[character(len=20) :: 'hold_time', 'relaxation_time'])]
 
   integer, parameter :: one_word = -1  !! a number is one of `words`, by its place, and no range
   integer, parameter :: whole_number = -2  !! a number is a whole one from `least` to `most`
@@ -87,7 +90,7 @@ module asperity_effect_names
     character(len=18) :: in_words = ''     !! what there is when it is not 0, where others need that
     character(len=20) :: unit = ''         !! in words; blank: none
     character(len=72) :: meaning = ''      !! in a line
-    character(len=10) :: words(3) = ''      !! for `one_word`
+    character(len=13) :: words(3) = ''      !! for `one_word`
     integer :: least = 0                   !! for `whole_number`
     integer :: most = 0                    !! for `whole_number`
   end type effect_number
@@ -115,6 +118,9 @@ module asperity_effect_names
     effect_number('equilibrium_distance', 'adhesion', above_zero, decimal_value(1_int64, 0), &
                   needed_with='work_of_adhesion', unit='length', &
                   meaning='gap between surfaces in contact; sets the range of attraction'), &
+    effect_number('adhesion_law', 'adhesion', one_word, &
+                  decimal_value(int(law_exponential, int64), 0), words=law_words, &
+                  meaning='attraction across the gap on the pixels of a height map'), &
     effect_number('relaxation_time', 'creep', not_negative, needed_with='hold_time', unit='time', &
                   meaning='time after which 1/e of the relaxing part is left'), &
     effect_number('relaxed_modulus_ratio', 'creep', share_or_all, decimal_value(1_int64, 0), &
@@ -137,15 +143,13 @@ module asperity_effect_names
 
   type(effect_pair), parameter :: pairs(*) = [ &
     effect_pair('adhesion', 'plasticity', 'the theories of adhesion are elastic'), &
-    effect_pair('adhesion', 'creep', 'the theory of creep has no attraction', &
-                'the theory of creep has no attraction'), &
+    effect_pair('adhesion', 'creep', 'the theory of creep has no attraction'), &
     effect_pair('adhesion', 'interaction', &
                 'displacements by neighbours assume Hertzian, not adhesive, pressures'), &
     effect_pair('adhesion', 'friction', &
                 'shear changes adhesion, and Coulomb''s law has no attraction', &
                 'shear changes adhesion, and Coulomb''s law has no attraction'), &
-    effect_pair('creep', 'plasticity', 'the theory of creep is for elastic contacts', &
-                'the theory of creep is for elastic contacts'), &
+    effect_pair('creep', 'plasticity', 'the theory of creep is for elastic contacts'), &
     effect_pair('creep', 'friction', 'slip and creep together have no closed theory', &
                 'slip and creep together have no closed theory'), &
     effect_pair('interaction', 'plasticity', &

@@ -135,8 +135,7 @@ contains
     else
       if (checked%loading%events) why = 'the beginnings of contacts are found without it on a map'
       if (.not. checked%map%periodic) return
-      if (count(checked%effects%modes /= effect_off .and. known_effects%name /= 'friction') > &
-          merge(1, 0, has_hardness(checked))) &
+      if (checked%effects%mode('plasticity') /= effect_off .and. .not. has_hardness(checked)) &
         why = 'the other effects are computed for asperities, not for the pixels of a periodic map'
     end if
   end function why_not
@@ -323,27 +322,35 @@ contains
     rubs_back = any(closing(2:) < closing(:size(closing) - 1))
   end function rubs_back
 
-  ! Effects whose theories do not go together. With `auto` it shows only at a position whether both
-  ! are called for.
+  ! Effects whose theories do not go together. On asperities it shows with `auto` only at a position
+  ! whether both are called for; on pixels one of `auto` is left out with a note.
   subroutine check_together(fields, checked)
     type(scene_fields), intent(inout) :: fields
-    type(scene), intent(in) :: checked
+    type(scene), intent(inout) :: checked
     character(len=:), allocatable :: why
     logical :: on_pixels
-    integer :: i, j
+    integer :: automatic, i, j
 
     on_pixels = allocated(checked%map)
     if (on_pixels) on_pixels = solves_pixels(checked)
     associate (modes => checked%effects%modes)
       do i = 1, size(modes)
         do j = 1, i - 1
-          if (any([modes(i), modes(j)] == effect_off) .or. &
-              any([modes(i), modes(j)] == effect_auto)) cycle
+          if (any([modes(i), modes(j)] == effect_off)) cycle
+          automatic = merge(j, merge(i, 0, modes(i) == effect_auto), modes(j) == effect_auto)
+          if (automatic > 0 .and. .not. on_pixels) cycle
           why = why_not_together(trim(known_effects(i)%name), trim(effect_words(modes(i))), &
                                  trim(known_effects(j)%name), trim(effect_words(modes(j))), &
                                  on_pixels)
-          if (why /= '') call fields%complain_of('effects', trim(known_effects(i)%name), why // &
-                                                 ', expected one of them off')
+          if (why == '') cycle
+          if (automatic > 0) then
+            modes(automatic) = effect_off
+            call checked%notes%add(checked%file // ': note: ' // &
+                                   trim(known_effects(automatic)%name) // ' is left out: ' // why)
+          else
+            call fields%complain_of('effects', trim(known_effects(i)%name), why // &
+                                    ', expected one of them off')
+          end if
         end do
       end do
     end associate

@@ -18,13 +18,16 @@ module asperity_map_contact
   implicit none
   private
 
-  public :: half_map, map_answer, most_load, prepare_influence, press_map, room_to_press
+  public :: displacement_by, half_map, map_answer, most_load, prepare_influence, press_map, &
+            room_to_press
 
   !> Request and solution of the contact of a map with a rigid flat.
   type :: map_answer
     real(real64) :: level = 0.0_real64            !! height of the flat
     real(real64) :: load = 0.0_real64             !! given, or found
     real(real64), allocatable :: pressure(:, :)   !! on every sample; given: a start
+    !> Whether each pixel is in contact; not allocated: the pressure there is more than 0.
+    logical, allocatable :: touches(:, :)
     !> Sum of the elastic displacements of both surfaces, > 0 apart from each other, on every pixel;
     !> on a periodic map its mean is 0.
     real(real64), allocatable :: displacement(:, :)
@@ -207,6 +210,20 @@ contains
       end if
     end associate
   end subroutine prepare_influence
+
+  !> Displacements of the pixels of a map by tractions on them; on a periodic map their mean is 0.
+  function displacement_by(map, modulus, traction) result(displacement)
+    type(height_map), intent(in) :: map              !! height map, periodic or free
+    real(real64), intent(in) :: modulus              !! combined modulus, > 0
+    real(real64), intent(in) :: traction(:, :)       !! traction of each pixel [pressure]
+    real(real64), allocatable :: displacement(:, :)
+    type(lattice_convolution) :: influence
+
+    allocate (displacement, mold=traction)
+    call prepare_influence(map, influence)
+    call influence%apply(traction, displacement)
+    displacement = displacement * (map%pixel_spacing(1) / modulus)
+  end function displacement_by
 
   !> The largest load of a perfectly plastic map: the hardness on all measured pixels.
   pure real(real64) function most_load(map, hardness)

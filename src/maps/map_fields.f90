@@ -35,7 +35,7 @@ contains
     do j = 1, map%rows
       do i = 1, map%columns
         if (.not. is_measured(map%height(i, j))) cycle
-        gap = local_gap(map%height(i, j), answer%displacement(i, j), answer%pressure(i, j), &
+        gap = local_gap(map%height(i, j), answer%displacement(i, j), is_touching(answer, i, j), &
                         answer%level)
         measured = measured + 1_int64
         total = total + gap
@@ -62,8 +62,7 @@ contains
       is_rim = .false.
       if (beside == 0 .or. above == 0) return
       if (is_measured(map%height(beside, above))) &
-        is_rim = answer%pressure(i, j) > 0.0_real64 .neqv. &
-                 answer%pressure(beside, above) > 0.0_real64
+        is_rim = is_touching(answer, i, j) .neqv. is_touching(answer, beside, above)
     end function is_rim
 
   end subroutine measure_fields
@@ -74,6 +73,7 @@ contains
     type(map_answer), intent(in) :: answer     !! of this map, with its displacement
     integer, intent(in) :: number              !! of the state
     type(contact_field), intent(inout) :: field  !! its unit is set
+    integer :: i, j
 
     field%state = number
     field%columns = map%columns
@@ -84,17 +84,33 @@ contains
     field%level = answer%level
     field%pressure = merge(answer%pressure, not_computed, is_measured(map%height))
     field%displacement = merge(answer%displacement, not_computed, is_measured(map%height))
-    field%gap = merge(local_gap(map%height, answer%displacement, answer%pressure, answer%level), &
-                      not_computed, is_measured(map%height))
+    field%gap = field%pressure
+    do j = 1, map%rows
+      do i = 1, map%columns
+        if (is_measured(map%height(i, j))) field%gap(i, j) = &
+          local_gap(map%height(i, j), answer%displacement(i, j), is_touching(answer, i, j), &
+                    answer%level)
+      end do
+    end do
   end subroutine take_field
+
+  ! Whether a pixel is in contact.
+  pure logical function is_touching(answer, i, j)
+    type(map_answer), intent(in) :: answer
+    integer, intent(in) :: i, j
+
+    is_touching = answer%pressure(i, j) > 0.0_real64
+    if (allocated(answer%touches)) is_touching = answer%touches(i, j)
+  end function is_touching
 
   ! Gap of the deformed surfaces. The solver leaves at most its tolerance of it in contact, and at
   ! most that below 0: both are set to 0.
-  elemental real(real64) function local_gap(height, displacement, pressure, level) result(gap)
-    real(real64), intent(in) :: height, displacement, pressure, level
+  pure real(real64) function local_gap(height, displacement, is_closed, level) result(gap)
+    real(real64), intent(in) :: height, displacement, level
+    logical, intent(in) :: is_closed
 
     gap = 0.0_real64
-    if (.not. pressure > 0.0_real64) gap = max(0.0_real64, (level - height) + displacement)
+    if (.not. is_closed) gap = max(0.0_real64, (level - height) + displacement)
   end function local_gap
 
 end module asperity_map_fields

@@ -2,7 +2,7 @@
 !> raw bytes.
 module asperity_results_vti
   use, intrinsic :: ieee_arithmetic, only: ieee_quiet_nan, ieee_value
-  use asperity_contact_field, only: contact_field
+  use asperity_contact_field, only: contact_field, contact_marks
   use asperity_kinds, only: int64, int8, not_computed, real64
   use asperity_problems, only: decimal_text
   use asperity_text_buffer, only: text_buffer
@@ -76,7 +76,7 @@ contains
     call put_reals(field%gap, buffer)
     call put_reals(field%displacement, buffer)
     if (kinds == 4) call put_reals(field%traction, buffer)
-    call put_marks(field%pressure > 0.0_real64, buffer)
+    call put_marks(contact_marks(field), buffer)
     if (kinds == 4) call put_marks(field%sticks, buffer)
     call buffer%append(new_line('a'))
     call buffer%line('</AppendedData>')

@@ -5,7 +5,7 @@ module asperity_contact_field
   implicit none
   private
 
-  public :: contact_field, room_of_fields
+  public :: contact_field, contact_marks, room_of_fields
   public :: fields_none, fields_last, fields_all
   public :: parts_in_words, pressure_histogram
 
@@ -28,7 +28,8 @@ module asperity_contact_field
     !> the pixels are those of a height map.
     integer :: boundary_contacts = -1, hertz_contacts = -1
     real(real64) :: level = 0.0_real64               !! height of the flat above the mean plane
-    real(real64), allocatable :: pressure(:, :)      !! 0 or more; more than 0: in contact
+    !> More than 0 in contact, 0 elsewhere; with adhesion the net traction, also below 0.
+    real(real64), allocatable :: pressure(:, :)
     !> Local distance of the deformed surfaces, `level` - height + displacement: 0 in contact,
     !> elsewhere 0 or more.
     real(real64), allocatable :: gap(:, :)
@@ -53,6 +54,15 @@ contains
     text = decimal_text(field%boundary_contacts) // ' from boundary elements, ' // &
            decimal_text(field%hertz_contacts) // ' from Hertz'' law'
   end function parts_in_words
+
+  !> Whether each pixel is in contact: under pressure, or under tension without a gap.
+  pure function contact_marks(field) result(marks)
+    type(contact_field), intent(in) :: field  !! fields of one state
+    logical, allocatable :: marks(:, :)
+
+    marks = field%pressure > 0.0_real64 .or. &
+            (field%pressure < 0.0_real64 .and. .not. abs(field%gap) > 0.0_real64)
+  end function contact_marks
 
   !> Memory of the fields of some states, bytes.
   pure integer(int64) function room_of_fields(pixels, states) result(bytes)

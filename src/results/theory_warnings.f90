@@ -13,7 +13,7 @@ module asperity_theory_warnings
             of_no_summit, of_scan_lines, of_spikes, of_area, of_limit, of_range, &
             of_unlike_bodies, of_yield_strain, of_flow_depth, of_unloading_depth, of_missing, &
             of_border, of_resolution, of_flat_map, of_off, of_barred, of_error, &
-            of_nested, of_excluded
+            of_nested, of_excluded, of_attraction, of_held_gap
 
   !> Places of the kinds in `warning_kinds`, where each is described.
   enum, bind(c)
@@ -21,7 +21,7 @@ module asperity_theory_warnings
       of_tabor, of_creep_strain, of_relaxing, of_together, of_load_direction, of_map_edge, &
       of_no_summit, of_scan_lines, of_spikes, of_area, of_limit, of_range, of_unlike_bodies, &
       of_yield_strain, of_flow_depth, of_unloading_depth, of_missing, of_border, of_resolution, &
-      of_flat_map, of_off, of_barred, of_error, of_nested, of_excluded
+      of_flat_map, of_off, of_barred, of_error, of_nested, of_excluded, of_attraction, of_held_gap
   end enum
 
   !> Classes of kinds: a result outside the range of a theory; a result whose numbers are in error,
@@ -155,7 +155,15 @@ module asperity_theory_warnings
       'expect an error of up to 10 times error_estimate'), &
     warning_kind('excluded', in_accuracy, 0.0_real64, .true., &
       '* is off and has no common theory with another effect here', &
-      'is its estimated influence on the load', 'take the load with this error')]
+      'is its estimated influence on the load', 'take the load with this error'), &
+    warning_kind('attraction', in_accuracy, 1.0_real64, .false., &
+      'the pixels are wide for the range of adhesion', &
+      'times the spacing that resolves it (limit 1)', &
+      'take finer pixels or expect jumps of single ones'), &
+    warning_kind('held_gap', in_theory, 0.0_real64, .false., &
+      'adhesion on a periodic map holds the mean gap at each separation', &
+      'states at prescribed separations', &
+      'prescribe the load: a mean gap that is held leaves results that depend on the states')]
 
   !> One kind of warning at one position.
   type :: theory_warning

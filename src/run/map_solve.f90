@@ -3,13 +3,13 @@ module asperity_map_solve
   use asperity_constants, only: pi
   use asperity_contact_records, only: drop_rows, position_result, state_row
   use asperity_decimal, only: decimal_to_real64
-  use asperity_effect_names, only: known_effects, why_not_together
+  use asperity_effect_names, only: by_numbers, known_effects, why_not_together
   use asperity_effect_rows, only: of_compression
   use asperity_height_map, only: height_map
   use asperity_kinds, only: not_computed, real64
   use asperity_map_check, only: compare_with_map, increased_load, map_reference, &
                                 solve_reference, stiffness_between
-  use asperity_map_press_solver, only: make_map_solver, name_map_columns
+  use asperity_map_press_solver, only: is_attraction_resolved, make_map_solver, name_map_columns
   use asperity_map_scene, only: area_of_map, join_maps, list_map_loads, map_loading, &
                                 summits_of_scene
   use asperity_map_shares, only: warn_of_map, warn_of_shares
@@ -20,7 +20,7 @@ module asperity_map_solve
   use asperity_numeral, only: rounded_decimal
   use asperity_scene_values, only: combined_modulus, control_limit, control_separation, &
                                    effect_auto, effect_off, effect_on, is_load, scene, &
-                                   solves_pixels
+                                   scene_loading, solves_pixels
   use asperity_surface_fields, only: solve_with_fields
   use asperity_surface_solve, only: solve_surfaces
   use asperity_sweep, only: sweep_scene
@@ -51,7 +51,7 @@ contains
     results%nominal_area = decimal_to_real64(scene_in%nominal_area)
     if (.not. results%nominal_area > 0.0_real64) results%nominal_area = area_of_map(map)
     if (solves_pixels(scene_in)) then
-      call solve_pixels(scene_in, map, options, results, failure)
+      call solve_chosen(scene_in, map, options, results, failure)
       return
     end if
     if (may_be_pixels(scene_in)) then
@@ -113,6 +113,64 @@ contains
       e=1, size(known_effects))])
   end function calls_for_asperities
 
+  ! Solves a map on its pixels with the effects of `auto` whose estimated influence is above the
+  ! tolerance. The estimate is that of the pixels without them; under a tensile load all are chosen.
+  ! Adhesion that the pixels do not resolve is left out.
+  subroutine solve_chosen(scene_in, map, options, results, failure)
+    type(scene), intent(in) :: scene_in
+    type(height_map), intent(in), target :: map
+    type(run_options), intent(in) :: options
+    type(scene_results), intent(inout) :: results
+    character(len=:), allocatable, intent(out) :: failure
+    type(scene) :: chosen
+    type(scene_results) :: without
+    type(run_options) :: trial
+    logical :: is_called(size(known_effects))
+    integer :: at, e
+
+    chosen = scene_in
+    is_called = scene_in%effects%modes == effect_auto .and. &
+                (known_effects%name == 'adhesion' .or. known_effects%name == 'creep')
+    if (any(is_called) .and. .not. is_tensile(scene_in%loading)) then
+      where (is_called)
+        chosen%effects%modes = effect_off
+        chosen%effects%given = by_numbers
+      end where
+      trial = options
+      if (allocated(trial%keep_file)) deallocate (trial%keep_file)
+      without = results
+      call solve_pixels(chosen, map, trial, without, failure)
+      if (allocated(failure)) return
+      is_called = is_called .and. &
+                  without%positions(1)%left_out > scene_in%effects%number('tolerance') .and. &
+                  (known_effects%name /= 'adhesion' .or. is_attraction_resolved(scene_in, map))
+      if (.not. (any(is_called) .or. allocated(options%keep_file))) then
+        results = without
+        return
+      end if
+    end if
+    where (is_called) chosen%effects%modes = effect_on
+    call solve_pixels(chosen, map, options, results, failure)
+    if (allocated(failure)) return
+    do e = 1, size(known_effects)
+      if (.not. is_called(e)) cycle
+      at = findloc(results%effects%names, known_effects(e)%name, 1)
+      results%effects%modes(at) = effect_auto
+      if (allocated(without%positions)) &
+        results%positions(1)%effects(at)%estimate = without%positions(1)%left_out(e)
+      results%positions(1)%effects(at)%why = 'estimate above tolerance'
+    end do
+  end subroutine solve_chosen
+
+  ! Whether a load of a scene is tensile or 0.
+  pure logical function is_tensile(loading)
+    type(scene_loading), intent(in) :: loading
+
+    is_tensile = is_load(loading%control) .and. loading%value%all_digits <= 0
+    if (allocated(loading%path)) is_tensile = is_load(loading%control) .and. &
+                                              any(loading%path%all_digits <= 0)
+  end function is_tensile
+
   ! Solves a map on its pixels.
   subroutine solve_pixels(scene_in, map, options, results, failure)
     type(scene), intent(in) :: scene_in
@@ -128,7 +186,8 @@ contains
 
     call list_map_loads(scene_in, map, loading, failure)
     if (allocated(failure)) return
-    call make_map_solver(scene_in, map, loading, options%fields, solver)
+    call make_map_solver(scene_in, map, loading, options%fields, solver, failure)
+    if (allocated(failure)) return
     allocate (results%effects)
     call name_map_columns(scene_in, results%effects)
     results%effects%tolerance = scene_in%effects%number('tolerance')

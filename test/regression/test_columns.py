@@ -82,8 +82,14 @@ def solved(asperity, tmp_path_factory):
         material={"elastic_modulus": (2e11, 2e11), "poisson_ratio": (0.3, 0.3)}, effects={
             "interaction": "boundary", "friction_coefficient": 0.2},
         loading={"control": "vertical_load", "value": 5e-4, "tangential_load": 5e-5})
+    sticky = write_scene(
+        folder / "sticky.scene", surfaces={"upper": "plane", "lower": str(
+            ROOT / "data/examples/summits/rough.sdf")},
+        material={"contact_modulus": 1e11}, effects={
+            "interaction": "boundary", "work_of_adhesion": 1.0, "equilibrium_distance": 1e-8},
+        loading={"control": "vertical_load", "value": 5e-4})
     tables = {name: [] for name in FILES}
-    for scene in (*SCENES, map_scene, summits, off, plastic, slip):
+    for scene in (*SCENES, map_scene, summits, off, plastic, slip, sticky):
         words = [word for name in FILES for word in (name, folder / name[2:])]
         run(asperity, "solve", scene, "--quiet", *words)
         for name in FILES:

@@ -187,12 +187,13 @@ def test_a_periodic_map(asperity, tmp_path):
             assert "the estimated error is above the tolerance" in done.stderr
         else:
             assert done.status == 2 and "or interaction = 'off' in &effects" in done.stderr
-    # Beside another effect that is on interaction is left out, also where its default is written.
+    # The pixels have adhesion, also where the default of interaction is written.
     for mode in ({}, {"interaction": "auto"}):
         done = solve(asperity, map_scene(tmp_path, 90.0, **mode, adhesion="on",
                                          work_of_adhesion=1e-4, equilibrium_distance=1e-3),
                      contacts=False)
-        assert done.status == 0 and "interaction is left out: the other effects" in done.stderr
+        assert done.status == 0 and not done.stderr
+        assert (row_of(done)["interaction"], row_of(done)["adhesion"]) == ("boundary", "on")
 
 
 

@@ -317,8 +317,9 @@ def test_commands_that_take_no_map(asperity, tmp_path):
     (("'plane'", "'caps.csv'"), "found no map beside a map"),
     (("'plane'", "'small.txt'"), "expected the same grid"),
     (("control = 'load', value = 0.001", "control = 'limit'"), "patches of pixels merge"),
-    (("'boundary'", "'boundary', adhesion = 'on', work_of_adhesion = .1"),
-     "computed for asperities, not for the pixels of a map"),
+    (("'boundary'", "'boundary', adhesion = 'on', work_of_adhesion = .1, "
+      "equilibrium_distance = 1., friction = 'on', friction_coefficient = .1"),
+     "adhesion and friction do not go together"),
     ((", map_spacing = (0.1, 0.1)", ""), "spacing"),
     (("'map.txt'", "'caps.csv'"), "found without a map"),
 ])

@@ -153,25 +153,26 @@ def test_advice_for_a_map(asperity, tmp_path):
 
 
 def test_effects_left_out_beside_pixels(asperity, tmp_path):
-    """Adhesion of a map whose pixels replace its summits: its estimate, also where it is off."""
+    """Adhesion that the pixels do not resolve: its estimate, also where it is off; of a range that
+    they resolve it is simulated."""
     numbers = {"work_of_adhesion": 1e-7 * E, "equilibrium_distance": 1e-5}
     height = 1e-3 * rough(32, shortest=4, seed=5)
     found = []
-    for word in ({}, {"adhesion": "auto"}, {"adhesion": "off"}, {"adhesion": "on"}):
+    for word in ({}, {"adhesion": "auto"}, {"adhesion": "off"}, {"equilibrium_distance": 1e-4},
+                 {"adhesion": "on"}):
         scene = map_scene(tmp_path, height, SIDES, interaction="auto",
                           loading={"control": "load", "value": load_for(height, SIDES, 0.1)})
         more = ", ".join(f"{name} = {value!r}" for name, value in {**numbers, **word}.items())
         path = tmp_path / "map.scene"
         path.write_text(path.read_text().replace("&effects", f"&effects {more},"))
         done = solve(asperity, scene)
-        assert done.status == 0, done.stderr
-        found.append((done.positions[0], done.stderr))
+        found.append((done.positions and done.positions[0], done.stderr))
     for row, lines in found[:3]:
         assert row["interaction"] == "boundary" and float(row["adhesion_estimate"]) > 0.01
         assert float(row["error_estimate"]) > 0.75 * float(row["adhesion_estimate"])
-        assert ("(adhesion beside interaction)" if (row, lines) != found[2] else
+        assert ("adhesion is left out, as it cannot" if (row, lines) != found[2] else
                 "adhesion is off") in lines
-    # As on caps: what is refused in words is not computed by default.
     row, lines = found[3]
-    assert (row["adhesion"], row["interaction"]) == ("on", "off")
-    assert "(interaction beside adhesion)" in lines
+    assert (row["adhesion"], row["interaction"]) == ("on", "boundary")
+    assert "adhesion" not in lines and float(row["adhesion_estimate"]) > 0.01
+    assert "the pixels are too wide for the range of adhesion" in found[4][1]

@@ -1,0 +1,219 @@
+!> Adhesion on the pixels of a height map: the surfaces attract each other across their gap.
+!>
+!> Problem: at a level of the flat, or under a load, find a stationary point of the energy
+!>
+!>     u.Ku/2 + sum of e(g) + load * level,   g = g0 + level + u >= 0,
+!>
+!> where u are the elastic displacements, K is the inverse of the matrix A of displacements and g0
+!> is the undeformed gap. The attraction e'(g) = s(g) >= 0 does not increase with the gap, so that e
+!> is concave. The net traction is t = p - s(g) with the contact pressure p >= 0, which is 0 where
+!> g > 0. With a hardness H, p <= H + s(0): the limit holds for the net traction.
+!>
+!> Method: difference-of-convex algorithm (Tao and An, Acta Math. Vietnam. 22 (1997) 289;
+!> concave-convex procedure, Yuille and Rangarajan, Neural Comput. 15 (2003) 915). The attraction of
+!> the last gaps is a known traction: each step is the contact problem of `element_forces` with the
+!> gaps g0 - A s and, under a load, the load + sum of s. The energy does not increase.
+!>
+!> History: a half-space has no negative stiffness between two pixels, so that from open surfaces
+!> the steps lead to the stationary point with the largest gaps, and on unloading to the one with
+!> the least gaps above those of the earlier state (monotone iteration, Amann, SIAM Rev. 18 (1976)
+!> 620; no passing, Middleton, Phys. Rev. Lett. 68 (1992) 670). The state depends on the turning
+!> points of the path, not on the number of its states. This does not hold on a periodic map at a
+!> prescribed level, where the mean gap is constant and pixels repel each other.
+!>
+!> Exits: solved; `is_separated`, where the load is more tensile than the surfaces carry; `failure`.
+module asperity_map_adhesion
+  use asperity_attraction_law, only: attraction_at, attraction_law
+  use asperity_element_forces, only: find_forces, force_bounds, missing_gap
+  use asperity_height_map, only: height_map, is_measured
+  use asperity_kinds, only: real64
+  use asperity_lattice_convolution, only: lattice_convolution
+  use asperity_map_contact, only: map_answer, prepare_influence, press_map, room_to_press
+  use asperity_problems, only: not_enough_memory
+  use asperity_process, only: has_memory
+  implicit none
+  private
+
+  public :: adhere_map, adhesion_history, find_pull_off
+
+  !> State of the surfaces that the next state starts from; not allocated: open.
+  type :: adhesion_history
+    real(real64), allocatable :: contact_pressure(:, :)  !! p [pressure], 0 or more
+    real(real64), allocatable :: attraction(:, :)        !! s [pressure], 0 or more
+    logical :: is_separated = .false.                    !! the load was not carried
+  end type adhesion_history
+
+  ! Estimated error of the gaps over the range of the attraction (chosen; test: states of one and
+  ! of eight steps in test/regression/test_adhesive_pixels.py).
+  real(real64), parameter :: gap_error = 1.0e-8_real64
+  ! Tolerance of a contact problem over the last change of the gaps: 0.3 stagnates, 0.01 needs no
+  ! more steps than exact solutions (measured).
+  real(real64), parameter :: share_of_change = 0.01_real64
+  ! Tolerance of the first contact problem over the range of the attraction, and of the start over
+  ! the range of heights (chosen).
+  real(real64), parameter :: first_tolerance = 1.0e-2_real64, start_tolerance = 1.0e-3_real64
+  ! Error of displacements by rounding over the largest one (derived: see element_forces).
+  real(real64), parameter :: rounding = 1.0e-11_real64
+  ! Largest number of contact problems for a state (chosen: near the largest tensile load it grows
+  ! without bound).
+  integer, parameter :: steps_allowed = 3000
+  ! Relative error of the largest tensile load (chosen).
+  real(real64), parameter :: pull_off_error = 1.0e-4_real64
+  ! Number of bisections (chosen: a load relative to its rounding).
+  integer, parameter :: most_bisections = 60
+
+contains
+
+  !> Solves a state of a map with adhesion from an earlier state.
+  recursive subroutine adhere_map(map, modulus, law, history, answer, load, hardness)
+    type(height_map), intent(in) :: map               !! at least one pixel measured
+    real(real64), intent(in) :: modulus               !! combined modulus, > 0
+    type(attraction_law), intent(in) :: law           !! attraction, its work > 0
+    type(adhesion_history), intent(inout) :: history  !! earlier state; becomes this state
+    !> level: given where there is no load; gets net tractions, displacements, load and level
+    type(map_answer), intent(inout) :: answer
+    real(real64), intent(in), optional :: load        !! normal load, below 0: tensile
+    real(real64), intent(in), optional :: hardness    !! largest net traction; absent: elastic
+    type(lattice_convolution) :: influence
+    type(force_bounds) :: bounds
+    real(real64), allocatable, dimension(:, :) :: force, gap, moved, next, pull, pulled, &
+                                                  displacement
+    real(real64) :: before, change, error, level, top, unit
+    integer :: steps
+    logical :: is_solved
+
+    call start_history(map, modulus, law, history, answer, load, hardness)
+    if (allocated(answer%failure)) return
+    top = maxval(map%height)
+    if (.not. present(load)) top = answer%level
+    ! Lengths across are over the side, gaps over the range, tractions over `unit`.
+    unit = modulus * law%reach / map%pixel_spacing(1)
+    call prepare_influence(map, influence)
+    allocate (gap(map%columns, map%rows), source=missing_gap)
+    where (is_measured(map%height)) gap = (top - map%height) / law%reach
+    force = history%contact_pressure / unit
+    pull = history%attraction / unit
+    allocate (pulled, moved, next, mold=gap)
+    call influence%apply(pull, pulled)
+    bounds%tolerance = first_tolerance
+    if (present(hardness)) bounds%limit = (hardness + attraction_at(law, 0.0_real64)) / unit
+    before = huge(before)
+    level = 0.0_real64
+    history%is_separated = .false.
+    is_solved = .false.
+    do steps = 1, steps_allowed
+      if (present(load)) then
+        bounds%load = load / (unit * product(map%pixel_spacing)) + sum(pull)
+        history%is_separated = .not. bounds%load > 0.0_real64
+        if (history%is_separated) return
+        call scale_forces(gap - pulled, bounds%load, force)
+      end if
+      call find_forces(influence, gap - pulled, bounds, force, answer%ending, answer%interrupt, &
+                       level, displacement)
+      if (.not. answer%ending%converged) exit
+      if (.not. present(load)) level = 0.0_real64
+      displacement = displacement - pulled
+      next = merge(attraction_at(law, law%reach * (gap + displacement - level)) / unit, &
+                   0.0_real64, is_measured(map%height))
+      call influence%apply(next, moved)
+      moved = moved - pulled
+      change = maxval(abs(moved - merge(sum(moved) / size(moved), 0.0_real64, present(load))))
+      ! The changes decrease as a geometric series: the error is its remainder.
+      error = change
+      if (steps > 1 .and. change > 0.0_real64) &
+        error = change / max(before / change - 1.0_real64, rounding)
+      is_solved = max(error, bounds%tolerance) <= &
+                  max(gap_error, rounding * maxval(abs(displacement)))
+      if (is_solved) exit
+      pull = next
+      pulled = pulled + moved
+      before = change
+      bounds%tolerance = max(share_of_change * min(change, 1.0_real64), 0.1_real64 * gap_error)
+    end do
+    answer%ending%iterations = steps
+    if (.not. is_solved) answer%failure = 'the tractions with adhesion on the map did not converge'
+    if (.not. is_solved .and. answer%interrupt%is_asked()) answer%failure = 'interrupted'
+    if (.not. is_solved) return
+    history%contact_pressure = force * unit
+    history%attraction = pull * unit
+    answer%pressure = history%contact_pressure - history%attraction
+    if (present(hardness)) where (.not. force < bounds%limit) answer%pressure = hardness
+    answer%touches = force > 0.0_real64
+    answer%displacement = displacement * law%reach
+    answer%load = sum(answer%pressure) * product(map%pixel_spacing)
+    if (present(load)) answer%load = load
+    if (present(load)) answer%level = top - law%reach * level
+  end subroutine adhere_map
+
+  ! Scales forces to a sum; where there are none, lowest gaps get them.
+  subroutine scale_forces(gap, total, force)
+    real(real64), intent(in) :: gap(:, :), total
+    real(real64), intent(inout) :: force(:, :)
+
+    if (.not. sum(force) > 0.0_real64) &
+      force = merge(1.0_real64, 0.0_real64, gap < minval(gap) + 1.0_real64)
+    force = force * (total / sum(force))
+  end subroutine scale_forces
+
+  ! Opens the surfaces where there is no earlier state. The start is the state without attraction,
+  ! or under a tensile load the state with attraction at first touch.
+  recursive subroutine start_history(map, modulus, law, history, answer, load, hardness)
+    type(height_map), intent(in) :: map
+    real(real64), intent(in) :: modulus
+    type(attraction_law), intent(in) :: law
+    type(adhesion_history), intent(inout) :: history
+    type(map_answer), intent(inout) :: answer
+    real(real64), intent(in), optional :: load, hardness
+
+    if (.not. has_memory(2 * room_to_press(map))) &
+      answer%failure = not_enough_memory // ' for the pixels of the map'
+    if (allocated(history%attraction) .or. allocated(answer%failure)) return
+    if (present(load)) then
+      if (.not. load > 0.0_real64) then
+        answer%level = maxval(map%height)
+        call adhere_map(map, modulus, law, history, answer, hardness=hardness)
+        return
+      end if
+    end if
+    call press_map(map, modulus, answer, load, start_tolerance, hardness)
+    if (.not. allocated(answer%pressure)) return
+    history%contact_pressure = answer%pressure
+    history%attraction = 0.0_real64 * answer%pressure
+  end subroutine start_history
+
+  !> Finds the largest tensile load that the surfaces carry, by bisection between a load that they
+  !> carry and one that they do not. By the history (see above) each state that carries a load may
+  !> be the start of the next.
+  subroutine find_pull_off(map, modulus, law, history, answer, carried, beyond, hardness)
+    type(height_map), intent(in) :: map               !! at least one pixel measured
+    real(real64), intent(in) :: modulus               !! combined modulus, > 0
+    type(attraction_law), intent(in) :: law           !! attraction, its work > 0
+    type(adhesion_history), intent(inout) :: history  !! state under the load carried
+    type(map_answer), intent(inout) :: answer         !! gets the state under the load found
+    real(real64), intent(inout) :: carried            !! load carried, then the least one
+    real(real64), intent(in) :: beyond                !! load below it that is not carried
+    real(real64), intent(in), optional :: hardness    !! largest net traction; absent: elastic
+    type(adhesion_history) :: trial
+    real(real64) :: high, low, middle
+    integer :: cut
+
+    low = beyond
+    high = carried
+    do cut = 1, most_bisections
+      if (high - low <= pull_off_error * abs(high)) exit
+      middle = high + 0.5_real64 * (low - high)
+      trial = history
+      call adhere_map(map, modulus, law, trial, answer, middle, hardness)
+      if (answer%interrupt%is_asked()) return
+      if (trial%is_separated .or. allocated(answer%failure)) then
+        if (allocated(answer%failure)) deallocate (answer%failure)
+        low = middle
+      else
+        history = trial
+        high = middle
+      end if
+    end do
+    carried = high
+  end subroutine find_pull_off
+
+end module asperity_map_adhesion

@@ -1,0 +1,205 @@
+"""Adhesion on the pixels of a height map: the sphere by a radial equation, rough periodic maps by
+tamaas, states of one and of eight steps, a hardness, pulls that are not carried, refused scenes."""
+
+import re
+
+import numpy as np
+import pytest
+
+from adhesive_radial import largest_pull
+from image_data import read_vti
+from map_press_truth import rough
+from programs import run_program
+from surfaces_csv import records, write_scene
+
+WORK = 2e-5
+RANGE = 9 * 3**0.5 / 16  # of the exponential law over the equilibrium distance
+
+
+def run(asperity, folder, height, side, values, control="load", law="exponential", distance=1.0,
+        work=WORK, edge="free", status=0, name="map", **more):
+    """Rows of the states, the position, standard error."""
+    np.save(folder / f"{name}.npy", height)
+    plain = tuple(map(float, np.atleast_1d(values)))
+    scene = write_scene(
+        folder / f"{name}.scene", by_default=True,
+        surfaces={"upper": "plane", "lower": f"{name}.npy", "map_spacing": (side, side),
+                  "map_edge": edge, "map_level": "none"},
+        material={"contact_modulus": 1.0}, loading={"control": control, "value": plain},
+        effects={"adhesion": "on", "work_of_adhesion": float(work),
+                 "equilibrium_distance": float(distance), "adhesion_law": law, **more})
+    found = run_program(asperity, "solve", scene, "--quiet", "--curve", folder / "curve.csv",
+                        "--positions", folder / "positions.csv", "--fields", folder / "map.vti",
+                        status=status)
+    if status:
+        return found.stderr
+    return ([{key: float(cell or "nan") for key, cell in row.items()}
+             for row in records(folder / "curve.csv")], records(folder / "positions.csv")[0],
+            found.stderr)
+
+
+def sphere(side, n):
+    """A paraboloid of radius 1 on a disc; beyond it pixels are missing."""
+    x = (np.arange(n) - (n - 1) / 2) * side / n
+    r = np.hypot(x[:, None], x[None, :])
+    return np.where(r < side / 2, -r**2 / 2, np.nan)
+
+
+def law_of(name, distance, work=WORK):
+    """Attraction and its slope."""
+    if name == "exponential":
+        rho = RANGE * distance
+        return (lambda g: work / rho * np.exp(-np.maximum(g, 0) / rho),
+                lambda g: -work / rho**2 * np.exp(-np.maximum(g, 0) / rho))
+    return (lambda g: 2 * work / distance * (1 + np.maximum(g, 0) / distance)**-3,
+            lambda g: -6 * work / distance**2 * (1 + np.maximum(g, 0) / distance)**-4)
+
+
+@pytest.mark.parametrize("law, tabor, side", [
+    ("exponential", 0.2, 0.26), ("exponential", 0.5, 0.18), ("exponential", 1.0, 0.14),
+    ("exponential", 2.0, 0.12), ("van_der_waals", 1.0, 0.16)])
+def test_pull_off_of_a_sphere(asperity, tmp_path, tally, law, tabor, side):
+    """The largest pull on a path of separations, against rings to 1 %."""
+    distance = WORK**(2 / 3) / tabor
+    unit = WORK**(2 / 3)
+    separations = np.linspace(-0.5 * unit, 2.2 * unit, 20)
+    rows, _, _ = run(asperity, tmp_path, sphere(side, 60), side / 60, tuple(separations),
+                     "separation", law, distance)
+    loads = np.array([row["load"] for row in rows])
+    i = loads.argmin()
+    left, least, right = loads[i - 1:i + 2]
+    pull = -(least - (right - left)**2 / (8 * (left - 2 * least + right)))
+    exact = largest_pull(*law_of(law, distance), side / 2, -0.5 * unit, 2.2 * unit, 40, rings=140)
+    assert abs(pull / exact - 1) < 0.01, (pull / np.pi / WORK, exact / np.pi / WORK)
+    tally.add("adhesion on pixels: pull-off of a sphere", 1, 1)
+
+
+def test_a_pull_that_is_not_carried(asperity, tmp_path):
+    """The message has the largest pull: that of a path of separations within its steps, and a pull
+    0.1 % below it is carried."""
+    distance, side = WORK**(2 / 3), 0.14
+    height = sphere(side, 32)
+    load = np.pi * WORK
+    said = run(asperity, tmp_path, height, side / 32, (load, -2 * load), distance=distance,
+               status=1)
+    most = float(re.search(r"the pull is larger than the contacts carry: (\S+) at most", said)[1])
+    assert "from first contact" not in said and 1.5 < most / load < 1.7
+    rows, _, _ = run(asperity, tmp_path, height, side / 32, (load, -0.999 * most),
+                     distance=distance)
+    assert abs(rows[-1]["load"] / most + 0.999) < 1e-6
+    run(asperity, tmp_path, height, side / 32, (load, -1.002 * most), distance=distance, status=1)
+    said = run(asperity, tmp_path, height, side / 32, -2 * load, distance=distance, status=1)
+    assert "from first contact" in said and "expected a path" in said
+    # Without load the surfaces pull each other into contact.
+    rows, position, _ = run(asperity, tmp_path, height, side / 32, (load, 0.0), distance=distance)
+    assert rows[-1]["area"] > 0 and abs(rows[-1]["load"]) < 1e-9 * load
+    assert float(position["gap_attraction"]) > 0
+
+
+def tamaas_solution(height, mean_gap, work, rho):
+    """Mean traction, contact area fraction and gaps of the adhesive solver of tamaas."""
+    import tamaas
+    tamaas.set_log_level(tamaas.LogLevel.error)
+    model = tamaas.ModelFactory.createModel(tamaas.model_type.basic_2d, [1.0, 1.0],
+                                            list(height.shape))
+    model.E, model.nu = 1.0, 0.0
+    solver = tamaas.PolonskyKeerRey(model, height, 1e-9, tamaas.PolonskyKeerRey.gap,
+                                    tamaas.PolonskyKeerRey.gap)
+    attraction = tamaas.ExponentialAdhesionFunctional(height)
+    attraction.parameters = {"rho": rho, "surface_energy": work}
+    solver.addFunctionalTerm(attraction)
+    solver.max_iter = 5000
+    solver.solve(mean_gap)
+    gap = np.array(model.displacement).reshape(height.shape) - height
+    return np.array(model.traction).mean(), (gap < 1e-9 * height.std()).mean(), gap
+
+
+@pytest.mark.parametrize("n, share", [
+    (64, 0.2), (64, 0.6), pytest.param(128, 0.2, marks=pytest.mark.long),
+    pytest.param(128, 0.6, marks=pytest.mark.long)])
+def test_rough_maps_against_tamaas(asperity, tmp_path, tally, n, share):
+    """A periodic map at a mean gap: five digits of mean traction, area and gaps."""
+    height = 0.01 * rough(n, shortest=8, seed=3)
+    height -= height.mean()
+    rms = height.std()
+    rho = 0.1 * rms
+    work = share * rho**2 * n
+    rows, position, lines = run(asperity, tmp_path, height, 1 / n, 1.5 * rms, "separation",
+                                distance=rho / RANGE, work=work, edge="periodic")
+    traction, area, gap = tamaas_solution(height, 1.5 * rms, work, rho)
+    assert abs(rows[0]["load"] / traction - 1) < 1e-5
+    assert float(position["samples_in_contact"]) / n**2 == area
+    found = read_vti(tmp_path / "map.vti")[2]["gap"].T
+    assert np.abs(found - gap).max() < 1e-5 * rms
+    assert abs(rows[0]["mean_gap"] / (1.5 * rms) - 1) < 1e-9 and lines == ""
+    tally.add("adhesion on pixels: tamaas", 3, 3)
+
+
+@pytest.mark.parametrize("edge, control", [("free", "separation"), ("free", "load"),
+                                           ("periodic", "load")])
+def test_number_of_states(asperity, tmp_path, tally, edge, control):
+    """Loading, then unloading, in one state and in eight: the same state to 1e-8."""
+    n = 32
+    height = 0.01 * rough(n, shortest=8, seed=5)
+    height -= height.mean()
+    rms, rho = height.std(), 0.1 * height.std()
+    work = 0.6 * rho**2 * n
+    far, near, back = (5 * rms, -1.0 * rms, 1.5 * rms) if control == "separation" else \
+        (1e-6, 0.01, 0.0005)
+    fields = []
+    for path in ((near,), tuple(np.linspace(far, near, 8)), (near, back),
+                 (near, *np.linspace(near, back, 8)[1:])):
+        run(asperity, tmp_path, height, 1 / n, path, control, distance=rho / RANGE, work=work,
+            edge=edge)
+        fields.append(read_vti(tmp_path / "map.vti")[2])
+    for one, other in (fields[:2], fields[2:]):
+        assert np.abs(one["gap"] - other["gap"]).max() < 1e-8 * rms
+        assert np.abs(one["pressure"] - other["pressure"]).max() < 1e-6 * work / rho
+    tally.add("adhesion on pixels: states of one and of eight steps", 2, 2)
+
+
+def test_hardness_bounds_the_net_traction(asperity, tmp_path):
+    """The limit is that of the net traction; unloading of the deformed shape pulls more."""
+    side, distance = 0.14, WORK**(2 / 3)
+    height = sphere(side, 48)
+    unit = WORK**(2 / 3)
+    path = (-3 * unit, *np.linspace(-3 * unit, 2 * unit, 16)[1:])
+    pulls = []
+    for hardness in (0.0, 0.02):
+        more = {"plastic_hardness": hardness} if hardness else {}
+        rows, position, _ = run(asperity, tmp_path, height, side / 48, path[:1], "separation",
+                                distance=distance, **more)
+        pressure = read_vti(tmp_path / "map.vti")[2]["pressure"]
+        if hardness:
+            assert np.nanmax(pressure) == hardness and float(position["plastic_area"]) > 0
+        else:
+            assert np.nanmax(pressure) > 0.022
+        rows, _, _ = run(asperity, tmp_path, height, side / 48, path, "separation",
+                         distance=distance, **more)
+        pulls.append(-min(row["load"] for row in rows))
+    assert pulls[1] > 1.05 * pulls[0]
+
+
+def test_wide_pixels(asperity, tmp_path):
+    """Pixels wider than the range are warned of, with the spacing that resolves it, or refused;
+    states of a periodic map at held separations are warned of; a law has a name."""
+    height = 0.01 * rough(32, shortest=8, seed=5)
+    height -= height.mean()
+    rho = 0.1 * height.std()
+    for share, status in ((0.69, 0), (0.75, 0), (1.19, 0), (1.21, 1)):
+        work = share * rho**2 * 32
+        found = run(asperity, tmp_path, height, 1 / 32, 0.01, distance=rho / RANGE, work=work,
+                    edge="periodic", status=status)
+        if status:
+            expected = float(re.search(r"spacing of \S+, expected at most (\S+)", found)[1])
+            assert abs(expected * share * 32 / 0.7 - 1) < 1e-5
+        else:
+            assert ("the pixels are wide for the range of adhesion" in found[2]) == (share > 0.7)
+    work = 0.5 * rho**2 * 32
+    for values, control, warned in (((0.02, 0.03), "separation", True),
+                                    ((0.01, 0.0), "load", False)):
+        lines = run(asperity, tmp_path, height, 1 / 32, values, control, distance=rho / RANGE,
+                    work=work, edge="periodic")[2]
+        assert ("holds the mean gap at each separation" in lines) == warned
+    said = run(asperity, tmp_path, height, 1 / 32, 0.01, law="dugdale", status=2)
+    assert "'exponential' or 'van_der_waals'" in said

@@ -1,0 +1,97 @@
+"""Creep on the pixels of a height map: holds against hereditary integrals of pressures in numpy."""
+
+import numpy as np
+import pytest
+
+from image_data import read_vti
+from map_press_truth import press, rough
+from programs import run_program
+from surfaces_csv import records, write_scene
+from test_map_scene import level, load_for
+
+RATIO, TAU, HOLD = 0.3, 2.0, 6.0
+SIDES = (0.01, 0.013)
+
+
+def run(asperity, folder, height, loading, edge="free", status=0, **effects):
+    """Rows of the states, the position, fields of the last state."""
+    np.save(folder / "map.npy", height.T)
+    scene = write_scene(
+        folder / "map.scene", by_default=True,
+        surfaces={"upper": "plane", "lower": "map.npy", "map_spacing": SIDES, "map_edge": edge},
+        material={"contact_modulus": 3.0}, loading=loading,
+        effects={"creep": "on", "hold_time": HOLD, "relaxation_time": TAU,
+                 "relaxed_modulus_ratio": RATIO, **effects})
+    found = run_program(asperity, "solve", scene, "--quiet", "--curve", folder / "curve.csv",
+                        "--positions", folder / "positions.csv", "--fields", folder / "map.vti",
+                        status=status)
+    if status:
+        return found.stderr
+    rows = [{key: float(cell or "nan") for key, cell in row.items()}
+            for row in records(folder / "curve.csv")]
+    return rows, records(folder / "positions.csv")[0], read_vti(folder / "map.vti")[2]
+
+
+def compliance(t):
+    """J(t) E(0) of the solid."""
+    return 1 / RATIO - (1 / RATIO - 1) * np.exp(-RATIO * t / TAU)
+
+
+def relaxation(t):
+    """E(t)/E(0)."""
+    return RATIO + (1 - RATIO) * np.exp(-t / TAU)
+
+
+@pytest.mark.parametrize("edge", ["free", "periodic"])
+def test_held_load(asperity, tmp_path, tally, edge):
+    """Area and separation are those of the elastic map at the load times J, the pressures those of
+    the hereditary integral over 40 steps (Lee and Radok 1960), to 1e-3."""
+    height = 1e-3 * rough(32, shortest=8, seed=9)
+    load = load_for(height, SIDES, 0.02)
+    rows, position, fields = run(asperity, tmp_path, height, {"control": "load", "value": load},
+                                 edge, hold_points=41)
+    of = height - height.mean() if edge == "periodic" else level(height)
+    pressure, before = 0.0, 0.0
+    for row in rows:
+        flat, elastic = press(of, SIDES, 3.0, load * compliance(row["time"]), edge == "periodic")
+        middle = HOLD - row["time"] if row["step"] == 1 else HOLD - (row["time"] + last) / 2
+        pressure = pressure + relaxation(middle) * (elastic - before)
+        before, last = elastic, row["time"]
+        assert abs(row["separation"] - flat) < 1e-6 * abs(flat) and row["load"] == load
+    assert len(rows) == 41 and float(position["samples_in_contact"]) == (elastic > 0).sum()
+    assert np.abs(fields["pressure"] - pressure).max() < 1e-3 * pressure.max()
+    assert abs(float(position["elastic_load"]) / (load * compliance(HOLD)) - 1) < 1e-6
+    tally.add("creep on pixels: a held load", len(rows) + 3, len(rows) + 3)
+
+
+def test_held_separation(asperity, tmp_path):
+    """All pressures relax as the modulus does, also after a path that unloads."""
+    height = 1e-3 * rough(32, shortest=8, seed=9)
+    load = load_for(height, SIDES, 0.1)
+    for path in ((load,), (load, 0.4 * load)):
+        rows, _, fields = run(asperity, tmp_path, height, {"control": "load", "value": path},
+                              hold="separation", hold_points=5)
+        _, elastic = press(level(height), SIDES, 3.0, path[-1])
+        for row in rows[len(path) - 1:]:
+            assert abs(row["load"] / path[-1] / relaxation(row["time"]) - 1) < 1e-8
+        assert np.abs(fields["pressure"] - relaxation(HOLD) * elastic).max() < 1e-7 * elastic.max()
+
+
+def test_beside_other_effects(asperity, tmp_path):
+    """A work of adhesion next to 0 and a hardness above all pressures change nothing; adhesion
+    makes the area grow, a hardness limits the pressures."""
+    height = 1e-3 * rough(32, shortest=8, seed=9)
+    loading = {"control": "load", "value": load_for(height, SIDES, 0.05)}
+    plain, _, fields = run(asperity, tmp_path, height, loading, hold_points=5)
+    highest = fields["pressure"].max()
+    none, _, _ = run(asperity, tmp_path, height, loading, hold_points=5, adhesion="on",
+                     work_of_adhesion=1e-16, equilibrium_distance=1e-5,
+                     plastic_hardness=float(10 * highest))
+    for row, other in zip(plain, none):
+        assert abs(row["separation"] - other["separation"]) < 1e-8 * abs(row["separation"])
+    sticky, _, _ = run(asperity, tmp_path, height, loading, hold_points=5, adhesion="on",
+                       work_of_adhesion=1e-7, equilibrium_distance=5e-5)
+    assert sticky[-1]["area"] > 1.01 * plain[-1]["area"]
+    soft, _, fields = run(asperity, tmp_path, height, loading, hold_points=5,
+                          plastic_hardness=float(0.8 * highest))
+    assert fields["pressure"].max() <= 0.8 * highest and soft[-1]["plastic_area"] > 0
