@@ -5,6 +5,7 @@ import math
 
 import numpy as np
 import pytest
+from image_data import read_vti
 from programs import run_program
 from surfaces_csv import solve
 from test_map_scene import E, map_scene
@@ -106,3 +107,35 @@ def test_form_radius_is_refused(asperity, tmp_path):
     for radius, word in (((1, -1), "expected a number of 0 or more"), (1e-40, "expected a length")):
         scene = map_scene(tmp_path, np.zeros((N, N)), (1, 1), surfaces={"form_radius": radius})
         assert word in run_program(asperity, "solve", scene, status=2).stderr
+
+
+def love(x, y, sides):
+    """Displacement times the modulus by unit pressure on a rectangle (Love 1929)."""
+    def corner(x, y):
+        return (x * np.arcsinh(y / abs(x)) + y * np.arcsinh(x / abs(y))) / math.pi
+    a, b = sides[0] / 2, sides[1] / 2
+    return corner(x + a, y + b) - corner(x - a, y + b) - corner(x + a, y - b) + corner(x - a, y - b)
+
+
+@pytest.mark.parametrize("axis", [0, 1])
+def test_displacements_on_a_strip(asperity, tmp_path, tally, axis):
+    """Differences of the displacements of the solved pressures, by 4001 periods of rectangles."""
+    shape, sides, edges = [5, 8], [0.1, 0.13], ["periodic", "free"]
+    if axis:
+        shape, sides, edges = shape[::-1], sides[::-1], edges[::-1]
+    height = 1e-2 * np.random.default_rng(3).random(shape)
+    scene = map_scene(tmp_path, height, tuple(sides), surfaces={"map_edge": tuple(edges)},
+                      loading={"control": "load", "value": 2e-3})
+    run_program(asperity, "solve", scene, "--quiet", "--fields", tmp_path / "f.vti")
+    fields = read_vti(tmp_path / "f.vti")[2]
+    offset = np.indices(shape).reshape(2, -1)
+    offset = (offset[:, :, None] - offset[:, None, :]) * np.array(sides)[:, None, None]
+    moved = np.zeros(height.size)
+    pressure = fields["pressure"].ravel()
+    for period in range(-2000, 2001):
+        shift = [0.0, 0.0]
+        shift[axis] = period * shape[axis] * sides[axis]
+        moved += love(offset[0] + shift[0], offset[1] + shift[1], sides) @ pressure / E
+    found = fields["displacement"].ravel()
+    assert np.ptp(found - moved) < 2e-6 * np.ptp(found)
+    tally.add("displacements on a strip", found.size, found.size)
