@@ -13,16 +13,14 @@
 !> a step has left more than a share of the residual, or contacts are activated, the contacts with
 !> the largest residuals are first solved in the field of the others (nonlinear elimination; Cai and
 !> Li, SIAM J. Sci. Comput. 33 (2011) 746). Active set: a contact is released where its penetration
-!> falls to 0, or where the field exceeds its penetration many times; open contacts that touch are
-!> activated with the largest share 1, 1/2, 1/4, ... of their penetration with which the potential
-!> does not increase (Armijo's backtracking).
+!> falls to 0; open contacts that touch are activated with the largest share 1, 1/2, 1/4, ... of
+!> their penetration with which the potential does not increase (Armijo's backtracking).
 !>
 !> Exits: the residual is small enough and no open contact touches (converged); compression beyond
 !> the complete pair list (the caller repeats); two steps without a decrease, or too many steps (not
 !> converged); no memory, interrupted (failure).
 module asperity_coupled_contacts
-  use asperity_circle_field, only: are_close, circle_set, large_set, most_inner_iterations, &
-                                   sum_error
+  use asperity_circle_field, only: large_set, most_inner_iterations, sum_error
   use asperity_circle_potential, only: potential_change, potential_state, remember_state, &
                                        restore_state
   use asperity_circle_step, only: circle_model, find_step, prepare_model, trust_step
@@ -30,10 +28,10 @@ module asperity_coupled_contacts
   use asperity_contact_pairs, only: contact_pairs, in_scene_units
   use asperity_coupled_groups, only: find_groups, group_law, extract_group, most_in_group, &
                                      insert_group
-  use asperity_coupled_start, only: few_contacts, prepare_start, scale_start
+  use asperity_coupled_start, only: prepare_start
   use asperity_coupled_state, only: coupled_solution, evaluate_state, find_carried_load, &
                                     penetration_without_load, raise_to_load, resolved_contacts, &
-                                    update_circles, solve_state
+                                    solve_state, update_circles
   use asperity_hidden_contacts, only: release_hidden
   use asperity_kinds, only: real64
   use asperity_open_contacts, only: find_touching, may_touch, most_searches
@@ -66,9 +64,6 @@ module asperity_coupled_contacts
   real(real64), parameter :: least_forcing = 1.0e-3_real64
   ! Share of the residual that is left in a group [1]; measured, 0.5 needs a third more steps.
   real(real64), parameter :: group_forcing = 0.1_real64
-  ! Excess of the field over the penetration [1] above which a contact is released; chosen: above 1
-  ! its load is 0 at the least potential in a fixed field.
-  real(real64), parameter :: release_excess = 10.0_real64
 
 contains
 
@@ -92,22 +87,18 @@ contains
     integer :: activated, circles, failed_steps, step_limit
     logical :: any_released, eliminates, is_final, is_start, is_taken
 
-    is_start = .not. allocated(solution%penetration)
-    any_released = .false.
+    is_start = .not. (allocated(solution%penetration) .or. present(resolved))
     call prepare_start(pairs, law, solution, state, target, resolved)
     if (pairs%interrupt%is_asked()) solution%failure = 'interrupted'
     if (allocated(solution%failure)) return
-    if (is_start .and. .not. present(resolved)) then
+    if (is_start) then
       call update_circles(pairs, law, solution, state)
-      if (.not. allocated(solution%failure)) call release_hidden(pairs, solution, any_released)
+      if (allocated(solution%failure)) return
+      call release_hidden(pairs, solution, any_released)
       if (any_released .and. present(target)) &
         call raise_to_load(pairs, law, state%target, solution%penetration)
     end if
     call evaluate_state(pairs, law, solution, state, resolved)
-    if (is_start .and. .not. (present(target) .or. present(resolved)) .and. &
-        size(solution%set%x) <= few_contacts) call scale_start(pairs, law, solution, state)
-    state%is_near = solution%is_near
-    solution%is_near = .false.
     step_limit = most_steps
     if (present(group_residual)) &
       step_limit = min(most_inner_iterations, most_searches * most_in_group / size(pairs%list))
@@ -130,7 +121,6 @@ contains
       ! the caller repeats the solve with all pairs.
       if (solution%compression > pairs%complete_to .and. state%residual < convex_residual) exit
       if (state%residual <= required .or. &
-          (state%is_near .and. solution%ending%iterations == 0) .or. &
           (state%residual <= stagnation_ratio * examined_residual .and. &
            (activated /= 0 .or. may_touch(solution, state)))) then
         examined_residual = state%residual
@@ -156,8 +146,9 @@ contains
       solution%ending%iterations = solution%ending%iterations + 1
       if (size(solution%set%x) < circles) activated = -1
       circles = size(solution%set%x)
-      ! At the end the near pairs are those of the solution, whatever the start. Once only: a pair
-      ! on the border may enter and leave the lists.
+      ! At the end the near pairs are those of the solution, whatever the start (test: loads in random
+      ! order in test/regression/test_solve_again.py). Once only: a pair on the border may enter and
+      ! leave the lists.
       if (state%residual < least_forcing .and. .not. is_final) then
         is_final = .true.
         state%rebuilds_lists = size(solution%set%x) <= large_set
@@ -301,21 +292,18 @@ contains
     logical, intent(out) :: is_taken
     type(circle_model) :: model
     type(trust_step) :: step
-    real(real64) :: change, forcing, noise, predicted, ratio
-    real(real64) :: limit(size(before%set%x))
-    real(real64), allocatable :: step_share(:), slope(:)
+    real(real64) :: change, forcing, noise, ratio
     integer :: n
 
     n = size(before%set%x)
     is_taken = .false.
     if (n == 0) return
-    allocate (model%gradient(3, n), step_share(n))
+    allocate (model%gradient(3, n))
     model%gradient(1, :) = before%state%load_gradient
     model%gradient(2:, :) = spread(before%set%load, 1, 2) * before%state%shift_gradient
     model%keep_sum = state%target > 0.0_real64
     model%convex = before%state%residual > convex_residual
     call prepare_model(solution%set, model)
-    limit = largest_shifts(before%set)
     forcing = min(stagnation_ratio, max(least_forcing, sqrt(before%state%residual)))
     ! The last step of a large set need not go below the accepted residual.
     if (n > large_set) &
@@ -323,38 +311,21 @@ contains
     do
       call find_step(solution%set, model, forcing, radius, step, solution%products, pairs%interrupt)
       if (.not. step%decrease > 0.0_real64 .or. pairs%interrupt%is_asked()) return
-      step_share = 1.0_real64 / max(1.0_real64, abs(step%change(1, :)) / (before%set%stiffness * &
-                   maxval(before%penetration(before%set%contact))), norm2(step%change(2:, :), 1) / &
-                   limit)
-      slope = -sum(model%gradient * step%change, 1)
       associate (contact => before%set%contact)
         solution%penetration = before%penetration
         solution%penetration(contact) = penetration_after(before%penetration(contact), &
-          before%set%load, before%set%stiffness, step_share * step%change(1, :))
-        solution%shift(:, contact) = before%shift(:, contact) + &
-                                    spread(step_share, 1, 2) * step%change(2:, :)
-        ! Release: the penetration is the negative gap in the field of the last state.
-        if (.not. model%convex) then
-          where (before%state%load_gradient > release_excess * before%penetration(contact)) &
-            solution%penetration(contact) = before%penetration(contact) - before%state%load_gradient
-        end if
+          before%set%load, before%set%stiffness, step%change(1, :))
+        solution%shift(:, contact) = before%shift(:, contact) + step%change(2:, :)
       end associate
       if (state%target > 0.0_real64) &
         call raise_to_load(pairs, law, state%target, solution%penetration)
       call evaluate_state(pairs, law, solution, state, resolved)
       if (allocated(solution%failure)) return
-      predicted = step%decrease
-      ! A share t of a Newton step decreases the model by the slope times t (1 - t/2).
-      if (any(step_share < 1.0_real64)) &
-        predicted = sum(slope * step_share * (1.0_real64 - 0.5_real64 * step_share))
       call potential_change(pairs, law, before, solution, state, change, noise)
-      ratio = -change / predicted
+      ratio = -change / step%decrease
       if (.not. ratio >= poor_ratio) then
         radius = shrink_factor * step%length
-      else if (ratio > good_ratio .and. (step%at_border .or. model%convex)) then
-        ! The radius also follows steps inside the region of the convex model (Dennis and Schnabel,
-        ! Numerical Methods for Unconstrained Optimization, 1983, algorithms A6.4.4 and A6.4.5): in
-        ! a wide region the first exact step would move a few contacts too far.
+      else if (ratio > good_ratio .and. step%at_border) then
         radius = growth_factor * step%length
       end if
       is_taken = ratio > acceptance_ratio
@@ -362,29 +333,13 @@ contains
       call restore_state(before, solution, state)
       state%rebuilds_lists = .false.
       if (before%state%residual <= accepted_residual) return
-      if (.not. predicted > noise) return
+      if (.not. step%decrease > noise) return
       if (.not. model%convex) then
         model%convex = .true.
         call prepare_model(solution%set, model)
       end if
     end do
   end subroutine take_step
-
-  ! Largest shift in one step: the own radius, or half the radius of a circle that overlaps.
-  function largest_shifts(set) result(limit)
-    type(circle_set), intent(in) :: set
-    real(real64) :: limit(size(set%radius))
-    integer :: k
-
-    limit = set%radius
-    do k = 1, size(set%one)
-      associate (i => set%one(k), j => set%other(k))
-        if (.not. are_close(set, i, j, 1.0_real64)) cycle
-        limit(i) = max(limit(i), 0.5_real64 * set%radius(j))
-        limit(j) = max(limit(j), 0.5_real64 * set%radius(i))
-      end associate
-    end do
-  end function largest_shifts
 
   ! Penetration at a changed load, to first order p + dV/k, k stiffness. Where the load increases it
   ! follows a power law, V ~ p**(k p/V), exact for Hertz' law: along the tangent small loads would

@@ -15,7 +15,7 @@ module asperity_coupled_state
   private
 
   public :: answer_at, coupled_solution, evaluate_state, find_carried_load, &
-            penetration_without_load, raise_to_load, resolved_contacts, update_circles, solve_state
+            penetration_without_load, raise_to_load, resolved_contacts, solve_state, update_circles
 
   !> Penetration of a contact that touches nowhere [length]: no step raises it above 0; chosen.
   real(real64), parameter, public :: open_penetration = -1.0e-3_real64 * huge(1.0_real64)
@@ -37,7 +37,6 @@ module asperity_coupled_state
     real(real64), allocatable :: outer_field(:, :)  !! field from outside, as in `circle_set`
     type(circle_set) :: set                         !! loaded contacts and their field
     type(solve_ending) :: ending                    !! convergence, iterations, residual
-    logical :: is_near = .false.                    !! input: the start is a solution nearby
     integer :: products = 0                         !! products with the Hessian, all steps
     integer :: fields = 0                           !! evaluations of the field, all steps
     character(len=:), allocatable :: failure        !! message, where there is no solution
@@ -51,7 +50,6 @@ module asperity_coupled_state
     real(real64), allocatable :: contact_residual(:)   !! error of the equations, by circle [length]
     real(real64) :: target = -1.0_real64            !! given load over modulus; below 0: none
     real(real64) :: residual = 0.0_real64           !! largest error over the largest penetration
-    logical :: is_near = .false.                    !! the start was a solution nearby
     logical :: rebuilds_lists = .false.             !! the next field has new neighbour lists
     integer, allocatable :: order(:)                !! order of pairs, square by square
     real(real64), allocatable :: examined(:)        !! penetrations when open contacts were examined

@@ -2,7 +2,8 @@
 !>
 !> The potential has several minima where the top of a cap lies in the contact circle of another
 !> one. It is least where one of the two carries the load: equal caps in one place are one surface.
-!> Caps that protrude by less than `as_one` stay open.
+!> Caps that protrude by less than `hidden_share` stay open; without this rule the coincident caps
+!> of test/hard/test_hard_effects.py carry too much.
 module asperity_hidden_contacts
   use asperity_circle_field, only: circle_set
   use asperity_contact_pairs, only: contact_pairs

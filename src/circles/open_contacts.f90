@@ -127,7 +127,6 @@ contains
     real(real64), allocatable :: field(:, :)
     real(real64) :: height_after, height_before, far(3), shift(2)
     integer :: i, k, n
-    logical :: keeps_shift
 
     n = size(number)
     allocate (field(6, n))
@@ -143,7 +142,7 @@ contains
       end if
       call sum_sources(state%open_tree, set%load / pi, hertz_spread * set%radius**2, field)
       !$omp parallel do schedule(dynamic, 64) if(n > thread_threshold) &
-      !$omp   private(i, height_after, height_before, far, shift, keeps_shift)
+      !$omp   private(i, height_after, height_before, far, shift)
       do k = 1, n
         i = number(k)
         far = field([1, 3, 4], k)
@@ -163,9 +162,8 @@ contains
                                  near, far, &
                       0.1_real64 * lowest, shift, height_before, height_after)
           touches(i) = reach - height_before > lowest
-          keeps_shift = state%is_near .or. .not. touches(i)
-          p = reach - merge(height_after, height_before, keeps_shift)
-          if (keeps_shift) solution%shift(:, i) = shift
+          p = reach - height_after
+          solution%shift(:, i) = shift
         end associate
       end do
       !$omp end parallel do

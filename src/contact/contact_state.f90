@@ -12,7 +12,7 @@ module asperity_contact_state
 
   !> Columns of `found`: shifts of coupled contacts; in the first row 1 where the solution is
   !> independent of its start.
-  integer, parameter :: shift_x = 5, shift_y = 6, kept_results = 7
+  integer, parameter :: shift_x = 5, shift_y = 6, kept_results = 8
 
   integer, parameter :: thread_threshold = 1000  ! number of pairs from which threads are started
 

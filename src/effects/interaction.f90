@@ -38,7 +38,7 @@ module asperity_interaction
   ! A solution is kept as an array. Columns of its first row, of all contacts; `kept_results` is
   ! the next one.
   enum, bind(c)
-    enumerator :: cells = 1, error, area_error, residual, iterations, nested
+    enumerator :: cells = 1, error, area_error, residual, iterations, nested, clusters
   end enum
   ! Columns of its other rows, one row a pair; `shift_x` and `shift_y` follow.
   enum, bind(c)
@@ -106,7 +106,9 @@ contains
       outcome%ending = solve_ending(.true., of_all(residual), nint(of_all(iterations)))
       if (self%mode == effect_auto .and. of_all(cells) > 0.0_real64) then
         outcome%simulated = 'coupled+boundary'
-        outcome%why = 'contacts of other shape than circles'
+        outcome%why = 'errors of circles, windows cost less'
+        if (nint(of_all(clusters)) == 1 .and. all(found(:, resolved) > 0.0_real64 .or. &
+            .not. answers%load > 0.0_real64)) outcome%why = 'errors of circles, one grid costs less'
       end if
       where (answers%load > 0.0_real64)
         answers%contact_radius = sqrt(found(:, area) / pi)
@@ -114,11 +116,6 @@ contains
         where (found(:, pressure) > 0.0_real64) &
           answers%maximum_pressure = max(found(:, pressure), answers%load / found(:, area))
       end where
-      ! The pressure of another law is limited: its area is no smaller than this limit allows.
-      if (.not. same_type_as(state%law, hertz_law())) then
-        where (answers%load > 0.0_real64) answers%contact_radius = &
-          max(answers%contact_radius, sqrt(answers%load / (pi * answers%maximum_pressure)))
-      end if
       outcome%of_contacts(:, 1) = max(0.0_real64, &
                                       state%closing - pairs%list%gap - state%penetration)
       isolated_load = sum(outcome%of_contacts(:, 2))
@@ -209,6 +206,7 @@ contains
       found(1, :) = [real(solution%elements, real64), solution%error, solution%area_error, &
                      coupled%ending%residual, real(coupled%ending%iterations, real64), &
                      merge(solution%nested, 0.0_real64, which == resolve_none), &
+                     real(solution%clusters, real64), &
                      merge(1.0_real64, 0.0_real64, is_one_solution(solution))]
       found(2:, penetration) = coupled%penetration
     end associate

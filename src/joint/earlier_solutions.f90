@@ -63,7 +63,6 @@ contains
       node_value = -node_value(node_index)
       n = interpolation_order(value, node_value)
       weight = lagrange_weights(value, node_value(:n))
-      solution%is_near = .true.
       if (present(target)) then
         solution%compression = sum([(weight(k) * solutions(node_index(k))%compression, k=1, n)])
         if (n == 1) solution%compression = solution%compression * (value / node_value(1))

@@ -152,8 +152,8 @@ contains
     call estimate_errors(task, solution)
   end subroutine solve_joint
 
-  ! Sets the areas in plan of Hertzian contacts, and corrects the loads of elastic ones: the
-  ! penetration of an isolated contact is a power 2/3 of its load, its area is a multiple of it.
+  ! Sets the areas in plan of contacts by their law, and corrects loads and areas of elastic ones:
+  ! the penetration of an isolated contact is a power 2/3 of its load, its area is a multiple of it.
   subroutine correct_circles(task, solution)
     type(joint_task), intent(inout) :: task
     type(joint_solution), intent(inout) :: solution
@@ -164,11 +164,10 @@ contains
     task%compression_share = task%errors%compression_share
     associate (coupled => solution%coupled, set => solution%coupled%set, pairs => task%pairs, &
                contact => solution%coupled%set%contact)
-      ratio = 1.0_real64
-      if (same_type_as(task%law, hertz_law())) &
-        ratio = (1 + task%correction%load_change / set%load)**(2.0_real64 / 3)
-      solution%area(contact) = pi * set%radius**2 * ratio * task%correction%area_ratio
+      solution%area(contact) = pi * set%radius**2
       if (.not. same_type_as(task%law, hertz_law())) return
+      ratio = (1 + task%correction%load_change / set%load)**(2.0_real64 / 3)
+      solution%area(contact) = solution%area(contact) * ratio * task%correction%area_ratio
       coupled%penetration(contact) = coupled%penetration(contact) * ratio
       coupled%compression = coupled%compression + task%correction%compression_change
       if (allocated(task%target)) then

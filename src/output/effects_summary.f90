@@ -128,7 +128,8 @@ contains
     is_named = .not. is_simulated .or. header%modes(e) /= effect_auto
     do while (.not. all(is_named))
       first = findloc(is_named, .false., 1)
-      alike = .not. is_named .and. outcomes%simulated == outcomes(first)%simulated
+      alike = .not. is_named .and. outcomes%simulated == outcomes(first)%simulated .and. &
+              outcomes%why == outcomes(first)%why
       text = trim(outcomes(first)%simulated)
       if (outcomes(first)%why /= '') text = text // ' (' // trim(outcomes(first)%why) // ')'
       call add_sentence('', text // ' at ' // positions_text(alike), lines)

@@ -235,8 +235,12 @@ def test_summary(sweeps, tally):
     assert f"coupled (estimate above tolerance) at {ways.count('coupled')}: 1-3, " in text
     resolved = [m for m, way in enumerate(ways, 1) if way == "coupled+boundary"]
     assert 0 < len(resolved) < 10
-    assert (f"coupled+boundary (contacts of other shape than circles) at {len(resolved)}: "
-            + ", ".join(map(str, resolved))) in text
+    # The decision between windows under clusters and one grid, with its reason.
+    named = re.findall(r"coupled\+boundary \(errors of circles, (\S+) costs? less\) at \d+: ([\d, -]+)",
+                       text.replace("one grid", "grid"))
+    assert {choice for choice, _ in named} <= {"windows", "grid"} and named
+    spans = [span.split("-") for _, list_of in named for span in list_of.strip(", ").split(", ")]
+    assert sorted(m for a in spans for m in range(int(a[0]), int(a[-1]) + 1)) == resolved
     # The numbers of the summary are those of the columns.
     influence = np.nan_to_num(column(auto.positions, "interaction_influence"))
     first = np.argmax(np.abs(influence))

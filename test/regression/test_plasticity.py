@@ -273,6 +273,9 @@ def test_with_interaction(asperity, tmp_path, tally):
     assert max(x) > 6 and max(column(rows, "lowered")) > 1e-4
     compare(tally, "plasticity: loads with neighbours",
             off(column(rows, "load"), [sphere.joined(v) * sphere.critical_load for v in x]), 1e-11)
+    # The curvature of the field of neighbours changes areas of elastic contacts only.
+    compare(tally, "plasticity: areas with neighbours",
+            off(column(rows, "area"), [sphere.area(v) * sphere.critical_area for v in x]), 1e-11)
     alone = model(asperity, tmp_path, "alone", 0.23, plasticity="on")
     elastic = model(asperity, tmp_path, "elastic", 0.23, interaction="coupled")
     total, lonely, stiff = (float(r.positions[0]["vertical_load"])
