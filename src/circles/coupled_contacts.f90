@@ -146,9 +146,9 @@ contains
       solution%ending%iterations = solution%ending%iterations + 1
       if (size(solution%set%x) < circles) activated = -1
       circles = size(solution%set%x)
-      ! At the end the near pairs are those of the solution, whatever the start (test: loads in random
-      ! order in test/regression/test_solve_again.py). Once only: a pair on the border may enter and
-      ! leave the lists.
+      ! At the end the near pairs are those of the solution, whatever the start (test: loads in
+      ! random order in test/regression/test_solve_again.py). Once only: a pair on the border may
+      ! enter and leave the lists.
       if (state%residual < least_forcing .and. .not. is_final) then
         is_final = .true.
         state%rebuilds_lists = size(solution%set%x) <= large_set

@@ -106,9 +106,9 @@ contains
       outcome%ending = solve_ending(.true., of_all(residual), nint(of_all(iterations)))
       if (self%mode == effect_auto .and. of_all(cells) > 0.0_real64) then
         outcome%simulated = 'coupled+boundary'
-        outcome%why = 'errors of circles, windows cost less'
+        outcome%why = 'Hertzian error, windows cost less'
         if (nint(of_all(clusters)) == 1 .and. all(found(:, resolved) > 0.0_real64 .or. &
-            .not. answers%load > 0.0_real64)) outcome%why = 'errors of circles, one grid costs less'
+            .not. answers%load > 0.0_real64)) outcome%why = 'Hertzian error, one grid costs less'
       end if
       where (answers%load > 0.0_real64)
         answers%contact_radius = sqrt(found(:, area) / pi)

@@ -236,9 +236,9 @@ def test_summary(sweeps, tally):
     resolved = [m for m, way in enumerate(ways, 1) if way == "coupled+boundary"]
     assert 0 < len(resolved) < 10
     # The decision between windows under clusters and one grid, with its reason.
-    named = re.findall(r"coupled\+boundary \(errors of circles, (\S+) costs? less\) at \d+: ([\d, -]+)",
-                       text.replace("one grid", "grid"))
-    assert {choice for choice, _ in named} <= {"windows", "grid"} and named
+    named = re.findall(r"coupled\+boundary \(Hertzian error, (windows|one grid) costs? less\) "
+                       r"at \d+: ([\d, -]+)", text)
+    assert {choice for choice, _ in named} <= {"windows", "one grid"} and named
     spans = [span.split("-") for _, list_of in named for span in list_of.strip(", ").split(", ")]
     assert sorted(m for a in spans for m in range(int(a[0]), int(a[-1]) + 1)) == resolved
     # The numbers of the summary are those of the columns.
