@@ -14,8 +14,8 @@ from pathlib import Path
 
 ROOT = Path(__file__).resolve().parents[1]
 ORDER = ("foundation", "numerics", "arithmetic", "input", "original", "surfaces", "search",
-         "results", "contact", "summation", "grid", "circles", "joint", "maps", "effects", "run",
-         "study", "output")
+         "results", "contact", "summation", "grid", "circles", "joint", "maps", "effects", "models",
+         "run", "study", "output")
 # The historic wing shares these folders with the present-day wing, and no others.
 SHARED = ("foundation", "arithmetic", "input")
 BEGIN, END = "<!-- flow: python .ci/flow.py --table -->\n", "<!-- end of flow -->\n"

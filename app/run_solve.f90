@@ -292,11 +292,10 @@ contains
     if (allocated(scene_in%map) .and. line%has('--budget')) &
       call problems%add('--budget: a map is compared with its summits in every run, expected none')
     call check_field_options(line, scene_in, problems)
-    if (line%share(2) > scene_in%motion%positions .or. &
-        (allocated(scene_in%map) .and. line%share(2) > 1)) &
+    if (line%share(2) > scene_in%motion%positions) &
       call problems%add('--share: found ' // decimal_text(line%share(2)) // ' parts of ' // &
-                        count_text(merge(1, scene_in%motion%positions, allocated(scene_in%map)), &
-                                'position') // ', expected at most as many parts as positions')
+                        count_text(scene_in%motion%positions, 'position') // &
+                        ', expected at most as many parts as positions')
   end subroutine check_choices
 
   ! Pressure on pixels is that of a height map solved on them, and is not kept in a file.
@@ -331,7 +330,8 @@ contains
                             is_thesis_sweep(scene_in) .or. needs_fields(line)
     if (needs_fields(line) .or. &
         (line%output_path('--html') /= '' .and. line%output_path('--keep') == '' .and. &
-         (allocated(scene_in%map) .or. may_have_fields(scene_in)))) &
+         ((allocated(scene_in%map) .and. scene_in%motion%positions == 1) .or. &
+          may_have_fields(scene_in)))) &
       options%fields = max(fields_last, line%fields_of)
     options%threads = line%threads
     options%progress = image_number() == 1

@@ -34,8 +34,8 @@ module asperity
   use asperity_scene_reader, only: build_scene, build_scene_of, parse_scene, read_scene, &
                                    rebuild_scene
   use asperity_scene_groups, only: list_groups
-  use asperity_scene_results, only: effect_header, kinds_of_warnings, last_state, map_record, &
-                                    scene_results
+  use asperity_effect_header, only: effect_header
+  use asperity_scene_results, only: kinds_of_warnings, last_state, map_record, scene_results
   use asperity_scene_surfaces, only: plane_surface, take_surface
   use asperity_scene_values, only: scene, scene_map, scene_side, scene_surface
   use asperity_solve, only: solve

@@ -115,7 +115,7 @@ contains
       if (fields%has_name('surfaces', 'map_unit') .and. any(unit == 0)) return
       if (is_given(1)) call convert_map(1, maps%upper, maps%lower)
       if (is_given(2)) call convert_map(2, maps%lower, maps%upper)
-      if (sides == 2) call compare_grids(maps%upper, maps%lower, fields)
+      if (sides == 2) call compare_grids(maps%upper, maps%lower, fields, checked%notes)
     end associate
 
   contains
@@ -219,26 +219,29 @@ contains
 
   end subroutine read_maps
 
-  ! Two maps must share a grid; the message names what differs.
-  subroutine compare_grids(upper, lower, fields)
+  ! Two periodic maps must have the same lengths; free maps have a window in common. A note names
+  ! unlike grids.
+  subroutine compare_grids(upper, lower, fields, notes)
     type(height_map), intent(in) :: upper, lower
     type(scene_fields), intent(inout) :: fields
+    type(problem_list), intent(inout) :: notes
     real(real64), parameter :: most_off = 1.0e-6_real64
-    integer :: i
+    real(real64) :: lengths(2, 2)
+    logical :: are_alike
 
-    if (any([upper%columns, upper%rows] /= [lower%columns, lower%rows])) then
-      call fields%complain_of('surfaces', 'upper', 'two maps: found ' // grid_text(upper) // &
-                              ' and ' // &
-                              grid_text(lower) // ' pixels, expected the same grid: the plane ' // &
-                              'is in contact with their sum')
+    are_alike = all([upper%columns, upper%rows] == [lower%columns, lower%rows])
+    are_alike = are_alike .and. all(abs(upper%pixel_spacing - lower%pixel_spacing) <= &
+                                    most_off * upper%pixel_spacing)
+    if (are_alike) return
+    lengths(:, 1) = upper%pixel_spacing * [upper%columns, upper%rows]
+    lengths(:, 2) = lower%pixel_spacing * [lower%columns, lower%rows]
+    if (any(abs(lengths(:, 1) - lengths(:, 2)) > most_off * lengths(:, 1) .and. &
+            [upper%repeats(1), upper%repeats(2)])) then
+      call fields%complain_of('surfaces', 'upper', 'two periodic maps: found ' // &
+             grid_text(upper) // ' and ' // grid_text(lower) // ', expected the same lengths')
     else
-      do i = 1, 2
-        if (abs(upper%pixel_spacing(i) - &
-          lower%pixel_spacing(i)) <= most_off * upper%pixel_spacing(i)) cycle
-        call fields%complain_of('surfaces', 'upper', 'two maps: found spacings along ' // &
-             'xy'(i:i) // ' of ' // spacing_text(upper) // ' and ' // spacing_text(lower) // &
-             ', expected the same grid: the plane is in contact with their sum')
-      end do
+      call notes%add('upper map of ' // grid_text(upper) // ', lower map of ' // &
+                     grid_text(lower) // ': their common area is solved on the coarser pixels')
     end if
 
   contains
@@ -247,16 +250,11 @@ contains
       type(height_map), intent(in) :: map
       character(len=:), allocatable :: text
 
-      text = decimal_text(map%columns) // ' x ' // decimal_text(map%rows)
-    end function grid_text
-
-    function spacing_text(map) result(text)
-      type(height_map), intent(in) :: map
-      character(len=:), allocatable :: text
-
-      text = real_text(map%pixel_spacing(i)) // ' ' // map%unit
+      text = decimal_text(map%columns) // ' x ' // decimal_text(map%rows) // ' pixels of ' // &
+             real_text(map%pixel_spacing(1)) // ' x ' // real_text(map%pixel_spacing(2)) // ' ' // &
+             map%unit
       if (map%unit == '') text = text // '(no unit: name it in map_unit)'
-    end function spacing_text
+    end function grid_text
 
   end subroutine compare_grids
 
@@ -275,9 +273,16 @@ contains
       end do
       return
     end if
-    if (fields%has_group('motion')) &
-      call fields%complain_of_group('motion', 'found beside a map, expected none: a plane is ' // &
-                                    'the same everywhere, and two maps share a grid')
+    if (fields%has_group('motion')) then
+      if (checked%map%upper%columns == 0 .or. checked%map%lower%columns == 0) then
+        call fields%complain_of_group('motion', 'found beside a map and a plane, expected ' // &
+                                      'none: a plane is the same everywhere')
+      else if (.not. solves_pixels(checked)) then
+        call fields%complain_of_group('motion', 'found beside maps that are solved by their ' // &
+               'summits, expected interaction = ''auto'' or ''boundary'': maps are moved on ' // &
+               'their pixels')
+      end if
+    end if
     if (fields%has_group('tilt')) &
       call fields%complain_of_group('tilt', 'found beside a map, expected none: it is levelled')
     mode = checked%effects%mode('interaction')

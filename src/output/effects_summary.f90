@@ -5,7 +5,8 @@ module asperity_effects_summary
   use asperity_kinds, only: not_computed, real64
   use asperity_number_format, only: count_text, percent_text, positions_text, number_text
   use asperity_problems, only: decimal_text, real_text
-  use asperity_scene_results, only: effect_header, scene_results
+  use asperity_effect_header, only: effect_header
+  use asperity_scene_results, only: scene_results
   use asperity_scene_values, only: effect_auto, effect_words
   use asperity_text_buffer, only: text_buffer
   use asperity_totals_table, only: load_is_met

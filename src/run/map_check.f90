@@ -10,7 +10,7 @@ module asperity_map_check
   use asperity_kinds, only: int64, not_computed, real64
   use asperity_map_contact, only: closed_fully, closed_start, half_map, map_answer, press_map
   use asperity_map_patches, only: find_patches, map_patch
-  use asperity_map_scene, only: area_of_map, map_loading
+  use asperity_map_scene, only: area_of_map
   use asperity_map_shares, only: find_shares
   use asperity_map_summits, only: map_summits
   use asperity_numeral, only: rounded_decimal
@@ -65,15 +65,15 @@ contains
 
   !> Solves the reference at the last load or level of a scene. `failure` is allocated when it is
   !> not solved, or when its contact area percolates.
-  subroutine solve_reference(map, loading, reference, failure)
+  subroutine solve_reference(map, modulus, last, reference, failure)
     type(height_map), intent(in) :: map                    !! levelled height map
-    type(map_loading), intent(in) :: loading               !! loads or levels of the scene
-    type(map_reference), intent(inout) :: reference        !! limits, interruption; the solution
+    real(real64), intent(in) :: modulus                    !! combined modulus, > 0
+    real(real64), intent(in) :: last                       !! last load or level of the scene
+    type(map_reference), intent(inout) :: reference        !! control, interruption; the solution
     character(len=:), allocatable, intent(out) :: failure  !! reason, when summits are not valid
     type(map_patch), allocatable :: patches(:)
-    real(real64) :: last, share
+    real(real64) :: share
 
-    reference%by_load = loading%by_load
     reference%map = map
     do while (size(reference%map%height, kind=int64) > &
               merge(reference%most, reference%most_coarser, reference%coarser == 1))
@@ -81,12 +81,11 @@ contains
       reference%coarser = 2 * reference%coarser
       reference%closed = closed_start
     end do
-    last = loading%values(size(loading%values))
     if (.not. reference%by_load) then
       reference%answer%level = last
-      call press_map(reference%map, loading%modulus, reference%answer, tolerance=reference%closed)
+      call press_map(reference%map, modulus, reference%answer, tolerance=reference%closed)
     else if (last > 0.0_real64) then
-      call press_map(reference%map, loading%modulus, reference%answer, last, reference%closed)
+      call press_map(reference%map, modulus, reference%answer, last, reference%closed)
     end if
     if (allocated(reference%answer%failure)) &
       failure = 'the comparison with the pixels of the map: ' // reference%answer%failure

@@ -1,23 +1,22 @@
 !> Solution of a map: on its pixels, or by its summits, compared with the map.
 module asperity_map_solve
+  use asperity_asperity_records, only: of_compression
   use asperity_constants, only: pi
+  use asperity_contact_model, only: contact_model, path_step
   use asperity_contact_records, only: drop_rows, position_result, state_row
   use asperity_decimal, only: decimal_to_real64
   use asperity_effect_names, only: by_numbers, known_effects, why_not_together
-  use asperity_effect_rows, only: of_compression
   use asperity_height_map, only: height_map
   use asperity_kinds, only: not_computed, real64
   use asperity_map_check, only: compare_with_map, increased_load, map_reference, &
                                 solve_reference, stiffness_between
-  use asperity_map_press_solver, only: is_attraction_resolved, make_map_solver, name_map_columns
-  use asperity_map_scene, only: area_of_map, join_maps, list_map_loads, map_loading, &
-                                summits_of_scene
+  use asperity_map_scene, only: area_of_map, join_maps, plan_map_path, summits_of_scene
   use asperity_map_shares, only: warn_of_map, warn_of_shares
   use asperity_map_summits, only: map_summits
-  use asperity_position_solver, only: position_solver
+  use asperity_numeral, only: rounded_decimal
+  use asperity_pixel_model, only: is_attraction_resolved, make_pixel_model
   use asperity_run_options, only: run_options
   use asperity_scene_results, only: last_state, scene_results
-  use asperity_numeral, only: rounded_decimal
   use asperity_scene_values, only: combined_modulus, control_limit, control_separation, &
                                    effect_auto, effect_off, effect_on, is_load, scene, &
                                    scene_loading, solves_pixels
@@ -39,38 +38,40 @@ contains
     type(run_options), intent(in) :: options               !! options of the run
     type(scene_results), intent(inout) :: results          !! results of the one position
     character(len=:), allocatable, intent(out) :: failure  !! reason, when it is not solved
-    type(height_map), target :: map
-    type(map_loading) :: loading
+    type(height_map) :: map
+    type(path_step), allocatable :: steps(:)
+    real(real64) :: origin(2)
     type(map_reference) :: reference
     type(map_summits) :: summits
     type(scene) :: plain
     type(scene_results) :: of_pixels, of_summits
 
-    call join_maps(scene_in, map, failure)
-    if (allocated(failure)) return
     results%nominal_area = decimal_to_real64(scene_in%nominal_area)
-    if (.not. results%nominal_area > 0.0_real64) results%nominal_area = area_of_map(map)
     if (solves_pixels(scene_in)) then
-      call solve_chosen(scene_in, map, options, results, failure)
+      call solve_chosen(scene_in, options, results, failure)
       return
     end if
     if (may_be_pixels(scene_in)) then
       ! The file of kept positions gets the final result.
-      call solve_pixels(scene_in, map, run_options(interrupt=options%interrupt), of_pixels, failure)
+      call solve_pixels(scene_in, run_options(interrupt=options%interrupt), of_pixels, failure)
       if (allocated(failure)) return
       if (.not. calls_for_asperities(scene_in, of_pixels%positions(1)%left_out)) then
-        call solve_pixels(scene_in, map, options, results, failure)
+        call solve_pixels(scene_in, options, results, failure)
         return
       end if
     end if
-    if (scene_in%loading%control == control_limit) then
-      loading%values = [0.0_real64]
-    else
-      call list_map_loads(scene_in, map, loading, failure)
-      if (allocated(failure)) return
-    end if
+    call join_maps(scene_in, 1, map, origin, failure)
+    if (allocated(failure)) return
+    if (.not. results%nominal_area > 0.0_real64) results%nominal_area = area_of_map(map)
+    allocate (steps(1))
+    if (scene_in%loading%control /= control_limit) &
+      call plan_map_path(scene_in, map, steps, failure)
+    if (allocated(failure)) return
     reference%answer%interrupt = options%interrupt
-    call solve_reference(map, loading, reference, failure)
+    reference%by_load = is_load(scene_in%loading%control) .or. &
+                        scene_in%loading%control == control_limit
+    call solve_reference(map, combined_modulus(scene_in), steps(size(steps))%value, reference, &
+                         failure)
     reference%by_load = is_load(scene_in%loading%control)
     if (options%interrupt%is_asked()) failure = 'interrupted'
     if (allocated(failure) .and. scene_in%effects%mode('interaction') /= effect_off) return
@@ -116,17 +117,16 @@ contains
   ! Solves a map on its pixels with the effects of `auto` whose estimated influence is above the
   ! tolerance. The estimate is that of the pixels without them; under a tensile load all are chosen.
   ! Adhesion that the pixels do not resolve is left out.
-  subroutine solve_chosen(scene_in, map, options, results, failure)
+  subroutine solve_chosen(scene_in, options, results, failure)
     type(scene), intent(in) :: scene_in
-    type(height_map), intent(in), target :: map
     type(run_options), intent(in) :: options
     type(scene_results), intent(inout) :: results
     character(len=:), allocatable, intent(out) :: failure
-    type(scene) :: chosen
+    type(scene), target :: chosen
     type(scene_results) :: without
     type(run_options) :: trial
     logical :: is_called(size(known_effects))
-    integer :: at, e
+    integer :: at, e, m
 
     chosen = scene_in
     is_called = scene_in%effects%modes == effect_auto .and. &
@@ -139,26 +139,30 @@ contains
       trial = options
       if (allocated(trial%keep_file)) deallocate (trial%keep_file)
       without = results
-      call solve_pixels(chosen, map, trial, without, failure)
+      call solve_pixels(chosen, trial, without, failure)
       if (allocated(failure)) return
       is_called = is_called .and. &
-                  without%positions(1)%left_out > scene_in%effects%number('tolerance') .and. &
-                  (known_effects%name /= 'adhesion' .or. is_attraction_resolved(scene_in, map))
+                  [(maxval(without%positions%left_out(e)), e=1, size(is_called))] > &
+                  scene_in%effects%number('tolerance') .and. &
+                  (known_effects%name /= 'adhesion' .or. is_attraction_resolved(scene_in))
       if (.not. (any(is_called) .or. allocated(options%keep_file))) then
         results = without
         return
       end if
     end if
     where (is_called) chosen%effects%modes = effect_on
-    call solve_pixels(chosen, map, options, results, failure)
+    call solve_pixels(chosen, options, results, failure)
     if (allocated(failure)) return
     do e = 1, size(known_effects)
       if (.not. is_called(e)) cycle
       at = findloc(results%effects%names, known_effects(e)%name, 1)
       results%effects%modes(at) = effect_auto
-      if (allocated(without%positions)) &
-        results%positions(1)%effects(at)%estimate = without%positions(1)%left_out(e)
-      results%positions(1)%effects(at)%why = 'estimate above tolerance'
+      do m = 1, size(results%positions)
+        if (.not. allocated(results%positions(m)%effects)) cycle
+        if (allocated(without%positions)) results%positions(m)%effects(at)%estimate = &
+          without%positions(m)%left_out(e)
+        results%positions(m)%effects(at)%why = 'estimate above tolerance'
+      end do
     end do
   end subroutine solve_chosen
 
@@ -172,35 +176,33 @@ contains
   end function is_tensile
 
   ! Solves a map on its pixels.
-  subroutine solve_pixels(scene_in, map, options, results, failure)
-    type(scene), intent(in) :: scene_in
-    type(height_map), intent(in), target :: map
+  subroutine solve_pixels(scene_in, options, results, failure)
+    type(scene), intent(in), target :: scene_in
     type(run_options), intent(in) :: options
     type(scene_results), intent(inout) :: results
     character(len=:), allocatable, intent(out) :: failure
-    class(position_solver), allocatable :: solver
-    type(map_loading) :: loading
+    class(contact_model), allocatable, target :: model
     type(run_options) :: with_contacts
     logical :: estimates
-    integer :: e
+    integer :: e, m
 
-    call list_map_loads(scene_in, map, loading, failure)
-    if (allocated(failure)) return
-    call make_map_solver(scene_in, map, loading, options%fields, solver, failure)
-    if (allocated(failure)) return
     allocate (results%effects)
-    call name_map_columns(scene_in, results%effects)
-    results%effects%tolerance = scene_in%effects%number('tolerance')
+    call make_pixel_model(scene_in, options%fields, model, results%effects, failure)
+    if (allocated(failure)) return
+    if (.not. results%nominal_area > 0.0_real64) results%nominal_area = model%nominal_area
     estimates = any([(scene_in%effects%has_numbers(e) .and. &
                       all(results%effects%names /= known_effects(e)%name), &
                       e=1, size(known_effects))])
     with_contacts = options
     with_contacts%keep_contacts = options%keep_contacts .or. estimates
-    call sweep_scene(scene_in, with_contacts, solver, results, failure)
-    if (allocated(failure)) return
-    call add_map_warnings(scene_in, map, results)
-    if (estimates) call estimate_left_out(scene_in, results%positions(1))
-    if (estimates .and. .not. options%keep_contacts) call drop_rows(results%positions(1))
+    call sweep_scene(scene_in, with_contacts, model, results, failure)
+    if (allocated(failure) .or. .not. estimates) return
+    do m = 1, size(results%positions)
+      ! Positions of other images have no states here.
+      if (.not. allocated(results%positions(m)%states)) cycle
+      call estimate_left_out(scene_in, results%positions(m))
+      if (.not. options%keep_contacts) call drop_rows(results%positions(m))
+    end do
   end subroutine solve_pixels
 
   ! Estimates the influence of effects that are not simulated, in the last state: each patch of

@@ -1,31 +1,18 @@
 !> Results of a run: all positions of a scene. Numbers are doubles in the units of the scene.
 module asperity_scene_results
   use asperity_contact_records, only: position_result, state_row
+  use asperity_effect_header, only: effect_header
   use asperity_kinds, only: not_computed, real64
   use asperity_map_shares, only: map_shares
   implicit none
   private
 
-  public :: effect_header, map_record, scene_results, kinds_of_warnings, last_state, &
+  public :: map_record, scene_results, kinds_of_warnings, last_state, &
             has_height_map, nominal_values, nominal_names
 
   !> Quantities over the nominal area: vertical load, projected area of the contacts.
   character(len=*), parameter :: nominal_names(2) = &
     [character(len=16) :: 'nominal_pressure', 'area_fraction']
-
-  !> The effects of a scene that are not off, and their columns.
-  type :: effect_header
-    character(len=11), allocatable :: names(:)             !! names as in &effects
-    integer, allocatable :: modes(:)                       !! modes as in &effects
-    character(len=20), allocatable :: contact_columns(:)   !! columns of `contact_values`
-    character(len=24), allocatable :: state_columns(:)     !! columns of `state_values`
-    !> Powers of the modulus and of the length in the unit of each of these columns (2, column).
-    integer, allocatable :: contact_powers(:, :), state_powers(:, :)
-    real(real64) :: tolerance = 0.0_real64  !! tolerance of `auto`, relative to the load
-    real(real64) :: plasticity_index = -1.0_real64  !! index of the surfaces; < 0: not computed
-    character(len=5) :: plastic_body = ''                  !! body that yields: upper or lower
-    real(real64) :: hardness = 0.0_real64  !! hardness of the pixels of a map; 0: none
-  end type effect_header
 
   !> Comparison of the summits of a map with the map itself at the same load.
   type :: map_record

@@ -55,10 +55,11 @@ contains
     character(len=*), intent(in) :: name           !! option of the request, for the message
     type(problem_list), intent(inout) :: problems  !! list; gets a line for such a scene
 
-    if (has_field_grid(scene_in)) then
-      if (scene_in%motion%positions > 1) &
-        call problems%add(name // ': found ' // decimal_text(scene_in%motion%positions) // &
-                          ' positions, expected one for fields of asperities')
+    if (scene_in%motion%positions > 1) then
+      call problems%add(name // ': found ' // decimal_text(scene_in%motion%positions) // &
+                        ' positions, expected one for fields')
+    else if (has_field_grid(scene_in)) then
+      return
     else if (.not. allocated(scene_in%map)) then
       call problems%add(name // ': no grid for the fields of asperities, expected ' // &
                         'field_spacing, the side of a pixel, in &surfaces')
@@ -102,7 +103,7 @@ contains
     end if
     if (scene_in%motion%positions > 1) then
       failure = 'fields: found ' // decimal_text(scene_in%motion%positions) // ' positions, ' // &
-                'expected one for fields of asperities'
+                'expected one for fields'
       return
     end if
     upper = place_surface(scene_in%upper, -1, [scene_in%motion%x_first, scene_in%motion%y_first])

@@ -2,13 +2,14 @@
 module asperity_surface_solve
   use asperity_accuracy_bound, only: error_bound
   use asperity_accuracy_choice, only: check_left_out, influence_left_out, proposed_accuracy
+  use asperity_asperity_model, only: make_asperity_model
+  use asperity_contact_model, only: contact_model
   use asperity_contact_records, only: solve_method
-  use asperity_effect_solver, only: make_effect_solver
   use asperity_kinds, only: real64
-  use asperity_position_solver, only: position_solver
   use asperity_problems, only: real_text
   use asperity_run_options, only: run_options
-  use asperity_scene_results, only: effect_header, scene_results
+  use asperity_effect_header, only: effect_header
+  use asperity_scene_results, only: scene_results
   use asperity_scene_values, only: effect_off, scene
   use asperity_sweep, only: sweep_scene
   implicit none
@@ -40,11 +41,11 @@ contains
     type(run_options), intent(in) :: options               !! options of the run
     type(scene_results), intent(out) :: results            !! results of all positions
     character(len=:), allocatable, intent(out) :: failure  !! reason, when it is not solved
-    class(position_solver), allocatable :: solver
+    class(contact_model), allocatable, target :: model
     type(effect_header) :: header
 
-    call make_effect_solver(scene_in, solver, header, failure, method=method)
-    if (.not. allocated(failure)) call sweep_scene(scene_in, options, solver, results, failure)
+    call make_asperity_model(scene_in, model, header, failure, method=method)
+    if (.not. allocated(failure)) call sweep_scene(scene_in, options, model, results, failure)
   end subroutine solve_without_effects
 
   ! Solves a scene with its effects.
@@ -53,12 +54,12 @@ contains
     type(run_options), intent(in) :: options
     type(scene_results), intent(inout) :: results
     character(len=:), allocatable, intent(out) :: failure
-    class(position_solver), allocatable :: solver
+    class(contact_model), allocatable, target :: model
     type(effect_header) :: header
 
-    call make_effect_solver(scene_in, solver, header, failure, options%fields)
+    call make_asperity_model(scene_in, model, header, failure, options%fields)
     if (has_effects(scene_in)) results%effects = header
-    if (.not. allocated(failure)) call sweep_scene(scene_in, options, solver, results, failure)
+    if (.not. allocated(failure)) call sweep_scene(scene_in, options, model, results, failure)
   end subroutine solve_effects
 
   ! Solves a scene without effects, and fails where the error bound exceeds the requested accuracy.

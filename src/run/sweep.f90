@@ -5,6 +5,7 @@
 !> in order that fails, or at which there are too many contacts. Later positions are left out.
 !> Without OpenMP there is one thread.
 module asperity_sweep
+  use asperity_contact_model, only: contact_model
   use asperity_contact_records, only: are_finite, most_rows, position_result, room_of_a_state
   use asperity_decimal, only: decimal_to_real64
   use asperity_images, only: image_number
@@ -13,7 +14,7 @@ module asperity_sweep
   use asperity_kinds, only: int64, real64
   use asperity_loads_met, only: check_loads, check_meaning, compare_loads
   use asperity_position_packet, only: pack_position, unpack_position
-  use asperity_position_solver, only: position_solver
+  use asperity_position_path, only: solve_position
   use asperity_problems, only: decimal_text, not_enough_memory
   use asperity_process, only: has_memory, threads_with_memory
   use asperity_progress, only: progress_line
@@ -33,6 +34,9 @@ module asperity_sweep
   ! Least work for threads, positions times asperities: less is done before they have started.
   integer(int64), parameter :: least_work = 30000_int64
 
+  ! Largest relative difference of a load from the prescribed one.
+  real(real64), parameter :: load_precision = 1.0e-6_real64
+
   ! State of the sweep, common to all threads.
   type :: sweep_watch
     integer :: last = 0            ! positions after this one are not solved
@@ -48,23 +52,23 @@ module asperity_sweep
 contains
 
   !> Solves the positions of a scene and keeps them in the file of the options.
-  subroutine sweep_scene(scene_in, options, solver, results, failure)
+  subroutine sweep_scene(scene_in, options, model, results, failure)
     type(scene), intent(in) :: scene_in                    !! scene, checked for faults
     type(run_options), intent(in) :: options               !! options of the run
-    class(position_solver), intent(inout) :: solver        !! solver; gets the options
+    class(contact_model), intent(inout), target :: model   !! bodies; get the options
     type(scene_results), intent(inout) :: results          !! results with all positions
     character(len=:), allocatable, intent(out) :: failure  !! reason, when a position is not solved
     type(kept_work) :: kept
 
-    solver%interrupt = options%interrupt
-    solver%reuse = options%reuse
-    solver%progress_count = options%counted_work
-    solver%progress_count%of_position = max(1, solver%states)
-    solver%nominal_area = max(decimal_to_real64(scene_in%nominal_area), results%nominal_area)
+    model%interrupt = options%interrupt
+    model%reuse = options%reuse
+    model%progress_count = options%counted_work
+    model%progress_count%of_position = max(1, model%states)
+    model%nominal_area = max(decimal_to_real64(scene_in%nominal_area), results%nominal_area)
     call name_work(scene_in, options, kept, failure)
     if (allocated(failure)) return
     if (results%begun < 0.0_real64) call cpu_time(results%begun)
-    call run_sweep(solver, options, kept, results%positions, failure)
+    call run_sweep(model, options, kept, results%positions, failure)
   end subroutine sweep_scene
 
   ! Identifies the work of a file of kept positions: all input files of the scene, and all options
@@ -97,8 +101,8 @@ contains
   ! Solves every position. On image 1 `positions` has all of them, in order; on other images their
   ! own. `failure` is allocated, with the position, when one cannot be solved, or when an image
   ! fails.
-  subroutine run_sweep(solver, options, kept, positions, failure)
-    class(position_solver), intent(in) :: solver
+  subroutine run_sweep(model, options, kept, positions, failure)
+    class(contact_model), intent(in), target :: model
     type(run_options), intent(in) :: options
     type(kept_work), intent(in) :: kept
     type(position_result), allocatable, intent(out) :: positions(:)
@@ -108,21 +112,21 @@ contains
     integer :: m, number, threads
     logical :: continues
 
-    number = solver%positions
+    number = model%positions
     if (options%sample > 0) number = min(number, options%sample)
-    if (number > 1) watch%stride = (solver%positions - 1) / (number - 1)
+    if (number > 1) watch%stride = (model%positions - 1) / (number - 1)
     if (options%parts > 1) then
       number = pieces_of_part(number, options%part, options%parts)
       watch%start = options%part
       watch%stride = options%parts
     end if
-    states = int(number, int64) * int(max(1, solver%states), int64)
+    states = int(number, int64) * int(max(1, model%states), int64)
     if (.not. has_memory(states * int(room_of_a_state, int64))) then
       failure = not_enough_memory // ' for ' // decimal_text(number) // ' positions'
       return
     end if
     allocate (positions(number))
-    threads = threads_for(solver, options)
+    threads = threads_for(model, options)
     watch%last = number
     watch%interrupt = options%interrupt
     call begin_work(watch%work, number, options%all_images, kept)
@@ -132,21 +136,21 @@ contains
     if (allocated(kept%more) .and. sum(int(positions%rows_used, int64)) > most_rows) &
       watch%work%ending = too_many()
     call watch%progress%begin(options%progress, 'positions', number, watch%work%done)
-    call solver%progress_count%begin_count(int(min(states, int(huge(number), int64))), &
-                                  watch%work%done * solver%progress_count%of_position)
+    call model%progress_count%begin_count(int(min(states, int(huge(number), int64))), &
+                                  watch%work%done * model%progress_count%of_position)
     do
       call begin_round(watch%work, continues)
       if (.not. continues) exit
       if (threads > 1) then
         !$omp parallel do schedule(dynamic) num_threads(threads)
         do m = watch%work%first, watch%work%last
-          if (is_due(watch, m)) call solve_one(solver, m, options, positions(m), watch)
+          if (is_due(watch, m)) call solve_one(model, m, options, positions(m), watch)
         end do
         !$omp end parallel do
       else
         ! Outside a parallel region: nested regions would start their threads at each position.
         do m = watch%work%first, watch%work%last
-          if (is_due(watch, m)) call solve_one(solver, m, options, positions(m), watch)
+          if (is_due(watch, m)) call solve_one(model, m, options, positions(m), watch)
         end do
       end if
       call gather_round(watch%work)
@@ -160,17 +164,17 @@ contains
   end subroutine run_sweep
 
   ! Number of threads for the positions, at least one.
-  integer function threads_for(solver, options) result(threads)
-    class(position_solver), intent(in) :: solver
+  integer function threads_for(model, options) result(threads)
+    class(contact_model), intent(in), target :: model
     type(run_options), intent(in) :: options
 
     threads = 1
     if (options%threads > 0) then
       threads = options%threads
     else
-      !$ if (solver%work >= least_work / solver%positions) threads = omp_get_max_threads()
+      !$ if (model%work >= least_work / model%positions) threads = omp_get_max_threads()
     end if
-    threads = threads_with_memory(min(threads, solver%positions))
+    threads = threads_with_memory(min(threads, model%positions))
   end function threads_for
 
   ! Whether a position of the round is to be solved by this image.
@@ -185,8 +189,8 @@ contains
   end function is_due
 
   ! Solves and checks one position in one thread.
-  subroutine solve_one(solver, m, options, position, watch)
-    class(position_solver), intent(in) :: solver
+  subroutine solve_one(model, m, options, position, watch)
+    class(contact_model), intent(in), target :: model
     integer, intent(in) :: m
     type(run_options), intent(in) :: options
     type(position_result), intent(inout) :: position
@@ -195,7 +199,7 @@ contains
     integer(int64), allocatable :: words(:)
     integer :: last
 
-    call solver%solve(whole_number(m, watch%start, watch%stride), options%keep_contacts, &
+    call solve_position(model, whole_number(m, watch%start, watch%stride), options%keep_contacts, &
                       position, failure)
     if (position%lacks_memory .and. .not. allocated(failure)) &
       failure = not_enough_memory // ' for the list of contacts'
@@ -204,9 +208,9 @@ contains
         failure = 'a result is beyond the range of a double, expected other units'
     end if
     if (.not. allocated(failure)) then
-      call check_meaning(position, solver%nominal_area, failure)
-      call check_loads(position, solver%load_precision, failure)
-      call compare_loads(position, solver%loads_differ)
+      call check_meaning(position, model%nominal_area, failure)
+      call check_loads(position, load_precision, failure)
+      call compare_loads(position, model%loads_differ)
     end if
     if (watch%work%packed .and. .not. allocated(failure)) call pack_position(position, words)
     !$omp critical (asperity_positions)
@@ -224,7 +228,7 @@ contains
     !$omp atomic write
     watch%last = last
     call watch%progress%step()
-    call solver%progress_count%add_work(solver%progress_count%of_position - position%counted)
+    call model%progress_count%add_work(model%progress_count%of_position - position%counted)
     !$omp end critical (asperity_positions)
   end subroutine solve_one
 

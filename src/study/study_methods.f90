@@ -357,9 +357,10 @@ contains
     real(real64), intent(in) :: resolution
     character(len=:), allocatable, intent(out) :: failure
     type(height_map) :: map
+    real(real64) :: origin(2)
     type(scene_map) :: new
 
-    call join_maps(changed, map, failure)
+    call join_maps(changed, 1, map, origin, failure)
     if (allocated(failure)) return
     if (changed%nominal_area%all_digits == 0_int64) &
       changed%nominal_area = rounded_decimal(area_of_map(map), 17)
@@ -402,11 +403,12 @@ contains
     type(scene), intent(out) :: plain                      !! scene of the summits
     character(len=:), allocatable, intent(out) :: failure  !! reason of a failure
     type(height_map) :: map
+    real(real64) :: origin(2)
     type(map_summits) :: summits
 
     plain = scene_in
     if (.not. allocated(scene_in%map)) return
-    call join_maps(scene_in, map, failure)
+    call join_maps(scene_in, 1, map, origin, failure)
     if (.not. allocated(failure)) call summits_of_scene(scene_in, map, plain, summits, failure)
   end subroutine replace_map
 

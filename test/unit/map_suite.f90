@@ -7,7 +7,6 @@ module asperity_map_suite
   use asperity_map_check, only: compare_with_map, map_reference, solve_reference
   use asperity_map_contact, only: half_map, map_answer, press_map
   use asperity_map_patches, only: find_patches, map_patch
-  use asperity_map_scene, only: map_loading
   use asperity_map_summits, only: map_summits
   use asperity_scene_results, only: map_record
   use asperity_testing, only: check, error_type, new_unittest, unittest_type
@@ -173,9 +172,8 @@ contains
     there%pressure = truth%pressure
     call press_map(map, ball_modulus, there, tolerance=1.0e-4_real64)
     do i = 1, 2
-      seen = map_reference(most=60000_int64)
-      call solve_reference(map, map_loading(modulus=ball_modulus, by_load=i == 1, &
-                   values=[merge(load, state%approach, i == 1)]), seen, failure)
+      seen = map_reference(most=60000_int64, by_load=i == 1)
+      call solve_reference(map, ball_modulus, merge(load, state%approach, i == 1), seen, failure)
       call check(error, .not. allocated(failure), 'seen')
       call check(error, seen%coarser, 2, 'at half its resolution')
       call compare_with_map(map, seen, ball_modulus, summits, state, not_computed, told, failure)

@@ -2,6 +2,7 @@
 !>
 !> Truths are its own closed forms over the loads of Hertz.
 module asperity_new_effect_suite
+  use asperity_asperity_position, only: asperity_bodies, begin_asperities
   use asperity_contact_effect, only: effect_box, effect_outcome
   use asperity_contact_pairs, only: contact_pairs
   use asperity_contact_records, only: position_result
@@ -9,13 +10,14 @@ module asperity_new_effect_suite
   use asperity_effect_helpers, only: as_decimal, near, pair_of, set_number
   use asperity_effect_list, only: list_effects
   use asperity_effect_names, only: known_effects
-  use asperity_effect_position, only: position_run, run_position
   use asperity_hertz_law, only: hertz_law
   use asperity_kinds, only: not_computed, real64
   use asperity_made_up_effect, only: made_up_effect, make_up
+  use asperity_position_path, only: follow_path
   use asperity_scene_values, only: control_separation, control_load, effect_auto, effect_on, &
                                    hold_separation, hold_load, scene
   use asperity_testing, only: check, error_type, new_unittest, unittest_type
+  use asperity_work_count, only: work_count
   implicit none
   private
 
@@ -25,6 +27,13 @@ module asperity_new_effect_suite
   real(real64), parameter :: rounding = 1.0e-13_real64
   ! A load asked for is met within 1e-11.
   real(real64), parameter :: met = 1.0e-10_real64
+
+  ! What a run of a position has beside its results.
+  type :: position_run
+    logical :: keep_rows = .true.
+    logical :: simulated = .false.
+    logical :: too_far = .false.
+  end type position_run
 
   ! Displaces the second pair by neighbours whose load alternates, and attracts it across its gap.
   type, extends(made_up_effect) :: jumping_effect
@@ -50,6 +59,28 @@ contains
       new_unittest('a first contact is found within the jump of the displacement', jumps), &
       new_unittest('approach and load held in time', held)]
   end subroutine collect_new_effect
+
+  ! Follows the path of a position with its effects.
+  subroutine run_position(scene_in, pairs, effects, result, run, failure)
+    type(scene), intent(in), target :: scene_in
+    type(contact_pairs), intent(in) :: pairs
+    type(effect_box), intent(in) :: effects(:)
+    type(position_result), intent(out) :: result
+    type(position_run), intent(inout) :: run
+    character(len=:), allocatable, intent(out) :: failure
+    type(asperity_bodies), target :: bodies
+    integer :: i
+
+    bodies%scene_in => scene_in
+    bodies%pairs = pairs
+    allocate (bodies%effects(size(effects)))
+    do i = 1, size(effects)
+      allocate (bodies%effects(i)%effect, source=effects(i)%effect)
+    end do
+    call begin_asperities(bodies)
+    call follow_path(bodies, run%keep_rows, work_count(), result, run%too_far, failure)
+    run%simulated = bodies%simulated
+  end subroutine run_position
 
   subroutine all_listed(error)
     type(error_type), allocatable, intent(out) :: error

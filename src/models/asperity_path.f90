@@ -1,33 +1,19 @@
 !> The sequence of states of a position: loading, a path of loads or separations, and a hold.
-module asperity_effect_path
+module asperity_asperity_path
   use asperity_contact_effect, only: effect_box
+  use asperity_contact_model, only: at_load, path_step
   use asperity_contact_pairs, only: contact_pairs
   use asperity_decimal, only: decimal_to_real64, decimal_value
   use asperity_effect_sequence, only: first_failure, found_state, simulate_effects
   use asperity_isolated_contacts, only: closings_on_the_way
   use asperity_kinds, only: real64
-  use asperity_scene_values, only: control_compression, control_pressure, effect_off, hold_load, &
-                                   is_load, scene
-  use asperity_viscoelastic_solid, only: hold_times
+  use asperity_path_steps, only: plan_path
+  use asperity_scene_values, only: control_compression, control_pressure, effect_off, is_load, &
+                                   scene
   implicit none
   private
 
-  public :: path_step, plan_states, plan_hold
-  public :: to_closing, to_load, stay, as_before
-
-  integer, parameter :: to_closing = 1  !! the state has a given compression
-  integer, parameter :: to_load = 2     !! the state has a given load
-  integer, parameter :: stay = 3        !! the state has the compression of the last one
-  integer, parameter :: as_before = 4   !! the state has the load of the last state of loading
-
-  !> Control of one state.
-  type :: path_step
-    integer :: control = to_closing    !! `to_closing`, `to_load`, `stay` or `as_before`
-    real(real64) :: value = 0.0_real64  !! compression or load, in the unit of the pairs
-    real(real64) :: time = 0.0_real64  !! time since the end of loading
-    !> requested load, in the unit of the pairs; huge: none, or that of `as_before`
-    real(real64) :: load = huge(1.0_real64)
-  end type path_step
+  public :: plan_states
 
 contains
 
@@ -40,9 +26,8 @@ contains
     type(path_step), allocatable, intent(out) :: steps(:)     !! states, at least one
     !> a load of the path is 0 in the unit of the pairs, or a first contact is not found
     character(len=:), allocatable, intent(out) :: failure
-    real(real64), allocatable :: closings(:), gaps(:)
-    real(real64) :: from, to
-    integer :: i, j, parts, used
+    real(real64), allocatable :: closings(:), ends(:), gaps(:)
+    integer :: i, parts
 
     if (.not. allocated(scene_in%loading%path)) then
       allocate (gaps(0))
@@ -59,32 +44,21 @@ contains
       associate (last => steps(size(steps)))
         last%load = pairs%target
         ! After other states that of the load is searched again, as effects may have a memory.
-        if (size(steps) > 1) last%control = to_load
+        if (size(steps) > 1) last%control = at_load
       end associate
       return
     end if
+    allocate (ends(size(scene_in%loading%path)))
     parts = max(1, scene_in%loading%points)
-    allocate (steps(1 + parts * size(scene_in%loading%path)))
-    if (is_load(scene_in%loading%control)) steps%control = to_load
-    used = 1
-    from = 0.0_real64
-    do i = 1, size(scene_in%loading%path)
-      to = value_of(scene_in, pairs, scene_in%loading%path(i))
+    do i = 1, size(ends)
+      ends(i) = value_of(scene_in, pairs, scene_in%loading%path(i))
       if (is_load(scene_in%loading%control) .and. scene_in%loading%path(i)%all_digits /= 0 .and. &
-          .not. abs(to) / real(parts, real64) > 0.0_real64) then
+          .not. abs(ends(i)) / real(parts, real64) > 0.0_real64) then
         failure = 'a load of the path is too small beside the moduli and lengths to be met'
         return
       end if
-      do j = 1, parts
-        used = used + 1
-        steps(used)%value = from + (to - from) * (real(j, real64) / real(parts, real64))
-      end do
-      steps(used)%value = to
-      from = to
     end do
-    if (is_load(scene_in%loading%control)) steps%load = steps%value
-    ! The curve begins at first contact.
-    if (parts == 1) steps = steps(2:)
+    call plan_path(0.0_real64, ends, parts, is_load(scene_in%loading%control), steps)
   end subroutine plan_states
 
   ! Finds the compressions, up to the last, of the first contact of each pair, with displacements by
@@ -161,21 +135,6 @@ contains
     end do
   end subroutine find_first_contacts
 
-  !> Plans the states of a hold after the last state of loading.
-  subroutine plan_hold(scene_in, steps)
-    type(scene), intent(in) :: scene_in                     !! scene, checked for faults
-    type(path_step), allocatable, intent(out) :: steps(:)   !! states; without a hold none
-    real(real64), allocatable :: times(:)
-
-    associate (effects => scene_in%effects)
-      call hold_times(effects%number('hold_time'), effects%number('relaxation_time'), &
-                      nint(effects%number('hold_points')), times)
-      allocate (steps(size(times) - 1))
-      steps%time = times(2:)
-      steps%control = merge(as_before, stay, nint(effects%number('hold')) == hold_load)
-    end associate
-  end subroutine plan_hold
-
   ! A value of the path in the unit of the pairs: a load, or the compression of a separation.
   real(real64) function value_of(scene_in, pairs, value)
     type(scene), intent(in) :: scene_in
@@ -195,4 +154,4 @@ contains
     end if
   end function value_of
 
-end module asperity_effect_path
+end module asperity_asperity_path

@@ -1,12 +1,16 @@
-!> Solves the positions of a scene with its effects.
+!> Two bodies with spherical asperities, and their effects.
 !>
 !> A position at which `auto` leaves out all effects has the result
 !> of the solver without effects, byte for byte. The influence on the load is estimated for every
 !> effect that is off.
-module asperity_effect_solver
+module asperity_asperity_model
+  use asperity_asperity_position, only: asperity_bodies, begin_asperities
+  use asperity_asperity_records, only: add_nothing, add_without_effects, name_columns, &
+                                       of_compression
   use asperity_contact_effect, only: effect_box, effect_outcome
   use asperity_contact_field, only: fields_all, fields_none
   use asperity_contact_law, only: contact_law
+  use asperity_contact_model, only: contact_model, path_step, placed_bodies
   use asperity_contact_pairs, only: contact_pairs
   use asperity_contact_records, only: position_result, solve_method
   use asperity_contact_state, only: contact_state, start_state
@@ -14,8 +18,6 @@ module asperity_effect_solver
   use asperity_effect_choice, only: choose_effects
   use asperity_effect_list, only: list_effects, list_left_out
   use asperity_effect_names, only: effect_on, effect_words, known_effects, why_not_together
-  use asperity_effect_position, only: position_run, run_position
-  use asperity_effect_rows, only: add_nothing, add_without_effects, name_columns, of_compression
   use asperity_element_pressures, only: element_pressures
   use asperity_first_yield, only: yielding_body
   use asperity_hertz_law, only: hertz_law
@@ -23,19 +25,18 @@ module asperity_effect_solver
   use asperity_kinds, only: int64, real64
   use asperity_placed_scene, only: placed_scene
   use asperity_plastic_surface, only: surface_index
-  use asperity_position_solver, only: position_solver
   use asperity_scene_placing, only: place_scene
-  use asperity_scene_results, only: effect_header
+  use asperity_effect_header, only: effect_header
   use asperity_scene_values, only: effect_auto, is_load, is_vertical_load, scene
   use asperity_theory_warnings, only: add_warning, of_barred, of_excluded, of_off, take_worse, &
                                       theory_warning
   implicit none
   private
 
-  public :: make_effect_solver
+  public :: make_asperity_model
 
-  !> Solver of a scene with effects.
-  type, extends(position_solver) :: effect_solver
+  !> Asperities with the effects of a scene.
+  type, extends(contact_model) :: asperity_model
     private
     type(scene), pointer :: scene_in => null()
     type(placed_scene) :: placed
@@ -47,23 +48,34 @@ module asperity_effect_solver
     type(effect_box), allocatable :: effects(:)  ! initial state for a position
     type(effect_box), allocatable :: left_out(:) ! effects that are off, to be estimated
   contains
-    procedure :: solve => solve_with_effects  !! solves one position
-  end type effect_solver
+    procedure :: place => place_asperities  !! places the asperities at a position
+  end type asperity_model
+
+  ! Asperities at one position, with the model that placed them.
+  type, extends(asperity_bodies) :: placed_asperities
+    class(asperity_model), pointer :: model => null()
+    integer :: m = 0                                         ! position
+    type(element_pressures), pointer :: pressures => null()  ! on boundary elements, where kept
+  contains
+    procedure :: solve_step => solve_with_all_pairs
+    procedure :: add_totals => add_left_out
+    final :: free_pressures
+  end type placed_asperities
 
 contains
 
-  !> Makes the solver of a scene with its effects. `failure` is allocated when a number is out of
+  !> Makes the model of a scene with its effects. `failure` is allocated when a number is out of
   !> range.
-  subroutine make_effect_solver(scene_in, solver, header, failure, fields, method)
-    type(scene), intent(in), target :: scene_in  !! scene, checked; must outlive the solver
-    class(position_solver), allocatable, intent(out) :: solver
+  subroutine make_asperity_model(scene_in, model, header, failure, fields, method)
+    type(scene), intent(in), target :: scene_in  !! scene, checked; must outlive the model
+    class(contact_model), allocatable, intent(out) :: model
     type(effect_header), intent(out) :: header             !! columns of the effects
-    character(len=:), allocatable, intent(out) :: failure  !! reason, when there is no solver
+    character(len=:), allocatable, intent(out) :: failure  !! reason, when there is no model
     !> States whose pressures on boundary elements are kept: `fields_last` ...; absent: none.
     integer, intent(in), optional :: fields
     !> Method without any effect, for the accuracy study; absent: with the effects of the scene.
     type(solve_method), intent(in), optional :: method
-    type(effect_solver), allocatable :: new
+    type(asperity_model), allocatable :: new
     integer :: i
 
     allocate (new)
@@ -99,92 +111,132 @@ contains
     end do
     ! Effects take long: threads are started for a few positions.
     if (size(new%effects) > 0) new%work = huge(new%work)
-    call move_alloc(new, solver)
-  end subroutine make_effect_solver
+    call move_alloc(new, model)
+  end subroutine make_asperity_model
 
-  ! Solves one position, without effects where none is simulated.
-  subroutine solve_with_effects(self, m, keep_rows, result, failure)
-    class(effect_solver), intent(in) :: self
+  ! Places the asperities at a position. Where no effect is simulated the results are complete.
+  subroutine place_asperities(self, m, keep_rows, bodies, result, failure)
+    class(asperity_model), intent(in), target :: self
     integer, intent(in) :: m
     logical, intent(in) :: keep_rows
+    class(placed_bodies), allocatable, intent(out) :: bodies
     type(position_result), intent(out) :: result
     character(len=:), allocatable, intent(out) :: failure
-    type(contact_pairs) :: pairs
-    type(position_result) :: columns
-    type(effect_box), allocatable :: effects(:)
-    type(position_run) :: run
-    type(element_pressures), target :: pressures
+    type(placed_asperities), allocatable :: placed
+    class(contact_law), allocatable :: law
+    logical :: called_for
 
     if (self%isolated) then
       call solve_position(self%placed, m, self%method, keep_rows, result, failure)
       return
     end if
     if (self%by_estimate) then
-      call solve_without(self, m, keep_rows, result, run%simulated, failure)
-      if (allocated(failure) .or. .not. run%simulated) return
+      call solve_without(self, m, keep_rows, result, called_for, failure)
+      if (allocated(failure) .or. .not. called_for) return
+      result = position_result()
     end if
-    call list_pairs(self%placed, m, .false., pairs, failure, self%method)
+    allocate (placed)
+    placed%model => self
+    placed%m = m
+    placed%scene_in => self%scene_in
+    call list_candidates(self, m, .false., placed%pairs, failure)
     if (allocated(failure)) return
-    call take_start()
-    if (expected_compression(pairs) > pairs%complete_to) then
-      call list_pairs(self%placed, m, .true., pairs, failure, self%method)
+    if (expected_compression(placed%pairs) > placed%pairs%complete_to) then
+      call list_candidates(self, m, .true., placed%pairs, failure)
       if (allocated(failure)) return
     end if
-    if (size(pairs%list) == 0) then
-      result = position_result()
-      call copy_effects(self%effects, effects)
-      call add_nothing(pairs, effects, result)
-      result%x_displacement = pairs%x_displacement
-      result%y_displacement = pairs%y_displacement
+    if (size(placed%pairs%list) == 0) then
+      call copy_effects(self%effects, placed%effects)
+      call add_nothing(placed%pairs, placed%effects, result)
+      result%x_displacement = placed%pairs%x_displacement
+      result%y_displacement = placed%pairs%y_displacement
       call empty_state(self%placed, result, failure)
-      if (.not. allocated(failure)) call estimate_left_out(self, pairs, run%law, result)
+      if (.not. allocated(failure)) call estimate_left_out(self, placed%pairs, law, result)
       return
     end if
-    call run_effects()
-    if (run%too_far) then
-      call self%progress_count%add_work(-result%counted)
-      ! Pairs beyond the candidate distance may touch: all that can touch are listed.
-      call list_pairs(self%placed, m, .true., pairs, failure, self%method)
-      if (.not. allocated(failure)) call run_effects()
-    end if
+    result%x_displacement = placed%pairs%x_displacement
+    result%y_displacement = placed%pairs%y_displacement
+    call begin_path(placed)
+    call move_alloc(placed, bodies)
+  end subroutine place_asperities
+
+  ! Lists the pairs of a position: those within the candidate distance, or all that can touch. The
+  ! solution of an earlier run is taken where effects have no memory.
+  subroutine list_candidates(model, m, all_pairs, pairs, failure)
+    class(asperity_model), intent(in), target :: model
+    integer, intent(in) :: m
+    logical, intent(in) :: all_pairs
+    type(contact_pairs), intent(out) :: pairs
+    character(len=:), allocatable, intent(out) :: failure
+
+    call list_pairs(model%placed, m, all_pairs, pairs, failure, model%method)
+    if (allocated(failure) .or. model%remembers) return
+    pairs%keeps_solution = model%reuse%keeps
+    if (.not. associated(model%reuse%earlier)) return
+    if (m <= size(model%reuse%earlier)) pairs%start => model%reuse%earlier(m)
+  end subroutine list_candidates
+
+  ! Begins the path with a copy of the effects.
+  subroutine begin_path(bodies)
+    class(placed_asperities), intent(inout) :: bodies
+
+    associate (model => bodies%model)
+      call copy_effects(model%effects, bodies%effects)
+      bodies%pairs%interrupt = model%interrupt
+      bodies%pairs%progress_count = model%progress_count
+      if (model%fields /= fields_none) then
+        if (.not. associated(bodies%pressures)) allocate (bodies%pressures)
+        bodies%pressures%of_all_states = model%fields == fields_all
+        bodies%pairs%pressures => bodies%pressures
+      end if
+    end associate
+    call begin_asperities(bodies)
+  end subroutine begin_path
+
+  ! Solves a state. Where pairs beyond the candidate distance may touch, all that can touch are
+  ! listed, and the path is repeated.
+  subroutine solve_with_all_pairs(self, step, must_repeat, failure)
+    class(placed_asperities), intent(inout), target :: self
+    type(path_step), intent(in) :: step
+    logical, intent(out) :: must_repeat
+    character(len=:), allocatable, intent(out) :: failure
+
+    call self%asperity_bodies%solve_step(step, must_repeat, failure)
+    if (.not. must_repeat) return
+    call list_candidates(self%model, self%m, .true., self%pairs, failure)
+    if (.not. allocated(failure)) call begin_path(self)
+  end subroutine solve_with_all_pairs
+
+  ! Completes the results: by the solver without effects where none was simulated.
+  subroutine add_left_out(self, steps, keep_rows, result, failure)
+    class(placed_asperities), intent(inout), target :: self
+    type(path_step), intent(in) :: steps(:)
+    logical, intent(in) :: keep_rows
+    type(position_result), intent(inout) :: result
+    character(len=:), allocatable, intent(out) :: failure
+    type(position_result) :: columns
+
+    call self%asperity_bodies%add_totals(steps, keep_rows, result, failure)
     if (allocated(failure)) return
-    if (.not. run%simulated) then
+    if (.not. self%simulated) then
       columns = result
-      call solve_position(self%placed, m, solve_method(), keep_rows, result, failure)
+      call solve_position(self%model%placed, self%m, solve_method(), keep_rows, result, failure)
       if (allocated(failure)) return
       call move_values(columns, result)
     end if
-    call estimate_left_out(self, pairs, run%law, result)
+    call estimate_left_out(self%model, self%pairs, self%law, result)
+  end subroutine add_left_out
 
-  contains
+  ! Frees the pressures on boundary elements.
+  impure elemental subroutine free_pressures(self)
+    type(placed_asperities), intent(inout) :: self
 
-    ! Takes the solution of an earlier run, where effects have no memory.
-    subroutine take_start()
-      if (self%remembers) return
-      pairs%keeps_solution = self%reuse%keeps
-      if (.not. associated(self%reuse%earlier)) return
-      if (m <= size(self%reuse%earlier)) pairs%start => self%reuse%earlier(m)
-    end subroutine take_start
-
-    ! Computes the position with a copy of the effects.
-    subroutine run_effects()
-      call copy_effects(self%effects, effects)
-      pairs%interrupt = self%interrupt
-      pairs%progress_count = self%progress_count
-      if (self%fields /= fields_none) then
-        pressures%of_all_states = self%fields == fields_all
-        pairs%pressures => pressures
-      end if
-      call take_start()
-      run%keep_rows = keep_rows
-      call run_position(self%scene_in, pairs, effects, result, run, failure)
-    end subroutine run_effects
-
-  end subroutine solve_with_effects
+    if (associated(self%pressures)) deallocate (self%pressures)
+  end subroutine free_pressures
 
   ! Solves one position without effects, unless one is to be simulated in one of its states.
   subroutine solve_without(self, m, keep_rows, result, called_for, failure)
-    class(effect_solver), intent(in) :: self
+    class(asperity_model), intent(in) :: self
     integer, intent(in) :: m
     logical, intent(in) :: keep_rows
     type(position_result), intent(out) :: result
@@ -252,7 +304,7 @@ contains
 
   ! Estimates the influence of every effect that is off, in the state of the largest compression.
   subroutine estimate_left_out(self, pairs, law, result)
-    class(effect_solver), intent(in) :: self
+    class(asperity_model), intent(in) :: self
     type(contact_pairs), intent(in) :: pairs
     class(contact_law), allocatable, intent(inout) :: law  ! contact law there; not allocated: Hertz
     type(position_result), intent(inout) :: result
@@ -288,7 +340,7 @@ contains
 
   ! Whether an effect has no common theory with one that is on, or `auto`.
   logical function is_ruled_out(self, name)
-    class(effect_solver), intent(in) :: self
+    class(asperity_model), intent(in) :: self
     character(len=*), intent(in) :: name
     integer :: i
 
@@ -313,4 +365,4 @@ contains
     end do
   end subroutine copy_effects
 
-end module asperity_effect_solver
+end module asperity_asperity_model

@@ -1,52 +1,52 @@
 !> Preparation of a scene with a map: one levelled map, its summits as a surface, its loading.
 module asperity_map_scene
+  use asperity_contact_model, only: path_step
   use asperity_decimal, only: decimal_to_real64, decimal_value
   use asperity_effect_names, only: effect_on, known_effects, why_not_together
-  use asperity_height_map, only: height_map, is_measured, no_height
+  use asperity_height_map, only: height_map, is_measured, move_map
   use asperity_kinds, only: int64, real64
   use asperity_map_despiking, only: despike_map
   use asperity_map_form, only: add_form
   use asperity_map_levelling, only: level_map
+  use asperity_map_motion, only: overlay_maps
   use asperity_map_summits, only: find_summits, map_summits, rule_contact, usual_radius
   use asperity_numeral, only: rounded_decimal
-  use asperity_scene_values, only: combined_modulus, control_compression, control_pressure, &
-                                   effect_auto, effect_coupled, is_load, scene
+  use asperity_path_steps, only: plan_path
+  use asperity_scene_values, only: control_compression, control_pressure, &
+                                   effect_auto, effect_coupled, is_load, scene, scene_motion
   implicit none
   private
 
-  public :: area_of_map, join_maps, list_map_loads, map_loading, summits_of_scene
-
-  !> Loads or levels of a map.
-  type :: map_loading
-    real(real64) :: modulus = 0.0_real64          !! combined modulus, > 0
-    logical :: by_load = .true.                   !! whether values are loads, else levels
-    real(real64), allocatable :: values(:)        !! loads or levels, at least one
-  end type map_loading
+  public :: area_of_map, displacement_of, join_maps, plan_map_path, summits_of_scene
 
 contains
 
-  !> Makes the map that is in contact with a rigid plane: levelled, without outliers when chosen;
-  !> the sum of two maps, and its form.
-  subroutine join_maps(scene_in, map, failure)
-    type(scene), intent(in) :: scene_in    !! scene with a map, or two on the same grid
-    type(height_map), intent(out) :: map   !! map; pixels missing in one of two maps are missing
-    character(len=:), allocatable, intent(out) :: failure  !! reason, when memory is short
-    type(height_map) :: other
+  !> Makes the map that is in contact with a rigid plane at a position: levelled, without outliers
+  !> when chosen; of two maps the sum, the upper one displaced; with its form.
+  subroutine join_maps(scene_in, m, map, origin, failure)
+    type(scene), intent(in) :: scene_in       !! scene with one map or two
+    integer, intent(in) :: m                  !! position, from 1
+    type(height_map), intent(out) :: map      !! pixels missing in one of two maps are missing
+    real(real64), intent(out) :: origin(2)    !! its first pixel from that of the lower map [length]
+    character(len=:), allocatable, intent(out) :: failure  !! reason, when there is none
+    type(height_map) :: lower, upper
 
+    origin = 0.0_real64
     associate (maps => scene_in%map)
-      if (maps%lower%columns > 0) map = maps%lower
-      if (maps%lower%columns == 0) map = maps%upper
-      call make_level(map)
+      if (maps%lower%columns > 0) lower = maps%lower
+      if (maps%lower%columns == 0) lower = maps%upper
+      call make_level(lower)
       if (maps%lower%columns > 0 .and. maps%upper%columns > 0) then
-        other = maps%upper
-        call make_level(other)
-        where (is_measured(map%height) .and. is_measured(other%height))
-          map%height = map%height + other%height
-        else where
-          map%height = no_height
-        end where
+        upper = maps%upper
+        call make_level(upper)
+        call overlay_maps(lower, upper, displacement_of(scene_in%motion, m), map, origin, failure)
+        if (allocated(failure)) return
         ! A pixel may be missing in one of the maps only.
-        call level_map(map, maps%level)
+        if (all([map%columns, map%rows] == [lower%columns, lower%rows]) .and. &
+            .not. any(abs(displacement_of(scene_in%motion, m)) > 0.0_real64)) &
+          call level_map(map, maps%level)
+      else
+        call move_map(lower, map)
       end if
       call add_form(map, maps%form_radius)
     end associate
@@ -63,6 +63,16 @@ contains
     end subroutine make_level
 
   end subroutine join_maps
+
+  !> Displacement of the upper body along x and y at a position.
+  pure function displacement_of(motion, m) result(displacement)
+    type(scene_motion), intent(in) :: motion  !! motion of the scene
+    integer, intent(in) :: m                  !! position, from 1
+    real(real64) :: displacement(2)
+
+    displacement = decimal_to_real64([motion%x_first, motion%y_first]) + &
+                   (m - 1) * decimal_to_real64([motion%x_step, motion%y_step])
+  end function displacement_of
 
   !> Area of the measured pixels, length squared.
   pure real(real64) function area_of_map(map) result(area)
@@ -111,46 +121,40 @@ contains
     end associate
   end subroutine summits_of_scene
 
-  !> Lists the loads or levels of a scene; a curve begins at first contact.
-  subroutine list_map_loads(scene_in, map, loading, failure)
+  !> Plans the states of a map: loads, or levels of the plane above the mean plane.
+  subroutine plan_map_path(scene_in, map, steps, failure)
     type(scene), intent(in) :: scene_in           !! scene, not under control of a limit
     type(height_map), intent(in) :: map           !! map of `join_maps`
-    type(map_loading), intent(out) :: loading     !! loads or levels of the map
+    type(path_step), allocatable, intent(out) :: steps(:)
     character(len=:), allocatable, intent(out) :: failure  !! reason, when a load underflows
-    type(decimal_value), allocatable :: ends(:)
-    real(real64) :: from, to, unit
-    integer :: i, j, parts
+    type(decimal_value), allocatable :: given(:)
+    real(real64), allocatable :: ends(:)
+    real(real64) :: from, unit
+    integer :: parts
 
-    loading%modulus = combined_modulus(scene_in)
-    loading%by_load = is_load(scene_in%loading%control)
     if (allocated(scene_in%loading%path)) then
-      allocate (ends, source=scene_in%loading%path)
+      allocate (given, source=scene_in%loading%path)
     else
-      allocate (ends(1), source=scene_in%loading%value)
+      allocate (given(1), source=scene_in%loading%value)
     end if
     unit = 1.0_real64
     if (scene_in%loading%control == control_pressure) then
       unit = decimal_to_real64(scene_in%nominal_area)
       if (.not. unit > 0.0_real64) unit = area_of_map(map)
     end if
+    ends = unit * decimal_to_real64(given)
     parts = max(1, scene_in%loading%points)
     from = 0.0_real64
-    if (.not. loading%by_load) from = maxval(map%height)
-    allocate (loading%values(merge(1, 0, parts > 1)), source=from)
-    do i = 1, size(ends)
-      to = unit * decimal_to_real64(ends(i))
-      if (scene_in%loading%control == control_compression) to = maxval(map%height) - to
-      if (loading%by_load .and. ends(i)%all_digits > 0 .and. &
-          .not. to / real(parts, real64) > 0.0_real64) then
+    if (is_load(scene_in%loading%control)) then
+      if (any(given%all_digits > 0_int64 .and. .not. ends / parts > 0.0_real64)) then
         failure = 'a load of the map is too small for a double, expected other units'
         return
       end if
-      do j = 1, parts
-        loading%values = [loading%values, from + (to - from) * j / parts]
-      end do
-      loading%values(size(loading%values)) = to
-      from = to
-    end do
-  end subroutine list_map_loads
+    else
+      from = maxval(map%height)
+      if (scene_in%loading%control == control_compression) ends = from - ends
+    end if
+    call plan_path(from, ends, parts, is_load(scene_in%loading%control), steps)
+  end subroutine plan_map_path
 
 end module asperity_map_scene

@@ -1,5 +1,5 @@
 !> Records of the states and contacts of a position with effects, in the units of the scene.
-module asperity_effect_rows
+module asperity_asperity_records
   use asperity_constants, only: pi
   use asperity_contact_effect, only: column_name, effect_box, effect_outcome
   use asperity_contact_pairs, only: contact_pairs, in_scene_units
@@ -8,7 +8,7 @@ module asperity_effect_rows
   use asperity_contact_law, only: contact_response
   use asperity_hertz_law, only: hertz_law
   use asperity_kinds, only: not_computed, real64
-  use asperity_scene_results, only: effect_header
+  use asperity_effect_header, only: effect_header
   use asperity_scene_values, only: criterion_load, criterion_none, is_load, scene
   use asperity_state_tally, only: add_contact, begin_tally, finish_tally, state_tally
   use asperity_theory_limits, only: seen_contact
@@ -16,7 +16,7 @@ module asperity_effect_rows
   implicit none
   private
 
-  public :: add_nothing, add_state, add_without_effects, name_columns, of_compression
+  public :: add_contacts, add_nothing, add_without_effects, name_columns, of_compression
 
   !> Largest ratio of the relative error of the compression at a load to that of the load at a
   !> compression.
@@ -63,7 +63,7 @@ contains
   end subroutine name_columns
 
   !> Adds a state to its position: totals, and the rows of contacts when they are kept.
-  subroutine add_state(scene_in, pairs, effects, state, outcomes, number, keep_rows, result)
+  subroutine add_contacts(scene_in, pairs, effects, state, outcomes, number, keep_rows, result)
     type(scene), intent(in) :: scene_in                !! scene that is solved
     type(contact_pairs), intent(in) :: pairs           !! pairs of the position
     type(effect_box), intent(in) :: effects(:)         !! effects of the scene
@@ -93,7 +93,7 @@ contains
     end do
     if (number == size(result%states)) &
       call close_position(scene_in, pairs, effects, outcomes, result)
-  end subroutine add_state
+  end subroutine add_contacts
 
   ! Keeps the pressures on boundary elements at this compression and the shifts of contacts.
   subroutine keep_pressures(pairs, state, number, result)
@@ -353,4 +353,4 @@ contains
       in_units = in_scene_units(pairs, value, column%modulus_power, column%length_power)
   end function in_units
 
-end module asperity_effect_rows
+end module asperity_asperity_records

@@ -1,0 +1,297 @@
+!> Asperities of two bodies at one position, with their effects, state by state.
+module asperity_asperity_position
+  use asperity_asperity_path, only: plan_states
+  use asperity_asperity_records, only: add_contacts
+  use asperity_closing_at_load, only: close_to_load, search_load
+  use asperity_contact_effect, only: effect_box, effect_outcome
+  use asperity_contact_law, only: contact_law
+  use asperity_contact_model, only: at_distance, at_load, held_distance, held_load, no_load, &
+                                    path_step, placed_bodies
+  use asperity_contact_pairs, only: contact_pairs, in_scene_units
+  use asperity_contact_records, only: effect_record, position_result, prescribed_normal, &
+                                      prescribed_vertical
+  use asperity_contact_state, only: kept_results, contact_state, controlled_load, shift_x, &
+                                    shift_y, start_state, total_load, total_vertical_load
+  use asperity_earlier_solutions, only: keep_solution, mark_crowded
+  use asperity_effect_choice, only: choose_effects
+  use asperity_effect_sequence, only: first_failure, found_state, simulate_effects
+  use asperity_hertz_law, only: hertz_law
+  use asperity_kinds, only: real64
+  use asperity_path_steps, only: plan_hold
+  use asperity_problems, only: not_enough_memory
+  use asperity_scene_values, only: is_load, scene
+  implicit none
+  private
+
+  public :: asperity_bodies, begin_asperities
+
+  !> Asperities at one position, in their last state.
+  type, extends(placed_bodies) :: asperity_bodies
+    type(scene), pointer :: scene_in => null()   !! scene, checked for faults
+    type(contact_pairs) :: pairs                 !! pairs of the position, at least one
+    type(effect_box), allocatable :: effects(:)  !! effects with their memory
+    type(found_state) :: found                   !! the last state
+    !> whether there was a path or a simulated effect; else the solver without effects suffices
+    logical :: simulated = .false.
+    real(real64) :: deepest = -1.0_real64        !! largest compression so far
+    real(real64) :: held = 0.0_real64            !! load of the last state of loading
+    !> contact law in the state of the largest compression; not allocated: one with attraction
+    class(contact_law), allocatable :: law
+  contains
+    procedure :: list_steps => list_asperity_steps
+    procedure :: solve_step => solve_asperity_step
+    procedure :: add_state => add_asperity_state
+    procedure :: add_totals => compare_effects
+  end type asperity_bodies
+
+contains
+
+  !> Begins the path of a position, without any contact so far.
+  subroutine begin_asperities(bodies)
+    class(asperity_bodies), intent(inout) :: bodies  !! with scene, pairs and effects
+    type(found_state) :: nothing
+    integer :: i
+
+    bodies%simulated = allocated(bodies%scene_in%loading%path)
+    bodies%found = nothing
+    bodies%deepest = -1.0_real64
+    bodies%held = 0.0_real64
+    if (allocated(bodies%law)) deallocate (bodies%law)
+    do i = 1, size(bodies%effects)
+      call bodies%effects(i)%effect%begin(bodies%pairs)
+    end do
+  end subroutine begin_asperities
+
+  ! Lists the states: loading, or the path, then the hold.
+  subroutine list_asperity_steps(self, steps, failure)
+    class(asperity_bodies), intent(inout), target :: self
+    type(path_step), allocatable, intent(out) :: steps(:)
+    character(len=:), allocatable, intent(out) :: failure
+    type(path_step), allocatable :: hold(:)
+
+    self%found%closing = self%pairs%closing
+    if (is_load(self%scene_in%loading%control) .and. .not. self%simulated) then
+      call close_to_load(self%pairs, self%effects, self%pairs%target, 0.0_real64, self%found, &
+                         failure)
+      if (allocated(failure)) return
+    end if
+    call plan_states(self%scene_in, self%pairs, self%effects, self%found%closing, steps, failure)
+    if (allocated(failure)) return
+    if (acts_in_time(self%pairs, self%effects, self%found%closing)) then
+      call plan_hold(self%scene_in, hold)
+      steps = [steps, hold]
+    end if
+    self%found%closing = 0.0_real64
+  end subroutine list_asperity_steps
+
+  ! Solves a state. One that the search for a load has left is not simulated again.
+  subroutine solve_asperity_step(self, step, must_repeat, failure)
+    class(asperity_bodies), intent(inout), target :: self
+    type(path_step), intent(in) :: step
+    logical, intent(out) :: must_repeat
+    character(len=:), allocatable, intent(out) :: failure
+    integer :: e
+
+    associate (found => self%found, pairs => self%pairs, effects => self%effects)
+      found%prescribed_load = step%load
+      select case (step%control)
+      case (at_distance)
+        found%closing = step%value
+      case (at_load)
+        call close_to_load(pairs, effects, step%load, 0.0_real64, found, failure)
+      case (held_load)
+        found%prescribed_load = self%held
+        call close_to_load(pairs, effects, self%held, step%time, found, failure)
+      case default  ! held_distance
+      end select
+      ! Pairs that are not listed may touch.
+      must_repeat = found%closing > pairs%complete_to
+      if (allocated(failure) .or. must_repeat) return
+      if (.not. is_known(found, effects, step%time)) then
+        ! Results of a search belong to its load.
+        if (.not. found%prescribed_load < no_load) then
+          if (allocated(found%called_for)) deallocate (found%called_for)
+          if (allocated(found%found)) deallocate (found%found)
+        end if
+        call simulate_effects(pairs, effects, step%time, found)
+      end if
+      call first_failure(effects, found%outcomes, failure)
+      if (allocated(failure)) return
+      self%simulated = self%simulated .or. any(found%outcomes%simulated /= 'off')
+      do e = 1, size(effects)
+        call effects(e)%effect%keep(pairs, found%state)
+      end do
+    end associate
+  end subroutine solve_asperity_step
+
+  ! Adds the last state to the results.
+  subroutine add_asperity_state(self, step, number, keep_rows, result)
+    class(asperity_bodies), intent(inout), target :: self
+    type(path_step), intent(in) :: step
+    integer, intent(in) :: number
+    logical, intent(in) :: keep_rows
+    type(position_result), intent(inout) :: result
+
+    associate (found => self%found, pairs => self%pairs)
+      call add_contacts(self%scene_in, pairs, self%effects, found%state, found%outcomes, number, &
+                        keep_rows, result)
+      if (found%closing > self%deepest) then
+        self%deepest = found%closing
+        if (allocated(self%law)) deallocate (self%law)
+        if (all(found%state%answers%load >= 0.0_real64)) &
+          allocate (self%law, source=found%state%law)
+      end if
+      if (found%prescribed_load < no_load) then
+        result%states(number)%prescribed = &
+          merge(prescribed_vertical, prescribed_normal, pairs%vertical)
+        result%states(number)%prescribed_load = in_scene_units(pairs, found%prescribed_load, 1, 2)
+      end if
+      ! Effects keep this state and may answer otherwise in the next one.
+      if (allocated(found%outcomes)) deallocate (found%outcomes)
+      if (step%control /= held_load) self%held = controlled_load(pairs, found%state)
+    end associate
+  end subroutine add_asperity_state
+
+  ! Keeps the solution for further runs, and compares the last state with those of fewer effects.
+  subroutine compare_effects(self, steps, keep_rows, result, failure)
+    class(asperity_bodies), intent(inout), target :: self
+    type(path_step), intent(in) :: steps(:)
+    logical, intent(in) :: keep_rows
+    type(position_result), intent(inout) :: result
+    character(len=:), allocatable, intent(out) :: failure
+
+    associate (unused => keep_rows)
+    end associate
+    associate (state => self%found%state, pairs => self%pairs)
+      if (pairs%keeps_solution .and. allocated(state%found)) then
+        if (state%found(1, kept_results) > 0.0_real64) then
+          call keep_solution(pairs, state%closing, &
+                             [total_load(state), total_vertical_load(state)], &
+                             state%penetration, transpose(state%found(2:, shift_x:shift_y)), &
+                             result%start)
+        else
+          call mark_crowded(pairs, state%closing, controlled_load(pairs, state), result%start)
+        end if
+      end if
+      if (only_grows(steps)) call compare_at_load(pairs, self%effects, self%found%prescribed_load, &
+                                                  state, result%effects, failure)
+    end associate
+    ! Without a state of fewer effects under the load there is no comparison.
+    if (allocated(failure)) then
+      if (index(failure, not_enough_memory) == 0) deallocate (failure)
+    end if
+  end subroutine compare_effects
+
+  ! Whether the last state is under a requested load and follows no larger one: the memory of
+  ! effects on unloading is not that of fewer effects.
+  pure logical function only_grows(steps)
+    type(path_step), intent(in) :: steps(:)
+    integer :: last
+
+    last = size(steps)
+    do while (last > 1 .and. steps(last)%control == held_load)
+      last = last - 1
+    end do
+    only_grows = steps(last)%load > 0.0_real64 .and. steps(last)%load < no_load .and. &
+                 steps(size(steps))%control /= held_distance
+    if (only_grows) only_grows = all(steps(:last)%load <= steps(last)%load .or. &
+                                     steps(:last)%load >= no_load)
+  end function only_grows
+
+  ! Whether the state is that of its compression and a time, with all effects. The search for a load
+  ! on loading leaves out effects that act in time.
+  pure logical function is_known(found, effects, time)
+    type(found_state), intent(in) :: found
+    type(effect_box), intent(in) :: effects(:)
+    real(real64), intent(in) :: time
+    integer :: i
+
+    is_known = allocated(found%outcomes)
+    if (is_known .and. time > 0.0_real64) is_known = .not. abs(found%state%time - time) > 0.0_real64
+    do i = 1, size(effects)
+      if (.not. time > 0.0_real64) is_known = is_known .and. .not. effects(i)%effect%acts_in_time
+    end do
+    if (is_known) is_known = .not. abs(found%state%closing - found%closing) > 0.0_real64
+  end function is_known
+
+  ! Whether an effect that acts in time is simulated.
+  logical function acts_in_time(pairs, effects, closing)
+    type(contact_pairs), intent(in) :: pairs
+    type(effect_box), intent(in) :: effects(:)
+    real(real64), intent(in) :: closing
+    type(contact_state) :: state
+    type(effect_outcome) :: outcomes(size(effects))
+    logical, allocatable :: called(:)
+    real(real64) :: left
+    integer :: i
+
+    acts_in_time = .false.
+    if (.not. any([(effects(i)%effect%acts_in_time, i=1, size(effects))])) return
+    call start_state(pairs, hertz_law(modulus=pairs%modulus), closing, state)
+    call choose_effects(pairs, effects, state, outcomes, called, left)
+    do i = 1, size(effects)
+      acts_in_time = acts_in_time .or. (called(i) .and. effects(i)%effect%acts_in_time)
+    end do
+  end function acts_in_time
+
+  ! Compares the last state with those of fewer effects under the same load: of Hertz, then with
+  ! the first effect that was simulated, with the first two and so on. The change by an effect is
+  ! that of its addition to those before it. It is not computed where the contacts cannot carry the
+  ! load without the other effects.
+  subroutine compare_at_load(pairs, effects, load, state, records, failure)
+    type(contact_pairs), intent(in) :: pairs
+    type(effect_box), intent(inout) :: effects(:)     ! undefined on exit
+    real(real64), intent(in) :: load                  ! requested load, > 0
+    type(contact_state), intent(in) :: state          ! state with all effects at this load
+    type(effect_record), intent(inout) :: records(:)  ! results of each effect in it
+    character(len=:), allocatable, intent(out) :: failure
+    type(effect_box) :: those(size(effects))
+    type(found_state) :: fewer
+    real(real64) :: area, area_before, closing, closing_before
+    logical :: jumps
+    integer :: i, k, number, simulated
+
+    simulated = count(records%simulated /= 'off')
+    if (simulated == 0) return
+    number = 0
+    fewer%closing = pairs%closing
+    call search_load(pairs, those(:0), load, 0.0_real64, fewer, jumps, failure)
+    if (allocated(failure)) return
+    closing = fewer%closing
+    area = area_of(fewer%state)
+    do i = 1, size(effects)
+      if (records(i)%simulated == 'off') cycle
+      number = number + 1
+      call move_alloc(effects(i)%effect, those(number)%effect)
+      closing_before = closing
+      area_before = area
+      if (number == simulated) then
+        closing = state%closing
+        area = area_of(state)
+      else
+        ! The memory is that of all effects together.
+        do k = 1, number
+          call those(k)%effect%begin(pairs)
+        end do
+        allocate (fewer%called_for(number))
+        fewer%called_for = .true.
+        call search_load(pairs, those(:number), load, state%time, fewer, jumps, failure)
+        deallocate (fewer%called_for)
+        if (allocated(failure)) return
+        closing = fewer%closing
+        area = area_of(fewer%state)
+      end if
+      if (closing_before > 0.0_real64) &
+        records(i)%closing_change = closing / closing_before - 1.0_real64
+      if (area_before > 0.0_real64) records(i)%area_change = area / area_before - 1.0_real64
+    end do
+  end subroutine compare_at_load
+
+  ! Contact area over pi, length squared.
+  pure real(real64) function area_of(state)
+    type(contact_state), intent(in) :: state
+
+    area_of = sum(state%answers%contact_radius**2)
+  end function area_of
+
+end module asperity_asperity_position
