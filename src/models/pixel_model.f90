@@ -469,7 +469,8 @@ contains
     type(slip_answer) :: slip
     real(real64), allocatable :: load(:), stick_area(:), values(:, :)
 
-    call solve_partial_slip(self%history%deformed, self%model%laws%modulus, self%model%slip, self%answer, slip)
+    call solve_partial_slip(self%history%deformed, self%model%laws%modulus, self%model%slip, &
+                            self%answer, slip)
     if (allocated(slip%failure)) then
       failure = slip%failure
       return
