@@ -40,7 +40,7 @@ contains
       call fields%take_number('loading', 'tangential_load', not_negative, loading%tangential_load)
       call fields%take_number('loading', 'tangential_displacement', not_negative, &
                               loading%tangential_displacement)
-      if (fields%has_name('loading', 'tangential_load')) &
+      if (loading%tangential_load%all_digits > 0) &
         call fields%refuse_name('loading', 'tangential_displacement', 'found beside ' // &
                                 'tangential_load, expected one of them')
       if (loading%events .and. allocated(loading%path)) &

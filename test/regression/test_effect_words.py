@@ -1,5 +1,6 @@
 """Which effects a scene may name, what each needs, and where `auto` calls for them."""
 
+import itertools
 import math
 import re
 from itertools import product
@@ -72,18 +73,54 @@ def test_pairs(asperity, tmp_path, tally):
     assert len(pairs) == 14 and refused == 8, refused
 
 
-def test_the_page_says_what_goes_together():
-    """The table of docs/theory/effects.md: yes, no, or only with contacts coupled."""
+def cells_of_the_page():
+    """The table of docs/theory/effects.md: {(row, column): cell}, for asperities above the
+    diagonal, for pixels below it."""
     lines = (ROOT / "docs/theory/effects.md").read_text().split("## Combinations\n\n")[1]
-    rows = [[cell.strip() for cell in line.split("|")[1:-1]] for line in lines.splitlines()]
-    header, rows = rows[0], rows[2:2 + len(ON)]
-    assert set(header[1:]) == set(ON) == {row[0] for row in rows}
-    for first, *cells in rows:
-        for second, cell in zip(header[1:], cells, strict=True):
-            sentences = [why(first, second, word) for word in ON["interaction"]]
-            expected = {(False, False): "yes", (True, True): "no", (False, True): "`coupled`"}
-            assert cell == ("" if first == second else
-                            expected[tuple(map(bool, sentences))]), (first, second)
+    rows = [[cell.strip() for cell in line.split("|")[1:-1]] for line in lines.splitlines()
+            if line.startswith("|")]
+    header, rows = rows[0][1:], rows[2:2 + len(ON)]
+    assert set(header) == set(ON) and header == [row[0] for row in rows]
+    return {(header[i], header[j]): re.sub(r"\[(\w+)\].*", r"\1", cell)
+            for i, (_, *cells) in enumerate(rows) for j, cell in enumerate(cells)}
+
+
+def test_the_page_says_what_goes_together():
+    """On asperities: yes, no, or only with contacts coupled."""
+    cells = cells_of_the_page()
+    names = [row for row, column in cells if row == column]
+    for first, second in itertools.combinations(names, 2):
+        sentences = [why(first, second, word) for word in ON["interaction"]]
+        expected = {(False, False): "yes", (True, True): "no", (False, True): "`coupled`"}
+        assert cells[first, second] == expected[tuple(map(bool, sentences))], (first, second)
+
+
+def test_pairs_on_pixels_are_those_of_the_page(asperity, tmp_path):
+    """Two effects that are on, on the pixels of a map: computed, or refused with the reason."""
+    ball = [[-0.02 * ((i - 8) ** 2 + (j - 8) ** 2) for i in range(17)] for j in range(17)]
+    (tmp_path / "ball.txt").write_text("\n".join(" ".join(map(str, row)) for row in ball))
+    numbers = {"plastic_hardness": 0.5, "friction_coefficient": 0.2, "work_of_adhesion": 0.02,
+               "equilibrium_distance": 1.0, "hold_time": 1.0, "relaxation_time": 2.0,
+               "relaxed_modulus_ratio": 0.5, "hold_points": 3}
+    cells = cells_of_the_page()
+    names = [row for row, column in cells if row == column]
+    for second, first in itertools.combinations(names, 2):
+        others = {name: "off" for name in names if name not in (first, second, "interaction")}
+        words = {first: "on", second: "on", **others, "interaction": "boundary"}
+        scene = write_scene(
+            tmp_path / "pair.scene",
+            surfaces={"upper": "plane", "lower": "ball.txt", "map_spacing": (0.5, 0.5),
+                      "map_level": "none"},
+            material={"elastic_modulus": (2.0, 2.0), "poisson_ratio": (0.3, 0.3)},
+            loading={"control": "load", "value": 0.3}, effects={**words, **numbers})
+        done = solve(asperity, scene)
+        if cells[first, second] == "yes":
+            assert done.status == 0, (first, second, done.stderr)
+            row = done.positions[0]
+            assert row[first] == "on" and row[second] in ("on", "boundary"), (first, second)
+        else:
+            assert done.status == 2 and "do not go together" in done.stderr, (first, second,
+                                                                              done.stderr)
 
 
 def test_auto_meets_a_refused_pair(asperity, tmp_path):
