@@ -235,8 +235,11 @@ contains
     if (are_alike) return
     lengths(:, 1) = upper%pixel_spacing * [upper%columns, upper%rows]
     lengths(:, 2) = lower%pixel_spacing * [lower%columns, lower%rows]
-    if (any(abs(lengths(:, 1) - lengths(:, 2)) > most_off * lengths(:, 1) .and. &
-            [upper%repeats(1), upper%repeats(2)])) then
+    if (upper%unit == '' .neqv. lower%unit == '') then
+      call fields%complain_of('surfaces', 'upper', 'two maps: found ' // grid_text(upper) // &
+             ' and ' // grid_text(lower) // ', expected lengths in one unit')
+    else if (any(abs(lengths(:, 1) - lengths(:, 2)) > most_off * lengths(:, 1) .and. &
+                 [upper%repeats(1), upper%repeats(2)])) then
       call fields%complain_of('surfaces', 'upper', 'two periodic maps: found ' // &
              grid_text(upper) // ' and ' // grid_text(lower) // ', expected the same lengths')
     else
