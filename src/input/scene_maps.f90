@@ -115,7 +115,7 @@ contains
       if (fields%has_name('surfaces', 'map_unit') .and. any(unit == 0)) return
       if (is_given(1)) call convert_map(1, maps%upper, maps%lower)
       if (is_given(2)) call convert_map(2, maps%lower, maps%upper)
-      if (sides == 2) call compare_grids(maps%upper, maps%lower, fields, checked%notes)
+      if (sides == 2) call compare_grids(checked, fields)
     end associate
 
   contains
@@ -221,31 +221,36 @@ contains
 
   ! Two periodic maps must have the same lengths; free maps have a window in common. A note names
   ! unlike grids.
-  subroutine compare_grids(upper, lower, fields, notes)
-    type(height_map), intent(in) :: upper, lower
+  subroutine compare_grids(checked, fields)
+    type(scene), intent(inout) :: checked
     type(scene_fields), intent(inout) :: fields
-    type(problem_list), intent(inout) :: notes
     real(real64), parameter :: most_off = 1.0e-6_real64
     real(real64) :: lengths(2, 2)
     logical :: are_alike
 
-    are_alike = all([upper%columns, upper%rows] == [lower%columns, lower%rows])
-    are_alike = are_alike .and. all(abs(upper%pixel_spacing - lower%pixel_spacing) <= &
-                                    most_off * upper%pixel_spacing)
-    if (are_alike) return
-    lengths(:, 1) = upper%pixel_spacing * [upper%columns, upper%rows]
-    lengths(:, 2) = lower%pixel_spacing * [lower%columns, lower%rows]
-    if (upper%unit == '' .neqv. lower%unit == '') then
-      call fields%complain_of('surfaces', 'upper', 'two maps: found ' // grid_text(upper) // &
-             ' and ' // grid_text(lower) // ', expected lengths in one unit')
-    else if (any(abs(lengths(:, 1) - lengths(:, 2)) > most_off * lengths(:, 1) .and. &
-                 [upper%repeats(1), upper%repeats(2)])) then
-      call fields%complain_of('surfaces', 'upper', 'two periodic maps: found ' // &
-             grid_text(upper) // ' and ' // grid_text(lower) // ', expected the same lengths')
-    else
-      call notes%add('upper map of ' // grid_text(upper) // ', lower map of ' // &
-                     grid_text(lower) // ': their common area is solved on the coarser pixels')
-    end if
+    associate (upper => checked%map%upper, lower => checked%map%lower)
+      are_alike = all([upper%columns, upper%rows] == [lower%columns, lower%rows])
+      are_alike = are_alike .and. all(abs(upper%pixel_spacing - lower%pixel_spacing) <= &
+                                      most_off * upper%pixel_spacing)
+      if (are_alike) then
+        upper%pixel_spacing = lower%pixel_spacing
+        return
+      end if
+      lengths(:, 1) = upper%pixel_spacing * [upper%columns, upper%rows]
+      lengths(:, 2) = lower%pixel_spacing * [lower%columns, lower%rows]
+      if (upper%unit == '' .neqv. lower%unit == '') then
+        call fields%complain_of('surfaces', 'upper', 'two maps: found ' // grid_text(upper) // &
+               ' and ' // grid_text(lower) // ', expected lengths in one unit')
+      else if (any(abs(lengths(:, 1) - lengths(:, 2)) > most_off * lengths(:, 1) .and. &
+                   [upper%repeats(1), upper%repeats(2)])) then
+        call fields%complain_of('surfaces', 'upper', 'two periodic maps: found ' // &
+               grid_text(upper) // ' and ' // grid_text(lower) // ', expected the same lengths')
+      else
+        call checked%notes%add(checked%file // ': note: upper map of ' // grid_text(upper) // &
+               ', lower map of ' // grid_text(lower) // ': their common area is solved on the ' // &
+               'coarser pixels')
+      end if
+    end associate
 
   contains
 

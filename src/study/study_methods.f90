@@ -234,10 +234,17 @@ contains
                                                     decimal_value(1_int64, -3)]
     type(study_method) :: method
     character(len=:), allocatable :: on_cells, unit
+    logical :: is_moved
     integer :: e, k
 
     unit = 'contacts'
     if (allocated(scene_in%map)) unit = 'summits'
+    is_moved = allocated(scene_in%map) .and. scene_in%motion%positions > 1
+    ! Maps are moved on their pixels.
+    if (is_moved) then
+      call add_pixel_methods(finest, is_moved, methods)
+      return
+    end if
     method = study_method(family=of_neighbours, interaction=effect_off)
     method%name = 'isolated ' // unit
     methods = [methods, method]
@@ -247,7 +254,7 @@ contains
     if (scene_in%loading%control == control_limit .and. allocated(scene_in%map)) return
     ! A hardness is that of pixels: `auto` solves these alone.
     if (has_hardness(scene_in)) then
-      call add_pixel_methods(finest, methods)
+      call add_pixel_methods(finest, is_moved, methods)
       return
     end if
     on_cells = ''
@@ -263,8 +270,8 @@ contains
       methods = [methods, method]
     end do
     if (allocated(scene_in%map)) then
-      if (.not. any(simulated .and. &
-                    known_effects%name /= 'interaction')) call add_pixel_methods(finest, methods)
+      if (.not. any(simulated .and. known_effects%name /= 'interaction')) &
+        call add_pixel_methods(finest, is_moved, methods)
       return
     end if
     method%interaction = effect_boundary
@@ -275,9 +282,10 @@ contains
     end do
   end subroutine add_neighbours
 
-  ! The pixels of a map, from every fourth one to those asked for.
-  subroutine add_pixel_methods(finest, methods)
+  ! The pixels of a map, from every fourth one to those asked for; of moved maps their own alone.
+  subroutine add_pixel_methods(finest, is_moved, methods)
     real(real64), intent(in) :: finest
+    logical, intent(in) :: is_moved
     type(study_method), allocatable, intent(inout) :: methods(:)
     character(len=*), parameter :: names(4) = [character(len=24) :: 'pixels, every fourth', &
       'pixels, every second', 'pixels of the map', 'pixels half as wide']
@@ -289,6 +297,7 @@ contains
     do k = 1, size(names)
       method%resolution = 2.0_real64**(k - 3)
       if (method%resolution > finest) exit
+      if (is_moved .and. abs(method%resolution - 1.0_real64) > 0.0_real64) cycle
       method%name = names(k)
       methods = [methods, method]
     end do
