@@ -28,7 +28,7 @@ module asperity_coupled_contacts
   use asperity_contact_pairs, only: contact_pairs, in_scene_units
   use asperity_coupled_groups, only: find_groups, group_law, extract_group, most_in_group, &
                                      insert_group
-  use asperity_coupled_start, only: prepare_start
+  use asperity_coupled_start, only: few_contacts, prepare_start, scale_start
   use asperity_coupled_state, only: coupled_solution, evaluate_state, find_carried_load, &
                                     penetration_without_load, raise_to_load, resolved_contacts, &
                                     solve_state, update_circles
@@ -99,6 +99,8 @@ contains
         call raise_to_load(pairs, law, state%target, solution%penetration)
     end if
     call evaluate_state(pairs, law, solution, state, resolved)
+    if (is_start .and. .not. present(target) .and. size(solution%set%x) <= few_contacts) &
+      call scale_start(pairs, law, solution, state)
     step_limit = most_steps
     if (present(group_residual)) &
       step_limit = min(most_inner_iterations, most_searches * most_in_group / size(pairs%list))

@@ -13,10 +13,10 @@ module asperity_coupled_start
   implicit none
   private
 
-  public :: prepare_start
+  public :: prepare_start, scale_start
 
-  ! Contacts up to which squares are of no use [1]; derived: four squares.
-  integer, parameter :: few_contacts = 4 * int(circles_per_square)
+  !> Contacts up to which squares are of no use [1]; derived: four squares.
+  integer, parameter, public :: few_contacts = 4 * int(circles_per_square)
 
 contains
 
@@ -59,6 +59,30 @@ contains
     if (is_isolated .and. count(solution%penetration > 0.0_real64) > few_contacts) &
       call displace_squares(pairs, law, state%target, coarse, solution%penetration)
   end subroutine prepare_start
+
+  !> Scales the penetrations of isolated contacts by the factor t that minimises the potential: its
+  !> parts are proportional to t**(5/2) (contacts), t**3 (interaction) and -t**(3/2) (work). Without
+  !> it deep scenes end after two steps (test: a load beyond the centres in
+  !> test/regression/test_effects.py).
+  subroutine scale_start(pairs, law, solution, state)
+    type(contact_pairs), intent(in) :: pairs           !! pairs of the position
+    class(contact_law), intent(in) :: law              !! of each contact
+    type(coupled_solution), intent(inout) :: solution  !! isolated contacts, evaluated; then scaled
+    type(solve_state), intent(inout) :: state          !! gets its gradient
+    real(real64) :: ratio, t, work
+    integer :: i
+
+    work = dot_product(solution%set%load, solution%penetration(solution%set%contact))
+    if (.not. work > 0.0_real64) return
+    ! t + ratio t**(3/2) = 1, by Newton's method from above.
+    ratio = 2 * solution%set%energy / work
+    t = 1.0_real64
+    do i = 1, most_inner_iterations
+      t = t - (t + ratio * t**1.5_real64 - 1.0_real64) / (1.0_real64 + 1.5_real64 * ratio * sqrt(t))
+    end do
+    where (solution%penetration > 0.0_real64) solution%penetration = t * solution%penetration
+    call evaluate_state(pairs, law, solution, state)
+  end subroutine scale_start
 
   ! Reduces penetrations by the displacements of squares, each one contact with the laws of its
   ! members at one common displacement, by Newton's method.

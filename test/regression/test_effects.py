@@ -10,7 +10,7 @@ import pytest
 
 from effect_runs import (CAP, CELLS, COMBINED, CONVERGED, COUPLED_APART, COUPLED_OVERLAPPING, DECK,
                          ROOT, TOLD, Sweeps, by_position, column, report, total)
-from surfaces_csv import records, solve, write_scene
+from surfaces_csv import records, solve, write_scene, write_surface
 
 OVERLAPPING = (18, 56, 79)  # positions of the thesis where contact circles overlap
 # What the last halving of cells may change of the factor, a ratio of two loads.
@@ -377,3 +377,20 @@ def test_a_path_of_pressures_in_any_units(asperity, tmp_path, modulus, length):
         tmp_path, {"control": "pressure", "value": tuple(pressures)}), curve=True)
     np.testing.assert_allclose(1 - column(found.curve, "separation") / length,
                                1 - column(plain.curve, "separation"), rtol=1e-9)
+
+
+@pytest.mark.parametrize("seed", [0, 3, 8])
+def test_a_load_beyond_the_centres_is_named(asperity, tmp_path, seed):
+    """Thirty caps of radii 0.5 to 30 under a sphere, far beyond what they carry: coupled contacts
+    are solved up to the largest compression, where isolated ones would penetrate many times."""
+    random = np.random.default_rng(seed)
+    caps = np.c_[random.uniform(0, 3, (30, 2)), 0.3 + random.exponential(0.02, 30),
+                 random.choice((0.5, 1.0, 2.0, 30.0), 30)]
+    scene = write_scene(
+        tmp_path / "deep.scene",
+        surfaces={"upper": write_surface(tmp_path / "u.csv", [(1.5, 1.5, 0.306, 1.0)]),
+                  "lower": write_surface(tmp_path / "l.csv", caps.tolist())},
+        material={"contact_modulus": 8893.79}, effects={"interaction": "coupled"},
+        loading={"control": "vertical_load", "value": 42222.1})
+    done = solve(asperity, scene)
+    assert done.status == 1 and "larger than the surfaces carry" in done.stderr, done.stderr
