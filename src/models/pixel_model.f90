@@ -185,8 +185,7 @@ contains
   ! Names of the columns of a map that is solved on its pixels, beside those of contacts.
   subroutine name_map_columns(scene_in, header)
     type(scene), intent(in) :: scene_in         !! scene with a map that is solved on its pixels
-    type(effect_header), intent(out) :: header  !! columns of interaction and, with a hardness,
-                                                !! plasticity
+    type(effect_header), intent(out) :: header  !! columns of the effects on pixels
 
     header%names = [character(len=11) :: 'interaction']
     header%modes = [scene_in%effects%mode('interaction')]
@@ -246,7 +245,6 @@ contains
     type(position_result), intent(out) :: result
     character(len=:), allocatable, intent(out) :: failure
     type(pixel_bodies), allocatable :: placed
-
     real(real64) :: displacement(2)
 
     associate (unused => keep_rows)

@@ -3,10 +3,11 @@ module asperity_map_solve
   use asperity_asperity_records, only: of_compression
   use asperity_constants, only: pi
   use asperity_contact_model, only: contact_model, path_step
-  use asperity_contact_records, only: drop_rows, position_result, state_row
+  use asperity_contact_records, only: contact_row, drop_rows, position_result, state_row
   use asperity_decimal, only: decimal_to_real64
   use asperity_effect_names, only: by_numbers, known_effects, why_not_together
   use asperity_height_map, only: height_map
+  use asperity_kept_records, only: whole_number
   use asperity_kinds, only: not_computed, real64
   use asperity_map_check, only: compare_with_map, increased_load, map_reference, &
                                 solve_reference, stiffness_between
@@ -136,7 +137,12 @@ contains
         chosen%effects%modes = effect_off
         chosen%effects%given = by_numbers
       end where
+      ! The choice is that of all positions, also in a part of the work or on one of many images.
       trial = options
+      trial%part = 1
+      trial%parts = 1
+      trial%all_images = .false.
+      if (allocated(trial%more_files)) deallocate (trial%more_files)
       if (allocated(trial%keep_file)) deallocate (trial%keep_file)
       without = results
       call solve_pixels(chosen, trial, without, failure)
@@ -160,7 +166,7 @@ contains
       do m = 1, size(results%positions)
         if (.not. allocated(results%positions(m)%effects)) cycle
         if (allocated(without%positions)) results%positions(m)%effects(at)%estimate = &
-          without%positions(m)%left_out(e)
+          without%positions(whole_number(m, options%part, options%parts))%left_out(e)
         results%positions(m)%effects(at)%why = 'estimate above tolerance'
       end do
     end do
@@ -215,33 +221,37 @@ contains
     type(theory_warning), allocatable :: warnings(:)
     type(state_row) :: last
     character(len=:), allocatable :: failure
+    type(contact_row), allocatable :: rows(:)
     real(real64), allocatable :: square(:), radius(:)
     real(real64) :: share
     integer :: e, number
 
     last = last_state(position)
-    associate (rows => position%rows(last%first_row:last%last_row))
-      if (.not. last%load > 0.0_real64) return
-      spheres = scene_in
-      deallocate (spheres%map)
-      spheres%effects%modes = effect_off
-      if (allocated(spheres%loading%path)) deallocate (spheres%loading%path)
-      spheres%loading%control = control_separation
-      spheres%loading%value = rounded_decimal(last%approach, 17)
-      spheres%loading%points = 1
-      square = rows%area / pi
-      radius = 4 * combined_modulus(scene_in) * square * sqrt(square) / (3 * rows%load)
-      spheres%upper%is_plane = .true.
-      spheres%lower%is_plane = .false.
-      spheres%lower%x = rows%x
-      spheres%lower%y = rows%y
-      spheres%lower%height = last%approach + square / radius
-      spheres%lower%radius = radius
-      spheres%upper%x = rows(:0)%x
-      spheres%upper%y = rows(:0)%x
-      spheres%upper%height = rows(:0)%x
-      spheres%upper%radius = rows(:0)%x
-    end associate
+    ! A patch in tension has no sphere.
+    rows = position%rows(last%first_row:last%last_row)
+    rows = pack(rows, rows%load > 0.0_real64)
+    if (size(rows) == 0) return
+    spheres = scene_in
+    deallocate (spheres%map)
+    spheres%effects%modes = effect_off
+    if (allocated(spheres%loading%path)) deallocate (spheres%loading%path)
+    spheres%loading%control = control_separation
+    spheres%loading%value = rounded_decimal(last%approach, 17)
+    spheres%loading%points = 1
+    spheres%motion%positions = 1
+    square = rows%area / pi
+    radius = 4 * combined_modulus(scene_in) * square * sqrt(square) / (3 * rows%load)
+    spheres%upper%is_plane = .true.
+    spheres%lower%is_plane = .false.
+    ! A patch that spans a periodic map has no centre.
+    spheres%lower%x = merge(rows%x, 0.0_real64, rows%x > not_computed)
+    spheres%lower%y = merge(rows%y, 0.0_real64, rows%y > not_computed)
+    spheres%lower%height = last%approach + square / radius
+    spheres%lower%radius = radius
+    spheres%upper%x = rows(:0)%x
+    spheres%upper%y = rows(:0)%x
+    spheres%upper%height = rows(:0)%x
+    spheres%upper%radius = rows(:0)%x
     call solve_surfaces(spheres, run_options(), of_spheres, failure)
     if (allocated(failure)) return
     associate (found => of_spheres%positions(1))
