@@ -189,32 +189,32 @@ contains
     character(len=:), allocatable, intent(out) :: failure
     class(contact_model), allocatable, target :: model
     type(run_options) :: with_contacts
-    logical :: estimates
+    logical :: is_left(size(known_effects))
     integer :: e, m
 
     allocate (results%effects)
     call make_pixel_model(scene_in, options%fields, model, results%effects, failure)
     if (allocated(failure)) return
     if (.not. results%nominal_area > 0.0_real64) results%nominal_area = model%nominal_area
-    estimates = any([(scene_in%effects%has_numbers(e) .and. &
-                      all(results%effects%names /= known_effects(e)%name), &
-                      e=1, size(known_effects))])
+    is_left = [(scene_in%effects%has_numbers(e) .and. &
+                all(results%effects%names /= known_effects(e)%name), e=1, size(known_effects))]
     with_contacts = options
-    with_contacts%keep_contacts = options%keep_contacts .or. estimates
+    with_contacts%keep_contacts = options%keep_contacts .or. any(is_left)
     call sweep_scene(scene_in, with_contacts, model, results, failure)
-    if (allocated(failure) .or. .not. estimates) return
+    if (allocated(failure) .or. .not. any(is_left)) return
     do m = 1, size(results%positions)
       ! Positions of other images have no states here.
       if (.not. allocated(results%positions(m)%states)) cycle
-      call estimate_left_out(scene_in, results%positions(m))
+      call estimate_left_out(scene_in, is_left, results%positions(m))
       if (.not. options%keep_contacts) call drop_rows(results%positions(m))
     end do
   end subroutine solve_pixels
 
   ! Estimates the influence of effects that are not simulated, in the last state: each patch of
   ! pixels is taken as the Hertzian contact of its area and load.
-  subroutine estimate_left_out(scene_in, position)
+  subroutine estimate_left_out(scene_in, is_left, position)
     type(scene), intent(in) :: scene_in
+    logical, intent(in) :: is_left(:)  ! whether each known effect is not simulated
     type(position_result), intent(inout) :: position
     type(scene) :: spheres
     type(scene_results) :: of_spheres
@@ -255,7 +255,7 @@ contains
     call solve_surfaces(spheres, run_options(), of_spheres, failure)
     if (allocated(failure)) return
     associate (found => of_spheres%positions(1))
-      position%left_out = merge(not_computed, found%left_out, known_effects%name == 'interaction')
+      position%left_out = merge(found%left_out, not_computed, is_left)
       share = sum(position%left_out, position%left_out > 0.0_real64)
       if (.not. share > 0.0_real64) return
       if (is_load(scene_in%loading%control)) share = of_compression * share

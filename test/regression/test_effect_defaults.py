@@ -244,6 +244,28 @@ EFFECTS = {
     "creep": {"hold_time": 1.0, "relaxation_time": 1.0, "relaxed_modulus_ratio": 0.5}}
 
 
+@pytest.mark.parametrize("edge", ("periodic", "free"))
+def test_an_effect_of_a_map_is_simulated_or_left_out(edge, asperity, tmp_path):
+    """Not both, for random sets of numbers; a note or a row of the summary names each."""
+    rng = np.random.default_rng(3)
+    numbers = {**EFFECTS, "plasticity": {"plastic_hardness": 20000.0}}
+    for _ in range(10):
+        chosen = [name for name in sorted(set(numbers) - {"interaction"}) if rng.random() < 0.6]
+        given = {k: v for name in chosen for k, v in numbers[name].items()}
+        if "adhesion" in chosen:
+            given["work_of_adhesion"] = 10 ** rng.uniform(-4, 1)
+            given["equilibrium_distance"] = 10 ** rng.uniform(-3, -1)
+        done = solve(asperity, map_scene(tmp_path, 90.0, edge, **given), contacts=False)
+        assert done.status == 0, done.stderr
+        rows = re.findall(r"^  ([a-z]+) +(?:auto|off|on)", done.stdout.split("Effects")[-1], re.M)
+        assert len(rows) == len(set(rows)), (given, done.stdout)
+        noted = re.findall(r"note: ([a-z]+) is left out", done.stderr)
+        assert set(chosen) <= {*rows, *noted}, (given, done.stdout)
+        simulated = [name for name in chosen if row_of(done).get(name, "off") != "off"]
+        for name in simulated:
+            assert f"warning: position 1: {name} is" not in done.stderr, done.stderr
+
+
 @pytest.mark.parametrize("effect", sorted(set(EFFECTS) - {"interaction"}))
 def test_an_accuracy_of_a_refused_scene(effect, asperity, tmp_path):
     """`--accuracy` fails with the sentence of the plain solve; results are not read."""
