@@ -3,7 +3,7 @@
 .NOTPARALLEL:
 .PHONY: help report test test-all images trouble lint strict archive docs bench figures fuzz
 .PHONY: hard-table
-.PHONY: validation setup clean tables laws maps fault-table pages machine mutants wheel wheel-test
+.PHONY: validation setup clean tables laws maps pages machine mutants wheel wheel-test
 
 DECK ?= data/thesis.deck
 
@@ -14,11 +14,11 @@ report: ## print the report of the original program (DECK=other.deck for another
 	@bash .ci/setup build
 	@exe=$$(bash .ci/build release) && "$$exe" "$(DECK)"
 
-test: ## unit tests in the strict build, then the harness without its slow tests
+test: ## unit tests in the strict build, then the tests marked `fast`
 	@bash .ci/setup build
-	@bash .ci/test -m "not slow"
+	@bash .ci/test -m fast
 
-test-all: ## the same with the tests of test/slow_tests.txt
+test-all: ## the same with all tests
 	@bash .ci/setup build
 	@bash .ci/test
 
@@ -28,11 +28,11 @@ wheel: ## a wheel that needs no compiler and no other library, and the sources, 
 
 wheel-test: ## wheel and sources in empty environments
 	@bash .ci/setup build test wheel
-	@bash .ci/wheel-test
+	@bash .ci/wheel test
 
 images: ## a run of two images over MPI against one of one
 	@bash .ci/setup build test images
-	@bash .ci/images
+	@bash .ci/trouble images
 
 trouble: ## all tests again in builds that look for trouble, and a second compiler
 	@bash .ci/setup build test trouble
@@ -107,9 +107,10 @@ laws: ## random scenes with effects, each under one law (RUNS=20000); misses in 
 	  --runs $(or $(RUNS),20000) --keep build/laws && \
 	  .venv/bin/python test/support/map_laws.py --exe "$$exe" --runs $(or $(RUNS),1500)
 
-mutants: ## changed lines that no test notices (SEED=1 NUMBER=25), continued where it was cut short
+mutants: ## changed lines that no test notices (SEED=1 NUMBER=10)
 	@bash .ci/setup build test
-	@.venv/bin/python tools/mutate.py --seed $(or $(SEED),1) --number $(or $(NUMBER),25)
+	@bash .ci/setup mutants
+	@.venv/bin/python tools/mutate.py --seed $(or $(SEED),1) --number $(or $(NUMBER),10)
 
 maps: ## how good summits are, on maps pressed against their truth; docs/accuracy-map.html
 	@bash .ci/setup build test bench
@@ -136,9 +137,6 @@ hard-table: ## make reference_output/bench/hard_cases.md anew
 	@bash .ci/setup build test
 	@exe=$$(bash .ci/build release) && .venv/bin/python test/support/make_table.py "$$exe"
 
-fault-table: ## make the tables of the page on listing, program and scan anew
-	@bash .ci/setup test
-	@.venv/bin/python test/support/listing_page.py
 
 tables: ## make the tables of docs/reference from the tables of the source
 	@bash .ci/setup build test

@@ -6,7 +6,7 @@ usage: words.py [FILE...]    without files: README.md, CHANGELOG.md, the pages o
 A few words are refused in comments, names and code, too, in every text file of these folders.
 
 Prints FILE:LINE: WORD: REASON, one line a finding; exit status 1 where there is one.
-Exceptions stand in .ci/words_exceptions.txt, each with its reason.
+Own, as a list of codespell has neither patterns of several words nor strings of Fortran alone.
 """
 
 import pathlib
@@ -15,8 +15,22 @@ import subprocess
 import sys
 
 ROOT = pathlib.Path(__file__).resolve().parents[1]
-EXCEPTIONS = ROOT / ".ci" / "words_exceptions.txt"
-MOST_EXCEPTIONS = 40
+# File, words and reason of findings that are right as they are.
+EXCEPTIONS = (
+    (r"src/input/surface_csv[.]f90",
+     r"cells?", "values of a row of a table"),
+    (r"src/input/text_(layout|map)[.]f90",
+     r"cells?", "values of a row of a table"),
+    (r"app/option_table[.]f90",
+     r"approach", "option of asperity DECK, whose files keep the name"),
+    (r"src/study/corrected_table[.]f90",
+     r"approaches", "Table VI of the historic program"),
+    (r"docs/(theory/(original|faults)|development/listing-port-scan|"
+     r"reference/(columns|commands))[.]md",
+     r"approach(es)?", "word of the historic program"),
+    (r"docs/reference/commands[.]md",
+     r"unit of length of all outputs,", "made from the help of the program"),
+)
 MOST_WORDS = 30        # of a sentence of a page
 LONGEST_LINE = 200     # of a page; rows of tables, pictures and code are longer
 MOST_CHARACTERS = 160  # of an entry of the changelog
@@ -156,15 +170,6 @@ def paragraphs(text):
     return found
 
 
-def exceptions():
-    """FILE, PATTERN (of the finding's text) and REASON of each exception."""
-    rows = []
-    for line in EXCEPTIONS.read_text(encoding="utf-8").splitlines():
-        if line and not line.startswith("#"):
-            rows.append([part.strip() for part in line.split(" | ")])
-    return rows
-
-
 def words_in(text):
     """Findings of the rules in a text: the words and the reason of each."""
     found = [(match.group(0).strip(), instead) for pattern, instead in WORDS
@@ -251,30 +256,24 @@ def all_files():
 
 
 def main(names):
-    allowed = exceptions()
-    status = 0
-    if len(allowed) > MOST_EXCEPTIONS:
-        print(f"{EXCEPTIONS.name}: {len(allowed)} exceptions, expected {MOST_EXCEPTIONS} at most")
-        status = 1
-    unused = {tuple(row) for row in allowed}
+    unused = set(EXCEPTIONS)
     paths = [pathlib.Path(name) for name in names] or all_files()
     rows = [(path, finding) for path in paths for finding in findings(path)]
     if not names:
         rows += [("commit", finding) for finding in of_last_commit()]
+    status = 0
     for path, (line, words, reason) in rows:
-        name = str(path.relative_to(ROOT)) if hasattr(path, "is_relative_to") and \
-            path.is_relative_to(ROOT) else str(path)
-        row = next((row for row in allowed if re.fullmatch(row[0], name) and
+        name = str(path).removeprefix(f"{ROOT}/")
+        row = next((row for row in EXCEPTIONS if re.fullmatch(row[0], name) and
                     re.fullmatch(row[1], words, re.IGNORECASE)), None)
         if row:
-            unused.discard(tuple(row))
+            unused.discard(row)
             continue
         print(f"{name}:{line}: {words}: {reason}")
         status = 1
-    if not names:
-        for row in sorted(unused):
-            print(f"{EXCEPTIONS.name}: {row[0]} | {row[1]}: allows nothing, take the line away")
-            status = 1
+    for row in sorted(unused) if not names else ():
+        print(f"words.py: exception {row[0]} | {row[1]} allows nothing: take the line away")
+        status = 1
     return status
 
 

@@ -34,6 +34,16 @@ TOGETHER = ("test_accuracy.py", "test_effects.py", "test_python.py", "test_pytho
             "test_python_copies.py", "test_c_arguments.py", "test_map_arrays.py")
 
 
+# Kinds of tests beside `fast`, which `make test` leaves to `make test-all`, and other marks.
+KINDS = ("truth", "pages", "fuzz", "long")
+MARKS = ("fast: what `make test` runs: all tests of no other kind",
+         "truth: many positions, pixels or contacts against an independent evaluation",
+         "pages: blocks, tables and links of the pages, and the site",
+         "fuzz: random decks, scenes and maps", "long: the statements of shorter tests, more often",
+         "once: does not depend on the build; left out of builds that look for trouble",
+         "trouble: runs in these builds although it is not fast")
+
+
 class Tally:
     """Counts of printed cells, table by table."""
 
@@ -62,23 +72,18 @@ TALLY = pytest.StashKey[Tally]()
 
 def pytest_configure(config):
     config.stash[TALLY] = Tally()
-    config.addinivalue_line(
-        "markers", "once: says nothing about the build under test; left out of builds that look "
-        "for trouble")
-    config.addinivalue_line(
-        "markers", "slow: left to `make test-all`, by test/slow_tests.txt; left out there, too")
-    config.addinivalue_line(
-        "markers", "trouble: runs in these builds although it is slow")
-    config.addinivalue_line(
-        "markers", "long: runs the statements of shorter tests more often; left out there, too")
+    for line in MARKS:
+        config.addinivalue_line("markers", line)
 
 
 def pytest_collection_modifyitems(items):
-    """Mark the tests that test/slow_tests.txt lists."""
-    listed = set((ROOT / "test/slow_tests.txt").read_text(encoding="utf-8").splitlines())
+    """A test without a kind is `fast`; pages do not depend on the build."""
     for item in items:
-        if not listed.isdisjoint((name_of(item), name_of(item).partition("[")[0])):
-            item.add_marker(pytest.mark.slow)
+        marks = {mark.name for mark in item.iter_markers()}
+        if marks.isdisjoint(KINDS):
+            item.add_marker(pytest.mark.fast)
+        if "pages" in marks:
+            item.add_marker(pytest.mark.once)
 
 
 def name_of(item):

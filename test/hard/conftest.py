@@ -9,7 +9,6 @@ import pytest
 from outside_runs import DECK, is_asleep, parts, wait_for
 
 
-
 @pytest.fixture
 def run(asperity, tmp_path):
     """Runs the program in the test's folder."""

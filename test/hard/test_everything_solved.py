@@ -4,6 +4,8 @@ import everything_solved
 import pytest
 import solved_cases
 
+pytestmark = pytest.mark.truth
+
 SAMPLE = 24
 
 

@@ -7,7 +7,7 @@ from pathlib import Path
 
 import fuzz_checks
 import pytest
-from fuzz_cases import Case, make_case
+from fuzz_cases import Case
 from programs import run_program
 
 ROOT = Path(__file__).resolve().parents[2]
@@ -50,6 +50,7 @@ def fuzz(asperity, folder, *words):
 
 
 @pytest.mark.trouble
+@pytest.mark.fuzz
 @pytest.mark.parametrize("part", range(PARTS))
 def test_fuzz(part, asperity, tmp_path, tally):
     seeds = range(part * RUNS, (part + 1) * RUNS)
@@ -62,6 +63,7 @@ def test_fuzz(part, asperity, tmp_path, tally):
 
 
 @pytest.mark.once
+@pytest.mark.fuzz
 def test_fuzz_with_little(asperity, tmp_path, tally):
     """The same with little memory and small stacks: a sentence, and no part of a file."""
     ended = fuzz(asperity, tmp_path, "--seed", 4000, "--runs", 200, "--tight")
@@ -74,41 +76,3 @@ def test_fuzz_with_little(asperity, tmp_path, tally):
 def test_fuzz_on_many_cells(seed, asperity, tmp_path, tally):
     assert sum(fuzz(asperity, tmp_path, "--seed", seed, "--runs", 1).values()) == 1
     tally.add("fuzz: runs without a fault", 1, 1)
-
-
-def test_a_fault_is_seen(tmp_path):
-    """The checks themselves: a program that does everything wrong."""
-    wicked = tmp_path / "wicked"
-    wicked.write_text("#!/bin/sh\nprintf 'x\\n1,NaN\\n' > c.csv; : > c.csv.1.part; echo Infinity\n"
-                      "printf '\\033[2J\\377 Error termination' >&2; echo > deck; exit 3\n",
-                      encoding="ascii")
-    wicked.chmod(0o755)
-    case = Case({"deck": b"1\n", "s.scene": b""}, ["deck", "--contacts", "c.csv"])
-    _, _, wrong = fuzz_checks.run_and_check(wicked, case)
-    text = "; ".join(wrong)
-    for part in ("status 3", "crash", "does not end its line", "no UTF-8", "not a number",
-                 "deck was changed", "left c.csv behind", "left c.csv.1.part behind"):
-        assert part in text, text
-
-
-def test_a_bad_table_is_seen():
-    assert fuzz_checks.check_csv("c.csv", b"a,b\n1,NaN\n")
-    assert fuzz_checks.check_csv("c.csv", b"a,b\n1,***\n")
-    assert fuzz_checks.check_csv("c.csv", b"a,b\n1\n")
-    assert fuzz_checks.check_csv("c.csv", b"a,b\n1,2")
-    assert fuzz_checks.check_csv("c.csv", b"")
-    assert not fuzz_checks.check_csv("c.csv", b"a,b\n1,2.0E-003\n")
-
-
-def test_an_endless_run_is_seen(tmp_path):
-    folder = tmp_path / "work"
-    folder.mkdir()
-    case = Case({"deck": b"", "s.scene": b""}, ["30"])
-    outcome = fuzz_checks.run("/bin/sleep", case, folder, patience=0.2)
-    assert outcome[0] == -9
-    assert "status -9" in fuzz_checks.check(case, folder, outcome)
-
-
-def test_same_seed_same_case():
-    for seed in range(200):
-        assert make_case(seed) == make_case(seed)

@@ -2,6 +2,10 @@
 
 import fuzz_maps
 
+import pytest
+
+pytestmark = pytest.mark.fuzz
+
 
 def test_mutated_maps(asperity):
     ended, faults = fuzz_maps.campaign(asperity, range(300))

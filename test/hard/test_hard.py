@@ -24,7 +24,8 @@ from test_solve import deck_truth, relative, solve_deck
 # bits: the last place of one number can be 16 of the next one's.
 ALLOWED = {"ibm370": 64.0, "real32": 16.0, "real64": 16.0, "real128": 1.0}
 
-LONG = ("positions_a_million",)
+LONG = ("positions_a_million", "near_ties_22", "near_ties_51", "deck_list_full", "deck_past_37",
+        "deck_ties_10")
 SCENES = {case.name: case for case in scenes()}
 DECKS = {case.name: case for case in decks()}
 

@@ -66,6 +66,7 @@ def test_interaction_does_not_know_the_material(asperity, root, tmp_path):
     assert max(factors) - min(factors) < 1e-12 < 1 - max(factors)
 
 
+@pytest.mark.truth
 def test_three_contacts_against_the_independent_evaluation(asperity, tmp_path, tally):
     lower = [(0.0, 0.0, 0.0, 500.0)]
     end = 0.4995

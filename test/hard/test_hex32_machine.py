@@ -17,7 +17,7 @@ from hex32_against_machine import (BODIES, COUNTS, FOLDER, FRACTION, KEPT, LARGE
 from surfaces_csv import records
 
 # The same words whatever build is under test: the unit tests try its rules in every build.
-pytestmark = pytest.mark.once
+pytestmark = [pytest.mark.truth, pytest.mark.once]
 
 NORMAL = [kind for kind in BODIES if not kind.endswith(ROUGH)]
 

@@ -173,6 +173,7 @@ def test_small_stacks_of_threads(run, tmp_path, size, found):
                               "least 512 kB: OMP_STACKSIZE=8M")
 
 
+@pytest.mark.long
 @pytest.mark.once
 def test_smallest_stacks_that_serve(run):
     def limit():
@@ -203,6 +204,7 @@ MANY = {
 SENTENCE = re.compile(r"[^:]+: .*(not enough|no|more than .* of) memory.*")
 
 
+@pytest.mark.long
 @pytest.mark.parametrize("what", MANY)
 def test_little_memory_at_any_time(run, tmp_path, what):
     """Wherever memory ends the status is not 0, no file is left but what was to be kept, and what

@@ -257,6 +257,7 @@ def test_interrupted_while_writing(waiting, tmp_path, command, number):
     assert (tmp_path / "p.csv").read_text(encoding="ascii") == "kept\n"
 
 
+@pytest.mark.long
 def test_interrupted_sweep_goes_on(run, asperity, tmp_path):
     """What is kept is told, and the same command goes on from there, to the same bytes."""
     (tmp_path / "long.scene").write_text(

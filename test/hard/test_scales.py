@@ -109,7 +109,8 @@ def study(asperity, folder, power, modulus, loading):
     return done, rows
 
 
-@pytest.mark.parametrize("loading", ["plane", "separation", "pressure"])
+@pytest.mark.parametrize("loading", [
+    "plane", "separation", pytest.param("pressure", marks=pytest.mark.long)])
 def test_study(loading, asperity, tmp_path, tally):
     """In another power of ten a coordinate is another double: within 1e-12, and moduli exactly."""
     _, base = study(asperity, tmp_path, 0, 1.0, loading)

@@ -5,7 +5,7 @@ from builds import build
 from stability import ROUNDOFF, measured
 
 # Says nothing about the build under test: the program is of the release build.
-pytestmark = pytest.mark.once
+pytestmark = [pytest.mark.truth, pytest.mark.once]
 
 CASES = ("penetration_1e-8", "radii_1e6", "sideways_load_20", "one_pair", "deck_one_pair")
 ARITHMETICS = ("real64",)

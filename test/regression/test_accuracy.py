@@ -106,6 +106,7 @@ def name_of(row):
     return row["arithmetic"], kind_of(row), float(row["step"]), row["overlap"]
 
 
+@pytest.mark.truth
 @pytest.mark.parametrize("name", (WHOLE, "pair"))
 def test_every_way_is_there(name, request, asperity, root):
     """Exact events and steps from about the compression on, with both overlaps; the original
@@ -146,6 +147,7 @@ def beaten(i, rows, among):
     return any(beats(j) for j in among if j != i)
 
 
+@pytest.mark.truth
 @pytest.mark.parametrize("name", (WHOLE, *SMALL))
 def test_the_front_follows_from_errors_and_times(name, request):
     """The rule of the front, on what was measured. Which ways the clock puts there is no matter of
@@ -156,6 +158,7 @@ def test_the_front_follows_from_errors_and_times(name, request):
     assert front == [not beaten(i, rows, on_it) for i in range(len(rows))] and any(front)
 
 
+@pytest.mark.truth
 @pytest.mark.long
 def test_what_the_study_must_find(whole):
     """Errors that follow from the methods themselves, not from a run of ours."""
@@ -182,6 +185,7 @@ def test_what_the_study_must_find(whole):
     assert short > 2 * double
 
 
+@pytest.mark.truth
 def test_the_levels_are_what_the_solver_does(part, runs, tally):
     """Errors of the levels of interaction, from the loads of runs of their own. The reference is
     the method with the least estimated error."""
@@ -202,6 +206,7 @@ def test_the_levels_are_what_the_solver_does(part, runs, tally):
     assert f"Reference: {reference.replace(';', ',')}" in table
 
 
+@pytest.mark.truth
 @pytest.mark.long
 def test_each_level_is_better(whole, root):
     """On the whole sweep: bounds that come from the levels themselves, and one truth from
@@ -318,6 +323,7 @@ def budget_line(text, label):
     return line.groups()
 
 
+@pytest.mark.truth
 def test_the_budget_contains_the_error(asperity, root, tmp_path):
     """The bound of the rounding covers the distance of real64 to 50 digits."""
     path = root / "data" / "examples" / "position_56.scene"
@@ -392,6 +398,7 @@ def test_too_many_contacts_for_a_budget(asperity, tmp_path):
     assert "Model: not estimated: up to 528 contacts at a position" in found.stdout
 
 
+@pytest.mark.truth
 def test_the_time_is_bounded(asperity, root, tmp_path):
     """Ways that take longer than the time given are left out; without a reference nothing is."""
     done = run_program(asperity, "accuracy", root / "data/thesis.deck", "--seconds", "1e-6",

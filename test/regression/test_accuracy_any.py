@@ -136,6 +136,7 @@ def test_the_reference_of_contacts_alone(asperity, tmp_path):
     assert abs(float(reference(rows)["load"]) / float(truth.load) - 1) < 1e-14
 
 
+@pytest.mark.truth
 @pytest.mark.parametrize("name", ("clusters", "triples"))
 def test_the_reference_of_neighbours(name, asperity, tmp_path):
     """Against the archived solution on grids: within what the reference says of itself."""
@@ -152,6 +153,7 @@ def test_the_reference_of_neighbours(name, asperity, tmp_path):
     assert float(alone["error_max"]) == pytest.approx(factor, rel=0.02, abs=1e-3)
 
 
+@pytest.mark.truth
 def test_the_reference_of_a_map(asperity, tmp_path):
     """The samples of a map, against conjugate gradients in numpy."""
     height = 1e-3 * rough(48, seed=9)
@@ -299,6 +301,7 @@ def test_the_page(asperity, root, tmp_path):
     assert len(tree.findall(".//tbody/tr")) == len(rows)
 
 
+@pytest.mark.truth
 def test_theories_in_closed_form(asperity, tmp_path):
     """Areas of Greenwood and Tripp and the least hardness of each criterion, evaluated apart from
     the surfaces' statistics."""
@@ -406,6 +409,7 @@ def test_the_error_of_the_input_of_a_map(kind, asperity, tmp_path):
     assert told[first + "; of pixels"] == pytest.approx(max(moves) / (top - given), rel=0.75)
 
 
+@pytest.mark.truth
 def test_the_time_is_kept_within_cells(asperity, tmp_path):
     """A scene whose own cells would take minutes: that is named, and the others are run."""
     scene = next(s for s in dense_scenes() if s.name == "many_007")

@@ -77,6 +77,7 @@ def test_jkr_pull_off(asperity, tmp_path, tally):
     assert -1.5 * UNIT * (1 + 1e-13) <= least < -1.5 * UNIT * (1 - 1e-6)
 
 
+@pytest.mark.truth
 @pytest.mark.parametrize("tabor", (0.11, 0.5, 1.0, 4.9))
 def test_maugis_curve(tabor, asperity, tmp_path, tally):
     """Between the borders: the curve, across a gap without a contact circle too, and the largest

@@ -54,6 +54,7 @@ def test_archived_output(arithmetic, asperity, root, tmp_path):
     prints_the_archive(asperity, root, arithmetic, tmp_path)
 
 
+@pytest.mark.long
 @pytest.mark.once
 def test_archived_output_of_its_own_build(root, tmp_path):
     executable = build("archive")
@@ -74,6 +75,7 @@ def test_a_missing_archive_fails(root, tmp_path):
         same_text(b"one\ntwo\n", b"one\n2\n", "a text")
 
 
+@pytest.mark.long
 @pytest.mark.once
 def test_ibm370_is_the_same_under_all_flags(root, tmp_path):
     """Unoptimised, and with every liberty a compiler can be given: the same bytes."""

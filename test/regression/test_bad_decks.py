@@ -351,6 +351,7 @@ def same_report(runner, content, report):
     assert done.stdout == report
 
 
+@pytest.mark.long
 def test_line_ends_do_not_matter(runner, cards, report):
     plain = deck(cards)
     same_report(runner, plain, report)
@@ -384,6 +385,7 @@ def test_fields_without_point_or_with_blanks_give_the_same_report(runner, cards,
     same_report(runner, deck(lines), report)
 
 
+@pytest.mark.fuzz
 @pytest.mark.trouble
 @settings(max_examples=150, suppress_health_check=[HealthCheck.function_scoped_fixture])
 @given(data=st.data())

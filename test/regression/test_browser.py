@@ -9,7 +9,7 @@ from builds import ROOT
 from programs import run_program
 from surfaces_csv import write_csv_scene
 
-pytestmark = pytest.mark.once
+pytestmark = pytest.mark.pages
 
 SCENES = {"one position": "data/examples/one_pair.scene",
           "sweep": "data/examples/thesis.scene",
@@ -71,32 +71,3 @@ def test_pages_in_a_browser(asperity, tmp_path):
     assert {key: sentences for key, sentences in found.items() if sentences} == {}
     for (name, width), number in figures.items():
         assert number >= FIGURES.get(name, 0), (name, width)
-
-
-# A fault of a page, and a word of the sentence about it.
-FAULTS = {"figure wider than the page": ("svg{display:block;width:100%;max-width:36rem",
-                                         "svg{display:block;width:1600px", "wide"),
-          "figure cut off": ('<svg viewBox="-74 ', '<svg viewBox="-24 ', "cut off by its figure"),
-          "table beside its box": (".scroll{overflow:auto", ".scroll{overflow:visible",
-                                   "does not scroll"),
-          "text cut off": ("p,dd{max-width:60rem}", "p,dd{width:2rem;overflow:hidden;"
-                           "white-space:nowrap}", "is cut off"),
-          "numbers over each other": ('font:13px system-ui', 'font:33px system-ui', "lies over"),
-          "letters too small": ("svg{display:block;width:100%;max-width:36rem",
-                                "svg{display:block;width:200px", "too small"),
-          "script": ("</body>", "<script>a</script></body>", None)}
-
-
-def test_faults_are_found(asperity, tmp_path):
-    """A fault put into a page is found at both widths, and nothing else is."""
-    page = page_of(asperity, ["solve", "data/examples/csv_surfaces.scene"], tmp_path / "page.html")
-    pages = {"as it is": page}
-    for name, (old, new, _) in FAULTS.items():
-        assert old in page, name
-        pages[name] = page.replace(old, new)
-    found, _, errors = measured(pages, tmp_path)
-    assert len(errors) >= 2 and all("Content Security Policy" in error for error in errors)
-    for (name, width), sentences in found.items():
-        word = FAULTS.get(name, (None,))[-1]
-        assert any(word in sentence for sentence in sentences) if word else not sentences, \
-            (name, width, sentences)

@@ -232,6 +232,7 @@ int main(int words, char **word)
 """
 
 
+@pytest.mark.long
 def test_bad_arguments_under_valgrind(venv, tmp_path):
     """Each is refused with a status and a text that names it; nothing that is not there is read,
     and nothing is left over."""

@@ -8,10 +8,13 @@ import math
 import random
 from collections import defaultdict
 
+import pytest
 import csv_rows
 from programs import run_program
 from surfaces_csv import write_surface
 from test_written_defaults import FILES, NUMBERS, random_scene, write
+
+pytestmark = pytest.mark.fuzz
 
 SCENES = 300
 EFFECTS = (*NUMBERS, "interaction")

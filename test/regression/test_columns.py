@@ -10,7 +10,7 @@ from programs import run_program
 from surfaces_csv import write_scene
 
 # Of the release build: what other builds write has the same columns.
-pytestmark = pytest.mark.once
+pytestmark = pytest.mark.pages
 
 EFFECTS = ("interaction", "friction", "plasticity", "adhesion", "creep")
 SCENES = sorted([*ROOT.glob("data/examples/*.scene"), *ROOT.glob("data/examples/effects/*.scene"),

@@ -16,6 +16,8 @@ from surfaces_csv import write_scene
 # Its own process, as what the tests hold would count as the program's.
 MEASURE = """
 import os, subprocess, sys
+
+pytestmark = pytest.mark.long
 _, status, usage = os.wait4(subprocess.Popen(sys.argv[1:]).pid, 0)
 print(status, usage.ru_maxrss * 1024)
 """

@@ -156,6 +156,7 @@ def test_thesis_model_at_an_approach(asperity, tmp_path, tally):
     compare(tally, "creep: neighbours at a held approach", errors, 1e-12)
 
 
+@pytest.mark.truth
 def test_three_balls(asperity, tmp_path, tally):
     """The last one touches during the hold: shares of the load as the truth's march has them."""
     gaps, radii, load, ratio, tau, hold_time = (0, 0.01, 0.03), (1, 2, 0.5), 0.008, 0.4, 1.0, 3.0

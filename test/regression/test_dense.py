@@ -7,11 +7,13 @@ import pytest
 from boundary_equations import evaluate
 from boundary_patch import Contact
 from csv_rows import records
-from dense_judge import CONTROLS, TOLERANCES, TRUTH, estimates, groups, run_all, table, truths
+from dense_judge import CONTROLS, TOLERANCES, TRUTH, estimates, run_all, truths
 from dense_scenes import COMBINED, caps, dense_scenes, rough_scenes
 from dense_truth import finest, on_grids, settled, truth_of
 from rough_truth import solved as solved_on_grids
 from surfaces_csv import solve, write_scene
+
+pytestmark = pytest.mark.truth
 
 # Every twentieth scene: all families are among them. All: dense_judge.py, in some minutes.
 FEW = dense_scenes()[::20]
@@ -24,7 +26,6 @@ def solved(asperity, scenes, mode="auto", tolerance=TOLERANCES[0]):
     workers = int(os.environ.get("PYTEST_XDIST_WORKER_COUNT", "1"))
     results = run_all(asperity, scenes, (mode,), (tolerance,),
                       processes=max(1, (os.cpu_count() or 1) // workers))
-    print("\n".join(table(results)))
     return results
 
 
@@ -212,7 +213,7 @@ def test_the_truth_is_of_these_scenes(tally):
         assert float(row["load_error"]) <= 1e-4 and float(row["area_error"]) <= 4e-3, row
         assert 2 <= int(row["contacts"]) <= 200
         assert 0 < float(row["load"]) < float(row["alone"]), row
-    assert {f for f, in groups(FEW, "family")} == {f for f, in groups(scenes, "family")}
+    assert {scene.family for scene in FEW} == {scene.family for scene in scenes}
     assert set(CONTROLS) == {"approach", "load"}
     tally.add("dense scenes with a truth", len(scenes), len(scenes))
 

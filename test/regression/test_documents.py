@@ -13,7 +13,7 @@ from builds import ROOT
 from programs import run_program
 
 # Says nothing about the build under test.
-pytestmark = pytest.mark.once
+pytestmark = pytest.mark.pages
 
 PAGES = sorted([ROOT / "README.md", ROOT / "CONTRIBUTING.md", *ROOT.glob("docs/**/*.md")])
 COMMANDS = ("", "solve", "accuracy", "generate", "study", "summits")
@@ -21,7 +21,6 @@ OPTION = re.compile(r"(?<![\w-])--[a-z][a-z-]*")
 FOLDERS = "app|data|docs|example|include|python|reference_output|src|test|tools|[.]ci"
 PATH = re.compile(rf"(?<![\w./-])(?:{FOLDERS})/[\w.*/-]*[\w*/]")
 SOURCE = re.compile(r"[\w*]+[.](?:f90|F90|inc|py)")
-MODULE = re.compile(r"\basperity_[a-z0-9_]+\b")
 # Words of a page that stand for a name.
 PLACEHOLDER = re.compile(r"(?<![A-Za-z])(?:NAME|ROOM|FOLDER|LAYER)(?![A-Za-z])")
 # Options that shorten a command.
@@ -105,16 +104,6 @@ def test_files_exist(page):
             if not any(re.fullmatch(pattern, name) for name in names):
                 lost.add(text)
     assert not lost
-
-
-@each_page
-def test_modules_exist(page):
-    there = {path.stem for path in (*(ROOT / "src").rglob("*.?90"), *ROOT.glob("app/*.f90"))}
-    there |= {f"asperity_{name}" for name in there}
-    there |= set(MODULE.findall((ROOT / "include/asperity.h").read_text(encoding="utf-8")))
-    texts = [*code(page), *(text for _, text in blocks(page))]
-    named = {name for text in texts for name in MODULE.findall(PLACEHOLDER.sub("", text))}
-    assert not named - there
 
 
 @pytest.fixture(scope="module")
@@ -235,14 +224,6 @@ def same_word(a, b):
     return abs(x - y) <= 1e-6 * abs(x) or max(abs(x), abs(y)) < 1e-9
 
 
-def test_blocks_are_seen():
-    """There is something to check: commands, outputs, scenes."""
-    lines = [line for page in PAGES for line in command_lines(page)]
-    assert len(lines) >= 15 and sum(bool(shown) for _, _, shown in lines) >= 2
-    readme = [text for _, text in blocks(ROOT / "README.md")]
-    assert any(text.startswith("&surfaces") for text in readme)
-
-
 def test_menu_of_the_site():
     """The menu of mkdocs.yml has every page of docs once."""
     menu = (ROOT / "mkdocs.yml").read_text(encoding="utf-8").split("\nnav:\n")[1]
@@ -293,21 +274,3 @@ def test_names_of_a_specification(page, command, groups, asperity, tmp_path):
         named.setdefault(group, set()).update(re.findall(r"`(\w+)`", cell))
     for group in groups:
         assert named[group] == names_known(asperity, tmp_path, command, group, "spec")
-
-
-def test_rooms_and_their_tests():
-    """The table of rooms in CONTRIBUTING.md names every folder of src, modules in it, and tests
-    that exist."""
-    text = (ROOT / "CONTRIBUTING.md").read_text(encoding="utf-8")
-    rows = re.findall(r"^\| `(\w+)/` \| [^|]+ \| ([^|]+) \| ([^|]+) \|$", text, re.MULTILINE)
-    assert {row[0] for row in rows} == {path.name for path in (ROOT / "src").iterdir()
-                                        if path.is_dir()}
-    for room, modules, tests in rows:
-        found = {path.stem for path in (ROOT / "src" / room).rglob("*.[fF]90")}
-        assert set(re.findall(r"`(\w+)`", modules)) <= found, room
-        for name in re.findall(r"`([\w.]+)`", tests):
-            if name.endswith(".py"):
-                assert any((ROOT / "test" / folder / name).exists()
-                           for folder in ("regression", "hard")), name
-            else:
-                assert (ROOT / f"test/unit/{name}_suite.f90").exists(), name

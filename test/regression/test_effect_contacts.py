@@ -11,7 +11,7 @@ from boundary_equations import evaluate
 from boundary_truth import sneddon
 from coupled_truth import leftover
 from effect_runs import (CAP, CELLS, COMBINED, CONVERGED, COUPLED_APART, FLAT, MODULUS, RATIO,
-                         column, random_caps, report, total, write_caps)
+                         column, random_caps, report, write_caps)
 from surfaces_csv import solve, write_csv_scene
 
 # Of the closing, where the upper sphere is as large as a flat: a few ulps of its radius.
@@ -94,6 +94,7 @@ def test_two_contacts_far_apart(asperity, tmp_path, tally):
         assert near[0] > 3 * far[0]
 
 
+@pytest.mark.truth
 def test_deep_contact_opens_a_shallow_one(asperity, tmp_path, tally):
     """A cap that touched alone stands free beside one that is pressed deep; a little higher, it
     touches. Against cells, and the truth of the cells."""
@@ -168,6 +169,7 @@ def check_caps(run, caps, tally, name):
     return opened
 
 
+@pytest.mark.truth
 @pytest.mark.parametrize("seed", (7, 8, 9))
 def test_hundreds_of_caps(seed, asperity, tmp_path, tally):
     """Caps of 1.27 cm anywhere on the plane, many as good as on top of each other."""
@@ -178,6 +180,7 @@ def test_hundreds_of_caps(seed, asperity, tmp_path, tally):
     assert len(check_caps(run, caps, tally, "400 caps")) > 50
 
 
+@pytest.mark.truth
 def test_two_thousand_caps(asperity, tmp_path, tally):
     """7.6 x 10 cm with 20 kN on the caps that do not flow."""
     caps = write_caps(tmp_path, *with_one_that_flows(*random_caps(2000, 7.6, 10.0, 7)),
@@ -187,6 +190,7 @@ def test_two_thousand_caps(asperity, tmp_path, tally):
     assert len(check_caps(run, caps, tally, "2000 caps")) > 500
 
 
+@pytest.mark.truth
 def test_some_caps_against_the_truth(asperity, tmp_path, tally):
     """The sum of loads that the truth of the cells finds at the closing the program found."""
     places, heights = random_caps(8, 1.2, 1.2, 3)

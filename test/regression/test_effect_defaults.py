@@ -162,6 +162,7 @@ def map_scene(folder, pressure, edge="periodic", **effects):
                        loading={"control": "pressure", "value": pressure}, effects=effects)
 
 
+@pytest.mark.long
 def test_a_periodic_map(asperity, tmp_path):
     """Coupled summits know no images and are refused; the default presses the pixels."""
     refused = solve(asperity, map_scene(tmp_path, 90.0, interaction="coupled"))
@@ -194,8 +195,6 @@ def test_a_periodic_map(asperity, tmp_path):
                      contacts=False)
         assert done.status == 0 and not done.stderr
         assert (row_of(done)["interaction"], row_of(done)["adhesion"]) == ("boundary", "on")
-
-
 
 
 def test_estimates_stand_in_the_tables(asperity, tmp_path):

@@ -69,6 +69,7 @@ def test_loads_alone(sweeps, truth, tally):
         report(tally, f"effects: load alone, {mode}", errors, 5e-10)  # the truth's printed digits
 
 
+@pytest.mark.truth
 def test_contacts_that_open(sweeps, truth, tally):
     """As many contacts are left as in the truth."""
     want = column(truth, "contacts") - column(truth, "open")
@@ -282,7 +283,8 @@ def test_load_is_reached_on_cells(mode, bound, sweeps, tally):
 
 # Curves, the same again.
 
-@pytest.mark.parametrize("mode", ("coupled", "boundary", "auto"))
+@pytest.mark.parametrize("mode", (
+    "coupled", pytest.param("boundary", marks=pytest.mark.long), "auto"))
 def test_curve_is_made_of_states(mode, sweeps, tally):
     """Every state of a curve is what the same approach gives by itself."""
     points = 5

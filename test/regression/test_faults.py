@@ -60,6 +60,7 @@ def runs(asperity, root, tmp_path_factory):
             "solved": run(asperity, folder, deck, "solve")}
 
 
+@pytest.mark.truth
 def test_rounding_of_the_approach(runs, page):
     off = [a["approach"] - b["approach"] for a, b in zip(runs["printed"][1], runs["exact"][1])]
     assert f"{off[55]:.4f} cm at position 56 and {off[99]:.4f} cm at position 100" in \

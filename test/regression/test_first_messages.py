@@ -142,6 +142,7 @@ def test_one_unit_for_all_lengths(run, tmp_path, header, place, said):
                     "or in none\n")
 
 
+@pytest.mark.long
 @pytest.mark.once
 def test_a_header_of_many_columns(run, tmp_path):
     """A short note. To join a million names to those before would take minutes."""

@@ -69,6 +69,7 @@ def compare(rows, coefficient, tally, name, **more):
     assert agreed == len(rows)
 
 
+@pytest.mark.truth
 @pytest.mark.parametrize("coefficient", (0.05, 0.1, 0.5))
 def test_every_contact_of_the_sweep(coefficient, sweeps, tally):
     run = sweeps.solve(friction="on", friction_coefficient=coefficient)
@@ -82,6 +83,7 @@ def test_every_contact_of_the_sweep(coefficient, sweeps, tally):
     compare(run.contacts, coefficient, tally, f"coefficient {coefficient}")
 
 
+@pytest.mark.truth
 def test_contacts_that_slip_in_part(sweeps, tally):
     """The slope grows little while a pair closes: only a coefficient in a narrow band makes part of
     a contact slip. Against both truths."""
@@ -165,6 +167,7 @@ def test_coefficient_zero(sweeps):
     assert (column(on.positions, "sliding_contacts") == column(on.positions, "contacts")).all()
 
 
+@pytest.mark.truth
 def test_coefficient_without_bound(sweeps, tally):
     """All sticks, and no coefficient above a certain one makes a difference."""
     huge = sweeps.solve(friction="on", friction_coefficient=1e300)
@@ -251,6 +254,7 @@ def test_unlike_materials(sweeps, tally):
     compare(run.contacts, 0.1, tally, "unlike materials", material=(3.0e5, 0.2, 1.1e5, 0.45))
 
 
+@pytest.mark.truth
 def test_lowered_contacts_rub_less(sweeps, tally):
     """With interaction, friction sees the loads that the neighbours leave."""
     coupled = sweeps.solve(interaction="coupled")
@@ -269,6 +273,7 @@ def test_lowered_contacts_rub_less(sweeps, tally):
     assert text.index("  interaction  coupled") < text.index("  friction     on")
 
 
+@pytest.mark.truth
 def test_friction_on_cells(sweeps, tally):
     """Cells bring the vertical load of each contact. Friction goes on from it: T, N and the lateral
     force are in equilibrium with it."""

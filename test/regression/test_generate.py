@@ -127,6 +127,7 @@ def test_positions_are_those_of_the_definition(generate, tally):
     assert met == 800
 
 
+@pytest.mark.truth
 @pytest.mark.parametrize("column, stream, mean, deviation, lowest, highest", [
     (2, 5, "0.05", "0.012", "0.04", "0.071"), (3, 6, "0.5", "0.03", "0.44", "0.53")],
     ids=("heights", "radii"))
@@ -187,6 +188,7 @@ def test_statistics_of_many(generate, tally):
     tally.add("generated statistics", 15, 15)
 
 
+@pytest.mark.truth
 def test_least_distance_holds_exactly(generate):
     """1e5 asperities that cover 0.39 of the area: exact in whole numbers, and it is reached."""
     x, y, _, _ = rows(generate(PLAIN.format(number=100000, least="0.07", seed=5, more="")).stdout)

@@ -61,7 +61,8 @@ def thesis_scene(name, root, folder):
                        motion={"x_first": 0.1, "x_step": 0.1, "positions": 40}, **SCENES[name])
 
 
-@pytest.mark.parametrize("name", SCENES)
+@pytest.mark.parametrize("name", [
+    pytest.param(name, marks=[pytest.mark.long] * (name == "thesis")) for name in SCENES])
 def test_continued_anywhere(name, asperity, root, tmp_path, tally):
     """A file cut anywhere is continued, to the same bytes; a damaged position is solved again."""
     scene = thesis_scene(name, root, tmp_path)
@@ -201,6 +202,7 @@ def compare_continued(command, asperity, scene, tmp_path):
         assert (tmp_path / f"part.{kind}").read_bytes() == (tmp_path / f"whole.{kind}").read_bytes()
 
 
+@pytest.mark.long
 @pytest.mark.parametrize("number", [signal.SIGKILL, signal.SIGTERM])
 def test_kill_and_continue(number, asperity, tmp_path):
     scene = long_scene(tmp_path)

@@ -45,6 +45,7 @@ def test_read_a_scene(example, asperity, tmp_path, tally):
     assert met == 100
 
 
+@pytest.mark.long
 @pytest.mark.parametrize("name", ["press", "press_samples"])
 def test_read_a_scene_of_a_map(example, asperity, tmp_path, name):
     """A map, by its summits and by its samples."""
@@ -150,6 +151,7 @@ end program outside
 """
 
 
+@pytest.mark.long
 @pytest.mark.once
 def test_project_outside(asperity, tmp_path):
     """A project that names this one by its path builds with it, and runs. Two spheres of radius 1

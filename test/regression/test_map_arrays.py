@@ -601,6 +601,7 @@ def test_read_by_numpy(library, tmp_path):
         "# Spacing: 5.0000000000000000E-001 3.7500000000000000E-001\n# Units: um\n")
 
 
+@pytest.mark.long
 @NEEDS_SDFIO
 def test_read_by_sdfio(library, tmp_path):
     """Metres by the header; a wide map has the longer header of ISO-2.0."""

@@ -128,6 +128,7 @@ def printed(text, name):
     raise AssertionError(f"no {name} in:\n{text}")
 
 
+@pytest.mark.fuzz
 @pytest.mark.parametrize("part", range(8))
 def test_laws_of_pixels(asperity, tmp_path, tally, part):
     """200 maps, each under a load of 1e-3 to 30 of what their slopes call for, two changes each."""
@@ -158,6 +159,7 @@ def test_laws_of_pixels(asperity, tmp_path, tally, part):
     print("worst", worst)
 
 
+@pytest.mark.fuzz
 @pytest.mark.parametrize("part", range(4))
 def test_laws_of_summits(asperity, tmp_path, tally, part):
     """Both rules: heights, radii and statistics of 200 maps, two changes each."""
@@ -224,6 +226,7 @@ def test_flat_maps(asperity, tmp_path, periodic):
     assert float(state["area_fraction"]) < 0.9 and "the map is flat" not in told
 
 
+@pytest.mark.truth
 @pytest.mark.long
 def test_from_first_touch_to_far_beyond_full_contact(asperity, tmp_path, tally):
     """100 maps from 4 x 4 to 300 x 200 pixels at 20 pressures from 1e-6 to 10 times full contact:
@@ -307,6 +310,7 @@ def westergaard(share):
     return 2 / np.pi * np.arcsin(np.sqrt(share)), 2 * np.sqrt(share)
 
 
+@pytest.mark.truth
 @pytest.mark.long
 def test_a_cosine_of_any_phase(asperity, tmp_path, tally):
     """Westergaard (1939), over eight phases: the greatest pressure within 1 % at 256 pixels, the

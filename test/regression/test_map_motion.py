@@ -138,8 +138,6 @@ def test_refused(asperity, tmp_path, upper, motion, said):
     assert done.status != 0 and said in done.stderr, done.stderr
 
 
-
-
 def test_parts_of_the_work_choose_as_the_whole(asperity, tmp_path):
     """Adhesion under `auto` is chosen by all positions, whatever part of them is solved."""
     upper, lower = (1e-2 * rough(24, shortest=6, seed=seed) for seed in (12, 13))

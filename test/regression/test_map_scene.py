@@ -186,6 +186,7 @@ def test_summits_say_what_they_cost(asperity, tmp_path, tally, share):
     tally.add("what summits cost, against numpy", 4, 4)
 
 
+@pytest.mark.long
 @pytest.mark.once
 def test_a_large_map_is_pressed_coarser(asperity, tmp_path):
     """What is told of 608 400 samples, pressed at half resolution, against the samples themselves:

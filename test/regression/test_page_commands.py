@@ -14,7 +14,7 @@ from builds import ROOT, build
 from programs import run_program
 from test_documents import PAGES, command_lines, name_of
 
-pytestmark = pytest.mark.once
+pytestmark = pytest.mark.pages
 
 # First line of each block that a test of this file runs: its page.
 RUN = {

@@ -6,7 +6,7 @@ import pytest
 from builds import ROOT
 from programs import run_program
 
-pytestmark = pytest.mark.once
+pytestmark = pytest.mark.pages
 
 # What stands before the blocks of a page, in their order.
 C_BEFORE = (

@@ -157,6 +157,7 @@ def rounding_of(upper, lower, shift):
                              sum(map(abs, shift)) + upper.radius.max() + lower.radius.max())
 
 
+@pytest.mark.truth
 def test_pairs(case, tally):
     """No pair is lost, none found twice; those added are at the very edge."""
     name, upper, lower, shift, (i, j, _), search = case
@@ -179,6 +180,7 @@ def write_surface(path, surface):
     np.savetxt(path, table, "%.17g", ",", header="x,y,height,radius", comments="")
 
 
+@pytest.mark.truth
 def test_contacts(case, asperity, tmp_path, tally):
     """`asperity solve` has the contacts of all pairs down to an approach, in the order of touch:
     by gap, equal gaps by distance, sum of radii, combined radius, indices."""

@@ -91,7 +91,7 @@ def test_ball_on_flat(asperity, tmp_path, side):
 
 
 @pytest.mark.parametrize("side", SIDES)
-@pytest.mark.parametrize("number", [1, 40, 1200])
+@pytest.mark.parametrize("number", [1, 40, pytest.param(1200, marks=pytest.mark.truth)])
 def test_caps(asperity, tmp_path, side, number):
     """Load, approach and limit against the equations; 1200 caps are searched part by part."""
     caps = random_caps(number, seed=number)

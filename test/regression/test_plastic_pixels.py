@@ -377,6 +377,7 @@ def test_refused_beside_asperities(asperity, tmp_path):
     assert found.status == 2 and "expected plastic_yield_stress in its place" in found.stderr
 
 
+@pytest.mark.truth
 @pytest.mark.parametrize("interaction", ["boundary", "auto"])
 def test_accuracy_against_numpy(asperity, tmp_path, interaction):
     """`asperity accuracy`: the reference has the hardness; without plasticity, and on summits,

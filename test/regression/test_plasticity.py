@@ -133,6 +133,7 @@ def test_unloading(asperity, tmp_path, tally, tops):
     assert again[-1]["load"] == up[-1]["load"]
 
 
+@pytest.mark.truth
 def test_hysteresis(asperity, tmp_path, tally):
     """Work of a cycle by the trapezoidal rule against the column and against quadrature."""
     tops = (3.0, 6.0, 12.0, 40.0)
@@ -194,6 +195,7 @@ def test_a_path_of_loads(asperity, tmp_path, tally):
     assert work(run.curve)[-1] > 0
 
 
+@pytest.mark.truth
 def test_never_returns_more(asperity, tmp_path, tally):
     """Random ways over the thesis model: whenever the load is gone, work was taken."""
     rng, ends = random.Random(6), 0

@@ -782,6 +782,7 @@ def mixed(seed):
             + rng.choice(["", end, end + end + "# b"]))
 
 
+@pytest.mark.fuzz
 @pytest.mark.parametrize("first", range(0, 400, 100))
 def test_mixed_dialects_against_plain_reading(first, maps):
     """What is read is the one reading that there is; a file of one reading is read, unless

@@ -80,6 +80,7 @@ def assert_same(table, path, tally, name):
     assert met == len(header) * len(rows)
 
 
+@pytest.mark.long
 @pytest.mark.parametrize("name", ["data/examples/thesis.scene", "data/thesis.deck",
                                   "data/hard/effects/inside_circle_auto.scene",
                                   "data/examples/effects/ten_minutes.scene"])
@@ -97,6 +98,7 @@ def test_as_the_program(package, name, tmp_path, tally):
     assert done.stdout.partition("\n")[2].startswith(results.summary.partition("\n")[2])
 
 
+@pytest.mark.long
 def test_fortran_c_and_python(package, venv, tmp_path, tally):
     """One scene from files through the program, from memory through C and through Python."""
     scene = write_csv_scene(tmp_path, BALL, BUMPS, modulus=STEEL["elastic_modulus"],
@@ -145,6 +147,7 @@ def test_summits(package, tmp_path):
         package.summits(map_file, rule="nine")
 
 
+@pytest.mark.long
 def test_generate(package, tmp_path):
     spec = tmp_path / "a.spec"
     spec.write_text("&surfaces number = 9, length = 1., width = 2. / &radii mean = 3. /\n"
@@ -285,6 +288,7 @@ def hear_interrupts():
     signal.signal(signal.SIGINT, signal.default_int_handler)
 
 
+@pytest.mark.long
 @pytest.mark.parametrize("scene", [
     '"motion": {"x_step": 1e-6, "positions": 1000000}, "effects": {"interaction": "auto"}',
     '"loading": {"control": "load", "value": 2 * (100.0, 0.0), "points": 100000}, '
@@ -316,6 +320,7 @@ print(max(size() for _ in range(30)) - before)
 """
 
 
+@pytest.mark.long
 def test_memory_is_given_back(venv):
     """Thirty more runs of some hundred kilobytes of columns take no more memory than ten, in kB."""
     assert int(run(venv, "-c", GROWS)) < 2000

@@ -41,6 +41,7 @@ COPIES = {"copy": copy.copy, "deepcopy": copy.deepcopy,
               pickle.dumps(thing, protocol)) for protocol in range(pickle.HIGHEST_PROTOCOL + 1)}}
 
 
+@pytest.mark.long
 @pytest.mark.parametrize("how", COPIES)
 def test_copies(package, how):
     """A copy has all of its own, whichever of the two goes first; so has a copy of a copy."""
@@ -85,6 +86,7 @@ def test_cycles_and_finalizers(package):
     assert found == [expected] * 20
 
 
+@pytest.mark.long
 def test_varied_scene(package):
     """A deep copy of a scene with surfaces of `generate`, changed and solved, again and again."""
     upper, lower = package.generate(SPEC)
@@ -141,6 +143,7 @@ if __name__ == "__main__":
 '''
 
 
+@pytest.mark.long
 def test_spawn_pools(venv, tmp_path):
     """Results come back from processes, and go to them, as in docs/reference/python.md."""
     script = tmp_path / "pool.py"
@@ -223,6 +226,7 @@ print(before, used())
 '''
 
 
+@pytest.mark.long
 def test_many_solves_with_files(venv, tmp_path):
     """Two thousand solves of surfaces and maps from files, some refused, with room for 64 open
     files: as many are open afterwards as before, and less than half a kilobyte a solve is left."""

@@ -184,6 +184,7 @@ def hear_interrupts():
     signal.signal(signal.SIGINT, signal.default_int_handler)
 
 
+@pytest.mark.long
 def test_interrupt_within_a_second(venv):
     """Ctrl-C in the middle of one long state: the exception comes at once."""
     with subprocess.Popen([venv / "bin/python", "-c", ENDED.replace("NUMBER", "50000")], cwd=ROOT,

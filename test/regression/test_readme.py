@@ -11,6 +11,8 @@ from builds import ROOT
 from programs import run_program
 from surfaces_csv import records
 
+pytestmark = pytest.mark.pages
+
 README = (ROOT / "README.md").read_text(encoding="utf-8")
 # Heading of each example, and its blocks: language and text.
 EXAMPLES = {
@@ -40,14 +42,6 @@ def run(asperity, tmp_path):
 @pytest.mark.once
 def test_length():
     assert len(README.split()) <= 700
-
-
-@pytest.mark.once
-def test_first_lines():
-    """What it is, then a picture of contact patches, within twenty lines."""
-    first = README.split("\n")[:20]
-    assert "contact area, load, pressures and separation of rough surfaces" in " ".join(first)
-    assert any(line.startswith("![Contact patches") for line in first)
 
 
 def lines_shown(block):

@@ -40,22 +40,3 @@ def test_changelog_can_be_cut():
     assert numbers == sorted(numbers, reverse=True) and len(set(numbers)) == len(numbers)
     for section in re.split(r"(?m)^## .*$", log)[1:]:
         assert re.search(r"(?m)^- \w", section) or section.strip()
-
-
-def test_citation():
-    """The fields that CFF 1.2.0 asks for, and no line with a tabulator."""
-    citation = text_of("CITATION.cff")
-    for field in ("cff-version: 1.2.0", "message: ", "title: asperity", "authors:"):
-        assert re.search(f"(?m)^{re.escape(field)}", citation)
-    assert "\t" not in citation and re.search(r"(?m)^license: MIT$", citation)
-    assert "MIT" in text_of("LICENSE")
-
-
-def test_recipe_names_what_there_is():
-    """The steps of CONTRIBUTING name the places of the version, each and no other."""
-    steps = text_of("CONTRIBUTING.md").split("## Releasing")[1].split("\n## ")[0]
-    named = set(re.findall(r"`([\w./]+\.(?:toml|f90|cff|md))`", steps))
-    assert {"fpm.toml", "python/pyproject.toml", "CITATION.cff", "src/foundation/version.f90",
-            "CHANGELOG.md"} <= named
-    for path in named:
-        assert (ROOT / path).exists()

@@ -139,6 +139,7 @@ def test_vtk(name, asperity, tmp_path, tally):
     assert met == len(values) * len(rows)
 
 
+@pytest.mark.long
 def test_standard_streams(asperity, tmp_path):
     """A scene from standard input is one of the current folder; an output is all that is told."""
     folder = ROOT / "data/examples"

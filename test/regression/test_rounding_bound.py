@@ -12,8 +12,6 @@ import pytest
 from exact_contact import TOTALS, Truth
 from surfaces_csv import exact_csv_scene, solve, write_csv_scene
 
-STEEPEST = 20.0
-
 
 def steep_scene(generator):
     """Pairs far from each other, whose slopes at first touch go up to the steepest."""

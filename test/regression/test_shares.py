@@ -25,7 +25,7 @@ def files(folder):
     return {path.name: path.read_bytes() for path in folder.glob("*.csv")}
 
 
-@pytest.mark.parametrize("parts", [2, 7])
+@pytest.mark.parametrize("parts", [2, pytest.param(7, marks=pytest.mark.long)])
 @pytest.mark.parametrize("name", SCENES)
 def test_parts_are_the_whole(name, parts, asperity, root, tmp_path, tally):
     scene = thesis_scene(name, root, tmp_path)
@@ -115,6 +115,7 @@ def test_what_is_refused(asperity, root, tmp_path):
         asperity, tmp_path, "solve", other, "--keep", "p1", "--keep", "p2", status=1).stderr
 
 
+@pytest.mark.long
 def test_the_recipe_for_a_cluster(asperity, root, tmp_path):
     """Both scripts of the page as they stand, the tasks of the array one after the other."""
     page = (root / "docs/how-to/many-machines.md").read_text()

@@ -20,9 +20,6 @@ from surfaces_csv import exact_csv_scene, solve, write_csv_scene, write_scene
 
 TOTALS_BOUND = 1e-13
 PENETRATION_ULPS = 4
-# With a closing this much smaller than the coordinates their own rounding reaches TOTALS_BOUND:
-# the bound of such a position is half an ulp of the coordinates, relative to the closing.
-SHALLOW = 1 / 4000
 CONTACT_NUMBERS = ("load", "vertical_load", "area", "projected_area", "slope",
                    "average_pressure")
 
@@ -75,6 +72,7 @@ def compare_with_truth(run, truth, worst, bound=TOTALS_BOUND):
     return ties
 
 
+@pytest.mark.truth
 def test_thesis_sweep(asperity, root, tmp_path):
     deck = root / "data" / "thesis.deck"
     run = solve(asperity, deck, folder=tmp_path)
@@ -115,6 +113,7 @@ def deck_truth(deck, motion):
     return Truth(scene)
 
 
+@pytest.mark.fuzz
 def test_random_decks(asperity, tmp_path):
     exact = Worst()
     with ThreadPoolExecutor(2) as pool:
@@ -277,6 +276,7 @@ def test_positions_in_any_order(asperity, tmp_path):
         assert rows_of(few, m) == rows_of(forth, 8 * m - 7)
 
 
+@pytest.mark.truth
 def test_no_drift(asperity, tmp_path):
     """Twenty thousand positions: each displacement is first + (m - 1) * step, rounded twice."""
     pair = [(0.0, 0.0, 0.5, 1.0)]

@@ -160,6 +160,7 @@ def test_loads(c, order):
     assert again <= (0.85 if order == "random" else 0.8) * alone
 
 
+@pytest.mark.long
 @pytest.mark.parametrize("seed", range(1, 4))
 def test_contacts_that_nearly_coincide(c, seed):
     """Near contacts have several solutions: the one that is found does not depend on the start."""
@@ -337,6 +338,7 @@ def test_classes_of_warnings(c):
 
 # ---------------------------------------------------------------- progress and an end
 
+@pytest.mark.long
 def test_progress(c):
     """It ends at all of the work: positions, states of a path, states on pixels."""
     loads = ", ".join(str(load) for load in range(1000, 21000, 1000))

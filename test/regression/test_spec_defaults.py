@@ -7,7 +7,7 @@ import pytest
 from builds import ROOT
 from programs import run_program
 
-pytestmark = pytest.mark.once
+pytestmark = pytest.mark.pages
 
 PAGES = {"generate": "reference/generate.md", "study": "how-to/representative-area.md"}
 # A small specification for each command, by groups; names that are compared are left out of it.

@@ -37,7 +37,12 @@ def numbers(rows, name):
     return np.array([float(row[name]) for row in rows])
 
 
-@pytest.mark.parametrize("mode", MODES)
+def marked(mode):
+    """Boundary elements under many loads take seconds."""
+    return pytest.param(mode, marks=[pytest.mark.truth] * (mode == "boundary"))
+
+
+@pytest.mark.parametrize("mode", [marked(mode) for mode in MODES])
 @pytest.mark.parametrize("control", CONTROLS)
 def test_points_are_the_states(asperity, tmp_path, control, mode):
     for points, states in ((0, 1), (1, 1), (2, 3), (5, 6)):
@@ -80,7 +85,7 @@ def lowered(a):
     return (s**2 / (2 * RADIUS) + beside).min()
 
 
-@pytest.mark.parametrize("mode", MODES[1:4])
+@pytest.mark.parametrize("mode", [marked(mode) for mode in MODES[1:4]])
 @pytest.mark.parametrize("control", CONTROLS)
 def test_events_of_contacts_that_interact(asperity, tmp_path, control, mode):
     run = pressed(asperity, tmp_path, CONTROLS[control] | {"points": 3, "events": "on"}, mode,
@@ -136,6 +141,7 @@ def test_events_is_a_word(asperity, tmp_path, word):
 
 
 # The memory of a build with sanitizers is another.
+@pytest.mark.truth
 @pytest.mark.once
 def test_five_points_of_many_contacts(asperity, tmp_path):
     """2264 of 1e5 asperities on 1e5 touch: six states, and below 300 MB with every list written."""

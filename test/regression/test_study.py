@@ -189,6 +189,7 @@ def test_verdict(study, tmp_path):
         in done.stdout
 
 
+@pytest.mark.long
 def test_kept_surfaces(study, tmp_path, tally):
     """A file cut anywhere is continued, to the same bytes; a damaged surface is done again."""
     text = spec(ensemble=5)
@@ -235,6 +236,7 @@ def test_kill_and_continue(asperity, study, tmp_path):
     assert (tmp_path / "part.csv").read_bytes() == (tmp_path / "whole.csv").read_bytes()
 
 
+@pytest.mark.long
 def test_progress(asperity, tmp_path):
     """On a terminal, and only there, long work tells how far it is; an interruption ends it."""
     text = spec("separation = 0.2, steps = 1", ensemble=100000)
@@ -299,6 +301,7 @@ def test_surface_that_cannot_be_packed(study, tmp_path):
     assert not (tmp_path / "a.csv").exists()
 
 
+@pytest.mark.long
 def test_contact_area_above_the_nominal_area(study):
     """Caps that touch nearly everywhere: no number where the area per nominal area is above 1."""
     dense = (spec(least=0, ensemble=2).replace("0.5, 0.4", "1., 1.")

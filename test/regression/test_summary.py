@@ -33,6 +33,7 @@ def summary_of(lines):
     return values
 
 
+@pytest.mark.long
 def test_numbers(asperity):
     """Counts are integers, all numbers have one format, and the press example fits a screen."""
     for path in sorted((ROOT / "data/examples").rglob("*.scene")):

@@ -290,6 +290,7 @@ def raw_heights(kind, revision, rng):
     return heights
 
 
+@pytest.mark.long
 @NEEDS_SDFIO
 def test_every_variant_is_read_to_the_last_bit(summits, tmp_path, tally):
     """What sdfio writes. A sample shows where it is a summit: each in turn is lifted over its

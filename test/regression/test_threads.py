@@ -38,6 +38,7 @@ def compare_threads(asperity, scene, folder, tally):
     return one
 
 
+@pytest.mark.long
 def test_thesis_sweep(asperity, root, tmp_path, tally):
     status, out, _, files = compare_threads(asperity, root / "data" / "thesis.deck", tmp_path,
                                             tally)
@@ -71,7 +72,7 @@ def test_effects(asperity, root, tmp_path, tally):
     assert files["curve.csv"].count(b"\n") >= 90
 
 
-@pytest.mark.parametrize("way", ["boundary", "coupled"])
+@pytest.mark.parametrize("way", ["boundary", pytest.param("coupled", marks=pytest.mark.long)])
 def test_a_map(asperity, tmp_path, tally, way):
     """So large that threads share its transforms."""
     height = made_maps.self_affine((160, 160), 21, shortest=4)[0]
@@ -121,6 +122,7 @@ def endless(tmp_path):
         limit={"criterion": "load", "value": 288.0})
 
 
+@pytest.mark.long
 def test_progress_on_a_terminal(asperity, endless, tmp_path):
     """A line after two seconds, that goes; interrupted: files stay as they were."""
     kept = tmp_path / "p.csv"
@@ -154,6 +156,7 @@ def test_progress_on_a_terminal(asperity, endless, tmp_path):
     assert not list(tmp_path.glob(".asperity*"))
 
 
+@pytest.mark.long
 def test_no_progress_elsewhere(asperity, endless):
     child = subprocess.Popen([asperity, "solve", endless], stdin=subprocess.DEVNULL,
                              stdout=subprocess.PIPE, stderr=subprocess.PIPE,

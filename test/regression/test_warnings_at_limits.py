@@ -240,6 +240,7 @@ def test_border_of_random_maps():
     assert max(whole) < 1.4 and np.mean(np.array(cut) > 2) > 0.95
 
 
+@pytest.mark.long
 def test_area_at_the_limit_of_resolution(asperity, tmp_path):
     """A Hertzian contact anywhere on the grid: its area is in error by less than 10 % without the
     warning; all larger errors have it."""
@@ -438,6 +439,7 @@ def check_advice(asperity, folder, effects, modulus, run):
     return len(proposed)
 
 
+@pytest.mark.long
 def test_advice_of_every_combination(asperity, tmp_path):
     """All combinations of effects that are not refused, each at dense contacts beyond the limit."""
     bodies = (2e3, 2e3)

@@ -14,6 +14,8 @@ from effect_runs import DECK
 from programs import run_program
 from surfaces_csv import text_of, write_surface
 
+pytestmark = pytest.mark.fuzz
+
 SCENES = 300
 FILES = ("positions", "contacts", "curve")
 # Numbers that make an effect `auto` (docs/theory/effects.md), with ranges of random values.

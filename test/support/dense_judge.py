@@ -1,18 +1,12 @@
 """Judges interaction by dense scenes: runs the program, compares with the archived truth.
 
-    python test/support/dense_judge.py EXECUTABLE [--modes auto,coupled,boundary]
-        [--tolerances 0.01,0.003,0.001] [--controls approach,load] [--only NAME] [--every N]
-        [--processes 2] [--timeout 300] [--worst 10] [--out results.csv]
-
 A scene is solved at its approach, where the vertical load is compared, and at the load that the
 truth has there, where the approach is, as a share of the closing; the real area in both. A result
 keeps its tolerance when it is within it and the truth's own error. `coupled` and `boundary` do not
 know the tolerance: they run at the first one.
 """
 
-import argparse
 import subprocess
-import sys
 import tempfile
 import time
 from concurrent.futures import ThreadPoolExecutor
@@ -22,8 +16,7 @@ from pathlib import Path
 
 import numpy as np
 
-from csv_rows import records, write_records
-from dense_scenes import dense_scenes
+from csv_rows import records
 
 TRUTH = Path(__file__).resolve().parents[2] / "reference_output" / "interaction" / "dense.csv"
 TOLERANCES = (0.01, 0.003, 0.001)
@@ -139,96 +132,3 @@ def estimates(results, area=False):
     # A truth that is off by its bound can make an error look larger, or smaller, by as much.
     return Estimates(int(known.sum()), float((estimate < error - bound).mean()),
                      float((estimate > 10 * np.maximum(error, bound)).mean()))
-
-
-def groups(results, *names):
-    """Results that agree in these names, in order of appearance."""
-    found = {}
-    for result in results:
-        found.setdefault(tuple(getattr(result, n) for n in names), []).append(result)
-    return found
-
-
-def line(rows):
-    """Worst and root mean square of errors, misses, estimates and time of some results."""
-    error = np.array([r.error for r in rows])
-    area = np.array([r.area_error for r in rows])
-    failed = sum(r.status != 0 for r in rows)
-
-    def of(values):
-        good = values[np.isfinite(values)]
-        if not good.size:
-            return f"{'-':>9} {'-':>8}"
-        return f"{good[np.abs(good).argmax()]:>+9.1e} {np.sqrt((good ** 2).mean()):>8.1e}"
-
-    def told(area):
-        e = estimates(rows, area)
-        return f"{100 * e.below:>5.1f} {100 * e.above:>6.1f}" if e.known else f"{'-':>5} {'-':>6}"
-
-    return (f"{len(rows):>5} {failed:>6} {of(error)} {sum(r.missed for r in rows):>6} {of(area)} "
-            f"{sum(r.area_missed for r in rows):>6} {told(False)} {told(True)} "
-            f"{sum(r.seconds for r in rows):>7.1f} {max(r.seconds for r in rows):>6.2f}")
-
-
-HEAD = (f"{'runs':>5} {'failed':>6} {'worst':>9} {'rms':>8} {'misses':>6} {'area':>9} {'rms':>8} "
-        f"{'misses':>6} {'<err%':>5} {'>10x%':>6} {'<err%':>5} {'>10x%':>6} {'s':>7} {'most':>6}")
-
-
-def table(results):
-    """By mode, tolerance and control: every family, and all."""
-    for (mode, tolerance, control), rows in groups(results, "mode", "tolerance",
-                                                   "control").items():
-        title = f"{mode} {tolerance:g} {control}" if mode == "auto" else f"{mode} {control}"
-        yield ""
-        yield f"{title:<22} {HEAD}"
-        for (family,), part in groups(rows, "family").items():
-            yield f"  {family:<20} {line(part)}"
-        yield f"  {'all':<20} {line(rows)}"
-
-
-def worst(results, count):
-    """The results farthest beyond their tolerance, and failures before all."""
-    def beyond(r):
-        if not np.isfinite(r.error):
-            return np.inf
-        return max(abs(r.error) / (r.tolerance + r.bound),
-                   abs(r.area_error) / (max(r.tolerance, LEAST_AREA) + r.area_bound))
-
-    for (mode,), rows in groups(results, "mode").items():
-        yield ""
-        yield f"worst of {mode}: error over tolerance, load or approach, area, estimates"
-        for r in sorted(rows, key=beyond, reverse=True)[:count]:
-            yield (f"  {beyond(r):>7.2f}  {r.scene:<18} {r.tolerance:<6g} {r.control:<8} "
-                   f"{r.error:>+9.2e} {r.area_error:>+9.2e} {r.estimate:>8.1e} "
-                   f"{r.area_estimate:>8.1e}  {r.message[-70:]}")
-
-
-def main():
-    parser = argparse.ArgumentParser(description="Judges interaction by dense scenes.")
-    parser.add_argument("exe")
-    parser.add_argument("--modes", default="auto,coupled,boundary")
-    parser.add_argument("--tolerances", default=",".join(map(str, TOLERANCES)))
-    parser.add_argument("--controls", default=",".join(CONTROLS))
-    parser.add_argument("--only", default="", help="scenes whose name has this in it")
-    parser.add_argument("--every", type=int, default=1)
-    parser.add_argument("--processes", type=int, default=2)
-    parser.add_argument("--timeout", type=float, default=300)
-    parser.add_argument("--worst", type=int, default=10)
-    parser.add_argument("--out")
-    words = parser.parse_args()
-    scenes = [s for s in dense_scenes() if words.only in s.name and s.name in truths()]
-    results = run_all(Path(words.exe).resolve(), scenes[::words.every], words.modes.split(","),
-                      tuple(map(float, words.tolerances.split(","))), words.controls.split(","),
-                      words.processes, words.timeout)
-    print("estimates: share below the true error, share above ten times it; of load or approach, "
-          "then of area")
-    for text in (*table(results), *worst(results, words.worst)):
-        print(text)
-    if words.out:
-        write_records(words.out, results)
-    automatic = [r for r in results if r.mode == "auto"]
-    return int(any(r.missed or r.area_missed for r in automatic))
-
-
-if __name__ == "__main__":
-    sys.exit(main())

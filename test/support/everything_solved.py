@@ -3,10 +3,6 @@
 Solved is: status 0, sums that are those of the contacts, and contacts that bear what they
 penetrate, or nothing where they do not.
 
-    python test/support/everything_solved.py EXECUTABLE [--parts random,packed,stepped,loads,rough]
-        [--count 10000] [--first 1] [--processes 2] [--timeout 300] [--mode coupled]
-        [--out results.csv] [--surface SUMMITS.csv ...]
-
 Random scenes: 2 to 5000 contacts, from .1 to 30 % of the area, heights from one level to widely
 spread, equal and mixed radii (to 1:30), at random, in heaps, in packed lattices and with coincident
 caps, under an approach or a load. Scene K is made of the seed K: `--first K --count 1` runs it
@@ -17,23 +13,18 @@ nearly the same axis. Loads: 2000 to 32000 caps at 40 loads from 3 to 90 N a cap
 Rough: the summits of a made-up rough surface, and of others (`x,y,height,radius`), up to 20 %
 contact.
 
-Prints every failure with its seed, and counts, steps and times at the end; status 1 if any failed.
 """
 
-import argparse
 import subprocess
-import sys
 import tempfile
 import time
-from concurrent.futures import ProcessPoolExecutor
 from dataclasses import dataclass
-from functools import partial
 from pathlib import Path
 
 import numpy as np
 
-from csv_rows import records, write_records
-from solved_cases import COMBINED, OF_SEEDS, SPHERE, load_cases, rough_parts
+from csv_rows import records
+from solved_cases import COMBINED, OF_SEEDS, SPHERE
 
 
 @dataclass
@@ -109,65 +100,6 @@ def fault_of(case, position, contacts):
 ROOM = "/dev/shm" if Path("/dev/shm").is_dir() else None
 
 
-def told(outcomes):
-    """Lines that sum up."""
-    for word in dict.fromkeys(w for o in outcomes for w in sorted(o.kind.split(", "))):
-        yield summed(word, [o for o in outcomes if word in o.kind.split(", ")])
-    yield summed("all", outcomes)
-
-
-def summed(kind, outcomes):
-    good = [o for o in outcomes if o.status == 0]
-    steps = np.array([o.steps for o in good if np.isfinite(o.steps)])
-    seconds = [o.seconds for o in outcomes]
-    share = [o.share for o in good] or [np.nan]
-    mean, most = (f"{steps.mean():.1f}", f"{steps.max():.0f}") if steps.size else ("-", "-")
-    return (f"{kind:<24} {len(outcomes):>6} {len(outcomes) - len(good):>6} {mean:>6} {most:>6} "
-            f"{max((o.contacts for o in good), default=0):>8} {100 * min(share):>6.2f} "
-            f"{100 * max(share):>6.1f} {sum(seconds):>8.1f} {max(seconds):>7.2f}")
-
-
 def run_seed(exe, mode, timeout, seed, part="random"):
     """Made where it runs: scenes are not sent between processes."""
     return run(exe, mode, timeout, OF_SEEDS[part](seed))
-
-
-def main():
-    parser = argparse.ArgumentParser(description="Whether everything is solved.")
-    parser.add_argument("exe")
-    parser.add_argument("--parts", default="random,packed,stepped,loads,rough")
-    parser.add_argument("--count", type=int, default=10_000)
-    parser.add_argument("--first", type=int, default=1)
-    parser.add_argument("--processes", type=int, default=2)
-    parser.add_argument("--timeout", type=float, default=300)
-    parser.add_argument("--mode", default="coupled")
-    parser.add_argument("--surface", nargs="*", default=[])
-    parser.add_argument("--out")
-    words = parser.parse_args()
-    exe, parts = Path(words.exe).resolve(), words.parts.split(",")
-    how = (exe, words.mode, words.timeout)
-    outcomes = []
-    with ProcessPoolExecutor(words.processes) as pool:
-        for part in parts:
-            if part in OF_SEEDS:
-                seeds = range(words.first, words.first + words.count)
-                ended = pool.map(partial(run_seed, *how, part=part), seeds, chunksize=4)
-            else:
-                cases = load_cases() if part == "loads" else rough_parts(words.surface)
-                ended = pool.map(partial(run, *how), cases)
-            for outcome in ended:
-                outcomes.append(outcome)
-                if outcome.status != 0:
-                    print(f"NOT SOLVED: {outcome.name} ({outcome.kind}), {outcome.caps} caps: "
-                          f"status {outcome.status}, {outcome.message[:200]}", flush=True)
-    print(f"{'kind':<24} {'runs':>6} {'failed':>6} {'steps':>6} {'most':>6} {'contacts':>8} "
-          f"{'% from':>6} {'to':>6} {'s':>8} {'most':>7}")
-    for line in told(outcomes):
-        print(line)
-    if words.out:
-        write_records(words.out, outcomes)
-    return int(any(o.status != 0 for o in outcomes))
-
-
-if __name__ == "__main__":
-    sys.exit(main())

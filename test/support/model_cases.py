@@ -330,4 +330,3 @@ def model_cases():
     yield from creep_cases()
     yield from map_cases()
     yield from dense_cases()
-

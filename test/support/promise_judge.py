@@ -1,7 +1,5 @@
 """Judges `solve --accuracy E`: promise against truth over random scenes of all kinds.
 
-    python test/support/promise_judge.py EXECUTABLE [--scenes 500] [--seconds 1800]
-
 Kinds: contacts without effects (50 digits), dense neighbours, up to 100 contacts or more (the
 archived solutions on grids), flow, adhesion, cycles of adhesion, friction and creep on one pair
 (laws evaluated apart), maps (conjugate gradients in numpy). Each is asked for 1e-2, 1e-4 and 1e-8.
@@ -9,11 +7,9 @@ A promise is kept when loads, areas and approaches (over the closing where effec
 within it and the truth's own error, or when it is refused.
 """
 
-import argparse
 import random
 import re
 import subprocess
-import sys
 import tempfile
 import time
 from collections import Counter
@@ -289,37 +285,3 @@ def judged(exe, scenes, seconds=1e9):
         if time.perf_counter() - began > seconds:
             break
     return found
-
-
-def table(verdicts):
-    """A line a kind and accuracy: scenes, kept, refused, broken; the time."""
-    yield "kind      asked  scenes  solved  refused  broken  largest error/said     seconds, median"
-    for kind in KINDS:
-        for asked in ASKED:
-            rows = [v for v in verdicts if v.kind == kind and v.asked == float(asked)]
-            if not rows:
-                continue
-            solved = [v for v in rows if v.status == 0]
-            worst = max((max(0.0, v.error - v.bound) / v.promised for v in solved), default=0.0)
-            yield (f"{kind:9} {asked}  {len(rows):6}  {len(solved):6}  "
-                   f"{sum(v.status == 1 for v in rows):7}  {sum(not v.kept for v in rows):6}  "
-                   f"{worst:21.2g}  {np.median([v.seconds for v in rows]):.3f}")
-
-
-def main(words):
-    told = argparse.ArgumentParser(description=__doc__.splitlines()[0])
-    told.add_argument("executable")
-    told.add_argument("--scenes", type=int, default=500)
-    told.add_argument("--seconds", type=float, default=1800.0)
-    given = told.parse_args(words)
-    verdicts = judged(Path(given.executable).resolve(), given.scenes, given.seconds)
-    print(*table(verdicts), sep="\n")
-    for v in verdicts:
-        if not v.kept:
-            print(f"broken: {v.kind} {v.scene}, {v.asked:g}: status {v.status}, error {v.error:.2e}"
-                  f", promised {v.promised:.1e}, truth to {v.bound:.1e} {v.message[-200:]}")
-    return int(any(not v.kept for v in verdicts))
-
-
-if __name__ == "__main__":
-    sys.exit(main(sys.argv[1:]))

@@ -1,11 +1,10 @@
 """Scenes that `coupled` must solve: random and packed ones by seeds, loads of a table, summits."""
 
 from dataclasses import dataclass
-from pathlib import Path
 
 import numpy as np
 
-from surfaces_csv import records, write_csv_scene
+from surfaces_csv import write_csv_scene
 
 MODULUS, RATIO = 275760.0, 0.42
 COMBINED = MODULUS / (2 * (1 - RATIO ** 2))
@@ -175,22 +174,6 @@ def stepped_case(seed):
     return Case(f"stepped {seed}", f"{kind}, {loading['control']}", caps, width ** 2, loading)
 
 
-# ---------------------------------------------------------------- loads
-
-def load_cases():
-    """26 caps of 1.27 cm a cm2, heights normal .127 +- .03 cm; 40 loads for each number."""
-    for count in (2000, 4000, 8000, 16000, 32000):
-        rng = np.random.default_rng([26, count])
-        area = count / 26
-        caps = np.column_stack([np.sqrt(area) * rng.random((count, 2)),
-                                0.127 + 0.03 * rng.standard_normal(count),
-                                np.full(count, 1.27)])
-        # A half of the loads are round: 40, 45, 50, 60 and 90 N a cap among them.
-        for each in sorted({*np.arange(5, 91, 5.0), *np.round(np.geomspace(3, 88, 22), 2)}):
-            yield Case(f"{count} caps, {each:g} N a cap", f"{count} caps", caps, area,
-                       {"control": "load", "value": float(each * count)})
-
-
 # ---------------------------------------------------------------- summits of rough surfaces
 
 def rough_surface(n=512, hurst=0.8, long=64, short=4, seed=5):
@@ -243,20 +226,6 @@ def rough_cases(name, caps):
         for control, value in (("load", load), ("approach", -closing)):
             yield Case(f"{name}, {100 * share:g} %, {control}", name, caps, area,
                        {"control": control, "value": value})
-
-
-def read_summits(path):
-    """Rows x, y, height, radius of a file."""
-    return np.array([[float(row[c]) for c in ("x", "y", "height", "radius")]
-                     for row in records(Path(path))])
-
-
-def rough_parts(surfaces):
-    """The made-up surfaces and those of files."""
-    yield from rough_cases("made-up rough surface", summits(rough_surface()))
-    yield from rough_cases("made-up fractal with blunt caps", blunt_caps())
-    for path in surfaces:
-        yield from rough_cases(Path(path).stem, read_summits(path))
 
 
 # Makers of scenes by their seed.

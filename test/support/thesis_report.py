@@ -125,4 +125,3 @@ def bounds():
     """What the thesis leaves open in each unsettled cell: lowest and highest printed number."""
     return {(row["table"].removeprefix("table_").upper(), int(row["row"]), row["column"]):
             (row["low"], row["high"]) for row in digitised("unsettled")}
-
