@@ -102,7 +102,8 @@ def test_lengths_times_a_power_of_2_scale_bit_for_bit(power, arithmetic, asperit
 
 
 @pytest.mark.parametrize("name, arithmetic", [
-    (name, arithmetic) for name in DECKS for arithmetic in ARITHMETICS])
+    pytest.param(name, arithmetic, marks=[pytest.mark.long] * (name in LONG))
+    for name in DECKS for arithmetic in ARITHMETICS])
 def test_deck_in_the_present_day_solver(name, arithmetic, asperity, data, tmp_path):
     case = DECKS[name]
     outcome = measure_deck(asperity, data / f"{name}.deck", arithmetic, tmp_path)
@@ -133,7 +134,8 @@ def test_deck_in_the_historic_port(name, arithmetic, asperity, data, tmp_path):
     assert all(abs(float(cell)) < float("inf") for row in rows for cell in row.values())
 
 
-@pytest.mark.parametrize("name", DECKS)
+@pytest.mark.parametrize("name", [
+    pytest.param(name, marks=[pytest.mark.long] * (name in LONG)) for name in DECKS])
 def test_historic_port_against_the_restated_march(name, asperity, data, tmp_path):
     case, path = DECKS[name], data / f"{name}.deck"
     if case.historic != "runs":

@@ -26,6 +26,7 @@ def test_model_case(name, asperity, root, tmp_path, tally):
             assert other.error(solved) > value.tolerance
 
 
+@pytest.mark.truth
 @pytest.mark.parametrize("name", PLACES)
 def test_auto_is_not_worse_than_coupled(name, asperity, root, tmp_path):
     """Errors of the load, to the uncertainty of the truth."""

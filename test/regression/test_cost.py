@@ -13,11 +13,11 @@ from effect_runs import DECK
 from programs import run_program
 from surfaces_csv import write_scene
 
+pytestmark = pytest.mark.long
+
 # Its own process, as what the tests hold would count as the program's.
 MEASURE = """
 import os, subprocess, sys
-
-pytestmark = pytest.mark.long
 _, status, usage = os.wait4(subprocess.Popen(sys.argv[1:]).pid, 0)
 print(status, usage.ru_maxrss * 1024)
 """
