@@ -16,8 +16,8 @@ module asperity_scene_maps
   use asperity_problems, only: decimal_text, problem_list, real_text
   use asperity_scene_fields, only: scene_fields
   use asperity_scene_values, only: control_limit, effect_auto, effect_boundary, effect_coupled, &
-                                   effect_off, effect_words, has_hardness, is_load, scene, &
-                                   scene_surface, solves_pixels
+                                   effect_off, effect_words, has_caps, has_hardness, is_load, &
+                                   scene, scene_surface, solves_pixels
   implicit none
   private
 
@@ -68,8 +68,11 @@ contains
     despike = 1
     unit = 0
     call fields%take_word('surfaces', 'map_despike', despike_words, despike)
-    is_given = [checked%upper%file /= '' .or. checked%map%upper%columns > 0, &
-                checked%lower%file /= '' .or. checked%map%lower%columns > 0]
+    ! A side with asperities is no plane.
+    is_given = [checked%upper%is_plane .and. &
+                (checked%upper%file /= '' .or. checked%map%upper%columns > 0), &
+                checked%lower%is_plane .and. &
+                (checked%lower%file /= '' .or. checked%map%lower%columns > 0)]
     sides = count(is_given)
     call take_spacing()
     call take_form()
@@ -79,8 +82,9 @@ contains
       call fields%take_units('surfaces', 'map_unit', length_units, unit(:1))
       unit(2) = unit(1)
     end if
-    call fields%refuse_name('surfaces', 'radius', 'found beside a map, whose summits have ' // &
-                            'radii of their own, expected none')
+    if (.not. has_caps(checked)) &
+      call fields%refuse_name('surfaces', 'radius', 'found beside a map, whose summits have ' // &
+                              'radii of their own, expected none')
     associate (maps => checked%map)
       ! A refused spacing hides whether a map needs one.
       good = .not. fields%has_name('surfaces', 'map_spacing') .or. &
@@ -282,7 +286,8 @@ contains
       return
     end if
     if (fields%has_group('motion')) then
-      if (checked%map%upper%columns == 0 .or. checked%map%lower%columns == 0) then
+      if (min(checked%map%upper%columns, checked%map%lower%columns) == 0 .and. &
+          .not. has_caps(checked)) then
         call fields%complain_of_group('motion', 'found beside a map and a plane, expected ' // &
                                       'none: a plane is the same everywhere')
       else if (.not. solves_pixels(checked)) then

@@ -3,7 +3,7 @@ module asperity_scene_surfaces
   use asperity_decimal, only: decimal_to_real64, decimal_value
   use asperity_delimited_text, only: line_reader
   use asperity_files, only: same_name
-  use asperity_height_map, only: plain_unit
+  use asperity_height_map, only: height_map, plain_unit
   use asperity_input_text, only: in_quotes
   use asperity_kinds, only: int64, real64
   use asperity_numeral, only: above_zero
@@ -11,7 +11,7 @@ module asperity_scene_surfaces
   use asperity_scene_deck, only: surfaces_from_deck
   use asperity_scene_fields, only: scene_fields
   use asperity_scene_maps, only: checksum_of_pipe, is_map, read_maps
-  use asperity_scene_values, only: scene, scene_motion, scene_surface
+  use asperity_scene_values, only: has_caps, scene, scene_motion, scene_surface
   use asperity_surface_csv, only: read_surface_csv, surface_table
   use asperity_system_calls, only: canonical_path
   implicit none
@@ -90,6 +90,7 @@ contains
     type(scene), intent(inout) :: checked
     type(problem_list), intent(inout) :: other_files
     type(line_reader) :: files(2)
+    character(len=:), allocatable :: unit
     logical :: maps(2)
 
     if (.not. fields%given(1)) checked%upper%is_plane = is_plane(upper)
@@ -110,10 +111,15 @@ contains
       end if
     end if
     call look_at(lower, files(2), maps(2))
-    if (any(maps) .or. allocated(checked%map)) then
-      call take_maps(path, upper, lower, files, maps, fields, checked, other_files)
-    else
-      call read_csv_files(path, upper, lower, files, fields, checked, other_files)
+    if (allocated(checked%map)) then
+      if (fields%given(1)) maps(1) = checked%map%upper%columns > 0
+      if (fields%given(2)) maps(2) = checked%map%lower%columns > 0
+    end if
+    call read_csv_files(path, upper, lower, files, maps, unit, fields, checked, other_files)
+    if (any(maps)) then
+      if (.not. allocated(checked%map)) allocate (checked%map)
+      call read_maps(files, fields, checked, other_files)
+      if (has_caps(checked)) call compare_with_map(unit, fields, checked)
     end if
     call files(1)%close()
     call files(2)%close()
@@ -136,37 +142,43 @@ contains
   end subroutine read_files
 
   ! Long: the reading of a side shares files and radii with the checks of both.
-  !> The two CSV files, or one and a plane; the scene's radius serves those that have no radius
-  !> column.
-  subroutine read_csv_files(path, upper, lower, files, fields, checked, other_files)
+  !> The CSV files of the sides that are neither planes nor maps; the scene's radius serves those
+  !> that have no radius column.
+  subroutine read_csv_files(path, upper, lower, files, maps, unit, fields, checked, other_files)
     character(len=*), intent(in) :: path
     character(len=:), allocatable, intent(in) :: upper, lower
     type(line_reader), intent(inout) :: files(2)
+    logical, intent(in) :: maps(2)  ! sides that are maps, which are planes here
+    character(len=:), allocatable, intent(out) :: unit  ! of lengths, from a header
     type(scene_fields), intent(inout) :: fields
     type(scene), intent(inout) :: checked
     type(problem_list), intent(inout) :: other_files
     type(decimal_value) :: radius(2)
-    character(len=:), allocatable :: which, upper_unit, lower_unit
+    character(len=:), allocatable :: which, lower_unit
     logical :: has_radius(2)
 
-    if (checked%upper%is_plane .or. checked%lower%is_plane) then
+    checked%upper%is_plane = checked%upper%is_plane .or. maps(1)
+    checked%lower%is_plane = checked%lower%is_plane .or. maps(2)
+    if (checked%upper%is_plane .and. checked%lower%is_plane) then
+      radius = decimal_value()
+    else if (checked%upper%is_plane .or. checked%lower%is_plane) then
       call fields%take_pair('surfaces', 'radius', above_zero, radius)
     else
       call fields%take_numbers('surfaces', 'radius', above_zero, radius)
     end if
-    call read_side(1, upper, checked%upper, upper_unit)
+    call read_side(1, upper, checked%upper, unit)
     call read_side(2, lower, checked%lower, lower_unit)
-    if (upper_unit /= '' .and. lower_unit /= '' .and. upper_unit /= lower_unit) &
+    if (unit /= '' .and. lower_unit /= '' .and. unit /= lower_unit) &
       call fields%complain_of('surfaces', 'lower', 'found unit ' // in_quotes(lower_unit) // &
-                              ' in its header beside ' // in_quotes(upper_unit) // &
+                              ' in its header beside ' // in_quotes(unit) // &
                               ' of upper, expected all lengths in one unit')
-    if (upper_unit == '') upper_unit = lower_unit
-    if (upper_unit /= '' .and. checked%units(1) /= '' .and. &
-        upper_unit /= plain_unit(checked%units(1))) &
+    if (unit == '') unit = lower_unit
+    if (unit /= '' .and. checked%units(1) /= '' .and. unit /= plain_unit(checked%units(1))) &
       call fields%complain_of('surfaces', 'units', 'found length ' // &
                               in_quotes(trim(checked%units(1))) // ' beside ' // &
-                              in_quotes(upper_unit) // ' in the header of a surface, expected ' // &
+                              in_quotes(unit) // ' in the header of a surface, expected ' // &
                               'the same: nothing is converted')
+    if (checked%upper%is_plane .and. checked%lower%is_plane) return
     if (.not. fields%has_name('surfaces', 'radius')) then
       which = 'upper and the lower'
       if (has_radius(1)) which = 'lower'
@@ -194,8 +206,14 @@ contains
       unit = ''
       has_radius(side) = .true.
       if (surface%is_plane) surface = plane_surface()
-      if (surface%is_plane .or. .not. allocated(name)) return
-      surface%file = path_beside(path, name)
+      if (.not. allocated(name)) return
+      if (.not. is_plane(name)) surface%file = path_beside(path, name)
+      if (surface%is_plane) return
+      if (any(maps) .and. allocated(files(side)%failure)) then
+        call other_files%start(surface%file)
+        call other_files%add_at(1, 1, files(side)%failure // ', expected a map')
+        return
+      end if
       if (radius(side)%all_digits > 0_int64) then
         call read_surface_csv(surface%file, table, found, decimal_to_real64(radius(side)), &
                               opened=files(side))
@@ -222,50 +240,51 @@ contains
 
   end subroutine read_csv_files
 
-  ! Maps of one or both surfaces; the other one is a plane.
-  subroutine take_maps(path, upper, lower, files, maps, fields, checked, other_files)
-    character(len=*), intent(in) :: path
-    character(len=:), allocatable, intent(in) :: upper, lower
-    type(line_reader), intent(inout) :: files(2)
-    logical, intent(in) :: maps(2)
+  ! Compares a table of asperities with the map that it lies on: its unit, '' for none, and places.
+  subroutine compare_with_map(unit, fields, checked)
+    character(len=*), intent(in) :: unit
     type(scene_fields), intent(inout) :: fields
     type(scene), intent(inout) :: checked
-    type(problem_list), intent(inout) :: other_files
-    character(len=*), parameter :: no_map = 'found no map beside a map, expected ' // &
-      '''plane'' or a map on the same grid'
+    logical, allocatable :: is_beside(:)
+    character(len=:), allocatable :: of_map
 
-    call take_side('upper', upper, files(1), maps(1), checked%upper)
-    call take_side('lower', lower, files(2), maps(2), checked%lower)
-    if (.not. allocated(checked%map)) allocate (checked%map)
-    call read_maps(files, fields, checked, other_files)
+    of_map = ''
+    if (checked%map%upper%columns > 0) of_map = plain_unit(checked%map%upper%unit)
+    if (checked%map%lower%columns > 0) of_map = plain_unit(checked%map%lower%unit)
+    if (unit /= '' .and. of_map /= '' .and. of_map /= unit) &
+      call fields%complain_of('surfaces', trim(merge('lower', 'upper', checked%upper%is_plane)), &
+                              'found unit ' // in_quotes(unit) // ' in its header beside ' // &
+                              in_quotes(of_map) // ' of the map, expected the same, or map_unit')
+    if (checked%lower%is_plane) then
+      call find_places(checked%upper, checked%map%lower)
+    else
+      call find_places(checked%lower, checked%map%upper)
+    end if
+    if (any(is_beside)) call checked%notes%add(checked%file // ': note: ' // &
+      decimal_text(count(is_beside)) // ' of ' // decimal_text(size(is_beside)) // &
+      ' summits lie beside the map, on which places count from its first pixel')
 
   contains
 
-    subroutine take_side(which, name, file, names_map, surface)
-      character(len=*), intent(in) :: which
-      character(len=:), allocatable, intent(in) :: name
-      type(line_reader), intent(in) :: file
-      logical, intent(in) :: names_map
-      type(scene_surface), intent(inout) :: surface
-      logical :: asperities
+    subroutine find_places(caps, map)
+      type(scene_surface), intent(in) :: caps
+      type(height_map), intent(in) :: map
 
-      asperities = allocated(surface%x)
-      if (asperities) asperities = size(surface%x) > 0
-      if (asperities) call fields%complain_of('surfaces', which, no_map)
-      surface = plane_surface()
-      if (.not. allocated(name)) return
-      if (is_plane(name)) return
-      if (names_map) then
-        surface%file = path_beside(path, name)
-      else if (allocated(file%failure)) then
-        call other_files%start(path_beside(path, name))
-        call other_files%add_at(1, 1, file%failure // ', expected a map')
-      else
-        call fields%complain_of('surfaces', which, no_map)
-      end if
-    end subroutine take_side
+      allocate (is_beside(0))
+      if (map%columns == 0 .or. .not. allocated(caps%x)) return
+      is_beside = is_off(caps%x, map%repeats(1), map%columns * map%pixel_spacing(1)) .or. &
+                  is_off(caps%y, map%repeats(2), map%rows * map%pixel_spacing(2))
+    end subroutine find_places
 
-  end subroutine take_maps
+    ! Whether a place is beyond an end of an axis, whose first pixel is at 0.
+    elemental logical function is_off(place, repeats, length)
+      real(real64), intent(in) :: place, length
+      logical, intent(in) :: repeats
+
+      is_off = .not. (repeats .or. (place >= 0.0_real64 .and. place <= length))
+    end function is_off
+
+  end subroutine compare_with_map
 
   ! Whether the word for a plane stands in the place of a file. A file of that name is ./plane.
   pure logical function is_plane(name)

@@ -27,7 +27,7 @@ module asperity_scene_values
   public :: by_default, by_numbers, by_word
   public :: effect_off, effect_on, effect_auto, effect_coupled, effect_boundary, effect_words
   public :: thesis_limit_load, is_thesis_sweep, body_compliance, combined_modulus, has_hardness, &
-            dundurs_beta, has_tangential, needs_pixels, solves_pixels
+            dundurs_beta, has_caps, has_tangential, needs_pixels, solves_pixels
 
   integer, parameter :: control_limit = 1          !! closing ends where a contact reaches its limit
   integer, parameter :: control_separation = 2     !! at a given separation of the reference planes
@@ -116,7 +116,7 @@ module asperity_scene_values
     procedure :: is_barred                   !! off because something else in the scene rules it out
   end type scene_effects
 
-  !> Height maps in the place of surfaces: one under or over a plane, or two on the same grid.
+  !> Height maps in the place of surfaces: one beside a plane or asperities, or two.
   type :: scene_map
     type(height_map) :: upper      !! as it was read; without columns: there is none
     type(height_map) :: lower      !! as it was read; without columns: there is none
@@ -310,6 +310,13 @@ contains
                      .not. any(scene_in%effects%modes /= effect_off .and. &
                                known_effects%not_on_pixels /= ''))
   end function solves_pixels
+
+  !> Whether the other body of a scene with a map is a table of asperities.
+  pure logical function has_caps(scene_in)
+    type(scene), intent(in) :: scene_in  !! checked values, with a map
+
+    has_caps = .not. (scene_in%upper%is_plane .and. scene_in%lower%is_plane)
+  end function has_caps
 
   !> Whether a scene with a map can be solved on its pixels alone.
   pure logical function needs_pixels(scene_in)

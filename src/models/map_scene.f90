@@ -5,6 +5,7 @@ module asperity_map_scene
   use asperity_effect_names, only: effect_on, known_effects, why_not_together
   use asperity_height_map, only: height_map, is_measured, move_map
   use asperity_kinds, only: int64, real64
+  use asperity_map_caps, only: add_caps, placed_caps
   use asperity_map_despiking, only: despike_map
   use asperity_map_form, only: add_form
   use asperity_map_levelling, only: level_map
@@ -22,14 +23,17 @@ module asperity_map_scene
 contains
 
   !> Makes the map that is in contact with a rigid plane at a position: levelled, without outliers
-  !> when chosen; of two maps the sum, the upper one displaced; with its form.
-  subroutine join_maps(scene_in, m, map, origin, failure)
+  !> when chosen; the sum of two maps, or of a map and asperities, the upper body displaced; with
+  !> its form.
+  subroutine join_maps(scene_in, m, map, origin, failure, placed)
     type(scene), intent(in) :: scene_in       !! scene with one map or two
     integer, intent(in) :: m                  !! position, from 1
     type(height_map), intent(out) :: map      !! pixels missing in one of two maps are missing
     real(real64), intent(out) :: origin(2)    !! its first pixel from that of the lower map [length]
     character(len=:), allocatable, intent(out) :: failure  !! reason, when there is none
+    type(placed_caps), intent(out), optional :: placed  !! asperities on the map, if there are any
     type(height_map) :: lower, upper
+    type(placed_caps) :: caps
 
     origin = 0.0_real64
     associate (maps => scene_in%map)
@@ -47,6 +51,13 @@ contains
           call level_map(map, maps%level)
       else
         call move_map(lower, map)
+        if (.not. scene_in%upper%is_plane) call add_caps( &
+          scene_in%upper, displacement_of(scene_in%motion, m), map, caps, failure)
+        if (maps%lower%columns == 0) origin = displacement_of(scene_in%motion, m)
+        if (.not. scene_in%lower%is_plane) call add_caps( &
+          scene_in%lower, -displacement_of(scene_in%motion, m), map, caps, failure)
+        if (allocated(failure)) return
+        if (present(placed)) placed = caps
       end if
       call add_form(map, maps%form_radius)
     end associate

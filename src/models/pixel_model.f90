@@ -12,6 +12,7 @@ module asperity_pixel_model
   use asperity_decimal, only: decimal_to_real64
   use asperity_height_map, only: height_map
   use asperity_kinds, only: int64, not_computed, real64
+  use asperity_map_caps, only: placed_caps
   use asperity_map_contact, only: map_answer, most_load, room_to_press
   use asperity_map_error, only: estimate_pixel_errors, is_rough_at_pixels, pixel_errors
   use asperity_map_fields, only: measure_fields, take_field
@@ -33,9 +34,9 @@ module asperity_pixel_model
                                    slip_state_columns, slip_state_powers, stiffness_ratio_of
   use asperity_theory_limits, only: is_patch_at_limit, look_at_pressure, set_theory_limits, &
                                     theory_limits
-  use asperity_theory_warnings, only: add_warning, of_attraction, of_error, of_flat_map, &
-                                      of_held_gap, of_resolution, take_worse, theory_warning, &
-                                      warning_kinds
+  use asperity_theory_warnings, only: add_warning, of_attraction, of_cap, of_contact_radius, &
+                                      of_error, of_flat_map, of_held_gap, of_resolution, &
+                                      take_worse, theory_warning, warning_kinds
   implicit none
   private
 
@@ -55,6 +56,7 @@ module asperity_pixel_model
     type(scene), pointer :: scene_in => null()
     type(height_map) :: first_map                ! at the first position, levelled
     real(real64) :: origin(2) = 0.0_real64       ! its first pixel from that of the lower map
+    type(placed_caps) :: caps                    ! asperities of a table on it
     real(real64) :: tolerance = 0.0_real64
     type(map_laws) :: laws                       ! what acts on the pixels
     logical :: has_adhesion = .false.            ! columns of adhesion
@@ -71,6 +73,7 @@ module asperity_pixel_model
   type, extends(placed_bodies) :: pixel_bodies
     class(pixel_model), pointer :: model => null()
     type(height_map), allocatable :: moved       ! not at the first position: the map here
+    type(placed_caps) :: caps                    ! asperities of a table on it
     type(map_history) :: history                 ! residual shape, and what the state leaves
     type(height_map), pointer :: map => null()   ! without deformation
     type(map_answer) :: answer                   ! pressures of the last state
@@ -102,7 +105,7 @@ contains
 
     allocate (new)
     new%scene_in => scene_in
-    call join_maps(scene_in, 1, new%first_map, new%origin, failure)
+    call join_maps(scene_in, 1, new%first_map, new%origin, failure, new%caps)
     if (allocated(failure)) return
     call name_map_columns(scene_in, header)
     header%tolerance = scene_in%effects%number('tolerance')
@@ -255,9 +258,11 @@ contains
     allocate (placed)
     placed%model => self
     placed%origin = self%origin
-    if (m > 1) then
+    if (m == 1) then
+      placed%caps = self%caps
+    else
       allocate (placed%moved)
-      call join_maps(self%scene_in, m, placed%moved, placed%origin, failure)
+      call join_maps(self%scene_in, m, placed%moved, placed%origin, failure, placed%caps)
       if (allocated(failure)) return
     end if
     placed%answer%interrupt = self%interrupt
@@ -330,6 +335,7 @@ contains
       call warn_of_shares(shares, model%tolerance, warnings)
       if (is_flat(map)) call add_warning(warnings, of_flat_map, 0.0_real64)
       call warn_of_patches(self, warnings)
+      if (allocated(self%caps%rise)) call warn_of_caps(self, warnings)
       if (model%steepness > resolved) &
         call add_warning(warnings, of_attraction, model%steepness / resolved)
       if (allocated(model%laws%attraction) .and. map%periodic .and. number > 1 .and. &
@@ -559,6 +565,22 @@ contains
       end do
     end associate
   end subroutine warn_of_patches
+
+  ! Warns of contacts that are wide for their asperity, or reach its base plane.
+  subroutine warn_of_caps(self, warnings)
+    class(pixel_bodies), intent(in) :: self
+    type(theory_warning), allocatable, intent(inout) :: warnings(:)
+    real(real64) :: below, steepest_slope
+
+    associate (caps => self%caps, is_loaded => self%answer%pressure > 0.0_real64)
+      steepest_slope = maxval([0.0_real64, pack(caps%slope, is_loaded)])
+      below = maxval([0.0_real64, pack(self%map%height - caps%rise, is_loaded) - &
+                      self%answer%level]) / caps%radius
+    end associate
+    if (steepest_slope > warning_kinds(of_contact_radius)%limit) &
+      call add_warning(warnings, of_contact_radius, steepest_slope)
+    if (below > 0.0_real64) call add_warning(warnings, of_cap, below)
+  end subroutine warn_of_caps
 
   ! Sets the results of one state and its contact patches.
   subroutine fill_state(self, step, keep_rows, result, number)

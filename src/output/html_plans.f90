@@ -78,12 +78,12 @@ contains
     type(scene), intent(in) :: scene_in
     type(plan_frame), intent(inout) :: frame
 
+    frame%upper = surface_in_plan(scene_in%upper)
+    frame%lower = surface_in_plan(scene_in%lower)
     if (allocated(scene_in%map)) then
-      frame%upper = map_in_plan(scene_in%map%upper)
-      frame%lower = map_in_plan(scene_in%map%lower)
+      if (scene_in%upper%is_plane) frame%upper = map_in_plan(scene_in%map%upper)
+      if (scene_in%lower%is_plane) frame%lower = map_in_plan(scene_in%map%lower)
     else
-      frame%upper = surface_in_plan(scene_in%upper)
-      frame%lower = surface_in_plan(scene_in%lower)
       if (scene_in%lower_is_mirrored) &
         frame%lower(2, :) = decimal_to_real64(scene_in%lower_mirror_width) - frame%lower(2, :)
     end if

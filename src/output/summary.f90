@@ -267,7 +267,7 @@ contains
     character(len=:), allocatable :: text
 
     if (allocated(scene_in%map)) then
-      text = maps_in_words(scene_in%map)
+      text = maps_in_words(scene_in%map, size(scene_in%upper%x) + size(scene_in%lower%x))
     else if (scene_in%upper%is_plane) then
       text = 'upper plane on ' // decimal_text(size(scene_in%lower%x)) // ' lower asperities'
     else if (scene_in%lower%is_plane) then
@@ -278,9 +278,10 @@ contains
     end if
   end function surfaces_in_words
 
-  ! The maps and their samples.
-  pure function maps_in_words(maps) result(text)
+  ! The maps and their samples, and how many asperities are in contact with one.
+  pure function maps_in_words(maps, asperities) result(text)
     type(scene_map), intent(in) :: maps
+    integer, intent(in) :: asperities
     character(len=:), allocatable :: text
 
     associate (columns => max(maps%upper%columns, maps%lower%columns), &
@@ -289,6 +290,8 @@ contains
     end associate
     if (min(maps%upper%columns, maps%lower%columns) > 0) then
       text = 'two height maps of ' // text // ', their sum under a plane'
+    else if (asperities > 0) then
+      text = 'height map of ' // text // ' and ' // decimal_text(asperities) // ' asperities'
     else
       text = 'height map of ' // text // ' and a plane'
     end if

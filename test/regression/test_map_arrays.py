@@ -308,6 +308,21 @@ def test_asperities_beside_a_file(library, tmp_path):
                                                     "radius = 2., 2."), None, CAPS))
 
 
+def test_asperities_beside_a_map(library, tmp_path):
+    """Both as arrays, or one of them a file: the same."""
+    lines = ["x,y,height,radius", *(",".join(map(repr, row)) for row in zip(*CAPS))]
+    (tmp_path / "s.csv").write_text("\n".join(lines) + "\n")
+    np.save(tmp_path / "m.npy", ROUGH)
+    groups = GROUPS.format("boundary", "{}")
+    both = library.solve(groups.format(""), CAPS, height_map(ROUGH))
+    assert both.wrong == "" and both.table(POSITIONS)["contacts"][0] >= 1
+    same_tables(both, library.solve(groups.format(f"upper = '{tmp_path / 's.csv'}'"), None,
+                                    height_map(ROUGH)))
+    same_tables(both, library.solve(
+        groups.format(f"lower = '{tmp_path / 'm.npy'}', map_spacing = 0.5, 0.375, map_unit = 'um'"),
+        CAPS, None))
+
+
 @pytest.mark.parametrize("interaction", ["off", "boundary"])
 def test_map_beside_a_map(library, tmp_path, interaction):
     """Two arrays, an array and a file on either side: the same; in two units, too."""
@@ -423,8 +438,6 @@ def spoiled(value, place=(2, 3)):
     ("plane", GOOD, "map_spacing = 1., 1.", "surfaces.lower: map_spacing given, but the map has "
                                             "its own"),
     (GOOD, GOOD, "map_spacing = 1., 1.", "map_spacing: found although both maps have their own"),
-    (GOOD, CAPS, "", "surfaces.lower: found no map beside a map, expected 'plane' or a map"),
-    (CAPS, GOOD, "", "surfaces.upper: found no map beside a map"),
     ("plane", "plane", "", "surfaces.lower: found two planes"),
     ("plane", None, "lower = 'plane'", "lower: found two planes"),
     (GOOD, None, "", "a surface is missing: found one as an array, expected the other one as an "
@@ -462,18 +475,6 @@ def test_refused(library, upper, lower, words, expected):
     scene = library.build(GROUPS.format("off", words), upper, lower)
     assert scene.status == BAD_INPUT
     assert expected in scene.wrong and scene.wrong.count("\n") <= 2, scene.wrong
-
-
-def test_refused_beside_files(library, tmp_path):
-    """A map beside a file of asperities, in either place."""
-    (tmp_path / "s.csv").write_text("x,y,height,radius\n0,0,0.1,1\n1,0,0.1,1\n")
-    (tmp_path / "m.txt").write_text("0 1 0\n1 3 1\n0 1 0\n")
-    scene = library.build(GROUPS.format("off", f"lower = '{tmp_path / 's.csv'}'"), GOOD, None)
-    assert scene.status == BAD_INPUT and re.search(r"lower: found no map beside a map", scene.wrong)
-    scene = library.build(GROUPS.format("off", f"upper = '{tmp_path / 'm.txt'}', map_spacing = "
-                                        "0.5, 0.5"), None, CAPS)
-    assert scene.status == BAD_INPUT
-    assert "surfaces.lower: found no map beside a map" in scene.wrong
 
 
 @pytest.mark.parametrize("given, options, expected", [

@@ -315,7 +315,7 @@ def test_commands_that_take_no_map(asperity, tmp_path):
     (("map_spacing", "radius = 1., 1., map_spacing"), "radius: found beside a map"),
     (("&material", "&motion x_first = 1. / &material"), "found beside a map"),
     (("&material", "&tilt upper_slope = .1, .1 / &material"), "it is levelled"),
-    (("'plane'", "'caps.csv'"), "found no map beside a map"),
+    (("'plane'", "'map.scene'"), "map.scene:1:1: found"),
     (("control = 'load', value = 0.001", "control = 'limit'"), "patches of pixels merge"),
     (("'boundary'", "'boundary', adhesion = 'on', work_of_adhesion = .1, "
       "equilibrium_distance = 1., friction = 'on', friction_coefficient = .1"),
