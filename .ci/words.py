@@ -25,8 +25,7 @@ EXCEPTIONS = (
      r"approach", "option of asperity DECK, whose files keep the name"),
     (r"src/study/corrected_table[.]f90",
      r"approaches", "Table VI of the historic program"),
-    (r"docs/(theory/(original|faults)|development/listing-port-scan|"
-     r"reference/(columns|commands))[.]md",
+    (r"docs/(theory/(original|faults)|reference/(columns|commands))[.]md",
      r"approach(es)?", "word of the historic program"),
     (r"docs/reference/commands[.]md",
      r"unit of length of all outputs,", "made from the help of the program"),

@@ -7,6 +7,7 @@ it; a file build/figures/accuracy.csv that is there already is used.
 """
 
 import csv
+import re
 import subprocess
 import sys
 from math import erf, exp, pi, sqrt
@@ -19,6 +20,8 @@ matplotlib.use("svg")
 import matplotlib.pyplot as plt
 from matplotlib.colors import LinearSegmentedColormap
 from matplotlib.patches import Circle, Rectangle
+
+from image_data import read_vti
 
 FOLDER = Path(__file__).resolve().parent
 ROOT = FOLDER.parents[1]
@@ -96,6 +99,12 @@ def solve_scenes(executable, wanted):
         DATA / "generated.deck")
     run(executable, "generate", "data/examples/generate/surface.spec", "--output",
         DATA / "surface.sdf")
+    page = (ROOT / "docs/tutorial/rough-ball.md").read_text(encoding="utf-8")
+    for name, text in re.findall(r"`(ball[.]spec|\w+[.]scene)`.*?```\n(.*?)```", page, re.DOTALL):
+        (DATA / name).write_text(text, encoding="ascii")
+    run(executable, "generate", "ball.spec", "--output", "ball.sdf", folder=DATA)
+    run(executable, "solve", "slip.scene", "--quiet", "--fields", "slip.vti", folder=DATA)
+    run(executable, "solve", "creep.scene", "--quiet", "--curve", "rough_ball.csv", folder=DATA)
     (DATA / "surface.scene").write_text((scenes / "surface.scene").read_text(), encoding="ascii")
     if "representative-area" in wanted:
         run(executable, "study", "data/examples/study/thesis.spec", "--quiet", "--csv",
@@ -498,6 +507,28 @@ def map_curves(_, left, right):
     right.set_ylim(-0.15, 0.35)
 
 
+@figure(330, columns=3)
+def rough_ball(canvas, pressures, slips, hold):
+    _, spacing, fields = read_vti(DATA / "slip.vti")
+    sides = np.array(fields["pressure"].shape) * spacing[:2]
+    for axes in (pressures, slips):
+        axes.grid(False)
+        axes.set(xlabel="x (um)", xlim=(6, 58), ylim=(6, 58))
+    pressure = np.where(fields["contact"] == 1, fields["pressure"], np.nan)
+    image = pressures.imshow(pressure.T, origin="lower", extent=(0, sides[0], 0, sides[1]),
+                             cmap=PALETTE)
+    canvas.colorbar(image, ax=pressures, shrink=0.8, label="Pressure (MPa)")
+    state = np.where(fields["contact"] == 1, fields["stick"], np.nan)
+    slips.imshow(state.T, origin="lower", extent=(0, sides[0], 0, sides[1]),
+                 cmap=LinearSegmentedColormap.from_list("slip", [YELLOW, BLUE]))
+    pressures.set_ylabel("y (um)")
+    rows = table(DATA / "rough_ball.csv")
+    for name, colour, label in (("area", BLUE, "contact area"), ("compression", RED, "compression")):
+        hold.plot(rows["time"] / 60, rows[name] / rows[name][0], color=colour, label=label)
+    hold.set(xlabel="Time (min)", ylabel="Over the value at loading")
+    hold.legend()
+
+
 @figure(360)
 def scan_size(_, axes):
     """A map with a free edge against the size of the scan."""
@@ -738,7 +769,7 @@ def pair_geometry(_, first, loaded, loads):
 
 def main(executable, *names):
     drawn = {name.replace("_", "-") if name.split("_")[0] in (
-        "gallery", "how", "map", "time", "scan", "representative", "pair") else name: make
+        "gallery", "how", "map", "time", "scan", "representative", "pair", "rough") else name: make
         for name, make in FIGURES.items()}
     # The scene is named in the picture without its folder.
     pictures = {"pressure-map": ("solve", "surface.scene"),
