@@ -651,7 +651,7 @@ def time_and_error(canvas, *panels):
             rows["scene"], rows["option"], rows["error"])
             if name == scene and option.startswith("half a digit")]
         points = [(option, time, float(error)) for option, time, error in chosen
-                  if error != "reference" and float(error) > 0]
+                  if error != "reference"]
         best = 10.0
         lowest = []
         for option, time, error in sorted(points, key=lambda one: one[1:]):
@@ -668,20 +668,21 @@ def time_and_error(canvas, *panels):
             colour, marker = next(style for key, style in families.items() if key in option)
             axes.plot(time, error, marker, color=colour, markersize=6)
             label = option.replace("interaction = ", "").replace("boundary_tolerance = ", "") \
-                .replace("tolerance = ", "")
-            near = next((place for place in labels if abs(np.log(place[0] / time)) < 0.3
+                .replace("tolerance = ", "").replace("'boundary', every", "every")
+            near = next((place for place in labels if abs(np.log(place[0] / time)) < 0.5
                          and abs(np.log(place[1] / error)) < 0.3), (time, error))
             labels.setdefault(near, []).append(label)
         for place, words in labels.items():
-            is_right = place[0] > (least * most**2)**(1 / 3) and len(words) == 1
-            is_below = (is_right and "auto" not in words[0]) or len(words) > 1
+            is_right = place[0] > (least * most**2)**(1 / 3) and "'boundary'" in words[0]
+            is_below = is_right or len(words) > 1
             axes.annotate("\n".join(words), place, (-6 if is_right else 3, -4 if is_below else 4),
                           fontsize=8, textcoords="offset points",
                           ha="right" if is_right else "left", va="top" if is_below else "bottom")
-        for option, time, error in chosen:
-            if error == "reference":
-                axes.axvline(time, color=INK, linestyle=":", linewidth=1)
-                axes.text(time * 1.1, 2e-5, f"{option}:\nreference", fontsize=8)
+        same = [(time, option) for option, time, error in chosen if error == "reference"]
+        for time, _ in same[-1:]:
+            axes.axvline(time, color=INK, linestyle=":", linewidth=1)
+            axes.text(time * 1.1, 3e-7, "reference:\n" + "\n".join(
+                option.replace("tolerance = ", "").replace(", on the pixels", "") for _, option in same), fontsize=8)
         axes.set(xscale="log", yscale="log", title=scene, ylim=(3e-9, 3),
                  xlim=(least / 2, most * 4))
     for axes in panels[2:]:

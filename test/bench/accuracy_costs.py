@@ -72,8 +72,10 @@ def measured(asperity, seconds):
                 if row["family"] == "input" and "summits" not in row["method"]:
                     yield scene, DIGIT, "", f"{float(row['own_error_max']):.1g}", ""
                 if row["family"] == "neighbours" and option and row["seconds"]:
+                    # A method without a difference from the reference is the reference itself.
+                    same = row["reference"] == "1" or float(row["error_max"]) == 0
                     yield (scene, option, f"{float(row['seconds']):.2g}",
-                           *("reference" if row["reference"] == "1" else f"{float(row[name]):.1g}"
+                           *("reference" if same else f"{float(row[name]):.1g}"
                              for name in ("error_max", "area_error_max")))
 
 
