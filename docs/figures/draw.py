@@ -227,6 +227,29 @@ def fig28(canvas, *panels):
     canvas.colorbar(scale, ax=panels[4], label="Load of a contact (N)")
 
 
+@figure(300, columns=3)
+def fig28_loads(canvas, *panels):
+    """The contacts of position 56 at three loads, with five times their radii."""
+    width = 3.455 * INCH
+    upper, _ = summits(ROOT / "data/thesis.deck")
+    contacts, curve = table(DATA / "contacts_56.csv"), table(DATA / "curve_56.csv")
+    for axes, share in zip(panels, (0.05, 0.3, 1.0)):
+        state = np.argmin(np.abs(curve["load"] - share * curve["load"][-1]))
+        there = contacts["step"] == curve["step"][state]
+        for x, y, radius, load in zip(*(contacts[key][there] for key in (
+                "x", "y", "contact_radius", "load"))):
+            axes.add_patch(Circle((x, y), 5 * radius, facecolor=PALETTE(load / 300), edgecolor=INK,
+                                  linewidth=0.4))
+        axes.plot(upper[:, 0] * INCH + 5.6, upper[:, 1] * INCH, "+", color=GREY, markersize=4,
+                  markeredgewidth=0.6)
+        axes.grid(False)
+        axes.set(title=f"{curve['load'][state]:.0f} N, {sum(there)} contacts", aspect="equal",
+                 xlim=(6.4, 16.9), ylim=(1, width), xlabel="x (cm)")
+    panels[0].set_ylabel("y (cm)")
+    scale = plt.cm.ScalarMappable(matplotlib.colors.Normalize(0, 300), PALETTE)
+    canvas.colorbar(scale, ax=panels[2], label="Load of a contact (N)", shrink=0.8)
+
+
 @figure(760)
 def report_head(canvas, axes):
     """The first page of Table VIIA, on the paper of a line printer: pale bars of two lines, the
