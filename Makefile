@@ -3,7 +3,7 @@
 .NOTPARALLEL:
 .PHONY: help report test test-all images trouble lint strict archive docs bench figures fuzz
 .PHONY: hard-table
-.PHONY: validation setup clean tables laws maps pages machine mutants wheel wheel-test
+.PHONY: validation setup clean tables maps pages machine mutants wheel wheel-test
 
 DECK ?= data/thesis.deck
 
@@ -73,7 +73,6 @@ else ifeq ($(PART),interaction)
 bench:
 	@bash .ci/setup build test bench
 	@.venv/bin/python test/bench/run_effects.py
-	@.venv/bin/python test/bench/run_again.py
 	@.venv/bin/python test/bench/run_scale.py --parts interaction $(if $(MOST),--most $(MOST)) \
 	  $(if $(BESIDE),--beside $(BESIDE))
 else ifeq ($(PART),scale)
@@ -86,7 +85,6 @@ bench: ## time and memory; SAVE=1 keeps them, SMALL=1; PART=search|maps|interact
 	@bash .ci/setup build test bench images
 	@.venv/bin/python test/bench/run_bench.py $(if $(SAVE),--save) $(if $(SMALL),--runs 2)
 	@.venv/bin/python test/bench/run_effects.py $(if $(SAVE),--save) $(if $(SMALL),--small)
-	@.venv/bin/python test/bench/run_again.py $(if $(SAVE),--save) $(if $(SMALL),--small)
 	@.venv/bin/python test/bench/run_tamaas.py $(if $(SAVE),--save) $(if $(SMALL),--small)
 	@.venv/bin/python test/bench/run_scale.py $(if $(SAVE),--save) $(if $(MOST),--most $(MOST)) \
 	  $(if $(SMALL),--small --most 1e4 --rounds 1)
@@ -100,12 +98,6 @@ fuzz: ## random decks, scenes and command lines (MINUTES=10); faults are kept in
 	@bash .ci/setup build test
 	@exe=$$(bash .ci/build release) && .venv/bin/python tools/fuzz.py --exe "$$exe" \
 	  --minutes $(or $(MINUTES),10) --keep build/fuzz
-
-laws: ## random scenes with effects, each under one law (RUNS=20000); misses in build/laws
-	@bash .ci/setup build test
-	@exe=$$(bash .ci/build release) && .venv/bin/python tools/metamorphic.py --exe "$$exe" \
-	  --runs $(or $(RUNS),20000) --keep build/laws && \
-	  .venv/bin/python test/support/map_laws.py --exe "$$exe" --runs $(or $(RUNS),1500)
 
 mutants: ## changed lines that no test notices (SEED=1 NUMBER=10)
 	@bash .ci/setup build test

@@ -1,4 +1,4 @@
-"""A small sample of the laws, by fixed seeds; `make laws` asks them of thousands of scenes."""
+"""A small sample of the laws of random scenes, by fixed seeds."""
 
 import map_laws
 import metamorphic_laws as laws

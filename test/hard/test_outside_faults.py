@@ -27,14 +27,6 @@ def test_full_standard_output(run, tmp_path):
     assert files(tmp_path) == []
 
 
-@pytest.mark.parametrize("words", [["--help"], ["--version"], [], ["solve", "--help"]])
-def test_full_standard_output_of_help(run, words):
-    with open("/dev/full", "wb") as full:
-        done = run(*words, stdout=full, capture_output=False, stderr=subprocess.PIPE)
-    assert done.returncode == 1
-    assert "No space left on device" in one_line(done)
-
-
 def test_full_device_as_output(run, tmp_path):
     done = run("t.deck", *LONG, "--positions", "p.csv", "--contacts", "/dev/full")
     assert done.returncode == 1 and done.stdout == b""
@@ -171,18 +163,6 @@ def test_small_stacks_of_threads(run, tmp_path, size, found):
     assert done.returncode == 1 and done.stdout == b"" and files(tmp_path) == []
     assert one_line(done) == (f"the stack of a thread is too small: found {found}, expected at "
                               "least 512 kB: OMP_STACKSIZE=8M")
-
-
-@pytest.mark.long
-@pytest.mark.once
-def test_smallest_stacks_that_serve(run):
-    def limit():
-        resource.setrlimit(resource.RLIMIT_STACK, (512 * 1024, 512 * 1024))
-
-    for size in ("512k", "1M", "1G"):
-        done = run("solve", "t.deck", "--threads", "2", preexec_fn=limit,
-                   env={**os.environ, "OMP_STACKSIZE": size})
-        assert done.returncode == 0, done.stderr
 
 
 MANY = {

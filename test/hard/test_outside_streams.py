@@ -34,13 +34,6 @@ def test_closed_pipe(run, tmp_path, words):
     assert files(tmp_path) == []
 
 
-def test_head(run, asperity, tmp_path):
-    done = run_program("bash", "-c", '"$0" "$@" | head -1; echo "${PIPESTATUS[0]}"', asperity,
-                       "t.deck", *LONG, cwd=tmp_path, text=False)
-    assert done.stdout.splitlines()[-1] == b"1"
-    assert one_line(done) == "standard output: cannot be written: Broken pipe"
-
-
 @pytest.mark.parametrize("stream", ["<&-", ">&-", "2>&-", ">&- 2>&-", "<&- >&- 2>&-"])
 def test_closed_stream(run, asperity, tmp_path, stream):
     """A stream that is closed from the start: no file is mistaken for it."""
@@ -54,21 +47,6 @@ def test_closed_stream(run, asperity, tmp_path, stream):
         assert (tmp_path / "p.csv").read_text(encoding="ascii") == "kept\n"
     assert files(tmp_path) == ["p.csv"]
     assert (tmp_path / "t.deck").read_bytes() == DECK.read_bytes()
-
-
-def test_pipe_that_does_not_wait(run, asperity, tmp_path):
-    """A reader that is slow, at the end of a pipe that refuses instead of waiting."""
-    expected = run("t.deck", *LONG).stdout
-    reading, writing = os.pipe()
-    os.set_blocking(writing, False)
-    with subprocess.Popen([asperity, "t.deck", *LONG], cwd=tmp_path, stdout=writing,
-                          stderr=subprocess.PIPE) as child:
-        os.close(writing)
-        time.sleep(0.2)
-        with os.fdopen(reading, "rb") as pipe:
-            assert pipe.read() == expected
-        child.stderr.read()
-        assert child.wait() == 0
 
 
 def test_devices_stay_devices(run, tmp_path):
@@ -198,29 +176,11 @@ def test_one_pipe_for_two_surfaces(run, tmp_path):
     assert done.returncode == 2
 
 
-def test_no_file_beside_a_map(run, tmp_path):
-    (tmp_path / "m.txt").write_text(HEIGHTS)
-    (tmp_path / "m.scene").write_text(
-        "&surfaces upper = 'm.txt', lower = 'none.txt', map_spacing = 1., 1. / "
-        "&material contact_modulus = 1. / &loading control = 'load', value = 1. /\n")
-    done = run("solve", "m.scene")
-    assert one_line(done) == ("none.txt:1:1: cannot be opened: No such file or directory, "
-                              "expected a map")
-
-
 def test_endless_input(run):
     done = run("/dev/zero", timeout=20)
     assert done.returncode == 2
     assert one_line(done) == ("/dev/zero:1:1: cannot be read: more than 100000000 bytes, "
                               "expected a card deck")
-
-
-def test_huge_input(run, tmp_path):
-    with open(tmp_path / "huge.deck", "wb") as huge:
-        huge.truncate(3 * 2 ** 30)
-    done = run("huge.deck", timeout=20)
-    assert done.returncode == 2
-    assert "cannot be read: more than 1000000000 bytes" in one_line(done)
 
 
 # ---------------------------------------------------------------- interruptions
@@ -307,61 +267,7 @@ def test_interrupted_at_any_time(asperity, tmp_path, delay):
         assert files(tmp_path) == []
 
 
-def test_ignored_signal_stays_ignored(waiting, asperity, tmp_path):
-    """`nohup`: the work goes on."""
-    before = signal.signal(signal.SIGHUP, signal.SIG_IGN)
-    try:
-        child = waiting("t.deck", *LONG, *OUTPUTS)
-    finally:
-        signal.signal(signal.SIGHUP, before)
-    child.send_signal(signal.SIGHUP)
-    child.communicate(timeout=20)
-    assert child.returncode == 0
-    assert files(tmp_path) == ["c.csv", "p.csv"]
-
-
 # ---------------------------------------------------------------- files that vanish
-
-def test_folder_removed_before_the_end(waiting, tmp_path):
-    (tmp_path / "away").mkdir()
-    child = waiting("../t.deck", *LONG, *OUTPUTS, cwd=tmp_path / "away")
-    shutil.rmtree(tmp_path / "away")
-    _, err = child.communicate(timeout=20)
-    assert child.returncode == 1
-    assert err.decode().splitlines()[-1] == "c.csv: cannot be written: No such file or directory"
-    assert files(tmp_path) == []
-
-
-def test_output_becomes_a_folder(waiting, tmp_path):
-    child = waiting("t.deck", *LONG, *OUTPUTS)
-    (tmp_path / "c.csv").mkdir()
-    _, err = child.communicate(timeout=20)
-    assert child.returncode == 1
-    assert err.decode().splitlines()[-1] == "c.csv: cannot be written: Is a directory"
-    assert files(tmp_path) == ["c.csv"] and os.listdir(tmp_path / "c.csv") == []
-
-
-def test_input_removed_while_it_is_read(asperity, tmp_path):
-    """The rest of the deck never comes."""
-    os.mkfifo(tmp_path / "deck")
-    with subprocess.Popen([asperity, "deck", *OUTPUTS], cwd=tmp_path, stdout=subprocess.PIPE,
-                          stderr=subprocess.PIPE) as child:
-        with open(tmp_path / "deck", "wb") as pipe:
-            pipe.write(DECK.read_bytes()[:1000])
-            pipe.flush()
-            (tmp_path / "deck").unlink()
-        out, err = child.communicate(timeout=20)
-    assert child.returncode == 2 and out == b""
-    assert b"wrong count of cards" in err
-    assert files(tmp_path) == []
-
-
-def test_input_removed_after_it_was_read(waiting, tmp_path):
-    child = waiting("t.deck", *LONG, *OUTPUTS)
-    (tmp_path / "t.deck").unlink()
-    child.communicate(timeout=20)
-    assert child.returncode == 0
-    assert files(tmp_path) == ["c.csv", "p.csv"]
 
 
 @pytest.mark.parametrize("name", ["none.deck", "folder", "t.deck/x", "loop", "bare"])

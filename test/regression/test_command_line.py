@@ -5,9 +5,7 @@ import itertools
 import os
 import re
 import resource
-import stat
 import subprocess
-import threading
 from decimal import ROUND_HALF_UP, Decimal
 
 import pytest
@@ -363,47 +361,7 @@ WORDS = pytest.mark.parametrize("words", [["DECK"], ["--help"], ["--version"], [
                                 ids=lambda words: "_".join(words) or "nothing")
 
 
-@WORDS
-@pytest.mark.skipif(not os.path.exists("/dev/full"), reason="no /dev/full here")
-def test_full_standard_output(words, run, thesis):
-    with open("/dev/full", "w") as full:
-        done = run(*[thesis if word == "DECK" else word for word in words], stdout=full)
-    assert done.returncode == 1
-    assert "standard output: cannot be written: " in done.stderr
-
-
-@WORDS
-def test_closed_standard_output(words, asperity, thesis):
-    done = subprocess.run(['exec "$0" "$@" >&-', asperity,
-                           *[thesis if word == "DECK" else word for word in words]],
-                          shell=True, stderr=subprocess.PIPE, text=True, timeout=20)
-    assert done.returncode == 1
-    assert "standard output: cannot be written: " in done.stderr
-
-
 OPTION = pytest.mark.parametrize("option", ("--contacts", "--positions"))
-
-
-@OPTION
-@pytest.mark.parametrize("place", ("missing/out.csv", "folder", "own.deck/out.csv"))
-def test_csv_that_cannot_be_written(option, place, run, thesis, tmp_path):
-    (tmp_path / "folder").mkdir()
-    (tmp_path / "own.deck").write_bytes(thesis.read_bytes())
-    done = run("own.deck", option, place)
-    assert (done.returncode, done.stdout) == (1, "")
-    assert f"{place}: cannot be written: " in done.stderr
-    assert sorted(os.listdir(tmp_path)) == ["folder", "own.deck"]
-    assert not os.listdir(tmp_path / "folder")
-
-
-@OPTION
-@pytest.mark.skipif(os.geteuid() == 0, reason="root may write everywhere")
-def test_csv_in_a_folder_without_permission(option, run, thesis, tmp_path):
-    folder = tmp_path / "closed"
-    folder.mkdir(mode=0o555)
-    done = run(thesis, option, "closed/out.csv")
-    assert (done.returncode, done.stdout) == (1, "")
-    assert "denied" in done.stderr and not os.listdir(folder)
 
 
 def small_files_only():
@@ -431,21 +389,6 @@ def test_csv_replaces_a_file_whole(option, run, thesis, tmp_path):
     assert (tmp_path / "link.csv").is_symlink()
     assert (tmp_path / "old.csv").read_bytes() == (tmp_path / "fresh.csv").read_bytes()
     assert sorted(os.listdir(tmp_path)) == ["fresh.csv", "link.csv", "old.csv"]
-
-
-@OPTION
-def test_csv_into_a_pipe(option, run, thesis, tmp_path):
-    """A pipe, like a device, is written; a file must not take its place."""
-    pipe = tmp_path / "pipe"
-    os.mkfifo(pipe)
-    got = []
-    reader = threading.Thread(target=lambda: got.append(pipe.read_bytes()), daemon=True)
-    reader.start()
-    assert run(thesis, option, "pipe").returncode == 0
-    assert stat.S_ISFIFO(os.stat(pipe).st_mode)
-    reader.join(10)
-    run(thesis, option, "fresh.csv")
-    assert got == [(tmp_path / "fresh.csv").read_bytes()]
 
 
 @pytest.mark.parametrize("upper, lower, pages", [(38, 39, (1, 2)), (39, 77, (2, 2)),

@@ -136,11 +136,6 @@ def test_words_that_do_not_go_together(asperity, root, tmp_path):
         assert deck.read_bytes() == (root / "data" / "thesis.deck").read_bytes()
 
 
-def test_place_that_cannot_be_written(asperity, root, tmp_path):
-    done = run([asperity], root / "data" / "thesis.deck", tmp_path / "a", "--keep", "no/where")
-    assert done[0] == 1 and b"no/where: cannot be written" in done[2] and not done[3]
-
-
 LONG = 1500
 
 

@@ -3,17 +3,12 @@
 The text of the port is compiled again when it changes. Nothing here runs the program.
 """
 
-import os
 import re
-import shutil
 from collections import Counter
-from pathlib import Path
 
 import pytest
 
-from builds import ROOT
-from listing_formats import BadFormat, fixed_texts, lines_of_format
-from programs import run_program
+from listing_formats import BadFormat, lines_of_format
 from thesis_report import CONTACT, MODEL, digitised, formats, table_cells
 
 # Says nothing about the build under test.
@@ -70,18 +65,6 @@ def test_a_text_must_have_its_count():
     assert line.filled(["1438.", "289.", "0."])[48:] == "     1438.      289.        0."
 
 
-def blanks(text):
-    return [len(found[0]) for found in re.finditer(" +", text)]
-
-
-def test_how_far_the_counts_fix_the_blanks(root):
-    """The README says how many texts have blanks that the count alone does not place."""
-    texts = [text for statement in formats().values() for text in fixed_texts(statement)]
-    placed = [text for text in texts if len(blanks(text)) > 1 and max(blanks(text)) > 1]
-    readme = (root / "reference_output" / "thesis" / "README.md").read_text(encoding="utf-8")
-    assert f"in {len(placed)} of the {len(texts)} texts" in " ".join(readme.split())
-
-
 def test_every_page_has_its_place():
     pages = digitised("pages")
     assert [int(page["page"]) for page in pages] == list(range(1, 18))
@@ -122,37 +105,3 @@ def test_headings_are_those_of_the_printed_tables(page):
     if page["page"] in COMPLETE:
         shown = " ".join(row["head"] for row in heads(page["page"])).split()
         assert Counter(shown) == Counter(run.split())
-
-
-def test_each_included_text_is_a_module_that_its_includers_use():
-    """fpm sees a change of a module, not of an included text: sections.F90 says how."""
-    texts = set()
-    for file in (ROOT / "src").glob("*/*.F90"):
-        source = file.read_text(encoding="utf-8")
-        for name in re.findall(r'^#include "(.*)\.F90"$', source, re.MULTILINE):
-            assert f"  use asperity_{name}, only:\n" in source, file
-            text = (file.parent / f"{name}.F90").read_text(encoding="utf-8")
-            assert re.match(rf"#ifndef [A-Z]+\n(!>.*\n)+module asperity_{name}\n", text)
-            texts.add(name)
-    assert texts == {"ieee_numbers", "section_iv", "sections", "sections_i_to_iii"}
-    for room in ("original", "arithmetic"):
-        assert not list((ROOT / "src" / room).glob("*.inc"))
-
-
-def test_fpm_compiles_users_of_a_changed_text(tmp_path):
-    """One arithmetic's numbers in a project of their own."""
-    (tmp_path / "src").mkdir()
-    for name in ("foundation/kinds.f90", "foundation/decimal.f90", "arithmetic/ieee_numbers.F90",
-                 "arithmetic/numbers_real64.F90"):
-        shutil.copy(ROOT / "src" / name, tmp_path.joinpath("src", Path(name).name))
-    (tmp_path / "fpm.toml").write_text('name = "numbers"\n[preprocess.cpp]\nsuffixes = ["F90"]\n')
-    text = tmp_path / "src/ieee_numbers.F90"
-
-    def compiled():
-        done = run_program("fpm", "build", "--no-prune", cwd=tmp_path, variables={
-            "PATH": f"{ROOT / '.venv/bin'}:{os.environ['PATH']}"})
-        return set(re.findall(r"(\w+)\.[fF]90\s+done", done.stdout))
-
-    assert {"kinds", "ieee_numbers", "numbers_real64"} <= compiled()
-    text.write_text(text.read_text().replace("real(1.5, KIND)", "(real(1.5, KIND))"))
-    assert compiled() == {"ieee_numbers", "numbers_real64"}

@@ -3,7 +3,6 @@ same map gives the same numbers to the last bit, however it comes."""
 
 import ctypes
 import os
-import re
 import sys
 from ctypes import POINTER, Structure, byref, c_char_p, c_double, c_int, c_void_p
 

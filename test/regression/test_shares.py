@@ -1,7 +1,6 @@
 """`--share I/N`: parts of a sweep or a study done by themselves, joined by a run over their files,
 are the whole, byte for byte."""
 
-import os
 import re
 
 import pytest
@@ -113,26 +112,3 @@ def test_what_is_refused(asperity, root, tmp_path):
     other = thesis_scene("thesis", root, tmp_path)
     assert "holds no part of 2 of the positions of this scene" in run(
         asperity, tmp_path, "solve", other, "--keep", "p1", "--keep", "p2", status=1).stderr
-
-
-@pytest.mark.long
-def test_the_recipe_for_a_cluster(asperity, root, tmp_path):
-    """Both scripts of the page as they stand, the tasks of the array one after the other."""
-    page = (root / "docs/how-to/many-machines.md").read_text()
-    array, join = re.findall(
-        r"```\n((?:#!/bin/bash\n)?(?:#SBATCH.*\n)*asperity solve SCENE[^`]*)```", page)
-    scene = thesis_scene("thesis", root, tmp_path)
-    (tmp_path / "asperity").symlink_to(asperity)
-    [tasks] = re.findall(r"#SBATCH --array=1-(\d+)", array)
-    paths = {**os.environ, "PATH": f"{tmp_path}:{os.environ['PATH']}", "OMP_NUM_THREADS": "1"}
-
-    def bash(script, **more):
-        run_program("bash", "-ec", script.replace("SCENE", str(scene)), cwd=tmp_path,
-                    env={**paths, **more})
-    for task in range(1, int(tasks) + 1):
-        bash(array, SLURM_ARRAY_TASK_ID=str(task))
-    assert files(tmp_path) == {}
-    bash(join)
-    joined = files(tmp_path)
-    run(asperity, tmp_path, "solve", scene, "--positions", "positions.csv")
-    assert joined == files(tmp_path) and list(joined) == ["positions.csv"]

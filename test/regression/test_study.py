@@ -7,7 +7,6 @@ import re
 import shlex
 import signal
 import subprocess
-import time
 
 import numpy as np
 import pytest
@@ -219,21 +218,6 @@ def test_other_specification_is_refused(study, tmp_path):
     assert "a.keep: holds no surfaces of this specification" in done.stderr
     assert (tmp_path / "a.keep").read_bytes() == before
     assert not (tmp_path / "b.csv").exists() and done.stdout == ""
-
-
-def test_kill_and_continue(asperity, study, tmp_path):
-    """A run killed in the middle is continued to the same bytes."""
-    text = spec(ensemble=60)
-    study(text, "--csv", "whole.csv", "--quiet")
-    run = subprocess.Popen([asperity, "study", "a.spec", "--keep", "k", "--csv", "part.csv"],
-                           cwd=tmp_path, stdout=subprocess.DEVNULL)
-    kept = tmp_path / "k"
-    while run.poll() is None and (not kept.exists() or b"surface 2," not in kept.read_bytes()):
-        time.sleep(0.001)
-    run.send_signal(signal.SIGKILL)
-    run.wait()
-    study(text, "--keep", "k", "--csv", "part.csv", "--quiet")
-    assert (tmp_path / "part.csv").read_bytes() == (tmp_path / "whole.csv").read_bytes()
 
 
 @pytest.mark.long

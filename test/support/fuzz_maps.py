@@ -7,12 +7,10 @@ everywhere.
     python test/support/fuzz_maps.py --exe PATH --runs 5000
 """
 
-import argparse
 import io
 import random
 import re
 import subprocess
-import sys
 import tempfile
 from pathlib import Path
 
@@ -163,20 +161,3 @@ def campaign(exe, seeds):
             if wrong:
                 faults[seed] = wrong
     return ended, faults
-
-
-def main():
-    parser = argparse.ArgumentParser(description=__doc__.partition("\n")[0])
-    parser.add_argument("--exe", required=True)
-    parser.add_argument("--runs", type=int, default=5000)
-    parser.add_argument("--first", type=int, default=0)
-    given = parser.parse_args()
-    ended, faults = campaign(given.exe, range(given.first, given.first + given.runs))
-    print(*(f"status {status}: {number}" for status, number in ended.items()), sep=", ")
-    for seed, wrong in faults.items():
-        print(f"seed {seed}: {wrong}")
-    return 1 if faults else 0
-
-
-if __name__ == "__main__":
-    sys.exit(main())

@@ -114,8 +114,3 @@ def lines_of_format(statement):
             text += fixed or " " * width
     end_record()
     return lines
-
-
-def fixed_texts(statement):
-    """The texts nH of a FORMAT statement."""
-    return [fixed for kind, fixed, _, _ in tokens(statement) if kind == "H" and fixed.strip()]

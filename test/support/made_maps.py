@@ -7,7 +7,6 @@ A surface is periodic over twice its side and a quarter of that is cut out, so i
 those of a measured map.
 """
 
-import sys
 from pathlib import Path
 
 import numpy as np
@@ -54,18 +53,3 @@ def archived():
     rough, _ = self_affine((64, 64), 16, hurst=0.5, shortest=2, stretch=2.0)
     rough[20:24, 40:45] = np.nan
     return {"smooth.sdf": (1e-7 * smooth, 1e-6), "rough.sdf": (2e-8 * rough, 5e-7)}
-
-
-def main():
-    import sdfio
-    FOLDER.mkdir(parents=True, exist_ok=True)
-    # Without dates: the same bytes whenever they are written.
-    metadata = sdfio.Metadata(revision=sdfio.Revision.ISO_1_0, data_type=sdfio.DataType.INT16,
-                              manufacturer_id="made_maps", create_date=None, mod_date=None)
-    for name, (heights, spacing) in archived().items():
-        sdfio.write(FOLDER / name, heights, x_scale=spacing, y_scale=spacing, metadata=metadata)
-    return 0
-
-
-if __name__ == "__main__":
-    sys.exit(main())

@@ -9,17 +9,12 @@ what is good enough. Each is asked one law; the summits that `asperity summits` 
 are asked the laws of the plane.
 """
 
-import argparse
 import copy
 import csv
 import functools
 import math
 import random
-import sys
-import tempfile
-from collections import Counter
 from dataclasses import dataclass, field
-from pathlib import Path
 
 import numpy as np
 
@@ -335,28 +330,3 @@ def broken(seed, exe, folder):
         return name, LAWS[name](scene, exe, folder, random.Random(f"law {seed}")), None
     except laws.Broken as wrong:
         return name, 0, str(wrong)
-
-
-def main():
-    parser = argparse.ArgumentParser(description=__doc__.split("\n", maxsplit=1)[0])
-    parser.add_argument("--exe", required=True)
-    parser.add_argument("--runs", type=int, default=500)
-    parser.add_argument("--seed", type=int, default=0)
-    given = parser.parse_args()
-    ended, misses = Counter(), 0
-    for seed in range(given.seed, given.seed + given.runs):
-        with tempfile.TemporaryDirectory(prefix="law") as folder:
-            name, status, wrong = broken(seed, Path(given.exe).resolve(), Path(folder))
-        ended[name, status] += 1
-        if wrong:
-            misses += 1
-            print(f"seed {seed}, {name}: {wrong}", flush=True)
-    for name in LAWS:
-        print(f"{name}: {ended[name, 0]} kept or broken, {ended[name, 1]} refused alike, "
-              f"{ended[name, None]} not asked")
-    print(f"{given.runs} scenes, {misses} misses")
-    return 1 if misses else 0
-
-
-if __name__ == "__main__":
-    sys.exit(main())
