@@ -19,7 +19,7 @@ module asperity_contact_state
   !> All contacts at one compression, in the units of their pairs.
   type :: contact_state
     real(real64) :: closing = 0.0_real64             !! compression of the position
-    real(real64) :: time = 0.0_real64                !! time since the end of loading
+    real(real64) :: time = 0.0_real64                !! time since the begin of loading
     real(real64) :: left = 1.0_real64                !! relative tolerance of a simulated effect
     class(contact_law), allocatable :: law           !! law of each contact
     real(real64), allocatable :: penetration(:)      !! of each pair; not positive where open

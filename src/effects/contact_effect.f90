@@ -175,7 +175,7 @@ contains
   !> compression. This default: 1.
   function held_share(self, time) result(share)
     class(contact_effect), intent(in) :: self  !! effect with its parameters
-    real(real64), intent(in) :: time           !! time since the end of loading
+    real(real64), intent(in) :: time           !! time since the begin of loading
     real(real64) :: share
 
     associate (unused => self, unused_too => time)

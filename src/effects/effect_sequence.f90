@@ -32,7 +32,7 @@ contains
   subroutine simulate_effects(pairs, effects, time, found, loading_only)
     type(contact_pairs), intent(in) :: pairs     !! pairs of the position
     type(effect_box), intent(in) :: effects(:)   !! effects of the scene, in their order of action
-    real(real64), intent(in) :: time             !! time since the end of loading, 0 or more
+    real(real64), intent(in) :: time             !! time since the begin of loading, 0 or more
     type(found_state), intent(inout) :: found    !! compression and search; gets the state
     !> whether effects that act in time are left out; absent: .false.
     logical, intent(in), optional :: loading_only

@@ -12,7 +12,7 @@ module asperity_map_state
   use asperity_map_contact, only: map_answer, press_map
   use asperity_map_creep, only: begin_creep_step, creep_memory, end_creep_step
   use asperity_problems, only: real_text
-  use asperity_viscoelastic_solid, only: standard_linear_solid
+  use asperity_viscoelastic_solid, only: relaxing_solid
   implicit none
   private
 
@@ -23,7 +23,7 @@ module asperity_map_state
     real(real64) :: modulus = 0.0_real64               !! instantaneous combined modulus, > 0
     real(real64), allocatable :: hardness              !! largest net traction
     type(attraction_law), allocatable :: attraction    !! attraction across the gap
-    type(standard_linear_solid), allocatable :: solid  !! material of both bodies
+    type(relaxing_solid), allocatable :: solid         !! material of both bodies
   end type map_laws
 
   !> History that a state leaves to the next one.

@@ -15,7 +15,7 @@ module asperity_effect_names
   public :: hold_load, hold_separation, hold_words
   public :: law_exponential, law_van_der_waals, law_words
   public :: known_effect, known_effects, effect_number, effect_numbers
-  public :: one_word, whole_number, needed_for, why_not_together
+  public :: most_relaxations, one_word, whole_number, needed_for, why_not_together
 
   integer, parameter :: effect_off = 1       !! the effect is left out
   integer, parameter :: effect_on = 2        !! the effect is simulated
@@ -42,6 +42,8 @@ module asperity_effect_names
     [character(len=13) :: 'exponential', 'van_der_waals', '']
   ! The words of a scene for the body that yields; the third has none.
   character(len=*), parameter :: plastic_bodies(3) = [character(len=13) :: 'upper', 'lower', '']
+
+  integer, parameter :: most_relaxations = 20  !! largest number of relaxation times
 
   !> An effect. Where a scene does not write how it is simulated, `asperity_scene_effects` does.
   type :: known_effect
@@ -71,7 +73,7 @@ module asperity_effect_names
                  'of a map'), &
     known_effect('adhesion', switch, 'attraction between the surfaces: snap-in, pull-off', &
                  own=[character(len=20) :: 'work_of_adhesion', '']), &
-    known_effect('creep', switch, 'relaxation or creep during a hold of separation or load', &
+    known_effect('creep', switch, 'relaxation or creep during loading and a hold', &
                  own=[character(len=20) :: 'hold_time', 'relaxation_time'])]
 
   integer, parameter :: one_word = -1  !! a number is one of `words`, by its place, and no range
@@ -88,6 +90,7 @@ module asperity_effect_names
     !> with its effect and that number not 0.
     character(len=21) :: needed_with = ''
     character(len=18) :: in_words = ''     !! what there is when it is not 0, where others need that
+    character(len=12) :: instead = ''      !! another number that does for it
     character(len=20) :: unit = ''         !! in words; blank: none
     character(len=72) :: meaning = ''      !! in a line
     character(len=13) :: words(3) = ''      !! for `one_word`
@@ -122,11 +125,15 @@ module asperity_effect_names
                   decimal_value(int(law_exponential, int64), 0), words=law_words, &
                   meaning='attraction across the gap on the pixels of a height map'), &
     effect_number('relaxation_time', 'creep', not_negative, needed_with='hold_time', unit='time', &
-                  meaning='time after which 1/e of the relaxing part is left'), &
+                  meaning='time after which 1/e of a relaxing part is left; several: ascending'), &
     effect_number('relaxed_modulus_ratio', 'creep', share_or_all, decimal_value(1_int64, 0), &
-                  needed_with='hold_time', meaning='relaxed over instantaneous modulus'), &
-    effect_number('hold_time', 'creep', not_negative, needed_with='on', in_words='a hold', &
-                  unit='time', meaning='duration of the hold after loading'), &
+                  needed_with='hold_time', &
+                  meaning='relaxed over instantaneous modulus; several: after each time'), &
+    effect_number('loading_time', 'creep', not_negative, unit='time', &
+                  meaning='duration of loading or of a path, at a constant rate'), &
+    effect_number('hold_time', 'creep', not_negative, needed_with='on', in_words='a duration', &
+                  instead='loading_time', unit='time', &
+                  meaning='duration of the hold after loading'), &
     effect_number('hold', 'creep', one_word, decimal_value(int(hold_load, int64), 0), &
                   words=hold_words, meaning='quantity held constant'), &
     effect_number('hold_points', 'creep', whole_number, decimal_value(20_int64, 0), &

@@ -4,11 +4,14 @@ module asperity_scene_effects
   use asperity_effect_names, only: effect_number, effect_numbers, known_effect, known_effects, &
                                    needed_for, one_word, whole_number, why_not_together
   use asperity_kinds, only: int64, real64
+  use asperity_numeral, only: above_zero, share_or_all
+  use asperity_problems, only: decimal_text
   use asperity_scene_fields, only: scene_fields
   use asperity_scene_values, only: by_default, by_numbers, by_word, control_separation, &
                                    control_limit, criterion_none, effect_auto, effect_off, &
                                    effect_on, effect_words, has_hardness, has_tangential, is_load, &
-                                   needs_pixels, scene, scene_effects, scene_loading, solves_pixels
+                                   most_relaxations, needs_pixels, scene, scene_effects, &
+                                   scene_loading, solves_pixels
   implicit none
   private
 
@@ -16,6 +19,10 @@ module asperity_scene_effects
 
   character(len=*), parameter :: no_way_back = 'friction is computed for surfaces that close ' // &
     'without going back: found a path in &loading that does'
+
+  ! Numbers of creep that may be several.
+  character(len=*), parameter :: relaxing(2) = &
+    [character(len=21) :: 'relaxation_time', 'relaxed_modulus_ratio']
 
 contains
 
@@ -37,7 +44,9 @@ contains
           if (written(i) > 0) written(i) = effect%modes(written(i))
         end associate
       end do
+      call take_relaxation(fields, effects)
       do i = 1, size(effect_numbers)
+        if (allocated(effects%relaxation) .and. any(effect_numbers(i)%name == relaxing)) cycle
         call take_number(fields, effect_numbers(i), effects%numbers(i))
       end do
       do i = 1, size(known_effects)
@@ -53,6 +62,10 @@ contains
       end do
       call check_hardness(fields, checked)
       call require_numbers(fields, checked)
+      if (effects%mode('creep') /= effect_off .and. effects%is_there('loading_time') .and. &
+          checked%loading%events) &
+        call fields%complain_of('loading', 'events', 'found beside loading_time in &effects, ' // &
+                                'expected points: loading in time has states at equal distances')
       if (effects%mode('friction') /= effect_off .and. rubs_back(checked)) &
         call fields%complain_of('effects', 'friction', no_way_back // &
                                 ', expected friction = ''off''')
@@ -116,7 +129,7 @@ contains
       associate (number => effect_numbers(i))
         if (number%effect /= name .or. fields%has_name('effects', trim(number%name))) cycle
         if (all(effect_numbers%name /= number%needed_with)) cycle
-        if (is_there(checked%effects, number%needed_with)) &
+        if (checked%effects%is_there(number%needed_with)) &
           why = 'it needs ' // trim(number%name) // ' in &effects'
       end associate
     end do
@@ -139,6 +152,37 @@ contains
         why = 'the other effects are computed for asperities, not for the pixels of a periodic map'
     end if
   end function why_not
+
+  ! Takes several relaxation times, ascending, with the modulus after each, descending.
+  subroutine take_relaxation(fields, effects)
+    type(scene_fields), intent(inout) :: fields
+    type(scene_effects), intent(inout) :: effects
+    integer :: i, number
+    logical :: in_order
+
+    number = max(fields%value_count('effects', trim(relaxing(1))), &
+                 fields%value_count('effects', trim(relaxing(2))))
+    if (number <= 1) return
+    if (number > most_relaxations) then
+      call fields%complain_of('effects', trim(relaxing(1)), 'too many values: found ' // &
+             decimal_text(number) // ', expected at most ' // decimal_text(most_relaxations))
+      return
+    end if
+    allocate (effects%relaxation(number, 2))
+    do i = 1, 2
+      associate (values => effects%relaxation(:, i))
+        call fields%take_numbers('effects', trim(relaxing(i)), &
+                                 merge(above_zero, share_or_all, i == 1), values)
+        in_order = all(merge(1, -1, i == 1) * (decimal_to_real64(values(2:)) - &
+                                               decimal_to_real64(values(:number - 1))) > 0.0_real64)
+        if (fields%problems%count() == 0 .and. .not. in_order) &
+          call fields%complain_of('effects', trim(relaxing(i)), 'the values are not ' // &
+                 trim(merge('ascending ', 'descending', i == 1)) // ', expected relaxation ' // &
+                 'times that rise and the modulus after each, which falls')
+        effects%numbers(findloc(effect_numbers%name, relaxing(i), 1)) = values(number)
+      end associate
+    end do
+  end subroutine take_relaxation
 
   ! A number, a whole number or a word; what is not there stays as it is.
   subroutine take_number(fields, number, value)
@@ -191,14 +235,14 @@ contains
     mode = checked%effects%mode(number%effect)
     select case (number%needed_with)
     case ('on')
-      is_needed = mode == effect_on
+      is_needed = mode == effect_on .and. .not. checked%effects%is_there(trim(number%name))
     case ('no limit')
       is_needed = mode /= effect_off .and. checked%limit%criterion == criterion_none .and. &
                   .not. flows_on_pixels(checked)
     case ('pixels')
       is_needed = flows_on_pixels(checked)
     case default
-      is_needed = mode /= effect_off .and. is_there(checked%effects, number%needed_with)
+      is_needed = mode /= effect_off .and. checked%effects%is_there(number%needed_with)
     end select
   end function is_needed
 
@@ -233,16 +277,8 @@ contains
   pure logical function names_hardness(checked)
     type(scene), intent(in) :: checked
 
-    names_hardness = allocated(checked%map) .and. is_there(checked%effects, 'plastic_hardness')
+    names_hardness = allocated(checked%map) .and. checked%effects%is_there('plastic_hardness')
   end function names_hardness
-
-  ! Whether a number is not 0.
-  pure logical function is_there(effects, name)
-    type(scene_effects), intent(in) :: effects
-    character(len=*), intent(in) :: name
-
-    is_there = effects%numbers(findloc(effect_numbers%name, name, 1))%all_digits /= 0_int64
-  end function is_there
 
   ! Only surfaces that attract each other bear a load of 0 or less by itself.
   subroutine refuse_pulls(fields, loading)
@@ -311,7 +347,7 @@ contains
     type(scene), intent(in) :: checked
     real(real64), allocatable :: closing(:)
 
-    rubs_back = is_there(checked%effects, 'friction_coefficient') .and. &
+    rubs_back = checked%effects%is_there('friction_coefficient') .and. &
                 allocated(checked%loading%path)
     if (rubs_back .and. allocated(checked%map)) &
       rubs_back = .not. (solves_pixels(checked) .or. checked%effects%given(findloc( &

@@ -9,7 +9,7 @@ module asperity_scene_values
   use asperity_effect_names, only: by_default, by_numbers, by_word, effect_auto, effect_boundary, &
                                    effect_coupled, effect_numbers, effect_off, effect_on, &
                                    effect_words, hold_separation, hold_load, hold_words, &
-                                       known_effects
+                                   known_effects, most_relaxations
   use asperity_files, only: same_name
   use asperity_height_map, only: height_map, level_plane
   use asperity_kinds, only: int64, real64
@@ -23,7 +23,7 @@ module asperity_scene_values
             control_pressure, control_compression, control_words, is_load, is_vertical_load
   public :: criterion_none, criterion_load, criterion_pressure, criterion_greenwood_williamson, &
             criterion_hardy, criterion_words
-  public :: hold_load, hold_separation, hold_words
+  public :: hold_load, hold_separation, hold_words, most_relaxations
   public :: by_default, by_numbers, by_word
   public :: effect_off, effect_on, effect_auto, effect_coupled, effect_boundary, effect_words
   public :: thesis_limit_load, is_thesis_sweep, body_compliance, combined_modulus, has_hardness, &
@@ -107,11 +107,15 @@ module asperity_scene_values
     integer :: modes(size(known_effects)) = effect_off  !! of each effect, an `effect_` number
     integer :: given(size(known_effects)) = by_default  !! by what: one of the `by_` numbers
     type(decimal_value) :: numbers(size(effect_numbers)) = effect_numbers%default  !! of all
+    !> (term, quantity): several relaxation times, ascending, and the relaxed modulus after each;
+    !> `numbers` has the last ones. Not allocated: one.
+    type(decimal_value), allocatable :: relaxation(:, :)
   contains
     procedure :: mode => mode_of_effect      !! how an effect is called for
     procedure :: number => number_of_effect  !! a number, or the place of a word, as a double
     procedure :: call_for => call_for_effect !! sets how an effect is called for
     procedure :: set => set_number           !! sets a number
+    procedure :: is_there                    !! whether a number is not 0, or one instead of it
     procedure :: has_numbers               !! whether the numbers that call for an effect are given
     procedure :: is_barred                   !! off because something else in the scene rules it out
   end type scene_effects
@@ -202,6 +206,16 @@ contains
     effects%numbers(findloc(effect_numbers%name, name, 1)) = value
   end subroutine set_number
 
+  !> Whether a number, or the one that does for it, is not 0.
+  pure logical function is_there(effects, name)
+    class(scene_effects), intent(in) :: effects  !! of a scene
+    character(len=*), intent(in) :: name         !! a known number
+
+    is_there = effects%numbers(findloc(effect_numbers%name, name, 1))%all_digits /= 0_int64 .or. &
+      any(effect_numbers%name == effect_numbers(findloc(effect_numbers%name, name, 1))%instead &
+          .and. effects%numbers%all_digits /= 0_int64)
+  end function is_there
+
   !> Whether the numbers that call for an effect are given and not 0; false where it has none.
   pure logical function has_numbers(effects, effect)
     class(scene_effects), intent(in) :: effects  !! of a scene
@@ -211,7 +225,7 @@ contains
     associate (own => known_effects(effect)%own)
       has_numbers = own(1) /= ''
       do i = 1, count(own /= '')
-        has_numbers = has_numbers .and. effects%number(trim(own(i))) > 0.0_real64
+        has_numbers = has_numbers .and. effects%is_there(trim(own(i)))
       end do
     end associate
   end function has_numbers

@@ -8,8 +8,8 @@ module asperity_asperity_path
   use asperity_isolated_contacts, only: closings_on_the_way
   use asperity_kinds, only: real64
   use asperity_path_steps, only: plan_path
-  use asperity_scene_values, only: control_compression, control_pressure, effect_off, is_load, &
-                                   scene
+  use asperity_scene_values, only: control_compression, control_limit, control_pressure, &
+                                   effect_off, is_load, scene
   implicit none
   private
 
@@ -18,18 +18,20 @@ module asperity_asperity_path
 contains
 
   !> Plans the states of loading. `points` equal parts lie between two values of a path.
-  subroutine plan_states(scene_in, pairs, effects, closing, steps, failure)
+  subroutine plan_states(scene_in, pairs, effects, closing, duration, steps, failure)
     type(scene), intent(in) :: scene_in                       !! scene, checked for faults
     type(contact_pairs), intent(in) :: pairs                  !! pairs of the position
     type(effect_box), intent(in) :: effects(:)                !! effects of the scene
     real(real64), intent(in) :: closing                       !! last compression without a path
+    real(real64), intent(in) :: duration                      !! time of loading, 0 or more
     type(path_step), allocatable, intent(out) :: steps(:)     !! states, at least one
     !> a load of the path is 0 in the unit of the pairs, or a first contact is not found
     character(len=:), allocatable, intent(out) :: failure
+    type(decimal_value), allocatable :: given(:)
     real(real64), allocatable :: closings(:), ends(:), gaps(:)
-    integer :: i, parts
+    integer :: i
 
-    if (.not. allocated(scene_in%loading%path)) then
+    if (.not. (allocated(scene_in%loading%path) .or. duration > 0.0_real64)) then
       allocate (gaps(0))
       if (scene_in%loading%events) then
         gaps = pairs%list%gap
@@ -48,17 +50,23 @@ contains
       end associate
       return
     end if
-    allocate (ends(size(scene_in%loading%path)))
-    parts = max(1, scene_in%loading%points)
+    if (allocated(scene_in%loading%path)) then
+      allocate (given, source=scene_in%loading%path)
+    else
+      allocate (given(1), source=scene_in%loading%value)
+    end if
+    allocate (ends(size(given)))
     do i = 1, size(ends)
-      ends(i) = value_of(scene_in, pairs, scene_in%loading%path(i))
-      if (is_load(scene_in%loading%control) .and. scene_in%loading%path(i)%all_digits /= 0 .and. &
-          .not. abs(ends(i)) / real(parts, real64) > 0.0_real64) then
+      ends(i) = value_of(scene_in, pairs, given(i))
+      if (is_load(scene_in%loading%control) .and. given(i)%all_digits /= 0 .and. &
+          .not. abs(ends(i)) / max(1, scene_in%loading%points) > 0.0_real64) then
         failure = 'a load of the path is too small beside the moduli and lengths to be met'
         return
       end if
     end do
-    call plan_path(0.0_real64, ends, parts, is_load(scene_in%loading%control), steps)
+    if (scene_in%loading%control == control_limit) ends = closing
+    call plan_path(0.0_real64, ends, scene_in%loading%points, is_load(scene_in%loading%control), &
+                   duration, steps)
   end subroutine plan_states
 
   ! Finds the compressions, up to the last, of the first contact of each pair, with displacements by

@@ -68,6 +68,8 @@ contains
     type(path_step), allocatable, intent(out) :: steps(:)
     character(len=:), allocatable, intent(out) :: failure
     type(path_step), allocatable :: hold(:)
+    real(real64) :: duration
+    logical :: creeps
 
     self%found%closing = self%pairs%closing
     if (is_load(self%scene_in%loading%control) .and. .not. self%simulated) then
@@ -75,9 +77,12 @@ contains
                          failure)
       if (allocated(failure)) return
     end if
-    call plan_states(self%scene_in, self%pairs, self%effects, self%found%closing, steps, failure)
+    creeps = acts_in_time(self%pairs, self%effects, self%found%closing)
+    duration = merge(self%scene_in%effects%number('loading_time'), 0.0_real64, creeps)
+    call plan_states(self%scene_in, self%pairs, self%effects, self%found%closing, duration, steps, &
+                     failure)
     if (allocated(failure)) return
-    if (acts_in_time(self%pairs, self%effects, self%found%closing)) then
+    if (creeps) then
       call plan_hold(self%scene_in, hold)
       steps = [steps, hold]
     end if
@@ -98,7 +103,7 @@ contains
       case (at_distance)
         found%closing = step%value
       case (at_load)
-        call close_to_load(pairs, effects, step%load, 0.0_real64, found, failure)
+        call close_to_load(pairs, effects, step%load, step%time, found, failure)
       case (held_load)
         found%prescribed_load = self%held
         call close_to_load(pairs, effects, self%held, step%time, found, failure)

@@ -38,7 +38,7 @@ contains
     type(contact_pairs), intent(in) :: pairs       !! pairs of the position
     type(effect_box), intent(in) :: effects(:)     !! effects; those in time act in `there` only
     real(real64), intent(in) :: target             !! load, < 0 for tension
-    real(real64), intent(in) :: time               !! time since the end of loading, 0 or more
+    real(real64), intent(in) :: time               !! time since the begin of loading, 0 or more
     type(found_state), intent(inout) :: found      !! a guess of the compression; the state found
     character(len=:), allocatable, intent(out) :: failure   !! reason, when the load is not carried
     logical :: jumps, unloads
@@ -74,7 +74,7 @@ contains
     type(contact_pairs), intent(in) :: pairs       !! pairs of the position
     type(effect_box), intent(in) :: effects(:)     !! effects; those in time act in `there` only
     real(real64), intent(in) :: target             !! load, 0 or more
-    real(real64), intent(in) :: time               !! time since the end of loading, 0 or more
+    real(real64), intent(in) :: time               !! time since the begin of loading, 0 or more
     type(found_state), intent(inout) :: found      !! a guess, `called_for`; the state found
     logical, intent(out) :: jumps                  !! whether the load jumps past the target
     character(len=:), allocatable, intent(out) :: failure   !! reason, when the load is not carried
@@ -95,12 +95,7 @@ contains
       call simulate_effects(pairs, effects, time, found, .not. time > 0.0_real64)
       load = controlled_load(pairs, found%state)
       call first_failure(effects, found%outcomes, failure)
-      if (allocated(failure)) then
-        ! The theory of a hold does not cover a smaller compression: the search goes on above it.
-        if (.not. (time > 0.0_real64 .and. load < target)) return
-        if (load >= target * (1.0_real64 - largest_error)) return
-        deallocate (failure)
-      end if
+      if (allocated(failure)) return
       if (target > 0.0_real64) then
         if (abs(load - target) <= target * &
             min(max(least_error, maxval(found%outcomes%load_jump)), largest_error)) return

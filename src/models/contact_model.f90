@@ -26,7 +26,7 @@ module asperity_contact_model
   type :: path_step
     integer :: control = at_distance     !! `at_distance`, `at_load`, `held_distance`, `held_load`
     real(real64) :: value = 0.0_real64   !! compression, separation or load, in units of the model
-    real(real64) :: time = 0.0_real64    !! time since the end of loading
+    real(real64) :: time = 0.0_real64    !! time since the begin of loading
     real(real64) :: load = no_load       !! prescribed load, in units of the model, or `no_load`
   end type path_step
 

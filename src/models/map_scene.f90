@@ -14,7 +14,8 @@ module asperity_map_scene
   use asperity_numeral, only: rounded_decimal
   use asperity_path_steps, only: plan_path
   use asperity_scene_values, only: control_compression, control_pressure, &
-                                   effect_auto, effect_coupled, is_load, scene, scene_motion
+                                   effect_auto, effect_coupled, effect_off, is_load, scene, &
+                                   scene_motion
   implicit none
   private
 
@@ -140,8 +141,7 @@ contains
     character(len=:), allocatable, intent(out) :: failure  !! reason, when a load underflows
     type(decimal_value), allocatable :: given(:)
     real(real64), allocatable :: ends(:)
-    real(real64) :: from, unit
-    integer :: parts
+    real(real64) :: duration, from, unit
 
     if (allocated(scene_in%loading%path)) then
       allocate (given, source=scene_in%loading%path)
@@ -154,10 +154,13 @@ contains
       if (.not. unit > 0.0_real64) unit = area_of_map(map)
     end if
     ends = unit * decimal_to_real64(given)
-    parts = max(1, scene_in%loading%points)
     from = 0.0_real64
+    duration = 0.0_real64
+    if (scene_in%effects%mode('creep') /= effect_off) &
+      duration = scene_in%effects%number('loading_time')
     if (is_load(scene_in%loading%control)) then
-      if (any(given%all_digits > 0_int64 .and. .not. ends / parts > 0.0_real64)) then
+      if (any(given%all_digits > 0_int64 .and. &
+              .not. ends / max(1, scene_in%loading%points) > 0.0_real64)) then
         failure = 'a load of the map is too small for a double, expected other units'
         return
       end if
@@ -165,7 +168,8 @@ contains
       from = maxval(map%height)
       if (scene_in%loading%control == control_compression) ends = from - ends
     end if
-    call plan_path(from, ends, parts, is_load(scene_in%loading%control), steps)
+    call plan_path(from, ends, scene_in%loading%points, is_load(scene_in%loading%control), &
+                   duration, steps)
   end subroutine plan_map_path
 
 end module asperity_map_scene

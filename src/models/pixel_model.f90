@@ -22,6 +22,7 @@ module asperity_pixel_model
   use asperity_map_patches, only: find_patches, map_patch
   use asperity_map_scene, only: area_of_map, displacement_of, join_maps, plan_map_path
   use asperity_map_shares, only: find_shares, map_shares, warn_of_map, warn_of_shares
+  use asperity_map_adhesion, only: work_at_edge
   use asperity_map_state, only: map_history, map_laws, solve_map_state
   use asperity_partial_slip, only: slip_answer, slip_of_patches, slip_request, solve_partial_slip, &
                                    take_traction
@@ -35,8 +36,9 @@ module asperity_pixel_model
   use asperity_theory_limits, only: is_patch_at_limit, look_at_pressure, set_theory_limits, &
                                     theory_limits
   use asperity_theory_warnings, only: add_warning, of_attraction, of_cap, of_contact_radius, &
-                                      of_error, of_flat_map, of_held_gap, of_resolution, &
-                                      take_worse, theory_warning, warning_kinds
+                                      of_cut_range, of_error, of_flat_map, of_held_gap, &
+                                      of_resolution, take_worse, theory_warning, warning_kinds
+  use asperity_viscoelastic_solid, only: solid_of_scene
   implicit none
   private
 
@@ -158,9 +160,7 @@ contains
                     real_text(pixel * resolved / model%steepness)
       end if
       if (effects%mode('creep') == effect_off) return
-      allocate (laws%solid)
-      laws%solid%relaxed_ratio = effects%number('relaxed_modulus_ratio')
-      laws%solid%relaxation_time = effects%number('relaxation_time')
+      laws%solid = solid_of_scene(scene_in)
     end associate
   end subroutine set_laws
 
@@ -329,6 +329,7 @@ contains
     type(position_result), intent(inout) :: result
     type(map_shares) :: shares
     type(theory_warning), allocatable :: warnings(:)
+    real(real64) :: cut
 
     associate (model => self%model, map => self%map, answer => self%answer)
       call list_patches(self, shares)
@@ -338,8 +339,12 @@ contains
       if (allocated(self%caps%rise)) call warn_of_caps(self, warnings)
       if (model%steepness > resolved) &
         call add_warning(warnings, of_attraction, model%steepness / resolved)
-      if (allocated(model%laws%attraction) .and. map%periodic .and. number > 1 .and. &
-          .not. allocated(self%load)) call add_warning(warnings, of_held_gap, real(number, real64))
+      if (allocated(model%laws%attraction)) then
+        if (map%periodic .and. number > 1 .and. .not. allocated(self%load)) &
+          call add_warning(warnings, of_held_gap, real(number, real64))
+        cut = work_at_edge(map, model%laws%attraction, self%history%adhesion%attraction)
+        if (cut > model%tolerance) call add_warning(warnings, of_cut_range, cut)
+      end if
       call take_worse(result%warnings, warnings, number)
       call fill_state(self, step, keep_rows, result, number)
       if (keep_rows) self%samples = [self%samples, real(self%patches%samples, real64)]

@@ -70,7 +70,7 @@ module asperity_contact_records
   type :: state_row
     real(real64) :: approach = not_computed        !! separation of the reference planes
     real(real64) :: closing = not_computed         !! compression since first touch
-    real(real64) :: time = not_computed            !! time since the end of loading
+    real(real64) :: time = not_computed            !! time since the begin of loading
     real(real64) :: load = not_computed            !! sum of the normal forces
     real(real64) :: vertical_load = not_computed   !! sum of their vertical parts
     real(real64) :: area = not_computed            !! sum of the areas

@@ -13,7 +13,7 @@ module asperity_theory_warnings
             of_no_summit, of_scan_lines, of_spikes, of_area, of_limit, of_range, &
             of_unlike_bodies, of_yield_strain, of_flow_depth, of_unloading_depth, of_missing, &
             of_border, of_resolution, of_flat_map, of_off, of_barred, of_error, &
-            of_nested, of_excluded, of_attraction, of_held_gap
+            of_nested, of_excluded, of_attraction, of_held_gap, of_cut_range, of_shrinking
 
   !> Places of the kinds in `warning_kinds`, where each is described.
   enum, bind(c)
@@ -21,7 +21,8 @@ module asperity_theory_warnings
       of_tabor, of_creep_strain, of_relaxing, of_together, of_load_direction, of_map_edge, &
       of_no_summit, of_scan_lines, of_spikes, of_area, of_limit, of_range, of_unlike_bodies, &
       of_yield_strain, of_flow_depth, of_unloading_depth, of_missing, of_border, of_resolution, &
-      of_flat_map, of_off, of_barred, of_error, of_nested, of_excluded, of_attraction, of_held_gap
+      of_flat_map, of_off, of_barred, of_error, of_nested, of_excluded, of_attraction, &
+      of_held_gap, of_cut_range, of_shrinking
   end enum
 
   !> Classes of kinds: a result outside the range of a theory; a result whose numbers are in error,
@@ -163,7 +164,15 @@ module asperity_theory_warnings
     warning_kind('held_gap', in_theory, 0.0_real64, .false., &
       'adhesion on a periodic map holds the mean gap at each separation', &
       'states at prescribed separations', &
-      'prescribe the load: a mean gap that is held leaves results that depend on the states')]
+      'prescribe the load: a mean gap that is held leaves results that depend on the states'), &
+    warning_kind('cut_range', in_accuracy, 0.0_real64, .true., &
+      'the map ends within the range of adhesion', &
+      'of the work of adhesion is left in the gap at its edge', &
+      'take a wider map or expect a pull that is too small by up to this share'), &
+    warning_kind('shrinking', in_theory, 0.0_real64, .true., &
+      'contacts shrink, which the theory of creep does not cover', &
+      'of the elastic load is that of contacts that shrink', &
+      'take their loads as estimates or solve the surface as a height map')]
 
   !> One kind of warning at one position.
   type :: theory_warning

@@ -210,8 +210,8 @@ contains
     end do
   end subroutine solve_pixels
 
-  ! Estimates the influence of effects that are not simulated, in the last state: each patch of
-  ! pixels is taken as the Hertzian contact of its area and load.
+  ! Estimates the influence of effects that are not simulated, in the last state with contact: each
+  ! patch of pixels is taken as the Hertzian contact of its area and load.
   subroutine estimate_left_out(scene_in, is_left, position)
     type(scene), intent(in) :: scene_in
     logical, intent(in) :: is_left(:)  ! whether each known effect is not simulated
@@ -224,13 +224,16 @@ contains
     type(contact_row), allocatable :: rows(:)
     real(real64), allocatable :: square(:), radius(:)
     real(real64) :: share
-    integer :: e, number
+    integer :: at, e, number
 
-    last = last_state(position)
-    ! A patch in tension has no sphere.
-    rows = position%rows(last%first_row:last%last_row)
-    rows = pack(rows, rows%load > 0.0_real64)
-    if (size(rows) == 0) return
+    do at = size(position%states), 1, -1
+      last = position%states(at)
+      ! A patch in tension has no sphere.
+      rows = position%rows(last%first_row:last%last_row)
+      rows = pack(rows, rows%load > 0.0_real64)
+      if (size(rows) > 0) exit
+    end do
+    if (at == 0) return
     spheres = scene_in
     deallocate (spheres%map)
     spheres%effects%modes = effect_off
@@ -273,7 +276,7 @@ contains
     end do
     if (position%error_estimate > scene_in%effects%number('tolerance')) &
       call add_warning(warnings, of_error, position%error_estimate)
-    call take_worse(position%warnings, warnings, size(position%states))
+    call take_worse(position%warnings, warnings, at)
   end subroutine estimate_left_out
 
   ! Adds the warnings of the map itself to those of its last state.

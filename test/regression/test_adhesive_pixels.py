@@ -204,3 +204,25 @@ def test_wide_pixels(asperity, tmp_path):
         assert ("holds the mean gap at each separation" in lines) == warned
     said = run(asperity, tmp_path, height, 1 / 32, 0.01, law="dugdale", status=2)
     assert "'exponential' or 'van_der_waals'" in said
+
+
+@pytest.mark.parametrize("law, wide", [("exponential", 6.0), ("van_der_waals", 15.0)])
+def test_range_beyond_the_edge(asperity, tmp_path, law, wide):
+    """A hard ball in touch, whose full pull is 2 pi w R (Bradley 1932): the warning has at least
+    the share that the map cuts off, at most twice it. None on a wide map, on one of many hills."""
+    distance, n = 1e-3, 40
+    for gap in (0.5, 2.0, wide):
+        spacing = 2 * (2 * gap * distance)**0.5 / (n - 1)
+        x = (np.arange(n) - (n - 1) / 2) * spacing
+        height = -(x[:, None]**2 + x[None, :]**2) / 2
+        rows, _, lines = run(asperity, tmp_path, height, spacing, 0.0, "separation", law, distance,
+                             work=1e-9)
+        lost = 1 + rows[0]["load"] / (2 * np.pi * 1e-9)
+        said = re.search(r"range of adhesion, (\S+) % of the work of adhesion is left", lines)
+        assert (said is None) == (gap == wide), lines
+        if said:
+            assert lost < float(said[1]) / 100 < 2 * lost, (gap, lost)
+    hills = 0.2 * distance * rough(n, shortest=8, seed=5)
+    _, _, lines = run(asperity, tmp_path, hills, spacing, float(hills.max()), "separation", law,
+                      distance, work=1e-9)
+    assert "range of adhesion" not in lines

@@ -200,6 +200,64 @@ def test_hold_after_a_path(control, asperity, tmp_path, tally):
             assert float(held_rows[0]["load"]) == pytest.approx(0.5, rel=1e-10)
 
 
+def many_times(ratios, times, at):
+    """J(t) E(0) of a solid with several relaxation times, and its integral from 0 to t, by the
+    method of Runge and Kutta with 100 steps from one time to the next."""
+    shares, times = -np.diff([1, *ratios]), np.array(times)
+    state, found = np.array([1.0, 0.0, *shares]), []
+
+    def rate(state):
+        rising = (state[2:] / times).sum()
+        return np.array([rising, state[0], *(shares * rising - state[2:] / times)])
+
+    for h in np.diff(at, prepend=0) / 100:
+        for _ in range(100):
+            one = rate(state)
+            two = rate(state + h / 2 * one)
+            three = rate(state + h / 2 * two)
+            state = state + h / 6 * (one + 2 * two + 2 * three + rate(state + h * three))
+        found.append(state[:2])
+    return np.array(found).T
+
+
+def test_three_relaxation_times(asperity, tmp_path, tally):
+    """A held load after fast loading, also in three states; loading in time at a rate of the load,
+    whose elastic load is the integral of the compliance, with errors of second order."""
+    ratios, times, end = (0.8, 0.5, 0.2), (0.1, 1.0, 10.0), 6.0
+    for points in (20, 3):
+        run = held(asperity, tmp_path, solid(ratios, times, end, points=points), name="hold")
+        true = 0.75 * LOAD * RADIUS / MODULUS * many_times(
+            ratios, times, column(run.curve, "time"))[0]
+        compare(tally, "creep: three relaxation times, held", off(
+            column(run.curve, "compression"), true**(2 / 3) / RADIUS), 1e-9)
+    errors = []
+    for points in (0, 40):
+        run = held(asperity, tmp_path, solid(ratios, times, 0.0, loading_time=end),
+                   {"control": "load", "value": LOAD, "points": points}, name="ramp")
+        true = 0.75 * LOAD * RADIUS / MODULUS / end * many_times(
+            ratios, times, column(run.curve, "time"))[1]
+        assert len(true) == (points or 20) + 1
+        errors.append(off(column(run.curve, "compression")[1:], true[1:]**(2 / 3) / RADIUS))
+    compare(tally, "creep: three relaxation times, loading", np.concatenate(errors), 5e-3)
+    assert errors[1][-1] < 0.3 * errors[0][-1]
+
+
+def test_cycle_in_time(asperity, tmp_path):
+    """Contacts that shrink do not end a run: every load is met, the warning has their share, and
+    the surface has not recovered when the load is 0."""
+    run = held(asperity, tmp_path, solid(0.3, 1.0, 2.0, points=5, loading_time=6.0),
+               {"control": "load", "value": (LOAD, 0.0, LOAD), "points": 5})
+    loads, closing = column(run.curve, "load"), column(run.curve, "compression")
+    wanted = LOAD * np.concatenate([np.linspace(0, 1, 6), np.linspace(0.8, 0, 5),
+                                    np.linspace(0.2, 1, 5), np.ones(4)])
+    assert np.abs(loads - wanted).max() < 1e-9 * LOAD
+    assert np.allclose(column(run.curve, "time")[:16], np.linspace(0, 6, 16))
+    assert closing[10] > 0.4 * closing[5] and float(run.curve[10]["area"]) == 0
+    assert "100.0 % of the elastic load is that of contacts that shrink" in run.stderr
+    run = held(asperity, tmp_path, solid(0.3, 1.0, 2.0, points=5, loading_time=6.0))
+    assert "shrink" not in run.stderr
+
+
 def test_auto(asperity, tmp_path):
     """`auto` asks what a held approach would lose."""
     for hold_time, wanted in ((1e-3, "off"), (1.0, "on"), (0.0, "off")):

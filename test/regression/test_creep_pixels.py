@@ -1,4 +1,5 @@
-"""Creep on the pixels of a height map: holds against hereditary integrals of pressures in numpy."""
+"""Creep on the pixels of a height map: holds against hereditary integrals of pressures in numpy, a
+ball up and down in time against Ting."""
 
 import numpy as np
 import pytest
@@ -95,3 +96,74 @@ def test_beside_other_effects(asperity, tmp_path):
     soft, _, fields = run(asperity, tmp_path, height, loading, hold_points=5,
                           plastic_hardness=float(0.8 * highest))
     assert fields["pressure"].max() <= 0.8 * highest and soft[-1]["plastic_area"] > 0
+
+
+def ting(relaxation_of, deepest, middle, time):
+    """Load and contact area of a ball of radius 1 and modulus 1 whose approach rises at a constant
+    rate until `middle` and falls after it: Ting, J. Appl. Mech. 33 (1966) 845, by quadrature."""
+    def integral(low, high):
+        t = np.linspace(low, high, 2001)
+        return np.trapezoid(relaxation_of(time - t), t)
+
+    low, high = (time, time) if time <= middle else (0.0, middle)
+    for _ in range(50 if time > middle else 0):
+        half = (low + high) / 2
+        if integral(half, middle) > integral(middle, time):
+            low = half
+        else:
+            high = half
+    t = low * np.linspace(0, 1, 2001)**2
+    elastic = 4 / 3 * (deepest * t / middle)**1.5
+    load = (relaxation_of(time - (t[1:] + t[:-1]) / 2) * np.diff(elastic)).sum()
+    return load, np.pi * deepest * low / middle
+
+
+@pytest.mark.parametrize("ratios, times, points", [
+    (0.3, 1.0, 20), ((0.7, 0.5, 0.3), (0.1, 1.0, 5.0), 0)])
+def test_ball_up_and_down(asperity, tmp_path, tally, ratios, times, points):
+    """Loads to 0.2 % of the largest, areas to a row of pixels; the area shrinks to nothing before
+    the ball has left the surface as it was."""
+    middle, deepest, n = 1.5, 0.01, 64
+    shares = -np.diff([1, *np.atleast_1d(ratios)])
+    x = (np.arange(n) - (n - 1) / 2) * 0.25 / n
+    np.save(tmp_path / "ball.npy", -(x[:, None]**2 + x[None, :]**2) / 2)
+    scene = write_scene(
+        tmp_path / "ball.scene", by_default=True,
+        surfaces={"upper": "plane", "lower": "ball.npy", "map_spacing": (0.25 / n, 0.25 / n),
+                  "map_level": "none"}, material={"contact_modulus": 1.0},
+        loading={"control": "compression", "value": (deepest, 0.0), "points": points},
+        effects={"relaxation_time": times, "relaxed_modulus_ratio": ratios,
+                 "loading_time": 2 * middle})
+    found = run_program(asperity, "solve", scene, "--quiet", "--curve", tmp_path / "curve.csv")
+    rows = [{key: float(cell or "nan") for key, cell in row.items()}
+            for row in records(tmp_path / "curve.csv")]
+    assert len(rows) == 41 and found.stderr == ""
+    exact = np.array([ting(lambda t: np.atleast_1d(ratios)[-1] + sum(
+        share * np.exp(-t / of) for share, of in zip(shares, np.atleast_1d(times))),
+        deepest, middle, row["time"]) for row in rows])
+    loads = np.array([row["load"] for row in rows])
+    assert np.abs(loads - exact[:, 0]).max() < 2e-3 * exact[:, 0].max()
+    radii = np.sqrt([row["area"] / np.pi for row in rows]) - np.sqrt(exact[:, 1] / np.pi)
+    assert np.abs(radii).max() < x[1] - x[0]
+    assert loads[-2] == 0 and rows[-2]["area"] == 0 and rows[20]["time"] == middle
+    tally.add("creep on pixels: a ball up and down", len(rows), len(rows))
+
+
+def test_cycles_of_load_in_time(asperity, tmp_path):
+    """Twice as many states change a cycle of loads by the square of the step; a slow cycle is that
+    of the relaxed solid, a fast one that of the instantaneous one."""
+    height = 1e-3 * rough(32, shortest=8, seed=9)
+    load = load_for(height, SIDES, 0.05)
+    ends = {}
+    for time, points in ((8.0, 5), (8.0, 10), (8.0, 40), (1e9, 5), (1e-9, 5)):
+        rows, _, _ = run(asperity, tmp_path, height, {"control": "load", "points": points,
+                         "value": (load, 0.2 * load, load)}, hold_time=0.0, loading_time=time)
+        assert len(rows) == 1 + 3 * points and rows[-1]["load"] == load
+        assert rows[-1]["time"] == time
+        ends[time, points] = rows[-1]["compression"]
+    off = [abs(ends[8.0, points] / ends[8.0, 40] - 1) for points in (5, 10)]
+    assert off[0] < 1e-2 and off[1] < 0.4 * off[0]
+    of = level(height)
+    for time, stiffness in ((1e9, RATIO), (1e-9, 1.0)):
+        flat, _ = press(of, SIDES, 3.0, load / stiffness)
+        assert abs(ends[time, 5] / (of.max() - flat) - 1) < 1e-5

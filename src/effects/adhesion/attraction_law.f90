@@ -15,7 +15,7 @@ module asperity_attraction_law
   implicit none
   private
 
-  public :: attraction_at, attraction_law, new_attraction, pixel_steepness
+  public :: attraction_at, attraction_law, new_attraction, pixel_steepness, share_of_work
 
   ! rho over z0 (derived: greatest attraction of the potential of Lennard and Jones, Maugis 1992).
   real(real64), parameter :: exponential_range = 9.0_real64 * sqrt(3.0_real64) / 16.0_real64
@@ -52,6 +52,16 @@ contains
       end if
     end associate
   end function attraction_at
+
+  !> Work that is left to separate the surfaces from a gap, over the work of adhesion, from the
+  !> attraction there.
+  elemental real(real64) function share_of_work(law, traction) result(share)
+    type(attraction_law), intent(in) :: law   !! attraction of the surfaces
+    real(real64), intent(in) :: traction      !! attraction s at the gap [pressure]
+
+    share = traction / attraction_at(law, 0.0_real64)
+    if (law%form /= law_exponential) share = share**(2.0_real64 / 3.0_real64)
+  end function share_of_work
 
   !> Greatest decrease of the attraction with the gap, times the pixel spacing over the modulus.
   !> Where it exceeds about 1 neighbouring pixels jump into contact one by one.

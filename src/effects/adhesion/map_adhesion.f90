@@ -23,7 +23,7 @@
 !>
 !> Exits: solved; `is_separated`, where the load is more tensile than the surfaces carry; `failure`.
 module asperity_map_adhesion
-  use asperity_attraction_law, only: attraction_at, attraction_law
+  use asperity_attraction_law, only: attraction_at, attraction_law, share_of_work
   use asperity_element_forces, only: find_forces, force_bounds, missing_gap
   use asperity_height_map, only: height_map, is_measured
   use asperity_kinds, only: real64
@@ -34,7 +34,7 @@ module asperity_map_adhesion
   implicit none
   private
 
-  public :: adhere_map, adhesion_history, find_pull_off
+  public :: adhere_map, adhesion_history, find_pull_off, work_at_edge
 
   !> State of the surfaces that the next state starts from; not allocated: open.
   type :: adhesion_history
@@ -215,5 +215,38 @@ contains
     end do
     carried = high
   end subroutine find_pull_off
+
+  !> Share of the work of adhesion in the gap at the free edges of a hill: the mean over the first
+  !> and last pixels of its rows and columns. By Derjaguin's approximation it is the share of the
+  !> largest pull of a ball that the map cuts off. 0 without free edges, and where edges are not
+  !> lower than the map by its standard deviation: a map of many hills is a sample of its surface,
+  !> whose attraction is that per area. A paraboloid has 1.6 deviations on a square, 1.7 on a disc.
+  real(real64) function work_at_edge(map, law, attraction) result(share)
+    type(height_map), intent(in) :: map            !! at least one pixel measured
+    type(attraction_law), intent(in) :: law        !! attraction of the surfaces
+    real(real64), intent(in) :: attraction(:, :)   !! attraction of each pixel [pressure]
+    logical, dimension(map%columns, map%rows) :: at_edge, measured
+    real(real64) :: above(map%columns, map%rows)  ! the mean height
+    integer :: i, j, last
+
+    share = 0.0_real64
+    at_edge = .false.
+    measured = is_measured(map%height)
+    do last = 1, 2
+      do j = 1, merge(0, map%rows, map%repeats(1))
+        i = findloc(measured(:, j), .true., 1, back=last == 2)
+        if (i > 0) at_edge(i, j) = .true.
+      end do
+      do i = 1, merge(0, map%columns, map%repeats(2))
+        j = findloc(measured(i, :), .true., 1, back=last == 2)
+        if (j > 0) at_edge(i, j) = .true.
+      end do
+    end do
+    if (.not. any(at_edge)) return
+    above = merge(map%height, 0.0_real64, measured)
+    above = merge(above - sum(above) / count(measured), 0.0_real64, measured)
+    if (-sum(above, at_edge) > count(at_edge) * sqrt(sum(above**2) / count(measured))) &
+      share = sum(share_of_work(law, attraction), at_edge) / count(at_edge)
+  end function work_at_edge
 
 end module asperity_map_adhesion

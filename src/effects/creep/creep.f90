@@ -1,9 +1,9 @@
 !> Creep of both bodies, as an effect of a scene.
 !>
-!> Loading is instantaneous. Then the load or the separation is held; the states of the hold are at
-!> increasing times. In each, the elastic responses become those of a standard linear solid with the
-!> memory of the states before (Lee and Radok 1960). The modulus of the scene is the instantaneous
-!> one.
+!> Loading, a path and a hold of the load or the separation take their times; without a time of
+!> loading that is instantaneous. In each state the elastic responses become those of a viscoelastic
+!> solid with the memory of the states before (Lee and Radok 1960). The modulus of the scene is the
+!> instantaneous one. Where a contact shrinks the theory leaves tractions on the area that opened.
 module asperity_creep
   use asperity_contact_effect, only: contact_effect, effect_column, effect_outcome, force, &
                                      plain, relative_influence
@@ -11,13 +11,13 @@ module asperity_creep
   use asperity_contact_pairs, only: contact_pairs
   use asperity_contact_state, only: contact_state
   use asperity_kinds, only: int64, not_computed, real64
-  use asperity_problems, only: decimal_text
-  use asperity_scene_values, only: body_compliance, effect_auto, effect_boundary, hold_load, scene
-  use asperity_theory_warnings, only: add_warning, of_creep_strain, of_relaxing, of_unlike_bodies, &
-                                      warning_kinds
-  use asperity_viscoelastic_solid, only: creep_compliance, elastic_load_of, load_after, &
-                                         relaxation_ratio, solid_step, standard_linear_solid, &
-                                         step_over
+  use asperity_scene_values, only: body_compliance, effect_auto, effect_boundary, hold_load, &
+                                   most_relaxations, scene
+  use asperity_theory_warnings, only: add_warning, of_creep_strain, of_relaxing, of_shrinking, &
+                                      of_unlike_bodies, warning_kinds
+  use asperity_viscoelastic_solid, only: creep_compliance, history_of, keep_load, &
+                                         relaxation_ratio, relaxing_solid, solid_of_scene, &
+                                         solid_step, step_over
   implicit none
   private
 
@@ -33,12 +33,13 @@ module asperity_creep
   !> Memory of one contact at the last state kept: of its load and of its greatest pressure.
   type :: contact_memory
     real(real64) :: elastic(2) = 0.0_real64   !! without relaxation
-    real(real64) :: relaxing(2) = 0.0_real64  !! the part that will relax
+    real(real64) :: relaxing(most_relaxations, 2) = 0.0_real64  !! parts that will relax
+    logical :: is_loaded = .false.            !! the load is more than 0
   end type contact_memory
 
-  !> Creep with one standard linear solid for both bodies.
+  !> Creep with one viscoelastic solid for both bodies.
   type, extends(contact_effect) :: creep_effect
-    type(standard_linear_solid) :: solid            !! material of both bodies
+    type(relaxing_solid) :: solid                   !! material of both bodies
     real(real64) :: hold_time = 0.0_real64          !! duration of the hold, 0 or more
     logical :: holds_load = .true.                  !! the load is held; else the separation
     real(real64) :: softer_share = 1.0_real64       !! share of the softer body in the compliance
@@ -69,8 +70,7 @@ contains
     associate (effects => scene_in%effects)
       call new%call_as('creep', effects)
       new%acts_in_time = .true.
-      new%solid%relaxed_ratio = effects%number('relaxed_modulus_ratio')
-      new%solid%relaxation_time = effects%number('relaxation_time')
+      new%solid = solid_of_scene(scene_in)
       new%hold_time = effects%number('hold_time')
       new%holds_load = nint(effects%number('hold')) == hold_load
       ! Boundary elements change the load of a contact by their tolerance, `auto` by its own.
@@ -95,7 +95,7 @@ contains
       effect_column('elastic_load', force), &   ! load of an elastic contact at this compression
       effect_column('relaxed_share', plain)]    ! load over elastic load
     new%state_columns = [ &
-      effect_column('time', plain), &           ! since the end of loading
+      effect_column('time', plain), &           ! since the begin of loading
       effect_column('elastic_load', force)]     ! sum over the contacts
     allocate (effect, source=new)
   end subroutine new_creep
@@ -110,7 +110,7 @@ contains
     real(real64) :: share, ratio
 
     share = 0.0_real64
-    ratio = relaxation_ratio(self%solid, self%hold_time)
+    ratio = relaxation_ratio(self%solid, self%solid%loading_time + self%hold_time)
     if (size(pairs%list) > 0 .and. allocated(state%answers)) &
       share = relative_influence(1.0_real64 - ratio, 1.0_real64, ratio)
   end function estimate_creep
@@ -119,10 +119,10 @@ contains
   !> creep compliance.
   function held_share(self, time) result(share)
     class(creep_effect), intent(in) :: self  !! creep with its parameters
-    real(real64), intent(in) :: time         !! time since the end of loading
+    real(real64), intent(in) :: time         !! time since the begin of loading
     real(real64) :: share
 
-    share = 1.0_real64 / creep_compliance(self%solid, time)
+    share = 1.0_real64 / creep_compliance(self%solid, time - self%solid%loading_time)
   end function held_share
 
   !> Turns the elastic responses at `state%time` into those after creep.
@@ -132,23 +132,24 @@ contains
     type(contact_state), intent(inout) :: state     !! gets loads, pressures and stiffness
     type(effect_outcome), intent(inout) :: outcome  !! gets columns and warnings
     type(solid_step) :: step
-    real(real64) :: elastic, fall
+    real(real64) :: elastic, shrinking
     logical :: holds
-    integer :: i, worst
+    integer :: i, number
 
     outcome%simulated = 'on'
     allocate (outcome%of_contacts(size(pairs%list), 2), source=0.0_real64)
     outcome%of_state = [state%time, sum(state%answers%load)]
-    ! At the end of loading there is no creep, and a compression of any sign is valid.
+    ! Without time there is no creep, and a compression of any sign is valid.
     holds = state%time > 0.0_real64
     if (holds) step = step_over(self%solid, self%time, state%time)
-    fall = 0.0_real64
-    worst = 0
+    shrinking = 0.0_real64
+    number = 0
     do i = 1, size(pairs%list)
       elastic = state%answers(i)%load
-      if (holds .and. self%memory(i)%elastic(1) - elastic > fall) then
-        fall = self%memory(i)%elastic(1) - elastic
-        worst = i
+      if (holds .and. self%memory(i)%is_loaded .and. self%memory(i)%elastic(1) - elastic > &
+          self%may_fall * outcome%of_state(2)) then
+        shrinking = shrinking + self%memory(i)%elastic(1)
+        number = number + 1
       end if
       if (.not. state%penetration(i) > 0.0_real64) cycle
       outcome%of_contacts(i, :) = [elastic, 1.0_real64]
@@ -156,10 +157,9 @@ contains
       call relax_contact(step, self%memory(i), pairs%list(i)%s, state%answers(i))
       outcome%of_contacts(i, 2) = state%answers(i)%load / elastic
     end do
+    if (number > 0) call add_warning(outcome%warnings, of_shrinking, shrinking / &
+      sum(self%memory%elastic(1), self%memory%is_loaded), contacts=number)
     call warn_of_limits(self, pairs, state, outcome)
-    if (fall > self%may_fall * outcome%of_state(2)) outcome%failure = &
-      'the area of contact ' // decimal_text(worst) // ' shrinks during the hold, which the ' // &
-      'theory of Lee and Radok does not cover'
   end subroutine apply_creep
 
   !> Sets the columns where creep is left out: the contacts are elastic.
@@ -195,35 +195,43 @@ contains
     end do
     if (state%time > 0.0_real64 .and. self%unlike > self%tolerance) &
       call add_warning(outcome%warnings, of_unlike_bodies, self%unlike)
-    if (state%time < self%hold_time .or. .not. state%time > 0.0_real64) return
+    if (state%time < self%solid%loading_time + self%hold_time .or. &
+        .not. self%hold_time > 0.0_real64) return
     if (self%holds_load) then
       to_come = (1.0_real64 / (self%solid%relaxed_ratio * &
-                               creep_compliance(self%solid, state%time)))**two_thirds - 1.0_real64
+                 creep_compliance(self%solid, self%hold_time)))**two_thirds - 1.0_real64
     else
-      to_come = 1.0_real64 - self%solid%relaxed_ratio / relaxation_ratio(self%solid, state%time)
+      to_come = 1.0_real64 - self%solid%relaxed_ratio / relaxation_ratio(self%solid, self%hold_time)
     end if
     if (to_come > self%tolerance) call add_warning(outcome%warnings, of_relaxing, to_come)
   end subroutine warn_of_limits
 
-  ! Turns the elastic response of a contact into that after a step.
+  ! Turns the elastic response of a contact into that after a step. Where nothing is left of the
+  ! load the surface has not recovered, and the contact is open.
   pure subroutine relax_contact(step, before, sum_of_radii, answer)
     type(solid_step), intent(in) :: step
     type(contact_memory), intent(in) :: before
     real(real64), intent(in) :: sum_of_radii
     type(contact_response), intent(inout) :: answer
-    real(real64) :: elastic, relaxing(2), now(2), turn, gain
+    real(real64) :: elastic, now(2), turn
+    integer :: k
 
     elastic = answer%load
-    relaxing = before%relaxing
-    call load_after(step, before%elastic, [answer%load, answer%maximum_pressure], relaxing, now)
+    now = step%gain * [answer%load, answer%maximum_pressure]
+    do k = 1, 2
+      now(k) = now(k) + history_of(step, before%elastic(k), before%relaxing(:step%terms, k))
+    end do
+    if (.not. now(1) > 0.0_real64) then
+      answer = contact_response()
+      return
+    end if
     answer%load = now(1)
-    answer%maximum_pressure = now(2)
+    answer%maximum_pressure = max(now(2), 0.0_real64)
     answer%vertical_load = answer%vertical_load * (answer%load / elastic)
     ! The elastic stiffness is cosine dPe/dp + Pe d(cosine)/dp; creep reduces dPe/dp only.
     turn = (1.0_real64 - answer%cosine) * (1.0_real64 + answer%cosine) / &
            (sum_of_radii - answer%overlap)
-    gain = step%relaxed_ratio + step%growth
-    answer%stiffness = gain * answer%stiffness - (answer%load - gain * elastic) * turn
+    answer%stiffness = step%gain * answer%stiffness - (answer%load - step%gain * elastic) * turn
   end subroutine relax_contact
 
   !> Begins a position without any contact so far.
@@ -242,26 +250,20 @@ contains
     class(creep_effect), intent(inout) :: self  !! creep, gets the history
     type(contact_pairs), intent(in) :: pairs    !! pairs of the position
     type(contact_state), intent(in) :: state    !! contacts with all effects
+    type(solid_step) :: step
+    integer :: i
 
     if (.not. state%time > 0.0_real64) call self%begin(pairs)
-    call update_memory(step_over(self%solid, self%time, state%time), state%answers, self%memory)
+    step = step_over(self%solid, self%time, state%time)
+    do i = 1, size(pairs%list)
+      associate (memory => self%memory(i), answer => state%answers(i))
+        memory%is_loaded = answer%load > 0.0_real64
+        call keep_load(step, answer%load, memory%elastic(1), memory%relaxing(:step%terms, 1))
+        call keep_load(step, answer%maximum_pressure, memory%elastic(2), &
+                       memory%relaxing(:step%terms, 2))
+      end associate
+    end do
     self%time = state%time
   end subroutine keep_creep
-
-  ! Sets the memory of a contact at the end of a step.
-  elemental subroutine update_memory(step, answer, memory)
-    type(solid_step), intent(in) :: step
-    type(contact_response), intent(in) :: answer
-    type(contact_memory), intent(inout) :: memory
-    real(real64) :: now(2)
-
-    if (answer%load > 0.0_real64) then
-      now = [answer%load, answer%maximum_pressure]
-      memory%elastic = elastic_load_of(step, memory%elastic, memory%relaxing, now)
-      memory%relaxing = now - step%relaxed_ratio * memory%elastic
-    else
-      memory = contact_memory()
-    end if
-  end subroutine update_memory
 
 end module asperity_creep

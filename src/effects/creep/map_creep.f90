@@ -3,8 +3,7 @@
 !> The traction p of a pixel is the hereditary integral of its elastic traction pe, the one that has
 !> the same displacements without relaxation, u = A pe (Lee and Radok 1960). Out of contact p is 0,
 !> not pe: the area may shrink (Ting, J. Appl. Mech. 33 (1966) 845). Over a step of time the
-!> recurrence of `viscoelastic_solid` is p = G pe + h with the gain G = r + growth and the history
-!> h, so that
+!> recurrence of `viscoelastic_solid` is p = G pe + h with the gain G and the history h, so that
 !>
 !>     u = A p/G - A h/G
 !>
@@ -15,7 +14,8 @@ module asperity_map_creep
   use asperity_height_map, only: height_map, is_measured
   use asperity_kinds, only: real64
   use asperity_map_contact, only: displacement_by, map_answer
-  use asperity_viscoelastic_solid, only: solid_step, standard_linear_solid, step_over
+  use asperity_viscoelastic_solid, only: history_of, keep_load, relaxing_solid, solid_step, &
+                                         step_over
   implicit none
   private
 
@@ -25,7 +25,7 @@ module asperity_map_creep
   type :: creep_memory
     real(real64) :: time = 0.0_real64              !! time since the begin of loading
     real(real64), allocatable :: elastic(:, :)     !! elastic traction pe [pressure]
-    real(real64), allocatable :: relaxing(:, :)    !! part of the traction that will relax
+    real(real64), allocatable :: relaxing(:, :, :)  !! (term, pixel): parts that will relax
     type(solid_step) :: step                       !! coefficients of the step
     real(real64), allocatable :: history(:, :)     !! h of the step [pressure]
     real(real64), allocatable :: raised(:, :)      !! A h/G of the step [length]
@@ -37,19 +37,28 @@ contains
   subroutine begin_creep_step(map, modulus, solid, time, memory, raised_map, raised_modulus)
     type(height_map), intent(in) :: map                !! map with its residual shape
     real(real64), intent(in) :: modulus                !! instantaneous combined modulus, > 0
-    type(standard_linear_solid), intent(in) :: solid   !! material of both bodies
+    type(relaxing_solid), intent(in) :: solid   !! material of both bodies
     real(real64), intent(in) :: time                   !! time at the end of the step
     type(creep_memory), intent(inout) :: memory        !! memory of the last state
     type(height_map), intent(out) :: raised_map        !! map of the elastic problem
     real(real64), intent(out) :: raised_modulus        !! modulus of the elastic problem
+    integer :: i, j
 
-    if (.not. allocated(memory%elastic)) &
-      allocate (memory%elastic(map%columns, map%rows), memory%relaxing(map%columns, map%rows), &
-                source=0.0_real64)
+    if (.not. allocated(memory%elastic)) then
+      allocate (memory%elastic(map%columns, map%rows), memory%history(map%columns, map%rows), &
+                memory%relaxing(solid%terms, map%columns, map%rows))
+      memory%elastic = 0.0_real64
+      memory%relaxing = 0.0_real64
+    end if
     memory%step = step_over(solid, memory%time, time)
-    memory%history = memory%step%decay * memory%relaxing - memory%step%growth * memory%elastic
+    do j = 1, map%rows
+      do i = 1, map%columns
+        memory%history(i, j) = history_of(memory%step, memory%elastic(i, j), &
+                                          memory%relaxing(:, i, j))
+      end do
+    end do
     memory%time = time
-    raised_modulus = modulus * gain_of(memory%step)
+    raised_modulus = modulus * memory%step%gain
     raised_map = map
     memory%raised = displacement_by(map, raised_modulus, memory%history)
     where (is_measured(map%height)) raised_map%height = map%height + memory%raised
@@ -60,15 +69,15 @@ contains
     type(map_answer), intent(inout) :: answer      !! solution of the elastic problem
     type(creep_memory), intent(inout) :: memory    !! memory; gets that of the state
 
+    integer :: i, j
+
     answer%displacement = answer%displacement - memory%raised
-    memory%elastic = (answer%pressure - memory%history) / gain_of(memory%step)
-    memory%relaxing = answer%pressure - memory%step%relaxed_ratio * memory%elastic
+    do j = 1, size(memory%elastic, 2)
+      do i = 1, size(memory%elastic, 1)
+        call keep_load(memory%step, answer%pressure(i, j), memory%elastic(i, j), &
+                       memory%relaxing(:, i, j))
+      end do
+    end do
   end subroutine end_creep_step
-
-  pure real(real64) function gain_of(step) result(gain)
-    type(solid_step), intent(in) :: step
-
-    gain = step%relaxed_ratio + step%growth
-  end function gain_of
 
 end module asperity_map_creep

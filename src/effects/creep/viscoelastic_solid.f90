@@ -1,103 +1,188 @@
-!> The standard linear solid: relaxation, creep compliance and one step of its memory.
+!> A linear viscoelastic solid: relaxation, creep compliance and one step of its memory.
 !>
-!> Relaxation: E(t)/E(0) = r + (1 - r) exp(-t/tau). With it a load is the hereditary integral of the
-!> elastic load of the same contact (Lee and Radok 1960, for contact areas that do not shrink),
+!> Relaxation is a Prony series: E(t)/E(0) = r + sum of g_k exp(-t/tau_k), r + sum of g_k = 1. With
+!> it a load is the hereditary integral of the elastic load of the same contact (Lee and Radok 1960,
+!> for contact areas that do not shrink),
 !>
-!>     P = r Pe + q,     q' = -q/tau + (1 - r) Pe'
+!>     P = r Pe + sum of q_k,     q_k' = -q_k/tau_k + g_k Pe'
 !>
-!> so that the history of a contact is one number, q. Over a step h the elastic load is assumed to
-!> change as A + B exp(-r t/tau). This is its form in a hold of the load of all contacts: steps are
-!> exact there and in a hold of the separation. Otherwise the error is of second order in the step.
+!> so that the history of a contact is one number q_k for each relaxation time. The compliance is
+!> (Gross, Mathematical Structure of the Theories of Viscoelasticity, 1953)
+!>
+!>     J(t) E(0) = 1/r - sum of d_j exp(-m_j t/tau_j)
+!>
+!> where the rates l_j = m_j/tau_j are the roots of r = sum of g_k l tau_k/(1 - l tau_k), one below
+!> each 1/tau_j. Over a step of loading the elastic load is assumed to change as A + B t, over one
+!> of a hold as A + B J. This is its form in a hold of the load of all contacts after fast loading:
+!> steps are exact there and in a hold of the separation. Otherwise the error is of second order in
+!> the step.
 module asperity_viscoelastic_solid
+  use asperity_decimal, only: decimal_to_real64
   use asperity_kinds, only: real64
+  use asperity_scene_values, only: most_relaxations, scene
   implicit none
   private
 
-  public :: standard_linear_solid, solid_step
-  public :: relaxation_ratio, creep_compliance, step_over, load_after, elastic_load_of, hold_times
+  public :: relaxing_solid, solid_step
+  public :: creep_compliance, history_of, hold_times, keep_load, new_solid, relaxation_ratio, &
+            solid_of_scene, step_over
 
   ! Largest argument of exp, derived: exp(-700) is negligible beside 1, exp(700) does not overflow.
   real(real64), parameter :: largest_argument = 700.0_real64
   ! Argument below which 1 - x/2 is 1, derived from the spacing of doubles.
   real(real64), parameter :: least_argument = 1.0e-17_real64
+  ! Bisections of a rate on a logarithmic scale: 690/2**60 is below rounding. Derived.
+  integer, parameter :: bisections = 60
 
-  !> A standard linear solid with a constant Poisson's ratio.
-  type :: standard_linear_solid
-    real(real64) :: relaxed_ratio = 1.0_real64    !! r, relaxed over instantaneous modulus, (0, 1]
-    real(real64) :: relaxation_time = 0.0_real64  !! tau >= 0; 0: relaxes instantaneously
-  end type standard_linear_solid
+  !> A solid with a constant Poisson's ratio, and the time in which it is loaded.
+  type :: relaxing_solid
+    integer :: terms = 0                              !! number of relaxation times
+    real(real64) :: relaxed_ratio = 1.0_real64        !! r, relaxed over instantaneous modulus
+    real(real64) :: time(most_relaxations) = 0.0_real64     !! tau_k, ascending
+    real(real64) :: share(most_relaxations) = 0.0_real64    !! g_k of the modulus
+    real(real64) :: delayed(most_relaxations) = 0.0_real64  !! d_j of the compliance
+    real(real64) :: slowing(most_relaxations) = 1.0_real64  !! m_j, rate of creep times tau_j
+    real(real64) :: loading_time = 0.0_real64         !! time of loading; a hold begins there
+  end type relaxing_solid
 
-  !> Coefficients of one step: P_new = (r + growth) Pe_new - growth Pe_old + decay q_old.
+  !> Coefficients of one step: P_new = gain Pe_new - sum of growth Pe_old + sum of decay q_old.
   type :: solid_step
-    real(real64) :: relaxed_ratio = 1.0_real64  !! r, relaxed over instantaneous modulus
-    real(real64) :: decay = 1.0_real64          !! decay of the memory, exp(-h/tau)
-    real(real64) :: growth = 0.0_real64         !! new memory over growth of the elastic load
+    integer :: terms = 0                        !! number of relaxation times
+    real(real64) :: gain = 1.0_real64           !! r + sum of growth
+    real(real64) :: decay(most_relaxations) = 1.0_real64   !! decay of the memory, exp(-h/tau_k)
+    real(real64) :: growth(most_relaxations) = 0.0_real64  !! new memory over growth of Pe
   end type solid_step
 
 contains
 
+  !> Material of both bodies of a scene.
+  pure function solid_of_scene(scene_in) result(solid)
+    type(scene), intent(in) :: scene_in  !! scene with checked values
+    type(relaxing_solid) :: solid
+
+    associate (effects => scene_in%effects)
+      if (allocated(effects%relaxation)) then
+        solid = new_solid(decimal_to_real64(effects%relaxation(:, 2)), &
+                          decimal_to_real64(effects%relaxation(:, 1)), &
+                          effects%number('loading_time'))
+      else
+        solid = new_solid([effects%number('relaxed_modulus_ratio')], &
+                          [effects%number('relaxation_time')], effects%number('loading_time'))
+      end if
+    end associate
+  end function solid_of_scene
+
+  !> Makes a solid from its modulus after the relaxation of each time.
+  pure function new_solid(ratios, times, loading_time) result(solid)
+    real(real64), intent(in) :: ratios(:)     !! over the instantaneous modulus, (0, 1], descending
+    real(real64), intent(in) :: times(:)      !! relaxation times >= 0, ascending; several: > 0
+    real(real64), intent(in) :: loading_time  !! time of loading, 0 or more
+    type(relaxing_solid) :: solid
+    real(real64) :: high, low, middle, over(size(times))
+    integer :: cut, j, n
+
+    n = size(times)
+    solid%terms = n
+    solid%loading_time = loading_time
+    solid%relaxed_ratio = ratios(n)
+    solid%time(:n) = times
+    solid%share(:n) = [1.0_real64, ratios(:n - 1)] - ratios
+    do j = 1, n
+      over = 1.0_real64
+      if (n > 1) over = times / times(j)
+      low = ratios(n)
+      if (j < n) low = times(j) / times(j + 1) * (1.0_real64 + 4 * epsilon(low))  ! beside a pole
+      high = 1.0_real64
+      do cut = 1, bisections
+        middle = sqrt(low) * sqrt(high)
+        if (.not. (middle > low .and. middle < high)) exit
+        if (sum(solid%share(:n) * middle * over / (1.0_real64 - middle * over)) > ratios(n)) then
+          high = middle
+        else
+          low = middle
+        end if
+      end do
+      solid%slowing(j) = low
+      if (low < 1.0_real64) solid%delayed(j) = 1.0_real64 / &
+        sum(solid%share(:n) * low * over / (1.0_real64 - low * over)**2)
+    end do
+    ! Their sum is exact.
+    if (any(solid%delayed > 0.0_real64)) solid%delayed = &
+      solid%delayed / sum(solid%delayed) * ((1.0_real64 - ratios(n)) / ratios(n))
+  end function new_solid
+
   !> E(t)/E(0), between r and 1: the load over that at time 0 in a hold of the separation.
   elemental real(real64) function relaxation_ratio(solid, time)
-    type(standard_linear_solid), intent(in) :: solid  !! material of both bodies
-    real(real64), intent(in) :: time                  !! time since loading, 0 or more
-    real(real64) :: x
+    type(relaxing_solid), intent(in) :: solid  !! material of both bodies
+    real(real64), intent(in) :: time           !! time since loading, 0 or more
 
-    x = time_over(time, solid%relaxation_time)
-    relaxation_ratio = solid%relaxed_ratio + (1.0_real64 - solid%relaxed_ratio) * decay_of(x)
+    relaxation_ratio = solid%relaxed_ratio + &
+                       sum(solid%share * decay_of(time_over(time, solid%time)))
   end function relaxation_ratio
 
-  !> J(t) E(0) = 1/r - (1/r - 1) exp(-r t/tau), between 1 and 1/r: the elastic load at the
-  !> compression of a held load, over that load (Johnson, Contact Mechanics, 1985, section 6.5).
+  !> J(t) E(0), between 1 and 1/r: the elastic load at the compression of a held load, over that
+  !> load (Johnson, Contact Mechanics, 1985, section 6.5).
   elemental real(real64) function creep_compliance(solid, time)
-    type(standard_linear_solid), intent(in) :: solid  !! material of both bodies
-    real(real64), intent(in) :: time                  !! time since loading, 0 or more
-    real(real64) :: r, x
+    type(relaxing_solid), intent(in) :: solid  !! material of both bodies
+    real(real64), intent(in) :: time           !! time since loading, 0 or more
 
-    r = solid%relaxed_ratio
-    x = r * time_over(time, solid%relaxation_time)
-    creep_compliance = 1.0_real64 + ((1.0_real64 - r) / r) * growth_of(x)
+    creep_compliance = 1.0_real64 + &
+      sum(solid%delayed * growth_of(solid%slowing * time_over(time, solid%time)))
   end function creep_compliance
 
   !> The step from one time to another; elastic for equal times.
   elemental type(solid_step) function step_over(solid, from, to) result(step)
-    type(standard_linear_solid), intent(in) :: solid  !! material of both bodies
-    real(real64), intent(in) :: from                  !! time at its begin
-    real(real64), intent(in) :: to                    !! time at its end, >= from
-    real(real64) :: r, x, slow
+    type(relaxing_solid), intent(in) :: solid  !! material of both bodies
+    real(real64), intent(in) :: from           !! time at its begin
+    real(real64), intent(in) :: to             !! time at its end, >= from
+    real(real64), dimension(solid%terms) :: before, creeping, weight, x
+    integer :: k, n
 
-    r = solid%relaxed_ratio
-    x = time_over(to - from, solid%relaxation_time)
-    slow = r * x
-    step%relaxed_ratio = r
-    step%decay = decay_of(x)
-    ! r (1 - exp(-(1-r) x))/(exp(r x) - 1), as a product of factors without cancellation.
-    step%growth = (1.0_real64 - r) * mean_decay((1.0_real64 - r) * x) * decay_of(slow) / &
-                  mean_decay(slow)
+    n = solid%terms
+    step%terms = n
+    x = time_over(to - from, solid%time(:n))
+    step%decay(:n) = decay_of(x)
+    step%growth(:n) = solid%share(:n) * mean_decay(x)
+    if (.not. from < solid%loading_time) then
+      creeping = solid%slowing(:n) * x
+      before = solid%slowing(:n) * time_over(from - solid%loading_time, solid%time(:n))
+      weight = 1.0_real64
+      if (n > 1) weight = solid%delayed(:n) * solid%slowing(:n) / solid%time(:n) * solid%time(1) * &
+                          decay_of(max(before - before(n), 0.0_real64))
+      weight = weight / maxval(weight)
+      ! Integral of exp(-(h - s)/tau_k) dJ(s) over that of dJ(s), without cancellation.
+      do k = 1, n
+        step%growth(k) = solid%share(k) * &
+          sum(weight * decay_of(min(creeping, x(k))) * mean_decay(abs(x(k) - creeping))) / &
+          sum(weight * mean_decay(creeping))
+      end do
+    end if
+    step%gain = solid%relaxed_ratio + sum(step%growth(:n))
   end function step_over
 
-  !> Computes load and memory at the end of a step.
-  elemental subroutine load_after(step, elastic_before, elastic, memory, load)
-    type(solid_step), intent(in) :: step        !! coefficients of the step
-    real(real64), intent(in) :: elastic_before  !! elastic load at its begin
-    real(real64), intent(in) :: elastic         !! elastic load at its end
-    real(real64), intent(inout) :: memory       !! q at its begin, then at its end
-    real(real64), intent(out) :: load           !! load P at its end
+  !> Load at the end of a step where the elastic load is then 0.
+  pure real(real64) function history_of(step, elastic, relaxing) result(history)
+    type(solid_step), intent(in) :: step       !! coefficients of the step
+    real(real64), intent(in) :: elastic        !! elastic load Pe at its begin
+    real(real64), intent(in) :: relaxing(:)    !! memory q_k at its begin
 
-    memory = step%decay * memory + step%growth * (elastic - elastic_before)
-    load = step%relaxed_ratio * elastic + memory
-  end subroutine load_after
+    history = sum(step%decay(:step%terms) * relaxing) - sum(step%growth(:step%terms)) * elastic
+  end function history_of
 
-  !> Elastic load at the end of a step, from the load there.
-  elemental function elastic_load_of(step, elastic_before, memory, load) result(elastic)
-    type(solid_step), intent(in) :: step        !! coefficients of the step
-    real(real64), intent(in) :: elastic_before  !! elastic load at its begin
-    real(real64), intent(in) :: memory          !! q at its begin
-    real(real64), intent(in) :: load            !! load P at its end
-    real(real64) :: elastic
+  !> Sets elastic load and memory at the end of a step from the load there. Without contact the load
+  !> is 0, and the elastic load that of the surface as it recovers.
+  pure subroutine keep_load(step, load, elastic, relaxing)
+    type(solid_step), intent(in) :: step           !! coefficients of the step
+    real(real64), intent(in) :: load               !! load P at its end
+    real(real64), intent(inout) :: elastic         !! Pe at its begin, then at its end
+    real(real64), intent(inout) :: relaxing(:)     !! q_k at its begin, then at its end
+    real(real64) :: before
 
-    elastic = (load - step%decay * memory + step%growth * elastic_before) / &
-              (step%relaxed_ratio + step%growth)
-  end function elastic_load_of
+    before = elastic
+    elastic = (load - history_of(step, elastic, relaxing)) / step%gain
+    relaxing = step%decay(:step%terms) * relaxing + &
+               step%growth(:step%terms) * (elastic - before)
+  end subroutine keep_load
 
   !> Times of the states of a hold: evenly spaced up to a fraction of the relaxation time, in equal
   !> ratios beyond it.
