@@ -2,8 +2,7 @@
 .DEFAULT_GOAL := help
 .NOTPARALLEL:
 .PHONY: help report test test-all images trouble lint strict archive docs bench figures fuzz
-.PHONY: hard-table
-.PHONY: validation setup clean tables maps pages machine mutants wheel wheel-test
+.PHONY: validation setup clean tables maps machine mutants wheel wheel-test
 
 DECK ?= data/thesis.deck
 
@@ -59,7 +58,9 @@ bench:
 	@bash .ci/setup build test
 	@.venv/bin/python test/bench/accuracy_costs.py $(if $(SAVE),--save,--seconds 40)
 	@$(if $(SAVE),"$$(bash .ci/build release)" accuracy data/thesis.deck --quiet \
-	  --html docs/accuracy-thesis.html)
+	  --html docs/accuracy-thesis.html && \
+	  "$$(bash .ci/build release)" accuracy data/examples/summits/press.scene --quiet \
+	  --html docs/accuracy-map.html)
 else ifeq ($(PART),maps)
 bench:
 	@bash .ci/setup build test
@@ -104,15 +105,10 @@ mutants: ## changed lines that no test notices (SEED=1 NUMBER=10)
 	@bash .ci/setup mutants
 	@.venv/bin/python tools/mutate.py --seed $(or $(SEED),1) --number $(or $(NUMBER),10)
 
-maps: ## how good summits are, on maps pressed against their truth; docs/accuracy-map.html
+maps: ## how good summits are, on maps pressed against their truth
 	@bash .ci/setup build test bench
 	@.venv/bin/python test/bench/run_maps.py $(MAPS)
 	@.venv/bin/python test/bench/map_beside_tamaas.py --pixels 1024
-	@.venv/bin/python test/bench/accuracy_peers.py
-
-pages: ## pictures of --html pages in Chromium, to be looked at, in build/pages
-	@bash .ci/setup build test
-	@exe=$$(bash .ci/build release) && .venv/bin/python tools/look_at_pages.py "$$exe"
 
 validation: ## numbers of other programs and suites; the table of docs/reference/validation.md
 	@bash .ci/setup build test
@@ -125,9 +121,6 @@ clean: ## remove what was built (.venv stays)
 	rm -rf build dist .pytest_cache .hypothesis
 	find test -name __pycache__ -type d -prune -exec rm -rf {} +
 
-hard-table: ## make reference_output/bench/hard_cases.md anew
-	@bash .ci/setup build test
-	@exe=$$(bash .ci/build release) && .venv/bin/python test/support/make_table.py "$$exe"
 
 
 tables: ## make the tables of docs/reference from the tables of the source

@@ -22,8 +22,6 @@ checks_flags="-O0 -g -fbacktrace -fcheck=all,no-array-temps -finit-real=snan -fi
 archive_flags="-O2 -ffp-contract=off -g"
 # fpm's own, for objects that a shared library can be made of: the Python package has one.
 release_flags="-fPIC -fno-semantic-interposition"
-# More than the standard allows.
-fast_flags="-O3 -march=native -ffast-math"
 sanitize_flags="-O1 -g -fbacktrace -fno-omit-frame-pointer -fsanitize=address,undefined \
 -fno-sanitize-recover=all -DASPERITY_SANITIZED"
 # What flang-19 warns of is what it cannot fold in REAL(16).
@@ -47,7 +45,7 @@ drop_stale_builds() {
   fi
 }
 
-kinds="release|archive|fast|strict|checks|sanitize|images|second"
+kinds="release|archive|strict|checks|sanitize|images|second"
 # Sets fpm_options to those of a build, and fpm_tests to what builds the unit tests with it.
 # Without --no-prune fpm leaves out modules that nothing uses yet.
 options_of() {
@@ -55,7 +53,6 @@ options_of() {
   case $1 in
     release) fpm_options=(--profile release --no-prune --flag "$release_flags") ;;
     archive) fpm_options=(--flag "$archive_flags") ;;
-    fast) fpm_options=(--flag "$fast_flags") ;;
     strict) fpm_options=(--no-prune --flag "$strict_flags") ;;
     checks) fpm_options=(--no-prune --flag "$checks_flags") ;;
     sanitize) fpm_options=(--no-prune --flag "$sanitize_flags") ;;

@@ -12,7 +12,6 @@ from cells_met import ARITHMETICS as HISTORIC
 from deck_cases import decks
 from historic import NAMES, LostMeaningError, restate
 from make_cases import write_all
-from make_table import DOCUMENT, is_current
 from exact_contact import TOTALS
 from measure import (NO_NUMBER, condition, largest_coordinate, measure, measure_deck, run,
                      scene_of)
@@ -165,7 +164,3 @@ def historic_error(asperity, path, arithmetic, folder, expected):
             else:
                 assert float(row[name]) == 0.0, f"position {m}: {name}"
     return worst
-
-
-def test_table_lists_every_case_and_its_verdict(root):
-    assert is_current((root / DOCUMENT).read_text(encoding="utf-8"))

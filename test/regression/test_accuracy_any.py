@@ -17,7 +17,6 @@ from programs import run_program
 from promise_judge import KINDS as PROMISED, judge
 from surfaces_csv import exact_csv_scene, records, write_csv_scene, write_scene
 
-from accuracy_peers import with_peers
 
 SECONDS = 10
 FAMILIES = ("scene", "arithmetic", "steps", "effects", "neighbours", "input", "theory")
@@ -419,25 +418,6 @@ def test_the_time_is_kept_within_cells(asperity, tmp_path):
     assert reference(rows)["family"] == "neighbours"
     coupled = next(row for row in rows if row["method"] == "contacts coupled")
     assert float(coupled["load"]) == pytest.approx(float(truths()[scene.name]["load"]), rel=0.02)
-
-
-def test_peers_on_the_page(asperity, root, tmp_path):
-    """A peer with the time and the error of a way is drawn about its dot, and is in the table."""
-    run_program(asperity, "accuracy", root / "data/examples/csv_surfaces.scene", "--seconds", "2",
-                "--quiet", "--html", "a.html", cwd=tmp_path)
-    page = (tmp_path / "a.html").read_text(encoding="utf-8")
-    data = re.findall(r'^\["(.*?)",\s*(\S+?),\s*(\S+?)\],$', page, re.M)
-    name, seconds, error = data[2]
-    page = with_peers(page, [("it & more", float(seconds), float(error), 0.5),
-                             ("absent: cannot be installed", None, None, None)])
-    tree = ElementTree.fromstring(page.split("\n", 1)[1])
-    dot = tree.findall(".//div[@id='total-plot']//circle")[2]
-    square, = tree.findall(".//div[@id='total-plot']//path[@class='peer']")
-    x, y = map(float, re.match(r"M(\S+) (\S+)h8", square.get("d")).groups())
-    assert abs(x + 4 - float(dot.get("cx"))) < 0.3 and abs(y + 4 - float(dot.get("cy"))) < 0.3
-    peers = tree.findall(".//section[@aria-labelledby='peers']//tbody/tr")
-    assert [row[0].text for row in peers] == ["it & more", "absent: cannot be installed"]
-    assert float(peers[0][2].text) == pytest.approx(float(error), rel=0.06)
 
 
 def cells_of(asperity, folder, name, *options, **effects):

@@ -220,49 +220,9 @@ def test_images_leave_the_same_bytes(name, asperity, root, tmp_path, tally):
 
 
 @several_images
-def test_images_tell_the_first_failure(asperity, tmp_path):
-    """Past 1.5 no pair is left to bear the load."""
-    rng = np.random.default_rng(5)
-    upper = rough(rng, 60)
-    scene = write_csv_scene(
-        tmp_path, upper, upper.copy(), motion={"positions": 60, "x_step": 0.7},
-        loading={"control": "load", "value": 20000.0}, limit={"criterion": "load", "value": 288.0})
-    one = run([asperity], scene, tmp_path / "one")
-    several = run(IMAGES, scene, tmp_path / "several", "--keep", "../a.keep")
-    assert one[0] == 1 and several[0] != 0 and not several[3] and several[1] == b""
-    assert b": position " in one[2] and one[2] in several[2]
-
-
-@several_images
-def test_images_and_bad_input(tmp_path):
-    """A problem is told once."""
-    (tmp_path / "bad.scene").write_text("&surfaces uper = 'a' /\n")
-    done = run(IMAGES, tmp_path / "bad.scene", tmp_path / "out")
-    assert done[0] != 0 and done[2].count(b"unknown name") == 1
-
-
-@several_images
-@pytest.mark.parametrize("place, message", [("no/where", b"no/where: cannot be"),
-                                            ("../other", b"holds no positions of this scene")])
-def test_images_and_a_kept_file_that_is_refused(place, message, root, tmp_path):
-    """What image 1 alone finds out ends all of them."""
-    (tmp_path / "other").write_text("something else\n")
-    done = run(IMAGES, root / "data" / "thesis.deck", tmp_path / "a", "--keep", place)
-    assert done[0] != 0 and done[2].count(message) == 1 and not done[3]
-    assert (tmp_path / "other").read_text() == "something else\n"
-
-
-@several_images
 def test_images_killed_and_continued(asperity, tmp_path):
     """One image of the run is lost: the others end, what is kept is continued by one image."""
     scene = long_scene(tmp_path)
     message = kill_in_the_middle(IMAGES, scene, tmp_path, signal.SIGKILL)
     assert re.search(r"signal 9|[Kk]illed|lost", message), message
     compare_continued([asperity], asperity, scene, tmp_path)
-
-
-@several_images
-def test_images_continue_what_one_began(asperity, tmp_path):
-    scene = long_scene(tmp_path)
-    kill_in_the_middle([asperity], scene, tmp_path, signal.SIGKILL)
-    compare_continued(IMAGES, asperity, scene, tmp_path)

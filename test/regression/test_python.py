@@ -4,10 +4,8 @@ import csv
 import math
 import re
 import shutil
-import signal
 import subprocess
 import sys
-import time
 
 import numpy as np
 import pytest
@@ -268,62 +266,6 @@ def test_warnings_and_nan(package):
                              "effects": {"interaction": "coupled"}})
     assert np.isnan(coupled.positions["interaction_estimate"]).all()
     assert len(results.notes) == 1 and "8 lower asperities are higher" in results.notes[0]
-
-
-LONG = """
-import asperity, sys, threading
-scene = {"surfaces": {"deck": "data/thesis.deck"}, SCENE}
-try:
-    print("begins", flush=True)
-    asperity.solve(scene, threads=1, contacts=False)
-except KeyboardInterrupt:
-    [thread] = [t for t in threading.enumerate() if t.name.startswith("asperity")]
-    thread.join(15)
-    print("interrupted", thread.is_alive())
-"""
-
-
-def hear_interrupts():
-    """A shell's background jobs are deaf to Ctrl-C, and hand that on."""
-    signal.signal(signal.SIGINT, signal.default_int_handler)
-
-
-@pytest.mark.long
-@pytest.mark.parametrize("scene", [
-    '"motion": {"x_step": 1e-6, "positions": 1000000}, "effects": {"interaction": "auto"}',
-    '"loading": {"control": "load", "value": 2 * (100.0, 0.0), "points": 100000}, '
-    '"effects": {"interaction": "coupled"}'], ids=("positions", "states"))
-def test_interrupt(venv, scene):
-    """Ctrl-C is heard while the library computes, and ends many positions, or the many states of
-    one. Alone they would take longer than is waited for: half a minute, or half an hour."""
-    with subprocess.Popen([venv / "bin" / "python", "-c", LONG.replace("SCENE", scene)], cwd=ROOT,
-                          text=True, stdout=subprocess.PIPE,
-                          preexec_fn=hear_interrupts) as process:
-        assert process.stdout.readline() == "begins\n"
-        time.sleep(0.5)
-        process.send_signal(signal.SIGINT)
-        rest, _ = process.communicate(timeout=60)
-    assert process.returncode == 0 and rest == "interrupted False\n"
-
-
-GROWS = """
-import asperity, resource
-upper = {"x": [0.0], "y": [0.0], "height": [0.1], "radius": [10.0]}
-scene = {"surfaces": {"upper": upper, "lower": "plane"}, "material": {"contact_modulus": 1e3},
-         "loading": {"control": "load", "value": 1.0, "points": 1000},
-         "effects": {"interaction": "coupled"}}
-def size():
-    asperity.solve(scene).contacts["load"]
-    return resource.getrusage(resource.RUSAGE_SELF).ru_maxrss
-before = [size() for _ in range(10)][-1]
-print(max(size() for _ in range(30)) - before)
-"""
-
-
-@pytest.mark.long
-def test_memory_is_given_back(venv):
-    """Thirty more runs of some hundred kilobytes of columns take no more memory than ten, in kB."""
-    assert int(run(venv, "-c", GROWS)) < 2000
 
 
 def test_library_is_a_guest(venv):

@@ -99,18 +99,6 @@ def test_written_as_others_do(asperity, tmp_path, how):
         (how == "other columns")
 
 
-def test_what_repeats_itself_is_counted(asperity, tmp_path):
-    """A slip in every line is told 20 times, and another one after it is still seen."""
-    rows = ["0,0,.1,0"] * 100 + ["0,0,.1,a"] + ["0,0,.1,0"] * 3
-    (tmp_path / "upper.csv").write_text("x,y,height,radius\n" + "\n".join(rows), encoding="utf-8")
-    (tmp_path / "lower.csv").write_text(LOWER, encoding="utf-8")
-    (tmp_path / "my.scene").write_text(SCENE, encoding="utf-8")
-    lines = typed(asperity, SOLVE, tmp_path).stderr.splitlines()
-    assert len(lines) == 25
-    assert lines[20] == "upper.csv: and 80 more like that"
-    assert lines[21].startswith("upper.csv:102:8: radius: found 'a'")
-
-
 def test_followers_are_not_told(asperity, tmp_path):
     """A group that is misspelt hides neither its names nor what they say."""
     (tmp_path / "upper.csv").write_text(UPPER, encoding="utf-8")

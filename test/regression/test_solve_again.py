@@ -3,7 +3,6 @@ without an earlier outcome, fewer iterations, units, classes of warnings, progre
 
 import ctypes
 import threading
-import time
 from ctypes import POINTER, Structure, byref, c_char_p, c_double, c_int, c_void_p
 
 import numpy as np
@@ -337,39 +336,3 @@ def test_classes_of_warnings(c):
 
 
 # ---------------------------------------------------------------- progress and an end
-
-@pytest.mark.long
-def test_progress(c):
-    """It ends at all of the work: positions, states of a path, states on pixels."""
-    loads = ", ".join(str(load) for load in range(1000, 21000, 1000))
-    for scene, number in (
-            (done(c, c.asperity_read_scene(str(ROOT / SCENES[0]).encode())), 100),
-            (done(c, c.asperity_read_scene(str(ROOT / SCENES[2]).encode())), 21),
-            (random_scene(c, APART, 2, value=loads, positions=2), None)):
-        counts = (c_int * 2)()
-        done(c, c.asperity_solve_again(scene, None, None, counts))
-        assert counts[0] == counts[1] == (number or counts[1]) and counts[1] > 0
-
-
-def test_progress_within_a_position(c):
-    """A map solved to 21 states on its pixels is counted state by state."""
-    scene = done(c, c.asperity_read_scene(str(ROOT / SCENES[2]).encode()))
-    counts, seen = (c_int * 2)(), set()
-    solve = threading.Thread(target=lambda: c.asperity_solve_again(scene, None, None, counts))
-    solve.start()
-    while solve.is_alive():
-        seen.add(counts[0])
-        time.sleep(1e-4)
-    assert len(seen) > 3
-
-
-def test_interrupt_while_it_begins_with_an_outcome(c):
-    """An end that is asked for before ends the solve, with and without an earlier outcome."""
-    scene = random_scene(c, APART, 2, value=3e4)
-    first = done(c, c.asperity_solve_scene(scene, None))
-    flag = c_int(1)
-    options = Options(interrupt=ctypes.pointer(flag))
-    for earlier in (None, first):
-        ended = c.asperity_solve_again(scene, byref(options), earlier, None)
-        assert c.asperity_status(ended) == 1
-        assert text(c, ended, FAILURE).endswith("interrupted")

@@ -5,8 +5,6 @@ import math
 import os
 import re
 import shlex
-import signal
-import subprocess
 
 import numpy as np
 import pytest
@@ -218,25 +216,6 @@ def test_other_specification_is_refused(study, tmp_path):
     assert "a.keep: holds no surfaces of this specification" in done.stderr
     assert (tmp_path / "a.keep").read_bytes() == before
     assert not (tmp_path / "b.csv").exists() and done.stdout == ""
-
-
-@pytest.mark.long
-def test_progress(asperity, tmp_path):
-    """On a terminal, and only there, long work tells how far it is; an interruption ends it."""
-    text = spec("separation = 0.2, steps = 1", ensemble=100000)
-    (tmp_path / "a.spec").write_text(text, encoding="ascii")
-    terminal, other = os.openpty()
-    run = subprocess.Popen([asperity, "study", "a.spec"], cwd=tmp_path, stderr=other,
-                           stdout=subprocess.DEVNULL,
-                           preexec_fn=lambda: signal.signal(signal.SIGINT, signal.SIG_DFL))
-    os.close(other)
-    line = "0 of 100000 surfaces"  # told at once, before any is done
-    while line == "0 of 100000 surfaces":
-        line = next(filter(None, os.read(terminal, 1000).decode().split("\r"))).rstrip()
-    run.send_signal(signal.SIGINT)
-    assert run.wait(20) != 0
-    os.close(terminal)
-    assert re.fullmatch(r"\d+ of 100000 surfaces, \d+ a (second|minute), \d+ (s|min|h) left", line)
 
 
 @pytest.mark.skipif("ASPERITY_IMAGES" not in os.environ,

@@ -1,6 +1,6 @@
 """The catalogue of hard cases: what each is, why it is hard, where its truth comes from.
 
-`make_cases.py` writes them to data/hard; `test_hard.py` runs them; `make_table.py` lists them.
+`make_cases.py` writes them to data/hard; `test_hard.py` runs them.
 """
 
 from dataclasses import dataclass, field

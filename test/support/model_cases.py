@@ -1,7 +1,7 @@
 """Hard cases of adhesion, plasticity, creep, height maps and dense caps.
 
 `make_cases.py` writes the scenes to data/hard/models. Each case has values with the truth, the
-tolerance and its reason; `test/hard/test_hard_models.py` and `make hard-table` compare them. The
+tolerance and its reason; `test/hard/test_hard_models.py` compares them. The
 truths are closed forms and the evaluations of test/truth, never numbers of the program.
 """
 

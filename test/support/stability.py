@@ -11,21 +11,32 @@ are refused, where nothing is borne, and the sweeps of ten thousand positions an
 import sys
 from pathlib import Path
 
-# It puts the folder of exact_contact on the path.
-from make_table import ROOT, condition_of
 from cases import ARITHMETICS, scenes
 from deck_cases import decks
 from exact_contact import TOTALS, Truth, read_deck
-from measure import positions_of, positions_of_deck, scene_of
+from measure import condition, positions_of, positions_of_deck, scene_of
 from mpmath import mp
 from programs import run_program
 
+ROOT = Path(__file__).resolve().parents[2]
 FORMULAS = ("stable", "original")
 # What an operation may lose. docs/figures/draw.py draws it.
 ROUNDOFF = {"real64": 2.0 ** -53}
 LONG = ("positions_ten_thousand", "positions_a_million")
 # Decimal digits of the truth: the smallest penetration compared is 1e-147 of the lengths.
 DIGITS = 340
+
+
+def condition_of(case):
+    """In two digits; a dash where nothing is borne or all is refused."""
+    if hasattr(case, "deck"):
+        scene = read_deck(ROOT / "data" / "hard" / f"{case.name}.deck")
+        number = 0 if case.solver_refused else condition(scene, positions_of_deck(scene))
+    else:
+        scene = scene_of(case)
+        every = set(case.refused) >= set(case.arithmetics)
+        number = 0 if every else condition(scene, positions_of(case, scene))
+    return f"{float(number):.1e}" if number else "-"
 
 
 def totals(program, path, formula):
