@@ -5,7 +5,7 @@ import metamorphic_laws as laws
 import metamorphic_scenes as scenes
 import pytest
 
-pytestmark = pytest.mark.fuzz
+pytestmark = [pytest.mark.fuzz, pytest.mark.trouble]
 
 # What is asked of the laws' first seeds: so many a law, so many with a result at least.
 SAMPLES = {laws: (12, 4), map_laws: (5, 1)}
