@@ -38,7 +38,8 @@ contains
     !> load by a decrease of the mean gap over the measured pixels [force/length], 0 or more
     real(real64), intent(out), optional :: gap_stiffness
     type(lattice_convolution) :: influence
-    real(real64), allocatable, dimension(:, :) :: direction, image, pressure, residual
+    real(real64), allocatable, dimension(:, :) :: direction, image, pressure, residual, &
+                                                weight
     real(real64) :: curvature, displacement, largest, mean, product_before, residual_product, step
     integer :: i, j, number, turn
 
@@ -49,12 +50,13 @@ contains
     stiffness = not_computed
     if (present(gap_stiffness)) gap_stiffness = not_computed
     call prepare_influence(map, influence)
-    pressure = merge(1.0_real64 / number, 0.0_real64, carries)
+    weight = merge(1.0_real64, 0.0_real64, carries)
+    pressure = weight / number
     allocate (image, residual, mold=pressure)
     allocate (direction, source=0.0_real64 * pressure)
     call influence%apply(pressure, image)
     displacement = sum(image, mask=carries) / number
-    residual = merge(displacement - image, 0.0_real64, carries)
+    residual = weight * (displacement - image)
     largest = maxval(abs(residual))
     residual_product = 0.0_real64
     do turn = 1, iterations_allowed
@@ -62,19 +64,18 @@ contains
       if (largest <= residual_left * displacement) exit
       call influence%apply(residual, image, inverse=.true.)
       product_before = residual_product
-      call find_sums(image, residual, carries, mean, residual_product)
+      call find_sums(image, residual, weight, mean, residual_product)
       mean = mean / number
       step = 0.0_real64
       if (product_before > 0.0_real64) step = residual_product / product_before
       do j = 1, size(image, 2)
         !$omp simd
         do i = 1, size(image, 1)
-          direction(i, j) = merge(image(i, j) - mean, 0.0_real64, carries(i, j)) + &
-                            step * direction(i, j)
+          direction(i, j) = weight(i, j) * (image(i, j) - mean) + step * direction(i, j)
         end do
       end do
       call influence%apply(direction, image)
-      call find_sums(image, direction, carries, mean, curvature)
+      call find_sums(image, direction, weight, mean, curvature)
       mean = mean / number
       if (.not. (curvature > 0.0_real64 .and. residual_product > 0.0_real64)) return
       step = residual_product / curvature
@@ -84,8 +85,7 @@ contains
         !$omp simd reduction(max:largest)
         do i = 1, size(image, 1)
           pressure(i, j) = pressure(i, j) + step * direction(i, j)
-          residual(i, j) = residual(i, j) - merge(step * (image(i, j) - mean), 0.0_real64, &
-                                                  carries(i, j))
+          residual(i, j) = residual(i, j) - weight(i, j) * step * (image(i, j) - mean)
           largest = max(largest, abs(residual(i, j)))
         end do
       end do
@@ -103,9 +103,9 @@ contains
   end subroutine find_stiffness
 
   ! Finds the sum of an array over the pixels in contact and its product with another one.
-  pure subroutine find_sums(image, other, carries, total, scalar_product)
+  pure subroutine find_sums(image, other, weight, total, scalar_product)
     real(real64), intent(in) :: image(:, :), other(:, :)
-    logical, intent(in) :: carries(:, :)
+    real(real64), intent(in) :: weight(:, :)  ! 1 on the pixels in contact, else 0
     real(real64), intent(out) :: total, scalar_product
     integer :: i, j
 
@@ -114,7 +114,7 @@ contains
     do j = 1, size(image, 2)
       !$omp simd reduction(+:total, scalar_product)
       do i = 1, size(image, 1)
-        total = total + merge(image(i, j), 0.0_real64, carries(i, j))
+        total = total + weight(i, j) * image(i, j)
         scalar_product = scalar_product + other(i, j) * image(i, j)
       end do
     end do

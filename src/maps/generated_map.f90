@@ -10,15 +10,14 @@
 !> pixels, where h is the sum of waves: that of differences is smaller. On a periodic map its square
 !> is the sum of q**2 |a(q)|**2 (Parseval).
 module asperity_generated_map
-  use, intrinsic :: iso_c_binding, only: c_double, c_double_complex, c_int, c_loc, c_ptr
+  use, intrinsic :: iso_c_binding, only: c_double, c_double_complex, c_loc
   use asperity_constants, only: pi
   use asperity_decimal, only: decimal_to_real64
-  use asperity_fftw_calls, only: fftw_backward, fftw_complex, fftw_complex_to_real, fftw_destroy, &
-                                 fftw_estimate, fftw_plan_complex, fftw_plan_complex_to_real
   use asperity_generation_values, only: map_spec
   use asperity_height_map, only: fault_of_map, free_edge, height_map, highest, largest_height, &
                                  length_units, periodic_edge
   use asperity_kinds, only: int64, real64
+  use asperity_line_transform, only: line_transform, waves_back, waves_to_real
   use asperity_map_waves, only: draw_waves, map_waves, plan_waves
   use asperity_problems, only: decimal_text, not_enough_memory
   use asperity_process, only: has_memory
@@ -89,26 +88,26 @@ contains
     real(real64), intent(out) :: begun         !! processor time when the first piece begins, s
     integer(int64), intent(out) :: bytes       !! memory that the map takes
     type(map_waves) :: waves
-    type(c_ptr) :: plans(2)
+    type(line_transform) :: columns, rows_to_pixels
     complex(c_double_complex), allocatable, target :: components(:), row(:)
     real(c_double), allocatable, target :: heights(:)
     integer :: i, j
 
     call plan_waves(spec, waves)
     allocate (components(waves%period(2)), row(waves%period(1) / 2 + 1), heights(waves%period(1)))
-    call make_plans(waves, c_loc(components), c_loc(row), c_loc(heights), plans)
+    call columns%prepare(waves_back, waves%period(2))
+    call rows_to_pixels%prepare(waves_to_real, waves%period(1))
     tried = min(tried, waves%most(1) + 1)
     call cpu_time(begun)
     do i = 1, tried
       ! The columns are spread evenly over the map; each has its share of the rows.
       call draw_waves(waves, waves%most(1) * (i - 1) / tried, components)
-      call fftw_complex(plans(2), c_loc(components), c_loc(components))
+      call columns%apply(c_loc(components), c_loc(components))
       do j = 1, spec%pixels(2) / (waves%most(1) + 1)
         row = (0.0_real64, 0.0_real64)
-        call fftw_complex_to_real(plans(1), c_loc(row), c_loc(heights))
+        call rows_to_pixels%apply(c_loc(row), c_loc(heights))
       end do
     end do
-    call destroy_plans(plans)
     total = merge(3, 1, spec%of_slope) * (waves%most(1) + 1)
     bytes = bytes_of_map(waves, spec)
   end subroutine try_map
@@ -123,31 +122,6 @@ contains
                    8_int64 * spec%pixels(1) * spec%pixels(2) + 4096_int64 * maxval(waves%period)
   end function bytes_of_map
 
-  ! Makes the plans of the transforms of a row to pixels and of a column in its place.
-  subroutine make_plans(waves, column, row, heights, plans)
-    type(map_waves), intent(in) :: waves
-    type(c_ptr), intent(in) :: column, row, heights  ! addresses of such arrays
-    type(c_ptr), intent(out) :: plans(2)
-
-    !$omp critical (fftw_plans)
-    plans(1) = fftw_plan_complex_to_real(int(waves%period(1), c_int), row, heights, fftw_estimate)
-    plans(2) = fftw_plan_complex(int(waves%period(2), c_int), column, column, fftw_backward, &
-                                 fftw_estimate)
-    !$omp end critical (fftw_plans)
-  end subroutine make_plans
-
-  ! Destroys the plans.
-  subroutine destroy_plans(plans)
-    type(c_ptr), intent(in) :: plans(2)
-    integer :: i
-
-    !$omp critical (fftw_plans)
-    do i = 1, size(plans)
-      call fftw_destroy(plans(i))
-    end do
-    !$omp end critical (fftw_plans)
-  end subroutine destroy_plans
-
   ! Sums the waves at all pixels: the heights of the map, or a slope of which only mean and mean
   ! square are returned, over 2 pi/side. Sums are made row by row: threads do not change them.
   subroutine sum_waves(waves, which, map, mean, square)
@@ -158,20 +132,19 @@ contains
     complex(c_double_complex), allocatable, target :: components(:, :), rows(:, :)
     real(c_double), allocatable, target :: heights(:)
     real(real64) :: row_means(map%rows), row_squares(map%rows)
-    type(c_ptr) :: plans(2)
+    type(line_transform) :: columns, rows_to_pixels
     integer :: first, i, j
 
     allocate (components(0:waves%period(2) - 1, 0:waves%most(1)))
-    allocate (rows(0:waves%period(1) / 2, rows_together), heights(waves%period(1)))
-    call make_plans(waves, c_loc(components), c_loc(rows), c_loc(heights), plans)
-    deallocate (rows, heights)
+    call columns%prepare(waves_back, waves%period(2))
+    call rows_to_pixels%prepare(waves_to_real, waves%period(1))
     !$omp parallel private(rows, heights, j)
     allocate (rows(0:waves%period(1) / 2, rows_together), heights(waves%period(1)))
     !$omp do schedule(static)
     do i = 0, waves%most(1)
       call draw_waves(waves, i, components(:, i))
       if (which > of_heights) call derive_slope(components(:, i), i, which)
-      call fftw_complex(plans(2), c_loc(components(0, i)), c_loc(components(0, i)))
+      call columns%apply(c_loc(components(0, i)), c_loc(components(0, i)))
     end do
     !$omp end do
     !$omp do schedule(static)
@@ -183,7 +156,7 @@ contains
         end do
       end do
       do j = 1, min(rows_together, map%rows - first + 1)
-        call fftw_complex_to_real(plans(1), c_loc(rows(0, j)), c_loc(heights))
+        call rows_to_pixels%apply(c_loc(rows(0, j)), c_loc(heights))
         associate (row => heights(:map%columns))
           row_means(first + j - 1) = sum(row) / map%columns
           row_squares(first + j - 1) = sum(row**2) / map%columns
@@ -193,7 +166,6 @@ contains
     end do
     !$omp end do
     !$omp end parallel
-    call destroy_plans(plans)
     mean = sum(row_means) / map%rows
     square = sum(row_squares) / map%rows
   end subroutine sum_waves

@@ -132,17 +132,17 @@ contains
     integer, intent(in) :: column, row
     real(real64), intent(in), optional :: from
     real(real64) :: sorted(window), z
-    integer :: across, along, i, j, k, number
+    integer :: across, along, columns(-reach:reach), k, number, rows(-reach:reach)
 
     number = 0
-    do along = row - reach, row + reach
-      j = index_beside(along, map%rows, map%periodic)
-      if (j == 0) cycle
-      do across = column - reach, column + reach
-        i = index_beside(across, map%columns, map%periodic)
-        if (i == 0) cycle
-        z = map%height(i, j)
-        if (.not. is_measured(z)) cycle
+    columns = index_beside([(column + k, k=-reach, reach)], map%columns, map%periodic)
+    rows = index_beside([(row + k, k=-reach, reach)], map%rows, map%periodic)
+    do along = -reach, reach
+      if (rows(along) == 0) cycle
+      do across = -reach, reach
+        if (columns(across) == 0) cycle
+        z = map%height(columns(across), rows(along))
+        if (.not. z > 0.5_real64 * no_height) cycle
         if (present(from)) z = abs(z - from)
         do k = number, 1, -1
           if (sorted(k) <= z) exit

@@ -6,13 +6,11 @@
 !> (trigonometric interpolation), or linear where pixels are missing. A displacement by whole pixels
 !> is exact.
 module asperity_map_motion
-  use, intrinsic :: iso_c_binding, only: c_double, c_double_complex, c_int, c_loc, c_ptr
+  use, intrinsic :: iso_c_binding, only: c_double, c_double_complex, c_loc
   use asperity_constants, only: pi
-  use asperity_fftw_calls, only: fftw_complex_to_real, fftw_destroy, fftw_estimate, &
-                                 fftw_plan_complex_to_real, fftw_plan_real_to_complex, &
-                                 fftw_real_to_complex
   use asperity_height_map, only: height_map, is_measured, no_height
   use asperity_kinds, only: real64
+  use asperity_line_transform, only: line_transform, real_to_waves, waves_to_real
   implicit none
   private
 
@@ -199,7 +197,7 @@ contains
     real(c_double), allocatable, target :: line(:), other(:)
     complex(c_double_complex), allocatable, target :: waves(:), fewer(:)
     complex(c_double_complex), allocatable :: turn(:)
-    type(c_ptr) :: forward, backward
+    type(line_transform) :: forward, backward
     integer :: j, k, n
 
     n = size(lines, 1)
@@ -211,25 +209,18 @@ contains
               fewer(0:number / 2), turn(0:number / 2))
     turn(:) = [(exp(cmplx(0.0_real64, -2 * pi * modulo(k * moved / n, 1.0_real64), real64)) / n, &
                 k=0, number / 2)]
-    !$omp critical (fftw_plans)
-    forward = fftw_plan_real_to_complex(int(n, c_int), c_loc(line), c_loc(waves), fftw_estimate)
-    backward = fftw_plan_complex_to_real(int(number, c_int), c_loc(fewer), c_loc(other), &
-                                         fftw_estimate)
-    !$omp end critical (fftw_plans)
+    call forward%prepare(real_to_waves, n)
+    call backward%prepare(waves_to_real, number)
     do j = 1, size(lines, 2)
       line = lines(:, j)
-      call fftw_real_to_complex(forward, c_loc(line), c_loc(waves))
+      call forward%apply(c_loc(line), c_loc(waves))
       fewer = waves(0:number / 2) * turn
       ! The shortest wave of an even number is real; of more pixels it is the sum of two waves.
       if (modulo(number, 2) == 0) fewer(number / 2) = &
         merge(2, 1, number < n) * real(fewer(number / 2), real64)
-      call fftw_complex_to_real(backward, c_loc(fewer), c_loc(other))
+      call backward%apply(c_loc(fewer), c_loc(other))
       others(:, j) = other
     end do
-    !$omp critical (fftw_plans)
-    call fftw_destroy(forward)
-    call fftw_destroy(backward)
-    !$omp end critical (fftw_plans)
   end subroutine move_lines
 
 end module asperity_map_motion

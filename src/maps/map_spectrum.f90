@@ -19,12 +19,11 @@
 !> its two Nyquist wave numbers, pi over the spacing, and 0.01 decades beyond both. Corners of the
 !> (q_x, q_y) plane are left out. Lines have the wave numbers below the Nyquist wave number.
 module asperity_map_spectrum
-  use, intrinsic :: iso_c_binding, only: c_double, c_double_complex, c_int, c_loc, c_ptr
+  use, intrinsic :: iso_c_binding, only: c_double, c_double_complex, c_loc
   use asperity_constants, only: pi
-  use asperity_fftw_calls, only: fftw_complex, fftw_destroy, fftw_estimate, fftw_forward, &
-                                 fftw_plan_complex, fftw_plan_real_to_complex, fftw_real_to_complex
   use asperity_height_map, only: height_map, is_measured
   use asperity_kinds, only: int64, real64
+  use asperity_line_transform, only: line_transform, real_to_waves, waves_forward
   use asperity_problems, only: decimal_text, not_enough_memory, problem_list
   use asperity_process, only: has_memory
   implicit none
@@ -98,7 +97,7 @@ contains
     real(c_double), allocatable, target :: line(:)
     complex(c_double_complex), allocatable, target :: waves(:)
     real(real64), allocatable :: window(:)
-    type(c_ptr) :: plan
+    type(line_transform) :: transform
     integer :: i, k, n, lines, last
 
     n = merge(map%columns, map%rows, along == 1)
@@ -107,7 +106,7 @@ contains
     allocate (line(n), waves(0:n / 2), window(n))
     allocate (spectrum%q(last), spectrum%c(last), spectrum%number(last))
     window(:) = line_window(n, map%periodic)
-    plan = row_plan(line, waves)
+    call transform%prepare(real_to_waves, n)
     spectrum%q(:) = [(2 * pi * k / (n * map%pixel_spacing(along)), k=1, last)]
     spectrum%c(:) = 0.0_real64
     do i = 1, lines
@@ -117,10 +116,9 @@ contains
         line = map%height(i, :)
       end if
       line = (line - sum(line) / n) * window
-      call fftw_real_to_complex(plan, c_loc(line), c_loc(waves))
+      call transform%apply(c_loc(line), c_loc(waves))
       spectrum%c = spectrum%c + real(waves(1:last))**2 + aimag(waves(1:last))**2
     end do
-    call drop_plan(plan)
     spectrum%c = spectrum%c * map%pixel_spacing(along) / n / lines
     spectrum%number(:) = lines
   end subroutine measure_lines
@@ -131,16 +129,13 @@ contains
     type(power_spectrum), intent(out) :: spectrum
     real(c_double), allocatable, target :: row(:)
     complex(c_double_complex), allocatable, target :: waves(:, :), column(:)
-    type(c_ptr) :: plan, column_plan
+    type(line_transform) :: columns, rows
     real(real64) :: mean_square
     integer :: i, j
 
-    allocate (waves(0:map%columns / 2, 0:map%rows - 1), row(map%columns), column(0:map%rows - 1))
-    plan = row_plan(row, column)
-    !$omp critical (fftw_plans)
-    column_plan = fftw_plan_complex(int(map%rows, c_int), c_loc(column), c_loc(column), &
-                                    fftw_forward, fftw_estimate)
-    !$omp end critical (fftw_plans)
+    allocate (waves(0:map%columns / 2, 0:map%rows - 1))
+    call rows%prepare(real_to_waves, map%columns)
+    call columns%prepare(waves_forward, map%rows)
     mean_square = 1.0_real64
     if (.not. map%periodic) then
       mean_square = 0.0_real64
@@ -149,26 +144,23 @@ contains
       end do
       mean_square = mean_square / map%columns / map%rows
     end if
-    deallocate (row, column)
     !$omp parallel private(row, column)
     allocate (row(map%columns), column(0:map%rows - 1))
     !$omp do schedule(static)
     do j = 1, map%rows
       row = map%height(:, j)
       if (.not. map%periodic) row = row * area_window(map, j)
-      call fftw_real_to_complex(plan, c_loc(row), c_loc(waves(0, j - 1)))
+      call rows%apply(c_loc(row), c_loc(waves(0, j - 1)))
     end do
     !$omp end do
     !$omp do schedule(static)
     do i = 0, map%columns / 2
       column = waves(i, :)
-      call fftw_complex(column_plan, c_loc(column), c_loc(column))
+      call columns%apply(c_loc(column), c_loc(column))
       waves(i, :) = column
     end do
     !$omp end do
     !$omp end parallel
-    call drop_plan(plan)
-    call drop_plan(column_plan)
     call average_rings(map, waves, spectrum)
     spectrum%c = spectrum%c * &
       map%pixel_spacing(1) * map%pixel_spacing(2) / mean_square / map%columns / map%rows
@@ -232,24 +224,5 @@ contains
       spectrum%c = pack(squares, filled) / spectrum%number
     end associate
   end subroutine average_rings
-
-  ! A plan of a real line.
-  type(c_ptr) function row_plan(line, waves) result(plan)
-    real(c_double), intent(inout), target :: line(:)
-    complex(c_double_complex), intent(inout), target :: waves(:)
-
-    !$omp critical (fftw_plans)
-    plan = fftw_plan_real_to_complex(size(line, kind=c_int), c_loc(line), c_loc(waves), &
-                                     fftw_estimate)
-    !$omp end critical (fftw_plans)
-  end function row_plan
-
-  subroutine drop_plan(plan)
-    type(c_ptr), intent(in) :: plan
-
-    !$omp critical (fftw_plans)
-    call fftw_destroy(plan)
-    !$omp end critical (fftw_plans)
-  end subroutine drop_plan
 
 end module asperity_map_spectrum

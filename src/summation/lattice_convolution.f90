@@ -7,14 +7,11 @@
 !> without those of the padding; each column is transformed, multiplied and transformed back by one
 !> thread: the bytes of the result do not depend on the number of threads.
 module asperity_lattice_convolution
-  use, intrinsic :: iso_c_binding, only: c_associated, c_double, c_double_complex, c_int, c_loc, &
-                                         c_null_ptr, c_ptr
+  use, intrinsic :: iso_c_binding, only: c_double, c_double_complex, c_loc
   use asperity_constants, only: pi
-  use asperity_fftw_calls, only: fftw_backward, fftw_complex, fftw_complex_to_real, fftw_destroy, &
-                                 fftw_estimate, fftw_forward, fftw_plan_complex, &
-                                 fftw_plan_complex_to_real, fftw_plan_real_to_complex, &
-                                 fftw_real_to_complex
   use asperity_kinds, only: real64
+  use asperity_line_transform, only: line_transform, real_to_waves, waves_back, waves_forward, &
+                                     waves_to_real
   implicit none
   private
 
@@ -31,16 +28,13 @@ module asperity_lattice_convolution
     ! each direction: the influence is the same at mirrored offsets.
     real(c_double), allocatable :: spectrum(:, :, :)
     complex(c_double_complex), allocatable :: transform(:, :)  ! (wave number in x, row)
-    type(c_ptr) :: plans(4) = c_null_ptr
+    type(line_transform) :: row_forward, column_forward, column_back, row_back
   contains
     procedure :: prepare => prepare_plane
     procedure :: prepare_periodic
     procedure :: apply => apply_influence
-    final :: destroy_plans
   end type lattice_convolution
 
-  ! Indices of the plans for transforms of a row and of a column, forward and back.
-  integer, parameter :: row_forward = 1, column_forward = 2, column_back = 3, row_back = 4
   ! Indices of the operators in the spectrum.
   integer, parameter :: of_influence = 1, of_inverse = 2
 
@@ -71,13 +65,13 @@ contains
     do j = 0, ubound(influence, 2)
       row(:n(1) - 1) = influence(:, j)
       if (padded(1) > n(1)) row(padded(1) - n(1) + 1:) = influence(n(1) - 1:1:-1, j)
-      call fftw_real_to_complex(self%plans(row_forward), c_loc(row), c_loc(self%transform(0, j)))
+      call self%row_forward%apply(c_loc(row), c_loc(self%transform(0, j)))
     end do
     do i = 0, ubound(self%transform, 1)
       column = (0.0_c_double, 0.0_c_double)
       column(:n(2) - 1) = real(self%transform(i, :), c_double)
       if (padded(2) > n(2)) column(padded(2) - n(2) + 1:) = column(n(2) - 1:1:-1)
-      call fftw_complex(self%plans(column_forward), c_loc(column), c_loc(column))
+      call self%column_forward%apply(c_loc(column), c_loc(column))
       self%spectrum(:, i, of_influence) = real(column(:self%rows / 2), c_double)
     end do
     call scale_spectrum(self)
@@ -132,16 +126,10 @@ contains
     self%rows = padded_rows
     allocate (self%transform(0:padded_columns / 2, 0:rows - 1), &
               self%spectrum(0:padded_rows / 2, 0:padded_columns / 2, 2))
-    ! Plans by estimate do not write to the arrays.
-    associate (row => c_loc(self%spectrum), waves => c_loc(self%transform))
-      !$omp critical (fftw_plans)
-      self%plans = [ &
-        fftw_plan_real_to_complex(int(padded_columns, c_int), row, waves, fftw_estimate), &
-        fftw_plan_complex(int(padded_rows, c_int), waves, waves, fftw_forward, fftw_estimate), &
-        fftw_plan_complex(int(padded_rows, c_int), waves, waves, fftw_backward, fftw_estimate), &
-        fftw_plan_complex_to_real(int(padded_columns, c_int), waves, row, fftw_estimate)]
-      !$omp end critical (fftw_plans)
-    end associate
+    call self%row_forward%prepare(real_to_waves, padded_columns)
+    call self%column_forward%prepare(waves_forward, padded_rows)
+    call self%column_back%prepare(waves_back, padded_rows)
+    call self%row_back%prepare(waves_to_real, padded_columns)
   end subroutine make_plans
 
   !> Convolves forces with the influence, or displacements with its approximate inverse, on the
@@ -170,7 +158,7 @@ contains
     do j = 1, n
       row(:m) = force(:, j)
       row(m + 1:) = 0.0_c_double
-      call fftw_real_to_complex(self%plans(row_forward), c_loc(row), &
+      call self%row_forward%apply(c_loc(row), &
                                 c_loc(self%transform(0, j - 1)))
     end do
     !$omp end do
@@ -180,39 +168,25 @@ contains
       column(:n - 1, :last) = transpose(self%transform(i:i + last, :n - 1))
       do k = 0, last
         column(n:, k) = (0.0_c_double, 0.0_c_double)
-        call fftw_complex(self%plans(column_forward), c_loc(column(0, k)), c_loc(column(0, k)))
+        call self%column_forward%apply(c_loc(column(0, k)), c_loc(column(0, k)))
         associate (spectrum => self%spectrum(:, i + k, operator_index), middle => self%rows / 2)
           column(:middle, k) = column(:middle, k) * spectrum
           column(middle + 1:, k) = column(middle + 1:, k) * &
                                    self%spectrum((self%rows - 1) / 2:1:-1, i + k, operator_index)
         end associate
-        call fftw_complex(self%plans(column_back), c_loc(column(0, k)), c_loc(column(0, k)))
+        call self%column_back%apply(c_loc(column(0, k)), c_loc(column(0, k)))
       end do
       self%transform(i:i + last, :n - 1) = transpose(column(:n - 1, :last))
     end do
     !$omp end do
     !$omp do schedule(static)
     do j = 1, n
-      call fftw_complex_to_real(self%plans(row_back), c_loc(self%transform(0, j - 1)), c_loc(row))
+      call self%row_back%apply(c_loc(self%transform(0, j - 1)), c_loc(row))
       displacement(:, j) = row(:m)
     end do
     !$omp end do
     !$omp end parallel
   end subroutine apply_influence
-
-  ! Releases the plans when the convolution ends.
-  subroutine destroy_plans(self)
-    type(lattice_convolution), intent(inout) :: self
-    integer :: i
-
-    if (.not. c_associated(self%plans(1))) return
-    !$omp critical (fftw_plans)
-    do i = 1, size(self%plans)
-      call fftw_destroy(self%plans(i))
-    end do
-    !$omp end critical (fftw_plans)
-    self%plans = c_null_ptr
-  end subroutine destroy_plans
 
   !> Length of at least n and at most n plus an eighth that is at most 16 times a power of 2: FFTW
   !> is efficient for powers of 2, 3, 5 and 7 and one factor of 11 or 13.
