@@ -1,12 +1,14 @@
-!> Texts about the program: help, with the names of group &effects as the reader of a scene has
+!> Texts about the program: help, with the names of scenes and specifications as their readers have
 !> them, the manual page, the completion for a shell.
 module asperity_help
   use asperity_arguments, only: joined_words
-  use asperity_effect_names, only: effect_number, effect_numbers, effect_words, known_effects, &
-                                   needed_for, one_word, whole_number
-  use asperity_numeral, only: expected_numbers
+  use asperity_effect_names, only: needed_for
+  use asperity_numeral, only: any_number, in_range
   use asperity_option_table, only: call_of, command_at, commands, options
   use asperity_problems, only: decimal_text
+  use asperity_scene_fields, only: known_name, one_word, values_in_words, whole_number
+  use asperity_scene_names, only: scene_table
+  use asperity_spec_names, only: spec_table
   use asperity_text_buffer, only: text_buffer
   use asperity_version, only: version
   use asperity_word_hint, only: one_of
@@ -54,10 +56,9 @@ contains
       return
     end if
     call add_usage(topic, text)
-    if (topic == 'solve') then
-      call text%line('')
-      call describe_effects(text)
-    end if
+    if (topic == 'solve') call describe_names(scene_table(), text)
+    if (topic == 'generate' .or. topic == 'study') &
+      call describe_names(spec_table(topic == 'study'), text)
     call text%line('')
     call text%line('Exit status: 0 the chosen model was solved to the stated tolerance ' // &
                    '(warnings state where')
@@ -129,87 +130,72 @@ contains
     end do
   end function digit_flags
 
-  ! Every effect with its numbers: values, default, meaning, and the unit between brackets.
-  subroutine describe_effects(text)
-    type(text_buffer), intent(inout) :: text
-    integer :: i
-
-    call text%line('Names of group &effects in a scene; [unit], in the units of the scene:')
-    call text%line('')
-    call describe_numbers('', text)
-    do i = 1, size(known_effects)
-      associate (effect => known_effects(i))
-        call two_lines('  ' // effect%name, one_of(effect_words(pack(effect%modes, &
-                       effect%modes > 0))) // '; default ' // &
-                       trim(merge('''auto''                             ', &
-                                  '''auto'' with its numbers, else ''off''', &
-                                  effect%name == 'interaction')), effect%meaning, text)
-        call describe_numbers(trim(effect%name), text)
-      end associate
-    end do
-  end subroutine describe_effects
-
-  ! The numbers of one effect, or those of all.
-  subroutine describe_numbers(effect, text)
-    character(len=*), intent(in) :: effect
+  ! Names of a scene or specification by group: values, default, meaning, and the unit between
+  ! brackets. Numbers of one effect are indented.
+  subroutine describe_names(rows, text)
+    type(known_name), intent(in) :: rows(:)
     type(text_buffer), intent(inout) :: text
     character(len=:), allocatable :: values, unit
+    character(len=27) :: name
     integer :: i
 
-    do i = 1, size(effect_numbers)
-      associate (number => effect_numbers(i))
-        if (number%effect /= effect) cycle
-        values = values_of(number) // '; default ' // default_of(number)
-        if (number%needed_with /= '') &
-          values = values_of(number) // '; needed with ' // needed_for(number)
+    do i = 1, size(rows)
+      associate (row => rows(i))
+        if (i == 1 .or. row%group /= rows(max(1, i - 1))%group) then
+          call text%line('')
+          call text%line('Names of group &' // trim(row%group) // '; [unit]:')
+          call text%line('')
+        end if
+        name = '  ' // row%name
+        if (row%effect /= '' .and. row%effect /= row%name) name = '    ' // row%name
+        values = values_in_words(row)
+        if (row%value_kind == any_number) values = 'a number'
+        values = values // count_in_words(row%counts) // '; '
+        if (row%needed_with /= '') then
+          values = values // 'needed with ' // needed_for(row)
+        else if (index(row%otherwise, 'needed') == 1) then
+          values = values // trim(row%otherwise)
+        else
+          values = values // 'default ' // default_of(row)
+        end if
         unit = ''
-        if (number%unit /= '') unit = ' [' // trim(number%unit) // ']'
-        call two_lines('  ' // repeat(' ', min(2, len(effect))) // number%name, values, &
-                       trim(number%meaning) // unit, text)
+        if (row%unit /= '') unit = ' [' // trim(row%unit) // ']'
+        call text%line(name(:26) // values)
+        call text%line(repeat(' ', 26) // trim(row%meaning) // unit)
       end associate
     end do
-  end subroutine describe_numbers
+  end subroutine describe_names
 
-  ! Values that a number may have, in words.
-  pure function values_of(number) result(values)
-    type(effect_number), intent(in) :: number
-    character(len=:), allocatable :: values
+  ! How many values a name has, in words; empty: one.
+  pure function count_in_words(counts) result(words)
+    integer, intent(in) :: counts(2)
+    character(len=:), allocatable :: words
 
-    select case (number%number_range)
-    case (one_word)
-      values = one_of(pack(number%words, number%words /= ''))
-    case (whole_number)
-      values = 'a whole number from ' // decimal_text(number%least) // ' to ' // &
-               decimal_text(number%most)
-    case default
-      values = trim(expected_numbers(number%number_range))
-    end select
-  end function values_of
+    words = ''
+    if (counts(2) > 1) words = ', ' // decimal_text(counts(1))
+    if (counts(2) > counts(1)) words = words // merge(' or ', ' to ', counts(2) < 5) // &
+                                       decimal_text(counts(2))
+    if (words /= '') words = words // ' values'
+  end function count_in_words
 
-  ! Value of a number that a scene does not have, in words.
-  pure function default_of(number) result(default)
-    type(effect_number), intent(in) :: number
+  ! Value of a name that does not occur, in words.
+  pure function default_of(row) result(default)
+    type(known_name), intent(in) :: row
     character(len=:), allocatable :: default
+    integer :: number
 
-    default = decimal_text(int(number%default%all_digits))
-    if (number%number_range == one_word) then
+    number = int(row%default%all_digits)
+    default = decimal_text(number)
+    if (row%default%power_of_ten < 0) &
+      default = '0.' // repeat('0', -row%default%power_of_ten - len(default)) // default
+    if (row%value_kind == one_word .and. number > 0) default = one_of(row%words(number:number))
+    if (row%value_kind > 0) then
+      if (.not. in_range(row%default, row%value_kind)) default = 'none'
+    else if (row%value_kind /= whole_number .and. number == 0) then
       default = 'none'
-      if (number%default%all_digits > 0) &
-        default = '''' // trim(number%words(number%default%all_digits)) // ''''
     end if
-    if (number%default%power_of_ten < 0) &
-      default = '0.' // repeat('0', -number%default%power_of_ten - len(default)) // default
+    if (row%otherwise /= '') default = trim(row%otherwise)
   end function default_of
-
-  subroutine two_lines(name, values, meaning, text)
-    character(len=*), intent(in) :: name, values, meaning
-    type(text_buffer), intent(inout) :: text
-    character(len=26) :: margin
-
-    margin = name
-    call text%line(margin // values)
-    call text%line(repeat(' ', len(margin)) // trim(meaning))
-  end subroutine two_lines
 
   !> A page for man(1), in troff.
   subroutine write_manual_page(text)

@@ -1,21 +1,20 @@
 !> The names of group &effects: the effects, how a scene may call for each, their numbers, and which
 !> effects go together.
 !>
-!> All that knows them takes them from here: the reader and its messages, the values of a scene,
-!> `asperity solve --help`. The tables of the documents are tested against that help.
+!> The reader and its messages, the values of a scene and `asperity solve --help` use this table.
 module asperity_effect_names
   use asperity_decimal, only: decimal_value
   use asperity_kinds, only: int64
   use asperity_numeral, only: above_zero, not_negative, share, share_or_all
+  use asperity_scene_fields, only: known_name, one_word, whole_number, word_length
   implicit none
   private
 
   public :: effect_off, effect_on, effect_auto, effect_coupled, effect_boundary, effect_words
   public :: by_default, by_numbers, by_word
   public :: hold_load, hold_separation, hold_words
-  public :: law_exponential, law_van_der_waals, law_words
-  public :: known_effect, known_effects, effect_number, effect_numbers
-  public :: most_relaxations, one_word, whole_number, needed_for, why_not_together
+  public :: law_exponential, most_relaxations
+  public :: known_effect, known_effects, effect_numbers, needed_for, why_not_together
 
   integer, parameter :: effect_off = 1       !! the effect is left out
   integer, parameter :: effect_on = 2        !! the effect is simulated
@@ -36,12 +35,7 @@ module asperity_effect_names
   character(len=*), parameter :: hold_words(3) = &
     [character(len=13) :: 'load', 'separation', 'approach']
   integer, parameter :: law_exponential = 1    !! adhesion on pixels: attraction w/rho exp(-g/rho)
-  integer, parameter :: law_van_der_waals = 2  !! adhesion on pixels: 2 w/z0 (1 + g/z0)**-3
-  !> The words of a scene for them; the third has none.
-  character(len=*), parameter :: law_words(3) = &
-    [character(len=13) :: 'exponential', 'van_der_waals', '']
-  ! The words of a scene for the body that yields; the third has none.
-  character(len=*), parameter :: plastic_bodies(3) = [character(len=13) :: 'upper', 'lower', '']
+  character(len=*), parameter :: none(5) = ''  ! pads lists of words
 
   integer, parameter :: most_relaxations = 20  !! largest number of relaxation times
 
@@ -76,68 +70,57 @@ module asperity_effect_names
     known_effect('creep', switch, 'relaxation or creep during loading and a hold', &
                  own=[character(len=20) :: 'hold_time', 'relaxation_time'])]
 
-  integer, parameter :: one_word = -1  !! a number is one of `words`, by its place, and no range
-  integer, parameter :: whole_number = -2  !! a number is a whole one from `least` to `most`
-
-  !> A number of an effect.
-  type :: effect_number
-    character(len=21) :: name = ''         !! in &effects
-    character(len=11) :: effect = ''       !! whose it is; blank: of all under `auto`
-    integer :: number_range = not_negative  !! of `asperity_numeral`, or one of the two above
-    type(decimal_value) :: default = decimal_value()  !! when the scene does not have it
-    !> When the scene must have it. `on`: with its effect on; `no limit`: with its effect, on or
-    !> auto, and no limit; `pixels`: with its effect on the pixels of a map; the name of a number:
-    !> with its effect and that number not 0.
-    character(len=21) :: needed_with = ''
-    character(len=18) :: in_words = ''     !! what there is when it is not 0, where others need that
-    character(len=12) :: instead = ''      !! another number that does for it
-    character(len=20) :: unit = ''         !! in words; blank: none
-    character(len=72) :: meaning = ''      !! in a line
-    character(len=13) :: words(3) = ''      !! for `one_word`
-    integer :: least = 0                   !! for `whole_number`
-    integer :: most = 0                    !! for `whole_number`
-  end type effect_number
-
   !> All numbers, in the order in which messages list them.
-  type(effect_number), parameter :: effect_numbers(*) = [ &
-    effect_number('tolerance', '', share, decimal_value(1_int64, -2), &
-                  meaning='relative error that ''auto'' may leave, of all effects together'), &
-    effect_number('boundary_tolerance', 'interaction', share, decimal_value(1_int64, -3), &
-                  meaning='relative change of the load by halving the grid spacing'), &
-    effect_number('area_tolerance', 'interaction', share, decimal_value(5_int64, -3), &
-                  meaning='relative error of the area that is always accepted'), &
-    effect_number('friction_coefficient', 'friction', not_negative, needed_with='on', &
-                  meaning='tangential over normal load of a sliding contact'), &
-    effect_number('plastic_yield_stress', 'plasticity', above_zero, needed_with='no limit', &
-                  unit='modulus', &
-                  meaning='yield stress in tension; without it flow begins at the limit'), &
-    effect_number('plastic_hardness', 'plasticity', above_zero, needed_with='pixels', &
-                  unit='modulus', meaning='largest pressure on the pixels of a height map'), &
-    effect_number('plastic_body', 'plasticity', one_word, words=plastic_bodies, &
-                  meaning='the body that yields; without it the one of smaller modulus'), &
-    effect_number('work_of_adhesion', 'adhesion', not_negative, needed_with='on', &
-                  in_words='a work of adhesion', unit='modulus times length', &
-                  meaning='work to separate a unit area of the two surfaces'), &
-    effect_number('equilibrium_distance', 'adhesion', above_zero, decimal_value(1_int64, 0), &
-                  needed_with='work_of_adhesion', unit='length', &
-                  meaning='gap between surfaces in contact; sets the range of attraction'), &
-    effect_number('adhesion_law', 'adhesion', one_word, &
-                  decimal_value(int(law_exponential, int64), 0), words=law_words, &
-                  meaning='attraction across the gap on the pixels of a height map'), &
-    effect_number('relaxation_time', 'creep', not_negative, needed_with='hold_time', unit='time', &
-                  meaning='time after which 1/e of a relaxing part is left; several: ascending'), &
-    effect_number('relaxed_modulus_ratio', 'creep', share_or_all, decimal_value(1_int64, 0), &
-                  needed_with='hold_time', &
-                  meaning='relaxed over instantaneous modulus; several: after each time'), &
-    effect_number('loading_time', 'creep', not_negative, unit='time', &
-                  meaning='duration of loading or of a path, at a constant rate'), &
-    effect_number('hold_time', 'creep', not_negative, needed_with='on', in_words='a duration', &
-                  instead='loading_time', unit='time', &
-                  meaning='duration of the hold after loading'), &
-    effect_number('hold', 'creep', one_word, decimal_value(int(hold_load, int64), 0), &
-                  words=hold_words, meaning='quantity held constant'), &
-    effect_number('hold_points', 'creep', whole_number, decimal_value(20_int64, 0), &
-                  least=2, most=100000, meaning='states of the hold')]
+  type(known_name), parameter :: effect_numbers(*) = [ &
+    known_name('effects', 'tolerance', share, &
+               'relative error that ''auto'' may leave, of all effects together', &
+               default=decimal_value(1_int64, -2)), &
+    known_name('effects', 'boundary_tolerance', share, &
+               'relative change of the load by halving the grid spacing', &
+               default=decimal_value(1_int64, -3), effect='interaction'), &
+    known_name('effects', 'area_tolerance', share, &
+               'relative error of the area that is always accepted', &
+               default=decimal_value(5_int64, -3), effect='interaction'), &
+    known_name('effects', 'friction_coefficient', not_negative, &
+               'tangential over normal load of a sliding contact', &
+               effect='friction', needed_with='on'), &
+    known_name('effects', 'plastic_yield_stress', above_zero, &
+               'yield stress in tension; without it flow begins at the limit', &
+               unit='modulus', effect='plasticity', needed_with='no limit'), &
+    known_name('effects', 'plastic_hardness', above_zero, &
+               'largest pressure on the pixels of a height map', &
+               unit='modulus', effect='plasticity', needed_with='pixels'), &
+    known_name('effects', 'plastic_body', one_word, &
+               'the body that yields; without it the one of smaller modulus', &
+               words=[character(len=word_length) :: 'upper', 'lower', none], effect='plasticity'), &
+    known_name('effects', 'work_of_adhesion', not_negative, &
+               'work to separate a unit area of the two surfaces', unit='modulus times length', &
+               effect='adhesion', needed_with='on', in_words='a work of adhesion'), &
+    known_name('effects', 'equilibrium_distance', above_zero, &
+               'gap between surfaces in contact; sets the range of attraction', unit='length', &
+               default=decimal_value(1_int64, 0), effect='adhesion', &
+               needed_with='work_of_adhesion'), &
+    known_name('effects', 'adhesion_law', one_word, &
+               'attraction across the gap on the pixels of a height map', effect='adhesion', &
+               default=decimal_value(int(law_exponential, int64), 0), &
+               words=[character(len=word_length) :: 'exponential', 'van_der_waals', none]), &
+    known_name('effects', 'relaxation_time', not_negative, &
+               'time after which 1/e of a relaxing part is left; several: ascending', &
+               unit='time', effect='creep', needed_with='hold_time'), &
+    known_name('effects', 'relaxed_modulus_ratio', share_or_all, &
+               'relaxed over instantaneous modulus; several: after each time', &
+               default=decimal_value(1_int64, 0), effect='creep', needed_with='hold_time'), &
+    known_name('effects', 'loading_time', not_negative, &
+               'duration of loading or of a path, at a constant rate', unit='time', &
+               effect='creep'), &
+    known_name('effects', 'hold_time', not_negative, 'duration of the hold after loading', &
+               unit='time', effect='creep', needed_with='on', in_words='a duration', &
+               instead='loading_time'), &
+    known_name('effects', 'hold', one_word, 'quantity held constant', effect='creep', &
+               default=decimal_value(int(hold_load, int64), 0), &
+               words=[character(len=word_length) :: hold_words, none(:4)]), &
+    known_name('effects', 'hold_points', whole_number, 'states of the hold', &
+               default=decimal_value(20_int64, 0), least=2, most=100000, effect='creep')]
 
   ! Two effects and why they are not computed together, on asperities and on the pixels of a map;
   ! blank: they are. What pixels do not have at all is in `known_effects`.
@@ -166,7 +149,7 @@ contains
 
   !> Returns what makes a number necessary: `friction = 'on'`, `creep and a hold`; empty: nothing.
   pure function needed_for(number) result(text)
-    type(effect_number), intent(in) :: number  !! entry of the number in `effect_numbers`
+    type(known_name), intent(in) :: number  !! entry of the number in `effect_numbers`
     character(len=:), allocatable :: text      !! for a message
 
     select case (number%needed_with)

@@ -5,25 +5,22 @@ module asperity_generation_spec
                                   ratio_field, shift_field, stress_field, width_field, x_field
   use asperity_decimal, only: decimal_value
   use asperity_file_kind, only: a_specification
-  use asperity_generation_map, only: map_table, take_map_spec
-  use asperity_generation_values, only: exact_value, gaussian_spec, generation_spec, &
-                                        most_asperities, side_names
+  use asperity_generation_values, only: below_none, exact_value, gaussian_spec, generation_spec, &
+                                        map_spec, most_asperities, period_of, side_names
+  use asperity_height_map, only: most_samples
   use asperity_input_text, only: read_text
   use asperity_kinds, only: int64, real128
-  use asperity_numeral, only: above_zero, any_number, not_negative, poisson_range
   use asperity_problems, only: decimal_text, problem_list
   use asperity_scene_fields, only: read_fields, scene_fields
-  use asperity_scene_names, only: in_group, known_name
+  use asperity_spec_names, only: spec_table
   implicit none
   private
 
-  public :: read_generation_spec, parse_generation_spec, generation_table, take_generation
+  public :: read_generation_spec, parse_generation_spec, take_generation
 
   ! Without cut-offs a height is so near the mean, in deviations: what lies beyond has a chance of
   ! 2.4e-16. A range that begins further out than `farthest` has no chance worth the name.
   real(real128), parameter :: usual_cut = 8.2_real128, farthest = 30.0_real128
-  integer, parameter :: most_members = 1000000, most_tries = 1000000
-
   integer, parameter :: most_cards = 99999  ! most asperities of a model: five columns
 
 contains
@@ -49,7 +46,7 @@ contains
 
     spec%file = path
     call read_fields(path, text, 'a specification', [a_specification], &
-                     [generation_table(), map_table()], fields)
+                     spec_table(of_study=.false.), fields)
     if (fields%is_text) then
       spec%is_map = fields%has_group('map')
       if (spec%is_map) then
@@ -77,21 +74,6 @@ contains
     end do
   end subroutine refuse_others
 
-  !> The groups and names of a specification.
-  pure function generation_table() result(table)
-    type(known_name), allocatable :: table(:)  !! all names
-    character(len=*), parameter :: gaussian(6) = [character(len=17) :: 'mean', 'deviation', &
-      'lowest', 'highest', 'lowest_deviation', 'highest_deviation']
-
-    table = [in_group('surfaces', [character(len=14) :: 'number', 'density', 'length', 'width', &
-                                   'least_distance']), &
-             in_group('heights', gaussian), in_group('radii', gaussian), &
-             in_group('random', [character(len=8) :: 'seed', 'ensemble', 'tries']), &
-             in_group('deck', [character(len=15) :: 'elastic_modulus', 'poisson_ratio', &
-                               'allowed_stress', 'rotation', 'lower_width', 'x_displacement', &
-                               'y_displacement'])]
-  end function generation_table
-
   !> Takes the groups of a specification from a text that may hold other groups too.
   subroutine take_generation(fields, spec)
     type(scene_fields), intent(inout) :: fields   !! the text; problems are added
@@ -102,12 +84,12 @@ contains
     before = fields%problems%count()
     call read_plane(fields, spec)
     good_plane = fields%problems%count() == before
-    call read_gaussian(fields, 'heights', any_number, spec%sides%height, good_heights)
-    call read_gaussian(fields, 'radii', above_zero, spec%sides%radius, good_radii)
+    call read_gaussian(fields, 'heights', spec%sides%height, good_heights)
+    call read_gaussian(fields, 'radii', spec%sides%radius, good_radii)
     if (good_heights .and. good_radii) call check_spheres(fields, spec)
-    call fields%take_whole('random', 'seed', 0, huge(spec%seed), spec%seed)
-    call fields%take_whole('random', 'ensemble', 1, most_members, spec%ensemble)
-    call fields%take_whole('random', 'tries', 1, most_tries, spec%tries)
+    call fields%take('random', 'seed', spec%seed)
+    call fields%take('random', 'ensemble', spec%ensemble)
+    call fields%take('random', 'tries', spec%tries)
     spec%is_deck = fields%has_group('deck')
     if (spec%is_deck) call check_deck(fields, good_plane, good_heights, good_radii, spec)
   end subroutine take_generation
@@ -116,67 +98,43 @@ contains
   subroutine read_plane(fields, spec)
     type(scene_fields), intent(inout) :: fields
     type(generation_spec), intent(inout) :: spec
-    type(decimal_value) :: wanted(2)
+    type(decimal_value) :: density(2)
     real(real128) :: number
     integer :: side, before
-    logical :: good_extent
 
     before = fields%problems%count()
-    call fields%require_name('surfaces', 'length', 'one')
-    call fields%take_pair('surfaces', 'length', above_zero, spec%sides%length)
-    call fields%require_name('surfaces', 'width', 'one')
-    call fields%take_pair('surfaces', 'width', above_zero, spec%sides%width)
-    good_extent = fields%problems%count() == before
-    call fields%take_pair('surfaces', 'least_distance', not_negative, spec%sides%least_distance)
-    before = fields%problems%count()
-    if (fields%has_name('surfaces', 'number') .and. fields%has_name('surfaces', 'density')) then
-      call fields%complain_of('surfaces', 'density', 'found beside number, expected one of them')
-    else if (fields%has_name('surfaces', 'density')) then
-      call fields%take_pair('surfaces', 'density', above_zero, wanted)
-    else
-      call fields%require_name('surfaces', 'number', 'one')
-      call fields%take_pair('surfaces', 'number', above_zero, wanted)
-    end if
-    if (fields%problems%count() > before) return
-    do side = 1, 2
-      number = exact_value(wanted(side))
-      if (fields%has_name('surfaces', 'density')) then
-        if (.not. good_extent) return
-        number = anint(number * exact_value(spec%sides(side)%length) * &
-                       exact_value(spec%sides(side)%width))
-      end if
-      if (number >= 1.0_real128 .and. number <= real(most_asperities, real128) .and. &
-          abs(number - anint(number)) <= 0.0_real128) then
+    call fields%take('surfaces', 'length', spec%sides%length)
+    call fields%take('surfaces', 'width', spec%sides%width)
+    call fields%take('surfaces', 'density', density)
+    if (.not. fields%has_name('surfaces', 'density')) &
+      call fields%take('surfaces', 'number', spec%sides%number)
+    do side = 1, merge(2, 0, fields%has_name('surfaces', 'density') .and. &
+                             fields%problems%count() == before)
+      number = anint(exact_value(density(side)) * exact_value(spec%sides(side)%length) * &
+                     exact_value(spec%sides(side)%width))
+      if (number >= 1.0_real128 .and. number <= real(most_asperities, real128)) then
         spec%sides(side)%number = int(number)
-      else if (fields%has_name('surfaces', 'density')) then
+      else
         call fields%complain_of('surfaces', 'density', 'found too few or too many ' // &
              'asperities on the ' // trim(side_names(side)) // ' surface, expected density ' // &
              '* length * width to be from 1 to ' // decimal_text(most_asperities))
-      else
-        call fields%complain_of('surfaces', 'number', 'no count of asperities given for ' // &
-             'the ' // trim(side_names(side)) // ' surface, expected a whole number from 1 to ' // &
-             decimal_text(most_asperities))
-        ! One number for both surfaces: its problem is reported once.
-        if (fields%value_count('surfaces', 'number') == 1) exit
       end if
     end do
+    call fields%take('surfaces', 'least_distance', spec%sides%least_distance)
   end subroutine read_plane
 
   !> Group &heights or &radii.
-  subroutine read_gaussian(fields, group, number_range, gaussian, good)
+  subroutine read_gaussian(fields, group, gaussian, good)
     type(scene_fields), intent(inout) :: fields
     character(len=*), intent(in) :: group
-    integer, intent(in) :: number_range
     type(gaussian_spec), intent(out) :: gaussian(2)
     logical, intent(out) :: good
     real(real128) :: means(2), deviations(2), low(2), high(2)
     integer :: before, side
 
     before = fields%problems%count()
-    call fields%require_name(group, 'mean', 'one')
-    if (group == 'heights') call fields%require_name(group, 'deviation', 'one, or 0')
-    call fields%take_pair(group, 'mean', number_range, gaussian%mean)
-    call fields%take_pair(group, 'deviation', not_negative, gaussian%deviation)
+    call fields%take(group, 'mean', gaussian%mean)
+    call fields%take(group, 'deviation', gaussian%deviation)
     means = exact_value(gaussian%mean)
     deviations = exact_value(gaussian%deviation)
     low = means - usual_cut * deviations
@@ -198,15 +156,12 @@ contains
       real(real128), intent(inout) :: cut(2)
       type(decimal_value) :: values(2)
 
-      if (fields%has_name(group, name) .and. fields%has_name(group, name // '_deviation')) then
-        call fields%complain_of(group, name // '_deviation', 'found beside ' // name // &
-                                ', expected one of them')
-      else if (fields%has_name(group, name)) then
-        call fields%take_pair(group, name, number_range, values)
-        cut = exact_value(values)
-      else if (fields%has_name(group, name // '_deviation')) then
-        call fields%take_pair(group, name // '_deviation', any_number, values)
+      if (fields%has_name(group, name // '_deviation')) then
+        call fields%take(group, name // '_deviation', values)
         cut = means + exact_value(values) * deviations
+      else if (fields%has_name(group, name)) then
+        call fields%take(group, name, values)
+        cut = exact_value(values)
       end if
     end subroutine take_cut
 
@@ -275,22 +230,15 @@ contains
     integer :: side
 
     associate (deck => spec%deck)
-      call fields%require_name('deck', 'elastic_modulus', 'one')
-      call take_card_number('elastic_modulus', above_zero, 999999999, modulus_field, &
-        deck%elastic_modulus)
-      call fields%require_name('deck', 'poisson_ratio', 'one')
-      call take_card_number('poisson_ratio', poisson_range, 1, ratio_field, deck%poisson_ratio)
-      call fields%require_name('deck', 'allowed_stress', 'one')
-      call take_card_number('allowed_stress', not_negative, 999999999, stress_field, &
-        deck%allowed_stress)
-      call take_card_number('rotation', any_number, 99, angle_field(1), deck%rotation)
+      call take_card_number('elastic_modulus', 999999999, modulus_field, deck%elastic_modulus)
+      call take_card_number('poisson_ratio', 1, ratio_field, deck%poisson_ratio)
+      call take_card_number('allowed_stress', 999999999, stress_field, deck%allowed_stress)
+      call take_card_number('rotation', 99, angle_field(1), deck%rotation)
       width = spec%sides(2)%width
-      call take_card_number('lower_width', above_zero, 99, width_field, width)
+      call take_card_number('lower_width', 99, width_field, width)
       deck%lower_width = width(1)
-      call take_card_number('x_displacement', any_number, 99, shift_field(1), &
-        deck%displacement(1:1))
-      call take_card_number('y_displacement', any_number, 99, shift_field(2), &
-        deck%displacement(2:2))
+      call take_card_number('x_displacement', 99, shift_field(1), deck%displacement(1:1))
+      call take_card_number('y_displacement', 99, shift_field(2), deck%displacement(2:2))
     end associate
     do side = 1, 2
       associate (wanted => spec%sides(side))
@@ -313,22 +261,18 @@ contains
   contains
 
     !> Takes one number, or one for each side.
-    subroutine take_card_number(name, number_range, most, field, values)
+    subroutine take_card_number(name, most, field, values)
       character(len=*), intent(in) :: name
-      integer, intent(in) :: number_range, most, field
+      integer, intent(in) :: most, field
       type(decimal_value), intent(inout) :: values(:)
       integer :: before
 
       before = fields%problems%count()
-      if (size(values) == 2) then
-        call fields%take_pair('deck', name, number_range, values)
-      else
-        call fields%take_numbers('deck', name, number_range, values)
-      end if
+      call fields%take('deck', name, values)
       if (.not. fields%has_name('deck', name) .or. fields%problems%count() > before) return
       ! Zero where zero is allowed always fits.
       if (.not. all(fits_card(values, most, field) .or. &
-                    (number_range /= above_zero .and. values%all_digits == 0))) &
+                    values%all_digits == 0)) &
         call fields%complain_of('deck', name, 'found a number that its card cannot hold, ' // &
                                 'expected fewer digits')
     end subroutine take_card_number
@@ -354,5 +298,99 @@ contains
     fits_card = size_of <= real(most, real128) .and. &
            2 * size_of * 10.0_real128**deck_fields(field)%decimals >= 1.0_real128
   end function fits_card
+
+  ! Takes and checks group &map: the height map that `asperity generate` makes.
+  subroutine take_map_spec(fields, spec)
+    type(scene_fields), intent(inout) :: fields
+    type(map_spec), intent(inout) :: spec
+    type(decimal_value) :: hurst, rms
+    character(len=:), allocatable :: name
+    integer :: before, switch
+    integer(int64) :: number
+    logical :: good
+
+    before = fields%problems%count()
+    call fields%take('map', 'pixels', spec%pixels)
+    call fields%take('map', 'spacing', spec%pixel_spacing)
+    number = product(int(spec%pixels, int64))
+    if (number > most_samples) &
+      call fields%complain_of('map', 'pixels', 'found ' // decimal_text(number) // &
+                              ' pixels, expected at most ' // decimal_text(most_samples))
+    good = fields%problems%count() == before
+    call fields%take('map', 'hurst', hurst)
+    spec%hurst = exact_value(hurst)
+    spec%of_slope = fields%has_name('map', 'rms_slope')
+    name = 'rms_height'
+    if (spec%of_slope) name = 'rms_slope'
+    call fields%take('map', name, rms)
+    spec%rms = exact_value(rms)
+    if (.not. fields%has_name('map', name)) &
+      call fields%complain_of_group('map', '&map needs rms_height or rms_slope: found none, ' // &
+                                    'expected one of them')
+    call fields%take('map', 'seed', spec%seed)
+    switch = 1
+    call fields%take('map', 'periodic', switch)
+    spec%periodic = switch /= 2
+    call fields%take('map', 'below_roll_off', spec%below)
+    call fields%take('map', 'unit', spec%unit)
+    before = fields%problems%count()
+    if (good) call take_waves(fields, spec)
+    if (good .and. fields%problems%count() == before) call check_waves(fields, spec)
+  end subroutine take_map_spec
+
+  ! Roll-off and cut-off; needs pixels and spacing.
+  subroutine take_waves(fields, spec)
+    type(scene_fields), intent(inout) :: fields
+    type(map_spec), intent(inout) :: spec
+    type(decimal_value) :: wave
+    real(real128) :: pixel_spacing(2)
+    integer :: before
+
+    before = fields%problems%count()
+    pixel_spacing = exact_value(spec%pixel_spacing)
+    spec%roll_off = minval(spec%pixels * pixel_spacing)
+    spec%cut_off = 2 * maxval(pixel_spacing)
+    call fields%take('map', 'roll_off', wave)
+    if (fields%has_name('map', 'roll_off')) spec%roll_off = exact_value(wave)
+    call fields%take('map', 'cut_off', wave)
+    if (fields%has_name('map', 'cut_off')) spec%cut_off = exact_value(wave)
+    if (fields%problems%count() > before) return
+    if (spec%cut_off < 2 * maxval(pixel_spacing)) then
+      call fields%complain_of('map', 'cut_off', 'found less than two pixels, expected at ' // &
+                              'least two spacings')
+    else if (spec%roll_off > spec%cut_off) then
+      return
+    else if (fields%has_name('map', 'cut_off')) then
+      call fields%complain_of('map', 'cut_off', 'found at least the roll-off, expected a ' // &
+                              'wavelength below roll_off, by default the shorter side of the map')
+    else if (fields%has_name('map', 'roll_off')) then
+      call fields%complain_of('map', 'roll_off', 'found at most the cut-off, expected a ' // &
+                              'wavelength above cut_off, by default two spacings')
+    else
+      call fields%complain_of('map', 'pixels', 'found a shorter side of at most two of the ' // &
+                              'larger spacings, expected more')
+    end if
+  end subroutine take_waves
+
+  ! That the periodic map has a wave in the band.
+  subroutine check_waves(fields, spec)
+    type(scene_fields), intent(inout) :: fields
+    type(map_spec), intent(in) :: spec
+    real(real128) :: side(2), least, most, rest
+    integer :: i
+
+    side = period_of(spec%pixels, spec%periodic) * exact_value(spec%pixel_spacing)
+    most = 1 / spec%cut_off
+    least = 0.0_real128
+    if (spec%below == below_none) least = 1 / spec%roll_off
+    do i = 0, int(most * side(1))
+      ! The wave number along y at the upper end of the band, rounded down.
+      rest = side(2) * sqrt(max(0.0_real128, most**2 - (i / side(1))**2))
+      rest = aint(rest) / side(2)
+      if (i + rest > 0.0_real128 .and. hypot(i / side(1), rest) >= least) return
+    end do
+    call fields%complain_of_group('map', 'found no wave of the map between cut_off and ' // &
+                                  'roll_off, expected wavelengths further apart, or a larger map')
+  end subroutine check_waves
 
 end module asperity_generation_spec

@@ -3,7 +3,7 @@ module asperity_height_map
   use asperity_decimal, only: decimal_to_real64, decimal_value
   use asperity_input_text, only: lower_case
   use asperity_kinds, only: int64, real64
-  use asperity_numeral, only: read_numeral
+  use asperity_numeral, only: a_length, expected_numbers, least_length, most_length, read_numeral
   use asperity_problems, only: decimal_text, not_enough_memory, problem_list, real_text
   use asperity_process, only: has_memory
   implicit none
@@ -37,8 +37,6 @@ module asperity_height_map
 
   !> More samples than a whole number of 32 bits can count are refused.
   integer(int64), parameter :: most_samples = 2147483647_int64
-  ! Lengths beyond these are no lengths of anything, and their powers would not fit in a double.
-  real(real64), parameter :: least_length = 1.0e-30_real64, most_length = 1.0e30_real64
   real(real64), parameter :: highest = 1.0e30_real64  !! larger heights are refused
   !> Heights that are accepted, for a message.
   character(len=*), parameter :: expected_height = 'a height of at most 1e30, or NaN where missing'
@@ -48,7 +46,7 @@ module asperity_height_map
   integer, parameter :: longest_cell = 120  ! characters of a height at most: a number has fewer
   integer, parameter :: no_power = huge(0)  !! no digit was read yet
   !> Lengths that are accepted, for a message.
-  character(len=*), parameter :: expected_length = 'a length from 1e-30 to 1e30'
+  character(len=*), parameter :: expected_length = trim(expected_numbers(a_length))
 
   !> The map. Lengths are in `unit`; y grows with the row.
   type :: height_map

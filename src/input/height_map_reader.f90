@@ -9,9 +9,7 @@ module asperity_height_map_reader
   use asperity_kinds, only: int64, real64
   use asperity_npy_map, only: is_npy, read_npy_map
   use asperity_problems, only: decimal_text, problem_list, real_text
-  use asperity_sdf_header, only: is_sdf, magic_length, read_binary_header, read_text_header, &
-                                 sdf_header
-  use asperity_sdf_samples, only: read_sdf_samples
+  use asperity_sdf_map, only: is_sdf, magic_length, read_sdf_header, read_sdf_samples, sdf_header
   use asperity_text_header, only: head_length, is_numeric_line, is_surface_header, read_header, &
                                   text_header
   use asperity_text_map, only: read_text_map
@@ -101,11 +99,7 @@ contains
     if (problems%count() > before) return
     call file%take(magic_length, magic)
     if (is_sdf(magic)) then
-      if (scan(magic(1:1), 'aA') == 1) then
-        call read_text_header(file, magic, header, problems)
-      else
-        call read_binary_header(file, magic, header, problems)
-      end if
+      call read_sdf_header(file, magic, header, problems)
       map%pixel_spacing = header%scale_factor(:2)
       if (problems%count() == before) call take_spacing()
       if (problems%count() == before) &

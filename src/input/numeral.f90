@@ -10,6 +10,7 @@ module asperity_numeral
   public :: read_numeral, read_whole_number, decimal_sum, is_a_double, rounded_decimal
   public :: read_double_numeral, without_kind, expected_numbers, in_range
   public :: any_number, above_zero, share, poisson_range, not_negative, share_or_all
+  public :: a_length, above_one, least_length, most_length
 
   integer, parameter :: most_digits = 18
   ! Behind a number: the nearest double is meant, to its last bit, as with a literal of Fortran.
@@ -23,12 +24,18 @@ module asperity_numeral
   integer, parameter :: poisson_range = 4  !! more than -1 and at most 0.5
   integer, parameter :: not_negative = 5   !! 0 or more
   integer, parameter :: share_or_all = 6   !! more than 0 and at most 1
+  integer, parameter :: a_length = 7       !! from `least_length` to `most_length`
+  integer, parameter :: above_one = 8      !! more than 1
+
+  !> Lengths beyond these are no lengths of anything, and their powers would not fit in a double.
+  real(real64), parameter :: least_length = 1.0e-30_real64, most_length = 1.0e30_real64
 
   !> Each range in words, for messages: `expected_numbers(above_zero)`.
-  character(len=*), parameter :: expected_numbers(6) = [character(len=50) :: &
+  character(len=*), parameter :: expected_numbers(8) = [character(len=50) :: &
     'a finite number within the range of a double', 'a number more than 0', &
     'a number more than 0 and less than 1', 'a number more than -1 and at most 0.5', &
-    'a number of 0 or more', 'a number more than 0 and at most 1']
+    'a number of 0 or more', 'a number more than 0 and at most 1', 'a length from 1e-30 to 1e30', &
+    'a number more than 1']
 
 contains
 
@@ -228,6 +235,10 @@ contains
       in_range = value%all_digits > 0_int64 .and. number <= 1.0_real64
     case (poisson_range)
       in_range = number > -1.0_real64 .and. number <= 0.5_real64
+    case (a_length)
+      in_range = number >= least_length .and. number <= most_length
+    case (above_one)
+      in_range = number > 1.0_real64
     case (not_negative)
       in_range = value%all_digits >= 0_int64
     case default

@@ -1,12 +1,12 @@
 !> Group &effects of a scene: which effects, their numbers, and which go together.
 module asperity_scene_effects
   use asperity_decimal, only: decimal_to_real64, decimal_value
-  use asperity_effect_names, only: effect_number, effect_numbers, known_effect, known_effects, &
-                                   needed_for, one_word, whole_number, why_not_together
+  use asperity_effect_names, only: effect_numbers, known_effect, known_effects, needed_for, &
+                                   why_not_together
   use asperity_kinds, only: int64, real64
   use asperity_numeral, only: above_zero, share_or_all
   use asperity_problems, only: decimal_text
-  use asperity_scene_fields, only: scene_fields
+  use asperity_scene_fields, only: known_name, scene_fields
   use asperity_scene_values, only: by_default, by_numbers, by_word, control_separation, &
                                    control_limit, criterion_none, effect_auto, effect_off, &
                                    effect_on, effect_words, has_hardness, has_tangential, is_load, &
@@ -39,15 +39,14 @@ contains
       do i = 1, size(known_effects)
         associate (effect => known_effects(i))
           written(i) = 1
-          call fields%take_word('effects', trim(effect%name), &
-                                effect_words(pack(effect%modes, effect%modes > 0)), written(i))
+          call fields%take('effects', trim(effect%name), written(i))
           if (written(i) > 0) written(i) = effect%modes(written(i))
         end associate
       end do
       call take_relaxation(fields, effects)
       do i = 1, size(effect_numbers)
         if (allocated(effects%relaxation) .and. any(effect_numbers(i)%name == relaxing)) cycle
-        call take_number(fields, effect_numbers(i), effects%numbers(i))
+        call fields%take('effects', trim(effect_numbers(i)%name), effects%numbers(i))
       end do
       do i = 1, size(known_effects)
         call take_source(fields, checked, i)
@@ -171,8 +170,8 @@ contains
     allocate (effects%relaxation(number, 2))
     do i = 1, 2
       associate (values => effects%relaxation(:, i))
-        call fields%take_numbers('effects', trim(relaxing(i)), &
-                                 merge(above_zero, share_or_all, i == 1), values)
+        call fields%take('effects', trim(relaxing(i)), values, &
+                         merge(above_zero, share_or_all, i == 1))
         in_order = all(merge(1, -1, i == 1) * (decimal_to_real64(values(2:)) - &
                                                decimal_to_real64(values(:number - 1))) > 0.0_real64)
         if (fields%problems%count() == 0 .and. .not. in_order) &
@@ -183,27 +182,6 @@ contains
       end associate
     end do
   end subroutine take_relaxation
-
-  ! A number, a whole number or a word; what is not there stays as it is.
-  subroutine take_number(fields, number, value)
-    type(scene_fields), intent(inout) :: fields
-    type(effect_number), intent(in) :: number
-    type(decimal_value), intent(inout) :: value
-    integer :: whole
-
-    whole = int(value%all_digits)
-    select case (number%number_range)
-    case (one_word)
-      call fields%take_word('effects', trim(number%name), &
-                            pack(number%words, number%words /= ''), whole)
-      value = decimal_value(int(whole, int64), 0)
-    case (whole_number)
-      call fields%take_whole('effects', trim(number%name), number%least, number%most, whole)
-      value = decimal_value(int(whole, int64), 0)
-    case default
-      call fields%take_number('effects', trim(number%name), number%number_range, value)
-    end select
-  end subroutine take_number
 
   ! Numbers that something else needs: another choice in &effects, or that there is no limit.
   subroutine require_numbers(fields, checked)
@@ -229,7 +207,7 @@ contains
   ! Whether a scene must have a number.
   pure logical function is_needed(checked, number)
     type(scene), intent(in) :: checked
-    type(effect_number), intent(in) :: number
+    type(known_name), intent(in) :: number
     integer :: mode
 
     mode = checked%effects%mode(number%effect)

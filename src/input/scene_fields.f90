@@ -1,30 +1,64 @@
 !> The values of a scene, taken from its text by group and name; or of another file of its form
 !> with a table of its own.
 !>
-!> Each `take_` procedure leaves the value unchanged when the name does not occur in the scene, and
+!> `take` reads the values of a name as its row of the table describes them. It sets the row's
+!> default when the name does not occur, leaves the value unchanged where the row has none, and
 !> reports a problem, with its place, when the value there is not what is expected.
 module asperity_scene_fields
-  use asperity_decimal, only: decimal_value
+  use asperity_decimal, only: decimal_to_real64, decimal_value
   use asperity_file_kind, only: other_kind
   use asperity_height_map, only: plain_unit
   use asperity_input_text, only: check_text, lower_case, in_quotes, plain_text
-  use asperity_kinds, only: int64
-  use asperity_namelist_text, only: namelist_text, parse_namelist
-  use asperity_numeral, only: expected_numbers, in_range, read_double_numeral, read_whole_number, &
+  use asperity_kinds, only: int64, real64
+  use asperity_namelist_text, only: a_group, a_name, namelist_text, parse_namelist
+  use asperity_numeral, only: any_number, expected_numbers, in_range, read_double_numeral, &
                               without_kind
   use asperity_problems, only: decimal_text, problem_list
-  use asperity_scene_names, only: find_names, known_name
-  use asperity_word_hint, only: did_you_mean, one_of
+  use asperity_word_hint, only: any_of, did_you_mean, nearest_word, one_of
   implicit none
   private
 
-  public :: scene_fields, read_fields
+  public :: known_name, scene_fields, read_fields, values_in_words
+  public :: one_text, one_word, whole_number, whole_value, word_length
+
+  !> Kinds of values beside the ranges of numbers of `asperity_numeral`: one of the words of the
+  !> row, by its place; a whole number from `least` to `most`, of digits alone, or in any form; a
+  !> text between quotes.
+  integer, parameter :: one_word = -1, whole_number = -2, whole_value = -3, one_text = -4
+  integer, parameter :: word_length = 20  !! bytes of a word at most
+
+  !> One name: a row of the table of a kind of file. The names of a group stand one behind the
+  !> other.
+  type :: known_name
+    character(len=8) :: group = ''         !! its group
+    character(len=23) :: name = ''         !! the name
+    integer :: value_kind = any_number     !! range of `asperity_numeral`, or a kind of value
+    character(len=80) :: meaning = ''     !! in a line
+    integer :: counts(2) = 1               !! fewest and most values
+    type(decimal_value) :: default = decimal_value()  !! value where the name does not occur
+    !> Default in words, where it is no value of the table; blank: `default`.
+    character(len=56) :: otherwise = ''
+    character(len=20) :: unit = ''         !! in words; blank: none
+    character(len=word_length) :: words(7) = ''  !! for `one_word`
+    integer :: least = 0                   !! for `whole_number`
+    integer :: most = 0                    !! for `whole_number`
+    character(len=10) :: beside = ''       !! name in whose place it stands; refused beside it
+    logical :: stored = .false.            !! the value is read by its row alone: `scene%number`
+    character(len=11) :: effect = ''       !! in &effects: effect that it belongs to; blank: all
+    !> In &effects: when the scene must have it. `on`: with its effect on; `no limit`: with its
+    !> effect, on or auto, and no limit; `pixels`: with its effect on the pixels of a map; the name
+    !> of a number: with its effect and that number not 0.
+    character(len=21) :: needed_with = ''
+    character(len=12) :: instead = ''      !! in &effects: another number that does for it
+    character(len=18) :: in_words = ''     !! what exists when it is not 0, where others need that
+  end type known_name
 
   !> The text of a scene, sorted into the groups and names that are known.
   type :: scene_fields
     private
     type(namelist_text) :: list                  ! groups, names and values in their order
-    type(known_name), allocatable :: known(:)    ! where those that are known stand in it
+    type(known_name), allocatable :: known(:)    ! the table
+    integer, allocatable :: group_at(:), at(:)   ! items of group and name of each row; 0: absent
     logical, public :: is_text = .false.         !! otherwise nothing is to be taken from it
     logical, public :: given(2) = .false.        !! upper, lower: as arrays, beside the text
     logical, public :: surfaces_kept = .false.   !! of another scene: &surfaces is not looked at
@@ -34,20 +68,17 @@ module asperity_scene_fields
     procedure :: has_group          !! whether a group stands in the scene
     procedure :: has_name           !! whether a name stands there, be its values good or not
     procedure :: value_count        !! how many values stand at a name, repeated ones counted
-    procedure :: take_numbers       !! takes numbers, as many as there are places for them
-    procedure :: take_pair          !! takes two numbers, or one that serves twice
-    procedure :: take_number        !! takes one number
-    procedure :: take_whole         !! takes one whole number of a given range
-    procedure :: take_text          !! takes one text between quotes
-    procedure :: take_names         !! takes short texts, as many as there are places for them
-    procedure :: take_word          !! takes one of several words between quotes, as its number
-    procedure :: take_units         !! takes names of units, as numbers
+    !> Takes values of a name: numbers, whole numbers, words by their places, texts.
+    generic :: take => take_decimals, take_decimal, take_integers, take_integer, take_text, &
+                       take_texts
+    procedure, private :: take_decimals, take_decimal, take_integers, take_integer, take_text
+    procedure, private :: take_texts
     procedure :: complain_of_group  !! reports a problem at a group
     procedure :: complain_of        !! reports a problem at a name
     procedure :: refuse_name        !! reports a problem at a name where it is given
     procedure :: require_name       !! reports that a name is missing
-    procedure, private :: find_comma_pair, item_of, quoting_hint, refuse_units, refuse_value
-    procedure, private :: find_values
+    procedure, private :: find_names, find_comma_pair, item_of, quoting_hint, refuse_units
+    procedure, private :: find_values, read_value, refuse_item, refuse_value, row_of
   end type scene_fields
 
 contains
@@ -63,6 +94,8 @@ contains
     character(len=:), allocatable :: other
 
     fields%known = table
+    fields%at = spread(0, 1, size(table))
+    fields%group_at = fields%at
     call fields%problems%start(file)
     call fields%notes%start(file)
     call check_text(text, expected_kind, fields%problems)
@@ -71,19 +104,96 @@ contains
     fields%is_text = fields%problems%count() == 0
     if (.not. fields%is_text) return
     call parse_namelist(plain_text(text), fields%list, fields%problems)
-    call find_names(fields%list, fields%known, fields%problems)
+    call fields%find_names()
     ! Where no group is known, that nothing else is there goes without saying.
     if (fields%problems%count() == 0) return
-    fields%is_text = any(fields%known%group_at > 0)
+    fields%is_text = any(fields%group_at > 0)
     if (.not. fields%is_text) call fields%problems%shorten(0)
   end subroutine read_fields
+
+  ! Long: unknown groups and names are reported with the same list at hand.
+  ! Finds the places of the known names in a text. Unknown and repeated names are problems; of a
+  ! repeated name the first counts. An unknown name is taken for the known name it resembles, so
+  ! that this name is not reported as missing as well.
+  pure subroutine find_names(self)
+    class(scene_fields), intent(inout) :: self
+    character(len=len(self%known%name)) :: names(size(self%known)), groups(size(self%known))
+    character(len=:), allocatable :: group, name
+    integer :: i, k, near
+
+    names = self%known%name
+    groups = self%known%group
+    do i = 1, self%list%item_count
+      if (self%list%items(i)%item_kind /= a_group) cycle
+      name = self%list%name_text(i)
+      if (name == '') cycle
+      if (all(groups /= name)) then
+        call self%refuse_item(i, 'unknown group: found ' // in_quotes('&' // name) // &
+             ', expected ' // any_of(pack(groups, groups /= eoshift(groups, -1)), before='&') // &
+             did_you_mean(name, groups))
+        near = nearest_word(name, groups)
+        if (near == 0) cycle
+        if (self%group_at(near) == 0 .and. &
+            .not. any([(self%list%items(k)%item_kind == a_group .and. &
+                        self%list%name_text(k) == groups(near), k=1, self%list%item_count)])) then
+          where (groups == groups(near)) self%group_at = i
+        end if
+      else if (any(groups == name .and. self%group_at > 0)) then
+        call self%refuse_item(i, 'group &' // name // ' occurs twice, expected once')
+      else
+        where (groups == name) self%group_at = i
+      end if
+    end do
+    do i = 1, self%list%item_count
+      if (self%list%items(i)%item_kind /= a_name) cycle
+      k = findloc(self%group_at, self%list%items(i)%group, 1)
+      if (k > 0) then
+        group = trim(groups(k))
+      else
+        group = self%list%name_text(self%list%items(i)%group)
+        if (all(groups /= group)) cycle
+      end if
+      name = self%list%name_text(i)
+      k = self%row_of(group, name)
+      if (k == 0) then
+        near = nearest_word(name, pack(names, groups == group))
+        if (near > 0) near = near + findloc(groups == group, .true., 1) - 1
+        if (near == 0) near = findloc(names == name, .true., 1)
+        call self%refuse_item(i, 'unknown name in &' // group // ': found ' // &
+             in_quotes(name) // ', expected ' // &
+             any_of(pack(names, groups == group)) // what_is_meant(near))
+        if (near == 0) cycle
+        if (self%at(near) == 0) self%at(near) = i
+      else if (self%group_at(k) /= self%list%items(i)%group) then
+        cycle
+      else if (self%at(k) > 0) then
+        call self%refuse_item(i, name // ' occurs twice in &' // group // ', expected once')
+      else
+        self%at(k) = i
+      end if
+    end do
+
+  contains
+
+    ! Meaning of an unknown name, for a message: one like it of this group, or one of another group.
+    pure function what_is_meant(k) result(text)
+      integer, intent(in) :: k
+      character(len=:), allocatable :: text
+
+      text = ''
+      if (k == 0) return
+      text = '; did you mean ''' // trim(names(k)) // '''?'
+      if (names(k) == name) text = '; it is a name of &' // trim(groups(k))
+    end function what_is_meant
+
+  end subroutine find_names
 
   !> Whether a group stands in the scene.
   pure logical function has_group(self, group)
     class(scene_fields), intent(in) :: self  !! the scene's text
     character(len=*), intent(in) :: group    !! a known group
 
-    has_group = any(self%known%group == group .and. self%known%group_at > 0)
+    has_group = any(self%known%group == group .and. self%group_at > 0)
   end function has_group
 
   !> Whether a name stands in the scene, be its values good or not.
@@ -104,87 +214,90 @@ contains
       value_count = int(min(values_at(self%list, self%item_of(group, name)), int(huge(1), int64)))
   end function value_count
 
-  !> Takes two numbers, or one that serves twice.
-  subroutine take_pair(self, group, name, number_range, values)
-    class(scene_fields), intent(inout) :: self         !! the scene's text
-    character(len=*), intent(in) :: group, name  !! a known group, and a known name of it
-    integer, intent(in) :: number_range                !! `any_number` or another range
-    type(decimal_value), intent(inout) :: values(2)    !! numbers at the name
-
-    if (self%value_count(group, name) == 1) then
-      call self%take_numbers(group, name, number_range, values(:1))
-      values(2) = values(1)
-    else
-      call self%take_numbers(group, name, number_range, values)
-    end if
-  end subroutine take_pair
-
-  !> Takes numbers, as many as there are places for them.
-  subroutine take_numbers(self, group, name, number_range, values)
+  !> Takes numbers, as many as there are places for them, whole numbers, or places of words, 0 for
+  !> one that is refused. Where the row allows a single value it serves for all.
+  subroutine take_decimals(self, group, name, values, number_range)
     class(scene_fields), intent(inout) :: self        !! the scene's text
     character(len=*), intent(in) :: group, name  !! a known group, and a known name of it
-    integer, intent(in) :: number_range               !! `any_number` or another range
     type(decimal_value), intent(inout) :: values(:)   !! numbers at the name
+    integer, intent(in), optional :: number_range     !! in place of that of the row
     character(len=:), allocatable :: pair
+    type(known_name) :: row
     integer, allocatable :: items(:)
-    integer :: i, at
-    logical :: good
+    integer :: i, at, wanted
+    logical :: surely
 
-    call self%refuse_units(group, name, at)
+    row = self%known(self%row_of(group, name))
+    if (present(number_range)) row%value_kind = number_range
+    at = self%item_of(group, name)
+    if (at == 0 .and. row%otherwise == '') values = row%default
+    if (row%beside /= '' .and. self%has_name(group, row%beside)) &
+      call self%refuse_name(group, name, 'found beside ' // trim(row%beside) // &
+                            ', expected one of them')
+    if (row%otherwise == 'needed') &
+      call self%require_name(group, name, values_in_words(row) // &
+                             trim(merge(', or two', '        ', row%counts(2) == 2)))
+    if (at > 0 .and. all(row%value_kind /= [one_word, whole_number])) &
+      call self%refuse_units(row%name, at)
     if (at == 0) return
-    call self%find_values(group, name, size(values), items)
+    if (row%value_kind == one_word) values = decimal_value()
+    wanted = size(values)
+    if (all(row%counts == [1, 2]) .and. self%value_count(group, name) == 1) wanted = 1
+    call self%find_values(group, name, wanted, items)
     if (size(items) == 0) return
-    call self%find_comma_pair(at, .false., pair, good)
-    if (good) then
-      call self%complain_of(group, name, 'found ' // pair // ', a decimal comma, expected a point')
-    else if (pair /= '') then
-      call self%notes%add_at_byte(self%list%text, self%list%items(at)%first, 'note: ' // pair // &
-                                  ' in ' // name // ' of &' // group // ': two values, no ' // &
-                                  'decimal comma; a blank behind the comma makes that sure')
+    if (all(row%value_kind /= [one_word, whole_number])) then
+      call self%find_comma_pair(at, .false., pair, surely)
+      if (surely) then
+        call self%complain_of(group, name, 'found ' // pair // &
+                              ', a decimal comma, expected a point')
+      else if (pair /= '') then
+        call self%notes%add_at_byte(self%list%text, self%list%items(at)%first, 'note: ' // pair // &
+                                    ' in ' // name // ' of &' // group // ': two values, no ' // &
+                                    'decimal comma; a blank behind the comma makes that sure')
+      end if
     end if
-    do i = 1, size(items)
-      call read_double_numeral(self%list%value_text(items(i)), values(i), good)
-      good = good .and. .not. self%list%items(items(i))%is_quoted
-      if (good) good = in_range(values(i), number_range)
-      if (.not. good) call self%refuse_value(name, items(i), trim(expected_numbers(number_range)))
+    do i = 1, wanted
+      call self%read_value(row, items(i), values(i))
     end do
-  end subroutine take_numbers
+    values(wanted + 1:) = values(1)
+  end subroutine take_decimals
 
   !> Takes one number.
-  subroutine take_number(self, group, name, number_range, value)
+  subroutine take_decimal(self, group, name, value, number_range)
     class(scene_fields), intent(inout) :: self    !! the scene's text
     character(len=*), intent(in) :: group, name  !! a known group, and a known name of it
-    integer, intent(in) :: number_range           !! `any_number` or another range
     type(decimal_value), intent(inout) :: value   !! number at the name
+    integer, intent(in), optional :: number_range !! in place of that of the row
     type(decimal_value) :: values(1)
 
     values = value
-    call self%take_numbers(group, name, number_range, values)
+    call self%take(group, name, values, number_range)
     value = values(1)
-  end subroutine take_number
+  end subroutine take_decimal
 
-  !> Takes one whole number of a given range.
-  subroutine take_whole(self, group, name, least, most, value)
-    class(scene_fields), intent(inout) :: self  !! the scene's text
+  !> Takes whole numbers, or places of words, as many as there are places for them.
+  subroutine take_integers(self, group, name, numbers)
+    class(scene_fields), intent(inout) :: self    !! the scene's text
     character(len=*), intent(in) :: group, name  !! a known group, and a known name of it
-    integer, intent(in) :: least                !! smallest number allowed
-    integer, intent(in) :: most                 !! largest number allowed
-    integer, intent(inout) :: value             !! number at the name
-    integer, allocatable :: items(:)
-    integer :: found
-    logical :: good
+    integer, intent(inout) :: numbers(:)          !! numbers at the name; of words 0 when refused
+    type(decimal_value) :: values(size(numbers))
 
-    call self%find_values(group, name, 1, items)
-    if (size(items) == 0) return
-    call read_whole_number(self%list%value_text(items(1)), found, good)
-    if (good .and. found >= least .and. found <= most .and. &
-        .not. self%list%items(items(1))%is_quoted) then
-      value = found
-    else
-      call self%refuse_value(name, items(1), 'a whole number from ' // decimal_text(least) // &
-                             ' to ' // decimal_text(most))
-    end if
-  end subroutine take_whole
+    values%all_digits = numbers
+    call self%take(group, name, values)
+    numbers = int(values%all_digits)
+  end subroutine take_integers
+
+  !> Takes one whole number, or the place of one word.
+  subroutine take_integer(self, group, name, number)
+    class(scene_fields), intent(inout) :: self    !! the scene's text
+    character(len=*), intent(in) :: group, name  !! a known group, and a known name of it
+    integer, intent(inout) :: number              !! number at the name; of a word 0 when refused
+    integer :: numbers(1)
+
+    numbers = number
+    call self%take(group, name, numbers)
+    number = numbers(1)
+  end subroutine take_integer
 
   !> Takes one text between quotes. It stays unallocated when there is no good one.
   subroutine take_text(self, group, name, text)
@@ -204,7 +317,7 @@ contains
   end subroutine take_text
 
   !> Takes short texts between quotes, as many as there are places for them, or none.
-  subroutine take_names(self, group, name, texts)
+  subroutine take_texts(self, group, name, texts)
     class(scene_fields), intent(inout) :: self      !! the scene's text
     character(len=*), intent(in) :: group, name  !! a known group, and a known name of it
     character(len=16), intent(inout) :: texts(:)    !! the texts, with u for a micro sign
@@ -223,54 +336,69 @@ contains
       end if
       texts(i) = plain_unit(text)
     end do
-  end subroutine take_names
+  end subroutine take_texts
 
-  !> Takes one of several words between quotes, as its number; 0 when it is none of them. For `on`
-  !> and `off` true and false will do.
-  subroutine take_word(self, group, name, words, number)
-    class(scene_fields), intent(inout) :: self  !! the scene's text
-    character(len=*), intent(in) :: group, name  !! a known group, and a known name of it
-    character(len=*), intent(in) :: words(:)    !! words that are known
-    integer, intent(inout) :: number            !! which of them; 0 when refused
-    integer :: numbers(1)
+  ! Reads one value. For the words `on` and `off` true and false are accepted.
+  subroutine read_value(self, row, item, value)
+    class(scene_fields), intent(inout) :: self
+    type(known_name), intent(in) :: row
+    integer, intent(in) :: item
+    type(decimal_value), intent(inout) :: value
+    character(len=:), allocatable :: text, remedy
+    type(decimal_value) :: found
+    real(real64) :: real_number
+    integer :: number
+    logical :: good, is_quoted
 
-    numbers = number
-    call self%take_units(group, name, words, numbers)
-    number = numbers(1)
-  end subroutine take_word
-
-  !> Takes names of units between quotes, as many as there are places for them, as their numbers; 0
-  !> when one is refused.
-  subroutine take_units(self, group, name, words, numbers)
-    class(scene_fields), intent(inout) :: self  !! the scene's text
-    character(len=*), intent(in) :: group, name  !! a known group, and a known name of it
-    character(len=*), intent(in) :: words(:)    !! the known words
-    integer, intent(inout) :: numbers(:)        !! which of them; 0 when refused
-    character(len=:), allocatable :: word
-    integer, allocatable :: items(:)
-    integer :: i
-    logical :: is_word
-
-    if (.not. self%has_name(group, name)) return
-    numbers = 0
-    call self%find_values(group, name, size(numbers), items)
-    do i = 1, size(items)
-      word = plain_unit(lower_case(self%list%value_text(items(i))))
-      is_word = self%list%items(items(i))%is_quoted
-      if (.not. is_word) then
+    text = self%list%value_text(item)
+    is_quoted = self%list%items(item)%is_quoted
+    remedy = ''
+    if (row%value_kind == one_word) then
+      text = plain_unit(lower_case(text))
+      if (.not. is_quoted) then
         ! A logical constant of a namelist.
-        is_word = any(word == [character(len=7) :: 'true', '.true.', 'false', '.false.'])
-        if (is_word) word = trim(merge('on ', 'off', index(word, 'true') > 0))
+        is_quoted = any(text == [character(len=7) :: 'true', '.true.', 'false', '.false.'])
+        if (is_quoted) text = trim(merge('on ', 'off', index(text, 'true') > 0))
       end if
-      numbers(i) = findloc(words == word, .true., 1)
-      if (numbers(i) == 0) then
-        call self%refuse_value(name, items(i), one_of(words) // did_you_mean(word, words))
-      else if (.not. is_word) then
-        call self%refuse_value(name, items(i), 'it in quotes' // self%quoting_hint(name, items(i)))
-        numbers(i) = 0
+      number = findloc(row%words == text .and. row%words /= '', .true., 1)
+      good = number > 0 .and. is_quoted
+      if (good) value = decimal_value(int(number, int64), 0)
+      if (number == 0) remedy = did_you_mean(text, pack(row%words, row%words /= ''))
+      if (number > 0 .and. .not. good) then
+        call self%refuse_value(row%name, item, 'it in quotes' // self%quoting_hint(row%name, item))
+        return
       end if
-    end do
-  end subroutine take_units
+    else if (row%value_kind < 0) then
+      call read_double_numeral(text, found, good)
+      real_number = decimal_to_real64(found)
+      good = good .and. abs(real_number - anint(real_number)) <= 0.0_real64 .and. &
+             real_number >= row%least .and. real_number <= row%most .and. .not. is_quoted .and. &
+             (row%value_kind == whole_value .or. verify(text, '+-0123456789') == 0)
+      if (good) value = decimal_value(nint(real_number, int64), 0)
+    else
+      call read_double_numeral(text, value, good)
+      good = good .and. .not. is_quoted
+      if (good) good = in_range(value, row%value_kind)
+    end if
+    if (.not. good) call self%refuse_value(row%name, item, values_in_words(row) // remedy)
+  end subroutine read_value
+
+  !> Values that a name may have: `a number more than 0`, `'off', 'on' or 'auto'`.
+  pure function values_in_words(row) result(text)
+    type(known_name), intent(in) :: row    !! row of the name
+    character(len=:), allocatable :: text  !! for a message or a table
+
+    select case (row%value_kind)
+    case (one_text)
+      text = 'a text between quotes'
+    case (one_word)
+      text = one_of(pack(row%words, row%words /= ''))
+    case (whole_number, whole_value)
+      text = 'a whole number from ' // decimal_text(row%least) // ' to ' // decimal_text(row%most)
+    case default
+      text = trim(expected_numbers(row%value_kind))
+    end select
+  end function values_in_words
 
   ! Two whole numbers among the values of a name with a comma between and no blank, where no value
   ! has a point: `12,5`, which may be meant as 12.5. Empty where there are none, where all are 0, or
@@ -316,13 +444,12 @@ contains
     class(scene_fields), intent(inout) :: self  !! the scene's text
     character(len=*), intent(in) :: group       !! a known group
     character(len=*), intent(in) :: message     !! what is wrong, found, expected
-    integer :: at, byte
+    integer :: at
 
-    at = maxval(self%known%group_at, self%known%group == group)
-    if (at == 0) at = maxval(self%known%group_at, self%known%group == 'surfaces')
-    byte = 1
-    if (at > 0) byte = self%list%items(at)%first - 1
-    call self%problems%add_at_byte(self%list%text, byte, message)
+    at = maxval(self%group_at, self%known%group == group)
+    if (at == 0) at = maxval(self%group_at, self%known%group == 'surfaces')
+    if (at > 0) call self%refuse_item(at, message)
+    if (at == 0) call self%problems%add_at_byte(self%list%text, 1, message)
   end subroutine complain_of_group
 
   !> Reports a problem at the place of a name in the scene; by group and name where it is absent.
@@ -332,8 +459,7 @@ contains
     character(len=*), intent(in) :: message     !! what is wrong, found, expected
 
     if (self%has_name(group, name)) then
-      call self%problems%add_at_byte(self%list%text, &
-           self%list%items(self%item_of(group, name))%first, name // ': ' // message)
+      call self%refuse_item(self%item_of(group, name), name // ': ' // message)
     else
       call self%problems%add(group // '.' // name // ': ' // message)
     end if
@@ -359,18 +485,16 @@ contains
                                   'expected ' // expected)
   end subroutine require_name
 
-  ! Refuses the first unit behind a number, since no number has one; `at` is 0 then, else the name's
-  ! item, as far as it is there.
-  subroutine refuse_units(self, group, name, at)
+  ! Refuses the first unit behind a number of the name at item `at`, which is 0 then: no number has
+  ! one.
+  subroutine refuse_units(self, name, at)
     class(scene_fields), intent(inout) :: self
-    character(len=*), intent(in) :: group, name
-    integer, intent(out) :: at
+    character(len=*), intent(in) :: name
+    integer, intent(inout) :: at
     character(len=:), allocatable :: word
     character(len=*), parameter :: no_units(3) = [character(len=8) :: 'nan', 'inf', 'infinity']
     integer :: i, begin
 
-    at = self%item_of(group, name)
-    if (at == 0) return
     do i = at + 1, at + self%list%items(at)%values
       if (self%list%items(i)%is_quoted) cycle
       word = lower_case(without_kind(self%list%value_text(i)))
@@ -397,7 +521,7 @@ contains
 
     text = ''
     if (.not. self%list%items(i)%is_quoted) &
-      text = ': ' // name // ' = ''' // self%list%value_text(i) // ''''
+      text = ': ' // trim(name) // ' = ''' // self%list%value_text(i) // ''''
   end function quoting_hint
 
   ! Number of a name's item in the text; 0 when the name does not stand there.
@@ -405,8 +529,16 @@ contains
     class(scene_fields), intent(in) :: self
     character(len=*), intent(in) :: group, name
 
-    item_of = sum(self%known%at, self%known%group == group .and. self%known%name == name)
+    item_of = sum(self%at, self%known%group == group .and. self%known%name == name)
   end function item_of
+
+  ! Row of a name in the table; 0: it is not known.
+  pure integer function row_of(self, group, name)
+    class(scene_fields), intent(in) :: self
+    character(len=*), intent(in) :: group, name
+
+    row_of = findloc(self%known%group == group .and. self%known%name == name, .true., 1)
+  end function row_of
 
   ! Numbers of the items of a name's values, a repeated one as often as it counts; none when the
   ! name is absent or another count than wanted stands there, which is a problem.
@@ -443,24 +575,30 @@ contains
     values_at = sum(int(list%items(at + 1:at + list%items(at)%values)%repeats, int64))
   end function values_at
 
+  ! Reports a problem at an item: at the sign before the name of a group or before a text.
+  pure subroutine refuse_item(self, i, message)
+    class(scene_fields), intent(inout) :: self
+    integer, intent(in) :: i
+    character(len=*), intent(in) :: message
+
+    associate (item => self%list%items(i))
+      call self%problems%add_at_byte(self%list%text, item%first - &
+           merge(1, 0, item%item_kind == a_group .or. item%is_quoted), message)
+    end associate
+  end subroutine refuse_item
+
   ! Reports, once, that value number `i` is not one of the expected values.
   subroutine refuse_value(self, name, i, expected)
     class(scene_fields), intent(inout) :: self
     character(len=*), intent(in) :: name, expected
     integer, intent(in) :: i
-    integer :: first
     character(len=:), allocatable :: found
 
     if (self%list%items(i)%is_broken) return
     self%list%items(i)%is_broken = .true.
-    first = self%list%items(i)%first
     found = in_quotes(without_kind(self%list%value_text(i)))
-    if (self%list%items(i)%is_quoted) then
-      first = first - 1
-      found = 'the text ' // found
-    end if
-    call self%problems%add_at_byte(self%list%text, first, &
-                                   name // ': found ' // found // ', expected ' // expected)
+    if (self%list%items(i)%is_quoted) found = 'the text ' // found
+    call self%refuse_item(i, trim(name) // ': found ' // found // ', expected ' // expected)
   end subroutine refuse_value
 
 end module asperity_scene_fields

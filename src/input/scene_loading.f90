@@ -6,20 +6,20 @@ module asperity_scene_loading
   use asperity_numeral, only: above_zero, any_number, not_negative
   use asperity_problems, only: decimal_text
   use asperity_scene_fields, only: scene_fields
+  use asperity_scene_names, only: most_values
   use asperity_scene_surfaces, only: from_csv
   use asperity_scene_values, only: control_compression, control_limit, control_pressure, &
                                    control_separation, control_words, &
                                    criterion_greenwood_williamson, criterion_hardy, &
                                    criterion_load, criterion_none, criterion_pressure, &
-                                   criterion_words, effect_off, effect_on, effect_words, &
-                                   is_load, scene, scene_loading
+                                   criterion_words, effect_off, effect_on, is_load, &
+                                   scene, scene_loading
   implicit none
   private
 
   public :: read_loading, check_states, read_limit
 
-  ! Room for results is bounded: a state of a curve takes 100 bytes in memory and 200 in a file.
-  integer, parameter :: most_points = 100000, most_states = 2000000, most_values = 100000
+  integer, parameter :: most_states = 2000000  ! room for results is bounded
 
 contains
 
@@ -31,15 +31,14 @@ contains
 
     events = effect_off
     associate (loading => checked%loading)
-      call fields%take_word('loading', 'control', control_words, loading%control)
+      call fields%take('loading', 'control', loading%control)
       if (loading%control == size(control_words)) loading%control = control_separation
       call read_path(fields, loading)
-      call fields%take_whole('loading', 'points', 0, most_points, loading%points)
-      call fields%take_word('loading', 'events', effect_words(:effect_on), events)
+      call fields%take('loading', 'points', loading%points)
+      call fields%take('loading', 'events', events)
       loading%events = events == effect_on
-      call fields%take_number('loading', 'tangential_load', not_negative, loading%tangential_load)
-      call fields%take_number('loading', 'tangential_displacement', not_negative, &
-                              loading%tangential_displacement)
+      call fields%take('loading', 'tangential_load', loading%tangential_load)
+      call fields%take('loading', 'tangential_displacement', loading%tangential_displacement)
       if (loading%tangential_load%all_digits > 0) &
         call fields%refuse_name('loading', 'tangential_displacement', 'found beside ' // &
                                 'tangential_load, expected one of them')
@@ -70,18 +69,18 @@ contains
             fields%has_name('effects', 'work_of_adhesion')
     number = fields%value_count('loading', 'value')
     if (number <= 1 .or. loading%control == control_limit) then
-      call fields%take_number('loading', 'value', &
+      call fields%take('loading', 'value', loading%value, &
            merge(not_negative, merge(above_zero, any_number, is_load(loading%control) .and. &
-                 .not. pulls), loading%control == control_compression), loading%value)
+                 .not. pulls), loading%control == control_compression))
     else if (number > most_values) then
       call fields%complain_of('loading', 'value', 'too many values: found ' // &
                               decimal_text(number) // ', expected at most ' // &
                               decimal_text(most_values))
     else
       allocate (loading%path(number))
-      call fields%take_numbers('loading', 'value', &
+      call fields%take('loading', 'value', loading%path, &
            merge(not_negative, any_number, is_load(loading%control) .and. .not. pulls .or. &
-                 loading%control == control_compression), loading%path)
+                 loading%control == control_compression))
       ! The largest load or compression, or the least separation.
       associate (numbers => decimal_to_real64(loading%path))
         loading%value = loading%path(merge(minloc(numbers, 1), maxloc(numbers, 1), &
@@ -123,15 +122,15 @@ contains
         limit%criterion = criterion_none
         return
       end if
-      call fields%take_word('limit', 'criterion', criterion_words, limit%criterion)
+      call fields%take('limit', 'criterion', limit%criterion)
       has_value = fields%has_name('limit', 'value')
       if (limit%criterion /= criterion_load .or. has_value) then
         limit%from_thesis = .false.
         limit%value = decimal_value()
       end if
-      call fields%take_number('limit', 'value', above_zero, limit%value)
-      call fields%take_number('limit', 'hardness', above_zero, limit%hardness)
-      call fields%take_number('limit', 'yield_stress', above_zero, limit%yield_stress)
+      call fields%take('limit', 'value', limit%value)
+      call fields%take('limit', 'hardness', limit%hardness)
+      call fields%take('limit', 'yield_stress', limit%yield_stress)
       ! It is not known what a refused criterion would need.
       if (limit%criterion == 0) return
       for_what = 'criterion = ''' // trim(criterion_words(limit%criterion)) // ''''

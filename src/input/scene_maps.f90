@@ -4,15 +4,14 @@ module asperity_scene_maps
   use asperity_decimal, only: decimal_to_real64, decimal_value
   use asperity_delimited_text, only: line_reader
   use asperity_effect_names, only: known_effects
-  use asperity_height_map, only: change_unit, edge_names, expected_length, give_spacing, &
-                                 height_map, is_length, length_units, level_names, level_plane, &
+  use asperity_height_map, only: change_unit, expected_length, give_spacing, &
+                                 height_map, is_length, length_units, level_plane, &
                                  note_repeated_line, periodic_edge, plain_unit, put_in_unit, &
                                  unit_number, usual_level
   use asperity_height_map_reader, only: head_length, is_height_map, take_height_map
   use asperity_input_text, only: in_quotes, skip_mark
   use asperity_kept_records, only: checksum
   use asperity_kinds, only: int64, real64
-  use asperity_numeral, only: above_zero, not_negative
   use asperity_problems, only: decimal_text, problem_list, real_text
   use asperity_scene_fields, only: scene_fields
   use asperity_scene_values, only: control_limit, effect_auto, effect_boundary, effect_coupled, &
@@ -23,7 +22,6 @@ module asperity_scene_maps
 
   public :: check_map_scene, checksum_of_pipe, is_map, read_maps
 
-  character(len=*), parameter :: despike_words(2) = [character(len=3) :: 'off', 'on']
   ! Names of &surfaces that a map alone has.
   character(len=*), parameter :: own_names(6) = &
     [character(len=11) :: 'map_edge', 'map_level', 'map_unit', 'map_spacing', 'map_despike', &
@@ -67,7 +65,7 @@ contains
 
     despike = 1
     unit = 0
-    call fields%take_word('surfaces', 'map_despike', despike_words, despike)
+    call fields%take('surfaces', 'map_despike', despike)
     ! A side with asperities is no plane.
     is_given = [checked%upper%is_plane .and. &
                 (checked%upper%file /= '' .or. checked%map%upper%columns > 0), &
@@ -76,12 +74,8 @@ contains
     sides = count(is_given)
     call take_spacing()
     call take_form()
-    if (sides == 2 .and. fields%value_count('surfaces', 'map_unit') == 2) then
-      call fields%take_units('surfaces', 'map_unit', length_units, unit)
-    else
-      call fields%take_units('surfaces', 'map_unit', length_units, unit(:1))
-      unit(2) = unit(1)
-    end if
+    call fields%take('surfaces', 'map_unit', unit(:max(1, sides)))
+    unit(2) = unit(max(1, sides))
     if (.not. has_caps(checked)) &
       call fields%refuse_name('surfaces', 'radius', 'found beside a map, whose summits have ' // &
                               'radii of their own, expected none')
@@ -107,7 +101,7 @@ contains
       call checked%notes%append(maps%lower%notes)
       maps%despike = despike == 2
       maps%level = usual_level(maps%periodic)
-      call fields%take_word('surfaces', 'map_level', level_names, maps%level)
+      call fields%take('surfaces', 'map_level', maps%level)
       if (maps%periodic .and. maps%level == level_plane) &
         call fields%complain_of('surfaces', 'map_level', 'a periodic map without its plane ' // &
              'would not be periodic: found ''plane'', expected ''mean'' or ''none''')
@@ -130,11 +124,8 @@ contains
 
       of_arrays = [checked%map%upper%edge, checked%map%lower%edge]
       edges = max(1, maxval(of_arrays))
-      if (fields%value_count('surfaces', 'map_edge') == 2) then
-        call fields%take_units('surfaces', 'map_edge', edge_names, edges)
-      else if (fields%has_name('surfaces', 'map_edge')) then
-        call fields%take_word('surfaces', 'map_edge', edge_names, edges(1))
-        edges(2) = edges(1)
+      if (fields%has_name('surfaces', 'map_edge')) then
+        call fields%take('surfaces', 'map_edge', edges)
       else if (all(of_arrays > 0) .and. of_arrays(1) /= of_arrays(2)) then
         call fields%complain_of('surfaces', 'upper', 'two maps: found one that is free and one ' &
                                 // 'that is periodic, expected both alike, or map_edge')
@@ -145,7 +136,7 @@ contains
     subroutine take_form()
       type(decimal_value) :: values(2)
 
-      call fields%take_pair('surfaces', 'form_radius', not_negative, values)
+      call fields%take('surfaces', 'form_radius', values)
       checked%map%form_radius = decimal_to_real64(values)
       if (any(checked%map%form_radius > 0.0_real64 .and. &
               .not. is_length(checked%map%form_radius))) &
@@ -156,19 +147,14 @@ contains
     ! A pair for all maps, or one for each.
     subroutine take_spacing()
       type(decimal_value) :: values(4)
-      integer :: bad
 
       if (sides == 2 .and. fields%value_count('surfaces', 'map_spacing') == 4) then
-        call fields%take_numbers('surfaces', 'map_spacing', above_zero, values)
+        call fields%take('surfaces', 'map_spacing', values)
       else
-        call fields%take_numbers('surfaces', 'map_spacing', above_zero, values(:2))
+        call fields%take('surfaces', 'map_spacing', values(:2))
         values(3:) = values(:2)
       end if
       pixel_spacing = reshape(values, [2, 2])
-      bad = findloc(is_length(decimal_to_real64(values)), .false., 1)
-      if (any(values%all_digits > 0_int64) .and. bad > 0) &
-        call fields%complain_of('surfaces', 'map_spacing', 'found ' // &
-             real_text(decimal_to_real64(values(bad))) // ', expected ' // expected_length)
     end subroutine take_spacing
 
     subroutine make_one(surface, side, map)

@@ -1,135 +1,133 @@
-!> The groups and names that a scene or another file of its form knows, and where they stand in one.
+!> The names of a scene, one row each: group, name, values, meaning, default, unit. Reader,
+!> messages, help and the tables of the pages take them from here, those of &effects from
+!> `asperity_effect_names`.
+!>
+!> A new name is a row with `stored=.true.`; its value is `scene%number(group, name)`.
 module asperity_scene_names
-  use asperity_effect_names, only: effect_numbers, known_effects
-  use asperity_input_text, only: in_quotes
-  use asperity_namelist_text, only: a_group, a_name, namelist_text
-  use asperity_problems, only: problem_list
-  use asperity_word_hint, only: any_of, did_you_mean, nearest_word
+  use asperity_decimal, only: decimal_value
+  use asperity_effect_names, only: effect_numbers, effect_words, known_effects
+  use asperity_height_map, only: edge_names, length_units, level_names
+  use asperity_kinds, only: int64
+  use asperity_numeral, only: a_length, above_zero, any_number, not_negative, poisson_range
+  use asperity_scene_fields, only: known_name, one_text, one_word, whole_number, word_length
   implicit none
   private
 
-  public :: known_name, in_group, scene_table, find_names
+  public :: scene_rows, scene_table, control_words, criterion_words, most_values
 
-  !> One name and its group. An array of them, the names of a group one behind the other, is what a
-  !> kind of file knows.
-  type :: known_name
-    character(len=8) :: group = ''   !! its group
-    character(len=23) :: name = ''   !! the name
-    integer :: group_at = 0          !! item of the file's text; 0 when the group is not there
-    integer :: at = 0                !! item of the file's text; 0 when the name is not there
-  end type known_name
+  !> The words of a scene for `control_limit` and so on; the last one is another word for the
+  !> separation.
+  character(len=*), parameter :: control_words(7) = &
+    [character(len=13) :: 'limit', 'separation', 'load', 'vertical_load', 'pressure', &
+     'compression', 'approach']
+  !> The words of a scene for `criterion_load` and so on; `criterion_none` has none.
+  character(len=*), parameter :: criterion_words(4) = &
+    [character(len=20) :: 'load', 'pressure', 'greenwood_williamson', 'hardy']
+
+  !> Room for results is bounded: a position takes 400 bytes, a state of a curve 100 in memory and
+  !> 200 in a file.
+  integer, parameter :: most_positions = 1000000, most_points = 100000, most_values = 100000
+
+  character(len=*), parameter :: none(5) = ''
+  character(len=*), parameter :: of_deck = 'that of the deck; needed with CSV files'
+  type(decimal_value), parameter :: one = decimal_value(1_int64, 0)  ! also: the first word
+
+  !> The names of all groups but &effects.
+  type(known_name), parameter :: scene_rows(*) = [ &
+    known_name('surfaces', 'deck', one_text, 'a card deck with both surfaces'), &
+    known_name('surfaces', 'upper', one_text, &
+               'a CSV file, a height map, or ''plane'' for at most one of the surfaces'), &
+    known_name('surfaces', 'lower', one_text, 'the same for the lower surface'), &
+    known_name('surfaces', 'radius', above_zero, &
+               'summit radii for CSV files without a radius column', 2, &
+               otherwise='none', unit='length'), &
+    known_name('surfaces', 'nominal_area', above_zero, &
+               'area of the surfaces in plan, for nominal_pressure and area_fraction', &
+               otherwise='that of a map', unit='length^2'), &
+    known_name('surfaces', 'units', one_text, &
+               'units of length and force, as ''mm'', ''N''; not beside a deck', 2), &
+    known_name('surfaces', 'map_edge', one_word, &
+               'beyond the edge of a map: no load, or the map again; two: x, y', [1, 2], one, &
+               words=[character(len=word_length) :: edge_names, none]), &
+    known_name('surfaces', 'map_level', one_word, &
+               'subtracted from the heights: plane of least squares, mean, or nothing', &
+               otherwise='''plane''; of a periodic map ''mean''', &
+               words=[character(len=word_length) :: level_names, none(2:)]), &
+    known_name('surfaces', 'map_unit', one_word, 'of all lengths of a map; two: upper, lower', &
+               [1, 2], otherwise='that of its file', &
+               words=[character(len=word_length) :: length_units, '']), &
+    known_name('surfaces', 'map_spacing', a_length, &
+               'of pixels along x and y; of two maps the upper pair first', [2, 4], &
+               otherwise='that of its file', unit='length'), &
+    known_name('surfaces', 'map_despike', one_word, 'whether spikes of a map are removed', &
+               default=one, words=[character(len=word_length) :: 'off', 'on', none]), &
+    known_name('surfaces', 'form_radius', not_negative, &
+               'radii of the form under the roughness, along x and y; 0: straight', [1, 2], &
+               unit='length'), &
+    known_name('surfaces', 'field_spacing', above_zero, &
+               'side of the pixels for fields of asperities', unit='length', stored=.true.), &
+    known_name('material', 'elastic_modulus', above_zero, 'Young''s moduli, upper and lower', 2, &
+               otherwise=of_deck, unit='force/length^2'), &
+    known_name('material', 'poisson_ratio', poisson_range, 'Poisson''s ratios', 2, &
+               otherwise=of_deck), &
+    known_name('material', 'contact_modulus', above_zero, &
+               'combined modulus, in place of the two above', otherwise='none', &
+               unit='force/length^2'), &
+    known_name('motion', 'x_first', any_number, 'displacement at the first position, along x', &
+               unit='length'), &
+    known_name('motion', 'x_step', any_number, 'from one position to the next', unit='length'), &
+    known_name('motion', 'y_first', any_number, 'the same along y', unit='length'), &
+    known_name('motion', 'y_step', any_number, 'the same along y', unit='length'), &
+    known_name('motion', 'positions', whole_number, 'number of positions', default=one, least=1, &
+               most=most_positions), &
+    known_name('tilt', 'upper_slope', any_number, 'rise of the upper plate along x and y', 2, &
+               otherwise='0, 0; with a deck 0.004, -0.00058'), &
+    known_name('tilt', 'lower_slope', any_number, 'rise of the lower plate along x and y', 2, &
+               otherwise='0, 0; with a deck -0.00067, -0.00045'), &
+    known_name('tilt', 'rotation', any_number, 'turn of each surface in the plane, radians', 2, &
+               otherwise='0, 0; with a deck its THETAU and THETAL'), &
+    known_name('loading', 'control', one_word, 'quantity that value sets', default=one, &
+               words=[character(len=word_length) :: control_words]), &
+    known_name('loading', 'value', any_number, &
+               'separation, compression, load or pressure; several: a path', [1, most_values], &
+               otherwise='needed for all but ''limit'', refused there'), &
+    known_name('loading', 'points', whole_number, 'states after first contact', &
+               least=0, most=most_points), &
+    known_name('loading', 'events', one_word, 'whether each contact adds a state where it begins', &
+               default=one, words=[character(len=word_length) :: 'off', 'on', none]), &
+    known_name('loading', 'tangential_load', not_negative, 'acts at the last state', &
+               unit='force'), &
+    known_name('loading', 'tangential_displacement', not_negative, &
+               'of the bodies at the last state, in place of tangential_load', unit='length'), &
+    known_name('limit', 'criterion', one_word, 'when a contact is at its limit', default=one, &
+               words=[character(len=word_length) :: criterion_words, none(3:)]), &
+    known_name('limit', 'value', above_zero, &
+               'limit load of a contact, or its average pressure', &
+               otherwise='288.888888888888889 with a deck; needed with CSV files', &
+               unit='force, or modulus'), &
+    known_name('limit', 'hardness', above_zero, 'for ''greenwood_williamson''', &
+               otherwise='needed there', unit='modulus'), &
+    known_name('limit', 'yield_stress', above_zero, 'in shear, for ''hardy''', &
+               otherwise='needed there', unit='modulus')]
 
 contains
 
-  !> A name, or several, of a group.
-  elemental type(known_name) function in_group(group, name)
-    character(len=*), intent(in) :: group  !! name of the group
-    character(len=*), intent(in) :: name   !! name in the group
-
-    in_group = known_name(group, name)
-  end function in_group
-
-  !> The names of a scene; a new name needs its place here and a line in the reader. Those of
-  !> &effects stand in `asperity_effect_names`.
+  !> All names of a scene.
   pure function scene_table() result(table)
-    type(known_name), allocatable :: table(:)  !! all names
+    type(known_name), allocatable :: table(:)  !! a row each
+    type(known_name) :: row
+    integer :: i
 
-    table = [in_group('surfaces', [character(len=13) :: 'deck', 'upper', 'lower', 'radius', &
-                                   'nominal_area', 'units', 'map_edge', 'map_level', 'map_unit', &
-                                   'map_spacing', 'map_despike', 'form_radius', &
-                                   'field_spacing']), &
-             in_group('material', [character(len=15) :: 'elastic_modulus', 'poisson_ratio', &
-                                   'contact_modulus']), &
-             in_group('motion', [character(len=9) :: 'x_first', 'x_step', 'y_first', 'y_step', &
-                                 'positions']), &
-             in_group('tilt', [character(len=11) :: 'upper_slope', 'lower_slope', 'rotation']), &
-             in_group('loading', [character(len=23) :: 'control', 'value', 'points', 'events', &
-                                  'tangential_load', 'tangential_displacement']), &
-             in_group('limit', [character(len=12) :: 'criterion', 'value', 'hardness', &
-                                'yield_stress']), &
-             in_group('effects', known_effects%name), in_group('effects', effect_numbers%name)]
+    table = [scene_rows, pack(effect_numbers, effect_numbers%effect == '')]
+    do i = 1, size(known_effects)
+      associate (effect => known_effects(i))
+        row = known_name('effects', effect%name, one_word, effect%meaning, &
+                         otherwise='''auto'' with its numbers, else ''off''', effect=effect%name)
+        if (effect%own(1) == '') row%otherwise = '''auto'''
+        row%words(:count(effect%modes > 0)) = effect_words(pack(effect%modes, effect%modes > 0))
+        table = [table, row, pack(effect_numbers, effect_numbers%effect == effect%name)]
+      end associate
+    end do
   end function scene_table
-
-  ! Long: unknown groups and names are reported with the same list at hand.
-  !> Finds the places of the known names in a text. Unknown and repeated names are problems; of a
-  !> repeated name the first counts. An unknown name is taken for the known name it resembles, so
-  !> that this name is not reported as missing as well.
-  pure subroutine find_names(list, known, problems)
-    type(namelist_text), intent(in) :: list        !! text as groups, names and values
-    type(known_name), intent(inout) :: known(:)    !! gets the items of names and groups
-    type(problem_list), intent(inout) :: problems  !! all that is wrong
-    character(len=len(known%name)) :: names(size(known)), groups(size(known))
-    character(len=:), allocatable :: group, name
-    integer :: i, k, near
-
-    names = known%name
-    groups = known%group
-    do i = 1, list%item_count
-      if (list%items(i)%item_kind /= a_group) cycle
-      name = list%name_text(i)
-      if (name == '') cycle
-      if (all(known%group /= name)) then
-        call problems%add_at_byte(list%text, list%items(i)%first - 1, 'unknown group: found ' // &
-             in_quotes('&' // name) // ', expected ' // &
-             any_of(pack(groups, groups /= eoshift(groups, -1)), before='&') // &
-             did_you_mean(name, groups))
-        near = nearest_word(name, groups)
-        if (near == 0) cycle
-        if (known(near)%group_at == 0 .and. &
-            .not. any([(list%items(k)%item_kind == a_group .and. &
-                        list%name_text(k) == known(near)%group, k=1, list%item_count)])) then
-          where (known%group == known(near)%group) known%group_at = i
-        end if
-      else if (any(known%group == name .and. known%group_at > 0)) then
-        call problems%add_at_byte(list%text, list%items(i)%first - 1, 'group &' // name // &
-                                  ' occurs twice, expected once')
-      else
-        where (known%group == name) known%group_at = i
-      end if
-    end do
-    do i = 1, list%item_count
-      if (list%items(i)%item_kind /= a_name) cycle
-      k = findloc(known%group_at, list%items(i)%group, 1)
-      if (k > 0) then
-        group = trim(known(k)%group)
-      else
-        group = list%name_text(list%items(i)%group)
-        if (all(known%group /= group)) cycle
-      end if
-      name = list%name_text(i)
-      k = findloc(known%group == group .and. known%name == name, .true., 1)
-      if (k == 0) then
-        near = nearest_word(name, pack(names, groups == group))
-        if (near > 0) near = near + findloc(known%group == group, .true., 1) - 1
-        if (near == 0) near = findloc(known%name == name, .true., 1)
-        call problems%add_at_byte(list%text, list%items(i)%first, 'unknown name in &' // group // &
-             ': found ' // in_quotes(name) // ', expected ' // &
-             any_of(pack(names, groups == group)) // what_is_meant(near))
-        if (near == 0) cycle
-        if (known(near)%at == 0) known(near)%at = i
-      else if (known(k)%group_at /= list%items(i)%group) then
-        cycle
-      else if (known(k)%at > 0) then
-        call problems%add_at_byte(list%text, list%items(i)%first, name // ' occurs twice in &' // &
-                                  group // ', expected once')
-      else
-        known(k)%at = i
-      end if
-    end do
-
-  contains
-
-    ! Meaning of an unknown name, for a message: one like it of this group, or one of another group.
-    pure function what_is_meant(k) result(text)
-      integer, intent(in) :: k
-      character(len=:), allocatable :: text
-
-      text = ''
-      if (k == 0) return
-      text = '; did you mean ''' // trim(known(k)%name) // '''?'
-      if (known(k)%name == name) text = '; it is a name of &' // trim(known(k)%group)
-    end function what_is_meant
-
-  end subroutine find_names
 
 end module asperity_scene_names

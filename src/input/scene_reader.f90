@@ -8,14 +8,13 @@ module asperity_scene_reader
   use asperity_input_text, only: blanks, read_text
   use asperity_kinds, only: real64
   use asperity_namelist_text, only: skip_blanks
-  use asperity_numeral, only: above_zero, any_number, poisson_range
   use asperity_problems, only: problem_list, real_text
   use asperity_scene_deck, only: surfaces_from_deck
   use asperity_scene_effects, only: read_effects
   use asperity_scene_fields, only: read_fields, scene_fields
   use asperity_scene_loading, only: check_states, read_limit, read_loading
   use asperity_scene_maps, only: check_map_scene
-  use asperity_scene_names, only: scene_table
+  use asperity_scene_names, only: scene_rows, scene_table
   use asperity_scene_surfaces, only: from_csv, read_surfaces
   use asperity_scene_values, only: by_word, dundurs_beta, effect_off, scene, scene_motion, &
                                    scene_side, scene_surface
@@ -23,9 +22,6 @@ module asperity_scene_reader
   private
 
   public :: read_scene, parse_scene, build_scene, build_scene_of, rebuild_scene
-
-  ! Room for results is bounded: a position takes some 400 bytes.
-  integer, parameter :: most_positions = 1000000
 
 contains
 
@@ -119,7 +115,7 @@ contains
     checked%lower = as_in_its_file(other%lower)
     if (allocated(other%map)) checked%map = other%map
     checked%nominal_area = other%nominal_area
-    checked%field_spacing = other%field_spacing
+    checked%stored = other%stored
     checked%units = other%units
     call read_fields(checked%file, text, 'a scene', [a_scene], scene_table(), fields)
     fields%given = .true.
@@ -153,6 +149,7 @@ contains
       call read_loading(fields, checked)
       call read_limit(fields, checked)
       call read_effects(fields, checked)
+      call read_stored(fields, checked)
       call note_unlike_bodies(checked)
       call check_states(fields, checked)
       call check_map_scene(fields, checked)
@@ -161,6 +158,20 @@ contains
     call problems%append(fields%problems)
     call problems%append(other_files)
   end subroutine read_groups
+
+  ! Values that a row of the table alone describes.
+  subroutine read_stored(fields, checked)
+    type(scene_fields), intent(inout) :: fields
+    type(scene), intent(inout) :: checked
+    integer :: i
+
+    do i = 1, size(scene_rows)
+      associate (row => scene_rows(i))
+        if (row%stored .and. .not. (fields%surfaces_kept .and. row%group == 'surfaces')) &
+          call fields%take(trim(row%group), trim(row%name), checked%stored(i))
+      end associate
+    end do
+  end subroutine read_stored
 
   !> A deck in the place of a scene is the thesis' sweep over it.
   subroutine deck_as_scene(path, text, checked, problems)
@@ -212,14 +223,14 @@ contains
     type(decimal_value) :: pair(2)
 
     pair = [checked%upper%elastic_modulus, checked%lower%elastic_modulus]
-    call fields%take_numbers('material', 'elastic_modulus', above_zero, pair)
+    call fields%take('material', 'elastic_modulus', pair)
     checked%upper%elastic_modulus = pair(1)
     checked%lower%elastic_modulus = pair(2)
     pair = [checked%upper%poisson_ratio, checked%lower%poisson_ratio]
-    call fields%take_numbers('material', 'poisson_ratio', poisson_range, pair)
+    call fields%take('material', 'poisson_ratio', pair)
     checked%upper%poisson_ratio = pair(1)
     checked%lower%poisson_ratio = pair(2)
-    call fields%take_number('material', 'contact_modulus', above_zero, checked%contact_modulus)
+    call fields%take('material', 'contact_modulus', checked%contact_modulus)
     if (fields%has_name('material', 'contact_modulus')) then
       call fields%refuse_name('material', 'elastic_modulus', beside_modulus)
       call fields%refuse_name('material', 'poisson_ratio', beside_modulus)
@@ -259,11 +270,11 @@ contains
     type(scene_fields), intent(inout) :: fields
     type(scene_motion), intent(inout) :: motion
 
-    call fields%take_number('motion', 'x_first', any_number, motion%x_first)
-    call fields%take_number('motion', 'x_step', any_number, motion%x_step)
-    call fields%take_number('motion', 'y_first', any_number, motion%y_first)
-    call fields%take_number('motion', 'y_step', any_number, motion%y_step)
-    call fields%take_whole('motion', 'positions', 1, most_positions, motion%positions)
+    call fields%take('motion', 'x_first', motion%x_first)
+    call fields%take('motion', 'x_step', motion%x_step)
+    call fields%take('motion', 'y_first', motion%y_first)
+    call fields%take('motion', 'y_step', motion%y_step)
+    call fields%take('motion', 'positions', motion%positions)
     if (.not. (ends_well(motion%x_first, motion%x_step) .and. &
                ends_well(motion%y_first, motion%y_step))) &
       call fields%complain_of_group('motion', 'the last position is beyond the range of a ' // &
@@ -291,10 +302,10 @@ contains
     type(decimal_value) :: rotation(2)
     real(real64) :: largest
 
-    call fields%take_numbers('tilt', 'upper_slope', any_number, checked%upper%slope)
-    call fields%take_numbers('tilt', 'lower_slope', any_number, checked%lower%slope)
+    call fields%take('tilt', 'upper_slope', checked%upper%slope)
+    call fields%take('tilt', 'lower_slope', checked%lower%slope)
     rotation = [checked%upper%rotation, checked%lower%rotation]
-    call fields%take_numbers('tilt', 'rotation', any_number, rotation)
+    call fields%take('tilt', 'rotation', rotation)
     checked%upper%rotation = rotation(1)
     checked%lower%rotation = rotation(2)
     largest = maxval(abs(decimal_to_real64(rotation)))

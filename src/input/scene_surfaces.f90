@@ -6,7 +6,6 @@ module asperity_scene_surfaces
   use asperity_height_map, only: height_map, plain_unit
   use asperity_input_text, only: in_quotes
   use asperity_kinds, only: int64, real64
-  use asperity_numeral, only: above_zero
   use asperity_problems, only: decimal_text, problem_list, real_text
   use asperity_scene_deck, only: surfaces_from_deck
   use asperity_scene_fields, only: scene_fields
@@ -36,13 +35,12 @@ contains
     logical :: named(2)
 
     if (fields%surfaces_kept) return
-    call fields%take_number('surfaces', 'nominal_area', above_zero, checked%nominal_area)
-    call fields%take_number('surfaces', 'field_spacing', above_zero, checked%field_spacing)
-    call fields%take_names('surfaces', 'units', checked%units)
+    call fields%take('surfaces', 'nominal_area', checked%nominal_area)
+    call fields%take('surfaces', 'units', checked%units)
     named = [fields%has_name('surfaces', 'upper'), fields%has_name('surfaces', 'lower')]
     if (any(fields%given)) then
-      call fields%take_text('surfaces', 'upper', upper)
-      call fields%take_text('surfaces', 'lower', lower)
+      call fields%take('surfaces', 'upper', upper)
+      call fields%take('surfaces', 'lower', lower)
       if (fields%has_name('surfaces', 'deck')) then
         call fields%complain_of('surfaces', 'deck', beside_array)
       else if (any(fields%given .and. named)) then
@@ -62,9 +60,9 @@ contains
                                     'expected one with deck, or with upper and lower')
       return
     end if
-    call fields%take_text('surfaces', 'deck', deck)
-    call fields%take_text('surfaces', 'upper', upper)
-    call fields%take_text('surfaces', 'lower', lower)
+    call fields%take('surfaces', 'deck', deck)
+    call fields%take('surfaces', 'upper', upper)
+    call fields%take('surfaces', 'lower', lower)
     if (fields%has_name('surfaces', 'deck')) then
       call fields%refuse_name('surfaces', 'upper', beside_deck)
       call fields%refuse_name('surfaces', 'lower', beside_deck)
@@ -155,17 +153,16 @@ contains
     type(problem_list), intent(inout) :: other_files
     type(decimal_value) :: radius(2)
     character(len=:), allocatable :: which, lower_unit
+    integer :: i
     logical :: has_radius(2)
 
     checked%upper%is_plane = checked%upper%is_plane .or. maps(1)
     checked%lower%is_plane = checked%lower%is_plane .or. maps(2)
-    if (checked%upper%is_plane .and. checked%lower%is_plane) then
-      radius = decimal_value()
-    else if (checked%upper%is_plane .or. checked%lower%is_plane) then
-      call fields%take_pair('surfaces', 'radius', above_zero, radius)
-    else
-      call fields%take_numbers('surfaces', 'radius', above_zero, radius)
-    end if
+    i = merge(1, 2, fields%value_count('surfaces', 'radius') == 1 .and. &
+              (checked%upper%is_plane .or. checked%lower%is_plane))
+    if (.not. (checked%upper%is_plane .and. checked%lower%is_plane)) &
+      call fields%take('surfaces', 'radius', radius(:i))
+    radius(2) = radius(i)
     call read_side(1, upper, checked%upper, unit)
     call read_side(2, lower, checked%lower, lower_unit)
     if (unit /= '' .and. lower_unit /= '' .and. unit /= lower_unit) &

@@ -14,6 +14,7 @@ module asperity_scene_values
   use asperity_height_map, only: height_map, level_plane
   use asperity_kinds, only: int64, real64
   use asperity_problems, only: problem_list
+  use asperity_scene_names, only: control_words, criterion_words, scene_rows
   implicit none
   private
 
@@ -35,10 +36,6 @@ module asperity_scene_values
   integer, parameter :: control_vertical_load = 4  !! at a given sum of their vertical parts
   integer, parameter :: control_pressure = 5       !! at a given vertical load over the nominal area
   integer, parameter :: control_compression = 6    !! at a given compression since first contact
-  !> The words of a scene for them; the last one is another word for the separation.
-  character(len=*), parameter :: control_words(7) = &
-    [character(len=13) :: 'limit', 'separation', 'load', 'vertical_load', 'pressure', &
-     'compression', 'approach']
 
   !> No limit is looked for. Only with surfaces from CSV files and a control other than the limit.
   integer, parameter :: criterion_none = 0
@@ -47,9 +44,6 @@ module asperity_scene_values
   !> Greenwood and Williamson: the penetration at which plastic flow begins, from the hardness.
   integer, parameter :: criterion_greenwood_williamson = 3
   integer, parameter :: criterion_hardy = 4     !! greatest pressure at first yield (Hardy)
-  !> The words of a scene for them; `criterion_none` has none.
-  character(len=*), parameter :: criterion_words(4) = &
-    [character(len=20) :: 'load', 'pressure', 'greenwood_williamson', 'hardy']
 
   !> Limit load of the thesis, 65*9.8/2.205 = 288.888... N, to 18 digits.
   type(decimal_value), parameter :: thesis_limit_load = decimal_value(288888888888888889_int64, -15)
@@ -161,13 +155,15 @@ module asperity_scene_values
     type(decimal_value) :: contact_modulus
     type(decimal_value) :: nominal_area           !! of the surfaces in plan; 0: not given
     character(len=16) :: units(2) = ''            !! names of length and force; blank: not given
-    type(decimal_value) :: field_spacing          !! cells of fields of asperities; 0: not given
     type(decimal_value) :: starting_gap           !! A before closing: 1.27 cm for a deck, else 0
     type(scene_motion) :: motion                  !! where the upper surface stands
     type(scene_loading) :: loading                !! how far the surfaces close
     type(scene_limit) :: limit                    !! when a contact is at its limit
     type(scene_effects) :: effects                !! what else is simulated
+    type(decimal_value) :: stored(size(scene_rows))  !! values of rows of `scene_rows` with `stored`
     type(problem_list) :: notes                   !! oddities of a deck that are no errors
+  contains
+    procedure :: number => number_of_scene        !! value of a row with `stored`
   end type scene
 
 contains
@@ -187,6 +183,15 @@ contains
 
     number = decimal_to_real64(effects%numbers(findloc(effect_numbers%name, name, 1)))
   end function number_of_effect
+
+  !> A number of a scene that its row alone describes, as the nearest double.
+  pure real(real64) function number_of_scene(self, group, name) result(number)
+    class(scene), intent(in) :: self             !! scene with checked values
+    character(len=*), intent(in) :: group, name  !! of a row of `scene_rows` with `stored`
+
+    number = decimal_to_real64(self%stored(findloc(scene_rows%group == group .and. &
+                                                   scene_rows%name == name, .true., 1)))
+  end function number_of_scene
 
   !> Sets how a scene calls for an effect.
   pure subroutine call_for_effect(effects, name, mode)

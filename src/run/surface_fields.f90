@@ -46,7 +46,7 @@ contains
   pure logical function has_field_grid(scene_in)
     type(scene), intent(in) :: scene_in  !! scene, checked for faults
 
-    has_field_grid = scene_in%field_spacing%all_digits > 0_int64
+    has_field_grid = scene_in%number('surfaces', 'field_spacing') > 0.0_real64
   end function has_field_grid
 
   !> Reports a scene that has no fields although they are requested.
@@ -109,7 +109,8 @@ contains
     upper = place_surface(scene_in%upper, -1, [scene_in%motion%x_first, scene_in%motion%y_first])
     if (scene_in%lower_is_mirrored) mirror = decimal_to_real64(scene_in%lower_mirror_width)
     lower = place_surface(scene_in%lower, 1, mirror=mirror)
-    call lay_grid(upper, lower, decimal_to_real64(scene_in%field_spacing), grid, failure, corners)
+    call lay_grid(upper, lower, scene_in%number('surfaces', 'field_spacing'), grid, failure, &
+                  corners)
     if (allocated(failure)) return
     with_contacts = options
     with_contacts%keep_contacts = .true.

@@ -2,16 +2,15 @@
 
     python test/support/reference_tables.py EXECUTABLE
 
-The help of the program prints its tables of options and of the names of &effects; this script
-writes them as tables of commands.md and scene.md. The other groups of a scene have no table in the
-help. Their values are those that the reader of scenes expects in its messages; other cells are kept
-as they are. test_written_defaults.py compares the defaults.
+The help of the program prints its tables of options and of the names of a scene; this script
+writes them as tables of commands.md and scene.md. In groups other than &effects the page has the
+defaults and meanings; test_written_defaults.py compares the defaults. A name that the page lacks
+gets a row from the help.
 """
 
 import re
 import subprocess
 import sys
-import tempfile
 import textwrap
 from pathlib import Path
 
@@ -64,53 +63,33 @@ def table_of_options(asperity):
         yield from ("", f"Also {', '.join(again)}, as above.", "") if again else ("",)
 
 
+def names_of(asperity, group):
+    """The names of a group of a scene: values, default, unit, meaning, as the help has them."""
+    text = "\n\n".join(help_of(asperity, "solve"))
+    lines = text.split(f"Names of group &{group}")[1].split("\n\n")[1].splitlines()
+    found = {}
+    for first, second in zip(lines[::2], lines[1::2], strict=True):
+        name, values, default = re.fullmatch(r" +(\w+) +(.+?); (?:default )?(.+)", first).groups()
+        meaning, unit = re.fullmatch(r" +(.+?)(?: \[(.+)\])?", second).groups()
+        found[name] = [WORD.sub(lambda word: f"`{word[0]}`", cell)
+                       for cell in (values, default, unit or "", meaning)]
+    return found
+
+
+def row_of(cells):
+    """A row of a table in a page."""
+    return re.sub(r"\|  (?=\|)", "| ", f"| {' | '.join(cells)} |")
+
+
 def table_of_effects(asperity):
     """The names of &effects with values, default, unit and meaning."""
     yield "| name | values | default | unit | meaning |"
     yield "| --- | --- | --- | --- | --- |"
-    text = "\n\n".join(help_of(asperity, "solve"))
-    lines = text.split("Names of group &effects")[1].split("\n\n")[1].splitlines()
-    for first, second in zip(lines[::2], lines[1::2], strict=True):
-        name, values, default = re.fullmatch(r" +(\w+) +(.+); (?:default )?(.+)", first).groups()
-        meaning, unit = re.fullmatch(r" +(.+?)(?: \[(.+)\])?", second).groups()
-        cells = [WORD.sub(lambda word: f"`{word[0]}`", cell)
-                 for cell in (values, default, unit or "", meaning)]
-        yield " | ".join((f"| `{name}`", *cells)).replace("|  |", "| |") + " |"
+    for name, cells in names_of(asperity, "effects").items():
+        yield row_of((f"`{name}`", *cells))
 
 
-# Scenes of a deck and of a map, in which a name has a value that is refused.
-SCENES = {
-    "deck": {"surfaces": {"deck": "'thesis.deck'"}},
-    "map": {"surfaces": {"upper": "'plane'", "lower": "'map.txt'", "map_spacing": "2*1."},
-            "material": {"contact_modulus": "1000."}}}
 GROUPS = ("surfaces", "material", "motion", "tilt", "loading", "limit")
-EXPECTED = re.compile(r"found [^\n]*, expected ([^\n]*)")
-# Values that no message of the reader lists, as they are files, texts or counts beside numbers.
-KEPT = ("surfaces deck", "surfaces upper", "surfaces radius", "surfaces units", "surfaces map_unit",
-        "surfaces map_edge", "surfaces form_radius",
-        "surfaces map_spacing", "loading value")
-
-
-def expected(asperity, folder, group, name):
-    """The values of a name, in the words of the message on another one."""
-    folder = Path(folder)
-    (folder / "thesis.deck").write_bytes((ROOT / "data/thesis.deck").read_bytes())
-    (folder / "map.txt").write_text("0 1 0\n1 2 1\n0 1 0\n", encoding="ascii")
-    scene = SCENES["map" if name.startswith("map_") else "deck"]
-    beside = {("limit", "value"): {"criterion": "'pressure'"}}.get((group, name), {})
-    for values in ("'?'", "2*'?'"):
-        groups = {**scene, group: {**scene.get(group, {}), **beside, name: values}}
-        (folder / "a.scene").write_text("".join(
-            f"&{key} {', '.join(f'{one} = {value}' for one, value in names.items())} /\n"
-            for key, names in groups.items()), encoding="ascii")
-        done = subprocess.run([asperity, "solve", "a.scene", "--quiet"], cwd=folder,
-                              capture_output=True, text=True)
-        found = [EXPECTED.search(line) for line in done.stderr.splitlines() if f" {name}: " in line]
-        words = next((match[1] for match in found if match), "")
-        if not re.fullmatch(r"\d+", words):
-            words = words.replace("a finite number within the range of a double", "a number")
-            return re.sub("^a number", "2 numbers", words) if "*" in values else words
-    raise ValueError(f"&{group} {name}: no values found in the messages")
 
 
 def table_of_group(group):
@@ -118,15 +97,19 @@ def table_of_group(group):
     def table(asperity):
         page = (ROOT / MADE[group][0]).read_text(encoding="utf-8")
         head, rule, *rows = inside(page, group)[1].strip("\n").splitlines()
+        columns = head.strip("| ").split(" | ")
         yield from (head, rule)
-        with tempfile.TemporaryDirectory() as folder:
-            for row in rows:
-                cells = [cell.strip() for cell in row.strip("|").split("|")]
-                name = re.findall(r"`(\w+)`", cells[0])[0]
-                if f"{group} {name}" not in KEPT:
-                    cells[1] = WORD.sub(lambda word: f"`{word[0]}`", expected(
-                        asperity, folder, group, name))
-                yield re.sub(r"\|  (?=\|)", "| ", f"| {' | '.join(cells)} |")
+        known = names_of(asperity, group)
+        for row in rows:
+            cells = [cell.strip() for cell in row.strip("|").split("|")]
+            names = re.findall(r"`(\w+)`", cells[0])
+            cells[1] = known[names[0]][0]
+            yield row_of(cells)
+            for name in names:
+                del known[name]
+        for name, (values, default, unit, meaning) in known.items():
+            others = {"meaning": meaning, "unit": unit, columns[2]: default}
+            yield row_of((f"`{name}`", values, *(others.get(head, "") for head in columns[2:])))
     return table
 
 
