@@ -10,7 +10,7 @@ module asperity_height_map
   private
 
   public :: height_map, change_unit, move_map, put_in_unit, give_spacing, fault_of_map, &
-            fault_of_spacing, length_units, unit_number, unit_ratio, plain_unit, &
+            fault_of_spacing, known_units, length_units, unit_number, unit_ratio, plain_unit, &
             no_height, is_measured, is_length, make_room, read_height, expected_length, &
             expected_height, highest, largest_height, &
             most_samples, digit_of, no_power, edge_names, index_beside, level_mean, level_names, &
@@ -28,6 +28,7 @@ module asperity_height_map
   !> Stands for the height of a sample that was not measured.
   real(real64), parameter :: no_height = -huge(1.0_real64)
 
+  character(len=*), parameter :: known_units = 'm, mm, um, nm, cm, in'  !! units, for a message
   !> Units of length.
   character(len=*), parameter :: length_units(6) = [character(len=2) :: 'm', 'mm', 'um', 'nm', &
     'cm', 'in']

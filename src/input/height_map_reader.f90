@@ -3,11 +3,11 @@ module asperity_height_map_reader
   use, intrinsic :: ieee_arithmetic, only: ieee_is_nan
   use asperity_delimited_text, only: line_reader
   use asperity_height_map, only: edge_names, expected_height, fault_of_map, fault_of_spacing, &
-                                 give_spacing, height_map, highest, largest_height, length_units, &
+                                 give_spacing, height_map, highest, known_units, largest_height, &
                                  make_room, no_height, plain_unit, unit_number
   use asperity_input_text, only: begin_file, check_text, first_control
   use asperity_kinds, only: int64, real64
-  use asperity_npy_map, only: is_npy, read_npy_map
+  use asperity_npy_map, only: npy_magic, read_npy_map
   use asperity_problems, only: decimal_text, problem_list, real_text
   use asperity_sdf_map, only: is_sdf, magic_length, read_sdf_header, read_sdf_samples, sdf_header
   use asperity_text_header, only: head_length, is_numeric_line, is_surface_header, read_header, &
@@ -34,7 +34,7 @@ contains
     character(len=:), allocatable :: line
     integer :: i
 
-    is_height_map = is_sdf(head(:min(len(head), magic_length))) .or. is_npy(head)
+    is_height_map = is_sdf(head(:min(len(head), magic_length))) .or. index(head, npy_magic) == 1
     if (is_height_map) return
     call problems%start('')
     call notes%start('')
@@ -104,7 +104,7 @@ contains
       if (problems%count() == before) call take_spacing()
       if (problems%count() == before) &
         call read_sdf_samples(file, header, progress, map, problems, failure)
-    else if (is_npy(magic)) then
+    else if (index(magic, npy_magic) == 1) then
       call take_spacing()
       if (problems%count() == before) &
         call read_npy_map(file, magic, progress, map, problems, failure)
@@ -147,7 +147,7 @@ contains
     type(height_map), intent(out) :: map       !! map with a copy of the heights
     type(problem_list), intent(inout) :: problems           !! what is wrong
     character(len=:), allocatable, intent(out) :: failure   !! why there is no map
-    character(len=:), allocatable :: list, fault
+    character(len=:), allocatable :: fault
     integer :: before, i, j
 
     before = problems%count()
@@ -160,11 +160,7 @@ contains
     fault = fault_of_spacing(along, which // '.spacing')
     if (fault /= '') call problems%add(fault)
     if (map%unit /= '' .and. unit_number(map%unit) == 0) then
-      list = trim(length_units(1))
-      do i = 2, size(length_units)
-        list = list // ', ' // trim(length_units(i))
-      end do
-      call problems%add(which // '.unit: found ' // unit // ', expected one of ' // list // &
+      call problems%add(which // '.unit: found ' // unit // ', expected one of ' // known_units // &
                         ', or none')
     end if
     if (edge < 0 .or. edge > size(edge_names)) &

@@ -17,7 +17,7 @@ module asperity_npy_map
   implicit none
   private
 
-  public :: is_npy, npy_magic, read_npy_map
+  public :: npy_magic, read_npy_map
 
   character(len=*), parameter :: npy_magic = char(147) // 'NUMPY'  !! bytes that a file begins with
   ! NumPy reads no longer header either.
@@ -35,13 +35,6 @@ module asperity_npy_map
   end type npy_header
 
 contains
-
-  !> Whether a file begins like an array.
-  pure logical function is_npy(head)
-    character(len=*), intent(in) :: head  !! its first 8 bytes, or more
-
-    is_npy = index(head, npy_magic) == 1
-  end function is_npy
 
   !> Reads all pixels. `failure` is allocated when there is no memory for them.
   subroutine read_npy_map(file, magic, progress, map, problems, failure)

@@ -74,23 +74,14 @@ contains
     character(len=:), allocatable :: lines
 
     associate (file => scene_in%file, motion => scene_in%motion)
-      lines = group_line('surfaces', 'deck', &
-                   quoted_value(file(index(file, '/', back=.true.) + 1:))) // &
-              group_line('motion', 'x_first', numeral_text(motion%x_first)) // &
-              group_line('motion', 'x_step', numeral_text(motion%x_step)) // &
-              group_line('motion', 'y_first', numeral_text(motion%y_first)) // &
-              group_line('motion', 'y_step', numeral_text(motion%y_step)) // &
-              group_line('motion', 'positions', decimal_text(motion%positions)) // &
-              group_line('effects', 'interaction', quoted_value('off'))
+      lines = lines_of_text('&surfaces deck = ' // &
+        quoted_value(file(index(file, '/', back=.true.) + 1:)) // ' / &motion x_first = ' // &
+        numeral_text(motion%x_first) // ', x_step = ' // numeral_text(motion%x_step) // &
+        ', y_first = ' // numeral_text(motion%y_first) // ', y_step = ' // &
+        numeral_text(motion%y_step) // ', positions = ' // decimal_text(motion%positions) // &
+        ' / &effects interaction = ''off'' /')
     end associate
   end function lines_of_deck
-
-  pure function group_line(group, name, values)
-    character(len=*), intent(in) :: group, name, values
-    character(len=:), allocatable :: group_line
-
-    group_line = group // tabulator // name // tabulator // values // new_line('a')
-  end function group_line
 
   ! A number that is read as just this decimal.
   pure function numeral_text(value) result(text)

@@ -196,7 +196,8 @@ contains
       good = is_length(value)
       header%scale_factor(field - 2) = value
     case (type_field)
-      good = is_type(header, nint(value))
+      good = nint(value) >= first_type(max(1, header%revision)) .and. &
+             nint(value) <= ubound(type_names, 1)
       if (good) header%data_type = nint(value)
     case default
       good = abs(value) <= 0.0_real64
@@ -219,14 +220,6 @@ contains
       text = text // ' ' // decimal_text(i) // ' (' // trim(type_names(i)) // ')'
     end do
   end function expected_value
-
-  ! Whether a revision has a type of samples.
-  pure logical function is_type(header, code)
-    type(sdf_header), intent(in) :: header
-    integer, intent(in) :: code
-
-    is_type = code >= first_type(max(1, header%revision)) .and. code <= ubound(type_names, 1)
-  end function is_type
 
   ! Reads the header of a binary file.
   subroutine read_binary_header(file, header, problems)

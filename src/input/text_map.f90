@@ -5,8 +5,9 @@
 module asperity_text_map
   use asperity_delimited_text, only: begins_comment, column_of, line_cells, line_reader
   use asperity_height_map, only: change_unit, digit_of, height_map, highest, is_length, &
-                                 is_measured, length_units, make_room, most_samples, no_height, &
-                                 no_power, read_height, unit_number, unit_ratio
+                                 is_measured, known_units, length_units, make_room, &
+                                 most_samples, no_height, no_power, read_height, unit_number, &
+                                 unit_ratio
   use asperity_input_text, only: in_quotes
   use asperity_key_sort, only: sort_keys
   use asperity_kinds, only: int64, real64
@@ -161,7 +162,6 @@ contains
     logical, intent(in) :: spacing_given
     type(height_map), intent(inout) :: map
     type(problem_list), intent(inout) :: problems
-    character(len=*), parameter :: known = 'm, mm, um, nm, cm, in'
     character(len=:), allocatable :: found
     integer :: i
     logical :: same
@@ -190,11 +190,11 @@ contains
     else if (spacing_given .and. layout%unit(3) == '' .or. &
              (same .and. (spacing_given .or. all(layout%extent <= 0.0_real64)))) then
       call map%notes%add_in_file('note: units of its header: ' // found // '; not used, as they ' &
-                                 // 'are not those of all lengths, or none of ' // known // &
+                                 // 'are not those of all lengths, or none of ' // known_units // &
                                  ': lengths are taken as they are')
     else
       call problems%add_in_file('units of its header: found ' // found // ', expected one of ' // &
-                                known // ' for each of x, y and z')
+                                known_units // ' for each of x, y and z')
     end if
   end subroutine set_unit
 
