@@ -7,7 +7,7 @@ module asperity_run_solve
                                     room_of_fields
   use asperity_corrected_table, only: correct_table
   use asperity_corrected_table_text, only: write_corrected_table
-  use asperity_csv_tables, only: write_histogram, write_results
+  use asperity_csv_tables, only: write_histogram, write_table
   use asperity_error_budget, only: error_budget, measure_budget
   use asperity_field_picture, only: draw_plan, plan_of_pressure
   use asperity_files, only: same_name, write_standard_error
@@ -18,7 +18,7 @@ module asperity_run_solve
   use asperity_number_format, only: count_text, number_text
   use asperity_printable, only: printable_text
   use asperity_problems, only: decimal_text, problem_list
-  use asperity_result_table, only: of_contacts, of_positions, of_states
+  use asperity_result_table, only: array_table, make_arrays, of_contacts
   use asperity_results_html, only: write_html
   use asperity_results_json, only: write_json
   use asperity_results_vti, only: write_vti
@@ -42,6 +42,13 @@ module asperity_run_solve
 
   public :: run_solve_command
 
+  ! Options of files that have tables of the results, and whether they need the positions, the states
+  ! and the contacts.
+  character(len=*), parameter :: table_options(6) = [character(len=11) :: '--contacts', &
+    '--positions', '--curve', '--json', '--vtk', '--html']
+  logical, parameter :: tables_of(3, 6) = reshape([.false., .false., .true., .true., .false., &
+    .false., .false., .true., .false., .true., .true., .true., .false., .false., .true., .true., &
+    .true., .false.], [3, 6])
   ! Options that need the pressure on the pixels of a map.
   character(len=*), parameter :: field_options(4) = [character(len=11) :: '--fields', &
     '--histogram', '--picture', '--depths']
@@ -61,7 +68,7 @@ contains
     type(error_budget) :: budget
     type(run_options) :: options
     type(work_cost) :: cost
-    type(text_buffer) :: vtk
+    type(array_table) :: tables(3)  ! positions, states, contacts; those that outputs need
     character(len=:), allocatable :: units  ! first line of CSV files; not allocated: none
     integer :: i
 
@@ -96,15 +103,14 @@ contains
       if (is_thesis_sweep(scene_in)) &
         call write_corrected_table(correct_table(scene_in%deck, results), outcome%text)
     end if
-    call write_table('--contacts', of_contacts)
-    call write_table('--positions', of_positions)
-    call write_table('--curve', of_states)
-    if (line%output_path('--json') /= '') call stage_whole('--json')
-    if (line%output_path('--vtk') /= '') then
-      if (.not. allocated(outcome%failure)) call write_vtk(results, vtk, outcome%failure)
-      call stage_output('--vtk', vtk)
-    end if
-    if (line%output_path('--html') /= '') call stage_whole('--html')
+    do i = 1, size(tables)
+      if (.not. allocated(outcome%failure) .and. needs_table(line, i)) &
+        call make_arrays(i, results, tables(i), outcome%failure)
+    end do
+    do i = 1, size(table_options)
+      if (.not. allocated(outcome%failure) .and. line%output_path(trim(table_options(i))) /= '') &
+        call stage_tables(i)
+    end do
     if (needs_fields(line)) then
       do i = 1, size(results%positions(1)%fields)
         call stage_field(results%positions(1)%fields(i), i == size(results%positions(1)%fields))
@@ -116,22 +122,28 @@ contains
 
   contains
 
-    ! Stages a file that includes the input files of the scene: JSON or HTML.
-    subroutine stage_whole(option)
-      character(len=*), intent(in) :: option
+    ! Stages the file of an option of `table_options`.
+    subroutine stage_tables(option)
+      integer, intent(in) :: option
       type(input_file) :: inputs(3)
       type(text_buffer) :: text
 
-      if (allocated(outcome%failure)) return
-      call list_inputs(scene_in, inputs, outcome%failure)
-      if (allocated(outcome%failure)) return
-      if (option == '--json') then
-        call write_json(scene_in, inputs, results, outcome%warnings, text, outcome%failure)
-      else
-        call write_html(scene_in, inputs, results, outcome%warnings, text, outcome%failure)
-      end if
-      call stage_output(option, text)
-    end subroutine stage_whole
+      select case (table_options(option))
+      case ('--json', '--html')
+        call list_inputs(scene_in, inputs, outcome%failure)
+        if (allocated(outcome%failure)) return
+        if (table_options(option) == '--json') then
+          call write_json(scene_in, inputs, results, tables, outcome%warnings, text)
+        else
+          call write_html(scene_in, inputs, results, tables, outcome%warnings, text)
+        end if
+      case ('--vtk')
+        call write_vtk(tables(of_contacts), text)
+      case default
+        call write_table(tables(findloc(tables_of(:, option), .true., 1)), text, units)
+      end select
+      call stage_output(trim(table_options(option)), text)
+    end subroutine stage_tables
 
     ! One state as image data; the last one as a histogram and a picture, too.
     subroutine stage_field(field, is_last)
@@ -184,16 +196,6 @@ contains
       call draw_plan(field, plan_of_pressure, title, units, .true., picture)
     end subroutine draw_pressure
 
-    subroutine write_table(option, which)
-      character(len=*), intent(in) :: option
-      integer, intent(in) :: which
-      type(text_buffer) :: csv
-
-      if (line%output_path(option) == '') return
-      call write_results(which, results, csv, units)
-      call stage_output(option, csv)
-    end subroutine write_table
-
     ! Stages a file. A trial counts its bytes only: twice, as the text is held and then copied.
     subroutine stage_output(option, text, path)
       character(len=*), intent(in) :: option
@@ -211,6 +213,16 @@ contains
     end subroutine stage_output
 
   end subroutine run_solve_command
+
+  ! Whether an output needs a table of the results.
+  logical function needs_table(line, which) result(needs)
+    type(command_line), intent(in) :: line
+    integer, intent(in) :: which
+    integer :: i
+
+    needs = any([(tables_of(which, i) .and. line%output_path(trim(table_options(i))) /= '', &
+                  i=1, size(table_options))])
+  end function needs_table
 
   ! Whether an option needs the pressure on the pixels of a map.
   logical function needs_fields(line) result(needs)

@@ -7,7 +7,7 @@
 !> The name of a procedure for C must not be that of a module, as `asperity_solve` is one.
 module asperity_c
   use, intrinsic :: iso_c_binding, only: c_associated, c_double, c_f_pointer, c_int, c_ptr
-  use asperity, only: arithmetic_names, build_scene, card_deck, check_field_request, &
+  use asperity, only: add_surface, arithmetic_names, build_scene, card_deck, check_field_request, &
                       check_options, decimal_text, fields_none, generate_surface, &
                       generated_surface, generation_spec, list_warning_kinds, list_warnings, &
                       make_arrays, name_units, of_contacts, original_records, &
@@ -17,7 +17,7 @@ module asperity_c
                       surface_plan, text_buffer, thesis_tables, write_report, write_summary
   use asperity_c_arguments, only: require_text, take_asperities, take_word
   use asperity_c_outcome, only: begin_outcome, finish_outcome, finish_scene, look_at, outcome, &
-                                set_surface, set_text, table_upper, text_notes, text_of, &
+                                set_text, table_upper, text_notes, text_of, &
                                 text_report, text_warning_kinds, text_warnings
   use, intrinsic :: iso_fortran_env, only: real64
   implicit none
@@ -279,7 +279,7 @@ contains
       call generate_surface(plan, member, surface, new%failure)
       if (allocated(new%failure)) exit
       call surface%reals(x, y, height, radius)
-      call set_surface(x, y, height, radius, new%tables(table_upper + side - 1), '')
+      call add_surface(x, y, height, radius, new%tables(table_upper + side - 1), '')
     end do
     call finish_outcome(new)
   end function c_generate

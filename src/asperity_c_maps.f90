@@ -3,7 +3,7 @@ module asperity_c_maps
   use, intrinsic :: ieee_arithmetic, only: ieee_quiet_nan, ieee_value
   use, intrinsic :: iso_c_binding, only: c_associated, c_double, c_f_pointer, c_int, c_ptr
   use, intrinsic :: iso_fortran_env, only: int64, real64
-  use asperity, only: add_reals, add_wholes, build_scene_of, decimal_text, height_map, &
+  use asperity, only: add_reals, add_surface, add_wholes, build_scene_of, decimal_text, height_map, &
                       is_measured, length_units, level_names, map_statistics, map_summits, &
                       measure_map, not_enough_memory, note_of_file, periodic_edge, &
                       problem_list, put_in_unit, &
@@ -11,7 +11,7 @@ module asperity_c_maps
                       summits_of_array, summits_of_file, text_buffer, write_map_file, &
                       write_summits_table
   use asperity_c_arguments, only: require_text, take_asperities, take_heights, take_word
-  use asperity_c_outcome, only: begin_outcome, finish_outcome, finish_scene, outcome, set_surface, &
+  use asperity_c_outcome, only: begin_outcome, finish_outcome, finish_scene, outcome, &
                                 set_text, table_map, table_pixels, table_statistics, &
                                 table_summits, text_notes, text_of, text_report, text_unit
   implicit none
@@ -172,7 +172,7 @@ contains
       call set_text(new, text_report, summary%text())
       call set_text(new, text_notes, map%notes%text())
       associate (table => new%tables(table_summits))
-        call set_surface(summits%x, summits%y, summits%height, summits%radius, table, map%unit)
+        call add_surface(summits%x, summits%y, summits%height, summits%radius, table, map%unit)
       end associate
       associate (table => new%tables(table_statistics))
         call add_reals(table, 'samples', [real(found%samples, real64)])

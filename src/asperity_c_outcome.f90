@@ -3,14 +3,13 @@
 module asperity_c_outcome
   use, intrinsic :: iso_c_binding, only: c_associated, c_char, c_f_pointer, c_int, c_loc, &
                                          c_null_char, c_null_ptr, c_ptr
-  use, intrinsic :: iso_fortran_env, only: real64
-  use asperity, only: add_reals, array_table, contact_field, list_groups, problem_list, &
+  use asperity, only: array_table, contact_field, list_groups, problem_list, &
                       problem_place, scene, solution_start
   implicit none
   private
 
   public :: c_letters, outcome, begin_outcome, finish_outcome, finish_scene, look_at, has_column, &
-            set_surface, set_text, text_of
+            set_text, text_of
 
   !> Numbers of the header: status of a call, texts, tables, types of columns.
   integer(c_int), parameter, public :: done = 0_c_int, not_computed = 1_c_int, bad_input = 2_c_int
@@ -130,19 +129,6 @@ contains
     columns_of = 0
     if (allocated(table%columns)) columns_of = size(table%columns)
   end function columns_of
-
-  !> Fills the table of the summits or asperities of a surface.
-  subroutine set_surface(x, y, height, radius, table, unit)
-    real(real64), intent(in) :: x(:), y(:)             !! positions in plan
-    real(real64), intent(in) :: height(:), radius(:)   !! heights and radii, as many
-    type(array_table), intent(inout) :: table          !! table with its columns
-    character(len=*), intent(in) :: unit               !! unit of length; empty: unknown
-
-    call add_reals(table, 'x', x, trim(unit))
-    call add_reals(table, 'y', y, trim(unit))
-    call add_reals(table, 'height', height, trim(unit))
-    call add_reals(table, 'radius', radius, trim(unit))
-  end subroutine set_surface
 
   !> Sets one of the texts.
   subroutine set_text(new, which, text)

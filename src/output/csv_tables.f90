@@ -1,19 +1,19 @@
 !> Tables as CSV: results of a run, distribution of the pressure, summits and spectra of a map.
 module asperity_csv_tables
+  use, intrinsic :: ieee_arithmetic, only: ieee_is_nan
   use asperity_contact_field, only: contact_field, pressure_histogram
   use asperity_csv, only: csv_line
   use asperity_kinds, only: not_computed, real64
   use asperity_map_stress, only: component_names, largest_shear, von_mises
   use asperity_map_spectrum, only: power_spectrum, spectrum_names
   use asperity_map_summits, only: map_summits
-  use asperity_result_table, only: cell_real, cell_word, result_table
-  use asperity_scene_results, only: scene_results
+  use asperity_result_table, only: add_reals, add_surface, array_table
   use asperity_text_buffer, only: text_buffer
   implicit none
   private
 
-  public :: begin_stress_csv, write_histogram, write_results, write_spectrum_csv, &
-            write_stress_csv, write_summits_csv
+  public :: begin_stress_csv, write_histogram, write_spectrum_csv, write_stress_csv, &
+            write_summits_csv, write_table
 
   ! Bins of the pressure between 0 and the greatest one.
   integer, parameter :: bins = 100
@@ -21,38 +21,37 @@ module asperity_csv_tables
 contains
 
   !> Writes one line a row, under the names of the columns.
-  subroutine write_results(which, results, buffer, comment)
-    integer, intent(in) :: which                !! table, of `asperity_result_table`
-    type(scene_results), intent(in) :: results  !! results of a run; contacts need their rows
+  subroutine write_table(table, buffer, comment)
+    type(array_table), intent(in) :: table      !! table with columns
     type(text_buffer), intent(inout) :: buffer  !! gets the text
     character(len=*), intent(in), optional :: comment  !! a line before the names
-    type(result_table) :: table
     type(csv_line) :: line
-    integer :: column
-    logical :: found
+    integer :: i, k, row
 
     if (present(comment)) call buffer%line('# ' // comment)
-    call table%begin_rows(which, results)
-    do column = 1, size(table%names)
-      call line%put(table%names(column))
+    do i = 1, size(table%columns)
+      call line%put(table%columns(i)%name)
     end do
-    do
-      call line%finish(buffer)
-      call table%next_row(results, found)
-      if (.not. found) exit
-      do column = 1, size(table%names)
-        associate (number => table%numbers(column))
-          if (table%kinds(column) == cell_word) then
-            call line%put(table%words(column))
-          else if (table%kinds(column) == cell_real .or. .not. number > not_computed) then
-            call line%put(number)
+    call line%finish(buffer)
+    do row = 1, table%rows
+      do i = 1, size(table%columns)
+        associate (column => table%columns(i))
+          if (allocated(column%wholes)) then
+            call line%put(column%wholes(row))
+          else if (allocated(column%letters)) then
+            call line%put(transfer(column%letters(:, row), repeat('a', size(column%letters, 1))))
+          else if (ieee_is_nan(column%reals(row))) then
+            call line%put('')
+          else if (column%is_count) then
+            call line%put(nint(column%reals(row)))
           else
-            call line%put(nint(number))
+            call line%put(column%reals(row))
           end if
         end associate
       end do
+      call line%finish(buffer)
     end do
-  end subroutine write_results
+  end subroutine write_table
 
   !> Writes one line a bin: the pressure in its middle, and the density of the area over the
   !> pressure. The integral of the density is the contact area fraction of the pixels.
@@ -60,17 +59,13 @@ contains
     type(contact_field), intent(in) :: field    !! of one state
     type(text_buffer), intent(inout) :: buffer  !! gets the text
     character(len=*), intent(in), optional :: comment  !! a line before the names
-    type(csv_line) :: line
+    type(array_table) :: table
     real(real64) :: centre(bins), density(bins)
-    integer :: i
 
-    if (present(comment)) call buffer%line('# ' // comment)
     call pressure_histogram(field, centre, density)
-    call buffer%line('pressure,density')
-    do i = 1, bins
-      call line%put([centre(i), density(i)])
-      call line%finish(buffer)
-    end do
+    call add_reals(table, 'pressure', centre)
+    call add_reals(table, 'density', density)
+    call write_table(table, buffer, comment)
   end subroutine write_histogram
 
   !> Writes one line a wave number: of the area, then of lines along x, then along y.
@@ -133,14 +128,10 @@ contains
   subroutine write_summits_csv(summits, buffer)
     type(map_summits), intent(in) :: summits    !! of a map
     type(text_buffer), intent(inout) :: buffer  !! gets the text
-    type(csv_line) :: line
-    integer :: i
+    type(array_table) :: table
 
-    call buffer%line('x,y,height,radius')
-    do i = 1, size(summits%x)
-      call line%put([summits%x(i), summits%y(i), summits%height(i), summits%radius(i)])
-      call line%finish(buffer)
-    end do
+    call add_surface(summits%x, summits%y, summits%height, summits%radius, table, '')
+    call write_table(table, buffer)
   end subroutine write_summits_csv
 
 end module asperity_csv_tables

@@ -1,22 +1,23 @@
-!> The results of a run as tables, row by row: what every column is called and what it holds stands
-!> here, once for all files and for the arrays that other languages see.
+!> The results of a run as tables of columns: what every column is called, its unit and what it
+!> holds stand here, once for all files, for the summary and for other languages.
 !>
 !> Tables: a row a position (its last state), a row a state, a row a contact.
 module asperity_result_table
-  use asperity_contact_records, only: contact_radius, contact_row, effect_record, position_result, &
-                                      state_row
+  use, intrinsic :: ieee_arithmetic, only: ieee_quiet_nan, ieee_value
+  use asperity_contact_records, only: contact_radius, contact_row, position_result, state_row
   use asperity_effect_names, only: known_effects
-  use asperity_kinds, only: not_computed, real64
-  use asperity_scene_results, only: has_height_map, kinds_of_warnings, last_state, nominal_names, &
-                                    nominal_values, scene_results
+  use asperity_kinds, only: int32, int64, not_computed, real64
+  use asperity_process, only: has_memory
+  use asperity_scene_results, only: has_height_map, kinds_of_warnings, last_state, scene_results
+  use asperity_scene_values, only: scene
   use asperity_unit_names, only: is_area, is_force, is_length, is_moment, is_number, is_pressure, &
-                                 powers_of, unit_powers
+                                 powers_of, unit_of, unit_powers
   implicit none
   private
 
-  public :: result_table, word_length
+  public :: array_column, array_table, make_arrays, add_reals, add_surface, add_wholes, &
+            name_units, numbers_of, place_of
   public :: of_positions, of_states, of_contacts, table_names
-  public :: cell_real, cell_whole, cell_count, cell_word
 
   !> The tables.
   integer, parameter :: of_positions = 1, of_states = 2, of_contacts = 3
@@ -24,338 +25,453 @@ module asperity_result_table
   character(len=*), parameter :: table_names(3) = [character(len=9) :: 'positions', 'states', &
     'contacts']
 
-  !> Kinds of columns: doubles, which may be `not_computed`; whole numbers, or 1 and 0 for yes
-  !> and no; whole numbers that may be `not_computed`; words.
-  integer, parameter :: cell_real = 1, cell_whole = 2, cell_count = 3, cell_word = 4
-
-  ! Dimensions of `nominal_names`.
-  type(unit_powers), parameter :: nominal_dimensions(2) = [is_pressure, is_number]
-
-  ! Columns that a table has without effects, at most, and that it has for each.
+  ! Columns that a table has without effects, and that it has for each, at most.
   integer, parameter :: most_own = 30, columns_of_effect = 5
+  ! Letters of a word.
+  integer, parameter :: word_length = 16
 
-  !> Letters of a word at most, and of the name of a column.
-  integer, parameter :: word_length = 16, name_length = 32
+  !> One column. One of the three arrays is allocated.
+  type :: array_column
+    character(len=:), allocatable :: name                    !! as in the files
+    type(unit_powers) :: dimension                           !! powers in its unit
+    character(len=:), allocatable :: unit                    !! `N/mm2`; not allocated: not known
+    real(real64), allocatable :: reals(:)                    !! NaN where a cell is empty
+    logical :: is_count = .false.                            !! its reals are whole numbers
+    integer(int32), allocatable :: wholes(:)                 !! whole numbers; yes and no: 1 and 0
+    character(len=1), allocatable :: letters(:, :)           !! words (letter, row), blanks behind
+  end type array_column
 
-  !> One table, at one of its rows.
-  type :: result_table
-    integer :: rows = 0                                      !! all of them
-    character(len=name_length), allocatable :: names(:)      !! of the columns
-    integer, allocatable :: kinds(:)                         !! of each, one of the `cell_` numbers
-    type(unit_powers), allocatable :: dimensions(:)          !! of each, powers in its unit
-    real(real64), allocatable :: numbers(:)                  !! of this row, by column
-    character(len=word_length), allocatable :: words(:)      !! of this row, by column
-    integer, private :: which = of_positions
-    integer, private :: at = 0                               ! column filled last
-    integer, private :: position = 0, state = 0, contact = 0 ! of this row
+  !> A table.
+  type :: array_table
+    integer :: rows = 0                           !! length of every column
+    type(array_column), allocatable :: columns(:) !! not allocated: there is no such table
+  end type array_table
+
+  ! A table of a run, filled block by block. The first block has no rows and adds the columns.
+  type, extends(array_table) :: growing_table
+    logical :: is_named = .false.    ! it has all columns
+    integer :: before = 0            ! rows of earlier blocks
+    integer :: at = 0                ! column of the block filled last
   contains
-    procedure :: begin_rows       !! names the columns, before the first row
-    procedure :: next_row         !! goes to the next row
-    procedure, private :: put_number
-    procedure, private :: put_whole
-    procedure, private :: put_word
-    generic, private :: put => put_number, put_whole, put_word
-  end type result_table
+    procedure :: put_reals
+    procedure :: put_wholes
+    procedure :: put_words
+    generic :: put => put_reals, put_wholes, put_words
+    procedure :: end_block
+  end type growing_table
 
 contains
 
-  !> Stands before the first row.
-  subroutine begin_rows(self, which, results)
-    class(result_table), intent(out) :: self    !! gets the columns
-    integer, intent(in) :: which                !! one of the `of_` numbers
-    type(scene_results), intent(in) :: results  !! results of a run; contacts need their rows
-    integer :: m, most
+  !> One of the tables of a run. `failure` is allocated when there is no memory for it. Contacts
+  !> that were not kept have no rows.
+  subroutine make_arrays(which, results, arrays, failure)
+    integer, intent(in) :: which                           !! table, one of the `of_` numbers
+    type(scene_results), intent(in) :: results             !! results of a run
+    type(array_table), intent(out) :: arrays               !! table of columns
+    character(len=:), allocatable, intent(out) :: failure  !! reason of a failure
+    type(growing_table) :: table
+    integer :: columns, m, step
 
-    self%which = which
-    most = most_own
+    columns = most_own
     if (allocated(results%effects)) &
-      most = most + columns_of_effect * size(results%effects%names) + &
-             size(results%effects%state_columns) + size(results%effects%contact_columns)
-    allocate (self%names(most), self%kinds(most), self%dimensions(most), self%numbers(most), &
-              self%words(most))
-    self%words = ''
+      columns = columns + columns_of_effect * size(results%effects%names) + &
+                size(results%effects%state_columns) + size(results%effects%contact_columns)
     do m = 1, size(results%positions)
-      associate (position => results%positions(m))
-        select case (which)
-        case (of_positions)
-          self%rows = self%rows + 1
-        case (of_states)
-          self%rows = self%rows + size(position%states)
-        case default
-          self%rows = self%rows + sum(position%states%last_row - position%states%first_row + 1)
-        end select
+      associate (states => results%positions(m)%states)
+        table%rows = table%rows + merge(1, size(states), which == of_positions)
+        if (which == of_contacts) table%rows = table%rows - size(states) + &
+          sum(states%last_row - states%first_row + 1)
       end associate
     end do
-    ! A row that is thrown away names the columns.
+    arrays%rows = table%rows
+    if (.not. has_memory(8_int64 * columns * table%rows)) then
+      failure = 'not enough memory for the ' // trim(table_names(which)) // ' as arrays'
+      if (which == of_contacts) failure = failure // ', expected fewer, or none kept'
+      return
+    end if
     select case (which)
     case (of_positions)
-      call fill_position(self, results, 1, results%positions(1))
+      call fill_positions(table, results, results%positions(:0))
+      call fill_positions(table, results, results%positions)
     case (of_states)
-      call fill_state(self, results, 1, 1, results%positions(1)%states(1))
-    case default
-      call fill_contact(self, results, 1, 1, contact_row())
-    end select
-    self%names = self%names(:self%at)
-    self%kinds = self%kinds(:self%at)
-    self%dimensions = self%dimensions(:self%at)
-  end subroutine begin_rows
-
-  !> Goes to the next row. `found` is false behind the last.
-  subroutine next_row(self, results, found)
-    class(result_table), intent(inout) :: self  !! table with named columns
-    type(scene_results), intent(in) :: results  !! the results of `begin_rows`
-    logical, intent(out) :: found               !! there is one
-
-    self%at = 0
-    found = .false.
-    if (self%which == of_contacts .and. self%position > 0) then
-      self%contact = self%contact + 1
-      found = self%contact <= results%positions(self%position)%states(self%state)%last_row
-    end if
-    do while (.not. found)
-      if (self%which /= of_positions .and. self%position > 0) self%state = self%state + 1
-      if (self%which == of_positions .or. self%position == 0) then
-        call next_position()
-      else if (self%state > size(results%positions(self%position)%states)) then
-        call next_position()
-      end if
-      if (self%position > size(results%positions)) return
-      found = .true.
-      if (self%which /= of_contacts) exit
-      associate (state => results%positions(self%position)%states(self%state))
-        self%contact = state%first_row
-        found = state%first_row <= state%last_row
-      end associate
-    end do
-    associate (position => results%positions(self%position))
-      select case (self%which)
-      case (of_positions)
-        call fill_position(self, results, self%position, position)
-      case (of_states)
-        call fill_state(self, results, self%position, self%state, position%states(self%state))
-      case default
-        call fill_contact(self, results, self%position, self%state, position%rows(self%contact))
-      end select
-    end associate
-
-  contains
-
-    subroutine next_position()
-      self%position = self%position + 1
-      self%state = 1
-    end subroutine next_position
-
-  end subroutine next_row
-
-  ! One position: its last state, and what the effects did.
-  subroutine fill_position(self, results, m, position)
-    class(result_table), intent(inout) :: self
-    type(scene_results), intent(in) :: results
-    integer, intent(in) :: m
-    type(position_result), intent(in) :: position
-    type(state_row) :: last
-    integer :: i
-
-    last = last_state(position)
-    call self%put('position', m)
-    call self%put('x_displacement', position%x_displacement, is_length)
-    call self%put('y_displacement', position%y_displacement, is_length)
-    call self%put('steps', size(position%states))
-    call self%put('separation', last%approach, is_length)
-    call self%put('contacts', last%contacts)
-    call self%put('load', last%load, is_force)
-    call self%put('area', last%area, is_area)
-    call self%put('projected_area', last%projected_area, is_area)
-    call self%put('limit_reached', merge(1, 0, position%limit_reached))
-    call self%put('vertical_load', last%vertical_load, is_force)
-    call self%put('compression', last%closing, is_length)
-    call self%put('overlapping_circles', merge(real(position%overlapping_circles, real64), &
-                                               not_computed, position%overlapping_circles >= 0), &
-                  cell=merge(cell_whole, cell_count, position%overlapping_circles >= 0))
-    call fill_nominal(self, results, last)
-    call fill_gap(self, results, last)
-    if (allocated(results%effects)) then
-      do i = 1, size(position%effects)
-        call fill_effect(self, trim(results%effects%names(i)), position%effects(i))
+      call fill_states(table, results, 1, [state_row ::])
+      do m = 1, size(results%positions)
+        call fill_states(table, results, m, results%positions(m)%states)
       end do
-      do i = 1, size(position%state_values)
-        call self%put(results%effects%state_columns(i), position%state_values(i), &
-                      powers_of(results%effects%state_powers(:, i)))
+    case default
+      call fill_contacts(table, results, 1, 1, [contact_row ::])
+      do m = 1, size(results%positions)
+        associate (position => results%positions(m))
+          do step = 1, size(position%states)
+            associate (state => position%states(step))
+              if (state%first_row <= state%last_row) &
+                call fill_contacts(table, results, m, step, &
+                                   position%rows(state%first_row:state%last_row))
+            end associate
+          end do
+        end associate
+      end do
+    end select
+    call move_alloc(table%columns, arrays%columns)
+  end subroutine make_arrays
+
+  ! Positions: the last state of each, and what the effects did.
+  subroutine fill_positions(table, results, positions)
+    type(growing_table), intent(inout) :: table
+    type(scene_results), intent(in) :: results
+    type(position_result), intent(in) :: positions(:)
+    type(state_row) :: last(size(positions))
+    real(real64), dimension(size(positions)) :: circles, one
+    integer :: i, m
+
+    do m = 1, size(positions)
+      last(m) = last_state(positions(m))
+    end do
+    one = 1.0_real64
+    call table%put('position', [(m, m=1, size(positions))])
+    call table%put('x_displacement', positions%x_displacement, is_length)
+    call table%put('y_displacement', positions%y_displacement, is_length)
+    call table%put('steps', [(size(positions(m)%states), m=1, size(positions))])
+    call table%put('separation', last%approach, is_length)
+    call table%put('contacts', last%contacts)
+    call table%put('load', last%load, is_force)
+    call table%put('area', last%area, is_area)
+    call table%put('projected_area', last%projected_area, is_area)
+    call table%put('limit_reached', merge(1, 0, positions%limit_reached))
+    call table%put('vertical_load', last%vertical_load, is_force)
+    call table%put('compression', last%closing, is_length)
+    circles = merge(real(positions%overlapping_circles, real64), not_computed, &
+                    positions%overlapping_circles >= 0)
+    if (results%positions(1)%overlapping_circles >= 0) then
+      call table%put('overlapping_circles', positions%overlapping_circles)
+    else
+      call table%put('overlapping_circles', circles, is_count=.true.)
+    end if
+    call fill_nominal(table, results, last)
+    call fill_gap(table, results, last)
+    if (allocated(results%effects)) then
+      do i = 1, size(results%effects%names)
+        call fill_effect(table, trim(results%effects%names(i)), positions, i)
+      end do
+      do i = 1, size(results%effects%state_columns)
+        call table%put(trim(results%effects%state_columns(i)), &
+                       [(positions(m)%state_values(i), m=1, size(positions))], &
+                       powers_of(results%effects%state_powers(:, i)))
       end do
     end if
     if (allocated(results%map)) then
-      call self%put('summit_separation_error', results%map%difference)
-      call self%put('summit_area_error', results%map%area_difference)
-      call self%put('summit_load_error', merge(results%map%load_difference, not_computed, &
-                                               results%map%load_difference < huge(1.0_real64)))
-      call self%put('summit_stiffness_error', results%map%stiffness_difference)
+      call table%put('summit_separation_error', one * results%map%difference)
+      call table%put('summit_area_error', one * results%map%area_difference)
+      call table%put('summit_load_error', one * merge(results%map%load_difference, not_computed, &
+                     results%map%load_difference < huge(1.0_real64)))
+      call table%put('summit_stiffness_error', one * results%map%stiffness_difference)
     end if
-    call self%put('warnings', kinds_of_warnings(position))
-    call fill_estimates(self, results, position)
-  end subroutine fill_position
+    call table%put('warnings', [(kinds_of_warnings(positions(m)), m=1, size(positions))])
+    call fill_estimates(table, results, [(m, m=1, size(positions))])
+    call table%end_block(size(positions))
+  end subroutine fill_positions
 
-  ! Estimates of a position: the influence of each effect that is off, the error.
-  subroutine fill_estimates(self, results, position)
-    class(result_table), intent(inout) :: self
+  ! Estimates of positions: the influence of each effect that is off, the error.
+  subroutine fill_estimates(table, results, at)
+    type(growing_table), intent(inout) :: table
     type(scene_results), intent(in) :: results
-    type(position_result), intent(in) :: position
+    integer, intent(in) :: at(:)  ! numbers of the positions
     integer :: e
 
-    do e = 1, size(known_effects)
-      if (results%positions(1)%left_out(e) > not_computed) &
-        call self%put(trim(known_effects(e)%name) // '_estimate', position%left_out(e))
-    end do
-    call self%put('error_estimate', position%error_estimate)
+    associate (positions => results%positions)
+      do e = 1, size(known_effects)
+        if (positions(1)%left_out(e) > not_computed) &
+          call table%put(trim(known_effects(e)%name) // '_estimate', positions(at)%left_out(e))
+      end do
+      call table%put('error_estimate', positions(at)%error_estimate)
+    end associate
   end subroutine fill_estimates
 
-  ! Record of an effect at a position: how it was simulated (off: left out), the share of the
-  ! vertical load that was estimated and that measured, and how its solve ended.
-  subroutine fill_effect(self, name, effect)
-    class(result_table), intent(inout) :: self
+  ! Records of an effect: how it was simulated (off: left out), the share of the vertical load that
+  ! was estimated and that measured, and how its solve ended.
+  subroutine fill_effect(table, name, positions, i)
+    type(growing_table), intent(inout) :: table
     character(len=*), intent(in) :: name
-    type(effect_record), intent(in) :: effect
-    real(real64) :: ending(2)
+    type(position_result), intent(in) :: positions(:)
+    integer, intent(in) :: i
+    character(len=word_length) :: simulated(size(positions))
+    real(real64), dimension(size(positions)) :: estimate, influence, residual, iterations
+    integer :: m
 
-    ending = not_computed
-    if (effect%simulated /= 'off' .and. effect%ending%residual > not_computed) &
-      ending = [effect%ending%residual, real(effect%ending%iterations, real64)]
-    call self%put(name, effect%simulated)
-    call self%put(name // '_estimate', effect%estimate)
-    call self%put(name // '_influence', effect%influence)
-    call self%put(name // '_residual', ending(1))
-    call self%put(name // '_iterations', ending(2), cell=cell_count)
+    residual = not_computed
+    iterations = not_computed
+    do m = 1, size(positions)
+      associate (effect => positions(m)%effects(i))
+        simulated(m) = effect%simulated
+        estimate(m) = effect%estimate
+        influence(m) = effect%influence
+        if (effect%simulated == 'off' .or. .not. effect%ending%residual > not_computed) cycle
+        residual(m) = effect%ending%residual
+        iterations(m) = real(effect%ending%iterations, real64)
+      end associate
+    end do
+    call table%put(name, simulated)
+    call table%put(name // '_estimate', estimate)
+    call table%put(name // '_influence', influence)
+    call table%put(name // '_residual', residual)
+    call table%put(name // '_iterations', iterations, is_count=.true.)
   end subroutine fill_effect
 
-  ! One state: the totals on the way to the end.
-  subroutine fill_state(self, results, m, step, state)
-    class(result_table), intent(inout) :: self
+  ! States of a position: the totals on the way to the end.
+  subroutine fill_states(table, results, m, states)
+    type(growing_table), intent(inout) :: table
     type(scene_results), intent(in) :: results
-    integer, intent(in) :: m, step
-    type(state_row), intent(in) :: state
+    integer, intent(in) :: m
+    type(state_row), intent(in) :: states(:)
+    integer :: i
 
-    call self%put('position', m)
-    call self%put('step', step)
-    call self%put('separation', state%approach, is_length)
-    call self%put('compression', state%closing, is_length)
-    call self%put('contacts', state%contacts)
-    call self%put('load', state%load, is_force)
-    call self%put('area', state%area, is_area)
-    call self%put('projected_area', state%projected_area, is_area)
-    call self%put('vertical_load', state%vertical_load, is_force)
-    call self%put('time', state%time)
+    call table%put('position', spread(m, 1, size(states)))
+    call table%put('step', [(i, i=1, size(states))])
+    call table%put('separation', states%approach, is_length)
+    call table%put('compression', states%closing, is_length)
+    call table%put('contacts', states%contacts)
+    call table%put('load', states%load, is_force)
+    call table%put('area', states%area, is_area)
+    call table%put('projected_area', states%projected_area, is_area)
+    call table%put('vertical_load', states%vertical_load, is_force)
+    call table%put('time', states%time)
     if (allocated(results%effects)) then
       if (any(results%effects%names == 'plasticity')) &
-        call self%put('dissipated_work', state%dissipated_work, is_moment)
+        call table%put('dissipated_work', states%dissipated_work, is_moment)
       if (any(results%effects%state_columns == 'plastic_area')) &
-        call self%put('plastic_area', state%plastic_area, is_area)
+        call table%put('plastic_area', states%plastic_area, is_area)
     end if
-    call fill_nominal(self, results, state)
-    call fill_gap(self, results, state)
-    call fill_estimates(self, results, results%positions(m))
-  end subroutine fill_state
+    call fill_nominal(table, results, states)
+    call fill_gap(table, results, states)
+    call fill_estimates(table, results, spread(m, 1, size(states)))
+    call table%end_block(size(states))
+  end subroutine fill_states
 
-  ! A state over the nominal area, where one is given.
-  subroutine fill_nominal(self, results, state)
-    class(result_table), intent(inout) :: self
+  ! States over the nominal area, where one is given.
+  subroutine fill_nominal(table, results, states)
+    type(growing_table), intent(inout) :: table
     type(scene_results), intent(in) :: results
-    type(state_row), intent(in) :: state
-    integer :: i
+    type(state_row), intent(in) :: states(:)
 
-    associate (values => nominal_values(results, state))
-      do i = 1, size(values)
-        call self%put(nominal_names(i), values(i), nominal_dimensions(i))
-      end do
-    end associate
+    if (.not. results%nominal_area > 0.0_real64) return
+    call table%put('nominal_pressure', states%vertical_load / results%nominal_area, is_pressure)
+    call table%put('area_fraction', states%projected_area / results%nominal_area)
   end subroutine fill_nominal
 
-  ! Gap, rims and energy of a state of a height map.
-  subroutine fill_gap(self, results, state)
-    class(result_table), intent(inout) :: self
+  ! Gap, rims and energy of states of a height map.
+  subroutine fill_gap(table, results, states)
+    type(growing_table), intent(inout) :: table
     type(scene_results), intent(in) :: results
-    type(state_row), intent(in) :: state
+    type(state_row), intent(in) :: states(:)
 
     if (.not. has_height_map(results)) return
-    call self%put('mean_gap', state%mean_gap, is_length)
-    call self%put('rms_gap', state%rms_gap, is_length)
-    call self%put('contact_perimeter', state%contact_perimeter, is_length)
-    call self%put('elastic_energy', state%elastic_energy, is_moment)
+    call table%put('mean_gap', states%mean_gap, is_length)
+    call table%put('rms_gap', states%rms_gap, is_length)
+    call table%put('contact_perimeter', states%contact_perimeter, is_length)
+    call table%put('elastic_energy', states%elastic_energy, is_moment)
   end subroutine fill_gap
 
-  ! One contact in one state.
-  subroutine fill_contact(self, results, m, step, row)
-    class(result_table), intent(inout) :: self
+  ! The contacts of one state.
+  subroutine fill_contacts(table, results, m, step, rows)
+    type(growing_table), intent(inout) :: table
     type(scene_results), intent(in) :: results
     integer, intent(in) :: m, step
-    type(contact_row), intent(in) :: row
-    real(real64) :: value
+    type(contact_row), intent(in) :: rows(:)
+    real(real64), dimension(size(rows)) :: one, values
     integer :: i
 
-    associate (position => results%positions(m))
-      call self%put('position', m)
-      call self%put('x_displacement', position%x_displacement, is_length)
-      call self%put('y_displacement', position%y_displacement, is_length)
-      call self%put('step', step)
-      call self%put('separation', position%states(step)%approach, is_length)
-      call self%put('area_no', row%area_no)
-      call self%put('x', row%x, is_length)
-      call self%put('y', row%y, is_length)
-      call self%put('upper', row%upper)
-      call self%put('lower', row%lower)
-      call self%put('area', row%area, is_area)
-      call self%put('projected_area', row%projected_area, is_area)
-      call self%put('slope', row%slope)
-      call self%put('load', row%load, is_force)
-      call self%put('average_pressure', row%average_pressure, is_pressure)
-      call self%put('maximum_pressure', row%maximum_pressure, is_pressure)
-      call self%put('limit_exceeded', merge(1, 0, row%limit_exceeded))
-      call self%put('vertical_load', row%vertical_load, is_force)
-      call self%put('compression', position%states(step)%closing, is_length)
-      call self%put('penetration', row%penetration, is_length)
-      call self%put('overlap', row%overlap, is_length)
+    one = 1.0_real64
+    associate (position => results%positions(m), state => results%positions(m)%states(step))
+      call table%put('position', spread(m, 1, size(rows)))
+      call table%put('x_displacement', one * position%x_displacement, is_length)
+      call table%put('y_displacement', one * position%y_displacement, is_length)
+      call table%put('step', spread(step, 1, size(rows)))
+      call table%put('separation', one * state%approach, is_length)
+      call table%put('area_no', rows%area_no)
+      call table%put('x', rows%x, is_length)
+      call table%put('y', rows%y, is_length)
+      call table%put('upper', rows%upper)
+      call table%put('lower', rows%lower)
+      call table%put('area', rows%area, is_area)
+      call table%put('projected_area', rows%projected_area, is_area)
+      call table%put('slope', rows%slope)
+      call table%put('load', rows%load, is_force)
+      call table%put('average_pressure', rows%average_pressure, is_pressure)
+      call table%put('maximum_pressure', rows%maximum_pressure, is_pressure)
+      call table%put('limit_exceeded', merge(1, 0, rows%limit_exceeded))
+      call table%put('vertical_load', rows%vertical_load, is_force)
+      call table%put('compression', one * state%closing, is_length)
+      call table%put('penetration', rows%penetration, is_length)
+      call table%put('overlap', rows%overlap, is_length)
       if (allocated(results%effects)) then
-        value = not_computed
         do i = 1, size(results%effects%contact_columns)
-          if (self%contact > 0) value = position%contact_values(self%contact, i)
-          call self%put(results%effects%contact_columns(i), value, &
-                        powers_of(results%effects%contact_powers(:, i)))
+          if (size(rows) > 0) values = position%contact_values(state%first_row:state%last_row, i)
+          call table%put(trim(results%effects%contact_columns(i)), values, &
+                         powers_of(results%effects%contact_powers(:, i)))
         end do
       end if
-      call self%put('contact_radius', contact_radius(row), is_length)
+      do i = 1, size(rows)
+        values(i) = contact_radius(rows(i))
+      end do
+      call table%put('contact_radius', values, is_length)
     end associate
-  end subroutine fill_contact
+    call table%end_block(size(rows))
+  end subroutine fill_contacts
 
-  subroutine put_number(self, name, value, dimension, cell)
-    class(result_table), intent(inout) :: self
+  ! Numbers of a block, NaN where one was not computed. In the first block they add a column.
+  subroutine put_reals(self, name, values, dimension, is_count)
+    class(growing_table), intent(inout) :: self
     character(len=*), intent(in) :: name
-    real(real64), intent(in) :: value
-    type(unit_powers), intent(in), optional :: dimension
-    integer, intent(in), optional :: cell
+    real(real64), intent(in) :: values(:)
+    type(unit_powers), intent(in), optional :: dimension  ! absent: a plain number
+    logical, intent(in), optional :: is_count             ! present: they are whole numbers
 
     self%at = self%at + 1
-    if (self%position == 0) then
-      self%names(self%at) = name
-      self%kinds(self%at) = cell_real
-      self%dimensions(self%at) = is_number
-      if (present(dimension)) self%dimensions(self%at) = dimension
-      if (present(cell)) self%kinds(self%at) = cell
+    if (.not. self%is_named) then
+      call add_column(self, name)
+      if (present(dimension)) self%columns(self%at)%dimension = dimension
+      self%columns(self%at)%is_count = present(is_count)
+      allocate (self%columns(self%at)%reals(self%rows))
     end if
-    self%numbers(self%at) = value
-  end subroutine put_number
+    associate (cells => self%columns(self%at)%reals(self%before + 1:self%before + size(values)))
+      cells = values
+      where (.not. cells > not_computed) cells = ieee_value(1.0_real64, ieee_quiet_nan)
+    end associate
+  end subroutine put_reals
 
-  subroutine put_whole(self, name, value)
-    class(result_table), intent(inout) :: self
+  subroutine put_wholes(self, name, values)
+    class(growing_table), intent(inout) :: self
     character(len=*), intent(in) :: name
-    integer, intent(in) :: value
+    integer, intent(in) :: values(:)
 
-    call self%put_number(name, real(value, real64), cell=cell_whole)
-  end subroutine put_whole
+    self%at = self%at + 1
+    if (.not. self%is_named) then
+      call add_column(self, name)
+      allocate (self%columns(self%at)%wholes(self%rows))
+    end if
+    self%columns(self%at)%wholes(self%before + 1:self%before + size(values)) = int(values, int32)
+  end subroutine put_wholes
 
-  subroutine put_word(self, name, value)
-    class(result_table), intent(inout) :: self
-    character(len=*), intent(in) :: name, value
+  subroutine put_words(self, name, values)
+    class(growing_table), intent(inout) :: self
+    character(len=*), intent(in) :: name
+    character(len=word_length), intent(in) :: values(:)
+    integer :: i
 
-    call self%put_number(name, not_computed, cell=cell_word)
-    self%words(self%at) = value
-  end subroutine put_word
+    self%at = self%at + 1
+    if (.not. self%is_named) then
+      call add_column(self, name)
+      allocate (self%columns(self%at)%letters(word_length, self%rows))
+    end if
+    do i = 1, size(values)
+      self%columns(self%at)%letters(:, self%before + i) = transfer(values(i), 'a', word_length)
+    end do
+  end subroutine put_words
+
+  subroutine end_block(self, rows)
+    class(growing_table), intent(inout) :: self
+    integer, intent(in) :: rows  ! rows of the block
+
+    self%is_named = .true.
+    self%before = self%before + rows
+    self%at = 0
+  end subroutine end_block
+
+  !> The place of a column in its table; 0: there is none.
+  pure integer function place_of(table, name)
+    type(array_table), intent(in) :: table  !! table with columns
+    character(len=*), intent(in) :: name    !! of a column
+
+    do place_of = size(table%columns), 1, -1
+      if (table%columns(place_of)%name == name) return
+    end do
+  end function place_of
+
+  !> The numbers of a column; NaN where a cell is empty.
+  pure function numbers_of(table, name) result(numbers)
+    type(array_table), intent(in) :: table       !! table that has the column
+    character(len=*), intent(in) :: name         !! of a column of numbers
+    real(real64), allocatable :: numbers(:)
+
+    associate (column => table%columns(place_of(table, name)))
+      if (allocated(column%reals)) then
+        numbers = column%reals
+      else
+        numbers = column%wholes
+      end if
+    end associate
+  end function numbers_of
+
+  !> Names the units of all columns of a table of a run.
+  subroutine name_units(scene_in, arrays)
+    type(scene), intent(in) :: scene_in            !! what was solved
+    type(array_table), intent(inout) :: arrays     !! table by `make_arrays`
+    integer :: i
+
+    do i = 1, size(arrays%columns)
+      arrays%columns(i)%unit = unit_of(scene_in, arrays%columns(i)%dimension)
+    end do
+  end subroutine name_units
+
+  !> Adds a column of doubles to a table.
+  subroutine add_reals(table, name, values, unit)
+    type(array_table), intent(inout) :: table  !! without columns, or with some as long
+    character(len=*), intent(in) :: name       !! of the column
+    real(real64), intent(in) :: values(:)      !! cells of the column
+    character(len=*), intent(in), optional :: unit  !! its unit; absent: not known
+
+    call add_column(table, name)
+    table%rows = size(values)
+    associate (new => table%columns(size(table%columns)))
+      new%reals = values
+      if (present(unit)) new%unit = trim(unit)
+    end associate
+  end subroutine add_reals
+
+  !> Adds the columns of a surface: summits of a map, or asperities.
+  subroutine add_surface(x, y, height, radius, table, unit)
+    real(real64), intent(in) :: x(:), y(:)             !! positions in plan
+    real(real64), intent(in) :: height(:), radius(:)   !! heights and radii, as many
+    type(array_table), intent(inout) :: table          !! table without columns
+    character(len=*), intent(in) :: unit               !! unit of length; empty: unknown
+
+    call add_reals(table, 'x', x, unit)
+    call add_reals(table, 'y', y, unit)
+    call add_reals(table, 'height', height, unit)
+    call add_reals(table, 'radius', radius, unit)
+  end subroutine add_surface
+
+  !> Adds a column of whole numbers to a table.
+  subroutine add_wholes(table, name, values)
+    type(array_table), intent(inout) :: table  !! without columns, or with some as long
+    character(len=*), intent(in) :: name       !! of the column
+    integer(int32), intent(in) :: values(:)    !! cells of the column
+
+    call add_column(table, name)
+    table%rows = size(values)
+    table%columns(size(table%columns))%wholes = values
+  end subroutine add_wholes
+
+  ! Adds a column without cells.
+  subroutine add_column(table, name)
+    class(array_table), intent(inout) :: table
+    character(len=*), intent(in) :: name
+    type(array_column), allocatable :: more(:)
+    integer :: i
+
+    if (.not. allocated(table%columns)) allocate (table%columns(0))
+    allocate (more(size(table%columns) + 1))
+    do i = 1, size(table%columns)
+      more(i)%dimension = table%columns(i)%dimension
+      more(i)%is_count = table%columns(i)%is_count
+      call move_alloc(table%columns(i)%name, more(i)%name)
+      call move_alloc(table%columns(i)%unit, more(i)%unit)
+      call move_alloc(table%columns(i)%reals, more(i)%reals)
+      call move_alloc(table%columns(i)%wholes, more(i)%wholes)
+      call move_alloc(table%columns(i)%letters, more(i)%letters)
+    end do
+    more(i)%name = name
+    call move_alloc(more, table%columns)
+  end subroutine add_column
 
 end module asperity_result_table

@@ -11,8 +11,7 @@ module asperity_results_html
   use asperity_kinds, only: real64
   use asperity_number_format, only: number_text
   use asperity_problems, only: decimal_text, problem_list
-  use asperity_result_arrays, only: array_table, make_arrays, place_of
-  use asperity_result_table, only: of_positions, of_states
+  use asperity_result_table, only: array_table, numbers_of, of_positions, of_states, place_of
   use asperity_scene_inputs, only: input_file
   use asperity_scene_results, only: scene_results
   use asperity_scene_values, only: scene
@@ -35,14 +34,14 @@ module asperity_results_html
 
 contains
 
-  !> The whole page. `failure` is allocated when there is no memory for a table.
-  subroutine write_html(scene_in, inputs, results, warnings, buffer, failure)
+  !> The whole page.
+  subroutine write_html(scene_in, inputs, results, tables, warnings, buffer)
     type(scene), intent(in) :: scene_in          !! what was solved
     type(input_file), intent(in) :: inputs(3)    !! the files that it is made of
     type(scene_results), intent(in) :: results   !! with their contacts
+    type(array_table), intent(in) :: tables(3)   !! positions, states, contacts of them
     type(problem_list), intent(in) :: warnings   !! a line a kind
     type(text_buffer), intent(inout) :: buffer   !! gets the page
-    character(len=:), allocatable, intent(out) :: failure  !! reason of a failure
     type(text_buffer) :: text, map_text
 
     call begin_page(scene_in%file, buffer)
@@ -53,8 +52,7 @@ contains
     if (size(results%positions) > 1) call begin_section('positions', 'Positions', buffer)
     if (size(results%positions) == 1) &
       call begin_section('curves', 'Load and contact area', buffer)
-    call put_curves(scene_in, results, buffer, failure)
-    if (allocated(failure)) return
+    call put_curves(scene_in, results, tables, buffer)
     if (allocated(results%positions(1)%fields)) then
       call begin_section('fields', 'Pressure and gap', buffer)
       call put_fields(scene_in, results%positions(1)%fields, buffer)
@@ -108,7 +106,7 @@ contains
     integer :: i, k
 
     call list_totals(scene_in, results, lines)
-    if (lines(1)%known == 1) then
+    if (size(results%positions) == 1) then
       call begin_table('totals at the end', [character(len=8) :: 'total', 'value'], buffer)
     else
       call begin_table('totals at the ends of all positions', &
@@ -157,51 +155,49 @@ contains
   end subroutine put_effects
 
   ! Curves and table of the states of the only position, or of the last states of all positions.
-  subroutine put_curves(scene_in, results, buffer, failure)
+  subroutine put_curves(scene_in, results, tables, buffer)
     type(scene), intent(in) :: scene_in
     type(scene_results), intent(in) :: results
+    type(array_table), intent(in) :: tables(3)
     type(text_buffer), intent(inout) :: buffer
-    character(len=:), allocatable, intent(out) :: failure
     character(len=16) :: effects(size(known_effects)), across
-    type(array_table) :: table
     logical :: varies(2)
 
     if (size(results%positions) > 1) then
       effects = ''
       if (allocated(results%effects)) &
         effects(:size(results%effects%names)) = results%effects%names
-      call make_arrays(of_positions, results, table, failure)
-      if (allocated(failure)) return
       associate (x => results%positions%x_displacement, y => results%positions%y_displacement)
         varies = [abs(x(2) - x(1)) > 0.0_real64, abs(y(2) - y(1)) > 0.0_real64]
       end associate
       across = 'position'
       if (varies(1) .neqv. varies(2)) across = merge('x_displacement', 'y_displacement', varies(1))
-      call put_plots(scene_in, table, [across, across, across], &
+      call put_plots(scene_in, tables(of_positions), [across, across, across], &
                      [character(len=16) :: 'load', 'area', 'separation'], buffer)
-      call put_result_table(table, 'positions, each at its last state', '--positions', &
+      call put_result_table(tables(of_positions), 'positions, each at its last state', &
+                            '--positions', &
                             [character(len=16) :: 'position', 'x_displacement', 'y_displacement', &
                              'separation', 'contacts', 'load', 'vertical_load', 'area', &
                              'limit_reached', 'warnings', effects], buffer)
       return
     end if
-    call make_arrays(of_states, results, table, failure)
-    if (allocated(failure)) return
-    if (table%rows == 1) then
-      call buffer%line('<p>One state: <code>points = 20</code> in <code>&amp;loading</code> ' // &
-                       'gives the load curve.</p>')
-    else if (uses_samples(results)) then
-      call put_plots(scene_in, table, [character(len=16) :: 'compression', 'nominal_pressure', &
-                                       'nominal_pressure', 'nominal_pressure'], &
-                     [character(len=16) :: 'load', 'area_fraction', 'mean_gap', 'separation'], &
-                     buffer)
-    else
-      call put_plots(scene_in, table, [character(len=16) :: 'compression', 'load'], &
-                     [character(len=16) :: 'load', 'area'], buffer)
-    end if
-    call put_result_table(table, 'states', '--curve', [character(len=16) :: 'step', &
-                          'separation', 'compression', 'contacts', 'load', 'vertical_load', &
-                          'area', merge('mean_gap', '        ', uses_samples(results))], buffer)
+    associate (table => tables(of_states))
+      if (table%rows == 1) then
+        call buffer%line('<p>One state: <code>points = 20</code> in <code>&amp;loading</code> ' // &
+                         'gives the load curve.</p>')
+      else if (uses_samples(results)) then
+        call put_plots(scene_in, table, [character(len=16) :: 'compression', 'nominal_pressure', &
+                                         'nominal_pressure', 'nominal_pressure'], &
+                       [character(len=16) :: 'load', 'area_fraction', 'mean_gap', 'separation'], &
+                       buffer)
+      else
+        call put_plots(scene_in, table, [character(len=16) :: 'compression', 'load'], &
+                       [character(len=16) :: 'load', 'area'], buffer)
+      end if
+      call put_result_table(table, 'states', '--curve', [character(len=16) :: 'step', &
+                            'separation', 'compression', 'contacts', 'load', 'vertical_load', &
+                            'area', merge('mean_gap', '        ', uses_samples(results))], buffer)
+    end associate
   end subroutine put_curves
 
   ! Columns over others; each point shows both values. Arrows show the direction where the
@@ -249,21 +245,6 @@ contains
     if (name == 'area') axis%name = 'contact area'
     if (index(name, '_') > 0) axis%name(index(name, '_'):index(name, '_')) = ' '
   end function axis_of
-
-  ! The numbers of a column.
-  pure function numbers_of(table, name) result(numbers)
-    type(array_table), intent(in) :: table
-    character(len=*), intent(in) :: name
-    real(real64), allocatable :: numbers(:)
-
-    associate (column => table%columns(place_of(table, name)))
-      if (allocated(column%reals)) then
-        numbers = column%reals
-      else
-        numbers = column%wholes
-      end if
-    end associate
-  end function numbers_of
 
   ! Some columns of a table of the results, those that it has; an option writes all rows.
   subroutine put_result_table(table, caption, option, wanted, buffer)

@@ -5,8 +5,7 @@ module asperity_results_json
   use asperity_kinds, only: int32, real64
   use asperity_printable, only: printable_text
   use asperity_problems, only: decimal_text, problem_list, real_text
-  use asperity_result_arrays, only: array_table, make_arrays
-  use asperity_result_table, only: of_contacts, table_names
+  use asperity_result_table, only: array_table, of_contacts, table_names
   use asperity_scene_inputs, only: input_file
   use asperity_scene_results, only: scene_results
   use asperity_scene_values, only: effect_words, scene
@@ -20,15 +19,14 @@ module asperity_results_json
 
 contains
 
-  !> The whole file. `failure` is allocated when there is no memory for a table.
-  subroutine write_json(scene_in, inputs, results, warnings, buffer, failure)
+  !> The whole file.
+  subroutine write_json(scene_in, inputs, results, tables, warnings, buffer)
     type(scene), intent(in) :: scene_in                    !! what was solved
     type(input_file), intent(in) :: inputs(3)              !! the files that it is made of
-    type(scene_results), intent(in) :: results             !! with their contacts
+    type(scene_results), intent(in) :: results             !! results of the run
+    type(array_table), intent(in) :: tables(3)             !! positions, states, contacts of them
     type(problem_list), intent(in) :: warnings             !! a line a kind
     type(text_buffer), intent(inout) :: buffer             !! gets the text
-    character(len=:), allocatable, intent(out) :: failure  !! reason of a failure
-    type(array_table) :: table
     integer :: i
 
     call buffer%line('{')
@@ -51,9 +49,7 @@ contains
     call put_lines('notes', scene_in%notes%text(), buffer)
     call put_lines('warnings', warnings%text(), buffer)
     do i = 1, of_contacts
-      call make_arrays(i, results, table, failure)
-      if (allocated(failure)) return
-      call put_table(trim(table_names(i)), table, buffer)
+      call put_table(trim(table_names(i)), tables(i), buffer)
       call buffer%line(trim(merge(', ', '  ', i < of_contacts)))
     end do
     call buffer%line('}')

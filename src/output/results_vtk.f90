@@ -3,9 +3,7 @@ module asperity_results_vtk
   use, intrinsic :: ieee_arithmetic, only: ieee_is_nan
   use asperity_kinds, only: real64
   use asperity_problems, only: decimal_text, real_text
-  use asperity_result_arrays, only: array_column, array_table, make_arrays, place_of
-  use asperity_result_table, only: of_contacts
-  use asperity_scene_results, only: scene_results
+  use asperity_result_table, only: array_column, array_table, place_of
   use asperity_text_buffer, only: text_buffer
   implicit none
   private
@@ -14,17 +12,13 @@ module asperity_results_vtk
 
 contains
 
-  !> A point a contact, of every state of every position, in the reference plane: z is 0. `failure`
-  !> is allocated when there is no memory for the table. An empty cell is `nan`.
-  subroutine write_vtk(results, buffer, failure)
-    type(scene_results), intent(in) :: results             !! with their contacts
-    type(text_buffer), intent(inout) :: buffer             !! gets the text
-    character(len=:), allocatable, intent(out) :: failure  !! reason of a failure
-    type(array_table) :: table
+  !> A point a contact, of every state of every position, in the reference plane: z is 0. An empty
+  !> cell is `nan`.
+  subroutine write_vtk(table, buffer)
+    type(array_table), intent(in) :: table      !! contacts of a run
+    type(text_buffer), intent(inout) :: buffer  !! gets the text
     integer :: i, x, y
 
-    call make_arrays(of_contacts, results, table, failure)
-    if (allocated(failure)) return
     x = place_of(table, 'x')
     y = place_of(table, 'y')
     call buffer%line('<?xml version="1.0"?>')

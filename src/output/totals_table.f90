@@ -1,15 +1,17 @@
 !> Totals of a run, one line a quantity: its value at a single position; largest, smallest and mean
 !> value over several.
 module asperity_totals_table
+  use, intrinsic :: ieee_arithmetic, only: ieee_is_nan, ieee_quiet_nan, ieee_value
   use asperity_contact_field, only: parts_in_words
   use asperity_contact_records, only: position_result, state_row
   use asperity_kinds, only: not_computed, real64
   use asperity_number_format, only: number_text
-  use asperity_scene_results, only: last_state, nominal_values, scene_results
+  use asperity_result_table, only: add_reals, array_table, make_arrays, numbers_of, of_positions, &
+                                   place_of
+  use asperity_scene_results, only: last_state, scene_results
   use asperity_scene_values, only: scene
   use asperity_text_buffer, only: text_buffer
-  use asperity_unit_names, only: is_area, is_force, is_length, is_moment, is_number, is_pressure, &
-                                 is_stiffness, unit_of, unit_powers, with_unit
+  use asperity_unit_names, only: is_length, is_pressure, unit_of, with_unit
   implicit none
   private
 
@@ -26,41 +28,55 @@ module asperity_totals_table
     real(real64) :: numbers(3) = 0.0_real64   !! the value; of several: largest, smallest, mean
   end type total_line
 
-  ! Columns of the effects in the summary: name of the column, name in words, dimension, reference.
-  ! A column that is not here is in the files alone.
-  type :: effect_total
+  ! A column of the positions in the summary: its name in words and its reference. A column that is
+  ! not here is in the files alone.
+  type :: column_words
     character(len=24) :: column
-    character(len=24) :: name
-    type(unit_powers) :: dimension
+    character(len=24) :: words
     character(len=40) :: remark
-  end type effect_total
+  end type column_words
 
-  type(effect_total), parameter :: effect_totals(*) = [ &
-    effect_total('hertz_load', 'Hertzian load', is_force, 'elastic, at the same penetrations'), &
-    effect_total('contacts_flowing', 'yielding contacts', is_number, ''), &
-    effect_total('dissipated_work', 'dissipated work', is_moment, 'since first contact'), &
-    effect_total('plastic_area', 'area at the hardness', is_area, 'of whole pixels'), &
-    effect_total('residual_flattening', 'residual flattening', is_length, 'largest of a contact'), &
-    effect_total('adhering_contacts', 'adhering contacts', is_number, ''), &
-    effect_total('pulling_contacts', 'contacts in tension', is_number, ''), &
-    effect_total('pull_off_sum', 'pull-off forces', is_force, 'sum over the contacts'), &
-    effect_total('alone_load', 'non-interacting load', is_force, 'the same contacts, isolated'), &
-    effect_total('cells', 'grid elements', is_number, ''), &
-    effect_total('resolved', 'contacts on grids', is_number, ''), &
-    effect_total('elastic_load', 'elastic load', is_force, 'without relaxation'), &
-    effect_total('frictionless_load', 'frictionless load', is_force, ''), &
-    effect_total('sliding_contacts', 'sliding contacts', is_number, ''), &
-    effect_total('rig_force_x', 'fixture force x', is_force, 'on the upper body'), &
-    effect_total('rig_force_y', 'fixture force y', is_force, 'on the upper body'), &
-    effect_total('rig_moment_x', 'fixture moment x', is_moment, 'on the upper body'), &
-    effect_total('rig_moment_y', 'fixture moment y', is_moment, 'on the upper body'), &
-    effect_total('rig_moment_z', 'fixture moment z', is_moment, 'on the upper body'), &
-    effect_total('tangential_load', 'tangential load', is_force, ''), &
-    effect_total('tangential_displacement', 'tangential displacement', is_length, ''), &
-    effect_total('tangential_stiffness', 'tangential stiffness', is_stiffness, ''), &
-    effect_total('stick_area', 'area that sticks', is_area, ''), &
-    effect_total('slides', 'complete sliding', is_number, '1: the traction is mu p everywhere'), &
-    effect_total('samples_in_contact', 'pixels in contact', is_number, '')]
+  ! Totals of every run, in the order of the summary; then those of effects, which have a line where
+  ! they are not 0 everywhere, in the order of their columns.
+  type(column_words), parameter :: own_totals(*) = [ &
+    column_words('load', 'total load', ''), &
+    column_words('vertical_load', 'vertical load', ''), &
+    column_words('area', 'contact area', ''), &
+    column_words('projected_area', 'projected area', ''), &
+    column_words('mean_pressure', 'mean pressure', ''), &
+    column_words('greatest_pressure', 'greatest pressure', ''), &
+    column_words('mean_gap', 'mean gap', 'over the measured pixels'), &
+    column_words('separation', 'separation', 'of the reference planes'), &
+    column_words('compression', 'compression', 'since first contact'), &
+    column_words('contacts', 'contacts', ''), &
+    column_words('nominal_pressure', 'nominal pressure', ''), &
+    column_words('area_fraction', 'area fraction', '')], &
+    effect_totals(*) = [ &
+    column_words('hertz_load', 'Hertzian load', 'elastic, at the same penetrations'), &
+    column_words('contacts_flowing', 'yielding contacts', ''), &
+    column_words('dissipated_work', 'dissipated work', 'since first contact'), &
+    column_words('plastic_area', 'area at the hardness', 'of whole pixels'), &
+    column_words('residual_flattening', 'residual flattening', 'largest of a contact'), &
+    column_words('adhering_contacts', 'adhering contacts', ''), &
+    column_words('pulling_contacts', 'contacts in tension', ''), &
+    column_words('pull_off_sum', 'pull-off forces', 'sum over the contacts'), &
+    column_words('alone_load', 'non-interacting load', 'the same contacts, isolated'), &
+    column_words('cells', 'grid elements', ''), &
+    column_words('resolved', 'contacts on grids', ''), &
+    column_words('elastic_load', 'elastic load', 'without relaxation'), &
+    column_words('frictionless_load', 'frictionless load', ''), &
+    column_words('sliding_contacts', 'sliding contacts', ''), &
+    column_words('rig_force_x', 'fixture force x', 'on the upper body'), &
+    column_words('rig_force_y', 'fixture force y', 'on the upper body'), &
+    column_words('rig_moment_x', 'fixture moment x', 'on the upper body'), &
+    column_words('rig_moment_y', 'fixture moment y', 'on the upper body'), &
+    column_words('rig_moment_z', 'fixture moment z', 'on the upper body'), &
+    column_words('tangential_load', 'tangential load', ''), &
+    column_words('tangential_displacement', 'tangential displacement', ''), &
+    column_words('tangential_stiffness', 'tangential stiffness', ''), &
+    column_words('stick_area', 'area that sticks', ''), &
+    column_words('slides', 'complete sliding', '1: the traction is mu p everywhere'), &
+    column_words('samples_in_contact', 'pixels in contact', '')]
 
 contains
 
@@ -76,6 +92,7 @@ contains
     integer :: i, k, widest
 
     call list_totals(scene_in, results, lines)
+    if (size(lines) == 0) return
     widest = maxval(len_trim(lines%name))
     if (size(results%positions) > 1) then
       line = ''
@@ -93,58 +110,80 @@ contains
     end do
   end subroutine write_totals
 
-  !> The same as values. A quantity that was computed at no position has no line.
+  !> The same as values. A quantity that was computed at no position has no line, and none has one
+  !> without memory for the table of positions.
   subroutine list_totals(scene_in, results, lines)
     type(scene), intent(in) :: scene_in                       !! the scene, for its units
     type(scene_results), intent(in) :: results                !! results of a run
     type(total_line), allocatable, intent(out) :: lines(:)    !! in the order of the summary
-    character(len=*), parameter :: names(12) = [character(len=18) :: &
-      'total load', 'vertical load', 'contact area', 'projected area', 'mean pressure', &
-      'greatest pressure', 'mean gap', 'separation', 'compression', 'contacts', &
-      'nominal pressure', 'area fraction']
-    character(len=*), parameter :: remarks(12) = [character(len=28) :: '', '', '', '', '', '', &
-      'over the measured pixels', 'of the reference planes', 'since first contact', '', '', '']
-    type(unit_powers), parameter :: dimensions(12) = [is_force, is_force, is_area, is_area, &
-      is_pressure, is_pressure, is_length, is_length, is_length, is_number, is_pressure, is_number]
-    real(real64), allocatable :: values(:, :)
-    type(state_row) :: last
-    integer :: i, m, number
+    type(array_table) :: table
+    character(len=:), allocatable :: failure
+    integer :: i
 
-    number = size(results%positions)
-    allocate (values(number, size(names) - merge(0, 2, results%nominal_area > 0.0_real64)))
-    do m = 1, number
-      last = last_state(results%positions(m))
-      values(m, :) = [last%load, last%vertical_load, last%area, last%projected_area, &
-                      not_computed, last%greatest_pressure, last%mean_gap, last%approach, &
-                      last%closing, real(last%contacts, real64), nominal_values(results, last)]
-      if (last%area > 0.0_real64) values(m, 5) = last%load / last%area
-    end do
     allocate (lines(0))
-    do i = 1, size(values, 2)
-      ! Without inclined contacts both loads, and both areas, are equal.
-      if (i == 2 .or. i == 4) then
-        if (all(abs(values(:, i) - values(:, i - 1)) <= &
-                1.0e-12_real64 * abs(values(:, i - 1)))) cycle
-      end if
-      call add_line(with_unit(trim(names(i)), unit_of(scene_in, dimensions(i))), values(:, i), &
-                    remark_of(i), lines)
+    call make_arrays(of_positions, results, table, failure)
+    if (allocated(failure)) return
+    call add_pressures(results, table)
+    do i = 1, size(own_totals)
+      call list_column(place_of(table, own_totals(i)%column), own_totals(i), .true.)
     end do
     call list_held(scene_in, results, lines)
-    call list_effect_totals(scene_in, results, lines)
+    do i = 1, size(table%columns)
+      associate (row => findloc(effect_totals%column == table%columns(i)%name, .true., 1))
+        if (row > 0) call list_column(i, effect_totals(row), .false.)
+      end associate
+    end do
 
   contains
 
-    ! The gap of asperities is that on the grid of their fields.
-    pure function remark_of(i) result(text)
-      integer, intent(in) :: i
-      character(len=len(remarks)) :: text
+    ! Adds the line of a column, where it has one.
+    subroutine list_column(i, total, is_own)
+      integer, intent(in) :: i  ! place of the column; 0: there is none
+      type(column_words), intent(in) :: total
+      logical, intent(in) :: is_own
+      character(len=len(total%remark)) :: remark
+      real(real64), allocatable :: known(:), other(:)
 
-      text = remarks(i)
-      if (i /= 7 .or. .not. allocated(results%positions(1)%fields)) return
-      if (parts_in_words(results%positions(1)%fields(1)) /= '') text = 'over the grid of the fields'
-    end function remark_of
+      if (i == 0) return
+      known = numbers_of(table, table%columns(i)%name)
+      known = pack(known, .not. ieee_is_nan(known))
+      if (.not. (is_own .or. any(abs(known) > 0.0_real64))) return
+      ! Without inclined contacts both loads, and both areas, are equal.
+      if (total%column == 'vertical_load' .or. total%column == 'projected_area') then
+        other = numbers_of(table, trim(merge('load', 'area', total%column == 'vertical_load')))
+        if (all(abs(known - other) <= 1.0e-12_real64 * abs(other))) return
+      end if
+      remark = total%remark
+      ! The gap of asperities is that on the grid of their fields.
+      if (total%column == 'mean_gap' .and. allocated(results%positions(1)%fields)) then
+        if (parts_in_words(results%positions(1)%fields(1)) /= '') &
+          remark = 'over the grid of the fields'
+      end if
+      call add_line(with_unit(trim(total%words), unit_of(scene_in, table%columns(i)%dimension)), &
+                    known, table%rows, remark, lines)
+    end subroutine list_column
 
   end subroutine list_totals
+
+  ! Adds pressures that no file has: the load over the area, and the greatest one.
+  subroutine add_pressures(results, table)
+    type(scene_results), intent(in) :: results
+    type(array_table), intent(inout) :: table
+    real(real64), dimension(table%rows) :: greatest, mean
+    type(state_row) :: last
+    integer :: m
+
+    mean = ieee_value(mean, ieee_quiet_nan)
+    greatest = mean
+    do m = 1, table%rows
+      last = last_state(results%positions(m))
+      if (last%area > 0.0_real64) mean(m) = last%load / last%area
+      if (last%greatest_pressure > not_computed) greatest(m) = last%greatest_pressure
+    end do
+    call add_reals(table, 'mean_pressure', mean)
+    call add_reals(table, 'greatest_pressure', greatest)
+    table%columns(size(table%columns) - 1:)%dimension = is_pressure
+  end subroutine add_pressures
 
   ! Change of the load, or of the separation, during a hold.
   subroutine list_held(scene_in, results, lines)
@@ -164,10 +203,11 @@ contains
       sunk(m) = begin%approach - last%approach
     end do
     if (any(abs(lost) > load_is_met)) &
-      call add_line('load relaxation', lost, 'load lost during the hold, relative', lines)
+      call add_line('load relaxation', pack(lost, lost > not_computed), size(lost), &
+                    'load lost during the hold, relative', lines)
     if (any(abs(sunk) > 0.0_real64)) &
       call add_line(with_unit('creep displacement', unit_of(scene_in, is_length)), sunk, &
-                    'compression during the hold', lines)
+                    size(sunk), 'compression during the hold', lines)
   end subroutine list_held
 
   ! The state in which the last hold begins.
@@ -182,42 +222,18 @@ contains
     begin_of_hold = position%states(i)
   end function begin_of_hold
 
-  ! Totals of the effects that are not 0 everywhere.
-  subroutine list_effect_totals(scene_in, results, lines)
-    type(scene), intent(in) :: scene_in
-    type(scene_results), intent(in) :: results
-    type(total_line), allocatable, intent(inout) :: lines(:)
-    real(real64) :: values(size(results%positions))
-    type(effect_total) :: total
-    integer :: k, m, row
-
-    if (.not. allocated(results%effects)) return
-    do k = 1, size(results%effects%state_columns)
-      row = findloc(effect_totals%column, results%effects%state_columns(k), 1)
-      if (row == 0) cycle
-      do m = 1, size(results%positions)
-        values(m) = results%positions(m)%state_values(k)
-      end do
-      if (all(.not. (abs(values) > 0.0_real64 .and. values > not_computed))) cycle
-      total = effect_totals(row)
-      call add_line(with_unit(trim(total%name), unit_of(scene_in, total%dimension)), values, &
-                    total%remark, lines)
-    end do
-  end subroutine list_effect_totals
-
-  ! Adds a quantity; values that were not computed are left out.
-  subroutine add_line(name, column, remark, lines)
+  ! Adds a quantity with its known values, of so many positions.
+  subroutine add_line(name, known, positions, remark, lines)
     character(len=*), intent(in) :: name, remark
-    real(real64), intent(in) :: column(:)
+    real(real64), intent(in) :: known(:)
+    integer, intent(in) :: positions
     type(total_line), allocatable, intent(inout) :: lines(:)
-    real(real64), allocatable :: known(:)
     type(total_line) :: new
 
-    known = pack(column, column > not_computed)
     if (size(known) == 0) return
     new%name = name
     new%remark = remark
-    if (size(column) == 1) then
+    if (positions == 1) then
       new%known = 1
       new%numbers = known(1)
     else

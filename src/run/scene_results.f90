@@ -8,11 +8,7 @@ module asperity_scene_results
   private
 
   public :: map_record, scene_results, kinds_of_warnings, last_state, &
-            has_height_map, nominal_values, nominal_names
-
-  !> Quantities over the nominal area: vertical load, projected area of the contacts.
-  character(len=*), parameter :: nominal_names(2) = &
-    [character(len=16) :: 'nominal_pressure', 'area_fraction']
+            has_height_map
 
   !> Comparison of the summits of a map with the map itself at the same load.
   type :: map_record
@@ -62,17 +58,6 @@ contains
     if (.not. has_height_map .and. allocated(results%positions)) has_height_map = &
       any(results%positions(1)%states%mean_gap > not_computed)
   end function has_height_map
-
-  !> Values of a state over the nominal area, as in `nominal_names`; none when no area is given.
-  pure function nominal_values(results, state) result(values)
-    type(scene_results), intent(in) :: results  !! results with the nominal area
-    type(state_row), intent(in) :: state        !! one of the states
-    real(real64), allocatable :: values(:)
-
-    allocate (values(0))
-    if (results%nominal_area > 0.0_real64) &
-      values = [state%vertical_load, state%projected_area] / results%nominal_area
-  end function nominal_values
 
   !> Number of kinds of warnings at a position.
   pure integer function kinds_of_warnings(position)
