@@ -142,16 +142,18 @@ contains
       type(column_words), intent(in) :: total
       logical, intent(in) :: is_own
       character(len=len(total%remark)) :: remark
-      real(real64), allocatable :: known(:), other(:)
+      real(real64) :: numbers(table%rows), other(table%rows)
+      integer :: known
 
       if (i == 0) return
-      known = numbers_of(table, table%columns(i)%name)
-      known = pack(known, .not. ieee_is_nan(known))
-      if (.not. (is_own .or. any(abs(known) > 0.0_real64))) return
+      numbers = numbers_of(table, table%columns(i)%name)
+      known = count(.not. ieee_is_nan(numbers))
+      numbers(:known) = pack(numbers, .not. ieee_is_nan(numbers))
+      if (.not. (is_own .or. any(abs(numbers(:known)) > 0.0_real64))) return
       ! Without inclined contacts both loads, and both areas, are equal.
       if (total%column == 'vertical_load' .or. total%column == 'projected_area') then
         other = numbers_of(table, trim(merge('load', 'area', total%column == 'vertical_load')))
-        if (all(abs(known - other) <= 1.0e-12_real64 * abs(other))) return
+        if (all(abs(numbers - other) <= 1.0e-12_real64 * abs(other))) return
       end if
       remark = total%remark
       ! The gap of asperities is that on the grid of their fields.
@@ -160,7 +162,7 @@ contains
           remark = 'over the grid of the fields'
       end if
       call add_line(with_unit(trim(total%words), unit_of(scene_in, table%columns(i)%dimension)), &
-                    known, table%rows, remark, lines)
+                    numbers(:known), table%rows, remark, lines)
     end subroutine list_column
 
   end subroutine list_totals
