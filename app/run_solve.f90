@@ -42,8 +42,8 @@ module asperity_run_solve
 
   public :: run_solve_command
 
-  ! Options of files that have tables of the results, and whether they need the positions, the states
-  ! and the contacts.
+  ! Options of files that have tables of the results, and whether they need the positions, the
+  ! states and the contacts.
   character(len=*), parameter :: table_options(6) = [character(len=11) :: '--contacts', &
     '--positions', '--curve', '--json', '--vtk', '--html']
   logical, parameter :: tables_of(3, 6) = reshape([.false., .false., .true., .true., .false., &

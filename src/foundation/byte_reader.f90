@@ -8,6 +8,7 @@ module asperity_byte_reader
   use asperity_problems, only: decimal_text, not_enough_memory
   use asperity_system_calls, only: posix_close, posix_lseek, posix_open, posix_read, &
                                    system_error, system_reason
+  use asperity_text_buffer, only: text_buffer
   implicit none
   private
 
@@ -37,6 +38,7 @@ module asperity_byte_reader
     procedure :: open => open_file      !! opens a file at its first byte
     procedure :: more => read_block     !! reads the next block
     procedure :: take => take_bytes     !! takes the next bytes
+    procedure :: take_line              !! takes the next line
     procedure :: take_whole             !! takes all bytes
     procedure :: take_numbers           !! takes the next numbers in binary form
     procedure :: count_bytes            !! number of bytes of the file
@@ -127,6 +129,28 @@ contains
     end do
     if (got < number) bytes = bytes(:got)
   end subroutine take_bytes
+
+  !> Takes the bytes up to the next line feed, or to the end of the file.
+  subroutine take_line(self, line, found)
+    class(byte_reader), intent(inout) :: self           !! reader of the file
+    character(len=:), allocatable, intent(out) :: line  !! the bytes, without the line feed
+    logical, intent(out) :: found                       !! false behind the last byte
+    type(text_buffer) :: text
+    integer :: length
+
+    found = .false.
+    do
+      if (self%at > self%used) call self%more()
+      if (self%at > self%used .or. allocated(self%failure)) exit
+      found = .true.
+      length = scan(self%block(self%at:self%used), new_line('a'))
+      call text%append(self%block(self%at:self%at - 1 + merge(length - 1, &
+                                                            self%used - self%at + 1, length > 0)))
+      self%at = merge(self%at + length, self%used + 1, length > 0)
+      if (length > 0) exit
+    end do
+    line = text%text()
+  end subroutine take_line
 
   !> Takes all bytes, from the first; `failure` is allocated when they cannot be read.
   subroutine take_whole(self, bytes)

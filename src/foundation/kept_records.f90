@@ -1,25 +1,28 @@
-!> The file that keeps the finished pieces of long work, from which a rerun continues; or the files
-!> of several parts of the work.
+!> Work in pieces (positions, surfaces) whose results are kept in a file, from which a rerun
+!> continues, and by which the images of a run share the work; or the files of several parts of it.
 !>
-!> The first line identifies the work by a checksum of all its input. Each piece (a surface, a
-!> position) follows in order: a line with its number, its number of words of 64 bits and their
-!> checksum, and a line with the words, 16 hexadecimal digits each. A record is appended by one
-!> write. A record that was interrupted fails its checksum and is removed by the next run.
+!> The first line identifies the work by a checksum of all its input. Each piece that is done is
+!> appended, in any order: a line with its number, its number of words of 64 bits and their
+!> checksum, and a line with the words, 16 hexadecimal digits each. A record is one write. One that
+!> was interrupted or damaged is left out by its checksum, and its piece is done again.
 module asperity_kept_records
-  use, intrinsic :: iso_c_binding, only: c_int, c_long, c_null_char
-  use asperity_files, only: read_whole_file, write_bytes
+  use, intrinsic :: iso_c_binding, only: c_char, c_int, c_long, c_null_char, c_size_t
+  use asperity_byte_reader, only: byte_reader
+  use asperity_files, only: write_bytes
+  use asperity_images, only: image_count, image_number, mark_of_failure, mark_of_run, read_mark, &
+                             set_mark, wait_for_images
   use asperity_kinds, only: int64
+  use asperity_output_files, only: commit_files, note_kept, stage_file
   use asperity_printable, only: printable_text
   use asperity_problems, only: decimal_text
-  use asperity_output_files, only: commit_files, stage_file, note_kept
-  use asperity_system_calls, only: posix_close, posix_fsync, posix_lseek, posix_open, &
-                                   system_error, system_reason
-  use asperity_text_buffer, only: text_buffer
+  use asperity_system_calls, only: posix_close, posix_getpid, posix_lseek, posix_open, posix_read, &
+                                   posix_unlink, system_error, system_reason
   implicit none
   private
 
-  public :: checksum, join_records, keep_records, kept_file, kept_work, pieces_of_part, &
-            resume_records, whole_number, word_record
+  public :: kept_file, kept_work, pieces_of_part, whole_number
+  public :: begin_work, close_work, is_due, keep_record, next_record, share_work
+  public :: checksum
 
   !> A file of kept work.
   type :: kept_file
@@ -29,70 +32,177 @@ module asperity_kept_records
   !> Work and its file. Part I of N of the work consists of its pieces I, I + N, I + 2 N and so on;
   !> in its file they are numbered from 1.
   type :: kept_work
-    character(len=:), allocatable :: path      !! path of the file
+    character(len=:), allocatable :: path      !! path of the file; empty: none
     integer :: part = 1                        !! number of the part that is done, from 1
     integer :: parts = 1                       !! number of parts
     type(kept_file), allocatable :: more(:)    !! files of further parts, to be combined
     character(len=:), allocatable :: heading   !! first line, which identifies the work
     character(len=:), allocatable :: piece     !! name of a piece, for instance `surface`
     character(len=:), allocatable :: of_what   !! name of the input: `this specification`
+    logical, allocatable :: is_done(:)         !! pieces whose results this image has
+    integer :: done = 0                        !! number of these pieces
+    logical :: is_packed = .false.             !! results are written as records
+    logical :: is_shared = .false.             !! other images do pieces, too
+    logical, private :: is_own_file = .false.  ! the file is removed at the end
+    integer(c_int), private :: descriptor = -1_c_int  ! of the file, for appending
+    integer, private :: file = 0, from = 0     ! number of the file that is read, part in it
+    logical, allocatable, private :: is_there(:)  ! parts whose files were read
+    type(byte_reader), private :: reader
   end type kept_work
-
-  !> The result of a piece of work, in words of 64 bits; not allocated: none.
-  type :: word_record
-    integer(int64), allocatable :: words(:)
-  end type word_record
 
   ! O_RDONLY with O_NONBLOCK, and O_WRONLY with O_APPEND and O_NONBLOCK, of Linux: without
   ! O_NONBLOCK the open of a pipe blocks until its other end is open.
   integer(c_int), parameter :: read_only = 2048_c_int, append = 3073_c_int, no_such_file = 2_c_int
-  integer(c_int), parameter :: from_start = 0_c_int
+  integer(c_int), parameter :: from_start = 0_c_int, from_end = 2_c_int
   integer, parameter :: word_digits = 16
 
 contains
 
-  !> Reads the records of an earlier run and prepares the file for more. `failure` is allocated when
-  !> the file belongs to other work or cannot be read or written.
-  subroutine resume_records(work, most, records, failure)
-    type(kept_work), intent(in) :: work                        !! work; its file need not exist
-    integer, intent(in) :: most                                !! number of all pieces
-    type(word_record), allocatable, intent(out) :: records(:)  !! kept records, from the first
-    character(len=:), allocatable, intent(out) :: failure      !! reason, when there are none
-    character(len=:), allocatable :: text, heading
-    integer(c_int) :: descriptor, status
-    integer :: used
+  !> Starts work: opens its file. The records of an earlier run follow by `next_record`. To be
+  !> called by all images of shared work. `failure` is allocated when the file belongs to other work
+  !> or cannot be used.
+  subroutine begin_work(work, total, shared, failure)
+    type(kept_work), intent(inout) :: work                 !! work with its names
+    integer, intent(in) :: total                           !! number of pieces
+    logical, intent(in) :: shared                          !! all images share the work
+    character(len=:), allocatable, intent(out) :: failure  !! reason, when the file cannot be used
 
-    allocate (records(0))
-    heading = work%heading // part_text(work%part, work%parts) // new_line('a')
-    text = ''
+    allocate (work%is_done(total), source=.false.)
+    work%is_shared = shared .and. image_count() > 1
+    work%is_own_file = work%is_shared .and. work%path == ''
+    work%is_packed = work%is_shared .or. work%path /= ''
+    if (.not. work%is_packed) return
+    if (work%is_shared .and. image_number() == 1) then
+      call set_mark(mark_of_failure, huge(1))
+      call set_mark(mark_of_run, int(posix_getpid()))
+    end if
+    if (work%is_shared) call wait_for_images()
+    if (work%is_own_file) &
+      work%path = '.asperity.' // decimal_text(read_mark(mark_of_run)) // '.images'
+    if (image_number() == 1 .and. .not. allocated(work%more)) then
+      call prepare_file(work, failure)
+      if (work%is_shared .and. allocated(failure)) call set_mark(mark_of_failure, 0)
+    end if
+    if (work%is_shared) call wait_for_images()
+    if (allocated(failure)) return
+    if (work%is_shared .and. read_mark(mark_of_failure) == 0) then
+      failure = work%path // ': cannot be used by image 1'
+      return
+    end if
+    allocate (work%is_there(1 + size_of_more(work)), source=.false.)
+    call open_file(work, 1, failure)
+    if (allocated(failure) .or. allocated(work%more)) return
+    work%descriptor = posix_open(work%path // c_null_char, append)
+    if (work%descriptor < 0) failure = work%path // ': cannot be written: ' // system_reason()
+  end subroutine begin_work
+
+  ! Number of files beside the first one.
+  pure integer function size_of_more(work)
+    type(kept_work), intent(in) :: work
+
+    size_of_more = 0
+    if (allocated(work%more)) size_of_more = size(work%more)
+  end function size_of_more
+
+  ! Checks the file of an earlier run, or begins a new one. The last line gets its end.
+  subroutine prepare_file(work, failure)
+    type(kept_work), intent(in) :: work
+    character(len=:), allocatable, intent(out) :: failure
+    character(len=:), allocatable :: found, heading
+    character(kind=c_char) :: last(1)
+    type(byte_reader) :: reader
+    integer(c_int) :: descriptor, status
+    integer(c_size_t) :: got
+    logical :: is_cut
+
+    heading = first_line(work, work%part, work%parts)
+    found = ''
+    is_cut = .false.
     descriptor = posix_open(work%path // c_null_char, read_only)
     if (descriptor >= 0) then
-      if (posix_lseek(descriptor, 0_c_long, from_start) < 0_c_long) &
+      if (posix_lseek(descriptor, 0_c_long, from_start) < 0_c_long) then
         failure = work%path // ': is a pipe or a terminal, expected a file for what is kept'
+      else if (posix_lseek(descriptor, -1_c_long, from_end) >= 0_c_long) then
+        got = posix_read(descriptor, last, 1_c_size_t)
+        is_cut = got == 1_c_size_t .and. last(1) /= new_line('a')
+      end if
       status = posix_close(descriptor)
-      if (.not. allocated(failure)) call read_whole_file(work%path, text, failure)
+      if (allocated(failure)) return
+      call reader%open(work%path)
+      if (.not. allocated(reader%failure)) call reader%take(len(heading), found)
+      if (allocated(reader%failure)) failure = work%path // ': ' // reader%failure
+      call reader%close()
     else if (system_error() /= no_such_file) then
       failure = work%path // ': cannot be opened: ' // system_reason()
     end if
     if (allocated(failure)) return
-    used = 0
-    if (len(text) > 0) then
-      used = min(len(heading), len(text))
-      if (text(:used) /= heading(:used)) then
-        failure = work%path // ': holds no ' // work%piece // 's of ' // work%of_what // &
-                  ', expected a file that a run with the same text kept, or none'
-        return
-      end if
-      if (used < len(heading)) used = 0
+    if (found /= heading(:len(found))) then
+      failure = work%path // ': holds no ' // work%piece // 's of ' // work%of_what // &
+                ', expected a file that a run with the same text kept, or none'
+    else if (len(found) < len(heading)) then
+      call stage_file(work%path, heading, failure)
+      if (.not. allocated(failure)) call commit_files(failure)
+    else if (is_cut) then
+      descriptor = posix_open(work%path // c_null_char, append)
+      call write_bytes(descriptor, new_line('a'), failure)
+      status = posix_close(descriptor)
+      if (allocated(failure)) failure = work%path // ': cannot be written: ' // failure
     end if
-    if (used > 0) call take_records(text, work%piece, most, used, records)
-    call note_progress(work, size(records))
-    if (used == len(text) .and. used > 0) return
-    ! The file is new, or its last record is incomplete.
-    if (used > 0) heading = text(:used)
-    call stage_file(work%path, heading, failure)
-    if (.not. allocated(failure)) call commit_files(failure)
-  end subroutine resume_records
+  end subroutine prepare_file
+
+  ! Opens one of the files for reading, behind its first line.
+  subroutine open_file(work, file, failure)
+    type(kept_work), intent(inout) :: work
+    integer, intent(in) :: file
+    character(len=:), allocatable, intent(out) :: failure
+    character(len=:), allocatable :: heading
+    integer :: part, parts
+    logical :: found
+
+    work%file = file
+    call work%reader%open(path_of(work))
+    if (.not. allocated(work%reader%failure)) call work%reader%take_line(heading, found)
+    if (allocated(work%reader%failure)) then
+      failure = path_of(work) // ': ' // work%reader%failure
+      return
+    end if
+    if (.not. allocated(work%more)) return
+    parts = size(work%is_there)
+    do part = 1, parts
+      if (heading // new_line('a') == first_line(work, part, parts)) exit
+    end do
+    work%from = part
+    if (part > parts) then
+      failure = path_of(work) // ': holds no part of ' // decimal_text(parts) // ' of the ' // &
+                work%piece // 's of ' // work%of_what // ', expected the files of all ' // &
+                decimal_text(parts) // ' parts that --share kept, each with one --keep'
+    else if (work%is_there(part)) then
+      failure = path_of(work) // ': holds part ' // decimal_text(part) // ' of ' // &
+                decimal_text(parts) // ' once more, expected each part once'
+    else
+      work%is_there(part) = .true.
+    end if
+  end subroutine open_file
+
+  ! Path of the file that is read.
+  pure function path_of(work) result(path)
+    type(kept_work), intent(in) :: work
+    character(len=:), allocatable :: path
+
+    path = work%path
+    if (work%file > 1) path = work%more(work%file - 1)%path
+  end function path_of
+
+  ! The first line of a file, with its end.
+  pure function first_line(work, part, parts) result(line)
+    type(kept_work), intent(in) :: work
+    integer, intent(in) :: part, parts
+    character(len=:), allocatable :: line
+
+    line = work%heading
+    if (parts > 1) line = line // ', part ' // decimal_text(part) // ' of ' // decimal_text(parts)
+    line = line // new_line('a')
+  end function first_line
 
   !> Number of pieces of a part of the work.
   elemental integer function pieces_of_part(pieces, part, parts) result(number)
@@ -112,201 +222,157 @@ contains
     number = part + (piece - 1) * parts
   end function whole_number
 
-  !> Combines the records of all parts, in the order of the whole work. `failure` is allocated when
-  !> a file is not one of the parts, or when a part is missing or incomplete.
-  subroutine join_records(work, total, records, failure)
-    type(kept_work), intent(in) :: work                        !! work with `more` files
-    integer, intent(in) :: total                               !! number of all pieces
-    type(word_record), allocatable, intent(out) :: records(:)  !! records of all pieces
-    character(len=:), allocatable, intent(out) :: failure      !! reason, when they are incomplete
-    character(len=:), allocatable :: path
-    logical, allocatable :: is_there(:)
-    integer :: i, parts
+  !> Reads the next record of a piece that is not done, which is done then; 0 behind the last one.
+  !> `failure` is allocated when a file cannot be read, or a part is missing or incomplete.
+  subroutine next_record(work, piece, words, failure)
+    type(kept_work), intent(inout) :: work                   !! work of begin_work
+    integer, intent(out) :: piece                            !! number of the piece; 0: none
+    integer(int64), allocatable, intent(out) :: words(:)     !! its result
+    character(len=:), allocatable, intent(out) :: failure    !! reason, when they are incomplete
+    character(len=:), allocatable :: body, line
+    integer :: digits, done, pieces
+    logical :: found
 
-    parts = 1 + size(work%more)
-    allocate (records(total), is_there(parts))
-    is_there = .false.
-    do i = 1, parts
-      if (i == 1) then
-        path = work%path
-      else
-        path = work%more(i - 1)%path
+    piece = 0
+    if (work%file == 0) return
+    files: do
+      pieces = size(work%is_done)
+      if (allocated(work%more)) pieces = pieces_of_part(pieces, work%from, size(work%is_there))
+      call work%reader%take_line(line, found)
+      do while (found)
+        call work%reader%take_line(body, found)
+        if (.not. found) exit
+        call read_heading(line, work%piece, piece, digits)
+        if (piece >= 1 .and. piece <= pieces .and. digits == len(body)) then
+          if (line == heading_of(work%piece, piece, body)) then
+            if (allocated(work%more)) piece = whole_number(piece, work%from, size(work%is_there))
+            if (.not. work%is_done(piece)) exit files
+            call work%reader%take_line(body, found)
+          end if
+        end if
+        call move_alloc(body, line)
+      end do
+      piece = 0
+      if (allocated(work%reader%failure)) failure = path_of(work) // ': ' // work%reader%failure
+      call work%reader%close()
+      if (allocated(work%more) .and. .not. allocated(failure)) then
+        done = count(work%is_done(work%from::size(work%is_there)))
+        if (done < pieces) failure = path_of(work) // ': holds ' // decimal_text(done) // &
+          ' of ' // decimal_text(pieces) // ' ' // work%piece // 's, expected all: run it with ' // &
+          '--share ' // decimal_text(work%from) // '/' // decimal_text(size(work%is_there)) // ' to its end'
       end if
-      call join_part(work, path, is_there, records, failure)
+      if (allocated(failure) .or. work%file > size_of_more(work)) then
+        work%file = 0
+        if (.not. allocated(failure)) call note_progress(work)
+        return
+      end if
+      call open_file(work, work%file + 1, failure)
       if (allocated(failure)) return
-    end do
-  end subroutine join_records
+    end do files
+    call mark_done(work, piece)
+    allocate (words(len(body) / word_digits))
+    read (body, '(*(z16))') words
+  end subroutine next_record
 
-  ! Adds the records of one part.
-  subroutine join_part(work, path, is_there, records, failure)
-    type(kept_work), intent(in) :: work
-    character(len=*), intent(in) :: path
-    logical, intent(inout) :: is_there(:)
-    type(word_record), intent(inout) :: records(:)
-    character(len=:), allocatable, intent(out) :: failure
-    type(word_record), allocatable :: found(:)
-    character(len=:), allocatable :: heading, text
-    integer :: i, part, parts, pieces, used
+  pure subroutine mark_done(work, piece)
+    type(kept_work), intent(inout) :: work
+    integer, intent(in) :: piece
 
-    call read_whole_file(path, text, failure)
-    if (allocated(failure)) return
-    parts = size(is_there)
-    do part = 1, parts
-      heading = work%heading // part_text(part, parts) // new_line('a')
-      if (index(text, heading) == 1) exit
-    end do
-    if (part > parts) then
-      failure = path // ': holds no part of ' // decimal_text(parts) // ' of the ' // &
-                work%piece // 's of ' // work%of_what // ', expected the files of all ' // &
-                decimal_text(parts) // ' parts that --share kept, each with one --keep'
-      return
+    work%is_done(piece) = .true.
+    work%done = work%done + 1
+  end subroutine mark_done
+
+  !> Whether this image is to do a piece. Pieces are distributed in turn.
+  elemental logical function is_due(work, piece)
+    type(kept_work), intent(in) :: work  !! work whose records are read
+    integer, intent(in) :: piece         !! number of the piece
+
+    is_due = .not. work%is_done(piece)
+    if (work%is_shared) &
+      is_due = is_due .and. modulo(piece - 1, image_count()) == image_number() - 1
+  end function is_due
+
+  !> Appends the record of a piece, which is done then; one thread calls it at a time. `failure` is
+  !> allocated when it cannot be written.
+  subroutine keep_record(work, piece, words, failure)
+    type(kept_work), intent(inout) :: work                 !! work whose records are read
+    integer, intent(in) :: piece                           !! number of the piece
+    integer(int64), intent(in) :: words(:)                 !! its result
+    character(len=:), allocatable, intent(out) :: failure  !! reason, when it cannot be written
+    character(len=word_digits * size(words)) :: body
+
+    write (body, '(*(z16.16))') words
+    call write_bytes(work%descriptor, heading_of(work%piece, piece, body) // new_line('a') // &
+                     body // new_line('a'), failure)
+    if (allocated(failure)) then
+      failure = work%path // ': cannot be written: ' // failure
+    else
+      call mark_done(work, piece)
+      call note_progress(work)
     end if
-    if (is_there(part)) then
-      failure = path // ': holds part ' // decimal_text(part) // ' of ' // decimal_text(parts) // &
-                ' once more, expected each part once'
-      return
-    end if
-    is_there(part) = .true.
-    pieces = pieces_of_part(size(records), part, parts)
-    used = len(heading)
-    allocate (found(0))
-    call take_records(text, work%piece, pieces, used, found)
-    if (size(found) < pieces) then
-      failure = path // ': holds ' // decimal_text(size(found)) // ' of ' // &
-                decimal_text(pieces) // ' ' // work%piece // 's, expected all: run it with ' // &
-                '--share ' // decimal_text(part) // '/' // decimal_text(parts) // ' to its end'
-      return
-    end if
-    do i = 1, pieces
-      call move_alloc(found(i)%words, records(whole_number(i, part, parts))%words)
-    end do
-  end subroutine join_part
+  end subroutine keep_record
 
-  ! Text of the part in the first line; empty for the whole work.
-  pure function part_text(part, parts) result(text)
-    integer, intent(in) :: part, parts
-    character(len=:), allocatable :: text
+  !> Waits for all images of shared work; image 1 then reads their records by `next_record` and does
+  !> what is missing.
+  subroutine share_work(work, failure)
+    type(kept_work), intent(inout) :: work                 !! work whose pieces are done
+    character(len=:), allocatable, intent(out) :: failure  !! reason: an image is lost
+    logical :: is_lost
 
-    text = ''
-    if (parts > 1) text = ', part ' // decimal_text(part) // ' of ' // decimal_text(parts)
-  end function part_text
+    if (.not. work%is_shared) return
+    call wait_for_images(is_lost)
+    work%is_shared = .false.
+    if (is_lost) failure = 'an image of the run is lost'
+    if (.not. is_lost .and. image_number() == 1) call open_file(work, 1, failure)
+  end subroutine share_work
 
-  !> Appends records to the file. `failure` is allocated when they cannot be written.
-  subroutine keep_records(work, first, records, failure)
-    type(kept_work), intent(in) :: work                    !! work of resume_records
-    integer, intent(in) :: first                           !! number of the first record
-    type(word_record), intent(in) :: records(:)            !! records in their order
-    character(len=:), allocatable, intent(out) :: failure  !! reason, when they cannot be written
-    type(text_buffer) :: text
-    character(len=:), allocatable :: body
-    integer(c_int) :: descriptor, status
-    integer :: i
+  !> Closes the file, and removes it where it has served the images only.
+  subroutine close_work(work)
+    type(kept_work), intent(inout) :: work  !! work that ends
+    integer(c_int) :: status
 
-    do i = 1, size(records)
-      body = hexadecimal_text(records(i)%words)
-      call text%append(heading_of(work%piece, first + i - 1, body))
-      call text%append(body // new_line('a'))
-    end do
-    descriptor = posix_open(work%path // c_null_char, append)
-    if (descriptor < 0) then
-      failure = work%path // ': cannot be written: ' // system_reason()
-      return
-    end if
-    call write_bytes(descriptor, text%text(), failure)
-    if (allocated(failure)) failure = work%path // ': cannot be written: ' // failure
-    status = posix_fsync(descriptor)
-    status = posix_close(descriptor)
-    if (.not. allocated(failure)) call note_progress(work, first + size(records) - 1)
-  end subroutine keep_records
+    call work%reader%close()
+    if (work%descriptor >= 0) status = posix_close(work%descriptor)
+    work%descriptor = -1_c_int
+    if (work%is_own_file .and. image_number() == 1) status = posix_unlink(work%path // c_null_char)
+  end subroutine close_work
 
   ! Sets the message about kept work that an interruption prints.
-  subroutine note_progress(work, done)
+  subroutine note_progress(work)
     type(kept_work), intent(in) :: work
-    integer, intent(in) :: done
 
-    call note_kept('; ' // decimal_text(done) // ' ' // work%piece // 's are saved in ' // &
-                   printable_text(work%path) // ', the same command continues from there')
+    if (.not. work%is_own_file) &
+      call note_kept('; ' // decimal_text(work%done) // ' ' // work%piece // &
+                     's are saved in ' // printable_text(work%path) // &
+                     ', the same command continues from there')
   end subroutine note_progress
 
-  !> Reads all complete records; on exit `used` is the position of their last byte.
-  subroutine take_records(text, piece, most, used, records)
-    character(len=*), intent(in) :: text, piece
-    integer, intent(in) :: most
-    integer, intent(inout) :: used
-    type(word_record), allocatable, intent(inout) :: records(:)
-    type(word_record), allocatable :: found(:), larger(:)
-    integer :: length, first, line_end, done
-
-    allocate (found(64))
-    done = 0
-    do while (done < most)
-      line_end = index(text(used + 1:), new_line('a'))
-      if (line_end == 0) exit
-      first = used + line_end + 1
-      length = word_digits * word_count_of(text(used + 1:used + line_end - 1))
-      if (length < 0 .or. length > len(text) - first) exit
-      if (text(first + length:first + length) /= new_line('a')) exit
-      if (text(used + 1:used + line_end) /= &
-          heading_of(piece, done + 1, text(first:first + length - 1))) exit
-      if (done == size(found)) then
-        allocate (larger(2 * done))
-        larger(:done) = found
-        call move_alloc(larger, found)
-      end if
-      done = done + 1
-      allocate (found(done)%words(length / word_digits))
-      call from_hexadecimal(text(first:first + length - 1), found(done)%words)
-      used = first + length
-    end do
-    deallocate (records)
-    allocate (records(done))
-    records = found(:done)
-  end subroutine take_records
-
-  !> Number of words in the line before a record; -1 when it is no such line.
-  pure integer function word_count_of(line) result(number)
-    character(len=*), intent(in) :: line
+  ! Number of the piece and digits of the words in the line before a record; 0 for another line.
+  pure subroutine read_heading(line, name, piece, digits)
+    character(len=*), intent(in) :: line, name
+    integer, intent(out) :: piece, digits
     integer :: first, last, status
 
-    number = -1
-    first = index(line, ', words ') + len(', words ')
-    last = index(line, ', checksum ') - 1
-    if (first <= len(', words ') .or. last < first .or. last > first + 7) return
-    read (line(first:last), '(i8)', iostat=status) number
-    if (status /= 0) number = -1
-  end function word_count_of
+    piece = 0
+    digits = 0
+    first = index(line, ', words ')
+    last = index(line, ', checksum ')
+    if (index(line, name // ' ') /= 1 .or. first < 1 .or. last < first + 8) return
+    read (line(len(name) + 2:first - 1), '(i10)', iostat=status) piece
+    if (status == 0) read (line(first + 8:last - 1), '(i8)', iostat=status) digits
+    digits = word_digits * digits
+    if (status /= 0) piece = 0
+  end subroutine read_heading
 
-  !> The line before the words of a record.
-  pure function heading_of(piece, record, body) result(line)
-    character(len=*), intent(in) :: piece, body
-    integer, intent(in) :: record
+  ! The line before the words of a record.
+  pure function heading_of(name, piece, body) result(line)
+    character(len=*), intent(in) :: name, body
+    integer, intent(in) :: piece
     character(len=:), allocatable :: line
-    character(len=60) :: text
 
-    write (text, '(" ", i0, ", words ", i0, ", checksum ", a8)') record, len(body) / word_digits, &
-      checksum(body)
-    line = piece // trim(text) // new_line('a')
+    line = name // ' ' // decimal_text(piece) // ', words ' // &
+           decimal_text(len(body) / word_digits) // ', checksum ' // checksum(body)
   end function heading_of
-
-  pure function hexadecimal_text(words) result(text)
-    integer(int64), intent(in) :: words(:)
-    character(len=word_digits * size(words)) :: text
-    integer :: i
-
-    do i = 1, size(words)
-      write (text(word_digits * (i - 1) + 1:word_digits * i), '(z16.16)') words(i)
-    end do
-  end function hexadecimal_text
-
-  pure subroutine from_hexadecimal(text, words)
-    character(len=*), intent(in) :: text
-    integer(int64), intent(out) :: words(:)
-    integer :: i
-
-    do i = 1, size(words)
-      read (text(word_digits * (i - 1) + 1:word_digits * i), '(z16)') words(i)
-    end do
-  end subroutine from_hexadecimal
 
   !> FNV-1a of 32 bits (Fowler, Noll, Vo), as 8 hexadecimal digits.
   pure function checksum(text) result(word)

@@ -26,7 +26,7 @@ contains
     type(text_buffer), intent(inout) :: buffer  !! gets the text
     character(len=*), intent(in), optional :: comment  !! a line before the names
     type(csv_line) :: line
-    integer :: i, k, row
+    integer :: i, row
 
     if (present(comment)) call buffer%line('# ' // comment)
     do i = 1, size(table%columns)

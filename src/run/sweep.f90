@@ -8,9 +8,10 @@ module asperity_sweep
   use asperity_contact_model, only: contact_model
   use asperity_contact_records, only: are_finite, most_rows, position_result, room_of_a_state
   use asperity_decimal, only: decimal_to_real64
-  use asperity_images, only: image_number
+  use asperity_images, only: image_count, image_number, mark_of_failure, read_mark, set_mark
   use asperity_interruption, only: interruption
-  use asperity_kept_records, only: kept_work, pieces_of_part, whole_number
+  use asperity_kept_records, only: begin_work, close_work, is_due, keep_record, kept_work, &
+                                   next_record, pieces_of_part, share_work, whole_number
   use asperity_kinds, only: int64, real64
   use asperity_loads_met, only: check_loads, check_meaning, compare_loads
   use asperity_position_packet, only: pack_position, unpack_position
@@ -22,8 +23,6 @@ module asperity_sweep
   use asperity_scene_inputs, only: input_file, list_inputs
   use asperity_scene_results, only: scene_results
   use asperity_scene_values, only: scene
-  use asperity_shared_work, only: add_failure, begin_round, begin_work, end_round, &
-                                  gather_round, is_own, shared_work
   use asperity_version, only: version
   !$ use omp_lib, only: omp_get_max_threads
   implicit none
@@ -45,7 +44,10 @@ module asperity_sweep
     integer :: stride = 1          ! step to the next position of the part
     integer(int64) :: rows = 0_int64  ! contacts kept so far
     type(progress_line) :: progress
-    type(shared_work) :: work
+    type(kept_work) :: kept
+    integer :: failed = huge(1)    ! first position that failed
+    character(len=:), allocatable :: failure  ! reason of its failure
+    character(len=:), allocatable :: ending   ! reason why no result can be kept
     type(interruption) :: interrupt
   end type sweep_watch
 
@@ -84,14 +86,15 @@ contains
 
     kept%path = ''
     if (allocated(options%keep_file)) kept%path = options%keep_file
-    if (kept%path == '') return
     kept%piece = 'position'
+    kept%heading = 'asperity ' // version
+    if (kept%path == '') return
     kept%part = options%part
     kept%parts = options%parts
     if (allocated(options%more_files)) kept%more = options%more_files
     kept%of_what = 'this scene and list of contacts'
     call list_inputs(scene_in, inputs, failure)
-    kept%heading = 'asperity ' // version // ' solve, contacts ' // &
+    kept%heading = kept%heading // ' solve, contacts ' // &
                    trim(merge('kept  ', 'summed', options%keep_contacts)) // ', input'
     do i = 1, size(inputs)
       kept%heading = kept%heading // ' ' // inputs(i)%checksum
@@ -109,8 +112,7 @@ contains
     character(len=:), allocatable, intent(out) :: failure
     type(sweep_watch) :: watch
     integer(int64) :: states
-    integer :: m, number, threads
-    logical :: continues
+    integer :: first, last, m, number, pass, threads
 
     number = model%positions
     if (options%sample > 0) number = min(number, options%sample)
@@ -129,39 +131,83 @@ contains
     threads = threads_for(model, options)
     watch%last = number
     watch%interrupt = options%interrupt
-    call begin_work(watch%work, number, options%all_images, kept)
-    do m = 1, watch%work%done * merge(1, 0, image_number() == 1)
-      call unpack_position(watch%work%records(m)%words, positions(m))
-    end do
-    if (allocated(kept%more) .and. sum(int(positions%rows_used, int64)) > most_rows) &
-      watch%work%ending = too_many()
-    call watch%progress%begin(options%progress, 'positions', number, watch%work%done)
+    watch%kept = kept
+    call begin_work(watch%kept, number, options%all_images, failure)
+    if (.not. allocated(failure)) call take_records(watch%kept, positions, failure)
+    if (allocated(failure)) return
+    if (allocated(kept%more) .and. sum(int(positions%rows_used, int64)) > most_rows) then
+      failure = too_many()
+      return
+    end if
+    call watch%progress%begin(options%progress, 'positions', number, watch%kept%done)
     call model%progress_count%begin_count(int(min(states, int(huge(number), int64))), &
-                                  watch%work%done * model%progress_count%of_position)
-    do
-      call begin_round(watch%work, continues)
-      if (.not. continues) exit
-      if (threads > 1) then
-        !$omp parallel do schedule(dynamic) num_threads(threads)
-        do m = watch%work%first, watch%work%last
-          if (is_due(watch, m)) call solve_one(model, m, options, positions(m), watch)
-        end do
-        !$omp end parallel do
-      else
-        ! Outside a parallel region: nested regions would start their threads at each position.
-        do m = watch%work%first, watch%work%last
-          if (is_due(watch, m)) call solve_one(model, m, options, positions(m), watch)
-        end do
-      end if
-      call gather_round(watch%work)
-      if (image_number() == 1) call take_round(watch, positions)
-      call end_round(watch%work)
-      call watch%progress%reach(watch%work%done)
+                                  watch%kept%done * model%progress_count%of_position)
+    do pass = 1, 2
+      last = 0
+      do while (last < number)
+        first = last + 1
+        last = number
+        if (watch%kept%is_shared) then
+          if (read_mark(mark_of_failure) < first) exit
+          last = min(number, last_of_chunk(first, threads))
+        end if
+        if (threads > 1) then
+          !$omp parallel do schedule(dynamic) num_threads(threads)
+          do m = first, last
+            if (is_wanted(watch, m)) call solve_one(model, m, options, positions(m), watch)
+          end do
+          !$omp end parallel do
+        else
+          ! Outside a parallel region: nested regions would start their threads at each position.
+          do m = first, last
+            if (is_wanted(watch, m)) call solve_one(model, m, options, positions(m), watch)
+          end do
+        end if
+        if (watch%kept%is_shared .and. watch%failed < huge(1)) &
+          call set_mark(mark_of_failure, min(watch%failed, read_mark(mark_of_failure)))
+      end do
+      if (.not. watch%kept%is_shared .or. pass == 2) exit
+      ! Image 1 takes the positions of the others, and solves those that are missing.
+      call share_work(watch%kept, failure)
+      if (image_number() == 1 .and. .not. allocated(failure)) &
+        call take_records(watch%kept, positions, failure)
+      if (image_number() > 1 .or. allocated(failure)) exit
     end do
     call watch%progress%finish()
-    if (allocated(watch%work%ending)) failure = watch%work%ending
+    call close_work(watch%kept)
+    if (allocated(failure)) return
+    if (image_number() == 1) then
+      call find_failure(watch, positions, failure)
+    else if (watch%failed < huge(1)) then
+      failure = watch%failure
+    end if
+    if (allocated(watch%ending)) failure = watch%ending
     if (watch%interrupt%is_asked()) failure = 'interrupted'
   end subroutine run_sweep
+
+  ! Last position before images look whether another one has failed.
+  pure integer function last_of_chunk(first, threads) result(last)
+    integer, intent(in) :: first, threads
+    integer, parameter :: pieces_of_thread = 16
+
+    last = int(min(int(huge(1), int64), int(first, int64) - 1 + &
+                   int(pieces_of_thread, int64) * threads * image_count()))
+  end function last_of_chunk
+
+  ! Takes the positions of the file.
+  subroutine take_records(kept, positions, failure)
+    type(kept_work), intent(inout) :: kept
+    type(position_result), intent(inout) :: positions(:)
+    character(len=:), allocatable, intent(out) :: failure
+    integer(int64), allocatable :: words(:)
+    integer :: m
+
+    do
+      call next_record(kept, m, words, failure)
+      if (m == 0) exit
+      if (image_number() == 1) call unpack_position(words, positions(m))
+    end do
+  end subroutine take_records
 
   ! Number of threads for the positions, at least one.
   integer function threads_for(model, options) result(threads)
@@ -177,16 +223,16 @@ contains
     threads = threads_with_memory(min(threads, model%positions))
   end function threads_for
 
-  ! Whether a position of the round is to be solved by this image.
-  logical function is_due(watch, m)
+  ! Whether a position is to be solved by this image.
+  logical function is_wanted(watch, m)
     type(sweep_watch), intent(in) :: watch
     integer, intent(in) :: m
     integer :: last
 
     !$omp atomic read
     last = watch%last
-    is_due = m <= last .and. is_own(watch%work, m) .and. .not. watch%interrupt%is_asked()
-  end function is_due
+    is_wanted = m <= last .and. is_due(watch%kept, m) .and. .not. watch%interrupt%is_asked()
+  end function is_wanted
 
   ! Solves and checks one position in one thread.
   subroutine solve_one(model, m, options, position, watch)
@@ -212,16 +258,21 @@ contains
       call check_loads(position, load_precision, failure)
       call compare_loads(position, model%loads_differ)
     end if
-    if (watch%work%packed .and. .not. allocated(failure)) call pack_position(position, words)
+    if (watch%kept%is_packed .and. .not. allocated(failure)) call pack_position(position, words)
     !$omp critical (asperity_positions)
     last = watch%last
     watch%highest = max(watch%highest, m)
     watch%rows = watch%rows + int(position%rows_used, int64)
     if (allocated(failure)) then
-      call add_failure(watch%work, m, failure)
+      if (m < watch%failed) watch%failure = failure
+      watch%failed = min(watch%failed, m)
       last = min(last, m)
-    else if (watch%work%packed) then
-      call move_alloc(words, watch%work%records(m)%words)
+    else if (watch%kept%is_packed) then
+      call keep_record(watch%kept, m, words, failure)
+      if (allocated(failure)) then
+        watch%ending = failure
+        last = 0
+      end if
     end if
     ! A position up to the highest one exceeds the limit. All before it are still solved.
     if (watch%rows > int(most_rows, int64)) last = min(last, watch%highest)
@@ -232,32 +283,25 @@ contains
     !$omp end critical (asperity_positions)
   end subroutine solve_one
 
-  ! Collects the positions of other images on image 1, and finds the first failure in order.
-  subroutine take_round(watch, positions)
-    type(sweep_watch), intent(inout) :: watch
-    type(position_result), intent(inout) :: positions(:)
+  ! Finds the first failure in order.
+  subroutine find_failure(watch, positions, failure)
+    type(sweep_watch), intent(in) :: watch
+    type(position_result), intent(in) :: positions(:)
+    character(len=:), allocatable, intent(out) :: failure
     integer(int64) :: rows
     integer :: m
 
-    if (allocated(watch%work%ending)) return
-    associate (work => watch%work)
-      do m = work%first, merge(work%last, 0, work%packed)
-        if (is_own(work, m) .or. .not. allocated(work%records(m)%words)) cycle
-        call unpack_position(work%records(m)%words, positions(m))
-      end do
-      rows = 0_int64
-      do m = 1, min(work%last, work%failed)
-        rows = rows + int(positions(m)%rows_used, int64)
-        if (m == work%failed) work%ending = work%failure
-        if (rows > int(most_rows, int64)) work%ending = too_many()
-        if (.not. allocated(work%ending)) cycle
-        work%ending = 'position ' // &
-                      decimal_text(whole_number(m, watch%start, watch%stride)) // ': ' // &
-                      work%ending
-        return
-      end do
-    end associate
-  end subroutine take_round
+    rows = 0_int64
+    do m = 1, min(size(positions), watch%failed)
+      rows = rows + int(positions(m)%rows_used, int64)
+      if (m == watch%failed) failure = watch%failure
+      if (rows > int(most_rows, int64)) failure = too_many()
+      if (.not. allocated(failure)) cycle
+      failure = 'position ' // decimal_text(whole_number(m, watch%start, watch%stride)) // ': ' // &
+                failure
+      return
+    end do
+  end subroutine find_failure
 
   pure function too_many() result(text)
     character(len=:), allocatable :: text

@@ -9,8 +9,9 @@ module asperity_area_study
   use asperity_greenwood_integrals, only: area_per_area, contacts_per_area, densities_at, &
                                           greenwood_law, load_per_area, quantities, &
                                           vertical_per_area
-  use asperity_images, only: image_number
-  use asperity_kept_records, only: checksum, kept_work, pieces_of_part, whole_number, word_record
+  use asperity_images, only: image_number, mark_of_failure, read_mark, set_mark
+  use asperity_kept_records, only: begin_work, checksum, close_work, is_due, keep_record, &
+                                   kept_work, next_record, pieces_of_part, share_work, whole_number
   use asperity_kinds, only: int64, real64
   use asperity_problems, only: decimal_text, real_text
   use asperity_progress, only: progress_line
@@ -18,8 +19,6 @@ module asperity_area_study
   use asperity_scene_results, only: scene_results
   use asperity_scene_surfaces, only: plane_surface
   use asperity_scene_values, only: control_separation, criterion_none, scene, scene_surface
-  use asperity_shared_work, only: add_failure, begin_round, begin_work, end_round, gather_round, &
-                                  is_own, shared_work
   use asperity_solve, only: solve
   use asperity_study_spec, only: against_plane, reference_largest, study_spec
   use asperity_version, only: version
@@ -27,9 +26,6 @@ module asperity_area_study
   private
 
   public :: area_study, size_result, evaluate_study, run_area_study
-
-  ! Surfaces an image studies in one round at most.
-  integer, parameter :: most_each = 64
 
   !> The sections of one size.
   type :: size_result
@@ -72,12 +68,10 @@ contains
     character(len=:), allocatable, intent(out) :: failure  !! reason of a failure
     type(surface_plan) :: plans(2)
     type(kept_work) :: kept
-    type(shared_work) :: work
     type(progress_line) :: progress
     real(real64), allocatable :: numbers(:, :)
     real(real64) :: begun, ended
-    logical :: going_on
-    integer :: members, m, status, surface
+    integer :: members, m, pass, status, surface
 
     members = pieces_of_part(spec%surfaces%ensemble, options%part, options%parts)
     allocate (numbers(plan%numbers, members), source=0.0_real64, stat=status)
@@ -93,40 +87,40 @@ contains
     kept%part = options%part
     kept%parts = options%parts
     if (allocated(options%more_files)) kept%more = options%more_files
-    call begin_work(work, members, options%all_images, kept, most_each)
-    do m = 1, work%done * merge(1, 0, image_number() == 1)
-      call take_surface(work%records(m), numbers(:, m))
-    end do
+    call begin_work(kept, members, options%all_images, failure)
+    if (.not. allocated(failure)) call take_records(kept, numbers, failure)
+    if (allocated(failure)) return
     do m = 1, 2
       call plan_surface(spec%surfaces, m, plans(m))
     end do
-    call progress%begin(options%progress, 'surfaces', members, work%done)
+    call progress%begin(options%progress, 'surfaces', members, kept%done)
     call cpu_time(begun)
-    do
-      call begin_round(work, going_on)
-      if (.not. going_on) exit
-      do m = work%first, work%last
-        if (.not. is_own(work, m)) cycle
+    passes: do pass = 1, 2
+      do m = 1, members
+        if (.not. is_due(kept, m)) cycle
+        if (kept%is_shared) then
+          if (read_mark(mark_of_failure) < m) exit
+        end if
         surface = whole_number(m, options%part, options%parts)
         call study_surface(spec, plan, plans, surface, numbers(:, m), failure)
-        if (allocated(failure)) then
-          call add_failure(work, m, 'surface ' // decimal_text(surface) // ': ' // failure)
-          exit
-        end if
-        if (work%packed) work%records(m)%words = transfer(numbers(:, m), [0_int64])
+        if (allocated(failure)) failure = 'surface ' // decimal_text(surface) // ': ' // failure
+        if (kept%is_packed .and. .not. allocated(failure)) &
+          call keep_record(kept, m, transfer(numbers(:, m), [0_int64]), failure)
+        if (allocated(failure)) exit
         call progress%step()
       end do
-      call gather_round(work)
-      do m = work%first, merge(work%last, 0, work%packed .and. image_number() == 1)
-        call take_surface(work%records(m), numbers(:, m))
-      end do
-      call end_round(work)
-      call progress%reach(work%done)
-    end do
+      if (.not. kept%is_shared) exit
+      if (allocated(failure)) call set_mark(mark_of_failure, min(m, read_mark(mark_of_failure)))
+      ! Image 1 takes the surfaces of the others, and studies those that are missing.
+      call share_work(kept, failure)
+      if (image_number() > 1 .or. allocated(failure)) exit passes
+      call take_records(kept, numbers, failure)
+    end do passes
     call progress%finish()
+    call close_work(kept)
     call cpu_time(ended)
-    if (allocated(work%ending)) then
-      failure = work%ending
+    if (allocated(failure)) then
+      return
     else if (image_number() == 1 .and. options%parts == 1) then
       call evaluate_study(spec, plan, numbers, study)
       study%begun = begun
@@ -223,13 +217,20 @@ contains
     sums = sums / side**2
   end function add_section
 
-  ! A surface of a former run, or of another image.
-  pure subroutine take_surface(record, numbers)
-    type(word_record), intent(in) :: record
-    real(real64), intent(inout) :: numbers(:)
+  ! Takes the surfaces of the file.
+  subroutine take_records(kept, numbers, failure)
+    type(kept_work), intent(inout) :: kept
+    real(real64), intent(inout) :: numbers(:, :)
+    character(len=:), allocatable, intent(out) :: failure
+    integer(int64), allocatable :: words(:)
+    integer :: m
 
-    if (allocated(record%words)) numbers = transfer(record%words, numbers, size(numbers))
-  end subroutine take_surface
+    do
+      call next_record(kept, m, words, failure)
+      if (m == 0) exit
+      numbers(:, m) = transfer(words, numbers, size(numbers, 1))
+    end do
+  end subroutine take_records
 
   !> Evaluates the numbers of all surfaces.
   pure subroutine evaluate_study(spec, plan, numbers, study)

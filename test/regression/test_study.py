@@ -11,6 +11,7 @@ import pytest
 
 from programs import run_program
 from surfaces_csv import records
+from test_kept_positions import kept_records
 
 SPEC = """&surfaces density = 0.5, 0.4, length = 30., 32., width = 28., least_distance = {least} /
 &heights mean = 0.127, 0.12, deviation = 0.03, 0.04, lowest_deviation = -1., \
@@ -188,7 +189,7 @@ def test_verdict(study, tmp_path):
 
 @pytest.mark.long
 def test_kept_surfaces(study, tmp_path, tally):
-    """A file cut anywhere is continued, to the same bytes; a damaged surface is done again."""
+    """A file cut anywhere is continued, to the same numbers; a damaged surface is done again."""
     text = spec(ensemble=5)
     study(text, "--csv", "whole.csv", "--keep", "whole.keep", "--quiet")
     study(text, "--csv", "none.csv", "--quiet")
@@ -203,7 +204,7 @@ def test_kept_surfaces(study, tmp_path, tally):
         (tmp_path / "part.keep").write_bytes(version)
         study(text, "--csv", "part.csv", "--keep", "part.keep", "--quiet")
         same = ((tmp_path / "part.csv").read_bytes() == csv_bytes) + \
-            ((tmp_path / "part.keep").read_bytes() == whole)
+            (kept_records(tmp_path / "part.keep") == kept_records(tmp_path / "whole.keep"))
         tally.add("study: continued runs", 2, same)
         assert same == 2
     assert len(surfaces) == 5
@@ -227,8 +228,8 @@ def test_images(study, tmp_path):
     done = study(text, "--csv", "two.csv", "--keep", "two.keep", "--quiet",
                  command=os.environ["ASPERITY_IMAGES"])
     assert done.stdout == ""
-    for name in ("csv", "keep"):
-        assert (tmp_path / f"two.{name}").read_bytes() == (tmp_path / f"one.{name}").read_bytes()
+    assert (tmp_path / "two.csv").read_bytes() == (tmp_path / "one.csv").read_bytes()
+    assert kept_records(tmp_path / "two.keep") == kept_records(tmp_path / "one.keep")
 
 
 @pytest.mark.parametrize("text, messages", [
