@@ -28,7 +28,8 @@ module asperity
   use asperity_problems, only: decimal_text, not_enough_memory, problem_list, problem_place
   use asperity_report, only: write_report
   use asperity_result_table, only: add_reals, add_surface, add_wholes, array_column, array_table, &
-                                   make_arrays, name_units, of_contacts, of_positions, of_states
+                                   make_arrays, name_units, of_contacts, of_positions, of_states, &
+                                   place_of
   use asperity_run_options, only: check_options, run_options
   use asperity_scene_reader, only: build_scene, build_scene_of, parse_scene, read_scene, &
                                    rebuild_scene
@@ -85,7 +86,7 @@ module asperity
   public :: contact_field, fields_none, fields_last, fields_all, pressure_histogram
   ! Results as tables of arrays, and in words.
   public :: make_arrays, array_table, array_column, add_reals, add_surface, add_wholes, &
-            name_units
+            name_units, place_of
   public :: of_positions, of_states, of_contacts
   public :: write_summary, text_buffer
   ! Warnings outside a theory, and values that are not computed.

@@ -227,10 +227,10 @@ contains
   subroutine next_record(work, piece, words, failure)
     type(kept_work), intent(inout) :: work                   !! work of begin_work
     integer, intent(out) :: piece                            !! number of the piece; 0: none
-    integer(int64), allocatable, intent(out) :: words(:)     !! its result
+    integer(int64), allocatable, intent(out) :: words(:)     !! result of the piece
     character(len=:), allocatable, intent(out) :: failure    !! reason, when they are incomplete
     character(len=:), allocatable :: body, line
-    integer :: digits, done, pieces
+    integer :: length, done, pieces
     logical :: found
 
     piece = 0
@@ -242,8 +242,8 @@ contains
       do while (found)
         call work%reader%take_line(body, found)
         if (.not. found) exit
-        call read_heading(line, work%piece, piece, digits)
-        if (piece >= 1 .and. piece <= pieces .and. digits == len(body)) then
+        call read_heading(line, work%piece, piece, length)
+        if (piece >= 1 .and. piece <= pieces .and. length == len(body)) then
           if (line == heading_of(work%piece, piece, body)) then
             if (allocated(work%more)) piece = whole_number(piece, work%from, size(work%is_there))
             if (.not. work%is_done(piece)) exit files
@@ -297,7 +297,7 @@ contains
   subroutine keep_record(work, piece, words, failure)
     type(kept_work), intent(inout) :: work                 !! work whose records are read
     integer, intent(in) :: piece                           !! number of the piece
-    integer(int64), intent(in) :: words(:)                 !! its result
+    integer(int64), intent(in) :: words(:)                 !! result of the piece
     character(len=:), allocatable, intent(out) :: failure  !! reason, when it cannot be written
     character(len=word_digits * size(words)) :: body
 
@@ -347,20 +347,20 @@ contains
                      ', the same command continues from there')
   end subroutine note_progress
 
-  ! Number of the piece and digits of the words in the line before a record; 0 for another line.
-  pure subroutine read_heading(line, name, piece, digits)
+  ! Number of the piece and length of the words in the line before a record; 0 for another line.
+  pure subroutine read_heading(line, name, piece, length)
     character(len=*), intent(in) :: line, name
-    integer, intent(out) :: piece, digits
+    integer, intent(out) :: piece, length
     integer :: first, last, status
 
     piece = 0
-    digits = 0
+    length = 0
     first = index(line, ', words ')
     last = index(line, ', checksum ')
     if (index(line, name // ' ') /= 1 .or. first < 1 .or. last < first + 8) return
     read (line(len(name) + 2:first - 1), '(i10)', iostat=status) piece
-    if (status == 0) read (line(first + 8:last - 1), '(i8)', iostat=status) digits
-    digits = word_digits * digits
+    if (status == 0) read (line(first + 8:last - 1), '(i8)', iostat=status) length
+    length = word_digits * length
     if (status /= 0) piece = 0
   end subroutine read_heading
 

@@ -109,7 +109,7 @@ contains
         if (allocated(failure)) exit
         call progress%step()
       end do
-      if (.not. kept%is_shared) exit
+      if (.not. kept%is_shared) exit passes
       if (allocated(failure)) call set_mark(mark_of_failure, min(m, read_mark(mark_of_failure)))
       ! Image 1 takes the surfaces of the others, and studies those that are missing.
       call share_work(kept, failure)

@@ -73,8 +73,7 @@ def thesis_scene(name, root, folder):
 @pytest.mark.parametrize("name", [
     pytest.param(name, marks=[pytest.mark.long] * (name == "thesis")) for name in SCENES])
 def test_continued_anywhere(name, asperity, root, tmp_path, tally):
-    """A file cut anywhere is continued, to the same outputs and records; a damaged position is solved
-    again."""
+    """A file cut anywhere is continued to the same outputs and records, and so is a damaged one."""
     scene = thesis_scene(name, root, tmp_path)
     none = run([asperity], scene, tmp_path / "none")
     whole = run([asperity], scene, tmp_path / "whole", "--keep", "../whole.keep")

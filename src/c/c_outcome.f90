@@ -1,15 +1,18 @@
 !> Outcome of a call of the library for C, as memory that C reads: texts that end with a null
 !> character, tables, problems.
 module asperity_c_outcome
+  use, intrinsic :: ieee_arithmetic, only: ieee_quiet_nan, ieee_value
   use, intrinsic :: iso_c_binding, only: c_associated, c_char, c_f_pointer, c_int, c_loc, &
                                          c_null_char, c_null_ptr, c_ptr
-  use asperity, only: array_table, contact_field, list_groups, problem_list, &
+  use, intrinsic :: iso_fortran_env, only: real64
+  use asperity, only: add_reals, array_table, contact_field, is_measured, list_groups, &
+                      not_enough_memory, problem_list, &
                       problem_place, scene, solution_start
   implicit none
   private
 
-  public :: c_letters, outcome, begin_outcome, finish_outcome, finish_scene, look_at, has_column, &
-            set_text, text_of
+  public :: c_letters, outcome, begin_outcome, finish_outcome, add_pixels, &
+            find_column, finish_scene, look_at, set_text, text_of
 
   !> Numbers of the header: status of a call, texts, tables, types of columns.
   integer(c_int), parameter, public :: done = 0_c_int, not_computed = 1_c_int, bad_input = 2_c_int
@@ -113,15 +116,19 @@ contains
     if (c_associated(handle)) call c_f_pointer(handle, it)
   end subroutine look_at
 
-  !> Whether an outcome has a column, counted from 0, in a table.
-  logical function has_column(it, table, column)
-    type(outcome), pointer, intent(in) :: it     !! outcome; not associated: none
-    integer(c_int), intent(in) :: table, column  !! numbers as in C
+  !> Finds the outcome that has a column in a table.
+  subroutine find_column(handle, table, column, it)
+    type(c_ptr), intent(in) :: handle            !! address of the outcome; null: none
+    integer(c_int), intent(in) :: table, column  !! numbers as in C: a column counts from 0
+    type(outcome), pointer, intent(out) :: it    !! outcome; not associated: no such column
 
-    has_column = .false.
-    if (.not. associated(it) .or. table < 1_c_int .or. table > tables) return
-    has_column = column >= 0_c_int .and. column < columns_of(it%tables(table))
-  end function has_column
+    call look_at(handle, it)
+    if (.not. associated(it)) return
+    if (table >= 1_c_int .and. table <= tables .and. column >= 0_c_int) then
+      if (column < columns_of(it%tables(table))) return
+    end if
+    nullify (it)
+  end subroutine find_column
 
   pure integer function columns_of(table)
     type(array_table), intent(in) :: table
@@ -129,6 +136,32 @@ contains
     columns_of = 0
     if (allocated(table%columns)) columns_of = size(table%columns)
   end function columns_of
+
+  !> Adds the values of pixels to a table, row by row of the map; NaN where one is missing.
+  !> `failure` is allocated when memory is short; the table has no columns then.
+  subroutine add_pixels(table, name, values, unit, failure)
+    type(array_table), intent(inout) :: table   !! table of pixels
+    character(len=*), intent(in) :: name        !! of the column
+    real(real64), intent(in) :: values(:, :)    !! by column and row of the map
+    character(len=*), intent(in) :: unit        !! of the values; empty: none
+    character(len=:), allocatable, intent(inout) :: failure  !! reason, when memory is short
+    real(real64), allocatable :: cells(:)
+    integer :: j, status
+
+    if (allocated(failure)) return
+    allocate (cells(size(values)), stat=status)
+    if (status /= 0) then
+      failure = not_enough_memory // ' for the pixels as arrays'
+      if (allocated(table%columns)) deallocate (table%columns)
+      table%rows = 0
+      return
+    end if
+    do j = 1, size(values, 2)
+      cells((j - 1) * size(values, 1) + 1:j * size(values, 1)) = &
+        merge(values(:, j), ieee_value(0.0_real64, ieee_quiet_nan), is_measured(values(:, j)))
+    end do
+    call add_reals(table, name, cells, unit)
+  end subroutine add_pixels
 
   !> Sets one of the texts.
   subroutine set_text(new, which, text)

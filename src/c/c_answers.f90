@@ -3,7 +3,7 @@ module asperity_c_answers
   use, intrinsic :: iso_c_binding, only: c_associated, c_f_pointer, c_char, c_int, c_loc, &
                                          c_null_char, c_null_ptr, c_ptr
   use asperity, only: version
-  use asperity_c_outcome, only: has_column, look_at, not_computed, outcome, text_failure, texts, &
+  use asperity_c_outcome, only: find_column, look_at, not_computed, outcome, text_failure, texts, &
                                 type_double, type_int, type_word
   implicit none
   private
@@ -96,9 +96,9 @@ contains
     integer(c_int), value :: table  !! one of the tables
     type(outcome), pointer :: it
 
-    call look_at(handle, it)
+    call find_column(handle, table, 0_c_int, it)
     number = 0_c_int
-    if (has_column(it, table, 0_c_int)) number = int(it%tables(table)%rows, c_int)
+    if (associated(it)) number = int(it%tables(table)%rows, c_int)
   end function c_rows
 
   !> `asperity_columns`.
@@ -107,9 +107,9 @@ contains
     integer(c_int), value :: table  !! one of the tables
     type(outcome), pointer :: it
 
-    call look_at(handle, it)
+    call find_column(handle, table, 0_c_int, it)
     number = 0_c_int
-    if (has_column(it, table, 0_c_int)) number = size(it%tables(table)%columns, kind=c_int)
+    if (associated(it)) number = size(it%tables(table)%columns, kind=c_int)
   end function c_columns
 
   !> `asperity_column_name`.
@@ -120,9 +120,9 @@ contains
     integer(c_int), value :: column  !! from 0
     type(outcome), pointer :: it
 
-    call look_at(handle, it)
+    call find_column(handle, table, column, it)
     name = c_null_ptr
-    if (has_column(it, table, column)) name = c_loc(it%names(column + 1, table)%letters)
+    if (associated(it)) name = c_loc(it%names(column + 1, table)%letters)
   end function c_column_name
 
   !> `asperity_column_unit`.
@@ -133,9 +133,9 @@ contains
     integer(c_int), value :: column  !! from 0
     type(outcome), pointer :: it
 
-    call look_at(handle, it)
+    call find_column(handle, table, column, it)
     unit = c_loc(no_text_letters)
-    if (.not. has_column(it, table, column)) return
+    if (.not. associated(it)) return
     if (allocated(it%units(column + 1, table)%letters)) &
       unit = c_loc(it%units(column + 1, table)%letters)
   end function c_column_unit
@@ -148,9 +148,9 @@ contains
     integer(c_int), value :: column  !! from 0
     type(outcome), pointer :: it
 
-    call look_at(handle, it)
+    call find_column(handle, table, column, it)
     kind = 0_c_int
-    if (.not. has_column(it, table, column)) return
+    if (.not. associated(it)) return
     associate (of => it%tables(table)%columns(column + 1))
       kind = type_double
       if (allocated(of%wholes)) kind = type_int
@@ -166,9 +166,9 @@ contains
     integer(c_int), value :: column  !! from 0
     type(outcome), pointer :: it
 
-    call look_at(handle, it)
+    call find_column(handle, table, column, it)
     cells = c_null_ptr
-    if (.not. has_column(it, table, column)) return
+    if (.not. associated(it)) return
     if (it%tables(table)%rows == 0) return
     if (allocated(it%tables(table)%columns(column + 1)%reals)) then
       cells = c_loc(it%tables(table)%columns(column + 1)%reals)

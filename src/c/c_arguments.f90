@@ -2,13 +2,15 @@
 module asperity_c_arguments
   use, intrinsic :: iso_c_binding, only: c_associated, c_double, c_f_pointer, c_int, c_ptr
   use, intrinsic :: iso_fortran_env, only: int64
-  use asperity, only: decimal_text, height_map, most_samples, plain_unit, plane_surface, &
-                      problem_list, scene_surface, take_map, take_surface
+  use asperity, only: decimal_text, generation_spec, height_map, most_samples, &
+                      parse_generation_spec, plain_unit, plane_surface, problem_list, &
+                      read_generation_spec, scene_surface, take_map, take_surface
   use asperity_c_outcome, only: text_of
   implicit none
   private
 
-  public :: c_surface, c_height_map, require_text, take_asperities, take_heights, take_word
+  public :: c_surface, c_height_map, require_text, take_asperities, take_heights, take_spec, &
+            take_word
 
   !> `asperity_surface` of the header.
   type, bind(c) :: c_surface
@@ -129,6 +131,21 @@ contains
       call problems%add(name // ': found an empty text, expected a path')
     end if
   end subroutine require_text
+
+  !> Reads a specification of surfaces or a map: a file, or the text of its groups.
+  subroutine take_spec(path, groups, spec, problems)
+    type(c_ptr), intent(in) :: path                !! path of the file, where `groups` is null
+    type(c_ptr), intent(in) :: groups              !! text of its groups; may be null
+    type(generation_spec), intent(out) :: spec     !! specification that was read
+    type(problem_list), intent(inout) :: problems  !! faults of the argument
+
+    if (c_associated(groups)) then
+      call parse_generation_spec('specification', text_of(groups), spec, problems)
+    else
+      call require_text('specification', path, problems)
+      if (problems%count() == 0) call read_generation_spec(text_of(path), spec, problems)
+    end if
+  end subroutine take_spec
 
   !> Finds a word in a list; a null pointer leaves the choice unchanged.
   subroutine take_word(name, word, known, choice, problems)

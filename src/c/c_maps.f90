@@ -1,31 +1,24 @@
-!> The library for C: height maps, as files and as arrays, in scenes and by their summits.
+!> The library for C: height maps, as files and as arrays, their spectra and summits.
 module asperity_c_maps
-  use, intrinsic :: ieee_arithmetic, only: ieee_quiet_nan, ieee_value
-  use, intrinsic :: iso_c_binding, only: c_associated, c_double, c_f_pointer, c_int, c_ptr
+  use, intrinsic :: iso_c_binding, only: c_associated, c_double, c_f_pointer, c_int, &
+                                          c_null_ptr, c_ptr
   use, intrinsic :: iso_fortran_env, only: int64, real64
-  use asperity, only: add_reals, add_surface, add_wholes, build_scene_of, decimal_text, height_map, &
-                      is_measured, length_units, level_names, map_statistics, map_summits, &
-                      measure_map, not_enough_memory, note_of_file, periodic_edge, &
-                      problem_list, put_in_unit, &
-                      radius_names, read_height_map, rule_names, scene_side, summit_choices, &
-                      summits_of_array, summits_of_file, text_buffer, write_map_file, &
+  use asperity, only: add_reals, add_surface, add_wholes, decimal_text, generate_map, &
+                      generation_spec, height_map, length_units, level_map, level_names, &
+                      map_statistics, map_summits, measure_map, measure_spectra, note_of_file, &
+                      periodic_edge, power_spectrum, problem_list, put_in_unit, radius_names, &
+                      read_height_map, rule_names, summit_choices, summits_of_array, &
+                      summits_of_file, text_buffer, usual_level, write_map_file, &
                       write_summits_table
-  use asperity_c_arguments, only: require_text, take_asperities, take_heights, take_word
-  use asperity_c_outcome, only: begin_outcome, finish_outcome, finish_scene, outcome, &
-                                set_text, table_map, table_pixels, table_statistics, &
+  use asperity_c_arguments, only: require_text, take_heights, take_spec, take_word
+  use asperity_c_outcome, only: add_pixels, begin_outcome, finish_outcome, outcome, set_text, &
+                                table_map, table_pixels, table_spectra, table_statistics, &
                                 table_summits, text_notes, text_of, text_report, text_unit
   implicit none
   private
 
-  public :: c_build_scene_of, c_summits, c_periodic_summits, c_summits_of_map, c_read_map, &
-            c_write_map
-  public :: c_side, c_summits_options, power_of, set_map
-
-  !> `asperity_side` of the header.
-  type, bind(c) :: c_side
-    type(c_ptr) :: asperities  !! `c_surface`, or null
-    type(c_ptr) :: map         !! `c_height_map`, or null
-  end type c_side
+  public :: c_generate_map, c_power_spectrum, c_power_spectrum_at_level, c_read_map, c_write_map
+  public :: c_summits, c_periodic_summits, c_summits_of_map, c_summits_options
 
   !> `asperity_summits_options` of the header.
   type, bind(c) :: c_summits_options
@@ -36,49 +29,142 @@ module asperity_c_maps
 
 contains
 
-  !> `asperity_build_scene_of`.
-  type(c_ptr) function c_build_scene_of(groups, upper, lower) &
-    bind(c, name='asperity_build_scene_of') result(handle)
-    type(c_ptr), value :: groups  !! text of the scene
-    type(c_ptr), value :: upper   !! `c_side`; null: the text names it
-    type(c_ptr), value :: lower   !! `c_side`; null: the text names it
+  !> `asperity_read_map`.
+  type(c_ptr) function c_read_map(path, along, unit) bind(c, name='asperity_read_map') &
+    result(handle)
+    type(c_ptr), value :: path   !! height map
+    type(c_ptr), value :: along  !! spacing along x and y; null: that of the file
+    type(c_ptr), value :: unit   !! name; null: that of the file
     type(outcome), pointer :: new
-    type(scene_side) :: sides(2)
+    type(height_map) :: map
+    real(c_double), pointer :: given(:)
+    real(real64) :: pixel_spacing(2)
+    integer :: which
 
     call begin_outcome(new, handle)
     if (.not. associated(new)) return
-    allocate (new%scene_in)
-    if (.not. c_associated(groups)) call new%problems%add('groups: found NULL, expected a text')
-    call take_side('surfaces.upper', upper, sides(1))
-    call take_side('surfaces.lower', lower, sides(2))
+    call require_text('map', path, new%problems)
+    which = 0
+    call take_word('unit', unit, length_units, which, new%problems)
+    pixel_spacing = 0.0_real64
+    if (c_associated(along)) then
+      call c_f_pointer(along, given, [2])
+      pixel_spacing = given
+    end if
+    if (new%problems%count() == 0) &
+      call read_height_map(text_of(path), pixel_spacing, .false., map, new%problems, &
+                           new%failure)
+    if (new%problems%count() == 0 .and. .not. allocated(new%failure)) then
+      call put_in_unit(map, which)
+      call set_map(new, text_of(path), map)
+    end if
+    call finish_outcome(new)
+  end function c_read_map
+
+  ! Fills the tables and texts of a map. Missing pixels are NaN there.
+  subroutine set_map(new, name, map)
+    type(outcome), intent(inout) :: new
+    character(len=*), intent(in) :: name
+    type(height_map), intent(in) :: map
+
+    call set_text(new, text_unit, map%unit)
+    call set_text(new, text_notes, map%notes%text())
+    associate (table => new%tables(table_map))
+      call add_wholes(table, 'columns', [map%columns])
+      call add_wholes(table, 'rows', [map%rows])
+      call add_reals(table, 'spacing_x', map%pixel_spacing(1:1), map%unit)
+      call add_reals(table, 'spacing_y', map%pixel_spacing(2:2), map%unit)
+      call add_wholes(table, 'periodic', [merge(1, 0, map%edge == periodic_edge)])
+    end associate
+    call add_pixels(new%tables(table_pixels), 'height', map%height, map%unit, new%failure)
+    if (allocated(new%failure)) new%failure = name // ': ' // new%failure
+  end subroutine set_map
+
+  !> `asperity_write_map`.
+  type(c_ptr) function c_write_map(given, path) bind(c, name='asperity_write_map') result(handle)
+    type(c_ptr), value :: given  !! `c_height_map`
+    type(c_ptr), value :: path   !! the file
+    type(outcome), pointer :: new
+    type(height_map) :: map
+
+    call begin_outcome(new, handle)
+    if (.not. associated(new)) return
+    call require_text('path', path, new%problems)
+    call take_heights('map', given, map, new%problems, new%failure)
     if (new%problems%count() == 0 .and. .not. allocated(new%failure)) &
-      call build_scene_of(sides, text_of(groups), new%scene_in, new%problems)
-    call finish_scene(new)
+      call write_map_file(text_of(path), map, new%problems, new%failure)
+    call set_text(new, text_notes, note_of_file(text_of(path), map))
+    call finish_outcome(new)
+  end function c_write_map
 
-  contains
+  !> `asperity_generate_map`.
+  type(c_ptr) function c_generate_map(path, groups) bind(c, name='asperity_generate_map') &
+    result(handle)
+    type(c_ptr), value :: path    !! specification, where `groups` is null
+    type(c_ptr), value :: groups  !! text of a specification; may be null
+    type(outcome), pointer :: new
+    type(generation_spec) :: spec
+    type(height_map) :: map
 
-    subroutine take_side(which, given, side)
-      character(len=*), intent(in) :: which
-      type(c_ptr), intent(in) :: given
-      type(scene_side), intent(inout) :: side
-      type(c_side), pointer :: numbers
-      character(len=:), allocatable :: failure
-
-      if (.not. c_associated(given)) return
-      call c_f_pointer(given, numbers)
-      if (c_associated(numbers%asperities) .and. c_associated(numbers%map)) then
-        call new%problems%add(which // ': found asperities and a map, expected one of them')
-      else if (c_associated(numbers%asperities)) then
-        allocate (side%surface)
-        call take_asperities(which, numbers%asperities, side%surface, new%problems)
-      else if (c_associated(numbers%map)) then
-        allocate (side%map)
-        call take_heights(which, numbers%map, side%map, new%problems, failure)
-        if (allocated(failure)) call move_alloc(failure, new%failure)
+    call begin_outcome(new, handle)
+    if (.not. associated(new)) return
+    call take_spec(path, groups, spec, new%problems)
+    if (new%problems%count() == 0 .and. .not. spec%is_map) &
+      call new%problems%add(spec%file // ': found surfaces, expected a group &map')
+    if (new%problems%count() == 0) then
+      call generate_map(spec%map, map, new%failure)
+      if (allocated(new%failure)) then
+        new%failure = spec%file // ': ' // new%failure
+      else
+        call set_map(new, spec%file, map)
       end if
-    end subroutine take_side
+    end if
+    call finish_outcome(new)
+  end function c_generate_map
 
-  end function c_build_scene_of
+  !> `asperity_power_spectrum`.
+  type(c_ptr) function c_power_spectrum(given) bind(c, name='asperity_power_spectrum') &
+    result(handle)
+    type(c_ptr), value :: given  !! `c_height_map`
+
+    handle = c_power_spectrum_at_level(given, c_null_ptr)
+  end function c_power_spectrum
+
+  !> `asperity_power_spectrum_at_level`.
+  type(c_ptr) function c_power_spectrum_at_level(given, level) &
+    bind(c, name='asperity_power_spectrum_at_level') result(handle)
+    type(c_ptr), value :: given  !! `c_height_map`
+    type(c_ptr), value :: level  !! name; null: that of the edge of the map
+    type(outcome), pointer :: new
+    type(height_map) :: map
+    type(power_spectrum) :: spectra(3)
+    integer :: chosen, k
+
+    call begin_outcome(new, handle)
+    if (.not. associated(new)) return
+    call take_heights('map', given, map, new%problems, new%failure)
+    if (new%problems%count() == 0 .and. .not. all(map%pixel_spacing > 0.0)) &
+      call new%problems%add('map.spacing: found 0, 0, expected the spacing of the pixels')
+    map%periodic = map%edge == periodic_edge
+    chosen = usual_level(map%periodic)
+    call take_word('level', level, level_names, chosen, new%problems)
+    if (new%problems%count() == 0 .and. .not. allocated(new%failure)) then
+      call level_map(map, chosen)
+      call measure_spectra('map', map, spectra, new%problems, new%failure)
+    end if
+    if (new%problems%count() == 0 .and. .not. allocated(new%failure)) then
+      call set_text(new, text_unit, map%unit)
+      do k = 1, size(spectra)
+        associate (table => new%tables(table_spectra + k - 1), from => spectra(k))
+          call add_reals(table, 'q', from%q, power_of(map%unit, -1))
+          if (k == 1) call add_reals(table, 'c_iso', from%c, power_of(map%unit, 4))
+          if (k > 1) call add_reals(table, 'c_1d', from%c, power_of(map%unit, 3))
+          call add_wholes(table, 'number', from%number)
+        end associate
+      end do
+    end if
+    call finish_outcome(new)
+  end function c_power_spectrum_at_level
 
   !> `asperity_summits`.
   type(c_ptr) function c_summits(path, choices) bind(c, name='asperity_summits') result(handle)
@@ -203,7 +289,7 @@ contains
     call finish_outcome(new)
   end subroutine finish_summits
 
-  !> A power of a unit of length; empty where the unit is not known.
+  ! A power of a unit of length; empty where the unit is not known.
   pure function power_of(unit, power) result(text)
     character(len=*), intent(in) :: unit     !! name of the unit
     integer, intent(in) :: power             !! exponent, not 0
@@ -214,89 +300,5 @@ contains
     if (abs(power) > 1) text = text // decimal_text(abs(power))
     if (power < 0) text = '1/' // text
   end function power_of
-
-  !> `asperity_read_map`.
-  type(c_ptr) function c_read_map(path, along, unit) bind(c, name='asperity_read_map') &
-    result(handle)
-    type(c_ptr), value :: path   !! height map
-    type(c_ptr), value :: along  !! spacing along x and y; null: that of the file
-    type(c_ptr), value :: unit   !! name; null: that of the file
-    type(outcome), pointer :: new
-    type(height_map) :: map
-    real(c_double), pointer :: given(:)
-    real(real64) :: pixel_spacing(2)
-    integer :: which
-
-    call begin_outcome(new, handle)
-    if (.not. associated(new)) return
-    call require_text('map', path, new%problems)
-    which = 0
-    call take_word('unit', unit, length_units, which, new%problems)
-    pixel_spacing = 0.0_real64
-    if (c_associated(along)) then
-      call c_f_pointer(along, given, [2])
-      pixel_spacing = given
-    end if
-    if (new%problems%count() == 0) &
-      call read_height_map(text_of(path), pixel_spacing, .false., map, new%problems, &
-                           new%failure)
-    if (new%problems%count() == 0 .and. .not. allocated(new%failure)) then
-      call put_in_unit(map, which)
-      call set_map(new, text_of(path), map)
-    end if
-    call finish_outcome(new)
-  end function c_read_map
-
-  !> Fills the tables and texts of a map. Missing pixels are NaN there.
-  subroutine set_map(new, name, map)
-    type(outcome), intent(inout) :: new    !! outcome with them, or with a failure
-    character(len=*), intent(in) :: name   !! name of the map, for a message
-    type(height_map), intent(in) :: map    !! map that is returned
-    integer :: row, status
-
-    call set_text(new, text_unit, map%unit)
-    call set_text(new, text_notes, map%notes%text())
-    associate (table => new%tables(table_map))
-      call add_wholes(table, 'columns', [map%columns])
-      call add_wholes(table, 'rows', [map%rows])
-      call add_reals(table, 'spacing_x', map%pixel_spacing(1:1), map%unit)
-      call add_reals(table, 'spacing_y', map%pixel_spacing(2:2), map%unit)
-      call add_wholes(table, 'periodic', [merge(1, 0, map%edge == periodic_edge)])
-    end associate
-    associate (table => new%tables(table_pixels))
-      allocate (table%columns(1))
-      table%columns(1)%name = 'height'
-      table%columns(1)%unit = map%unit
-      allocate (table%columns(1)%reals(size(map%height)), stat=status)
-      if (status /= 0) then
-        new%failure = name // ': ' // not_enough_memory // ' for the heights as an array'
-        deallocate (table%columns)
-        return
-      end if
-      table%rows = size(map%height)
-      do row = 1, map%rows
-        table%columns(1)%reals((row - 1) * map%columns + 1:row * map%columns) = &
-          merge(map%height(:, row), ieee_value(0.0_real64, ieee_quiet_nan), &
-                is_measured(map%height(:, row)))
-      end do
-    end associate
-  end subroutine set_map
-
-  !> `asperity_write_map`.
-  type(c_ptr) function c_write_map(given, path) bind(c, name='asperity_write_map') result(handle)
-    type(c_ptr), value :: given  !! `c_height_map`
-    type(c_ptr), value :: path   !! the file
-    type(outcome), pointer :: new
-    type(height_map) :: map
-
-    call begin_outcome(new, handle)
-    if (.not. associated(new)) return
-    call require_text('path', path, new%problems)
-    call take_heights('map', given, map, new%problems, new%failure)
-    if (new%problems%count() == 0 .and. .not. allocated(new%failure)) &
-      call write_map_file(text_of(path), map, new%problems, new%failure)
-    call set_text(new, text_notes, note_of_file(text_of(path), map))
-    call finish_outcome(new)
-  end function c_write_map
 
 end module asperity_c_maps
