@@ -13,8 +13,8 @@ module asperity_c_scenes
                       check_field_request, check_options, contact_field, decimal_text, &
                       fields_none, list_warning_kinds, list_warnings, make_arrays, name_units, &
                       of_contacts, of_positions, parse_scene, place_of, problem_list, &
-                      read_scene, rebuild_scene, run_options, scene_results, scene_side, scene_surface, &
-                      solve, text_buffer, write_summary
+                      read_scene, rebuild_scene, run_options, scene_results, scene_side, &
+                      scene_surface, solve, text_buffer, write_summary
   use asperity_contact_field, only: contact_marks
   use asperity_c_arguments, only: require_text, take_asperities, take_heights
   use asperity_c_outcome, only: add_pixels, begin_outcome, finish_outcome, finish_scene, &

@@ -258,8 +258,9 @@ contains
       if (allocated(work%more) .and. .not. allocated(failure)) then
         done = count(work%is_done(work%from::size(work%is_there)))
         if (done < pieces) failure = path_of(work) // ': holds ' // decimal_text(done) // &
-          ' of ' // decimal_text(pieces) // ' ' // work%piece // 's, expected all: run it with ' // &
-          '--share ' // decimal_text(work%from) // '/' // decimal_text(size(work%is_there)) // ' to its end'
+          ' of ' // decimal_text(pieces) // ' ' // work%piece // 's, expected all: run it ' // &
+          'with --share ' // decimal_text(work%from) // '/' // &
+          decimal_text(size(work%is_there)) // ' to its end'
       end if
       if (allocated(failure) .or. work%file > size_of_more(work)) then
         work%file = 0
