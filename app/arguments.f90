@@ -1,6 +1,7 @@
 !> Words of the command line, sorted into options and operand by what a command accepts.
 module asperity_arguments
   use asperity_input_text, only: in_quotes
+  use asperity_kinds, only: real64
   use asperity_problems, only: problem_list
   use asperity_word_hint, only: did_you_mean, nearest_word
   implicit none
@@ -12,6 +13,7 @@ module asperity_arguments
   type :: given_option
     character(len=:), allocatable :: name   !! with its two dashes
     character(len=:), allocatable :: value  !! empty for an option without value
+    real(real64) :: number = 0.0_real64     !! the number in the value, or that of its word
   end type given_option
 
   !> The words of the command line behind the command.
@@ -92,8 +94,8 @@ contains
         if (any([(list%options(k)%name == name, k=1, size(list%options))]) .and. &
             name /= '--keep' .and. all(name /= known)) &
           call problems%add('option ' // name // ' is given twice, expected once')
-        ! By a variable: gfortran 12 leaks the components of a constructor inside a constructor.
-        given = given_option(name, value)
+        given%name = name
+        given%value = value
         list%options = [list%options, given]
       end if
     end do

@@ -1,21 +1,17 @@
 !> The command line: words in, checked choices or a list of problems out.
 module asperity_command_line
   use asperity_arguments, only: word_at, argument_list, given_option, read_arguments
-  use asperity_contact_field, only: fields_all, fields_last
+  use asperity_contact_field, only: fields_all
   use asperity_input_text, only: lower_case, in_quotes
   use asperity_kept_records, only: kept_file
   use asperity_kinds, only: real64
-  use asperity_map_summits, only: rule_eight, rule_names
-  use asperity_height_map, only: edge_names, length_units, level_names
   use asperity_option_values, only: read_count, read_depths, read_positive, read_share, &
                                     read_spacing, read_tables, read_word
-  use asperity_option_table, only: call_of, command_at, commands, known_options, options
-  use asperity_original, only: arithmetic_names
+  use asperity_option_table, only: call_of, command_at, commands, entry_of, known_options, &
+                                   option_entry, options
   use asperity_original_records, only: original_positions, thesis_tables
   use asperity_output_files, only: same_file
   use asperity_problems, only: decimal_text, problem_list
-  use asperity_run_options, only: totals_of_accuracy
-  use asperity_summit_spheres, only: radius_names
   use asperity_system_calls, only: canonical_path
   use asperity_text_buffer, only: text_buffer
   use asperity_word_hint, only: any_of, did_you_mean, nearest_word
@@ -25,10 +21,6 @@ module asperity_command_line
   public :: check_ending, command_line, is_shared, output_place, parse_command_line, &
             refuse_input, tell_part
 
-  ! States whose fields are written: `fields_last` and `fields_all`.
-  character(len=*), parameter :: states_named(fields_last:fields_all) = &
-    [character(len=4) :: 'last', 'all']
-
   character(len=*), parameter :: letters = 'abcdefghijklmnopqrstuvwxyz'
 
   !> The choices of the user.
@@ -36,27 +28,17 @@ module asperity_command_line
     character(len=:), allocatable :: command         !! empty, help, version, original, solve ...
     character(len=:), allocatable :: topic           !! command whose help is asked for, or empty
     character(len=:), allocatable :: input           !! path of the deck or scene
-    character(len=:), allocatable :: arithmetic      !! one of `arithmetic_names`
     type(given_option), allocatable :: given(:)      !! options in their order, `-` as /dev/stdout
-    integer :: member = 0                            !! surface of the ensemble; 0 is all
     logical :: printed(original_positions) = .false. !! positions whose contact table is printed
     integer :: share(2) = [1, 1]                     !! part, and how many there are
     type(kept_file), allocatable :: parts(:)         !! of --keep, but for the first; none: no such
-    integer :: threads = 0                           !! threads to use; 0: all cores
-    real(real64) :: accuracy = 0.0_real64            !! accuracy asked for; 0 when not given
-    integer :: accuracy_of = 0                       !! place in `totals_of_accuracy`; 0: not given
-    real(real64) :: seconds = 0.0_real64             !! time that may be spent; 0 when not given
-    integer :: rule = rule_eight                     !! what a summit is
-    integer :: level = 0                             !! of the heights of a map; 0: the usual one
-    integer :: edge = 1                              !! of a map: one of `edge_names`
-    integer :: radius = 0                            !! rule for radii; 0: that of the rule
-    integer :: unit = 0                              !! of `length_units`; 0: the file's own
     real(real64), allocatable :: depths(:)           !! of --depths; not allocated: not given
-    integer :: fields_of = 0                         !! `fields_last`, `fields_all`; 0: not given
     real(real64) :: pixel_spacing(2) = 0.0_real64    !! of a matrix; 0 when not given
   contains
     procedure :: has => has_option                   !! whether an option is given
     procedure :: output_path                         !! path of an output, by its option
+    procedure :: number => number_of                 !! number in the value of an option
+    procedure :: choice => choice_of                 !! whole number, or number of a word
   end type command_line
 
 contains
@@ -73,7 +55,6 @@ contains
     line%command = ''
     line%topic = ''
     line%input = ''
-    line%arithmetic = ''
     allocate (line%given(0))
     line%printed(thesis_tables) = .true.
     if (command_argument_count() == 0) return
@@ -97,7 +78,6 @@ contains
     k = command_at(line%command)
     if (k == 1) then
       line%command = 'original'
-      line%arithmetic = trim(arithmetic_names(1))
       if (is_no_command(word_at(1), problems)) return
     end if
     call read_arguments(min(k, 2), known_options(commands(k)%name), trim(commands(k)%called), &
@@ -108,7 +88,7 @@ contains
     line%input = list%operand
     line%given = list%options
     do i = 1, size(list%options)
-      call take_option(line, i, problems)
+      call take_option(line, command_at(line%command), i, problems)
     end do
     k = size(line%given)
     keeps = pack([(i, i=1, k)], [(line%given(i)%name == '--keep', i=1, k)])
@@ -116,10 +96,10 @@ contains
     do i = 2, size(keeps)
       line%parts(i - 1)%path = line%given(keeps(i))%value
     end do
-    if (line%accuracy > 0 .and. line%output_path('--keep') /= '') &
+    if (line%has('--accuracy') .and. line%output_path('--keep') /= '') &
       call problems%add('--accuracy solves a sweep by several methods, --keep saves one: ' // &
                         'expected one of both')
-    if (line%accuracy_of > 0 .and. .not. line%accuracy > 0) &
+    if (line%has('--of') .and. .not. line%has('--accuracy')) &
       call problems%add('--of: expected --accuracy ERROR beside it')
     if (line%output_path('--output') /= '' .and. line%output_path('--upper') /= '') &
       call problems%add('--output and --upper both name the upper surface, expected one of them')
@@ -127,9 +107,10 @@ contains
       call problems%add('--cost does not estimate --budget, expected one of both')
     if (line%output_path('--stress') /= '' .and. .not. line%has('--depths')) &
       call problems%add('--stress: expected --depths LIST beside it')
-    if (line%fields_of > 0 .and. line%output_path('--fields') == '') &
+    if (line%has('--fields-of') .and. line%output_path('--fields') == '') &
       call problems%add('--fields-of: expected --fields FILE beside it')
-    if (line%fields_of == fields_all .and. line%output_path('--fields') == '/dev/stdout') &
+    if (line%choice('--fields-of') == fields_all .and. &
+        line%output_path('--fields') == '/dev/stdout') &
       call problems%add('--fields-of all writes a file a state, expected no - after --fields')
     call check_share(line, problems)
     call check_files(line, problems)
@@ -154,58 +135,39 @@ contains
                         did_you_mean(lower_case(word), commands(2:)%name))
   end function is_no_command
 
-  ! Takes the value of an option.
-  subroutine take_option(line, number, problems)
+  ! Takes the value of an option, by its kind in the table of options.
+  subroutine take_option(line, command, number, problems)
     type(command_line), intent(inout) :: line
-    integer, intent(in) :: number  ! place among those given
+    integer, intent(in) :: command  ! place in `commands`
+    integer, intent(in) :: number   ! place among those given
     type(problem_list), intent(inout) :: problems
-    character(len=:), allocatable :: name, value
+    type(option_entry) :: entry
 
-    name = line%given(number)%name
-    value = line%given(number)%value
-    select case (name)
-    case ('--arithmetic')
-      if (any(value == arithmetic_names)) then
-        line%arithmetic = value
-      else
-        call problems%add('--arithmetic: found ' // in_quotes(value) // &
-                          ', expected ibm370, real32, real64 or real128')
-      end if
-    case ('--tables')
-      call read_tables(value, line%printed, problems)
-    case ('--surface')
-      call read_count(name, value, 7, 'a number from 1', line%member, problems)
-    case ('--share')
-      call read_share(value, line%share, problems)
-    case ('--threads')
-      call read_count(name, value, 4, 'a number from 1 to 9999', line%threads, problems)
-    case ('--seconds')
-      call read_positive(name, value, huge(line%seconds), 'a number more than 0', line%seconds, &
-                         problems)
-    case ('--accuracy')
-      call read_positive(name, value, 1.0_real64, 'a relative error between 0 and 1, for ' // &
-                         'instance 1e-3', line%accuracy, problems)
-    case ('--of')
-      call read_word(name, value, totals_of_accuracy, line%accuracy_of, problems)
-    case ('--rule')
-      call read_word(name, value, rule_names, line%rule, problems)
-    case ('--edge')
-      call read_word(name, value, edge_names, line%edge, problems)
-    case ('--level')
-      call read_word(name, value, level_names, line%level, problems)
-    case ('--radius')
-      call read_word(name, value, radius_names, line%radius, problems)
-    case ('--unit')
-      call read_word(name, value, length_units, line%unit, problems)
-    case ('--spacing')
-      call read_spacing(value, line%pixel_spacing, problems)
-    case ('--depths')
-      call read_depths(value, line%depths, problems)
-    case ('--fields-of')
-      call read_word(name, value, states_named, line%fields_of, problems)
-    case default
-      if (value == '-') call take_standard_output(line, number, problems)
-    end select
+    associate (given => line%given(number))
+      entry = entry_of(command, given%name)
+      select case (entry%value)
+      case ('NAME', 'WORD')
+        call read_word(given%name, given%value, pack(entry%words, entry%words /= ''), &
+                       given%number, problems)
+      case ('N')
+        call read_count(given%name, given%value, entry%most, given%number, problems)
+      case ('S')
+        call read_positive(given%name, given%value, huge(given%number), 'a number more than 0', &
+                           given%number, problems)
+      case ('ERROR')
+        call read_positive(given%name, given%value, 1.0_real64, 'a relative error between 0 ' // &
+                           'and 1, for instance 1e-3', given%number, problems)
+      case ('I/N')
+        call read_share(given%value, line%share, problems)
+      case ('X,Y')
+        call read_spacing(given%value, line%pixel_spacing, problems)
+      case ('LIST')
+        if (given%name == '--tables') call read_tables(given%value, line%printed, problems)
+        if (given%name == '--depths') call read_depths(given%value, line%depths, problems)
+      case default
+        if (given%value == '-') call take_standard_output(line, number, problems)
+      end select
+    end associate
   end subroutine take_option
 
   ! A part is kept in one file; several files are those of parts.
@@ -259,7 +221,7 @@ contains
     type(command_line), intent(in) :: line  !! the user's choices
 
     is_shared = .not. line%has('--cost') .and. (line%command == 'study' .or. &
-                (line%command == 'solve' .and. .not. line%accuracy > 0.0_real64))
+                (line%command == 'solve' .and. .not. line%has('--accuracy')))
   end function is_shared
 
   !> The path of an output of a member of an ensemble: `%` stands for its number.
@@ -372,6 +334,26 @@ contains
                    (option == '--quiet' .and. self%given(i)%value == '/dev/stdout')
     end do
   end function has_option
+
+  !> The number in the value of an option, or that of its word; 0 when it was not given.
+  pure real(real64) function number_of(self, option) result(number)
+    class(command_line), intent(in) :: self  !! the user's choices
+    character(len=*), intent(in) :: option   !! with its two dashes
+    integer :: i
+
+    number = 0.0_real64
+    do i = 1, size(self%given)
+      if (self%given(i)%name == option) number = self%given(i)%number
+    end do
+  end function number_of
+
+  !> The same as a whole number.
+  pure integer function choice_of(self, option) result(choice)
+    class(command_line), intent(in) :: self  !! the user's choices
+    character(len=*), intent(in) :: option   !! with its two dashes
+
+    choice = nint(self%number(option))
+  end function choice_of
 
   !> The path that an option names, the first one of --keep; empty when it was not given.
   pure function output_path(self, option) result(path)

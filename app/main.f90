@@ -26,7 +26,7 @@ program asperity_main
   else if (outcome%problems%count() > 0) then
     call outcome%problems%add('Try: asperity --help')
   else if (image_number() == 1 .or. is_shared(line)) then
-    !$ if (line%threads > 0) call omp_set_num_threads(line%threads)
+    !$ if (line%has('--threads')) call omp_set_num_threads(line%choice('--threads'))
     select case (line%command)
     case ('', 'help', 'version')
       call write_help(line%command, line%topic, outcome%text)

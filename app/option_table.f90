@@ -1,11 +1,16 @@
 !> The one table of commands and options: from it the command line is read, and help, manual page
 !> and shell completion are written.
 module asperity_option_table
+  use asperity_height_map, only: edge_names, length_units, level_names
+  use asperity_map_summits, only: rule_names
+  use asperity_original, only: arithmetic_names
+  use asperity_run_options, only: totals_of_accuracy
+  use asperity_summit_spheres, only: radius_names
   implicit none
   private
 
   public :: command_entry, option_entry, commands, options
-  public :: call_of, command_at, known_options
+  public :: call_of, command_at, entry_of, known_options
 
   !> A command.
   type :: command_entry
@@ -22,7 +27,11 @@ module asperity_option_table
     character(len=5) :: value     !! what stands behind it; FILE: an output; blank: nothing
     character(len=240) :: text    !! what it does
     character(len=4) :: format = 'csv'  !! ending of the output's name; blank: any
+    integer :: most = 0           !! largest number of N
+    character(len=11) :: words(6) = ''  !! values of WORD and NAME, in the order of their numbers
   end type option_entry
+
+  character(len=11), parameter :: none(6) = ''
 
   !> The original program first.
   type(command_entry), parameter :: commands(*) = [ &
@@ -48,7 +57,8 @@ module asperity_option_table
 
   !> In the order of the help.
   type(option_entry), parameter :: options(*) = [ &
-    option_entry('', '--arithmetic', 'NAME', 'ibm370 (default), real32, real64 or real128'), &
+    option_entry('', '--arithmetic', 'NAME', 'ibm370 (default), real32, real64 or real128', &
+      words=[character(len=11) :: arithmetic_names, none(:2)]), &
     option_entry('', '--tables', 'LIST', &
       'positions whose contact table is printed: none, all, or numbers from 1 to 100 ' // &
       'separated by commas (default 13,55,56)'), &
@@ -72,7 +82,8 @@ module asperity_option_table
       'write pressure, gap and displacement on the pixels of a map, or of asperities with ' // &
       'field_spacing (VTK image data, .vti, for ParaView)', 'vti'), &
     option_entry('solve', '--fields-of', 'WORD', &
-      'states that --fields writes: last (default), or all, each in a file NAME_0001.vti'), &
+      'states that --fields writes: last (default), or all, each in a file NAME_0001.vti', &
+      words=[character(len=11) :: 'last', 'all', none(:4)]), &
     option_entry('solve', '--picture', 'FILE', &
       'draw the pressure on the same pixels at the last state (SVG)', 'svg'), &
     option_entry('solve', '--histogram', 'FILE', &
@@ -86,12 +97,14 @@ module asperity_option_table
       'choose the fastest method with an estimated relative error below ERROR, for instance ' // &
       '1e-3, including the estimated influence of effects that are off'), &
     option_entry('solve', '--of', 'WORD', &
-      'totals that --accuracy limits: all (default), load (or separation), or area'), &
+      'totals that --accuracy limits: all (default), load (or separation), or area', &
+      words=[character(len=11) :: totals_of_accuracy, none(:3)]), &
     option_entry('solve', '--budget', '', &
       'print the error budget of every total: arithmetic, step, model'), &
     option_entry('solve', '--threads', 'N', &
       'number of threads (default: all cores, 1 for small scenes); results do not depend on ' // &
-      'it; on a busy machine set OMP_WAIT_POLICY=passive'), &
+      'it; on a busy machine set OMP_WAIT_POLICY=passive', &
+      most=9999), &
     option_entry('solve', '--keep', 'FILE', &
       'save solved positions in FILE; a rerun continues from it', ''), &
     option_entry('solve', '--share', 'I/N', &
@@ -112,7 +125,8 @@ module asperity_option_table
       'write the upper surface, the deck, or the height map (.sdf, .npy or .txt)', ''), &
     option_entry('generate', '--upper', 'FILE', 'write the upper surface as CSV; not for a deck'), &
     option_entry('generate', '--lower', 'FILE', 'write the lower surface as CSV; not for a deck'), &
-    option_entry('generate', '--surface', 'N', 'only surface N of the ensemble'), &
+    option_entry('generate', '--surface', 'N', 'only surface N of the ensemble', &
+      most=9999999), &
     option_entry('generate', '--cost', '', 'estimate run time and memory, then exit'), &
     option_entry('study', '--csv', 'FILE', 'write the table with all digits'), &
     option_entry('study', '--keep', 'FILE', 'save solved surfaces in FILE; a rerun ' // &
@@ -125,22 +139,27 @@ module asperity_option_table
     option_entry('summits', '--output', 'FILE', 'write the summits as CSV: x,y,height,radius'), &
     option_entry('summits', '--rule', 'NAME', &
       'eight (default): higher than all eight neighbours; contact: summits for a contact ' // &
-      'calculation, with mirrored edges and filled ridges'), &
+      'calculation, with mirrored edges and filled ridges', &
+      words=[character(len=11) :: rule_names, none(:4)]), &
     option_entry('summits', '--level', 'NAME', &
       'subtract from the heights: plane (least squares; default of a free map), mean (default ' // &
-      'of a periodic map), none'), &
+      'of a periodic map), none', &
+      words=[character(len=11) :: level_names, none(:3)]), &
     option_entry('summits', '--edge', 'NAME', &
-      'edge of the map: free (default) or periodic'), &
+      'edge of the map: free (default) or periodic', &
+      words=[character(len=11) :: edge_names, none(:4)]), &
     option_entry('summits', '--radius', 'NAME', &
       'radius from second differences: neighbours (default of eight), inverse of their mean; ' // &
       'geometric (default of contact), inverse of their geometric mean; paraboloid, fit to ' // &
-      'nine pixels'), &
+      'nine pixels', &
+      words=[character(len=11) :: radius_names, none(:3)]), &
     option_entry('summits', '--despike', '', 'remove single outliers and print their number'), &
     option_entry('summits', '--spacing', 'X,Y', 'pixel spacing of a matrix or an array, in ' // &
         'its unit of length'), &
     option_entry('summits', '--unit', 'NAME', &
       'unit of length of all outputs, and of a map without a unit: m, mm, um, nm, cm or in ' // &
-      '(default: that of the file; m for a surface data file)'), &
+      '(default: that of the file; m for a surface data file)', &
+      words=[character(len=11) :: length_units]), &
     option_entry('summits', '--spectrum', 'FILE', &
       'write power spectral densities as CSV: of the area, averaged over rings, and of lines ' // &
       'along x and along y'), &
@@ -156,6 +175,15 @@ contains
 
     command_at = max(1, findloc(commands%name == name, .true., 1))
   end function command_at
+
+  !> The entry of an option of a command.
+  pure type(option_entry) function entry_of(k, name)
+    integer, intent(in) :: k              !! place of the command in `commands`
+    character(len=*), intent(in) :: name  !! one of its options, with the dashes
+
+    entry_of = options(findloc(options%command == commands(k)%name .and. options%name == name, &
+                               .true., 1))
+  end function entry_of
 
   !> `asperity solve [OPTIONS] SCENE`.
   pure function call_of(k) result(text)

@@ -14,18 +14,20 @@ module asperity_option_values
 
 contains
 
-  !> A whole number from 1 on, of so many digits at most.
-  subroutine read_count(option, value, most_digits, expected, number, problems)
+  !> A whole number from 1 to a largest one, whose digits are nines.
+  subroutine read_count(option, value, most, number, problems)
     character(len=*), intent(in) :: option         !! whose value it is
     character(len=*), intent(in) :: value          !! value of the option, as given
-    integer, intent(in) :: most_digits             !! number of digits allowed, 1 to 9
-    character(len=*), intent(in) :: expected       !! what is expected, for a message
-    integer, intent(inout) :: number               !! 0 when the word is no such number
+    integer, intent(in) :: most                    !! largest number, for a message below a million
+    real(real64), intent(inout) :: number          !! 0 when the word is no such number
     type(problem_list), intent(inout) :: problems  !! what is wrong
+    character(len=:), allocatable :: range_text
 
-    number = count_of(value, most_digits)
-    if (number == 0) &
-      call problems%add(option // ': found ' // in_quotes(value) // ', expected ' // expected)
+    number = real(count_of(value, len(decimal_text(most))), real64)
+    range_text = ''
+    if (most < 1000000) range_text = ' to ' // decimal_text(most)
+    if (.not. number > 0.0_real64) call problems%add(option // ': found ' // in_quotes(value) // &
+                                                     ', expected a number from 1' // range_text)
   end subroutine read_count
 
   ! The whole number from 1 on that a word is, of so many digits at most; 0 when it is none.
@@ -115,13 +117,13 @@ contains
     character(len=*), intent(in) :: option         !! whose value it is
     character(len=*), intent(in) :: value          !! value of the option, as given
     character(len=*), intent(in) :: words(:)       !! those that are known
-    integer, intent(inout) :: choice               !! number of the word, when it is one of them
+    real(real64), intent(inout) :: choice          !! number of the word, when it is one of them
     type(problem_list), intent(inout) :: problems  !! what is wrong
 
     integer :: found
 
     found = findloc(words == plain_unit(value), .true., 1)
-    if (found > 0) choice = found
+    if (found > 0) choice = real(found, real64)
     if (found > 0) return
     call problems%add(option // ': found ' // in_quotes(value) // ', expected ' // &
                       any_of(words) // did_you_mean(value, words))

@@ -50,7 +50,7 @@ contains
         call refuse_input(line, scene_in%lower%file, outcome%problems)
     end if
     if (outcome%problems%count() > 0) return
-    seconds = merge(line%seconds, usual_seconds, line%seconds > 0.0_real64)
+    seconds = merge(line%number('--seconds'), usual_seconds, line%has('--seconds'))
     pieces = most_methods(scene_in)
     if (line%has('--cost')) then
       cost%pieces = 'methods'

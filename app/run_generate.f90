@@ -50,8 +50,8 @@ contains
       call try_surfaces(line, spec, plans, outcome)
       return
     end if
-    last = merge(line%member, spec%ensemble, line%member > 0)
-    do member = max(1, line%member), last
+    last = merge(line%choice('--surface'), spec%ensemble, line%has('--surface'))
+    do member = max(1, line%choice('--surface')), last
       call make_member(line, spec, plans, member, outcome%failure)
       if (allocated(outcome%failure)) then
         call discard_files()
@@ -75,7 +75,7 @@ contains
     if (outcome%problems%count() > 0) return
     unit = ''
     if (spec%map%unit > 0) unit = length_units(spec%map%unit)
-    if (line%member > 0) &
+    if (line%has('--surface')) &
       call outcome%problems%add('--surface: found for a height map, expected none')
     if (line%output_path('--upper') // line%output_path('--lower') /= '') &
       call outcome%problems%add('--upper and --lower: found for a height map, expected --output')
@@ -127,7 +127,7 @@ contains
     if (spec%is_deck .or. line%output_path('--lower') /= '' .and. &
         line%output_path('--output') // line%output_path('--upper') /= '') sides = 2
     cost%pieces = 'surfaces'
-    cost%total = merge(1, spec%ensemble, line%member > 0)
+    cost%total = merge(1, spec%ensemble, line%has('--surface'))
     cost%tried = min(pieces_tried, cost%total)
     call cpu_time(cost%begun)
     do i = 1, cost%tried
@@ -155,16 +155,16 @@ contains
     integer :: i, member
 
     call check_ending(line, '--output', 'csv', problems)
-    if (line%member > spec%ensemble) &
-      call problems%add('--surface: found ' // decimal_text(line%member) // ', expected at ' // &
-                        'most ' // decimal_text(spec%ensemble) // ', the ensemble of ' // spec%file)
+    if (line%choice('--surface') > spec%ensemble) &
+      call problems%add('--surface: found ' // decimal_text(line%choice('--surface')) // &
+                        ', expected at most ' // decimal_text(spec%ensemble) // ', the ensemble of ' // spec%file)
     if (spec%is_deck .and. line%output_path('--upper') // line%output_path('--lower') /= '') &
       call problems%add('--upper and --lower: found for a deck, expected --output, as a deck ' // &
                         'holds both surfaces')
     do i = 1, size(options)
       pattern = line%output_path(options(i))
       if (pattern == '') cycle
-      if (spec%ensemble > 1 .and. line%member == 0 .and. index(pattern, '%') == 0) &
+      if (spec%ensemble > 1 .and. .not. line%has('--surface') .and. index(pattern, '%') == 0) &
         call problems%add(trim(options(i)) // ': found ' // pattern // ' for ' // &
                           decimal_text(spec%ensemble) // ' surfaces, expected % in it for ' // &
                           'their numbers, or --surface N')
@@ -174,7 +174,7 @@ contains
           call problems%add(trim(options(i)) // ' names the input, ' // spec%file)
       end do
     end do
-    if (spec%ensemble > 1 .and. line%member == 0 .and. &
+    if (spec%ensemble > 1 .and. .not. line%has('--surface') .and. &
         line%output_path('--output') // line%output_path('--upper') // &
       line%output_path('--lower') == '') &
       call problems%add('standard output holds one surface, found an ensemble of ' // &

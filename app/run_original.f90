@@ -4,7 +4,7 @@ module asperity_run_original
   use asperity_command_line, only: command_line
   use asperity_command_outcome, only: command_outcome
   use asperity_files, only: write_standard_error
-  use asperity_original, only: run_in_arithmetic
+  use asperity_original, only: arithmetic_names, run_in_arithmetic
   use asperity_original_csv, only: write_original_contacts, write_original_positions, &
                                    write_original_variance
   use asperity_original_records, only: original_records, original_request
@@ -30,7 +30,8 @@ contains
     if (outcome%problems%count() > 0) return
     call write_standard_error(deck%notes%text())
     request%keep_contacts = line%printed .or. line%output_path('--contacts') /= ''
-    call run_in_arithmetic(line%arithmetic, deck, request, records, outcome%failure)
+    call run_in_arithmetic(trim(arithmetic_names(max(1, line%choice('--arithmetic')))), deck, &
+                           request, records, outcome%failure)
     if (allocated(outcome%failure)) then
       outcome%failure = line%input // ': ' // outcome%failure
       return

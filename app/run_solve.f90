@@ -98,7 +98,8 @@ contains
     if (.not. line%has('--cost')) call list_warnings(line%input, results, outcome%warnings)
     if (.not. (line%has('--quiet') .or. line%has('--cost'))) then
       call write_summary(scene_in, results, outcome%text)
-      if (line%accuracy > 0.0_real64) call write_choice(line%accuracy, results, outcome%text)
+      if (line%has('--accuracy')) &
+        call write_choice(line%number('--accuracy'), results, outcome%text)
       if (line%has('--budget')) call write_budget(budget, size(results%positions), outcome%text)
       if (is_thesis_sweep(scene_in)) &
         call write_corrected_table(correct_table(scene_in%deck, results), outcome%text)
@@ -154,7 +155,8 @@ contains
       if (line%output_path('--fields') /= '') then
         call write_vti(field, vti)
         call stage_output('--fields', vti, numbered_path(line%output_path('--fields'), &
-                                                  field%state, line%fields_of == fields_all))
+                                                  field%state, &
+                          line%choice('--fields-of') == fields_all))
       end if
       if (.not. is_last) return
       if (line%output_path('--histogram') /= '') then
@@ -335,8 +337,8 @@ contains
     type(scene), intent(in) :: scene_in
     type(run_options) :: options
 
-    options%accuracy = line%accuracy
-    if (line%accuracy_of > 0) options%accuracy_of = totals_of_accuracy(line%accuracy_of)
+    options%accuracy = line%number('--accuracy')
+    if (line%has('--of')) options%accuracy_of = totals_of_accuracy(line%choice('--of'))
     options%keep_contacts = line%output_path('--contacts') // line%output_path('--json') // &
                             line%output_path('--vtk') // line%output_path('--html') /= '' .or. &
                             is_thesis_sweep(scene_in) .or. needs_fields(line)
@@ -344,8 +346,8 @@ contains
         (line%output_path('--html') /= '' .and. line%output_path('--keep') == '' .and. &
          ((allocated(scene_in%map) .and. scene_in%motion%positions == 1) .or. &
           may_have_fields(scene_in)))) &
-      options%fields = max(fields_last, line%fields_of)
-    options%threads = line%threads
+      options%fields = max(fields_last, line%choice('--fields-of'))
+    options%threads = line%choice('--threads')
     options%progress = image_number() == 1
     options%all_images = is_shared(line)
     options%keep_file = line%output_path('--keep')

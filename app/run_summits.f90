@@ -9,7 +9,7 @@ module asperity_run_summits
   use asperity_kinds, only: int64, real64
   use asperity_map_spectrum, only: measure_spectra, power_spectrum
   use asperity_map_statistics, only: map_statistics, measure_map
-  use asperity_map_summits, only: map_summits
+  use asperity_map_summits, only: map_summits, rule_eight
   use asperity_printable, only: printable_text
   use asperity_problems, only: decimal_text
   use asperity_summits_of_file, only: summit_choices, summits_of_file, summits_of_samples
@@ -39,10 +39,11 @@ contains
     type(power_spectrum) :: spectra(3)
     integer(int64) :: spikes
 
-    choices = summit_choices(rule=line%rule, level=line%level, periodic=line%edge == 2, &
-                             edge_of_file=line%edge == 0, &
-                             radius=line%radius, &
-                             unit=line%unit, despike=line%has('--despike'), &
+    choices = summit_choices(rule=max(rule_eight, line%choice('--rule')), &
+                             level=line%choice('--level'), &
+                             periodic=line%choice('--edge') == 2, edge_of_file=.false., &
+                             radius=line%choice('--radius'), unit=line%choice('--unit'), &
+                             despike=line%has('--despike'), &
                              pixel_spacing=line%pixel_spacing, progress=.true., prefix='--')
     if (line%has('--cost')) then
       call try_rows(line, choices, outcome)

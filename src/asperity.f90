@@ -1,97 +1,66 @@
 !> The library: what a program needs to read or build a scene, solve it, and use its results.
 !>
-!> `docs/reference/fortran.md` shows how.
+!> `docs/reference/fortran.md` shows how. All names used here are public.
 module asperity
-  use asperity_card_deck, only: card_deck, read_card_deck
-  use asperity_contact_field, only: contact_field, fields_all, fields_last, fields_none, &
-                                    pressure_histogram
-  use asperity_contact_records, only: contact_row, effect_record, position_result, state_row
-  use asperity_kinds, only: not_computed
+  ! Scenes.
+  use asperity_problems, only: decimal_text, not_enough_memory, problem_list, problem_place
+  use asperity_scene_groups, only: list_groups
+  use asperity_scene_reader, only: build_scene, build_scene_of, parse_scene, read_scene, &
+                                   rebuild_scene
+  use asperity_scene_surfaces, only: plane_surface, take_surface
+  use asperity_scene_values, only: scene, scene_map, scene_side, scene_surface
+  ! Measured maps and their summits.
+  use asperity_height_map, only: edge_names, height_map, is_measured, length_units, level_mean, &
+                                 level_names, level_none, level_plane, most_samples, no_height, &
+                                 periodic_edge, plain_unit, put_in_unit, usual_level
+  use asperity_height_map_reader, only: read_height_map, take_map
+  use asperity_map_despiking, only: despike_map
+  use asperity_map_file, only: note_of_file, write_map_file
+  use asperity_map_levelling, only: level_map
+  use asperity_map_spectrum, only: measure_spectra, power_spectrum, spectrum_names
+  use asperity_map_statistics, only: map_statistics, measure_map
+  use asperity_map_summits, only: find_summits, map_summits, rule_contact, rule_eight, &
+                                  rule_names
+  use asperity_summit_spheres, only: radius_geometric, radius_names, radius_neighbours, &
+                                     radius_paraboloid
+  use asperity_summits_of_file, only: summit_choices, summits_of_array, summits_of_file
+  use asperity_summits_table, only: write_summits_table
+  ! Generated surfaces.
   use asperity_generated_map, only: generate_map
   use asperity_generated_surface, only: generate_surface, generated_surface, plan_surface, &
                                         surface_plan
   use asperity_generation_spec, only: parse_generation_spec, read_generation_spec
   use asperity_generation_values, only: generation_spec, map_spec
-  use asperity_height_map, only: edge_names, height_map, is_measured, length_units, level_mean, &
-                                 level_names, level_none, level_plane, most_samples, no_height, &
-                                 periodic_edge, &
-                                 plain_unit, put_in_unit, usual_level
-  use asperity_height_map_reader, only: read_height_map, take_map
-  use asperity_map_file, only: note_of_file, write_map_file
-  use asperity_map_despiking, only: despike_map
-  use asperity_map_levelling, only: level_map
-  use asperity_map_spectrum, only: measure_spectra, power_spectrum, spectrum_names
-  use asperity_map_statistics, only: map_statistics, measure_map
-  use asperity_map_summits, only: find_summits, map_summits, rule_contact, rule_eight, rule_names
+  ! The original program and its report.
+  use asperity_card_deck, only: card_deck, read_card_deck
   use asperity_original, only: arithmetic_names, run_in_arithmetic
   use asperity_original_records, only: original_records, original_request, thesis_tables
-  use asperity_problems, only: decimal_text, not_enough_memory, problem_list, problem_place
   use asperity_report, only: write_report
-  use asperity_result_table, only: add_reals, add_surface, add_wholes, array_column, array_table, &
-                                   make_arrays, name_units, of_contacts, of_positions, of_states, &
-                                   place_of
+  ! Running scenes.
   use asperity_run_options, only: check_options, run_options
-  use asperity_scene_reader, only: build_scene, build_scene_of, parse_scene, read_scene, &
-                                   rebuild_scene
-  use asperity_scene_groups, only: list_groups
-  use asperity_effect_header, only: effect_header
-  use asperity_scene_results, only: kinds_of_warnings, last_state, map_record, scene_results
-  use asperity_scene_surfaces, only: plane_surface, take_surface
-  use asperity_scene_values, only: scene, scene_map, scene_side, scene_surface
-  use asperity_solve, only: solve
   use asperity_solution_start, only: solution_start
-  use asperity_summary, only: write_summary
-  use asperity_summits_of_file, only: summit_choices, summits_of_array, summits_of_file
-  use asperity_summits_table, only: write_summits_table
+  use asperity_solve, only: solve
   use asperity_surface_fields, only: check_field_request
-  use asperity_text_buffer, only: text_buffer
-  use asperity_theory_warnings, only: theory_warning, warning_kind, warning_kinds
-  use asperity_summit_spheres, only: radius_geometric, radius_names, radius_neighbours, &
-                                      radius_paraboloid
   use asperity_version, only: version
+  ! Results.
+  use asperity_contact_records, only: contact_row, effect_record, position_result, state_row
+  use asperity_effect_header, only: effect_header
+  use asperity_scene_results, only: last_state, map_record, scene_results
+  ! Pressure and gap on the pixels of a map.
+  use asperity_contact_field, only: contact_field, fields_all, fields_last, fields_none, &
+                                    pressure_histogram
+  ! Results as tables of arrays, and in words.
+  use asperity_result_table, only: add_reals, add_surface, add_wholes, array_column, &
+                                   array_table, make_arrays, name_units, of_contacts, &
+                                   of_positions, of_states, place_of
+  use asperity_summary, only: write_summary
+  use asperity_text_buffer, only: text_buffer
+  ! Warnings outside a theory, and values that are not computed.
+  use asperity_kinds, only: not_computed
+  use asperity_scene_results, only: kinds_of_warnings
+  use asperity_theory_warnings, only: theory_warning, warning_kind, warning_kinds
   use asperity_warning_lines, only: list_warning_kinds, list_warnings
   implicit none
-  private
-
-  ! Scenes.
-  public :: scene, scene_map, scene_side, scene_surface, problem_list, problem_place
-  public :: decimal_text, not_enough_memory
-  public :: read_scene, parse_scene, take_surface, plane_surface, build_scene, build_scene_of
-  public :: rebuild_scene, list_groups
-  ! Measured maps and their summits.
-  public :: height_map, is_measured, no_height, read_height_map, take_map, put_in_unit, &
-            note_of_file, write_map_file, most_samples
-  public :: level_map, level_plane, level_mean, level_none, despike_map
-  public :: find_summits, map_summits, rule_eight, rule_contact
-  public :: radius_neighbours, radius_geometric, radius_paraboloid
-  public :: measure_map, map_statistics, measure_spectra, power_spectrum, spectrum_names
-  public :: summits_of_file, summits_of_array, summit_choices, write_summits_table
-  public :: usual_level, edge_names, periodic_edge, length_units, plain_unit, level_names, &
-            radius_names, rule_names
-  ! Generated surfaces.
-  public :: generation_spec, read_generation_spec, parse_generation_spec
-  public :: map_spec, generate_map
-  public :: surface_plan, plan_surface, generated_surface, generate_surface
-  ! The original program and its report.
-  public :: card_deck, read_card_deck, run_in_arithmetic, arithmetic_names
-  public :: original_request, original_records, thesis_tables, write_report
-  ! Running scenes.
-  public :: solution_start
-  public :: solve, run_options, check_options, check_field_request, version
-  ! Results.
-  public :: scene_results, position_result, state_row, contact_row, effect_record, effect_header, &
-            map_record
-  public :: last_state
-  ! Pressure and gap on the pixels of a map.
-  public :: contact_field, fields_none, fields_last, fields_all, pressure_histogram
-  ! Results as tables of arrays, and in words.
-  public :: make_arrays, array_table, array_column, add_reals, add_surface, add_wholes, &
-            name_units, place_of
-  public :: of_positions, of_states, of_contacts
-  public :: write_summary, text_buffer
-  ! Warnings outside a theory, and values that are not computed.
-  public :: theory_warning, warning_kind, warning_kinds, kinds_of_warnings, list_warnings
-  public :: list_warning_kinds
-  public :: not_computed
+  public
 
 end module asperity

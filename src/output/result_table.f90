@@ -3,10 +3,11 @@
 !>
 !> Tables: a row a position (its last state), a row a state, a row a contact.
 module asperity_result_table
-  use, intrinsic :: ieee_arithmetic, only: ieee_quiet_nan, ieee_value
+  use, intrinsic :: ieee_arithmetic, only: ieee_is_nan, ieee_quiet_nan, ieee_value
   use asperity_contact_records, only: contact_radius, contact_row, position_result, state_row
   use asperity_effect_names, only: known_effects
   use asperity_kinds, only: int32, int64, not_computed, real64
+  use asperity_problems, only: decimal_text, real_text
   use asperity_process, only: has_memory
   use asperity_scene_results, only: has_height_map, kinds_of_warnings, last_state, scene_results
   use asperity_scene_values, only: scene
@@ -17,6 +18,7 @@ module asperity_result_table
 
   public :: array_column, array_table, make_arrays, add_reals, add_surface, add_wholes, &
             name_units, numbers_of, place_of
+  public :: cell_text
   public :: of_positions, of_states, of_contacts, table_names
 
   !> The tables.
@@ -401,6 +403,24 @@ contains
       end if
     end associate
   end function numbers_of
+
+  !> A cell in a file: a number with 17 digits, a whole number, a word.
+  pure function cell_text(column, row, empty) result(text)
+    type(array_column), intent(in) :: column  !! column of a table
+    integer, intent(in) :: row                !! row of the cell, from 1
+    character(len=*), intent(in) :: empty     !! text of an empty cell
+    character(len=:), allocatable :: text     !! text without blanks around it
+
+    if (allocated(column%wholes)) then
+      text = decimal_text(column%wholes(row))
+    else if (allocated(column%letters)) then
+      text = trim(transfer(column%letters(:, row), repeat('a', word_length)))
+    else if (ieee_is_nan(column%reals(row))) then
+      text = empty
+    else
+      text = real_text(column%reals(row), 'es25.16e3')
+    end if
+  end function cell_text
 
   !> Names the units of all columns of a table of a run.
   subroutine name_units(scene_in, arrays)

@@ -1,11 +1,9 @@
 !> A run in one file of JSON: the scene, where it comes from, and its tables by column, under the
 !> names of the CSV files. `docs/results.schema.json` is its schema.
 module asperity_results_json
-  use, intrinsic :: ieee_arithmetic, only: ieee_is_nan
-  use asperity_kinds, only: int32, real64
   use asperity_printable, only: printable_text
-  use asperity_problems, only: decimal_text, problem_list, real_text
-  use asperity_result_table, only: array_table, of_contacts, table_names
+  use asperity_problems, only: problem_list, real_text
+  use asperity_result_table, only: array_table, cell_text, of_contacts, table_names
   use asperity_scene_inputs, only: input_file
   use asperity_scene_results, only: scene_results
   use asperity_scene_values, only: effect_words, scene
@@ -96,25 +94,33 @@ contains
     character(len=*), intent(in) :: name
     type(array_table), intent(in) :: table
     type(text_buffer), intent(inout) :: buffer
-    integer :: i
+    integer :: i, row
 
     call buffer%line('"' // name // '": {')
     do i = 1, size(table%columns)
       associate (column => table%columns(i))
-        call buffer%append('"' // column%name // '": ')
-        if (allocated(column%reals)) call put_reals(column%reals, buffer)
-        if (allocated(column%wholes)) call put_wholes(column%wholes, buffer)
-        if (allocated(column%letters)) call put_words(column%letters, buffer)
+        call buffer%append('"' // column%name // '": [')
+        do row = 1, table%rows
+          if (row > 1) call buffer%append(',')
+          ! A line of bearable length, for editors.
+          if (row > 1 .and. mod(row, 8) == 1) call buffer%append(new_line('a'))
+          if (allocated(column%letters)) then
+            call buffer%append(json_text(cell_text(column, row, '')))
+          else
+            call buffer%append(cell_text(column, row, 'null'))
+          end if
+        end do
+        call buffer%append(']')
       end associate
       if (i < size(table%columns)) call buffer%line(',')
     end do
     call buffer%append('}')
   end subroutine put_table
 
-  !> A text in quotes. Bytes that are no UTF-8 become question marks.
+  ! A text in quotes. Bytes that are no UTF-8 become question marks.
   pure function json_text(text) result(in_quotes)
-    character(len=*), intent(in) :: text    !! text of any bytes
-    character(len=:), allocatable :: in_quotes  !! with its quotes
+    character(len=*), intent(in) :: text
+    character(len=:), allocatable :: in_quotes
     type(text_buffer) :: buffer
     character(len=6) :: escape
     integer :: first, i
@@ -138,64 +144,5 @@ contains
     call buffer%append(printable_text(text(first:)) // '"')
     in_quotes = buffer%text()
   end function json_text
-
-  !> A list of doubles with 17 digits; NaN is null.
-  pure subroutine put_reals(values, buffer)
-    real(real64), intent(in) :: values(:)       !! finite, or NaN
-    type(text_buffer), intent(inout) :: buffer  !! gets the text
-    integer :: i
-
-    call buffer%append('[')
-    do i = 1, size(values)
-      if (ieee_is_nan(values(i))) then
-        call put_item(i, 'null', buffer)
-      else
-        call put_item(i, real_text(values(i), 'es25.16e3'), buffer)
-      end if
-    end do
-    call buffer%append(']')
-  end subroutine put_reals
-
-  !> A list of whole numbers.
-  pure subroutine put_wholes(values, buffer)
-    integer(int32), intent(in) :: values(:)     !! any whole numbers
-    type(text_buffer), intent(inout) :: buffer  !! gets the text
-    integer :: i
-
-    call buffer%append('[')
-    do i = 1, size(values)
-      call put_item(i, decimal_text(values(i)), buffer)
-    end do
-    call buffer%append(']')
-  end subroutine put_wholes
-
-  !> A list of words.
-  pure subroutine put_words(letters, buffer)
-    character(len=1), intent(in) :: letters(:, :)  !! (letter, word), blanks behind
-    type(text_buffer), intent(inout) :: buffer     !! gets the text
-    character(len=size(letters, 1)) :: word
-    integer :: i, k
-
-    call buffer%append('[')
-    do i = 1, size(letters, 2)
-      do k = 1, len(word)
-        word(k:k) = letters(k, i)
-      end do
-      call put_item(i, json_text(trim(word)), buffer)
-    end do
-    call buffer%append(']')
-  end subroutine put_words
-
-  ! One item, with what stands between it and the one before.
-  pure subroutine put_item(number, item, buffer)
-    integer, intent(in) :: number
-    character(len=*), intent(in) :: item
-    type(text_buffer), intent(inout) :: buffer
-
-    if (number > 1) call buffer%append(',')
-    ! A line of bearable length, for editors.
-    if (number > 1 .and. mod(number, 8) == 1) call buffer%append(new_line('a'))
-    call buffer%append(item)
-  end subroutine put_item
 
 end module asperity_results_json

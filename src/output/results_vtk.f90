@@ -1,9 +1,7 @@
 !> Contacts as points with their values, for ParaView: VTK's XML file of poly data (.vtp), ASCII.
 module asperity_results_vtk
-  use, intrinsic :: ieee_arithmetic, only: ieee_is_nan
-  use asperity_kinds, only: real64
-  use asperity_problems, only: decimal_text, real_text
-  use asperity_result_table, only: array_column, array_table, place_of
+  use asperity_problems, only: decimal_text
+  use asperity_result_table, only: array_column, array_table, cell_text, place_of
   use asperity_text_buffer, only: text_buffer
   implicit none
   private
@@ -30,8 +28,8 @@ contains
     call buffer%line('<Points>')
     call buffer%line('<DataArray type="Float64" NumberOfComponents="3" format="ascii">')
     do i = 1, table%rows
-      call buffer%line(real_cell(table%columns(x)%reals(i), ' ') // &
-                       real_cell(table%columns(y)%reals(i), ' ') // '0')
+      call buffer%line(cell_text(table%columns(x), i, 'nan') // ' ' // &
+                       cell_text(table%columns(y), i, 'nan') // ' 0')
     end do
     call buffer%line('</DataArray>')
     call buffer%line('</Points>')
@@ -67,30 +65,15 @@ contains
       type(array_column), intent(in) :: column
       integer :: k
 
-      if (allocated(column%reals)) then
-        call buffer%line('<DataArray type="Float64" Name="' // column%name // '" format="ascii">')
-        do k = 1, table%rows
-          call buffer%append(real_cell(column%reals(k), new_line('a')))
-        end do
-      else
-        call buffer%line('<DataArray type="Int32" Name="' // column%name // '" format="ascii">')
-        do k = 1, table%rows
-          call buffer%line(decimal_text(column%wholes(k)))
-        end do
-      end if
+      call buffer%line('<DataArray type="' // trim(merge('Float64', 'Int32  ', &
+                       allocated(column%reals))) // '" Name="' // column%name // &
+                       '" format="ascii">')
+      do k = 1, table%rows
+        call buffer%line(cell_text(column, k, 'nan'))
+      end do
       call buffer%line('</DataArray>')
     end subroutine put_column
 
   end subroutine write_vtk
-
-  ! A number with 17 digits, and what separates it from the next one.
-  pure function real_cell(value, behind) result(text)
-    real(real64), intent(in) :: value
-    character(len=1), intent(in) :: behind
-    character(len=:), allocatable :: text
-
-    text = 'nan' // behind
-    if (.not. ieee_is_nan(value)) text = real_text(value, 'es25.16e3') // behind
-  end function real_cell
 
 end module asperity_results_vtk

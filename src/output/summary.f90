@@ -8,14 +8,14 @@ module asperity_summary
   use asperity_kinds, only: not_computed, real64
   use asperity_number_format, only: count_text, percent_text, positions_listed, number_text
   use asperity_problems, only: decimal_text, problem_list, real_text
+  use asperity_result_table, only: array_table, make_arrays, numbers_of, of_states, place_of
   use asperity_scene_results, only: last_state, map_record, scene_results
   use asperity_scene_values, only: control_compression, control_limit, control_load, &
                                    control_pressure, control_vertical_load, control_words, &
                                    criterion_none, criterion_words, effect_off, scene, scene_map
   use asperity_text_buffer, only: text_buffer
   use asperity_totals_table, only: load_is_met, write_totals
-  use asperity_unit_names, only: is_area, is_force, is_length, is_moment, is_number, &
-                                 is_pressure, unit_of, unit_powers, with_unit
+  use asperity_unit_names, only: is_area, is_length, is_moment, is_pressure, unit_of, with_unit
   use asperity_warning_lines, only: list_warnings
   implicit none
   private
@@ -173,37 +173,42 @@ contains
     type(scene), intent(in) :: scene_in         !! scene that was solved
     type(scene_results), intent(in) :: results  !! results of a run
     type(text_buffer), intent(inout) :: buffer  !! gets the lines; none without a load path
+    character(len=*), parameter :: columns(5) = [character(len=16) :: 'vertical_load', 'area', &
+      'separation', 'compression', 'contacts']
     character(len=*), parameter :: heads(5) = [character(len=18) :: 'vertical load', &
       'contact area', 'separation', 'compression', 'contacts']
-    type(unit_powers), parameter :: dimensions(5) = [is_force, is_area, is_length, is_length, &
-                                                     is_number]
+    type(array_table) :: table
     character(len=120) :: line
     character(len=20) :: cell
-    character(len=:), allocatable :: text
+    character(len=:), allocatable :: failure, text
+    real(real64), dimension(size(results%positions(1)%states)) :: controlled, numbers
     real(real64), allocatable :: lost(:), values(:)
     real(real64) :: before
     integer :: at, i, k, last
 
     if (.not. allocated(scene_in%loading%path) .or. size(results%positions) /= 1) return
-    allocate (values(size(scene_in%loading%path)))
+    call make_arrays(of_states, results, table, failure)
+    if (allocated(failure)) return
+    allocate (values(size(scene_in%loading%path)), lost(0))
     values(:) = decimal_to_real64(scene_in%loading%path)
+    controlled = numbers_of(table, controlled_column(scene_in%loading%control))
+    call buffer%line('')
+    line = 'load path'
+    do k = 1, size(heads)
+      associate (column => table%columns(place_of(table, trim(columns(k)))))
+        cell = with_unit(trim(heads(k)), unit_of(scene_in, column%dimension))
+      end associate
+      line(20 * k - 7:) = adjustr(cell)
+    end do
+    call buffer%line(trim(line))
     associate (states => results%positions(1)%states)
-      call buffer%line('')
-      line = 'load path'
-      do k = 1, size(heads)
-        cell = with_unit(trim(heads(k)), unit_of(scene_in, dimensions(k)))
-        line(20 * k - 7:) = adjustr(cell)
-      end do
-      call buffer%line(trim(line))
       last = 0
       before = 0.0_real64
-      allocate (lost(0))
       do i = 1, size(values)
-        at = last + findloc(abs(controlled_value(states(last + 1:), &
-                            scene_in%loading%control, results%nominal_area) - values(i)) <= &
+        at = last + findloc(abs(controlled(last + 1:) - values(i)) <= &
                             load_is_met * maxval(abs(values)), .true., 1)
         if (at == last) cycle
-        call put_state('end ' // decimal_text(i), states(at))
+        call put_state('end ' // decimal_text(i), at)
         ! A cycle is closed by an end at less compression than the end before it.
         if (last > 0) then
           if (states(at)%closing < states(last)%closing) then
@@ -213,7 +218,7 @@ contains
         end if
         last = at
       end do
-      call put_state('largest load', states(maxloc(states%vertical_load, 1)))
+      call put_state('largest load', maxloc(states%vertical_load, 1))
       if (size(lost) == 0 .or. .not. states(1)%dissipated_work > not_computed) return
     end associate
     text = with_unit('energy lost in each cycle', unit_of(scene_in, is_moment)) // ': '
@@ -225,15 +230,14 @@ contains
 
   contains
 
-    subroutine put_state(name, state)
+    subroutine put_state(name, at)
       character(len=*), intent(in) :: name
-      type(state_row), intent(in) :: state
-      real(real64) :: values(size(heads))
-      values = [state%vertical_load, state%area, state%approach, state%closing, &
-                real(state%contacts, real64)]
+      integer, intent(in) :: at
+
       line = name
-      do k = 1, size(values)
-        cell = number_text(values(k))
+      do k = 1, size(columns)
+        numbers = numbers_of(table, trim(columns(k)))
+        cell = number_text(numbers(at))
         line(20 * k - 7:) = adjustr(cell)
       end do
       call buffer%line(trim(line))
@@ -241,25 +245,20 @@ contains
 
   end subroutine write_path
 
-  ! The quantity of a state that a load path prescribes under a control.
-  elemental real(real64) function controlled_value(state, control, nominal_area)
-    type(state_row), intent(in) :: state
+  ! The column of the states that a load path prescribes under a control.
+  pure function controlled_column(control) result(name)
     integer, intent(in) :: control
-    real(real64), intent(in) :: nominal_area
+    character(len=:), allocatable :: name
 
     select case (control)
-    case (control_load)
-      controlled_value = state%load
-    case (control_vertical_load)
-      controlled_value = state%vertical_load
     case (control_pressure)
-      controlled_value = state%vertical_load / nominal_area
-    case (control_compression)
-      controlled_value = state%closing
+      name = 'nominal_pressure'
+    case (control_load, control_vertical_load, control_compression)
+      name = trim(control_words(control))
     case default
-      controlled_value = state%approach
+      name = 'separation'
     end select
-  end function controlled_value
+  end function controlled_column
 
   ! How many asperities there are, or on what plane.
   function surfaces_in_words(scene_in) result(text)
