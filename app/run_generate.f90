@@ -157,7 +157,8 @@ contains
     call check_ending(line, '--output', 'csv', problems)
     if (line%choice('--surface') > spec%ensemble) &
       call problems%add('--surface: found ' // decimal_text(line%choice('--surface')) // &
-                        ', expected at most ' // decimal_text(spec%ensemble) // ', the ensemble of ' // spec%file)
+                        ', expected at most ' // decimal_text(spec%ensemble) // &
+                        ', the ensemble of ' // spec%file)
     if (spec%is_deck .and. line%output_path('--upper') // line%output_path('--lower') /= '') &
       call problems%add('--upper and --lower: found for a deck, expected --output, as a deck ' // &
                         'holds both surfaces')
