@@ -6,7 +6,7 @@
 !> checksum, and a line with the words, 16 hexadecimal digits each. A record is one write. One that
 !> was interrupted or damaged is left out by its checksum, and its piece is done again.
 module asperity_kept_records
-  use, intrinsic :: iso_c_binding, only: c_char, c_int, c_long, c_null_char, c_size_t
+  use, intrinsic :: iso_c_binding, only: c_int, c_long, c_null_char
   use asperity_byte_reader, only: byte_reader
   use asperity_files, only: write_bytes
   use asperity_images, only: image_count, image_number, mark_of_failure, mark_of_run, read_mark, &
@@ -15,7 +15,7 @@ module asperity_kept_records
   use asperity_output_files, only: commit_files, note_kept, stage_file
   use asperity_printable, only: printable_text
   use asperity_problems, only: decimal_text
-  use asperity_system_calls, only: posix_close, posix_getpid, posix_lseek, posix_open, posix_read, &
+  use asperity_system_calls, only: posix_close, posix_getpid, posix_lseek, posix_open, &
                                    posix_unlink, system_error, system_reason
   implicit none
   private
@@ -53,7 +53,7 @@ module asperity_kept_records
   ! O_RDONLY with O_NONBLOCK, and O_WRONLY with O_APPEND and O_NONBLOCK, of Linux: without
   ! O_NONBLOCK the open of a pipe blocks until its other end is open.
   integer(c_int), parameter :: read_only = 2048_c_int, append = 3073_c_int, no_such_file = 2_c_int
-  integer(c_int), parameter :: from_start = 0_c_int, from_end = 2_c_int
+  integer(c_int), parameter :: from_start = 0_c_int
   integer, parameter :: word_digits = 16
 
 contains
@@ -104,27 +104,20 @@ contains
     if (allocated(work%more)) size_of_more = size(work%more)
   end function size_of_more
 
-  ! Checks the file of an earlier run, or begins a new one. The last line gets its end.
+  ! Checks the file of an earlier run, or begins a new one.
   subroutine prepare_file(work, failure)
     type(kept_work), intent(in) :: work
     character(len=:), allocatable, intent(out) :: failure
     character(len=:), allocatable :: found, heading
-    character(kind=c_char) :: last(1)
     type(byte_reader) :: reader
     integer(c_int) :: descriptor, status
-    integer(c_size_t) :: got
-    logical :: is_cut
 
     heading = first_line(work, work%part, work%parts)
     found = ''
-    is_cut = .false.
     descriptor = posix_open(work%path // c_null_char, read_only)
     if (descriptor >= 0) then
       if (posix_lseek(descriptor, 0_c_long, from_start) < 0_c_long) then
         failure = work%path // ': is a pipe or a terminal, expected a file for what is kept'
-      else if (posix_lseek(descriptor, -1_c_long, from_end) >= 0_c_long) then
-        got = posix_read(descriptor, last, 1_c_size_t)
-        is_cut = got == 1_c_size_t .and. last(1) /= new_line('a')
       end if
       status = posix_close(descriptor)
       if (allocated(failure)) return
@@ -142,11 +135,6 @@ contains
     else if (len(found) < len(heading)) then
       call stage_file(work%path, heading, failure)
       if (.not. allocated(failure)) call commit_files(failure)
-    else if (is_cut) then
-      descriptor = posix_open(work%path // c_null_char, append)
-      call write_bytes(descriptor, new_line('a'), failure)
-      status = posix_close(descriptor)
-      if (allocated(failure)) failure = work%path // ': cannot be written: ' // failure
     end if
   end subroutine prepare_file
 
@@ -242,6 +230,8 @@ contains
       do while (found)
         call work%reader%take_line(body, found)
         if (.not. found) exit
+        ! An interrupted record has no end of a line.
+        line = line(max(1, index(line, work%piece // ' ', back=.true.)):)
         call read_heading(line, work%piece, piece, length)
         if (piece >= 1 .and. piece <= pieces .and. length == len(body)) then
           if (line == heading_of(work%piece, piece, body)) then

@@ -5,7 +5,7 @@ module asperity_unit_names
   private
 
   public :: axis_unit, has_units, powers_of, unit_powers, units_in_words, unit_of, with_unit
-  public :: is_number, is_length, is_force, is_area, is_pressure, is_moment, is_stiffness
+  public :: is_number, is_length, is_force, is_area, is_pressure, is_moment
 
   !> Powers of length, force and time in the unit of a quantity, or the unit itself where it is made
   !> of others, as `S` for siemens.
@@ -26,8 +26,6 @@ module asperity_unit_names
   type(unit_powers), parameter :: is_area = unit_powers(length=2)
   !> A pressure.
   type(unit_powers), parameter :: is_pressure = unit_powers(length=-2, force=1)
-  !> A stiffness.
-  type(unit_powers), parameter :: is_stiffness = unit_powers(length=-1, force=1)
   !> A moment, or an energy.
   type(unit_powers), parameter :: is_moment = unit_powers(length=1, force=1)
 

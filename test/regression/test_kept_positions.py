@@ -54,12 +54,12 @@ SCENES = {
 
 
 def kept_records(path):
-    """The whole records of a kept file, in any order: its first line, then number and words."""
+    """The whole records of a kept file, in any order: its first line, then number and words. The
+    next record follows an interrupted one on the same line."""
     first, *lines = path.read_bytes().split(b"\n")
-    found = {(head, body) for head, body in zip(lines, lines[1:])
-             if re.fullmatch(rb"\w+ \d+, words \d+, checksum \w{8}", head)
-             and head.endswith(fnv(body).encode())}
-    return first, found
+    heads = [re.search(rb"[a-z]+ \d+, words \d+, checksum (\w{8})$", line) for line in lines]
+    return first, {(head[0], body) for head, body in zip(heads, lines[1:])
+                   if head and head[1] == fnv(body).encode()}
 
 
 def thesis_scene(name, root, folder):
