@@ -93,7 +93,6 @@ contains
     call stage_map_file(line%output_path('--output'), map, outcome%problems, outcome%failure)
     note = note_of_file(line%output_path('--output'), map)
     if (note /= '') call outcome%warnings%add(note)
-    if (.not. allocated(outcome%failure)) call commit_files(outcome%failure)
   end subroutine make_map
 
   !> Estimates the cost of a map from a few of its waves; nothing is written.

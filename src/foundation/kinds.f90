@@ -4,11 +4,8 @@ module asperity_kinds
   implicit none
   private
 
-  public :: int8, int32, int64, int128, real32, real64, real128
+  public :: int8, int32, int64, real32, real64, real128
   public :: not_computed
-
-  !> Whole numbers of 128 bits, for products of two of 64.
-  integer, parameter :: int128 = selected_int_kind(38)
 
   !> Value of a number that was not computed: every computed number is larger. Writers leave its
   !> cell empty.

@@ -10,26 +10,16 @@ module asperity_map_file
   use asperity_output_files, only: close_part, open_part
   use asperity_problems, only: decimal_text, problem_list, real_text
   use asperity_system_calls, only: posix_close, posix_creat, system_reason
+  use asperity_text_buffer, only: text_buffer
   implicit none
   private
 
   public :: write_map_file, stage_map_file, check_map_path, note_of_file
 
-  integer, parameter :: block_size = 65536
+  integer(int64), parameter :: block_size = 65536_int64  ! bytes that are written at once
   integer(c_int), parameter :: mode_rw_r_r = int(o'644', c_int)
   ! More pixels a side have no place in the header of ISO-1.0.
   integer, parameter :: most_of_iso_1 = 65535
-
-  !> A file that is being written, block by block.
-  type :: byte_writer
-    integer(c_int) :: descriptor = -1_c_int
-    character(len=block_size) :: block
-    integer :: used = 0
-    character(len=:), allocatable :: failure
-  contains
-    procedure :: put_bytes
-    procedure :: flush => flush_block
-  end type byte_writer
 
 contains
 
@@ -136,27 +126,27 @@ contains
     end select
   end subroutine make_header
 
-  ! Writes header and heights to an open file.
+  ! Writes header and heights to an open file, block by block.
   subroutine write_map(descriptor, ending, head, map, failure)
     integer(c_int), intent(in) :: descriptor
     character(len=*), intent(in) :: ending, head
     type(height_map), intent(in) :: map
     character(len=:), allocatable, intent(out) :: failure
-    type(byte_writer) :: file
+    type(text_buffer) :: block
     integer :: column, row
 
-    file%descriptor = descriptor
-    call file%put_bytes(head)
+    call block%append(head)
     do row = 1, map%rows
       do column = 1, map%columns
-        if (allocated(file%failure)) exit
-        call file%put_bytes(pixel_bytes(map%height(column, row)))
+        call block%append(pixel_bytes(map%height(column, row)))
       end do
-      if (ending == 'txt') call file%put_bytes(new_line('a'))
+      if (ending == 'txt') call block%append(new_line('a'))
+      if (ending == 'sdf' .and. row == map%rows) call block%append(text_header(map))
+      if (block%used < block_size .and. row < map%rows) cycle
+      call write_bytes(descriptor, block%store(:block%used), failure)
+      if (allocated(failure)) return
+      block%used = 0_int64
     end do
-    if (ending == 'sdf') call file%put_bytes(text_header(map))
-    call file%flush()
-    if (allocated(file%failure)) call move_alloc(file%failure, failure)
 
   contains
 
@@ -250,27 +240,5 @@ contains
       bytes(i:i) = char(int(iand(shiftr(bits, 8 * (i - 1)), 255_int64)))
     end do
   end function bytes_of
-
-  ! Adds bytes.
-  subroutine put_bytes(self, bytes)
-    class(byte_writer), intent(inout) :: self
-    character(len=*), intent(in) :: bytes
-
-    if (self%used + len(bytes) > block_size) call self%flush()
-    if (allocated(self%failure)) return
-    self%block(self%used + 1:self%used + len(bytes)) = bytes
-    self%used = self%used + len(bytes)
-  end subroutine put_bytes
-
-  ! Writes what has not been written yet.
-  subroutine flush_block(self)
-    class(byte_writer), intent(inout) :: self
-    character(len=:), allocatable :: failure
-
-    if (allocated(self%failure)) return
-    call write_bytes(self%descriptor, self%block(:self%used), failure)
-    self%used = 0
-    if (allocated(failure)) call move_alloc(failure, self%failure)
-  end subroutine flush_block
 
 end module asperity_map_file

@@ -92,6 +92,18 @@ def test_continued_anywhere(name, asperity, root, tmp_path, tally):
     tally.add("solve: continued runs", len(versions), len(versions))
 
 
+def test_records_stand_in_any_order(asperity, root, tmp_path):
+    """Images and threads append as they are done: a reversed file with a position twice is whole."""
+    scene = thesis_scene("effects", root, tmp_path)
+    whole = run([asperity], scene, tmp_path / "whole", "--keep", "../a.keep")
+    first, *lines = (tmp_path / "a.keep").read_bytes().split(b"\n")
+    pairs = [b"\n".join(lines[i:i + 2]) for i in range(0, len(lines) - 1, 2)]
+    (tmp_path / "a.keep").write_bytes(b"\n".join([first, *pairs[::-1], pairs[7], b""]))
+    before = (tmp_path / "a.keep").read_bytes()
+    assert run([asperity], scene, tmp_path / "again", "--keep", "../a.keep") == whole
+    assert len(pairs) == 40 and (tmp_path / "a.keep").read_bytes() == before
+
+
 def test_kept_positions_are_taken(asperity, root, tmp_path):
     """What is kept is not solved again: a number changed there, with its checksum, is printed."""
     scene = thesis_scene("thesis", root, tmp_path)
