@@ -93,7 +93,7 @@ def test_continued_anywhere(name, asperity, root, tmp_path, tally):
 
 
 def test_records_stand_in_any_order(asperity, root, tmp_path):
-    """Images and threads append as they are done: a reversed file with a position twice is whole."""
+    """Images append as they are done: a reversed file with a position twice is whole."""
     scene = thesis_scene("effects", root, tmp_path)
     whole = run([asperity], scene, tmp_path / "whole", "--keep", "../a.keep")
     first, *lines = (tmp_path / "a.keep").read_bytes().split(b"\n")
