@@ -68,6 +68,7 @@ contains
     character(len=:), allocatable, intent(out) :: failure  !! reason, when the file cannot be used
 
     allocate (work%is_done(total), source=.false.)
+    if (.not. allocated(work%more)) allocate (work%more(0))
     work%is_shared = shared .and. image_count() > 1
     work%is_own_file = work%is_shared .and. work%path == ''
     work%is_packed = work%is_shared .or. work%path /= ''
@@ -79,7 +80,7 @@ contains
     if (work%is_shared) call wait_for_images()
     if (work%is_own_file) &
       work%path = '.asperity.' // decimal_text(read_mark(mark_of_run)) // '.images'
-    if (image_number() == 1 .and. .not. allocated(work%more)) then
+    if (image_number() == 1 .and. size(work%more) == 0) then
       call prepare_file(work, failure)
       if (work%is_shared .and. allocated(failure)) call set_mark(mark_of_failure, 0)
     end if
@@ -89,20 +90,12 @@ contains
       failure = work%path // ': cannot be used by image 1'
       return
     end if
-    allocate (work%is_there(1 + size_of_more(work)), source=.false.)
+    allocate (work%is_there(1 + size(work%more)), source=.false.)
     call open_file(work, 1, failure)
-    if (allocated(failure) .or. allocated(work%more)) return
+    if (allocated(failure) .or. size(work%more) > 0) return
     work%descriptor = posix_open(work%path // c_null_char, append)
     if (work%descriptor < 0) failure = work%path // ': cannot be written: ' // system_reason()
   end subroutine begin_work
-
-  ! Number of files beside the first one.
-  pure integer function size_of_more(work)
-    type(kept_work), intent(in) :: work
-
-    size_of_more = 0
-    if (allocated(work%more)) size_of_more = size(work%more)
-  end function size_of_more
 
   ! Checks the file of an earlier run, or begins a new one.
   subroutine prepare_file(work, failure)
@@ -154,8 +147,9 @@ contains
       failure = path_of(work) // ': ' // work%reader%failure
       return
     end if
-    if (.not. allocated(work%more)) return
+    work%from = 1
     parts = size(work%is_there)
+    if (parts == 1) return
     do part = 1, parts
       if (heading // new_line('a') == first_line(work, part, parts)) exit
     end do
@@ -224,8 +218,7 @@ contains
     piece = 0
     if (work%file == 0) return
     files: do
-      pieces = size(work%is_done)
-      if (allocated(work%more)) pieces = pieces_of_part(pieces, work%from, size(work%is_there))
+      pieces = pieces_of_part(size(work%is_done), work%from, size(work%is_there))
       call work%reader%take_line(line, found)
       do while (found)
         call work%reader%take_line(body, found)
@@ -235,7 +228,7 @@ contains
         call read_heading(line, work%piece, piece, length)
         if (piece >= 1 .and. piece <= pieces .and. length == len(body)) then
           if (line == heading_of(work%piece, piece, body)) then
-            if (allocated(work%more)) piece = whole_number(piece, work%from, size(work%is_there))
+            piece = whole_number(piece, work%from, size(work%is_there))
             if (.not. work%is_done(piece)) exit files
             call work%reader%take_line(body, found)
           end if
@@ -245,14 +238,14 @@ contains
       piece = 0
       if (allocated(work%reader%failure)) failure = path_of(work) // ': ' // work%reader%failure
       call work%reader%close()
-      if (allocated(work%more) .and. .not. allocated(failure)) then
+      if (size(work%more) > 0 .and. .not. allocated(failure)) then
         done = count(work%is_done(work%from::size(work%is_there)))
         if (done < pieces) failure = path_of(work) // ': holds ' // decimal_text(done) // &
           ' of ' // decimal_text(pieces) // ' ' // work%piece // 's, expected all: run it ' // &
           'with --share ' // decimal_text(work%from) // '/' // &
           decimal_text(size(work%is_there)) // ' to its end'
       end if
-      if (allocated(failure) .or. work%file > size_of_more(work)) then
+      if (allocated(failure) .or. work%file > size(work%more)) then
         work%file = 0
         if (.not. allocated(failure)) call note_progress(work)
         return
