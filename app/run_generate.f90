@@ -52,7 +52,7 @@ contains
     end if
     last = merge(line%choice('--surface'), spec%ensemble, line%has('--surface'))
     do member = max(1, line%choice('--surface')), last
-      call make_member(line, spec, plans, member, outcome%failure)
+      call make_member(line, spec, plans, member, .false., outcome%failure)
       if (allocated(outcome%failure)) then
         call discard_files()
         return
@@ -115,30 +115,16 @@ contains
     type(generation_spec), intent(in) :: spec
     type(surface_plan), intent(in) :: plans(2)
     type(command_outcome), intent(inout) :: outcome
-    type(generated_surface) :: surface(2)
-    type(problem_list) :: notes
     type(work_cost) :: cost
-    character(len=:), allocatable :: text
-    integer(int64) :: used
-    integer :: i, side, sides
+    integer :: i
 
-    sides = 1
-    if (spec%is_deck .or. line%output_path('--lower') /= '' .and. &
-        line%output_path('--output') // line%output_path('--upper') /= '') sides = 2
     cost%pieces = 'surfaces'
     cost%total = merge(1, spec%ensemble, line%has('--surface'))
     cost%tried = min(pieces_tried, cost%total)
     call cpu_time(cost%begun)
     do i = 1, cost%tried
-      do side = 1, sides
-        call generate_surface(plans(side), i, surface(side), outcome%failure)
-        if (allocated(outcome%failure)) then
-          outcome%failure = spec%file // ': ' // outcome%failure
-          return
-        end if
-        if (.not. spec%is_deck) call surface_as_csv(surface(side), text, used)
-      end do
-      if (spec%is_deck) call surfaces_as_deck(spec, surface(1), surface(2), text, notes)
+      call make_member(line, spec, plans, i, .true., outcome%failure)
+      if (allocated(outcome%failure)) return
     end do
     call tell_cost(cost, outcome%text)
   end subroutine try_surfaces
@@ -185,11 +171,12 @@ contains
 
   ! Makes the surfaces of a member of the ensemble and stages their files, or that of the deck; the
   ! upper surface, or the deck, goes to standard output when no file is named.
-  subroutine make_member(line, spec, plans, member, failure)
+  subroutine make_member(line, spec, plans, member, is_trial, failure)
     type(command_line), intent(in) :: line
     type(generation_spec), intent(in) :: spec
     type(surface_plan), intent(in) :: plans(2)
     integer, intent(in) :: member
+    logical, intent(in) :: is_trial  ! nothing is staged nor printed
     character(len=:), allocatable, intent(out) :: failure
     type(generated_surface) :: surface(2)
     type(problem_list) :: notes
@@ -208,12 +195,14 @@ contains
       if (allocated(failure)) return
       if (spec%is_deck) cycle
       call surface_as_csv(surface(1), text, used)
+      if (is_trial) cycle
       if (side == 1) call send_text(upper, member, text(:used), failure)
       if (side == 2) call send_text(lower, member, text(:used), failure)
       if (allocated(failure)) return
     end do
     if (.not. spec%is_deck) return
     call surfaces_as_deck(spec, surface(1), surface(2), text, notes)
+    if (is_trial) return
     call write_standard_error(notes%text())
     call send_text(upper, member, text, failure)
   end subroutine make_member

@@ -59,7 +59,7 @@ module asperity
   use asperity_kinds, only: not_computed
   use asperity_scene_results, only: kinds_of_warnings
   use asperity_theory_warnings, only: theory_warning, warning_kind, warning_kinds
-  use asperity_warning_lines, only: list_warning_kinds, list_warnings
+  use asperity_warning_lines, only: list_warnings
   implicit none
   public
 

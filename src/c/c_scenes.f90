@@ -11,7 +11,7 @@ module asperity_c_scenes
                                           c_null_ptr, c_ptr
   use asperity, only: add_reals, add_wholes, array_table, build_scene, build_scene_of, &
                       check_field_request, check_options, contact_field, decimal_text, &
-                      fields_none, list_warning_kinds, list_warnings, make_arrays, name_units, &
+                      fields_none, list_warnings, make_arrays, name_units, &
                       of_contacts, of_positions, parse_scene, place_of, problem_list, &
                       read_scene, rebuild_scene, run_options, scene_results, scene_side, &
                       scene_surface, solve, text_buffer, write_summary
@@ -219,9 +219,8 @@ contains
           new%solutions(which) = chosen%reuse%earlier(which)
       end do
       call move_alloc(results%positions(1)%fields, new%fields)
-      call list_warnings(from%scene_in%file, results, warnings)
+      call list_warnings(from%scene_in%file, results, warnings, kinds)
       call set_text(new, text_warnings, warnings%text())
-      call list_warning_kinds(results, kinds)
       call set_text(new, text_warning_kinds, kinds%text())
       call write_summary(from%scene_in, results, summary)
       call set_text(new, text_report, summary%text())

@@ -8,16 +8,18 @@ module asperity_warning_lines
   implicit none
   private
 
-  public :: list_warning_kinds, list_warnings
+  public :: list_warnings
 
 contains
 
   !> Adds `FILE: warning: position N and M more: what, how much, what to do` for every kind that
-  !> applies anywhere, in the order of the kinds; N is the position where it is worst.
-  pure subroutine list_warnings(file, results, lines)
+  !> applies anywhere, in the order of the kinds; N is the position where it is worst. `kinds` gets
+  !> `NAME CLASS` for each line.
+  pure subroutine list_warnings(file, results, lines, kinds)
     character(len=*), intent(in) :: file         !! the scene, as the user named it; may be empty
     type(scene_results), intent(in) :: results   !! results of a run
     type(problem_list), intent(inout) :: lines   !! gets a line a kind
+    type(problem_list), intent(inout), optional :: kinds  !! gets their names
     type(theory_warning) :: worst
     character(len=:), allocatable :: more, prefix
     integer :: which, at, positions
@@ -31,22 +33,10 @@ contains
       if (file /= '') prefix = file // ': ' // prefix
       call lines%add(prefix // decimal_text(at) // more // ': ' // &
                      in_words(worst))
+      if (present(kinds)) call kinds%add(trim(warning_kinds(which)%name) // ' ' // &
+                                         trim(class_names(warning_kinds(which)%class)))
     end do
   end subroutine list_warnings
-
-  !> Adds `NAME CLASS` for every line of `list_warnings`, in the same order.
-  pure subroutine list_warning_kinds(results, lines)
-    type(scene_results), intent(in) :: results   !! results of a run
-    type(problem_list), intent(inout) :: lines   !! gets a line a kind
-    type(theory_warning) :: worst
-    integer :: which, at, positions
-
-    do which = 1, size(warning_kinds)
-      call find_worst(results, which, worst, at, positions)
-      if (positions > 0) call lines%add(trim(warning_kinds(which)%name) // ' ' // &
-                                        trim(class_names(warning_kinds(which)%class)))
-    end do
-  end subroutine list_warning_kinds
 
   ! The worst warning of a kind, its position, and at how many there is one.
   pure subroutine find_worst(results, which, worst, at, positions)
