@@ -130,11 +130,11 @@ contains
     if (got < number) bytes = bytes(:got)
   end subroutine take_bytes
 
-  !> Takes the bytes up to the next line feed, or to the end of the file.
+  !> Takes the bytes up to the next line feed.
   subroutine take_line(self, line, found)
     class(byte_reader), intent(inout) :: self           !! reader of the file
     character(len=:), allocatable, intent(out) :: line  !! the bytes, without the line feed
-    logical, intent(out) :: found                       !! false behind the last byte
+    logical, intent(out) :: found                       !! false behind the last line feed
     type(text_buffer) :: text
     integer :: length
 
@@ -142,12 +142,12 @@ contains
     do
       if (self%at > self%used) call self%more()
       if (self%at > self%used .or. allocated(self%failure)) exit
-      found = .true.
       length = scan(self%block(self%at:self%used), new_line('a'))
       call text%append(self%block(self%at:self%at - 1 + merge(length - 1, &
                                                             self%used - self%at + 1, length > 0)))
       self%at = merge(self%at + length, self%used + 1, length > 0)
-      if (length > 0) exit
+      found = length > 0
+      if (found) exit
     end do
     line = text%text()
   end subroutine take_line

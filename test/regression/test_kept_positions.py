@@ -57,7 +57,8 @@ def kept_records(path):
     """The whole records of a kept file, in any order: its first line, then number and words. The
     next record follows an interrupted one on the same line."""
     first, *lines = path.read_bytes().split(b"\n")
-    heads = [re.search(rb"[a-z]+ \d+, words \d+, checksum (\w{8})$", line) for line in lines]
+    heads = [re.search(rb"(?:position|surface) \d+, words \d+, checksum (\w{8})$", line)
+             for line in lines]
     return first, {(head[0], body) for head, body in zip(heads, lines[1:])
                    if head and head[1] == fnv(body).encode()}
 
