@@ -207,6 +207,27 @@ def creep_cases():
                          "hold_time": time, "hold": "load"}},
             [Value("compression", deep, 1e-9, CLOSED_FORM),
              Value("area", pi * R * deep, 1e-9, CLOSED_FORM)], SPHERE)
+    times, ratios = (1e-6, 1e-3, 1.0, 1e3, 1e6), (0.9, 0.5, 0.1, 1e-3, 1e-6)
+    deep = (3 * load * compliance_of(times, ratios, time) / (4 * E * sqrt(R))) ** (2 / 3)
+    yield ModelCase(
+        "creep_five_times", "Relaxation times of twelve decades, six decades of the modulus.",
+        "Hertz under the load times the compliance: the differential equations with 60 digits.",
+        {"material": {"contact_modulus": E}, "loading": loading("load", load),
+         "effects": {"creep": "on", "relaxation_time": times, "relaxed_modulus_ratio": ratios,
+                     "hold_time": time, "hold": "load"}},
+        [Value("compression", deep, 1e-9, CLOSED_FORM)], SPHERE)
+
+
+def compliance_of(times, ratios, time):
+    """J(t) E(0): e' = sum of q/tau, q' = g e' - q/tau from e = 1, q = g, by a matrix exponential."""
+    with mp.workdps(60):
+        shares = [mpf(a) - mpf(b) for a, b in zip((1, *ratios), ratios)]
+        rates = mp.matrix(len(times) + 1)
+        for column, tau in enumerate(times, 1):
+            for row in range(len(times) + 1):
+                rates[row, column] = (shares[row - 1] if row else 1) / mpf(tau)
+            rates[column, column] -= 1 / mpf(tau)
+        return float((mp.expm(rates * time) * mp.matrix([1, *shares]))[0])
 
 
 # ---------------------------------------------------------------- height maps
@@ -283,6 +304,44 @@ def map_cases():
         plasticity="on", plastic_hardness=hardness)
 
 
+def pixel_effect_cases():
+    wave = 0.01 * np.cos(2 * pi * 3 * np.arange(N) / N) * np.ones((N, 1))
+    closing = E * (2 * pi * 3 / N) / 2 * 0.01
+    # The attraction of contact is twice the pressure that closes the wave; its range is 0.974 z0.
+    distance = 0.05
+    reach = 9 * sqrt(3) / 16 * distance
+    sticky = {"adhesion": "on", "work_of_adhesion": 2 * closing * reach,
+              "equilibrium_distance": distance}
+    closed = "p + E q h/2 cos(q x) (Westergaard 1939): without a gap attraction is part of p."
+    for name, path in (("pull", (1.5, -0.5)), ("cycles", (1.5, -0.5) * 5 + (0.0,))):
+        yield map_case(
+            f"pixels_adhesion_{name}", "Adhesion keeps a wave closed under pulls; the attraction "
+            "is larger than all net tractions.", closed, wave,
+            loading("load", tuple(closing * N**2 * part for part in path)),
+            [Value("greatest_pressure", (path[-1] + 1) * closing, 1e-7, PIXELS),
+             Value("area", float(N**2), 1e-12, EXACT),
+             Value("mean_gap", 0.0, 1e-9, "absolute: no gap is left")], **sticky)
+    yield map_case(
+        "pixels_adhesion_across_a_gap", "Two flats attract each other; none of the pixels touches.",
+        "A uniform traction, w/rho exp(-g/rho).", np.full((N, N), 0.25),
+        loading("separation", 2 * distance),
+        [Value("load", -N**2 * 2 * closing * np.exp(-2 * distance / reach), 1e-7, PIXELS),
+         Value("contacts", 0, 0.0, "a count")], **sticky)
+    tau, time = 10.0, 15.0
+    for name, ratio, path, more in (
+            ("hold", 1e-12, 1.5, {}), ("cycles", 0.3, (1.5, 1.2, 1.5, 1.2, 1.5),
+                                       {"loading_time": 1e-9})):
+        relaxed = ratio + (1 - ratio) * np.exp(-time / tau)
+        loads = closing * N**2 * np.array(path)
+        yield map_case(
+            f"pixels_creep_{name}", "A wave stays closed while its pressures relax to their mean.",
+            "The displacements are constant: p + E(t) q h/2 cos(q x).", wave,
+            loading("load", tuple(map(float, loads)) if more else float(loads)),
+            [Value("greatest_pressure", (1.5 + relaxed) * closing, 1e-7, PIXELS),
+             Value("area", float(N**2), 1e-12, EXACT)],
+            creep="on", relaxation_time=tau, relaxed_modulus_ratio=ratio, hold_time=time, **more)
+
+
 def without_plane(heights):
     """Heights less their plane of least squares."""
     rows, columns = heights.shape
@@ -329,4 +388,5 @@ def model_cases():
     yield from plasticity_cases()
     yield from creep_cases()
     yield from map_cases()
+    yield from pixel_effect_cases()
     yield from dense_cases()
