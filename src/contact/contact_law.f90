@@ -8,7 +8,7 @@ module asperity_contact_law
   implicit none
   private
 
-  public :: contact_law, contact_response
+  public :: contact_law, contact_response, set_vertical_parts
 
   !> Response of one contact. Zeros where it does not touch.
   type :: contact_response
@@ -39,5 +39,23 @@ module asperity_contact_law
       type(contact_response), intent(out) :: response  !! loads, radius, pressure, stiffness
     end subroutine respond_to
   end interface
+
+contains
+
+  !> Sets vertical load and stiffness from the load and its slope along the line of centres, with
+  !> dW/dp = cosine and d(cosine)/dp = -sine**2 over the distance of the centres.
+  pure subroutine set_vertical_parts(pair, penetration, slope, response)
+    type(contact_pair), intent(in) :: pair             !! geometry of the contact
+    real(real64), intent(in) :: penetration            !! vertical, past first touch
+    real(real64), intent(in) :: slope                  !! d load/d overlap
+    type(contact_response), intent(inout) :: response  !! with its load and overlap
+    real(real64) :: centres
+
+    centres = pair%s - response%overlap
+    response%cosine = (pair%zc - penetration) / centres
+    response%vertical_load = response%load * response%cosine
+    response%stiffness = slope * response%cosine**2 - &
+                         response%load * (pair%d / centres)**2 / centres
+  end subroutine set_vertical_parts
 
 end module asperity_contact_law

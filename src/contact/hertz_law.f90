@@ -5,7 +5,7 @@
 !> (Hertz 1882; Johnson, Contact Mechanics, 1985, section 4.2).
 module asperity_hertz_law
   use asperity_constants, only: pi
-  use asperity_contact_law, only: contact_law, contact_response
+  use asperity_contact_law, only: contact_law, contact_response, set_vertical_parts
   use asperity_contact_pairs, only: contact_pair
   use asperity_sphere_overlap, only: stable_overlap
   use asperity_kinds, only: real64
@@ -30,22 +30,16 @@ contains
     integer, intent(in) :: number                   !! place of the pair in its list; not used
     real(real64), intent(in) :: penetration         !! vertical, past first touch; less than zc
     type(contact_response), intent(out) :: response  !! loads, radius, pressure, stiffness
-    real(real64) :: centres, root, sine_squared
+    real(real64) :: root
 
     if (number < 0 .or. .not. penetration > 0.0_real64) return
     response%overlap = stable_overlap(pair%s, pair%d, pair%zc, pair%rest, penetration)
-    centres = pair%s - response%overlap
-    response%cosine = (pair%zc - penetration) / centres
     response%contact_radius = sqrt(pair%radius * response%overlap)
     root = self%modulus * response%contact_radius
     response%load = root * response%overlap * (4.0_real64 / 3.0_real64)
-    response%vertical_load = response%load * response%cosine
-    ! Derivatives: dW/dp = cosine, d(cosine)/dp = -sine**2 over the distance of the centres.
-    sine_squared = (pair%d / centres)**2
-    response%stiffness = 2.0_real64 * root * response%cosine**2 - &
-                         response%load * sine_squared / centres
     response%maximum_pressure = (2.0_real64 / pi) * self%modulus * &
                                 sqrt(response%overlap / pair%radius)
+    call set_vertical_parts(pair, penetration, 2.0_real64 * root, response)
   end subroutine respond_elastic
 
 end module asperity_hertz_law

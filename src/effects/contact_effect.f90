@@ -7,10 +7,8 @@
 !> `estimate` and `apply` are deferred; the defaults of the other procedures change nothing. An
 !> effect with a memory overrides `begin` and `keep`; one that acts during a hold sets
 !> `acts_in_time` and overrides `held_share`; one with columns that need no simulation overrides
-!> `leave_out`; one with columns that later effects change, `finish`; one with a fast search for a
-!> load, `closing_at_load`; one that attracts, `letting_go` and `least_load`.
+!> `leave_out`; one with columns that later effects change, `finish`.
 module asperity_contact_effect
-  use asperity_contact_law, only: contact_law
   use asperity_contact_pairs, only: contact_pairs
   use asperity_contact_records, only: effect_record
   use asperity_contact_state, only: contact_state
@@ -62,9 +60,6 @@ module asperity_contact_effect
     procedure :: leave_out                 !! sets its columns where `auto` leaves it out
     procedure :: finish => finish_columns  !! sets its columns again, after all effects
     procedure :: held_share                !! share of the load that remains in a hold
-    procedure :: closing_at_load           !! compression at which a load is reached
-    procedure :: letting_go                !! compressions at which adhering contacts separate
-    procedure :: least_load                !! lower bound of the load between two compressions
     procedure, non_overridable :: call_as  !! sets name, mode and tolerance
   end type contact_effect
 
@@ -182,48 +177,5 @@ contains
     end associate
     share = 1.0_real64
   end function held_share
-
-  !> Sets the compression at which the contacts with this effect alone carry a load. This default
-  !> has no such search and changes nothing.
-  subroutine closing_at_load(self, pairs, law, target, left, closing, found, failure)
-    class(contact_effect), intent(in) :: self                 !! effect with its parameters
-    type(contact_pairs), intent(in) :: pairs                  !! pairs of the position
-    class(contact_law), intent(in) :: law                     !! law of each contact
-    real(real64), intent(in) :: target                        !! sum of the normal forces
-    real(real64), intent(in) :: left                          !! relative tolerance of this effect
-    real(real64), intent(inout) :: closing                    !! compression, start and result
-    !> solution at this compression (pair, quantity), for `apply`; else unchanged
-    real(real64), allocatable, intent(inout) :: found(:, :)
-    character(len=:), allocatable, intent(inout) :: failure   !! set where it is impossible
-
-    associate (unused => self, unused_too => pairs, unused_also => law, load => target, &
-               share => left, as_it_is => closing)
-      if (allocated(found) .or. allocated(failure)) return
-    end associate
-  end subroutine closing_at_load
-
-  !> Compressions below which an adhering contact separates, at which the load is discontinuous.
-  !> This default: none, as nothing attracts.
-  subroutine letting_go(self, pairs, closings)
-    class(contact_effect), intent(in) :: self                 !! effect with its parameters
-    type(contact_pairs), intent(in) :: pairs                  !! pairs of the position
-    real(real64), allocatable, intent(out) :: closings(:)     !! none, or one for each pair
-
-    associate (unused => self, unused_too => pairs)
-    end associate
-    allocate (closings(0))
-  end subroutine letting_go
-
-  !> Lower bound of the load between two compressions, on unloading. This default: none.
-  function least_load(self, pairs, low, high) result(load)
-    class(contact_effect), intent(in) :: self  !! effect with its parameters
-    type(contact_pairs), intent(in) :: pairs   !! pairs of the position
-    real(real64), intent(in) :: low, high      !! compressions, low <= high
-    real(real64) :: load
-
-    associate (unused => self, unused_too => pairs, unused_also => low, as_well => high)
-    end associate
-    load = -huge(load)
-  end function least_load
 
 end module asperity_contact_effect

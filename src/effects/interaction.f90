@@ -22,7 +22,7 @@ module asperity_interaction
   implicit none
   private
 
-  public :: new_interaction
+  public :: interaction_effect, new_interaction
 
   !> Interaction of neighbouring contacts.
   type, extends(contact_effect) :: interaction_effect
@@ -32,7 +32,7 @@ module asperity_interaction
     procedure :: estimate => estimate_interaction
     procedure :: apply => apply_interaction
     procedure :: leave_out
-    procedure :: closing_at_load
+    procedure :: solve_together
   end type interaction_effect
 
   ! A solution is kept as an array. Columns of its first row, of all contacts; `kept_results` is
@@ -151,31 +151,16 @@ contains
                         outcome%estimate]
   end subroutine leave_out
 
-  !> Solves for the compression at which the interacting contacts carry a load.
-  subroutine closing_at_load(self, pairs, law, target, left, closing, found, failure)
+  !> Solves the interacting contacts at a compression, or at that of the load `target`.
+  subroutine solve_together(self, pairs, law, left, closing, found, failure, target)
     class(interaction_effect), intent(in) :: self              !! interaction with its parameters
     type(contact_pairs), intent(in) :: pairs                   !! pairs of the position
     class(contact_law), intent(in) :: law                      !! law of each contact
-    real(real64), intent(in) :: target                         !! sum of the normal forces
     real(real64), intent(in) :: left                           !! relative tolerance of interaction
     real(real64), intent(inout) :: closing                     !! compression, start and result
-    real(real64), allocatable, intent(inout) :: found(:, :)    !! solution at this compression
+    real(real64), allocatable, intent(out) :: found(:, :)      !! solution at this compression
     character(len=:), allocatable, intent(inout) :: failure    !! set where it is impossible
-
-    call solve_together(self, pairs, law, left, closing, found, failure, target)
-    if (allocated(failure)) failure = 'interaction: ' // failure
-  end subroutine closing_at_load
-
-  ! Solves the interacting contacts at a compression, or at that of the load `target`.
-  subroutine solve_together(self, pairs, law, left, closing, found, failure, target)
-    class(interaction_effect), intent(in) :: self
-    type(contact_pairs), intent(in) :: pairs
-    class(contact_law), intent(in) :: law
-    real(real64), intent(in) :: left
-    real(real64), intent(inout) :: closing
-    real(real64), allocatable, intent(out) :: found(:, :)
-    character(len=:), allocatable, intent(inout) :: failure
-    real(real64), intent(in), optional :: target
+    real(real64), intent(in), optional :: target               !! sum of the normal forces
     type(joint_solution) :: solution, fresh
     integer :: which
     logical :: has_start

@@ -46,7 +46,10 @@ contains
     real(real64), intent(in), optional :: load      !! normal load; absent: the level is given
     type(height_map) :: map
     real(real64) :: modulus
+    logical :: is_loaded
 
+    is_loaded = present(load)
+    if (is_loaded) is_loaded = load > 0.0_real64
     map = history%deformed
     modulus = laws%modulus
     if (allocated(laws%solid)) &
@@ -54,14 +57,10 @@ contains
                             modulus)
     if (allocated(laws%attraction)) then
       call solve_adhesion(map, modulus, laws, history%adhesion, answer, load)
-    else if (present(load)) then
-      if (load > 0.0_real64) then
-        call press_map(map, modulus, answer, load, hardness=laws%hardness)
-      else
-        answer%level = maxval(map%height)
-        call press_map(map, modulus, answer, hardness=laws%hardness)
-      end if
+    else if (is_loaded) then
+      call press_map(map, modulus, answer, load, hardness=laws%hardness)
     else
+      if (present(load)) answer%level = maxval(map%height)
       call press_map(map, modulus, answer, hardness=laws%hardness)
     end if
     if (allocated(answer%failure)) return

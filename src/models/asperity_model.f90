@@ -15,9 +15,9 @@ module asperity_asperity_model
   use asperity_contact_records, only: position_result, solve_method
   use asperity_contact_state, only: contact_state, start_state
   use asperity_earlier_solutions, only: expected_compression
-  use asperity_effect_choice, only: choose_effects
   use asperity_effect_list, only: list_effects, list_left_out
   use asperity_effect_names, only: effect_on, effect_words, known_effects, why_not_together
+  use asperity_effect_sequence, only: choose_effects
   use asperity_element_pressures, only: element_pressures
   use asperity_first_yield, only: yielding_body
   use asperity_hertz_law, only: hertz_law

@@ -13,8 +13,7 @@ module asperity_asperity_position
   use asperity_contact_state, only: kept_results, contact_state, controlled_load, shift_x, &
                                     shift_y, start_state, total_load, total_vertical_load
   use asperity_earlier_solutions, only: keep_solution, mark_crowded
-  use asperity_effect_choice, only: choose_effects
-  use asperity_effect_sequence, only: first_failure, found_state, simulate_effects
+  use asperity_effect_sequence, only: choose_effects, first_failure, found_state, simulate_effects
   use asperity_hertz_law, only: hertz_law
   use asperity_kinds, only: real64
   use asperity_path_steps, only: plan_hold

@@ -4,9 +4,9 @@ module asperity_closing_at_load
   use asperity_contact_effect, only: effect_box, effect_outcome
   use asperity_contact_pairs, only: contact_pairs, in_scene_units
   use asperity_contact_state, only: contact_state, controlled_load, start_state
-  use asperity_effect_choice, only: choose_effects
-  use asperity_effect_sequence, only: first_failure, found_state, simulate_effects
+  use asperity_effect_sequence, only: choose_effects, first_failure, found_state, simulate_effects
   use asperity_hertz_law, only: hertz_law
+  use asperity_interaction, only: interaction_effect
   use asperity_kinds, only: real64
   use asperity_problems, only: real_text
   use asperity_root_bracket, only: guess_root, narrow_bracket, root_bracket
@@ -160,7 +160,7 @@ contains
       deallocate (found%found)
   end subroutine guess_closing
 
-  ! Sets the compression to that of the effects that can estimate it for a load.
+  ! Sets the compression to that of interaction, which has a search of its own for a load.
   subroutine ask_effects(pairs, effects, target, time, found, failure)
     type(contact_pairs), intent(in) :: pairs
     type(effect_box), intent(in) :: effects(:)
@@ -180,8 +180,12 @@ contains
       if (allocated(found%called_for) .and. effects(i)%effect%mode == effect_auto) &
         called(i) = found%called_for(i)
       if (.not. called(i)) cycle
-      call effects(i)%effect%closing_at_load(pairs, hertz_law(modulus=pairs%modulus), target, &
-                                             left, found%closing, found%found, failure)
+      select type (effect => effects(i)%effect)
+      type is (interaction_effect)
+        call effect%solve_together(pairs, hertz_law(modulus=pairs%modulus), left, found%closing, &
+                                   found%found, failure, target)
+        if (allocated(failure)) failure = 'interaction: ' // failure
+      end select
       if (allocated(failure)) return
     end do
   end subroutine ask_effects

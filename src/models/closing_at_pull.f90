@@ -10,6 +10,7 @@
 !> The work of a state is proportional to the number of contacts and to the logarithm of the number
 !> of intervals that are skipped.
 module asperity_closing_at_pull
+  use asperity_adhesion, only: adhesion_effect
   use asperity_contact_effect, only: effect_box
   use asperity_contact_pairs, only: contact_pairs, in_scene_units
   use asperity_contact_state, only: controlled_load
@@ -36,14 +37,10 @@ contains
   logical function has_attraction(pairs, effects)
     type(contact_pairs), intent(in) :: pairs    !! pairs of the position
     type(effect_box), intent(in) :: effects(:)  !! effects of the scene
-    real(real64), allocatable :: ends(:)
-    integer :: i
+    real(real64), allocatable :: closings(:)
 
-    has_attraction = .false.
-    do i = 1, size(effects)
-      call effects(i)%effect%letting_go(pairs, ends)
-      has_attraction = has_attraction .or. size(ends) > 0
-    end do
+    call find_partings(pairs, effects, closings)
+    has_attraction = size(closings) > 0
   end function has_attraction
 
   !> Finds the compression, from that of the last state or from first contact. `failure` reports the
@@ -112,7 +109,10 @@ contains
       if (is_met .or. allocated(failure) .or. first > last) return
       bound = -huge(bound)
       do i = 1, size(effects)
-        bound = max(bound, effects(i)%effect%least_load(pairs, ends(last), ends(first - 1)))
+        select type (effect => effects(i)%effect)
+        type is (adhesion_effect)
+          bound = effect%least_load(pairs, ends(last), ends(first - 1))
+        end select
       end do
       if (exceeds_level(bound)) return
       if (first < last) then
@@ -225,15 +225,12 @@ contains
     type(effect_box), intent(in) :: effects(:)
     real(real64), intent(in) :: top
     real(real64), allocatable, intent(out) :: ends(:)
-    real(real64), allocatable :: one(:), all_of_them(:)
+    real(real64), allocatable :: all_of_them(:)
     integer(int32), allocatable :: order(:)
     integer :: i, k
 
-    allocate (all_of_them(0))
-    do i = 1, size(effects)
-      call effects(i)%effect%letting_go(pairs, one)
-      all_of_them = [all_of_them, pack(one, one < top)]
-    end do
+    call find_partings(pairs, effects, all_of_them)
+    all_of_them = pack(all_of_them, all_of_them < top)
     allocate (order(size(all_of_them)), ends(size(all_of_them) + 1))
     if (size(order) > 0) call sort_keys(-all_of_them, order)
     ends(1) = top
@@ -245,5 +242,22 @@ contains
     end do
     ends = ends(:k)
   end subroutine find_ends
+
+  ! Compressions below which an adhering contact separates, at which the load is discontinuous: one
+  ! for each pair, or none where nothing attracts.
+  subroutine find_partings(pairs, effects, closings)
+    type(contact_pairs), intent(in) :: pairs
+    type(effect_box), intent(in) :: effects(:)
+    real(real64), allocatable, intent(out) :: closings(:)
+    integer :: i
+
+    allocate (closings(0))
+    do i = 1, size(effects)
+      select type (effect => effects(i)%effect)
+      type is (adhesion_effect)
+        call effect%letting_go(pairs, closings)
+      end select
+    end do
+  end subroutine find_partings
 
 end module asperity_closing_at_pull

@@ -52,14 +52,14 @@ contains
     type(scene), intent(in) :: scene_in                     !! scene, checked for faults
     type(path_step), allocatable, intent(out) :: steps(:)   !! states; without a hold none
     type(relaxing_solid) :: solid
-    real(real64), allocatable :: times(:)
 
     solid = solid_of_scene(scene_in)
     associate (effects => scene_in%effects)
-      call hold_times(effects%number('hold_time'), solid%time(1), &
-                      nint(effects%number('hold_points')), times)
-      allocate (steps(size(times) - 1))
-      steps%time = solid%loading_time + times(2:)
+      associate (times => hold_times(effects%number('hold_time'), solid%time(1), &
+                                     nint(effects%number('hold_points'))))
+        allocate (steps(size(times) - 1))
+        steps%time = solid%loading_time + times(2:)
+      end associate
       steps%control = merge(held_load, held_distance, nint(effects%number('hold')) == hold_load)
     end associate
   end subroutine plan_hold

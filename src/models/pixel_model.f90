@@ -10,6 +10,8 @@ module asperity_pixel_model
   use asperity_contact_records, only: add_rows, contact_row, position_result, prescribed_normal, &
                                       state_row
   use asperity_decimal, only: decimal_to_real64
+  use asperity_friction, only: slip_contact_columns, slip_contact_powers, slip_state_columns, &
+                               slip_state_powers, stiffness_ratio_of
   use asperity_height_map, only: height_map
   use asperity_kinds, only: int64, not_computed, real64
   use asperity_map_caps, only: placed_caps
@@ -31,8 +33,6 @@ module asperity_pixel_model
   use asperity_process, only: has_memory
   use asperity_effect_header, only: effect_header
   use asperity_scene_values, only: combined_modulus, effect_off, has_hardness, is_load, scene
-  use asperity_slip_columns, only: slip_contact_columns, slip_contact_powers, &
-                                   slip_state_columns, slip_state_powers, stiffness_ratio_of
   use asperity_theory_limits, only: is_patch_at_limit, look_at_pressure, set_theory_limits, &
                                     theory_limits
   use asperity_theory_warnings, only: add_warning, of_attraction, of_cap, of_contact_radius, &

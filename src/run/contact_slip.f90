@@ -8,14 +8,14 @@
 module asperity_contact_slip
   use asperity_contact_records, only: contact_row, position_result
   use asperity_decimal, only: decimal_to_real64, decimal_value
+  use asperity_friction, only: slip_contact_columns, slip_contact_powers, slip_state_columns, &
+                               slip_state_powers, stiffness_ratio_of
   use asperity_kinds, only: not_computed, real64
   use asperity_numeral, only: rounded_decimal
   use asperity_run_options, only: run_options
   use asperity_scene_results, only: scene_results
   use asperity_scene_values, only: control_load, control_separation, effect_off, has_tangential, &
                                    scene
-  use asperity_slip_columns, only: slip_contact_columns, slip_contact_powers, &
-                                   slip_state_columns, slip_state_powers, stiffness_ratio_of
   use asperity_surface_solve, only: solve_surfaces
   implicit none
   private

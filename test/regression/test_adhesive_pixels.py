@@ -58,6 +58,7 @@ def law_of(name, distance, work=WORK):
 @pytest.mark.parametrize("law, tabor, side", [
     ("exponential", 0.2, 0.26), *(pytest.param(*case, marks=pytest.mark.truth) for case in (
         ("exponential", 0.5, 0.18), ("exponential", 1.0, 0.14), ("exponential", 2.0, 0.12),
+        ("exponential", 3.0, 0.11),
         ("van_der_waals", 1.0, 0.16)))])
 def test_pull_off_of_a_sphere(asperity, tmp_path, tally, law, tabor, side):
     """The largest pull on a path of separations, against rings to 1 %."""

@@ -219,7 +219,7 @@ def creep_cases():
 
 
 def compliance_of(times, ratios, time):
-    """J(t) E(0): e' = sum of q/tau, q' = g e' - q/tau from e = 1, q = g, by a matrix exponential."""
+    """J(t) E(0): e' = sum of q/tau, q' = g e' - q/tau, e(0) = 1, q(0) = g: matrix exponential."""
     with mp.workdps(60):
         shares = [mpf(a) - mpf(b) for a, b in zip((1, *ratios), ratios)]
         rates = mp.matrix(len(times) + 1)

@@ -4,10 +4,9 @@
 !> are compared with mpmath in test/regression/test_adhesion.py.
 module asperity_adhesion_suite
   use asperity_adhesion, only: new_adhesion
-  use asperity_adhesion_contact, only: adhering_contact, adheres_at, adhesion_numbers, &
-                                       answer_along_centres, central_answer, model_dmt, &
-                                       model_hertz, model_jkr, model_maugis, new_adhering_contact
-  use asperity_adhesion_law, only: adhesion_law, new_adhesion_law
+  use asperity_adhesion_law, only: adhering_contact, adheres_at, adhesion_law, adhesion_numbers, &
+                                   answer_along_centres, central_answer, model_dmt, model_hertz, &
+                                   model_jkr, model_maugis, new_adhering_contact, new_adhesion_law
   use asperity_contact_effect, only: contact_effect, effect_outcome
   use asperity_contact_law, only: contact_response
   use asperity_contact_pairs, only: contact_pairs

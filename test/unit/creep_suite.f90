@@ -233,22 +233,23 @@ contains
       [0.0_real64, 1.0e-300_real64, 1.0_real64, 150.0_real64, 1.0e300_real64]
     integer :: i
 
+    allocate (times(0))
     do i = 1, size(taus)
-      call hold_times(600.0_real64, taus(i), 30, times)
+      times = hold_times(600.0_real64, taus(i), 30)
       call check(error, size(times), 30, 'number')
       call check(error, times(1), 0.0_real64, 0.0_real64, 'first')
       call check(error, times(30), 600.0_real64, 0.0_real64, 'last')
       call check(error, all(times(2:) > times(:29)), 'ascending')
     end do
     ! A tenth of the relaxation time times equal factors, 1 + 600/15 = 41 in 29 steps.
-    call hold_times(600.0_real64, 150.0_real64, 30, times)
+    times = hold_times(600.0_real64, 150.0_real64, 30)
     call near(error, times(2), 15.0_real64 * (41.0_real64**(1.0_real64 / 29.0_real64) - &
               1.0_real64), 1.0e-13_real64, 'second')
     call near(error, (times(30) + 15.0_real64) / (times(29) + 15.0_real64), &
               41.0_real64**(1.0_real64 / 29.0_real64), 1.0e-13_real64, 'factor')
-    call hold_times(600.0_real64, 150.0_real64, 2, times)
+    times = hold_times(600.0_real64, 150.0_real64, 2)
     call check(error, size(times), 2, 'two')
-    call hold_times(0.0_real64, 150.0_real64, 30, times)
+    times = hold_times(0.0_real64, 150.0_real64, 30)
     call check(error, size(times), 1, 'no hold')
     call check(error, times(1), 0.0_real64, 0.0_real64, 'no hold: time')
   end subroutine times_of_hold

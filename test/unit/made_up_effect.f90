@@ -13,7 +13,7 @@ module asperity_made_up_effect
 
   public :: made_up_effect, make_up
 
-  !> It overrides what remembers and what acts in time; `finish` and `closing_at_load` stay.
+  !> It overrides what remembers and what acts in time; `finish` stays.
   type, extends(contact_effect) :: made_up_effect
     real(real64) :: share = 0.0_real64  !! more load, once and for each state kept
     integer :: kept = 0                 !! states since the position began

@@ -3,8 +3,8 @@
 !> It replaces the law of each contact and evaluates it. The load across a gap depends on whether
 !> the contact adhered before, so this is kept from one state of a position to the next.
 module asperity_adhesion
-  use asperity_adhesion_contact, only: adhesion_numbers, model_dmt, range_of_attraction
-  use asperity_adhesion_law, only: adhesion_law, new_adhesion_law
+  use asperity_adhesion_law, only: adhesion_law, adhesion_numbers, model_dmt, new_adhesion_law, &
+                                   range_of_attraction
   use asperity_contact_effect, only: contact_effect, effect_column, effect_outcome, force, &
                                      plain, relative_influence
   use asperity_contact_law, only: contact_response
@@ -16,7 +16,7 @@ module asperity_adhesion
   implicit none
   private
 
-  public :: new_adhesion
+  public :: adhesion_effect, new_adhesion
 
   !> Adhesion with one work of adhesion for all contacts, in the units of the scene.
   type, extends(contact_effect) :: adhesion_effect
@@ -100,29 +100,17 @@ contains
     if (allocated(state%law)) deallocate (state%law)
     allocate (state%law, source=self%law)
     call answer_all(pairs, state)
-    call fill_columns(self, pairs, state%penetration, count(state%answers%load < 0.0_real64), &
-                      outcome)
+    call self%leave_out(pairs, state, outcome)
     outcome%simulated = 'on'
     call warn_of_limits(self, pairs, outcome)
   end subroutine apply_adhesion
 
-  !> Sets the columns where adhesion is left out: they need the penetrations only.
+  !> Sets the columns, also where adhesion is left out: they need the penetrations only.
   subroutine leave_out(self, pairs, state, outcome)
     class(adhesion_effect), intent(in) :: self      !! adhesion with its history
     type(contact_pairs), intent(in) :: pairs        !! pairs of the position
     type(contact_state), intent(in) :: state        !! contacts without adhesion
     type(effect_outcome), intent(inout) :: outcome  !! gets the columns
-
-    call fill_columns(self, pairs, state%penetration, count(state%answers%load < 0.0_real64), &
-                      outcome)
-  end subroutine leave_out
-
-  subroutine fill_columns(self, pairs, penetration, pulling, outcome)
-    class(adhesion_effect), intent(in) :: self
-    type(contact_pairs), intent(in) :: pairs
-    real(real64), intent(in) :: penetration(:)
-    integer, intent(in) :: pulling
-    type(effect_outcome), intent(inout) :: outcome
     real(real64) :: pull
     integer :: adhering, i
 
@@ -132,13 +120,14 @@ contains
     do i = 1, size(pairs%list)
       outcome%of_contacts(i, 2) = self%law%known(i)%pull_off
       outcome%of_contacts(i, 3) = self%law%known(i)%tabor
-      if (.not. self%law%is_adhering(pairs%list(i), i, penetration(i))) cycle
+      if (.not. self%law%is_adhering(pairs%list(i), i, state%penetration(i))) cycle
       outcome%of_contacts(i, 1) = 1.0_real64
       adhering = adhering + 1
       pull = pull + self%law%known(i)%pull_off
     end do
-    outcome%of_state = [real(adhering, real64), real(pulling, real64), pull]
-  end subroutine fill_columns
+    outcome%of_state = [real(adhering, real64), &
+                        real(count(state%answers%load < 0.0_real64), real64), pull]
+  end subroutine leave_out
 
   ! The pull-off force of Derjaguin, Muller and Toporov exceeds that of Maugis near its limit.
   ! Attraction over a gap of 0.045 R acts up to 0.3 R from the axis, where a sphere deviates from a

@@ -186,32 +186,25 @@ contains
 
   !> Times of the states of a hold: evenly spaced up to a fraction of the relaxation time, in equal
   !> ratios beyond it.
-  pure subroutine hold_times(hold_time, relaxation_time, points, times)
-    real(real64), intent(in) :: hold_time                !! duration of the hold, 0 or more
-    real(real64), intent(in) :: relaxation_time          !! relaxation time of the material
-    integer, intent(in) :: points                        !! number of states, 2 or more
-    real(real64), allocatable, intent(out) :: times(:)   !! from 0 to `hold_time`, ascending
-    real(real64) :: interval, rise, span
-    integer :: i, last
+  pure function hold_times(hold_time, relaxation_time, points) result(times)
+    real(real64), intent(in) :: hold_time        !! duration of the hold, 0 or more
+    real(real64), intent(in) :: relaxation_time  !! relaxation time of the material
+    integer, intent(in) :: points                !! number of states, 2 or more
+    !> from 0 to `hold_time`, ascending; without a hold 0 alone
+    real(real64) :: times(merge(points, 1, hold_time > 0.0_real64))
+    real(real64) :: interval, span
+    integer :: i
 
-    if (.not. hold_time > 0.0_real64) then
-      allocate (times(1))
-      times = 0.0_real64
-      return
-    end if
-    last = max(1, points - 1)
-    allocate (times(last + 1))
     ! Chosen: ratios over at most six decades; from ten holds on times are nearly even.
     interval = min(max(0.1_real64 * relaxation_time, 1.0e-6_real64 * hold_time), &
                    10.0_real64 * hold_time)
-    span = log(1.0_real64 + hold_time / interval)
-    do i = 0, last
-      rise = exp(span * i / last) - 1.0_real64
-      times(i + 1) = min(hold_time, interval * rise)
+    times = 0.0_real64
+    do i = 2, size(times)
+      span = log(1.0_real64 + hold_time / interval) * (i - 1) / (size(times) - 1)
+      times(i) = min(hold_time, interval * (exp(span) - 1.0_real64))
     end do
-    times(1) = 0.0_real64
-    times(last + 1) = hold_time
-  end subroutine hold_times
+    times(size(times)) = hold_time
+  end function hold_times
 
   ! A time over the relaxation time; huge where that overflows.
   elemental real(real64) function time_over(time, relaxation_time)

@@ -17,14 +17,18 @@
 !> Within the assumptions of Hertz and Mindlin this is exact for the actual path. N is taken as
 !> proportional to W**1.5; for another law the shares of stick and slip are those of Hertz' law.
 module asperity_friction
-  use asperity_contact_law, only: contact_law, contact_response
-  use asperity_contact_pairs, only: contact_pair, contact_pairs
+  use asperity_contact_effect, only: force, length, plain
+  use asperity_contact_law, only: contact_response
+  use asperity_contact_pairs, only: contact_pair
+  use asperity_decimal, only: decimal_to_real64
   use asperity_gauss_rule, only: gauss_node, gauss_points, gauss_weight
   use asperity_kinds, only: real64
+  use asperity_scene_values, only: scene
   implicit none
   private
 
-  public :: rubbing, tangential_stiffness_ratio, solve_friction, estimate_of_friction
+  public :: rubbing, solve_friction, stiffness_ratio_of, tangential_stiffness_ratio
+  public :: slip_contact_columns, slip_contact_powers, slip_state_columns, slip_state_powers
 
   !> Friction of one contact. Zeros where it does not touch.
   type :: rubbing
@@ -41,6 +45,21 @@ module asperity_friction
   ! Largest coefficient of friction that is used; above it all contacts stick. Chosen: products
   ! with it do not overflow.
   real(real64), parameter :: largest_coefficient = 1.0e100_real64
+
+  !> Columns of a contact under a tangential load, the same for asperities and pixels: its share of
+  !> the load, the area that sticks.
+  character(len=*), parameter :: slip_contact_columns(2) = &
+    [character(len=20) :: 'shear_load', 'stick_area']
+  !> Columns of the last state; `slides` is 1 in complete sliding.
+  character(len=*), parameter :: slip_state_columns(5) = [character(len=24) :: 'tangential_load', &
+    'tangential_displacement', 'tangential_stiffness', 'stick_area', 'slides']
+
+  integer, parameter :: stiffness(2) = [1, 1], area(2) = [0, 2]
+  !> Powers of the modulus and of the length in the units of the columns of a contact.
+  integer, parameter :: slip_contact_powers(2, 2) = reshape([force, area], [2, 2])
+  !> Powers of the modulus and of the length in the units of the columns of a state.
+  integer, parameter :: slip_state_powers(2, 5) = &
+    reshape([force, length, stiffness, area, plain], [2, 5])
 
 contains
 
@@ -69,6 +88,17 @@ contains
       kappa = 4.0_real64 / 3.0_real64
     end if
   end function tangential_stiffness_ratio
+
+  !> Tangential over normal stiffness of the two bodies of a scene, kappa.
+  pure real(real64) function stiffness_ratio_of(scene_in)
+    type(scene), intent(in) :: scene_in  !! scene with moduli and ratios of both bodies
+
+    stiffness_ratio_of = tangential_stiffness_ratio( &
+      decimal_to_real64(scene_in%upper%elastic_modulus), &
+      decimal_to_real64(scene_in%upper%poisson_ratio), &
+      decimal_to_real64(scene_in%lower%elastic_modulus), &
+      decimal_to_real64(scene_in%lower%poisson_ratio))
+  end function stiffness_ratio_of
 
   !> Solves the friction of a contact that was compressed from first touch to a penetration.
   pure subroutine solve_friction(pair, penetration, response, kappa, coefficient, rubbed)
@@ -115,36 +145,6 @@ contains
     rubbed%stiffness = response%stiffness + rate * sine + &
                        rubbed%tangential_load * sine * cosine / centres
   end subroutine solve_friction
-
-  !> Upper bound of the relative increase of the total vertical load by friction at a compression:
-  !> the sum of T sin over that of N cos, with T at most mu N and at most kappa d/z N.
-  pure function estimate_of_friction(pairs, law, closing, kappa, coefficient) result(estimate)
-    type(contact_pairs), intent(in) :: pairs  !! pairs of the position
-    class(contact_law), intent(in) :: law     !! law of each contact
-    real(real64), intent(in) :: closing       !! compression, length, 0 or more
-    real(real64), intent(in) :: kappa         !! tangential over normal stiffness
-    real(real64), intent(in) :: coefficient   !! coefficient of friction mu >= 0
-    real(real64) :: estimate                  !! relative increase; 0 without contact
-    type(contact_response) :: response
-    real(real64) :: z, slope, total, added
-    integer :: i
-
-    total = 0.0_real64
-    added = 0.0_real64
-    do i = 1, size(pairs%list)
-      associate (pair => pairs%list(i))
-        if (pair%gap >= closing) exit
-        call law%respond(pair, i, closing - pair%gap, response)
-        z = pair%zc - (closing - pair%gap)
-        slope = pair%d / z
-        total = total + response%vertical_load
-        added = added + min(coefficient, kappa * slope) * response%load * &
-                (pair%d / sqrt(pair%d**2 + z**2))
-      end associate
-    end do
-    estimate = 0.0_real64
-    if (total > 0.0_real64) estimate = added / total
-  end function estimate_of_friction
 
   ! The penetration at which the contact radius was the stick radius c at p: p with complete stick,
   ! 0 with complete sliding. Between two states of the path, exactly,

@@ -5,10 +5,9 @@ module asperity_friction_effect
   use asperity_contact_law, only: contact_response
   use asperity_contact_pairs, only: contact_pair, contact_pairs
   use asperity_contact_state, only: contact_state
-  use asperity_friction, only: estimate_of_friction, rubbing, solve_friction
+  use asperity_friction, only: rubbing, solve_friction, stiffness_ratio_of
   use asperity_kinds, only: real64
   use asperity_scene_values, only: scene
-  use asperity_slip_columns, only: stiffness_ratio_of
   implicit none
   private
 
@@ -49,14 +48,30 @@ contains
     allocate (effect, source=new)
   end subroutine new_friction
 
-  !> Upper bound of the relative increase of the vertical load.
+  !> Upper bound of the relative increase of the vertical load at the compression: the sum of T sin
+  !> over that of N cos, with T at most mu N and at most kappa d/z N.
   function estimate_by_friction(self, pairs, state) result(share)
     class(friction_effect), intent(in) :: self  !! friction with its parameters
     type(contact_pairs), intent(in) :: pairs    !! pairs of the position
     type(contact_state), intent(in) :: state    !! contacts without friction
     real(real64) :: share
+    type(contact_response) :: response
+    real(real64) :: total, z
+    integer :: i
 
-    share = estimate_of_friction(pairs, state%law, state%closing, self%kappa, self%coefficient)
+    share = 0.0_real64
+    total = 0.0_real64
+    do i = 1, size(pairs%list)
+      associate (pair => pairs%list(i))
+        if (pair%gap >= state%closing) exit
+        call state%law%respond(pair, i, state%closing - pair%gap, response)
+        z = pair%zc - (state%closing - pair%gap)
+        total = total + response%vertical_load
+        share = share + min(self%coefficient, self%kappa * (pair%d / z)) * response%load * &
+                (pair%d / sqrt(pair%d**2 + z**2))
+      end associate
+    end do
+    if (total > 0.0_real64) share = share / total
   end function estimate_by_friction
 
   !> Adds the tangential force of each contact.

@@ -7,7 +7,7 @@
 !> that of the elastic one.
 module asperity_plastic_law
   use asperity_constants, only: pi
-  use asperity_contact_law, only: contact_law, contact_response
+  use asperity_contact_law, only: contact_law, contact_response, set_vertical_parts
   use asperity_contact_pairs, only: contact_pair
   use asperity_hertz_law, only: hertz_law
   use asperity_kinds, only: real64
@@ -148,20 +148,5 @@ contains
     end if
     call set_vertical_parts(pair, penetration, along, response)
   end subroutine unload_contact
-
-  ! Vertical load and stiffness from the load and its slope `along` the line of centres, with
-  ! dW/dp = cosine and d(cosine)/dp = -sine**2 over the distance of the centres.
-  pure subroutine set_vertical_parts(pair, penetration, along, response)
-    type(contact_pair), intent(in) :: pair
-    real(real64), intent(in) :: penetration, along
-    type(contact_response), intent(inout) :: response
-    real(real64) :: centres
-
-    centres = pair%s - response%overlap
-    response%cosine = (pair%zc - penetration) / centres
-    response%vertical_load = response%load * response%cosine
-    response%stiffness = along * response%cosine**2 - &
-                         response%load * (pair%d / centres)**2 / centres
-  end subroutine set_vertical_parts
 
 end module asperity_plastic_law
