@@ -17,7 +17,7 @@ module asperity_generated_map
   use asperity_height_map, only: fault_of_map, free_edge, height_map, highest, largest_height, &
                                  length_units, periodic_edge
   use asperity_kinds, only: int64, real64
-  use asperity_line_transform, only: line_transform, waves_back, waves_to_real
+  use asperity_line_transform, only: back_in_place, line_transform, waves_to_real
   use asperity_map_waves, only: draw_waves, map_waves, plan_waves
   use asperity_problems, only: decimal_text, not_enough_memory
   use asperity_process, only: has_memory
@@ -95,7 +95,7 @@ contains
 
     call plan_waves(spec, waves)
     allocate (components(waves%period(2)), row(waves%period(1) / 2 + 1), heights(waves%period(1)))
-    call columns%prepare(waves_back, waves%period(2))
+    call columns%prepare(back_in_place, waves%period(2))
     call rows_to_pixels%prepare(waves_to_real, waves%period(1))
     tried = min(tried, waves%most(1) + 1)
     call cpu_time(begun)
@@ -136,7 +136,7 @@ contains
     integer :: first, i, j
 
     allocate (components(0:waves%period(2) - 1, 0:waves%most(1)))
-    call columns%prepare(waves_back, waves%period(2))
+    call columns%prepare(back_in_place, waves%period(2))
     call rows_to_pixels%prepare(waves_to_real, waves%period(1))
     !$omp parallel private(rows, heights, j)
     allocate (rows(0:waves%period(1) / 2, rows_together), heights(waves%period(1)))

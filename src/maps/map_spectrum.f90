@@ -128,7 +128,7 @@ contains
     type(height_map), intent(in) :: map
     type(power_spectrum), intent(out) :: spectrum
     real(c_double), allocatable, target :: row(:)
-    complex(c_double_complex), allocatable, target :: waves(:, :), column(:)
+    complex(c_double_complex), allocatable, target :: waves(:, :), column(:), other(:)
     type(line_transform) :: columns, rows
     real(real64) :: mean_square
     integer :: i, j
@@ -144,8 +144,8 @@ contains
       end do
       mean_square = mean_square / map%columns / map%rows
     end if
-    !$omp parallel private(row, column)
-    allocate (row(map%columns), column(0:map%rows - 1))
+    !$omp parallel private(row, column, other)
+    allocate (row(map%columns), column(0:map%rows - 1), other(0:map%rows - 1))
     !$omp do schedule(static)
     do j = 1, map%rows
       row = map%height(:, j)
@@ -156,8 +156,8 @@ contains
     !$omp do schedule(static)
     do i = 0, map%columns / 2
       column = waves(i, :)
-      call columns%apply(c_loc(column), c_loc(column))
-      waves(i, :) = column
+      call columns%apply(c_loc(column), c_loc(other))
+      waves(i, :) = other
     end do
     !$omp end do
     !$omp end parallel

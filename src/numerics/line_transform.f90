@@ -9,11 +9,12 @@ module asperity_line_transform
   implicit none
   private
 
-  public :: line_transform, real_to_waves, waves_to_real, waves_forward, waves_back
+  public :: line_transform, real_to_waves, waves_to_real, waves_forward, waves_back, back_in_place
 
   !> Directions: of `length` doubles to length/2 + 1 waves; the inverse, which overwrites the waves
-  !> and multiplies by the length; of complex numbers in their place, and their inverse.
+  !> and multiplies by the length; of complex numbers to another place, and their inverse.
   integer, parameter :: real_to_waves = 1, waves_to_real = 2, waves_forward = 3, waves_back = 4
+  integer, parameter :: back_in_place = 5  !! inverse in the place of the waves
 
   !> Transform of lines of one length. It owns its plan: it must not be copied.
   type :: line_transform
@@ -80,16 +81,16 @@ module asperity_line_transform
 
 contains
 
-  !> Makes the plan of lines, complex ones in their place.
+  !> Makes the plan.
   subroutine prepare_transform(self, direction, length)
     class(line_transform), intent(inout) :: self  !! transform without a plan
-    integer, intent(in) :: direction              !! one of the four above
+    integer, intent(in) :: direction              !! one of those above
     integer, intent(in) :: length                 !! number of values of a line, 1 or more
     real(c_double), allocatable, target :: values(:)
-    complex(c_double_complex), allocatable, target :: waves(:)
+    complex(c_double_complex), allocatable, target :: waves(:), others(:)
 
     self%direction = direction
-    allocate (values(length + 2), waves(length + 2))
+    allocate (values(length + 2), waves(length + 2), others(length))
     associate (line => c_loc(values), to => c_loc(waves), n => int(length, c_int))
       !$omp critical (fftw_plans)
       select case (direction)
@@ -97,9 +98,11 @@ contains
         self%plan = plan_real_to_complex(n, line, to, without_measuring)
       case (waves_to_real)
         self%plan = plan_complex_to_real(n, to, line, without_measuring)
+      case (back_in_place)
+        self%plan = plan_complex(n, to, to, 1_c_int, without_measuring)
       case default
-        self%plan = plan_complex(n, to, to, merge(-1_c_int, 1_c_int, direction == waves_forward), &
-                                 without_measuring)
+        self%plan = plan_complex(n, to, c_loc(others), merge(-1_c_int, 1_c_int, &
+                                 direction == waves_forward), without_measuring)
       end select
       !$omp end critical (fftw_plans)
     end associate

@@ -53,14 +53,14 @@ contains
     !> axis along which the lattice is periodic, with the influence of a whole period; absent: none
     integer, intent(in), optional :: strip_axis
     real(c_double), allocatable, target :: row(:)
-    complex(c_double_complex), allocatable, target :: column(:)
+    complex(c_double_complex), allocatable, target :: column(:), other(:)
     integer :: i, j, n(2), padded(2)
 
     n = shape(influence)
     padded = padded_length(2 * n - 1)
     if (present(strip_axis)) padded(strip_axis) = n(strip_axis)
     call make_plans(self, padded(1), padded(2), n(2))
-    allocate (row(0:self%columns - 1), column(0:self%rows - 1))
+    allocate (row(0:self%columns - 1), column(0:self%rows - 1), other(0:self%rows - 1))
     row = 0.0_c_double
     do j = 0, ubound(influence, 2)
       row(:n(1) - 1) = influence(:, j)
@@ -71,8 +71,8 @@ contains
       column = (0.0_c_double, 0.0_c_double)
       column(:n(2) - 1) = real(self%transform(i, :), c_double)
       if (padded(2) > n(2)) column(padded(2) - n(2) + 1:) = column(n(2) - 1:1:-1)
-      call self%column_forward%apply(c_loc(column), c_loc(column))
-      self%spectrum(:, i, of_influence) = real(column(:self%rows / 2), c_double)
+      call self%column_forward%apply(c_loc(column), c_loc(other))
+      self%spectrum(:, i, of_influence) = real(other(:self%rows / 2), c_double)
     end do
     call scale_spectrum(self)
   end subroutine prepare_plane
@@ -145,15 +145,16 @@ contains
     real(real64), intent(out) :: displacement(:, :)        !! displacements; if inverse, forces
     logical, intent(in), optional :: inverse               !! whether the inverse is applied
     real(c_double), allocatable, target :: row(:)
-    complex(c_double_complex), allocatable, target :: column(:, :)
+    complex(c_double_complex), allocatable, target :: column(:, :), waves(:)
     integer :: i, j, k, m, n, last, operator_index
 
     operator_index = of_influence
     if (present(inverse)) operator_index = merge(of_inverse, of_influence, inverse)
     m = size(force, 1)
     n = size(force, 2)
-    !$omp parallel private(row, column, k, last) if(size(self%transform) > thread_threshold)
-    allocate (row(self%columns), column(0:self%rows - 1, 0:block_columns - 1))
+    !$omp parallel private(row, column, waves, k, last) if(size(self%transform) > thread_threshold)
+    allocate (row(self%columns), waves(0:self%rows - 1))
+    allocate (column(0:self%rows - 1, 0:block_columns - 1))
     !$omp do schedule(static)
     do j = 1, n
       row(:m) = force(:, j)
@@ -168,13 +169,13 @@ contains
       column(:n - 1, :last) = transpose(self%transform(i:i + last, :n - 1))
       do k = 0, last
         column(n:, k) = (0.0_c_double, 0.0_c_double)
-        call self%column_forward%apply(c_loc(column(0, k)), c_loc(column(0, k)))
+        call self%column_forward%apply(c_loc(column(0, k)), c_loc(waves))
         associate (spectrum => self%spectrum(:, i + k, operator_index), middle => self%rows / 2)
-          column(:middle, k) = column(:middle, k) * spectrum
-          column(middle + 1:, k) = column(middle + 1:, k) * &
-                                   self%spectrum((self%rows - 1) / 2:1:-1, i + k, operator_index)
+          waves(:middle) = waves(:middle) * spectrum
+          waves(middle + 1:) = waves(middle + 1:) * &
+                               self%spectrum((self%rows - 1) / 2:1:-1, i + k, operator_index)
         end associate
-        call self%column_back%apply(c_loc(column(0, k)), c_loc(column(0, k)))
+        call self%column_back%apply(c_loc(waves), c_loc(column(0, k)))
       end do
       self%transform(i:i + last, :n - 1) = transpose(column(:n - 1, :last))
     end do

@@ -44,16 +44,16 @@ contains
     real(real64), intent(in) :: values(:, :)    !! (column, row), at most the lattice
     !> (wave number in y, wave number in x); half of the wave numbers in x
     complex(real64), intent(out), target :: waves(0:, 0:)
-    complex(c_double_complex), allocatable, target :: of_rows(:, :), line(:)
+    complex(c_double_complex), allocatable, target :: of_rows(:, :), line(:), other(:)
     real(c_double), allocatable, target :: row(:)
     integer :: i, j, m, n
 
     m = size(values, 1)
     n = size(values, 2)
     allocate (of_rows(0:self%columns / 2, n))
-    !$omp parallel private(row, line)
+    !$omp parallel private(row, line, other)
     allocate (row(self%columns), source=0.0_c_double)
-    allocate (line(0:self%rows - 1))
+    allocate (line(0:self%rows - 1), other(0:self%rows - 1))
     !$omp do schedule(static)
     do j = 1, n
       row(:m) = values(:, j)
@@ -65,8 +65,8 @@ contains
     do i = 0, self%columns / 2
       line(:n - 1) = of_rows(i, :)
       line(n:) = (0.0_c_double, 0.0_c_double)
-      call self%column_forward%apply(c_loc(line), c_loc(line))
-      waves(:, i) = line
+      call self%column_forward%apply(c_loc(line), c_loc(other))
+      waves(:, i) = other
     end do
     !$omp end do
     !$omp end parallel
@@ -77,20 +77,20 @@ contains
     class(plane_transform), intent(in) :: self     !! transforms with plans
     complex(real64), intent(in) :: waves(0:, 0:)   !! as `make_waves` has them
     real(real64), intent(out) :: values(:, :)      !! (column, row), at most the lattice
-    complex(c_double_complex), allocatable, target :: of_rows(:, :), line(:)
+    complex(c_double_complex), allocatable, target :: of_rows(:, :), line(:), other(:)
     real(c_double), allocatable, target :: row(:)
     integer :: i, j, m, n
 
     m = size(values, 1)
     n = size(values, 2)
     allocate (of_rows(0:self%columns / 2, n))
-    !$omp parallel private(row, line)
-    allocate (row(self%columns), line(0:self%rows - 1))
+    !$omp parallel private(row, line, other)
+    allocate (row(self%columns), line(0:self%rows - 1), other(0:self%rows - 1))
     !$omp do schedule(static)
     do i = 0, self%columns / 2
       line = waves(:, i)
-      call self%column_back%apply(c_loc(line), c_loc(line))
-      of_rows(i, :) = line(:n - 1)
+      call self%column_back%apply(c_loc(line), c_loc(other))
+      of_rows(i, :) = other(:n - 1)
     end do
     !$omp end do
     !$omp do schedule(static)
