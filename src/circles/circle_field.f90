@@ -48,6 +48,8 @@ module asperity_circle_field
   !> Error of a sum over many circles [1], a share of the largest displacement; measured in
   !> summation_suite.
   real(real64), parameter, public :: sum_error = 1.0e-8_real64
+  !> The same over few circles [1], and error of a given load; measured in mutual_suite.
+  real(real64), parameter, public :: rounding_error = 1.0e-13_real64
 
   !> Largest numbers of conjugate-gradient iterations [1], chosen, dense scenes need 60; and of
   !> iterations on few unknowns: a group, a place of contact, squares; chosen, they need 10.
@@ -197,18 +199,11 @@ contains
     set%shift_since = set%shift - set%listed(2:, :)
     allocate (far(6, n), batch(min(batch_size, size(set%one))))
     call sum_sources(set%tree, set%load, hertz_spread * set%radius**2, far, set%shift_since)
-    ! Few circles: teams of threads take longer than their work.
-    if (n > thread_threshold) then
-      !$omp parallel do schedule(static)
-      do k = 1, n
-        call set_far_field(set, k, far(:, k))
-      end do
-      !$omp end parallel do
-    else
-      do k = 1, n
-        call set_far_field(set, k, far(:, k))
-      end do
-    end if
+    !$omp parallel do schedule(static) if(n > thread_threshold)
+    do k = 1, n
+      call set_far_field(set, k, far(:, k))
+    end do
+    !$omp end parallel do
     set%energy = 0.5_real64 * sum(set%load * (far(1, :) + hertz_spread * set%radius**2 * far(2, :)))
     do from = 1, size(set%one), batch_size
       to = min(from + batch_size - 1, size(set%one))

@@ -1,11 +1,12 @@
 !> Change of the potential energy of coupled contacts between two states.
 !>
-!> Near a solution the change is smaller than the rounding errors of the two potentials. There it is
-!> the mean of both gradients times the change of the state, which is exact to third order (as in
-!> the approximate Wolfe conditions of Hager and Zhang, SIAM J. Optim. 16 (2005) 170).
+!> It is the mean of both gradients times the change of the state, exact to third order: near a
+!> solution the difference of two potentials would be smaller than their rounding errors (as in the
+!> approximate Wolfe conditions of Hager and Zhang, SIAM J. Optim. 16 (2005) 170). The energy of a
+!> contact by its law is integrated.
 module asperity_circle_potential
-  use asperity_circle_field, only: circle_set, inclination_factor, large_set, sum_error, &
-                                   thread_threshold
+  use asperity_circle_field, only: circle_set, inclination_factor, large_set, rounding_error, &
+                                   sum_error, thread_threshold
   use asperity_contact_law, only: contact_law, contact_response
   use asperity_contact_pairs, only: contact_pairs
   use asperity_coupled_state, only: answer_at, coupled_solution, solve_state
@@ -24,12 +25,6 @@ module asperity_circle_potential
     type(solve_state) :: state                    !! gradient and residual
   end type potential_state
 
-  ! Share of the potential's sums [1] below which its change is taken from gradients; chosen: the
-  ! slopes of far circles leave out terms of 1e-4 of them.
-  real(real64), parameter :: resolved_change = 1.0e-6_real64
-  ! Error of a sum over few circles [1], a share of the largest displacement; measured in
-  ! mutual_suite.
-  real(real64), parameter :: rounding_error = 1.0e-13_real64
   ! Gauss and Legendre's rule of three points on -1 to 1.
   real(real64), parameter :: nodes(3) = sqrt(0.6_real64) * [-1, 0, 1]
   real(real64), parameter :: weights(3) = [5, 8, 5] / 18.0_real64
@@ -73,7 +68,7 @@ contains
     real(real64), intent(out) :: noise                 !! rounding and summation error of the change
     real(real64), dimension(size(before%penetration), 2) :: load, gradient
     real(real64) :: part(size(before%penetration))
-    real(real64) :: all_work, relative
+    real(real64) :: relative
     integer :: circle(size(before%penetration), 2), i, n
 
     n = size(part)
@@ -102,21 +97,9 @@ contains
     end do
     !$omp end parallel do
     change = sum(part)
-    all_work = before%set%energy + &
-               dot_product(before%set%load, before%penetration(before%set%contact))
     relative = merge(sum_error, rounding_error, size(before%set%x) > large_set)
     noise = relative * max(abs(before%compression), abs(solution%compression)) * &
             sum(abs(load(:, 2) - load(:, 1)))
-    if (abs(change) <= resolved_change * all_work) return
-    noise = relative * all_work
-    change = solution%set%energy - before%set%energy
-    do i = 1, n
-      if (any(circle(i, :) > 0)) change = change + &
-        stored_change(pairs, law, i, before%penetration(i), solution%penetration(i)) + &
-        load(i, 2) * (state%gap(i) + height_of_shift(solution%set, circle(i, 2)) - &
-                      before%compression) - &
-        load(i, 1) * (state%gap(i) + height_of_shift(before%set, circle(i, 1)) - before%compression)
-    end do
   end subroutine potential_change
 
   ! Expands loads, gradients by load, and indices of circles from circles to pairs.
@@ -131,39 +114,6 @@ contains
     gradient(set%contact) = gradient_by_circle
     circle(set%contact) = [(k, k=1, size(set%contact))]
   end subroutine expand_by_pair
-
-  ! Increase of the gap of a contact by its shift; 0 where there is no circle.
-  pure real(real64) function height_of_shift(set, k)
-    type(circle_set), intent(in) :: set
-    integer, intent(in) :: k
-    real(real64) :: from(2)
-
-    height_of_shift = 0.0_real64
-    if (k == 0) return
-    height_of_shift = 0.5_real64 * set%curvature(k) * sum(set%shift(:, k)**2)
-    if (.not. allocated(set%outer_field)) return
-    from = set%shift(:, k) - set%outer_field(4:5, k)
-    height_of_shift = height_of_shift + &
-           0.5_real64 * (set%outer_field(1, k) * from(1)**2 + set%outer_field(3, k) * &
-                         from(2)**2) + &
-           set%outer_field(2, k) * from(1) * from(2)
-  end function height_of_shift
-
-  ! Change of the energy W of a contact between two penetrations: with dW/dV = p it is the mean
-  ! penetration times the change of load, and the excess of that.
-  real(real64) function stored_change(pairs, law, i, from, to) result(change)
-    type(contact_pairs), intent(in) :: pairs
-    class(contact_law), intent(in) :: law
-    integer, intent(in) :: i
-    real(real64), intent(in) :: from, to
-    real(real64) :: low, high
-
-    low = max(from, 0.0_real64)
-    high = max(to, 0.0_real64)
-    change = 0.5_real64 * (low + high) * &
-             (load_at(pairs, law, i, high) - load_at(pairs, law, i, low)) + &
-             excess_work(pairs, law, i, from, to)
-  end function stored_change
 
   ! Change of p times the mean load of both ends, less the integral of the load over p.
   real(real64) function excess_work(pairs, law, i, from, to)

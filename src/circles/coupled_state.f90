@@ -5,7 +5,8 @@
 !> largest error of them, as a penetration, over the largest penetration.
 module asperity_coupled_state
   use asperity_circle_field, only: circle_set, find_field, inclination_factor, large_set, &
-                                   list_near_circles, most_inner_iterations, thread_threshold
+                                   list_near_circles, most_inner_iterations, rounding_error, &
+                                   thread_threshold
   use asperity_contact_law, only: contact_law, contact_response
   use asperity_contact_pairs, only: contact_pairs
   use asperity_kinds, only: real64
@@ -14,7 +15,7 @@ module asperity_coupled_state
   implicit none
   private
 
-  public :: answer_at, coupled_solution, evaluate_state, find_carried_load, &
+  public :: answer_at, coupled_solution, evaluate_state, find_carried_load, gather_circles, &
             penetration_without_load, raise_to_load, resolved_contacts, solve_state, update_circles
 
   !> Penetration of a contact that touches nowhere [length]: no step raises it above 0; chosen.
@@ -105,7 +106,7 @@ contains
   !> Adds one number to all penetrations so that the contacts carry a given load.
   !>
   !> Newton's method on load**(2/3), nearly linear, in a bracket; bisection where a step leaves it.
-  !> Exits: the load is met to 1e-13; the bracket is as narrow as rounding allows.
+  !> Exits: the load is met to `rounding_error`; the bracket is as narrow as rounding allows.
   subroutine raise_to_load(pairs, law, target, penetration)
     type(contact_pairs), intent(in) :: pairs              !! pairs of the position
     class(contact_law), intent(in) :: law                 !! of each contact
@@ -127,7 +128,7 @@ contains
     last_rise = rise
     do try = 1, 200
       call find_carried_load(pairs, law, penetration, rise, total, slope)
-      if (abs(total - target) <= 1.0e-13_real64 * target) exit
+      if (abs(total - target) <= rounding_error * target) exit
       if (total < target) then
         low = rise
       else
@@ -217,31 +218,18 @@ contains
       call find_field(set)
       solution%fields = solution%fields + 1
       largest = maxval(solution%penetration(set%contact))
-      ! Few circles: teams of threads take longer than their work.
-      if (size(set%x) > thread_threshold) then
-        !$omp parallel do schedule(static)
-        do k = 1, size(set%x)
-          call set_gradient(k)
-        end do
-        !$omp end parallel do
-      else
-        do k = 1, size(set%x)
-          call set_gradient(k)
-        end do
-      end if
+      !$omp parallel do schedule(static) if(size(set%x) > thread_threshold)
+      do k = 1, size(set%x)
+        call set_gradient(k)
+      end do
+      !$omp end parallel do
       if (state%target > 0.0_real64) &
         solution%compression = dot_product(set%stiffness, state%load_gradient) / sum(set%stiffness)
-      if (size(set%x) > thread_threshold) then
-        !$omp parallel do schedule(static)
-        do k = 1, size(set%x)
-          call set_residual(k)
-        end do
-        !$omp end parallel do
-      else
-        do k = 1, size(set%x)
-          call set_residual(k)
-        end do
-      end if
+      !$omp parallel do schedule(static) if(size(set%x) > thread_threshold)
+      do k = 1, size(set%x)
+        call set_residual(k)
+      end do
+      !$omp end parallel do
       state%residual = maxval(state%contact_residual) / largest
       ! NaN or infinity in the gradient is no solution.
       if (.not. sum(abs(state%load_gradient)) <= huge(largest)) state%residual = huge(largest)
@@ -279,14 +267,14 @@ contains
 
   end subroutine evaluate_state
 
-  ! Sets the circles of the contacts that carry load.
+  !> Sets the circles of the contacts that carry load.
   subroutine gather_circles(pairs, law, solution, state, resolved, is_same)
-    type(contact_pairs), intent(in) :: pairs
-    class(contact_law), intent(in) :: law
-    type(coupled_solution), intent(inout) :: solution
-    type(solve_state), intent(inout) :: state
-    type(resolved_contacts), intent(in), optional :: resolved
-    logical, intent(out) :: is_same ! the same contacts as before
+    type(contact_pairs), intent(in) :: pairs               !! pairs of the position
+    class(contact_law), intent(in) :: law                  !! of each contact
+    type(coupled_solution), intent(inout) :: solution      !! penetrations, shifts; gets circles
+    type(solve_state), intent(inout) :: state              !! gets room for gradient and residual
+    type(resolved_contacts), intent(in), optional :: resolved  !! those solved elsewhere
+    logical, intent(out) :: is_same                        !! the contacts are those of the circles
     type(contact_response), allocatable :: answer(:)
     integer, allocatable :: contact(:)
     logical, allocatable :: is_loaded(:)
@@ -298,17 +286,11 @@ contains
       contact = pack([(i, i=1, size(state%gap))], solution%penetration > 0.0_real64)
     end if
     allocate (answer(size(contact)), is_loaded(size(contact)))
-    if (size(contact) > thread_threshold) then
-      !$omp parallel do schedule(static)
-      do k = 1, size(contact)
-        call find_answer(k)
-      end do
-      !$omp end parallel do
-    else
-      do k = 1, size(contact)
-        call find_answer(k)
-      end do
-    end if
+    !$omp parallel do schedule(static) if(size(contact) > thread_threshold)
+    do k = 1, size(contact)
+      call find_answer(k)
+    end do
+    !$omp end parallel do
     n = count(is_loaded)
     if (n < size(contact)) then
       contact = pack(contact, is_loaded)
@@ -325,17 +307,11 @@ contains
       allocate (state%load_gradient(n), state%shift_gradient(2, n), state%contact_residual(n))
       set%contact = contact
       if (allocated(solution%outer_field)) set%outer_field = solution%outer_field(:, set%contact)
-      if (n > thread_threshold) then
-        !$omp parallel do schedule(static) reduction(.and.:is_same)
-        do k = 1, n
-          call set_circle(pairs, answer(k), solution, k, resolved, is_same)
-        end do
-        !$omp end parallel do
-      else
-        do k = 1, n
-          call set_circle(pairs, answer(k), solution, k, resolved, is_same)
-        end do
-      end if
+      !$omp parallel do schedule(static) reduction(.and.:is_same) if(n > thread_threshold)
+      do k = 1, n
+        call set_circle(pairs, answer(k), solution, k, resolved, is_same)
+      end do
+      !$omp end parallel do
     end associate
 
   contains

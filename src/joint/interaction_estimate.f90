@@ -1,10 +1,10 @@
 !> Upper estimate of the effect of interaction on load and area, from isolated contacts.
 module asperity_interaction_estimate
-  use asperity_circle_field, only: circle_set, find_field, inclination_factor, list_near_circles
+  use asperity_circle_field, only: find_field, list_near_circles
   use asperity_constants, only: pi
-  use asperity_contact_law, only: contact_law, contact_response
+  use asperity_contact_law, only: contact_law
   use asperity_contact_pairs, only: contact_pairs
-  use asperity_coupled_state, only: level_share
+  use asperity_coupled_state, only: coupled_solution, gather_circles, solve_state
   use asperity_kinds, only: real64
   implicit none
   private
@@ -28,38 +28,33 @@ contains
     class(contact_law), intent(in) :: law      !! contact law of each pair
     real(real64), intent(in) :: compression    !! compression from first touch [length]
     real(real64) :: share, span
-    type(circle_set) :: set
-    type(contact_response) :: response
-    integer :: i, n
+    type(coupled_solution) :: solution
+    type(solve_state) :: state
+    logical :: is_same
 
     share = 0.0_real64
-    n = count(pairs%list%gap < compression)
-    if (n < 2) return
-    call set%allocate_arrays(n)
-    set%x = pairs%list(:n)%x
-    set%y = pairs%list(:n)%y
-    do i = 1, n
-      call law%respond(pairs%list(i), i, min(compression - pairs%list(i)%gap, &
-                       level_share * pairs%list(i)%zc), response)
-      set%radius(i) = response%contact_radius
-      set%load(i) = response%vertical_load * inclination_factor(response%cosine) / pairs%modulus
-      set%stiffness(i) = response%stiffness * inclination_factor(response%cosine) / pairs%modulus
-    end do
-    if (.not. sum(set%load) > 0.0_real64) return
+    if (count(pairs%list%gap < compression) < 2) return
+    state%gap = pairs%list%gap
+    solution%penetration = compression - state%gap
+    allocate (solution%shift(2, size(state%gap)), source=0.0_real64)
+    call gather_circles(pairs, law, solution, state, is_same=is_same)
+    if (size(solution%set%x) == 0) return
     ! The result where there is no memory for the field.
     share = 1.0_real64
-    ! It is also 1 if the first-order sum reaches it with all contacts at the largest distance.
-    span = hypot(maxval(set%x) - minval(set%x), maxval(set%y) - minval(set%y)) + &
-           2 * maxval(set%radius)
-    if (sum(set%stiffness) - dot_product(set%stiffness, set%load) / sum(set%load) > pi * span) &
-      return
-    call list_near_circles(set)
-    if (allocated(set%tree%failure)) return
-    call find_field(set)
-    share = min(1.0_real64, max(dot_product(set%stiffness, set%displacement) / sum(set%load), &
-                sum(set%stiffness / set%load * set%radius**2 * &
-                    (set%displacement + set%growth)) / &
-                (1.5_real64 * sum(set%radius**2))))
+    associate (set => solution%set)
+      ! It is also 1 if the first-order sum reaches it with all contacts at the largest distance.
+      span = hypot(maxval(set%x) - minval(set%x), maxval(set%y) - minval(set%y)) + &
+             2 * maxval(set%radius)
+      if (sum(set%stiffness) - dot_product(set%stiffness, set%load) / sum(set%load) > pi * span) &
+        return
+      call list_near_circles(set)
+      if (allocated(set%tree%failure)) return
+      call find_field(set)
+      share = min(1.0_real64, max(dot_product(set%stiffness, set%displacement) / sum(set%load), &
+                  sum(set%stiffness / set%load * set%radius**2 * &
+                      (set%displacement + set%growth)) / &
+                  (1.5_real64 * sum(set%radius**2))))
+    end associate
   end function estimate_of_interaction
 
 end module asperity_interaction_estimate

@@ -5,24 +5,21 @@
 !> contact is set such that its law gives the load of the elements in the field of all others. It
 !> then responds to changes of that field by its own stiffness.
 module asperity_resolved_answers
-  use asperity_circle_field, only: circle_set, relative_position
-  use asperity_outside_field, only: circle_displacement
+  use asperity_circle_field, only: circle_set, most_inner_iterations, relative_position, &
+                                   rounding_error
   use asperity_contact_law, only: contact_law, contact_response
   use asperity_contact_pairs, only: contact_pairs
   use asperity_coupled_contacts, only: adopt_penetrations, coupled_solution, resolved_contacts
-  use asperity_coupled_groups, only: group_law
-  use asperity_coupled_state, only: open_penetration, raise_to_load
+  use asperity_coupled_state, only: answer_at, open_penetration
   use asperity_element_lattice, only: penetration_of_load
   use asperity_kinds, only: real64
   use asperity_mutual_displacement, only: mutual_displacement, mutual_terms
+  use asperity_outside_field, only: circle_displacement
   use asperity_resolved_clusters, only: cluster
   implicit none
   private
 
   public :: represent_clusters, distribute_loads
-
-  ! Least share of a change of gaps that is applied (chosen).
-  real(real64), parameter :: least_relaxation = 0.1_real64
 
 contains
 
@@ -35,12 +32,10 @@ contains
     type(resolved_contacts), intent(inout) :: resolved  !! positions and gaps are set
     type(contact_response) :: isolated
     type(circle_set) :: previous_set
-    real(real64), dimension(size(pairs%list)) :: previous_gap
     integer, dimension(size(pairs%list)) :: previous_circle, new_circle
     integer :: i, k, m
 
     previous_set = coupled%set
-    previous_gap = resolved%gap
     do k = 1, size(clusters)
       associate (answer => clusters(k)%answer, members => clusters(k)%members)
         resolved%x(members) = answer%contacts%x
@@ -74,35 +69,11 @@ contains
           merge(displacement_by_others(coupled%set, new_circle(members)) - &
                 displacement_by_others(previous_set, previous_circle(members)), &
                 0.0_real64, previous_circle(members) > 0 .and. new_circle(members) > 0)
-        call apply_change(clusters(k), previous_gap(members), gap)
         call correct_outside_gaps(clusters(k), coupled%set, pack(new_circle(members), &
                                                                  new_circle(members) > 0), resolved)
       end associate
     end do
   end subroutine represent_clusters
-
-  ! Reduces the changes of the gaps by the secant of the last two iterations (Aitken), where a
-  ! cluster is stiffer than its representatives, as a ring around a contact is. The iteration would
-  ! otherwise alternate without convergence.
-  subroutine apply_change(this_cluster, previous_gap, gap)
-    type(cluster), intent(inout) :: this_cluster
-    real(real64), intent(in) :: previous_gap(:)  ! by member: gap of the last iteration
-    real(real64), intent(inout) :: gap(:)        ! by pair: gap that the elements require; modified
-    real(real64) :: change(size(previous_gap)), share_applied(size(previous_gap))
-
-    change = gap(this_cluster%members) - previous_gap
-    share_applied = 1.0_real64
-    if (allocated(this_cluster%change)) then
-      where (max(abs(change), abs(this_cluster%change)) < -open_penetration .and. &
-             sign(1.0_real64, this_cluster%change) * (this_cluster%change - change) > 0.0_real64) &
-        share_applied = max(least_relaxation, min(1.0_real64, this_cluster%applied_share * &
-          (this_cluster%change / (this_cluster%change - change))))
-      gap(this_cluster%members) = merge(previous_gap + share_applied * change, &
-                                        gap(this_cluster%members), share_applied < 1.0_real64)
-    end if
-    this_cluster%change = change
-    this_cluster%applied_share = share_applied
-  end subroutine apply_change
 
   ! Merges members with the centre of one inside the circle of the other into one contact, with the
   ! law of the member of the largest load: the effect on other contacts depends little on the
@@ -162,8 +133,7 @@ contains
       radius(m) = 0.0_real64
       if (.not. load(m) > 0.0_real64) return
       associate (i => this_cluster%members(m))
-        coupled%penetration(i) = penetration_at_load(pairs, law, i, load(m), &
-                                                     coupled%compression - pairs%list(i)%gap)
+        coupled%penetration(i) = penetration_at_load(pairs, law, i, load(m))
         call law%respond(pairs%list(i), i, coupled%penetration(i), response)
         radius(m) = response%contact_radius
       end associate
@@ -197,9 +167,8 @@ contains
             i = this_cluster%members(m)
             resolved%x(i) = this_cluster%answer%contacts(m)%x
             resolved%y(i) = this_cluster%answer%contacts(m)%y
-            coupled%penetration(i) = penetration_at_load( &
-              pairs, law, i, load_ratio * this_cluster%load(m), coupled%compression - &
-                pairs%list(i)%gap)
+            coupled%penetration(i) = penetration_at_load(pairs, law, i, &
+                                                         load_ratio * this_cluster%load(m))
           end do
         end do
       end associate
@@ -252,25 +221,23 @@ contains
     end do
   end function displacement_by_others
 
-  ! Penetration, up to a limit, at which the law of a contact gives a vertical load.
-  real(real64) function penetration_at_load(pairs, law, i, load, upper_limit) result(p)
+  ! Penetration at which the law of a contact gives a vertical load, by Newton's method on the power
+  ! 2/3 of the load, nearly linear, from that of the paraboloid.
+  real(real64) function penetration_at_load(pairs, law, i, load) result(p)
     type(contact_pairs), intent(in) :: pairs
-    class(contact_law), intent(in), target :: law
+    class(contact_law), intent(in) :: law
     integer, intent(in) :: i
-    real(real64), intent(in) :: load, upper_limit
-    type(contact_pairs) :: one_pair
-    type(group_law) :: law_of_pair
-    real(real64) :: penetration(1)
+    real(real64), intent(in) :: load
+    type(contact_response) :: answer
+    integer :: step
 
-    one_pair%modulus = pairs%modulus
-    one_pair%vertical = .true.
-    one_pair%list = pairs%list(i:i)
-    law_of_pair%whole => law
-    law_of_pair%contact = [i]
-    law_of_pair%softening = [1.0_real64]
-    penetration = upper_limit
-    call raise_to_load(one_pair, law_of_pair, load / pairs%modulus, penetration)
-    p = penetration(1)
+    p = penetration_of_load(pairs%list(i), load / pairs%modulus)
+    do step = 1, most_inner_iterations
+      answer = answer_at(pairs, law, i, p)
+      p = p + 1.5_real64 * answer%vertical_load / answer%stiffness * &
+          ((load / answer%vertical_load)**(2.0_real64 / 3) - 1)
+      if (abs(answer%vertical_load - load) <= rounding_error * load) exit
+    end do
   end function penetration_at_load
 
 end module asperity_resolved_answers

@@ -175,12 +175,11 @@ contains
   end subroutine add_dipole
 
   !> Adds the field of a box at a place in it to the values there (L2P).
-  pure subroutine add_field(translation, position, half_width, field, with_slopes, value)
+  pure subroutine add_field(translation, position, half_width, field, value)
     type(translations), intent(in) :: translation  !! degrees of the terms
     real(real64), intent(in) :: position(2)        !! position from the centre, over the half width
     real(real64), intent(in) :: half_width         !! half of the width of the box
     real(real64), intent(in) :: field(:)           !! field of the box, the first terms
-    logical, intent(in) :: with_slopes             !! whether sums of low order include slopes
     real(real64), intent(inout) :: value(6)        !! values as `sum_sources` returns them
     real(real64) :: t(0:order, 2, 0:2), in_y(0:order, 0:2), xx, yy
     integer :: k
@@ -193,7 +192,6 @@ contains
       end associate
     end do
     value(1) = value(1) + sum(in_y(:, 0) * t(:, 1, 0))
-    if (size(field) < translation%terms .and. .not. with_slopes) return
     value(3) = value(3) + sum(in_y(:, 0) * t(:, 1, 1)) / half_width
     value(4) = value(4) + sum(in_y(:, 1) * t(:, 1, 0)) / half_width
     if (size(field) < translation%terms) return

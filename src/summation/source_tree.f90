@@ -217,11 +217,11 @@ contains
     !! difference of its second derivatives in x and in y, its mixed second derivative
     real(real64), intent(out) :: value(:, :)
     real(real64), intent(in), optional :: shift(:, :)  !! (2, source): shifts in x and y [length]
-    !> whether only the potential is summed, to about 1e-4, as a mean over the target by its second
-    !! moment; without expansions all values are summed, exactly
+    !> whether only the potential and its slopes are summed, to about 1e-4, as means over the target
+    !! by its second moment; without expansions all values are summed, exactly
     logical, intent(in), optional :: low_order
     !> (2, source), only with `low_order`: dipoles d of the sources, with the potential
-    !! d * (x - x_j)/r**3; slopes are then summed, too
+    !! d * (x - x_j)/r**3
     real(real64), intent(in), optional :: dipole(:, :)
     real(real64), allocatable :: source(:, :)
     integer :: a, columns, i, k, terms
@@ -231,7 +231,7 @@ contains
     is_low_order = .false.
     if (present(low_order)) is_low_order = low_order .and. terms > 0
     if (is_low_order) terms = tree%translation%low_order_terms
-    columns = merge(dipole_y, point_moment, present(dipole))
+    columns = merge(dipole_y, point_moment, is_low_order .or. present(dipole))
     if (size(tree%boxes) == 1) then
       call sum_one_box()
       return
@@ -254,10 +254,8 @@ contains
       do i = tree%boxes(a)%points(first_point, as_target), &
              tree%boxes(a)%points(last_own_point, as_target)
         k = tree%order(i) - tree%target_offset
-        if (present(dipole)) then
+        if (is_low_order .or. present(dipole)) then
           value(:, k) = dipole_sum(source, tree%points(i, :))
-        else if (is_low_order) then
-          value(:, k) = [1, 0, 0, 0, 0, 0] * low_order_sum(source, tree%points(i, :))
         else
           value(:, k) = direct_sum(source, tree%points(i, :))
         end if
@@ -265,8 +263,7 @@ contains
         if (a >= tree%level_start(min(3, size(tree%level_start)))) call add_field( &
           tree%translation, &
           (tree%points(i, shifted_x:shifted_y) - tree%boxes(a)%centre) / &
-          tree%boxes(a)%half_width, tree%boxes(a)%half_width, tree%field(:terms, a), &
-          present(dipole), value(:, k))
+          tree%boxes(a)%half_width, tree%boxes(a)%half_width, tree%field(:terms, a), value(:, k))
       end do
     end do
     !$omp end do
@@ -347,30 +344,9 @@ contains
     value = [phi, laplacian, slope_x, slope_y, anisotropy, mixed]
   end function direct_sum
 
-  ! Potential at a target as by `direct_sum`, without terms in 1/r**5, as a mean over the target by
-  ! its second moment.
-  pure function low_order_sum(source, point) result(phi)
-    real(real64), contiguous, intent(in) :: source(:, :)
-    real(real64), intent(in) :: point(:)
-    real(real64) :: phi, factor, square
-    integer :: k
-
-    phi = 0.0_real64
-    !$omp simd reduction(+:phi) private(factor, square)
-    do k = 1, size(source, 1)
-      factor = 0.5_real64 + sign(0.5_real64, &
-        (source(k, listed_x) - point(listed_x))**2 + (source(k, listed_y) - point(listed_y))**2 - &
-        ((source(k, listed_reach) + point(listed_reach))**2 + tiny(point)))
-      square = ((point(shifted_x) - source(k, shifted_x))**2 + &
-                (point(shifted_y) - source(k, shifted_y))**2) * factor + (1.0_real64 - factor)
-      ! The lower limit is for distances that shifts have made small.
-      phi = phi + source(k, point_charge) * factor / &
-            sqrt(max(square - 2.0_real64 * (source(k, point_moment) + point(point_moment)), &
-                     0.5_real64 * square))
-    end do
-  end function low_order_sum
-
-  ! Potential and slopes at a target as by `low_order_sum`, with dipoles.
+  ! Potential and slopes at a target as by `direct_sum`, without terms in 1/r**5, as means over the
+  ! target by its second moment, with dipoles. The lower limit of the square of a distance is for
+  ! those that shifts have made small.
   pure function dipole_sum(source, point) result(value)
     real(real64), contiguous, intent(in) :: source(:, :)
     real(real64), intent(in) :: point(:)
