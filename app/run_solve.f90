@@ -118,8 +118,14 @@ contains
       end do
     end if
     if (allocated(line%depths) .and. .not. line%has('--cost')) call stage_stress()
-    if (line%has('--cost') .and. .not. allocated(outcome%failure)) &
+    if (line%has('--cost') .and. .not. allocated(outcome%failure)) then
       call tell_cost(cost, outcome%text)
+      call outcome%text%line('solves: ' // decimal_text(sum(results%positions%solves)) // &
+                             ' for ' // count_text(sum([(size(results%positions(i)%states), &
+                                                         i=1, cost%tried)]), 'state') // &
+                             ', effects chosen ' // &
+                             count_text(sum(results%positions%choices), 'time'))
+    end if
 
   contains
 

@@ -50,18 +50,18 @@ contains
     call merge_sort(found)
   end subroutine sort_by_gap
 
-  !> Keeps the pairs that touch or attract at the compression `closing`, in the order of touch.
-  subroutine keep_within(placed, method, found, number, closing)
+  !> Keeps the pairs that touch or attract at the compression `compression`, in the order of touch.
+  subroutine keep_within(placed, method, found, number, compression)
     type(placed_scene), intent(in) :: placed  !! scene in solver units
     type(solve_method), intent(in) :: method  !! range of attraction
     type(candidate), contiguous, intent(inout) :: found(:)  !! pairs of a position
     integer, intent(inout) :: number  !! number of pairs
-    real(real64), intent(in) :: closing  !! compression at the end
+    real(real64), intent(in) :: compression  !! compression at the end
     integer :: i, kept
 
     kept = 0
     do i = 1, number
-      if (found(i)%gap - rise_of_range(placed, method, found(i)) > closing .and. .not. &
+      if (found(i)%gap - rise_of_range(placed, method, found(i)) > compression .and. .not. &
           (method%keeps_first .and. .not. found(i)%gap > 0.0_real64)) cycle
       kept = kept + 1
       if (kept < i) found(kept) = found(i)

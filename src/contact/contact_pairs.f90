@@ -49,7 +49,7 @@ module asperity_contact_pairs
     type(contact_pair), allocatable :: list(:)      !! ascending gap
     real(real64) :: first_touch = 0.0_real64        !! separation at which the first pair touches
     real(real64) :: complete_to = huge(1.0_real64)  !! largest compression with all pairs listed
-    real(real64) :: closing = 0.0_real64            !! compression without interaction
+    real(real64) :: compression = 0.0_real64            !! compression without interaction
     type(theory_limits) :: limits                   !! limits of the theories
     real(real64) :: target = 0.0_real64             !! prescribed load, modulus times length**2
     logical :: vertical = .false.                   !! prescribed loads are vertical loads

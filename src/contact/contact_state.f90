@@ -3,45 +3,56 @@ module asperity_contact_state
   use asperity_contact_law, only: contact_law, contact_response
   use asperity_contact_pairs, only: contact_pairs
   use asperity_kinds, only: real64
+  use asperity_solve_ending, only: solve_ending
   implicit none
   private
 
-  public :: contact_state, start_state, answer_all, in_contact
-  public :: kept_results, shift_x, shift_y
+  public :: contact_state, interaction_solution, start_state, answer_all, in_contact
   public :: total_load, total_vertical_load, controlled_load
-
-  !> Columns of `found`: shifts of coupled contacts; in the first row 1 where the solution is
-  !> independent of its start.
-  integer, parameter :: shift_x = 5, shift_y = 6, kept_results = 8
 
   integer, parameter :: thread_threshold = 1000  ! number of pairs from which threads are started
 
+  !> Solution of interacting contacts at one compression.
+  type :: interaction_solution
+    integer :: elements = 0                        !! number of boundary elements
+    integer :: clusters = 0                        !! number of their grids
+    real(real64) :: error = 0.0_real64             !! estimated relative error of the load
+    real(real64) :: area_error = 0.0_real64        !! estimated relative error of the area
+    real(real64) :: nested = 0.0_real64            !! load share of contacts inside others
+    type(solve_ending) :: ending                   !! residual and iterations
+    logical :: is_unique = .false.                 !! independent of the start of its iteration
+    real(real64), allocatable :: penetration(:)    !! of each pair
+    real(real64), allocatable :: area(:)           !! of each pair
+    real(real64), allocatable :: pressure(:)       !! greatest, on boundary elements; else 0
+    logical, allocatable :: is_resolved(:)         !! by boundary elements
+    real(real64), allocatable :: shift(:, :)       !! of Hertzian contacts, along x and y (2, pair)
+  end type interaction_solution
+
   !> All contacts at one compression, in the units of their pairs.
   type :: contact_state
-    real(real64) :: closing = 0.0_real64             !! compression of the position
+    real(real64) :: compression = 0.0_real64             !! compression of the position
     real(real64) :: time = 0.0_real64                !! time since the begin of loading
-    real(real64) :: left = 1.0_real64                !! relative tolerance of a simulated effect
+    real(real64) :: tolerance = 1.0_real64           !! relative, of a simulated effect
     class(contact_law), allocatable :: law           !! law of each contact
     real(real64), allocatable :: penetration(:)      !! of each pair; not positive where open
     type(contact_response), allocatable :: answers(:)  !! response of each pair
-    !> results of the search for the compression (pair, quantity), for the effect that searched; not
-    !> allocated: no effect searched
-    real(real64), allocatable :: found(:, :)
+    !> solution of interacting contacts; not allocated: none at this compression
+    type(interaction_solution), allocatable :: solution
   end type contact_state
 
 contains
 
   !> Starts with non-interacting contacts, whose penetration is the compression less the gap.
-  subroutine start_state(pairs, law, closing, state)
+  subroutine start_state(pairs, law, compression, state)
     type(contact_pairs), intent(in) :: pairs  !! pairs of the position
     class(contact_law), intent(in) :: law     !! law of each contact
-    real(real64), intent(in) :: closing       !! compression, length, 0 or more
+    real(real64), intent(in) :: compression       !! compression, length, 0 or more
     type(contact_state), intent(out) :: state  !! contacts at this compression
 
-    state%closing = closing
+    state%compression = compression
     allocate (state%law, source=law)
     allocate (state%penetration(size(pairs%list)), state%answers(size(pairs%list)))
-    state%penetration = closing - pairs%list%gap
+    state%penetration = compression - pairs%list%gap
     call answer_all(pairs, state)
   end subroutine start_state
 

@@ -11,65 +11,66 @@ module asperity_isolated_compression
   implicit none
   private
 
-  public :: check_level, closing_at_limit, closing_at_load, first_at_limit, march_closing
+  public :: check_level, compression_at_limit, compression_at_load, first_at_limit, &
+            march_compression
 
 contains
 
   !> The least compression at which a pair reaches its limit.
-  subroutine closing_at_limit(placed, found, closing, failure)
+  subroutine compression_at_limit(placed, found, compression, failure)
     type(placed_scene), intent(in) :: placed  !! scene in solver units
     type(candidate), intent(in) :: found(:)  !! pairs of a position
-    real(real64), intent(out) :: closing  !! compression at the end
+    real(real64), intent(out) :: compression  !! compression at the end
     character(len=:), allocatable, intent(inout) :: failure  !! set where the end is not reached
     logical :: reachable
 
-    call first_at_limit(placed, found, closing, reachable)
+    call first_at_limit(placed, found, compression, reachable)
     if (reachable) then
-      call check_level(placed, found, closing, failure)
+      call check_level(placed, found, compression, failure)
     else
       failure = 'no pair of asperities reaches the limit before its centres are level'
     end if
-  end subroutine closing_at_limit
+  end subroutine compression_at_limit
 
   !> The same in closed form; `any_reachable` is false when no pair can reach it.
-  subroutine first_at_limit(placed, found, closing, any_reachable)
+  subroutine first_at_limit(placed, found, compression, any_reachable)
     type(placed_scene), intent(in) :: placed  !! scene in solver units
     type(candidate), intent(in) :: found(:)  !! pairs of a position
-    real(real64), intent(out) :: closing  !! compression at the end
+    real(real64), intent(out) :: compression  !! compression at the end
     logical, intent(out) :: any_reachable  !! false when no pair can reach it
     real(real64) :: p
     logical :: reachable
     integer :: i
 
     any_reachable = .false.
-    closing = 0.0_real64
+    compression = 0.0_real64
     do i = 1, size(found)
       ! A pair that touches beyond the least compression so far is not the first at its limit.
       if (any_reachable) then
-        if (found(i)%gap >= closing) cycle
+        if (found(i)%gap >= compression) cycle
       end if
       call limit_penetration(placed, found(i), p, reachable)
       if (.not. reachable) cycle
       if (any_reachable) then
-        if (found(i)%gap + p >= closing) cycle
+        if (found(i)%gap + p >= compression) cycle
       end if
-      closing = found(i)%gap + p
+      compression = found(i)%gap + p
       any_reachable = .true.
     end do
   end subroutine first_at_limit
 
   !> Sets `failure` where centres are level or below: the spheres would move apart again. It names
   !> the pair with the least indices.
-  subroutine check_level(placed, found, closing, failure)
+  subroutine check_level(placed, found, compression, failure)
     type(placed_scene), intent(in) :: placed  !! scene in solver units
     type(candidate), intent(in) :: found(:)  !! pairs of a position
-    real(real64), intent(in) :: closing  !! compression at the end
+    real(real64), intent(in) :: compression  !! compression at the end
     character(len=:), allocatable, intent(inout) :: failure  !! set where the end is not reached
     integer :: i, first
 
     first = 0
     do i = 1, size(found)
-      if (closing - found(i)%gap < found(i)%zc) cycle
+      if (compression - found(i)%gap < found(i)%zc) cycle
       if (first > 0) then
         if (found(i)%upper > found(first)%upper) cycle
         if (found(i)%upper == found(first)%upper .and. &
@@ -94,11 +95,11 @@ contains
 
   !> The compression at which the sum of the normal forces is the target: first between two first
   !> touches, then by bracketing load**(2/3), which is nearly linear, until no number lies between.
-  subroutine closing_at_load(placed, found, overlap, closing, failure)
+  subroutine compression_at_load(placed, found, overlap, compression, failure)
     type(placed_scene), intent(in) :: placed  !! scene in solver units
     type(candidate), intent(in) :: found(:)  !! pairs of a position
     integer, intent(in) :: overlap  !! `overlap_stable` or `overlap_original`
-    real(real64), intent(out) :: closing  !! compression at the end
+    real(real64), intent(out) :: compression  !! compression at the end
     character(len=:), allocatable, intent(inout) :: failure  !! set where the end is not reached
     type(root_bracket) :: bracket
     real(real64) :: target, middle, value, most, most_load, high_load
@@ -106,7 +107,7 @@ contains
     integer :: i, first, last, iteration
 
     target = placed%target / placed%modulus
-    closing = found(1)%gap
+    compression = found(1)%gap
     ! Without a compressive target: first touch, from which effects begin.
     if (.not. target > 0.0_real64) return
     most = found(1)%gap + found(1)%zc
@@ -116,7 +117,7 @@ contains
     most_load = load_at(placed, found, most, overlap)
     if (most_load < target .and. placed%vertical) &
       call find_greatest(placed, found, overlap, most, most_load)
-    closing = most
+    compression = most
     ! Level centres are excluded, as the slope is infinite.
     if (.not. most_load > target) then
       failure = 'the load is larger than the surfaces carry before the centres of two ' // &
@@ -144,7 +145,7 @@ contains
       if (found(first + 1)%gap < most) bracket%high = found(first + 1)%gap
     end if
     value = load_at(placed, found, bracket%low, overlap)
-    closing = bracket%low
+    compression = bracket%low
     if (.not. value < target) return
     high_load = load_at(placed, found, bracket%high, overlap)
     bracket%low_miss = load_distance(value)
@@ -156,7 +157,7 @@ contains
       call narrow_bracket(bracket, middle, load_distance(value), value < target)
       if (.not. (value < target .or. value > target)) exit
     end do
-    closing = bracket%high
+    compression = bracket%high
 
   contains
 
@@ -168,15 +169,15 @@ contains
       load_distance = cube_root(load / high_load)**2 - cube_root(target / high_load)**2
     end function load_distance
 
-  end subroutine closing_at_load
+  end subroutine compression_at_load
 
   ! The compression at which the vertical load is greatest, by golden section: the forces of
   ! contacts with nearly level centres are nearly horizontal.
-  pure subroutine find_greatest(placed, found, overlap, closing, load)
+  pure subroutine find_greatest(placed, found, overlap, compression, load)
     type(placed_scene), intent(in) :: placed
     type(candidate), intent(in) :: found(:)
     integer, intent(in) :: overlap
-    real(real64), intent(inout) :: closing  ! upper bound, then that of the greatest load
+    real(real64), intent(inout) :: compression  ! upper bound, then that of the greatest load
     real(real64), intent(inout) :: load
     integer, parameter :: cuts = 80
     real(real64) :: low, high, place(2), value(2)
@@ -185,7 +186,7 @@ contains
     integer :: i, worse
 
     low = 0.0_real64
-    high = closing
+    high = compression
     place(1) = high - share * (high - low)
     place(2) = low + share * (high - low)
     value(1) = load_at(placed, found, place(1), overlap)
@@ -210,24 +211,24 @@ contains
     do i = 1, 2
       if (.not. value(i) > load) cycle
       load = value(i)
-      closing = place(i)
+      compression = place(i)
     end do
   end subroutine find_greatest
 
   ! Sum of the normal forces, or of their vertical parts, over the combined modulus at a
   ! compression; the list is sorted by gap.
-  pure function load_at(placed, found, closing, overlap) result(load)
+  pure function load_at(placed, found, compression, overlap) result(load)
     type(placed_scene), intent(in) :: placed
     type(candidate), intent(in) :: found(:)
-    real(real64), intent(in) :: closing
+    real(real64), intent(in) :: compression
     integer, intent(in) :: overlap
     real(real64) :: load, p, w, one_load
     integer :: i
 
     load = 0.0_real64
     do i = 1, size(found)
-      if (.not. found(i)%gap < closing) exit
-      p = closing - found(i)%gap
+      if (.not. found(i)%gap < compression) exit
+      p = compression - found(i)%gap
       w = overlap_of(found(i), p, overlap)
       one_load = load_of_overlap(placed, found(i)%radius, w)
       ! Without an offset in plan the cosine is 1, also where the centres coincide.
@@ -239,37 +240,37 @@ contains
 
   !> Equal steps until a pair is at its limit or the load is reached, with shorter steps to each
   !> first touch: the method of the original, for the accuracy study.
-  subroutine march_closing(placed, found, step, overlap, closing)
+  subroutine march_compression(placed, found, step, overlap, compression)
     type(placed_scene), intent(in) :: placed  !! scene in solver units
     type(candidate), intent(in) :: found(:)  !! pairs of a position
     real(real64), intent(in) :: step  !! step of the compression
     integer, intent(in) :: overlap  !! `overlap_stable` or `overlap_original`
-    real(real64), intent(out) :: closing  !! compression at the end
+    real(real64), intent(out) :: compression  !! compression at the end
     real(real64) :: next
     integer :: contacts, i
     logical :: at_limit
 
-    closing = 0.0_real64
+    compression = 0.0_real64
     contacts = 1
     at_limit = .false.
     do while (.not. at_limit)
       do while (contacts < size(found))
-        if (found(contacts + 1)%gap > closing) exit
+        if (found(contacts + 1)%gap > compression) exit
         contacts = contacts + 1
       end do
-      next = closing + step
+      next = compression + step
       if (contacts < size(found)) then
-        if (found(contacts + 1)%gap - closing < step) next = found(contacts + 1)%gap
+        if (found(contacts + 1)%gap - compression < step) next = found(contacts + 1)%gap
       end if
-      closing = next
+      compression = next
       if (placed%control == control_load) then
-        at_limit = load_at(placed, found, closing, overlap) * placed%modulus >= placed%target
+        at_limit = load_at(placed, found, compression, overlap) * placed%modulus >= placed%target
       else
         do i = 1, contacts
           if (march_load(i) >= placed%limit) at_limit = .true.
         end do
       end if
-      if (.not. closing < found(1)%zc) exit
+      if (.not. compression < found(1)%zc) exit
     end do
 
   contains
@@ -278,10 +279,11 @@ contains
     real(real64) function march_load(i) result(load)
       integer, intent(in) :: i
 
-      load = placed%modulus * load_of_overlap(placed, found(i)%radius, &
-                                              overlap_of(found(i), closing - found(i)%gap, overlap))
+      load = placed%modulus * &
+             load_of_overlap(placed, found(i)%radius, &
+                             overlap_of(found(i), compression - found(i)%gap, overlap))
     end function march_load
 
-  end subroutine march_closing
+  end subroutine march_compression
 
 end module asperity_isolated_compression

@@ -8,8 +8,8 @@ module asperity_isolated_contacts
   use asperity_contact_records, only: by_marching, cut_rows, most_rows, no_contacts, &
                                       position_result, prescribed_normal, prescribed_vertical, &
                                       solve_method
-  use asperity_isolated_compression, only: check_level, closing_at_limit, closing_at_load, &
-                                           march_closing
+  use asperity_isolated_compression, only: check_level, compression_at_limit, compression_at_load, &
+                                           march_compression
   use asperity_kinds, only: int64, real64
   use asperity_pair_finding, only: find_pairs
   use asperity_placed_scene, only: candidate, load_unit, place_of_touch, placed_scene, &
@@ -23,7 +23,7 @@ module asperity_isolated_contacts
   implicit none
   private
 
-  public :: closings_on_the_way, empty_state, list_pairs, solve_position
+  public :: list_compressions, empty_state, list_pairs, solve_position
 
 contains
 
@@ -46,7 +46,7 @@ contains
     if (allocated(failure)) return
     if (present(pairs)) then
       do while (position%number > 0)
-        if (.not. position%found(position%number)%gap > position%closing) exit
+        if (.not. position%found(position%number)%gap > position%compression) exit
         position%number = position%number - 1
       end do
       call fill_pairs(placed, position, pairs)
@@ -104,7 +104,7 @@ contains
     complete = .true.
     if (allocated(failure)) return
     position%first_touch = 0.0_real64
-    position%closing = 0.0_real64
+    position%compression = 0.0_real64
     if (position%number == 0) then
       ! The caps of a deck end at their reference plane: under limit control such a position of it
       ! has no contact.
@@ -113,35 +113,35 @@ contains
       return
     end if
     call set_gaps(position%found, position%number, position%first_touch)
-    associate (found => position%found(:position%number), closing => position%closing)
+    associate (found => position%found(:position%number), compression => position%compression)
       if (method%path == by_marching) then
         call sort_by_gap(found)
         call refine_heights(found)
-        call march_closing(placed, found, scale(method%step, -4 * placed%length_power), &
-                           method%overlap, closing)
+        call march_compression(placed, found, scale(method%step, -4 * placed%length_power), &
+                           method%overlap, compression)
       else
         select case (placed%control)
         case (control_limit)
-          call closing_at_limit(placed, found, closing, failure)
+          call compression_at_limit(placed, found, compression, failure)
         case (control_separation)
-          closing = position%first_touch - placed%target
-          call check_level(placed, found, closing, failure)
+          compression = position%first_touch - placed%target
+          call check_level(placed, found, compression, failure)
         case (control_compression)
-          closing = placed%target
-          call check_level(placed, found, closing, failure)
+          compression = placed%target
+          call check_level(placed, found, compression, failure)
         case default
           call sort_by_gap(found)
           call refine_heights(found)
-          call closing_at_load(placed, found, method%overlap, closing, failure)
+          call compression_at_load(placed, found, method%overlap, compression, failure)
         end select
       end if
     end associate
     complete = all_pairs .or. (.not. allocated(failure) .and. &
-               position%first_touch - position%closing - &
+               position%first_touch - position%compression - &
                largest_rise(placed, method) >= placed%complete_above)
     if (allocated(failure) .or. method%path == by_marching) return
     if (placed%control == control_load) return
-    call keep_within(placed, method, position%found, position%number, position%closing)
+    call keep_within(placed, method, position%found, position%number, position%compression)
     call refine_heights(position%found(:position%number))
   end subroutine close_position
 
@@ -158,7 +158,7 @@ contains
       return
     end if
     result%states(1) = no_contacts
-    result%states(1)%closing = 0.0_real64
+    result%states(1)%compression = 0.0_real64
     result%states(1)%approach = 0.0_real64
     result%overlapping_circles = 0
     if (placed%control == control_separation) &
@@ -172,20 +172,20 @@ contains
     integer, intent(in) :: overlap
     logical, intent(in) :: keep_rows
     type(position_result), intent(inout) :: result
-    real(real64), allocatable :: closings(:), gaps(:)
+    real(real64), allocatable :: compressions(:), gaps(:)
     integer :: i
 
     allocate (gaps(merge(position%number, 0, placed%events)))
     if (placed%events) gaps = position%found(:position%number)%gap
-    call closings_on_the_way(placed%points, gaps, position%closing, closings)
-    allocate (result%states(size(closings)), result%rows(0))
-    do i = 1, size(closings)
-      call compute_state(placed, position, closings(i), overlap, keep_rows, i, result)
+    call list_compressions(placed%points, gaps, position%compression, compressions)
+    allocate (result%states(size(compressions)), result%rows(0))
+    do i = 1, size(compressions)
+      call compute_state(placed, position, compressions(i), overlap, keep_rows, i, result)
       if (result%rows_used > most_rows) exit
     end do
     call cut_rows(result)
     if (placed%control /= control_load) return
-    associate (last => result%states(size(closings)))
+    associate (last => result%states(size(compressions)))
       last%prescribed = merge(prescribed_vertical, prescribed_normal, placed%vertical)
       last%prescribed_load = scaled_to_real64(placed%target, load_unit(placed))
     end associate
@@ -193,21 +193,21 @@ contains
 
   !> Sets the compressions of the states, ascending, each once: first touch and the ends of the
   !> equal parts, if any; the gaps; the end.
-  subroutine closings_on_the_way(points, gaps, closing, closings)
+  subroutine list_compressions(points, gaps, compression, compressions)
     integer, intent(in) :: points                    !! number of equal parts; 0 or 1: none
     real(real64), intent(in) :: gaps(:)              !! compressions of first touches, ascending
-    real(real64), intent(in) :: closing              !! compression at the end
-    real(real64), allocatable, intent(out) :: closings(:)  !! at least one compression
+    real(real64), intent(in) :: compression              !! compression at the end
+    real(real64), allocatable, intent(out) :: compressions(:)  !! at least one compression
     real(real64) :: part
     integer :: event, k, used, parts
 
     parts = merge(points, 0, points > 1)
-    allocate (closings(parts + size(gaps) + 2))
+    allocate (compressions(parts + size(gaps) + 2))
     used = 0
     event = 1
     do k = 0, parts
-      part = closing
-      if (k < parts) part = closing * real(k, real64) / real(parts, real64)
+      part = compression
+      if (k < parts) part = compression * real(k, real64) / real(parts, real64)
       do while (event <= size(gaps))
         if (gaps(event) > part) exit
         call add_if_new(gaps(event))
@@ -215,28 +215,28 @@ contains
       end do
       call add_if_new(part)
     end do
-    closings = closings(:used)
+    compressions = compressions(:used)
 
   contains
 
-    subroutine add_if_new(candidate_closing)
-      real(real64), intent(in) :: candidate_closing
+    subroutine add_if_new(candidate_compression)
+      real(real64), intent(in) :: candidate_compression
 
-      if (candidate_closing > closing) return
+      if (candidate_compression > compression) return
       if (used > 0) then
-        if (.not. candidate_closing > closings(used)) return
+        if (.not. candidate_compression > compressions(used)) return
       end if
       used = used + 1
-      closings(used) = candidate_closing
+      compressions(used) = candidate_compression
     end subroutine add_if_new
 
-  end subroutine closings_on_the_way
+  end subroutine list_compressions
 
   ! All contacts at one compression, and their totals.
-  subroutine compute_state(placed, position, closing, overlap, keep_rows, number, result)
+  subroutine compute_state(placed, position, compression, overlap, keep_rows, number, result)
     type(placed_scene), intent(in) :: placed
     type(position_pairs), intent(in) :: position
-    real(real64), intent(in) :: closing
+    real(real64), intent(in) :: compression
     integer, intent(in) :: overlap, number
     logical, intent(in) :: keep_rows
     type(position_result), intent(inout) :: result
@@ -247,19 +247,20 @@ contains
     tally = state_tally(placed%length_power, placed%modulus_power, load_unit(placed))
     call begin_tally(tally, position%number, keep_rows, number == size(result%states))
     do i = 1, position%number
-      if (position%found(i)%gap > closing) exit
-      call solve_contact(placed, position, i, closing, overlap, contact)
+      if (position%found(i)%gap > compression) exit
+      call solve_contact(placed, position, i, compression, overlap, contact)
       call add_contact(tally, placed%limits, contact)
     end do
-    call finish_tally(tally, placed%limits, position%first_touch - closing, closing, number, result)
+    call finish_tally(tally, placed%limits, position%first_touch - compression, compression, &
+                      number, result)
   end subroutine compute_state
 
   ! Solves one contact at a compression, by Hertz' law.
-  pure subroutine solve_contact(placed, position, i, closing, overlap, contact)
+  pure subroutine solve_contact(placed, position, i, compression, overlap, contact)
     type(placed_scene), intent(in) :: placed
     type(position_pairs), intent(in) :: position
     integer, intent(in) :: i
-    real(real64), intent(in) :: closing
+    real(real64), intent(in) :: compression
     integer, intent(in) :: overlap
     type(seen_contact), intent(out) :: contact
     real(real64) :: limit
@@ -270,7 +271,7 @@ contains
       contact%upper = pair%upper
       contact%lower = pair%lower
       call place_of_touch(placed, pair, position%dx, position%dy, contact%x, contact%y)
-      contact%penetration = closing - pair%gap
+      contact%penetration = compression - pair%gap
       contact%d = pair%d
       contact%z = pair%zc - contact%penetration
       contact%overlap = overlap_of(pair, contact%penetration, overlap)
@@ -292,7 +293,7 @@ contains
       end if
       if (placed%criterion == criterion_none) return
       call limit_penetration(placed, pair, limit, reachable)
-      if (reachable) contact%at_limit = pair%gap + limit <= closing
+      if (reachable) contact%at_limit = pair%gap + limit <= compression
     end associate
   end subroutine solve_contact
 
@@ -386,7 +387,7 @@ contains
     pairs%vertical = placed%vertical
     pairs%target = target_of(placed)
     pairs%first_touch = position%first_touch
-    pairs%closing = position%closing
+    pairs%compression = position%compression
     allocate (pairs%list(position%number))
     do i = 1, position%number
       associate (pair => pairs%list(i), from => position%found(i))

@@ -10,7 +10,7 @@
 module asperity_pair_finding
   use asperity_candidate_pairs, only: largest_rise, refine_heights, set_gaps, sort_by_gap
   use asperity_contact_records, only: by_events, solve_method
-  use asperity_isolated_compression, only: closing_at_load, first_at_limit
+  use asperity_isolated_compression, only: compression_at_load, first_at_limit
   use asperity_key_sort, only: sort_keys
   use asperity_kinds, only: int64, real64
   use asperity_pair_search_blocks, only: found_pairs
@@ -119,15 +119,15 @@ contains
     type(solve_method), intent(in) :: method
     type(candidate), intent(inout) :: found(:)
     real(real64), intent(inout) :: least_touch
-    real(real64) :: first_touch, closing
+    real(real64) :: first_touch, compression
     logical :: reachable
 
     call set_gaps(found, size(found), first_touch)
-    closing = placed%target
+    compression = placed%target
     reachable = placed%control == control_compression
-    if (.not. reachable) call first_at_limit(placed, found, closing, reachable)
+    if (.not. reachable) call first_at_limit(placed, found, compression, reachable)
     if (reachable) least_touch = max(least_touch, below_with_rounding(placed, first_touch - &
-                                     closing) - largest_rise(placed, method))
+                                     compression) - largest_rise(placed, method))
   end subroutine raise_by_first
 
   ! Load control. The compression at which some pairs carry the load is an upper bound of that of
@@ -139,18 +139,18 @@ contains
     type(candidate), contiguous, intent(inout) :: found(:)
     real(real64), intent(inout) :: least_touch
     character(len=:), allocatable :: failure
-    real(real64) :: first_touch, closing, level
+    real(real64) :: first_touch, compression, level
     integer :: i, next
 
     call set_gaps(found, size(found), first_touch)
     call sort_by_gap(found)
     call refine_heights(found)
-    call closing_at_load(placed, found, overlap, closing, failure)
+    call compression_at_load(placed, found, overlap, compression, failure)
     if (allocated(failure)) return
     level = found(1)%gap + found(1)%zc
     next = 0
     do i = size(found), 1, -1
-      if (found(i)%gap > closing) next = i
+      if (found(i)%gap > compression) next = i
       if (found(i)%gap + found(i)%zc < level) level = found(i)%gap + found(i)%zc
     end do
     if (next == 0) return

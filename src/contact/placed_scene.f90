@@ -67,7 +67,7 @@ module asperity_placed_scene
   type :: position_pairs
     real(real64) :: dx, dy       !! displacement of the upper surface
     real(real64) :: first_touch  !! separation at which the first pair touches
-    real(real64) :: closing      !! compression at its end
+    real(real64) :: compression      !! compression at its end
     integer :: number = 0  !! pairs in `found`, which may be larger
     type(candidate), allocatable :: found(:)
   end type position_pairs

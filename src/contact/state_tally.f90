@@ -68,11 +68,11 @@ contains
   end subroutine add_contact
 
   !> Adds the state to its position.
-  subroutine finish_tally(tally, limits, approach, closing, number, result)
+  subroutine finish_tally(tally, limits, approach, compression, number, result)
     type(state_tally), intent(inout) :: tally        !! state with all its contacts
     type(theory_limits), intent(in) :: limits        !! limits of the theories
     real(real64), intent(in) :: approach             !! separation of the planes
-    real(real64), intent(in) :: closing              !! compression since first touch
+    real(real64), intent(in) :: compression              !! compression since first touch
     integer, intent(in) :: number                    !! number of the state, from 1
     type(position_result), intent(inout) :: result   !! gets the state
     real(real64) :: projected_area
@@ -80,7 +80,7 @@ contains
     associate (totals => tally%totals, length => tally%length_power)
       projected_area = totals%projected_area
       totals%approach = scaled_to_real64(approach, length)
-      totals%closing = scaled_to_real64(closing, length)
+      totals%compression = scaled_to_real64(compression, length)
       totals%load = scaled_to_real64(totals%load, tally%load_power)
       totals%vertical_load = scaled_to_real64(totals%vertical_load, tally%load_power)
       totals%area = scaled_to_real64(totals%area, 2 * length)

@@ -3,7 +3,8 @@
 module asperity_effect_sequence
   use asperity_contact_effect, only: effect_box, effect_outcome
   use asperity_contact_pairs, only: contact_pairs
-  use asperity_contact_state, only: contact_state, start_state, total_vertical_load
+  use asperity_contact_state, only: contact_state, interaction_solution, start_state, &
+                                    total_vertical_load
   use asperity_effect_names, only: why_not_together
   use asperity_hertz_law, only: hertz_law
   use asperity_kinds, only: real64
@@ -12,25 +13,37 @@ module asperity_effect_sequence
   implicit none
   private
 
-  public :: choose_effects, first_failure, found_state, simulate_effects
+  public :: choose_effects, drop_choice, effect_choice, first_failure, found_state, &
+            simulate_effects
+
+  !> Effects chosen for a state without effects.
+  type :: effect_choice
+    real(real64) :: compression = 0.0_real64         !! of this state
+    real(real64) :: time = 0.0_real64                !! of this state
+    logical, allocatable :: is_simulated(:)          !! by effect; not allocated: none is chosen
+    type(effect_outcome), allocatable :: outcomes(:)  !! by effect: its estimate and warnings
+    real(real64) :: tolerance = 1.0_real64           !! relative, of the simulated effects
+    integer :: number = 0                            !! number of choices so far
+  end type effect_choice
 
   !> A compression, the contacts there and the results of the search for it.
   type :: found_state
-    real(real64) :: closing = 0.0_real64               !! compression, length, 0 or more
+    real(real64) :: compression = 0.0_real64           !! compression, length, 0 or more
     real(real64) :: prescribed_load = huge(1.0_real64)  !! requested load; huge: none
     type(contact_state) :: state                       !! contacts with the effects
     type(effect_outcome), allocatable :: outcomes(:)   !! results of the effects
+    type(effect_choice) :: choice                      !! effects of the last state without them
     !> By effect, for those of `auto`: whether it is simulated, regardless of its estimate; not
     !> allocated: its estimate decides.
-    logical, allocatable :: called_for(:)
-    !> Results of the search for the compression (pair, quantity), for the effect that searched; not
-    !> allocated: no effect searched.
-    real(real64), allocatable :: found(:, :)
+    logical, allocatable :: fixed_choice(:)
+    !> Solution of the search for the compression; not allocated: no effect searched.
+    type(interaction_solution), allocatable :: solution
+    integer :: solves = 0                              !! number of states solved with effects
   end type found_state
 
 contains
 
-  !> Computes the contacts at a compression with the effects that are called for.
+  !> Computes the contacts at a compression with the effects that are chosen.
   subroutine simulate_effects(pairs, effects, time, found, loading_only)
     type(contact_pairs), intent(in) :: pairs     !! pairs of the position
     type(effect_box), intent(in) :: effects(:)   !! effects of the scene, in their order of action
@@ -39,40 +52,47 @@ contains
     !> whether effects that act in time are left out; absent: .false.
     logical, intent(in), optional :: loading_only
     real(real64) :: before
-    logical, allocatable :: called(:)
+    logical :: is_simulated(size(effects)), without_time
     character(len=:), allocatable :: why
-    logical :: without_time
     integer :: i
 
     without_time = .false.
     if (present(loading_only)) without_time = loading_only
     if (allocated(found%outcomes)) deallocate (found%outcomes)
-    allocate (found%outcomes(size(effects)))
-    call start_state(pairs, hertz_law(modulus=pairs%modulus), found%closing, found%state)
+    call start_state(pairs, hertz_law(modulus=pairs%modulus), found%compression, found%state)
     found%state%time = time
     if (pairs%interrupt%is_asked() .and. size(effects) > 0) then
+      allocate (found%outcomes(size(effects)))
       found%outcomes(1)%failure = 'interrupted'
       return
     end if
-    if (allocated(found%found)) found%state%found = found%found
-    call choose_effects(pairs, effects, found%state, found%outcomes, called, found%state%left)
+    call choose_effects(pairs, effects, found%state, found%choice)
+    found%outcomes = found%choice%outcomes
+    found%state%tolerance = found%choice%tolerance
+    is_simulated = found%choice%is_simulated
     why = 'estimate above tolerance'
-    if (allocated(found%called_for)) then
+    if (allocated(found%fixed_choice)) then
       why = 'estimate at tolerance'
       do i = 1, size(effects)
-        if (effects(i)%effect%mode == effect_auto) called(i) = found%called_for(i)
+        if (effects(i)%effect%mode == effect_auto) is_simulated(i) = found%fixed_choice(i)
       end do
+    end if
+    ! A search for a load has solved this state.
+    if (allocated(found%solution)) then
+      found%state%solution = found%solution
+    else if (any(is_simulated)) then
+      found%solves = found%solves + 1
     end if
     do i = 1, size(effects)
       associate (effect => effects(i)%effect, outcome => found%outcomes(i))
         if (without_time .and. effect%acts_in_time) cycle
-        if (called(i) .and. effect%approximates .and. effect%mode == effect_auto .and. &
-            .not. allocated(found%called_for)) then
+        if (is_simulated(i) .and. effect%approximates .and. effect%mode == effect_auto .and. &
+            .not. allocated(found%fixed_choice)) then
           ! Effects before this one may have changed the contact law and so its estimate.
-          outcome%estimate = effect%estimate(pairs, found%state)
-          called(i) = outcome%estimate > found%state%left
+          if (any(is_simulated(:i - 1))) outcome%estimate = effect%estimate(pairs, found%state)
+          is_simulated(i) = outcome%estimate > found%state%tolerance
         end if
-        if (.not. called(i)) then
+        if (.not. is_simulated(i)) then
           call effect%leave_out(pairs, found%state, outcome)
           cycle
         end if
@@ -102,49 +122,76 @@ contains
     end do
   end subroutine first_failure
 
-  !> Chooses effects by their estimates for a state without effects.
+  !> Chooses effects by their estimates for a state without effects, unless the last choice is that
+  !> of its compression and time.
   !>
   !> The effects with the smallest estimates are left out as long as their sum is within the
   !> tolerance, or within half of it where an effect is simulated that approximates: the rest, at
   !> least the other half, is for its own error. Of two effects without a common theory the one with
   !> the larger estimate is simulated, with a warning for the other; an effect that is `on`, or acts
   !> in the hold, has precedence.
-  subroutine choose_effects(pairs, effects, state, outcomes, called, left)
-    type(contact_pairs), intent(in) :: pairs             !! pairs of the position
-    type(effect_box), intent(in) :: effects(:)           !! effects of the scene
-    type(contact_state), intent(in) :: state             !! contacts without effects
-    type(effect_outcome), intent(inout) :: outcomes(:)   !! results of each effect: its estimate
-    logical, allocatable, intent(out) :: called(:)       !! whether each effect is simulated
-    real(real64), intent(out) :: left                    !! tolerance of the simulated effects
+  subroutine choose_effects(pairs, effects, state, choice)
+    type(contact_pairs), intent(in) :: pairs       !! pairs of the position
+    type(effect_box), intent(in) :: effects(:)     !! effects of the scene
+    type(contact_state), intent(in) :: state       !! contacts without effects
+    type(effect_choice), intent(inout) :: choice   !! last choice of these effects; the new one
+
+    if (allocated(choice%is_simulated)) then
+      if (.not. (abs(choice%compression - state%compression) > 0.0_real64 .or. &
+                 abs(choice%time - state%time) > 0.0_real64)) return
+    end if
+    call drop_choice(choice)
+    choice%compression = state%compression
+    choice%time = state%time
+    if (size(effects) > 0) choice%number = choice%number + 1
+    allocate (choice%is_simulated(size(effects)), choice%outcomes(size(effects)))
+    call choose_by_estimates(pairs, effects, state, choice%outcomes, choice%is_simulated, &
+                             choice%tolerance)
+  end subroutine choose_effects
+
+  !> Drops the last choice, as estimates depend on the states that effects keep.
+  subroutine drop_choice(choice)
+    type(effect_choice), intent(inout) :: choice  !! without a last choice; its number stays
+
+    if (allocated(choice%is_simulated)) deallocate (choice%is_simulated, choice%outcomes)
+  end subroutine drop_choice
+
+  ! Chooses effects by their estimates.
+  subroutine choose_by_estimates(pairs, effects, state, outcomes, is_chosen, left)
+    type(contact_pairs), intent(in) :: pairs
+    type(effect_box), intent(in) :: effects(:)
+    type(contact_state), intent(in) :: state
+    type(effect_outcome), intent(inout) :: outcomes(:)
+    logical, intent(out) :: is_chosen(:)  ! whether each effect is simulated
+    real(real64), intent(out) :: left     ! tolerance of the simulated effects
     integer :: order(size(effects)), i, number
     real(real64) :: tolerance
 
-    allocate (called(size(effects)))
     tolerance = 1.0_real64
     left = 1.0_real64
     number = 0
     do i = 1, size(effects)
       associate (effect => effects(i)%effect)
-        called(i) = effect%mode /= effect_auto
-        if (called(i)) cycle
+        is_chosen(i) = effect%mode /= effect_auto
+        if (is_chosen(i)) cycle
         tolerance = min(tolerance, effect%tolerance)
         outcomes(i)%estimate = effect%estimate(pairs, state)
         ! A hold has states because loading ended with an effect that acts in time.
-        called(i) = effect%acts_in_time .and. state%time > 0.0_real64
-        if (.not. called(i)) call insert_effect(i)
+        is_chosen(i) = effect%acts_in_time .and. state%time > 0.0_real64
+        if (.not. is_chosen(i)) call insert_effect(i)
       end associate
     end do
     if (number == 0) return
     call drop_smallest(tolerance)
     do i = 1, number
-      if (called(order(i)) .and. effects(order(i))%effect%approximates) then
+      if (is_chosen(order(i)) .and. effects(order(i))%effect%approximates) then
         call drop_smallest(0.5_real64 * tolerance)
         exit
       end if
     end do
     ! At least half of the tolerance: effects that are `on` may approximate, too.
-    left = max(0.5_real64 * tolerance, tolerance - sum(outcomes%estimate, .not. called))
-    call exclude_conflicts(effects, order(:number), outcomes, called)
+    left = max(0.5_real64 * tolerance, tolerance - sum(outcomes%estimate, .not. is_chosen))
+    call exclude_conflicts(effects, order(:number), outcomes, is_chosen)
 
   contains
 
@@ -172,29 +219,29 @@ contains
       total = 0.0_real64
       do k = number, 1, -1
         ! An estimate may be huge: it is not added before the comparison.
-        called(order(k)) = outcomes(order(k))%estimate > share - total
-        if (.not. called(order(k))) total = total + outcomes(order(k))%estimate
+        is_chosen(order(k)) = outcomes(order(k))%estimate > share - total
+        if (.not. is_chosen(order(k))) total = total + outcomes(order(k))%estimate
       end do
     end subroutine drop_smallest
 
-  end subroutine choose_effects
+  end subroutine choose_by_estimates
 
   ! Leaves out, with a warning, effects of `auto` without a common theory with one of precedence:
   ! one that is `on` or acts in the hold, then those of `auto` by descending estimate.
-  subroutine exclude_conflicts(effects, order, outcomes, called)
+  subroutine exclude_conflicts(effects, order, outcomes, is_chosen)
     type(effect_box), intent(in) :: effects(:)
     integer, intent(in) :: order(:)  ! effects of `auto` by descending estimate
     type(effect_outcome), intent(inout) :: outcomes(:)
-    logical, intent(inout) :: called(:)
+    logical, intent(inout) :: is_chosen(:)
     integer :: i, other
 
     do i = 1, size(order)
       do other = 1, size(effects)
-        if (.not. (called(order(i)) .and. called(other))) cycle
+        if (.not. (is_chosen(order(i)) .and. is_chosen(other))) cycle
         if (any(order(i:) == other)) cycle
         if (why_not_together(trim(effects(order(i))%effect%name), mode_word(order(i)), &
                              trim(effects(other)%effect%name), mode_word(other)) == '') cycle
-        called(order(i)) = .false.
+        is_chosen(order(i)) = .false.
         call add_warning(outcomes(order(i))%warnings, of_together, outcomes(order(i))%estimate, &
                          whose=trim(effects(order(i))%effect%name) // ' beside ' // &
                                effects(other)%effect%name)

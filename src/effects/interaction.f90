@@ -8,7 +8,7 @@ module asperity_interaction
                                      length, plain
   use asperity_contact_law, only: contact_law
   use asperity_contact_pairs, only: contact_pairs
-  use asperity_contact_state, only: answer_all, kept_results, contact_state, shift_x, shift_y
+  use asperity_contact_state, only: answer_all, contact_state, interaction_solution
   use asperity_earlier_solutions, only: start_from_earlier
   use asperity_hertz_law, only: hertz_law
   use asperity_interaction_estimate, only: estimate_of_interaction
@@ -17,7 +17,6 @@ module asperity_interaction
   use asperity_kinds, only: not_computed, real64
   use asperity_open_contacts, only: are_separate
   use asperity_scene_values, only: effect_auto, effect_boundary, scene
-  use asperity_solve_ending, only: solve_ending
   use asperity_theory_warnings, only: of_area, of_nested, add_warning, warning_kinds
   implicit none
   private
@@ -34,16 +33,6 @@ module asperity_interaction
     procedure :: leave_out
     procedure :: solve_together
   end type interaction_effect
-
-  ! A solution is kept as an array. Columns of its first row, of all contacts; `kept_results` is
-  ! the next one.
-  enum, bind(c)
-    enumerator :: cells = 1, error, area_error, residual, iterations, nested, clusters
-  end enum
-  ! Columns of its other rows, one row a pair; `shift_x` and `shift_y` follow.
-  enum, bind(c)
-    enumerator :: penetration = 1, area, pressure, resolved
-  end enum
 
 contains
 
@@ -78,7 +67,7 @@ contains
 
     associate (unused => self)
     end associate
-    share = estimate_of_interaction(pairs, state%law, state%closing)
+    share = estimate_of_interaction(pairs, state%law, state%compression)
   end function estimate_interaction
 
   !> Solves the interacting contacts at the compression of a state.
@@ -94,39 +83,40 @@ contains
     outcome%simulated = 'coupled'
     if (self%mode == effect_boundary) outcome%simulated = 'boundary'
     ! A load is searched with Hertz' law: its solution is none of contacts of another law.
-    if (.not. (allocated(state%found) .and. same_type_as(state%law, hertz_law()))) &
-      call solve_together(self, pairs, state%law, state%left, state%closing, state%found, &
-                          outcome%failure)
+    if (.not. (allocated(state%solution) .and. same_type_as(state%law, hertz_law()))) &
+      call solve_together(self, pairs, state%law, state%tolerance, state%compression, &
+                          state%solution, outcome%failure)
     if (allocated(outcome%failure)) return
-    state%penetration = state%found(2:, penetration)
+    state%penetration = state%solution%penetration
     call answer_all(pairs, state)
-    associate (of_all => state%found(1, :), found => state%found(2:, :), answers => state%answers)
+    associate (solution => state%solution, answers => state%answers)
       ! The number of elements changes with the compression.
-      if (of_all(cells) > 0.0_real64) outcome%load_jump = 0.1_real64 * self%boundary_tolerance
-      outcome%ending = solve_ending(.true., of_all(residual), nint(of_all(iterations)))
-      if (self%mode == effect_auto .and. of_all(cells) > 0.0_real64) then
+      if (solution%elements > 0) outcome%load_jump = 0.1_real64 * self%boundary_tolerance
+      outcome%ending = solution%ending
+      if (self%mode == effect_auto .and. solution%elements > 0) then
         outcome%simulated = 'coupled+boundary'
         outcome%why = 'Hertzian error, windows cost less'
-        if (nint(of_all(clusters)) == 1 .and. all(found(:, resolved) > 0.0_real64 .or. &
-            .not. answers%load > 0.0_real64)) outcome%why = 'Hertzian error, one grid costs less'
+        if (solution%clusters == 1 .and. &
+            all(solution%is_resolved .or. .not. answers%load > 0.0_real64)) &
+          outcome%why = 'Hertzian error, one grid costs less'
       end if
       where (answers%load > 0.0_real64)
-        answers%contact_radius = sqrt(found(:, area) / pi)
+        answers%contact_radius = sqrt(solution%area / pi)
         ! Where a few elements resolve a contact their greatest pressure may be below the mean.
-        where (found(:, pressure) > 0.0_real64) &
-          answers%maximum_pressure = max(found(:, pressure), answers%load / found(:, area))
+        where (solution%pressure > 0.0_real64) &
+          answers%maximum_pressure = max(solution%pressure, answers%load / solution%area)
       end where
       outcome%of_contacts(:, 1) = max(0.0_real64, &
-                                      state%closing - pairs%list%gap - state%penetration)
+                                      state%compression - pairs%list%gap - state%penetration)
       isolated_load = sum(outcome%of_contacts(:, 2))
       coupled_load = sum(answers%vertical_load)
-      outcome%of_state = [isolated_load, 1.0_real64, of_all(cells), &
-                          sum(found(:, resolved), mask=answers%load > 0.0_real64), &
-                          of_all(area_error)]
+      outcome%of_state = [isolated_load, 1.0_real64, real(solution%elements, real64), &
+                          real(count(solution%is_resolved .and. answers%load > 0.0_real64), &
+                               real64), solution%area_error]
       if (isolated_load > 0.0_real64) outcome%of_state(2) = coupled_load / isolated_load
-      outcome%error = of_all(error)
-      if (of_all(nested) > warning_kinds(of_nested)%limit) &
-        call add_warning(outcome%warnings, of_nested, of_all(nested), &
+      outcome%error = solution%error
+      if (solution%nested > warning_kinds(of_nested)%limit) &
+        call add_warning(outcome%warnings, of_nested, solution%nested, &
                   whose=merge('other laws than Hertz', '                     ', &
                               .not. same_type_as(state%law, hertz_law())))
     end associate
@@ -152,13 +142,13 @@ contains
   end subroutine leave_out
 
   !> Solves the interacting contacts at a compression, or at that of the load `target`.
-  subroutine solve_together(self, pairs, law, left, closing, found, failure, target)
+  subroutine solve_together(self, pairs, law, tolerance, compression, found, failure, target)
     class(interaction_effect), intent(in) :: self              !! interaction with its parameters
     type(contact_pairs), intent(in) :: pairs                   !! pairs of the position
     class(contact_law), intent(in) :: law                      !! law of each contact
-    real(real64), intent(in) :: left                           !! relative tolerance of interaction
-    real(real64), intent(inout) :: closing                     !! compression, start and result
-    real(real64), allocatable, intent(out) :: found(:, :)      !! solution at this compression
+    real(real64), intent(in) :: tolerance                      !! relative, of interaction
+    real(real64), intent(inout) :: compression                 !! compression, start and result
+    type(interaction_solution), allocatable, intent(out) :: found  !! solution found there
     character(len=:), allocatable, intent(inout) :: failure    !! set where it is impossible
     real(real64), intent(in), optional :: target               !! sum of the normal forces
     type(joint_solution) :: solution, fresh
@@ -169,7 +159,7 @@ contains
     which = resolve_none
     if (self%mode == effect_boundary) which = resolve_all
     if (self%mode == effect_auto .and. same_type_as(law, hertz_law())) which = resolve_called_for
-    solution%coupled%compression = closing
+    solution%coupled%compression = compression
     if (which /= resolve_all .and. same_type_as(law, hertz_law())) &
       call start_from_earlier(pairs, solution%coupled, target)
     has_start = allocated(solution%coupled%penetration)
@@ -177,7 +167,7 @@ contains
     if (has_start .and. .not. pairs%interrupt%is_asked()) then
       if (.not. is_one_solution(solution)) then
         solution = fresh
-        solution%coupled%compression = closing
+        solution%coupled%compression = compression
         call solve_now()
       end if
     end if
@@ -185,27 +175,27 @@ contains
       failure = solution%failure
       return
     end if
-    closing = solution%coupled%compression
-    allocate (found(1 + size(solution%area), kept_results), source=0.0_real64)
-    associate (coupled => solution%coupled)
-      found(1, :) = [real(solution%elements, real64), solution%error, solution%area_error, &
-                     coupled%ending%residual, real(coupled%ending%iterations, real64), &
-                     merge(solution%nested, 0.0_real64, which == resolve_none), &
-                     real(solution%clusters, real64), &
-                     merge(1.0_real64, 0.0_real64, is_one_solution(solution))]
-      found(2:, penetration) = coupled%penetration
-    end associate
-    found(2:, area) = solution%area
-    found(2:, pressure) = solution%maximum_pressure
-    found(2:, resolved) = merge(1.0_real64, 0.0_real64, solution%is_resolved)
-    found(2:, shift_x) = solution%coupled%shift(1, :)
-    found(2:, shift_y) = solution%coupled%shift(2, :)
+    compression = solution%coupled%compression
+    allocate (found)
+    found%elements = solution%elements
+    found%clusters = solution%clusters
+    found%error = solution%error
+    found%area_error = solution%area_error
+    if (which == resolve_none) found%nested = solution%nested
+    found%ending = solution%coupled%ending
+    found%ending%converged = .true.
+    found%is_unique = is_one_solution(solution)
+    found%penetration = solution%coupled%penetration
+    found%shift = solution%coupled%shift
+    call move_alloc(solution%area, found%area)
+    call move_alloc(solution%maximum_pressure, found%pressure)
+    call move_alloc(solution%is_resolved, found%is_resolved)
 
   contains
 
     subroutine solve_now()
-      call solve_joint(pairs, law, which, min(self%tolerance, left), self%boundary_tolerance, &
-                       self%area_tolerance, solution, target)
+      call solve_joint(pairs, law, which, min(self%tolerance, tolerance), &
+                       self%boundary_tolerance, self%area_tolerance, solution, target)
     end subroutine solve_now
 
   end subroutine solve_together

@@ -323,7 +323,7 @@ contains
   ! map it has no history.
   pure logical function rubs_back(checked)
     type(scene), intent(in) :: checked
-    real(real64), allocatable :: closing(:)
+    real(real64), allocatable :: compression(:)
 
     rubs_back = checked%effects%is_there('friction_coefficient') .and. &
                 allocated(checked%loading%path)
@@ -331,9 +331,9 @@ contains
       rubs_back = .not. (solves_pixels(checked) .or. checked%effects%given(findloc( &
                   known_effects%name, 'interaction', 1)) == by_default)
     if (.not. rubs_back) return
-    allocate (closing, source=decimal_to_real64(checked%loading%path))
-    if (checked%loading%control == control_separation) closing = -closing
-    rubs_back = any(closing(2:) < closing(:size(closing) - 1))
+    allocate (compression, source=decimal_to_real64(checked%loading%path))
+    if (checked%loading%control == control_separation) compression = -compression
+    rubs_back = any(compression(2:) < compression(:size(compression) - 1))
   end function rubs_back
 
   ! Effects whose theories do not go together. On asperities it shows with `auto` only at a position

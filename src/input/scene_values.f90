@@ -30,7 +30,7 @@ module asperity_scene_values
   public :: thesis_limit_load, is_thesis_sweep, body_compliance, combined_modulus, has_hardness, &
             dundurs_beta, has_caps, has_tangential, needs_pixels, solves_pixels
 
-  integer, parameter :: control_limit = 1          !! closing ends where a contact reaches its limit
+  integer, parameter :: control_limit = 1          !! ends where a contact reaches its limit
   integer, parameter :: control_separation = 2     !! at a given separation of the reference planes
   integer, parameter :: control_load = 3           !! at a given sum of the normal forces
   integer, parameter :: control_vertical_load = 4  !! at a given sum of their vertical parts
@@ -155,7 +155,8 @@ module asperity_scene_values
     type(decimal_value) :: contact_modulus
     type(decimal_value) :: nominal_area           !! of the surfaces in plan; 0: not given
     character(len=16) :: units(2) = ''            !! names of length and force; blank: not given
-    type(decimal_value) :: starting_gap           !! A before closing: 1.27 cm for a deck, else 0
+    type(decimal_value) :: field_spacing          !! cells of fields of asperities; 0: not given
+    type(decimal_value) :: starting_gap           !! at the start: 1.27 cm for a deck, else 0
     type(scene_motion) :: motion                  !! where the upper surface stands
     type(scene_loading) :: loading                !! how far the surfaces close
     type(scene_limit) :: limit                    !! when a contact is at its limit

@@ -7,7 +7,7 @@ module asperity_asperity_model
   use asperity_asperity_position, only: asperity_bodies, begin_asperities
   use asperity_asperity_records, only: add_nothing, add_without_effects, name_columns, &
                                        of_compression
-  use asperity_contact_effect, only: effect_box, effect_outcome
+  use asperity_contact_effect, only: effect_box
   use asperity_contact_field, only: fields_all, fields_none
   use asperity_contact_law, only: contact_law
   use asperity_contact_model, only: contact_model, path_step, placed_bodies
@@ -17,7 +17,7 @@ module asperity_asperity_model
   use asperity_earlier_solutions, only: expected_compression
   use asperity_effect_list, only: list_effects, list_left_out
   use asperity_effect_names, only: effect_on, effect_words, known_effects, why_not_together
-  use asperity_effect_sequence, only: choose_effects
+  use asperity_effect_sequence, only: choose_effects, effect_choice
   use asperity_element_pressures, only: element_pressures
   use asperity_first_yield, only: yielding_body
   use asperity_hertz_law, only: hertz_law
@@ -124,18 +124,19 @@ contains
     character(len=:), allocatable, intent(out) :: failure
     type(placed_asperities), allocatable :: placed
     class(contact_law), allocatable :: law
-    logical :: called_for
+    logical :: is_needed
 
     if (self%isolated) then
       call solve_position(self%placed, m, self%method, keep_rows, result, failure)
       return
     end if
     if (self%by_estimate) then
-      call solve_without(self, m, keep_rows, result, called_for, failure)
-      if (allocated(failure) .or. .not. called_for) return
-      result = position_result()
+      call solve_without(self, m, keep_rows, result, is_needed, failure)
+      if (allocated(failure) .or. .not. is_needed) return
     end if
     allocate (placed)
+    placed%found%choice%number = result%choices
+    result = position_result()
     placed%model => self
     placed%m = m
     placed%scene_in => self%scene_in
@@ -235,59 +236,56 @@ contains
   end subroutine free_pressures
 
   ! Solves one position without effects, unless one is to be simulated in one of its states.
-  subroutine solve_without(self, m, keep_rows, result, called_for, failure)
+  subroutine solve_without(self, m, keep_rows, result, is_needed, failure)
     class(asperity_model), intent(in) :: self
     integer, intent(in) :: m
     logical, intent(in) :: keep_rows
     type(position_result), intent(out) :: result
-    logical, intent(out) :: called_for
+    logical, intent(out) :: is_needed  ! an effect is to be simulated
     character(len=:), allocatable, intent(out) :: failure
     type(contact_pairs) :: pairs
     type(position_result) :: columns
     type(effect_box), allocatable :: effects(:)
     type(contact_state) :: state
-    type(effect_outcome), allocatable :: outcomes(:)
+    type(effect_choice), allocatable :: choices(:)
     class(contact_law), allocatable :: law
-    logical, allocatable :: called(:)
-    real(real64) :: left
-    integer :: i
+    integer :: i, number
 
-    called_for = .false.
+    is_needed = .false.
     call solve_position(self%placed, m, solve_method(), keep_rows, result, failure, pairs)
     if (allocated(failure)) return
     if (size(self%effects) > 0) then
       call copy_effects(self%effects, effects)
-      allocate (columns%states(size(result%states)))
+      number = size(result%states)
+      allocate (columns%states(number), choices(merge(number, 0, size(pairs%list) > 0)))
       if (size(pairs%list) == 0) call add_nothing(pairs, effects, columns)
       ! The last state comes first: most effects are simulated there.
-      do i = size(result%states), 1, -1
-        if (size(pairs%list) == 0) exit
-        call choose_in(i)
-        called_for = any(called)
-        if (called_for) return
+      do i = size(choices), 1, -1
+        call start_at(i)
+        call choose_effects(pairs, effects, state, choices(i))
+        result%choices = result%choices + 1
+        is_needed = any(choices(i)%is_simulated)
+        if (is_needed) return
       end do
-      do i = 1, size(result%states)
-        if (size(pairs%list) == 0) exit
-        if (size(result%states) > 1) call choose_in(i)
-        call add_without_effects(self%scene_in, pairs, effects, state, outcomes, i, keep_rows, &
-                                 columns)
+      do i = 1, size(choices)
+        call start_at(i)
+        call add_without_effects(self%scene_in, pairs, effects, state, choices(i)%outcomes, i, &
+                                 keep_rows, columns)
       end do
+      columns%choices = result%choices
       call move_values(columns, result)
     end if
     call estimate_left_out(self, pairs, law, result)
 
   contains
 
-    ! Chooses the effects of a state.
-    subroutine choose_in(number)
+    ! Starts a state of isolated contacts.
+    subroutine start_at(number)
       integer, intent(in) :: number
 
-      if (allocated(outcomes)) deallocate (outcomes)
-      allocate (outcomes(size(effects)))
       call start_state(pairs, hertz_law(modulus=pairs%modulus), &
-                       scale(result%states(number)%closing, -4 * pairs%length_power), state)
-      call choose_effects(pairs, effects, state, outcomes, called, left)
-    end subroutine choose_in
+                       scale(result%states(number)%compression, -4 * pairs%length_power), state)
+    end subroutine start_at
 
   end subroutine solve_without
 
@@ -296,6 +294,8 @@ contains
     type(position_result), intent(inout) :: columns, result
 
     result%counted = columns%counted
+    result%solves = columns%solves
+    result%choices = columns%choices
     call move_alloc(columns%effects, result%effects)
     call move_alloc(columns%contact_values, result%contact_values)
     call move_alloc(columns%state_values, result%state_values)
@@ -318,9 +318,9 @@ contains
     result%error_estimate = max(result%error_estimate, 0.0_real64)
     call copy_effects(self%left_out, effects)
     if (.not. allocated(law)) allocate (law, source=hertz_law(modulus=pairs%modulus))
-    deepest = maxloc(result%states%closing, 1)
-    call start_state(pairs, law, scale(result%states(deepest)%closing, -4 * pairs%length_power), &
-                     state)
+    deepest = maxloc(result%states%compression, 1)
+    call start_state(pairs, law, &
+                     scale(result%states(deepest)%compression, -4 * pairs%length_power), state)
     do i = 1, size(effects)
       associate (effect => effects(i)%effect, effects_of_scene => self%scene_in%effects)
         call effect%begin(pairs)

@@ -5,7 +5,7 @@ module asperity_asperity_path
   use asperity_contact_pairs, only: contact_pairs
   use asperity_decimal, only: decimal_to_real64, decimal_value
   use asperity_effect_sequence, only: first_failure, found_state, simulate_effects
-  use asperity_isolated_contacts, only: closings_on_the_way
+  use asperity_isolated_contacts, only: list_compressions
   use asperity_kinds, only: real64
   use asperity_path_steps, only: plan_path
   use asperity_scene_values, only: control_compression, control_limit, control_pressure, &
@@ -18,17 +18,18 @@ module asperity_asperity_path
 contains
 
   !> Plans the states of loading. `points` equal parts lie between two values of a path.
-  subroutine plan_states(scene_in, pairs, effects, closing, duration, steps, failure)
+  subroutine plan_states(scene_in, pairs, effects, found, duration, steps, failure)
     type(scene), intent(in) :: scene_in                       !! scene, checked for faults
     type(contact_pairs), intent(in) :: pairs                  !! pairs of the position
     type(effect_box), intent(in) :: effects(:)                !! effects of the scene
-    real(real64), intent(in) :: closing                       !! last compression without a path
+    !> with the last compression without a path; gets the number of solves
+    type(found_state), intent(inout) :: found
     real(real64), intent(in) :: duration                      !! time of loading, 0 or more
     type(path_step), allocatable, intent(out) :: steps(:)     !! states, at least one
     !> a load of the path is 0 in the unit of the pairs, or a first contact is not found
     character(len=:), allocatable, intent(out) :: failure
     type(decimal_value), allocatable :: given(:)
-    real(real64), allocatable :: closings(:), ends(:), gaps(:)
+    real(real64), allocatable :: compressions(:), ends(:), gaps(:)
     integer :: i
 
     if (.not. (allocated(scene_in%loading%path) .or. duration > 0.0_real64)) then
@@ -36,12 +37,12 @@ contains
       if (scene_in%loading%events) then
         gaps = pairs%list%gap
         if (scene_in%effects%mode('interaction') /= effect_off) &
-          call find_first_contacts(pairs, effects, closing, gaps, failure)
+          call find_first_contacts(pairs, effects, found, gaps, failure)
         if (allocated(failure)) return
       end if
-      call closings_on_the_way(scene_in%loading%points, gaps, closing, closings)
-      allocate (steps(size(closings)))
-      steps%value = closings
+      call list_compressions(scene_in%loading%points, gaps, found%compression, compressions)
+      allocate (steps(size(compressions)))
+      steps%value = compressions
       if (.not. is_load(scene_in%loading%control)) return
       associate (last => steps(size(steps)))
         last%load = pairs%target
@@ -64,7 +65,7 @@ contains
         return
       end if
     end do
-    if (scene_in%loading%control == control_limit) ends = closing
+    if (scene_in%loading%control == control_limit) ends = found%compression
     call plan_path(0.0_real64, ends, scene_in%loading%points, is_load(scene_in%loading%control), &
                    duration, steps)
   end subroutine plan_states
@@ -76,11 +77,11 @@ contains
   ! halved, as for a contact that begins with a jump. Computed states serve the later contacts.
   ! The displacement by neighbours jumps as their load does where the number of boundary elements
   ! changes with the compression, and so does the place of a first contact.
-  subroutine find_first_contacts(pairs, effects, last, closings, failure)
+  subroutine find_first_contacts(pairs, effects, end_state, contacts_begin, failure)
     type(contact_pairs), intent(in) :: pairs
     type(effect_box), intent(in) :: effects(:)
-    real(real64), intent(in) :: last
-    real(real64), allocatable, intent(out) :: closings(:)          ! ascending, from first contact
+    type(found_state), intent(inout) :: end_state  ! with the last compression; counts solves
+    real(real64), allocatable, intent(out) :: contacts_begin(:)  ! ascending, from first contact
     character(len=:), allocatable, intent(inout) :: failure
     ! Least tolerance over the last compression (chosen: the accuracy of the solution at one).
     real(real64), parameter :: least_tolerance = 1.0e-10_real64
@@ -88,19 +89,22 @@ contains
     logical, dimension(size(pairs%list)) :: begun, fresh
     ! Known states in descending compression [length], with the penetrations of loaded contacts.
     real(real64), allocatable :: compressions(:), penetrations(:, :)
-    real(real64) :: at, low, new, tolerance, step
+    real(real64) :: at, last, low, new, tolerance, step
     integer :: lead, pair_count, used
 
     pair_count = size(pairs%list)
-    closings = [0.0_real64]
+    contacts_begin = [0.0_real64]
     begun = .not. pairs%list%gap > 0.0_real64
     allocate (compressions(0), penetrations(pair_count, 0))
+    last = end_state%compression
     at = last
     do
-      low = closings(size(closings))
+      low = contacts_begin(size(contacts_begin))
       do
-        found%closing = at
+        found%compression = at
+        found%solves = 0
         call simulate_effects(pairs, effects, 0.0_real64, found, .true.)
+        end_state%solves = end_state%solves + found%solves
         call first_failure(effects, found%outcomes, failure)
         if (allocated(failure)) return
         fresh = .not. found%state%penetration < 0.0_real64
@@ -127,7 +131,7 @@ contains
                                      step * least_tolerance) - 0.5_real64 * tolerance)
         if (compressions(used) - step > low) at = compressions(used) - step
       end do
-      closings = [closings, compressions(used)]
+      contacts_begin = [contacts_begin, compressions(used)]
       begun = begun .or. penetrations(:, used) > -huge(at)
       ! The state of the least compression at which a contact is still new.
       do while (used > 0)
@@ -138,7 +142,7 @@ contains
       compressions = compressions(:used)
       penetrations = penetrations(:, :used)
       at = compressions(used) - maxval(penetrations(:, used), .not. begun)
-      low = closings(size(closings))
+      low = contacts_begin(size(contacts_begin))
       if (.not. at > low) at = 0.5_real64 * (low + compressions(used))
     end do
   end subroutine find_first_contacts

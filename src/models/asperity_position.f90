@@ -2,20 +2,21 @@
 module asperity_asperity_position
   use asperity_asperity_path, only: plan_states
   use asperity_asperity_records, only: add_contacts
-  use asperity_closing_at_load, only: close_to_load, search_load
-  use asperity_contact_effect, only: effect_box, effect_outcome
+  use asperity_contact_effect, only: effect_box
   use asperity_contact_law, only: contact_law
   use asperity_contact_model, only: at_distance, at_load, held_distance, held_load, no_load, &
                                     path_step, placed_bodies
   use asperity_contact_pairs, only: contact_pairs, in_scene_units
   use asperity_contact_records, only: effect_record, position_result, prescribed_normal, &
                                       prescribed_vertical
-  use asperity_contact_state, only: kept_results, contact_state, controlled_load, shift_x, &
-                                    shift_y, start_state, total_load, total_vertical_load
+  use asperity_contact_state, only: contact_state, controlled_load, start_state, total_load, &
+                                    total_vertical_load
   use asperity_earlier_solutions, only: keep_solution, mark_crowded
-  use asperity_effect_sequence, only: choose_effects, first_failure, found_state, simulate_effects
+  use asperity_effect_sequence, only: choose_effects, drop_choice, first_failure, found_state, &
+                                      simulate_effects
   use asperity_hertz_law, only: hertz_law
   use asperity_kinds, only: real64
+  use asperity_load_search, only: compress_to_load, search_load
   use asperity_path_steps, only: plan_hold
   use asperity_problems, only: not_enough_memory
   use asperity_scene_values, only: is_load, scene
@@ -52,6 +53,8 @@ contains
     integer :: i
 
     bodies%simulated = allocated(bodies%scene_in%loading%path)
+    nothing%solves = bodies%found%solves
+    nothing%choice%number = bodies%found%choice%number
     bodies%found = nothing
     bodies%deepest = -1.0_real64
     bodies%held = 0.0_real64
@@ -70,22 +73,21 @@ contains
     real(real64) :: duration
     logical :: creeps
 
-    self%found%closing = self%pairs%closing
+    self%found%compression = self%pairs%compression
     if (is_load(self%scene_in%loading%control) .and. .not. self%simulated) then
-      call close_to_load(self%pairs, self%effects, self%pairs%target, 0.0_real64, self%found, &
+      call compress_to_load(self%pairs, self%effects, self%pairs%target, 0.0_real64, self%found, &
                          failure)
       if (allocated(failure)) return
     end if
-    creeps = acts_in_time(self%pairs, self%effects, self%found%closing)
+    creeps = acts_in_time(self%pairs, self%effects, self%found)
     duration = merge(self%scene_in%effects%number('loading_time'), 0.0_real64, creeps)
-    call plan_states(self%scene_in, self%pairs, self%effects, self%found%closing, duration, steps, &
-                     failure)
+    call plan_states(self%scene_in, self%pairs, self%effects, self%found, duration, steps, failure)
     if (allocated(failure)) return
     if (creeps) then
       call plan_hold(self%scene_in, hold)
       steps = [steps, hold]
     end if
-    self%found%closing = 0.0_real64
+    self%found%compression = 0.0_real64
   end subroutine list_asperity_steps
 
   ! Solves a state. One that the search for a load has left is not simulated again.
@@ -100,22 +102,25 @@ contains
       found%prescribed_load = step%load
       select case (step%control)
       case (at_distance)
-        found%closing = step%value
+        found%compression = step%value
       case (at_load)
-        call close_to_load(pairs, effects, step%load, step%time, found, failure)
+        ! Without a path the compression has been found before its states.
+        if (.not. (allocated(self%scene_in%loading%path) .or. step%time > 0.0_real64)) &
+          found%compression = step%value
+        call compress_to_load(pairs, effects, step%load, step%time, found, failure)
       case (held_load)
         found%prescribed_load = self%held
-        call close_to_load(pairs, effects, self%held, step%time, found, failure)
+        call compress_to_load(pairs, effects, self%held, step%time, found, failure)
       case default  ! held_distance
       end select
       ! Pairs that are not listed may touch.
-      must_repeat = found%closing > pairs%complete_to
+      must_repeat = found%compression > pairs%complete_to
       if (allocated(failure) .or. must_repeat) return
       if (.not. is_known(found, effects, step%time)) then
         ! Results of a search belong to its load.
         if (.not. found%prescribed_load < no_load) then
-          if (allocated(found%called_for)) deallocate (found%called_for)
-          if (allocated(found%found)) deallocate (found%found)
+          if (allocated(found%fixed_choice)) deallocate (found%fixed_choice)
+          if (allocated(found%solution)) deallocate (found%solution)
         end if
         call simulate_effects(pairs, effects, step%time, found)
       end if
@@ -125,6 +130,7 @@ contains
       do e = 1, size(effects)
         call effects(e)%effect%keep(pairs, found%state)
       end do
+      call drop_choice(found%choice)
     end associate
   end subroutine solve_asperity_step
 
@@ -139,8 +145,8 @@ contains
     associate (found => self%found, pairs => self%pairs)
       call add_contacts(self%scene_in, pairs, self%effects, found%state, found%outcomes, number, &
                         keep_rows, result)
-      if (found%closing > self%deepest) then
-        self%deepest = found%closing
+      if (found%compression > self%deepest) then
+        self%deepest = found%compression
         if (allocated(self%law)) deallocate (self%law)
         if (all(found%state%answers%load >= 0.0_real64)) &
           allocate (self%law, source=found%state%law)
@@ -167,19 +173,20 @@ contains
     associate (unused => keep_rows)
     end associate
     associate (state => self%found%state, pairs => self%pairs)
-      if (pairs%keeps_solution .and. allocated(state%found)) then
-        if (state%found(1, kept_results) > 0.0_real64) then
-          call keep_solution(pairs, state%closing, &
+      if (pairs%keeps_solution .and. allocated(state%solution)) then
+        if (state%solution%is_unique) then
+          call keep_solution(pairs, state%compression, &
                              [total_load(state), total_vertical_load(state)], &
-                             state%penetration, transpose(state%found(2:, shift_x:shift_y)), &
-                             result%start)
+                             state%penetration, state%solution%shift, result%start)
         else
-          call mark_crowded(pairs, state%closing, controlled_load(pairs, state), result%start)
+          call mark_crowded(pairs, state%compression, controlled_load(pairs, state), result%start)
         end if
       end if
-      if (only_grows(steps)) call compare_at_load(pairs, self%effects, self%found%prescribed_load, &
-                                                  state, result%effects, failure)
+      if (only_grows(steps)) call compare_at_load(pairs, self%effects, self%found, &
+                                                  result%effects, failure)
     end associate
+    result%solves = self%found%solves
+    result%choices = self%found%choice%number
     ! Without a state of fewer effects under the load there is no comparison.
     if (allocated(failure)) then
       if (index(failure, not_enough_memory) == 0) deallocate (failure)
@@ -215,26 +222,24 @@ contains
     do i = 1, size(effects)
       if (.not. time > 0.0_real64) is_known = is_known .and. .not. effects(i)%effect%acts_in_time
     end do
-    if (is_known) is_known = .not. abs(found%state%closing - found%closing) > 0.0_real64
+    if (is_known) is_known = .not. abs(found%state%compression - found%compression) > 0.0_real64
   end function is_known
 
   ! Whether an effect that acts in time is simulated.
-  logical function acts_in_time(pairs, effects, closing)
+  logical function acts_in_time(pairs, effects, found)
     type(contact_pairs), intent(in) :: pairs
     type(effect_box), intent(in) :: effects(:)
-    real(real64), intent(in) :: closing
+    type(found_state), intent(inout) :: found
     type(contact_state) :: state
-    type(effect_outcome) :: outcomes(size(effects))
-    logical, allocatable :: called(:)
-    real(real64) :: left
     integer :: i
 
     acts_in_time = .false.
     if (.not. any([(effects(i)%effect%acts_in_time, i=1, size(effects))])) return
-    call start_state(pairs, hertz_law(modulus=pairs%modulus), closing, state)
-    call choose_effects(pairs, effects, state, outcomes, called, left)
+    call start_state(pairs, hertz_law(modulus=pairs%modulus), found%compression, state)
+    call choose_effects(pairs, effects, state, found%choice)
     do i = 1, size(effects)
-      acts_in_time = acts_in_time .or. (called(i) .and. effects(i)%effect%acts_in_time)
+      acts_in_time = acts_in_time .or. (found%choice%is_simulated(i) .and. &
+                                        effects(i)%effect%acts_in_time)
     end do
   end function acts_in_time
 
@@ -242,51 +247,52 @@ contains
   ! the first effect that was simulated, with the first two and so on. The change by an effect is
   ! that of its addition to those before it. It is not computed where the contacts cannot carry the
   ! load without the other effects.
-  subroutine compare_at_load(pairs, effects, load, state, records, failure)
+  subroutine compare_at_load(pairs, effects, found, records, failure)
     type(contact_pairs), intent(in) :: pairs
     type(effect_box), intent(inout) :: effects(:)     ! undefined on exit
-    real(real64), intent(in) :: load                  ! requested load, > 0
-    type(contact_state), intent(in) :: state          ! state with all effects at this load
+    type(found_state), intent(in) :: found            ! with all effects at the load
     type(effect_record), intent(inout) :: records(:)  ! results of each effect in it
     character(len=:), allocatable, intent(out) :: failure
     type(effect_box) :: those(size(effects))
     type(found_state) :: fewer
-    real(real64) :: area, area_before, closing, closing_before
+    real(real64) :: area, area_before, compression, compression_before
     logical :: jumps
     integer :: i, k, number, simulated
 
     simulated = count(records%simulated /= 'off')
     if (simulated == 0) return
     number = 0
-    fewer%closing = pairs%closing
-    call search_load(pairs, those(:0), load, 0.0_real64, fewer, jumps, failure)
+    fewer%compression = pairs%compression
+    call search_load(pairs, those(:0), found%prescribed_load, 0.0_real64, fewer, jumps, failure)
     if (allocated(failure)) return
-    closing = fewer%closing
+    compression = fewer%compression
     area = area_of(fewer%state)
     do i = 1, size(effects)
       if (records(i)%simulated == 'off') cycle
       number = number + 1
       call move_alloc(effects(i)%effect, those(number)%effect)
-      closing_before = closing
+      compression_before = compression
       area_before = area
       if (number == simulated) then
-        closing = state%closing
-        area = area_of(state)
+        compression = found%state%compression
+        area = area_of(found%state)
       else
         ! The memory is that of all effects together.
         do k = 1, number
           call those(k)%effect%begin(pairs)
         end do
-        allocate (fewer%called_for(number))
-        fewer%called_for = .true.
-        call search_load(pairs, those(:number), load, state%time, fewer, jumps, failure)
-        deallocate (fewer%called_for)
+        call drop_choice(fewer%choice)
+        allocate (fewer%fixed_choice(number))
+        fewer%fixed_choice = .true.
+        call search_load(pairs, those(:number), found%prescribed_load, found%state%time, fewer, &
+                         jumps, failure)
+        deallocate (fewer%fixed_choice)
         if (allocated(failure)) return
-        closing = fewer%closing
+        compression = fewer%compression
         area = area_of(fewer%state)
       end if
-      if (closing_before > 0.0_real64) &
-        records(i)%closing_change = closing / closing_before - 1.0_real64
+      if (compression_before > 0.0_real64) &
+        records(i)%compression_change = compression / compression_before - 1.0_real64
       if (area_before > 0.0_real64) records(i)%area_change = area / area_before - 1.0_real64
     end do
   end subroutine compare_at_load

@@ -4,7 +4,7 @@ module asperity_asperity_records
   use asperity_contact_effect, only: column_name, effect_box, effect_outcome
   use asperity_contact_pairs, only: contact_pairs, in_scene_units
   use asperity_contact_records, only: position_result
-  use asperity_contact_state, only: contact_state, in_contact, shift_x, shift_y, start_state
+  use asperity_contact_state, only: contact_state, in_contact, start_state
   use asperity_contact_law, only: contact_response
   use asperity_hertz_law, only: hertz_law
   use asperity_kinds, only: not_computed, real64
@@ -82,8 +82,8 @@ contains
       if (in_contact(state, i)) &
         call add_contact(tally, pairs%limits, contact_of(scene_in, pairs, state, i))
     end do
-    call finish_tally(tally, pairs%limits, pairs%first_touch - state%closing, state%closing, &
-                      number, result)
+    call finish_tally(tally, pairs%limits, pairs%first_touch - state%compression, &
+                      state%compression, number, result)
     result%states(number)%time = state%time
     result%states(number)%dissipated_work = state_value('dissipated_work', pairs, effects, outcomes)
     if (keep_rows) call add_contact_values(pairs, effects, state, outcomes, result)
@@ -105,14 +105,13 @@ contains
     if (.not. (pairs%pressures%of_all_states .or. number == size(result%states))) return
     if (.not. allocated(result%pressures)) allocate (result%pressures(size(result%states)))
     associate (kept => result%pressures(number), unit => 4 * pairs%length_power)
-      if (.not. abs(pairs%pressures%compression - state%closing) > 0.0_real64) then
+      if (.not. abs(pairs%pressures%compression - state%compression) > 0.0_real64) then
         kept = pairs%pressures
         kept%x = scale(kept%x, unit)
         kept%y = scale(kept%y, unit)
         kept%side = scale(kept%side, unit)
       end if
-      if (allocated(state%found)) &
-        kept%shift = scale(transpose(state%found(2:, shift_x:shift_y)), unit)
+      if (allocated(state%solution)) kept%shift = scale(state%solution%shift, unit)
     end associate
   end subroutine keep_pressures
 

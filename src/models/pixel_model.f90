@@ -86,6 +86,7 @@ module asperity_pixel_model
     real(real64), allocatable :: load            ! prescribed; not allocated: the separation is
     real(real64) :: held = 0.0_real64            ! load of the last state of loading
     integer :: states = 0                        ! number of states
+    integer :: solves = 0                        ! number of states solved so far
   contains
     procedure :: list_steps => list_pixel_steps
     procedure :: solve_step => solve_pixel_step
@@ -312,6 +313,7 @@ contains
     if (step%control == at_load) self%load = step%value
     if (step%control == held_load) self%load = self%held
     if (step%control == at_distance) self%answer%level = step%value
+    self%solves = self%solves + 1
     call solve_map_state(self%model%laws, step%time, self%history, self%answer, self%load)
     if (allocated(self%answer%failure)) then
       failure = self%answer%failure
@@ -398,6 +400,7 @@ contains
       end if
       call fill_effects(self, result)
     end associate
+    result%solves = self%solves
   end subroutine add_pixel_totals
 
   ! Finds the patches and shares of the contact pressure. Loads and pressures of the patches are
@@ -527,8 +530,8 @@ contains
         [state%area, max(state%mean_gap, errors%gap, tiny(errors%gap)), &
          state%greatest_pressure]
       if (errors%load > not_computed) result%error_estimate = errors%load / answer%load
-      if (errors%level > not_computed .and. state%closing > 0.0_real64) &
-        result%error_estimate = errors%level / state%closing
+      if (errors%level > not_computed .and. state%compression > 0.0_real64) &
+        result%error_estimate = errors%level / state%compression
     end associate
     if (result%error_estimate > self%model%tolerance) &
       call add_warning(warnings, of_error, result%error_estimate)
@@ -605,7 +608,7 @@ contains
     end if
     associate (answer => self%answer, patches => self%patches, map => self%map)
       state%approach = answer%level
-      state%closing = maxval(map%height) - answer%level
+      state%compression = maxval(map%height) - answer%level
       state%contacts = size(patches)
       state%load = answer%load
       state%vertical_load = answer%load

@@ -8,7 +8,7 @@ module asperity_root_bracket
   private
 
   public :: root_bracket
-  public :: guess_root, narrow_bracket
+  public :: guess_by_secant, guess_root, narrow_bracket
 
   !> Two places, 0 or more, on both sides of a zero of a function, and its values there.
   type :: root_bracket
@@ -19,6 +19,11 @@ module asperity_root_bracket
     integer :: side = 0           !! end that moved last: -1 `low`, 1 `high`
     integer :: guesses = 0        !! number of guesses so far
     integer :: halving = 3        !! every guess of this number is a bisection
+    integer :: known = 0          !! number of values so far
+    real(real64) :: last = 0.0_real64         !! last place
+    real(real64) :: last_miss = 0.0_real64    !! value there
+    real(real64) :: former = 0.0_real64       !! place before the last one
+    real(real64) :: former_miss = 0.0_real64  !! value there
   end type root_bracket
 
 contains
@@ -51,6 +56,29 @@ contains
     end associate
   end subroutine guess_root
 
+  !> Guesses the zero of the secant through the last two places, or of the tangent at the only one:
+  !> for smooth functions. Where the last guess did not halve the value, or the secant has no zero
+  !> inside the bracket, the guess is that of `guess_root` (safeguard of Dekker 1969).
+  pure subroutine guess_by_secant(bracket, slope, guess, inside)
+    type(root_bracket), intent(inout) :: bracket  !! bracket with at least one value
+    real(real64), intent(in) :: slope             !! of the function at the last place; 0: unknown
+    real(real64), intent(out) :: guess            !! next place of the function
+    logical, intent(out) :: inside                !! false: the search has ended
+    real(real64) :: change
+
+    inside = .false.
+    change = slope
+    if (bracket%known > 1) change = 0.0_real64
+    if (bracket%known > 1 .and. abs(bracket%last - bracket%former) > 0.0_real64 .and. &
+        abs(bracket%last_miss) <= 0.5_real64 * abs(bracket%former_miss)) &
+      change = (bracket%last_miss - bracket%former_miss) / (bracket%last - bracket%former)
+    if (change * (bracket%high - bracket%low) > abs(bracket%last_miss)) then
+      guess = bracket%last - bracket%last_miss / change
+      inside = guess > bracket%low .and. guess < bracket%high
+    end if
+    if (.not. inside) call guess_root(bracket, guess, inside)
+  end subroutine guess_by_secant
+
   !> Moves one end of a bracket to a place. The value at an end that does not move twice is halved,
   !> so that both ends move.
   pure subroutine narrow_bracket(bracket, place, residual, is_low)
@@ -59,6 +87,11 @@ contains
     real(real64), intent(in) :: residual           !! value of the function there
     logical, intent(in) :: is_low                 !! whether it is below zero before rounding
 
+    bracket%known = bracket%known + 1
+    bracket%former = bracket%last
+    bracket%former_miss = bracket%last_miss
+    bracket%last = place
+    bracket%last_miss = residual
     if (is_low) then
       bracket%low = place
       bracket%low_miss = residual

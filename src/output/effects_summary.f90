@@ -163,10 +163,10 @@ contains
       if (size(outcomes) > 1) text = text // ', smallest ' // &
         percent_text(influence(minloc(abs(influence), 1, is_simulated)))
     end if
-    if (any(outcomes%closing_change > not_computed)) then
+    if (any(outcomes%compression_change > not_computed)) then
       if (text /= '') text = text // '; '
       text = text // 'at the prescribed load: compression ' // &
-             largest_change(outcomes%closing_change) // ', area ' // &
+             largest_change(outcomes%compression_change) // ', area ' // &
              largest_change(outcomes%area_change)
     end if
     if (text /= '') call add_sentence('', text, lines)

@@ -141,7 +141,7 @@ contains
     call table%put('projected_area', last%projected_area, is_area)
     call table%put('limit_reached', merge(1, 0, positions%limit_reached))
     call table%put('vertical_load', last%vertical_load, is_force)
-    call table%put('compression', last%closing, is_length)
+    call table%put('compression', last%compression, is_length)
     circles = merge(real(positions%overlapping_circles, real64), not_computed, &
                     positions%overlapping_circles >= 0)
     if (results%positions(1)%overlapping_circles >= 0) then
@@ -230,7 +230,7 @@ contains
     call table%put('position', spread(m, 1, size(states)))
     call table%put('step', [(i, i=1, size(states))])
     call table%put('separation', states%approach, is_length)
-    call table%put('compression', states%closing, is_length)
+    call table%put('compression', states%compression, is_length)
     call table%put('contacts', states%contacts)
     call table%put('load', states%load, is_force)
     call table%put('area', states%area, is_area)
@@ -302,7 +302,7 @@ contains
       call table%put('maximum_pressure', rows%maximum_pressure, is_pressure)
       call table%put('limit_exceeded', merge(1, 0, rows%limit_exceeded))
       call table%put('vertical_load', rows%vertical_load, is_force)
-      call table%put('compression', one * state%closing, is_length)
+      call table%put('compression', one * state%compression, is_length)
       call table%put('penetration', rows%penetration, is_length)
       call table%put('overlap', rows%overlap, is_length)
       if (allocated(results%effects)) then

@@ -211,7 +211,7 @@ contains
         call put_state('end ' // decimal_text(i), at)
         ! A cycle is closed by an end at less compression than the end before it.
         if (last > 0) then
-          if (states(at)%closing < states(last)%closing) then
+          if (states(at)%compression < states(last)%compression) then
             lost = [lost, states(at)%dissipated_work - before]
             before = states(at)%dissipated_work
           end if

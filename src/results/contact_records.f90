@@ -69,7 +69,7 @@ module asperity_contact_records
   !> stand in pairs: a record is sent in words of 64 bits, without gaps.
   type :: state_row
     real(real64) :: approach = not_computed        !! separation of the reference planes
-    real(real64) :: closing = not_computed         !! compression since first touch
+    real(real64) :: compression = not_computed         !! compression since first touch
     real(real64) :: time = not_computed            !! time since the begin of loading
     real(real64) :: load = not_computed            !! sum of the normal forces
     real(real64) :: vertical_load = not_computed   !! sum of their vertical parts
@@ -105,7 +105,7 @@ module asperity_contact_records
     real(real64) :: influence = not_computed  !! measured share, where simulated; with its sign
     real(real64) :: error = not_computed      !! estimated relative error of its own solve
     !> Measured relative change of the compression at the prescribed load, and of the area.
-    real(real64) :: closing_change = not_computed, area_change = not_computed
+    real(real64) :: compression_change = not_computed, area_change = not_computed
     !> How its solve ended; a residual and iterations that were not computed: a closed form.
     type(solve_ending) :: ending = solve_ending(.true., not_computed, -1)
     logical :: influence_known = .false.      !! the influence was measured by the effect
@@ -117,6 +117,9 @@ module asperity_contact_records
     real(real64) :: y_displacement = 0.0_real64        !! displacement of the upper surface
     logical :: limit_reached = .false.                 !! a contact is at its limit at the end
     integer :: counted = 0                             !! states that progress has counted
+    !> States solved with all effects or on pixels, also in searches for a load.
+    integer :: solves = 0
+    integer :: choices = 0  !! choices of the effects that are simulated
     integer :: overlapping_circles = -1  !! pairs of contact circles, at the end; < 0: no circles
     real(real64) :: first_step_pressure = 0.0_real64   !! of the first contact one step past touch
     !> Estimated error of the load over the load or, under load control, of the separation over the
@@ -206,8 +209,9 @@ contains
     do i = 1, size(result%states)
       associate (state => result%states(i))
         are_finite = are_finite .and. &
-                     all_finite([state%approach, state%closing, state%load, state%vertical_load, &
-                             state%area, state%projected_area, state%greatest_pressure, &
+                     all_finite([state%approach, state%compression, state%load, &
+                             state%vertical_load, state%area, state%projected_area, &
+                             state%greatest_pressure, &
                              state%mean_gap, state%rms_gap, state%contact_perimeter, &
                              state%elastic_energy])
       end associate

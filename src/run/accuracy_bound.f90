@@ -57,10 +57,10 @@ contains
     bound = finest_accuracy
     do m = 1, size(positions)
       last = last_state(positions(m))
-      if (.not. (last%closing > 0.0_real64 .and. last%load > 0.0_real64)) cycle
+      if (.not. (last%compression > 0.0_real64 .and. last%load > 0.0_real64)) cycle
       ! The offset in plan of a contact reduces its height by less than the summits exceed.
       slope = min(warning_kinds(of_slope)%limit, &
-                  sqrt(4 * max(2 * in_height - last%approach, last%closing) / least))
+                  sqrt(4 * max(2 * in_height - last%approach, last%compression) / least))
       if (allocated(positions(m)%warnings)) &
         slope = max(slope, maxval(positions(m)%warnings%magnitude, &
                                   positions(m)%warnings%number == of_slope))
@@ -72,7 +72,7 @@ contains
       ! Under a load the error of the overlaps is added to the separation.
       if (is_load(scene_in%loading%control)) per_overlap = 2 * per_overlap
       bound = max(bound, finest_accuracy + of_overlap * per_overlap + of_touch * &
-                         max(1.0_real64 / last%closing, 2 * hypot(1.0_real64, slope) / least))
+                         max(1.0_real64 / last%compression, 2 * hypot(1.0_real64, slope) / least))
       if (abs(last%approach) > 0.0_real64) &
         bound = max(bound, of_touch / abs(last%approach) + finest_accuracy)
     end do

@@ -84,7 +84,7 @@ contains
         return
       end if
       most = mu * last%load
-      if (.not. by_load) most = mu / kappa * max(0.0_real64, last%closing)
+      if (.not. by_load) most = mu / kappa * max(0.0_real64, last%compression)
       ! Complete sliding.
       values = [mu * last%load, merge(not_computed, given, by_load), 0.0_real64, 0.0_real64, &
                 1.0_real64]
@@ -142,7 +142,7 @@ contains
         values = values * last%load
       else
         other%loading%control = control_separation
-        values = last%approach + (1.0_real64 - values) * last%closing
+        values = last%approach + (1.0_real64 - values) * last%compression
       end if
     end associate
     if (allocated(other%loading%path)) deallocate (other%loading%path)

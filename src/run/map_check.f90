@@ -59,8 +59,9 @@ contains
     type(state_row), intent(in) :: more   !! state at a larger load
 
     stiffness = not_computed
-    if (more%closing > state%closing) &
-      stiffness = (more%vertical_load - state%vertical_load) / (more%closing - state%closing)
+    if (more%compression > state%compression) &
+      stiffness = (more%vertical_load - state%vertical_load) / &
+                  (more%compression - state%compression)
   end function stiffness_between
 
   !> Solves the reference at the last load or level of a scene. `failure` is allocated when it is
@@ -130,7 +131,7 @@ contains
       if (reference%coarser > 1) call extrapolate_level(reference, beyond, check%uncertain)
       level = answer%level + beyond
       check%difference = (state%approach - level) / check%rms_height
-      check%closing = maxval(map%height) - level
+      check%compression = maxval(map%height) - level
       call find_load_shares(map, reference, summits, state%area, check)
       if (.not. reference%by_load) then
         at_level%pressure = answer%pressure

@@ -2,6 +2,7 @@
 module asperity_map_solve
   use asperity_asperity_records, only: of_compression
   use asperity_constants, only: pi
+  use asperity_contact_field, only: fields_none
   use asperity_contact_model, only: contact_model, path_step
   use asperity_contact_records, only: contact_row, drop_rows, position_result, state_row
   use asperity_decimal, only: decimal_to_real64
@@ -19,8 +20,8 @@ module asperity_map_solve
   use asperity_run_options, only: run_options
   use asperity_scene_results, only: last_state, scene_results
   use asperity_scene_values, only: combined_modulus, control_limit, control_separation, &
-                                   effect_auto, effect_off, effect_on, is_load, scene, &
-                                   scene_loading, solves_pixels
+                                   effect_auto, effect_off, effect_on, has_hardness, is_load, &
+                                   scene, scene_loading, solves_pixels
   use asperity_surface_fields, only: solve_with_fields
   use asperity_surface_solve, only: solve_surfaces
   use asperity_sweep, only: sweep_scene
@@ -39,28 +40,29 @@ contains
     type(run_options), intent(in) :: options               !! options of the run
     type(scene_results), intent(inout) :: results          !! results of the one position
     character(len=:), allocatable, intent(out) :: failure  !! reason, when it is not solved
+    logical :: needs_summits
+
+    results%nominal_area = decimal_to_real64(scene_in%nominal_area)
+    needs_summits = .not. (solves_pixels(scene_in) .or. may_be_pixels(scene_in))
+    if (.not. needs_summits) call solve_chosen(scene_in, options, results, needs_summits, failure)
+    if (allocated(failure)) return
+    if (needs_summits) call solve_summits(scene_in, options, results, failure)
+  end subroutine solve_map
+
+  ! Solves a map by its summits, and compares them with its pixels.
+  subroutine solve_summits(scene_in, options, results, failure)
+    type(scene), intent(in) :: scene_in
+    type(run_options), intent(in) :: options
+    type(scene_results), intent(inout) :: results
+    character(len=:), allocatable, intent(out) :: failure
     type(height_map) :: map
     type(path_step), allocatable :: steps(:)
     real(real64) :: origin(2)
     type(map_reference) :: reference
     type(map_summits) :: summits
     type(scene) :: plain
-    type(scene_results) :: of_pixels, of_summits
+    type(scene_results) :: of_summits
 
-    results%nominal_area = decimal_to_real64(scene_in%nominal_area)
-    if (solves_pixels(scene_in)) then
-      call solve_chosen(scene_in, options, results, failure)
-      return
-    end if
-    if (may_be_pixels(scene_in)) then
-      ! The file of kept positions gets the final result.
-      call solve_pixels(scene_in, run_options(interrupt=options%interrupt), of_pixels, failure)
-      if (allocated(failure)) return
-      if (.not. calls_for_asperities(scene_in, of_pixels%positions(1)%left_out)) then
-        call solve_pixels(scene_in, options, results, failure)
-        return
-      end if
-    end if
     call join_maps(scene_in, 1, map, origin, failure)
     if (allocated(failure)) return
     if (.not. results%nominal_area > 0.0_real64) results%nominal_area = area_of_map(map)
@@ -89,7 +91,7 @@ contains
     of_summits%nominal_area = results%nominal_area
     results = of_summits
     call add_map_warnings(scene_in, map, results)
-  end subroutine solve_map
+  end subroutine solve_summits
 
   ! Whether the pixels suffice where the effects that only asperities have turn out negligible.
   pure logical function may_be_pixels(scene_in)
@@ -116,61 +118,122 @@ contains
   end function calls_for_asperities
 
   ! Solves a map on its pixels with the effects of `auto` whose estimated influence is above the
-  ! tolerance. The estimate is that of the pixels without them; under a tensile load all are chosen.
-  ! Adhesion that the pixels do not resolve is left out.
-  subroutine solve_chosen(scene_in, options, results, failure)
+  ! tolerance. The estimate is that of the last state without them; under a tensile load all are
+  ! chosen. Adhesion that the pixels do not resolve is left out. Where an effect is called for that
+  ! only asperities have, there are no results.
+  subroutine solve_chosen(scene_in, options, results, needs_summits, failure)
     type(scene), intent(in) :: scene_in
     type(run_options), intent(in) :: options
     type(scene_results), intent(inout) :: results
+    logical, intent(out) :: needs_summits
     character(len=:), allocatable, intent(out) :: failure
     type(scene), target :: chosen
     type(scene_results) :: without
-    type(run_options) :: trial
-    logical :: is_called(size(known_effects))
+    real(real64) :: influence(size(known_effects))
+    logical :: is_called(size(known_effects)), is_final
     integer :: at, e, m
 
+    needs_summits = .false.
     chosen = scene_in
+    is_final = .false.
     is_called = scene_in%effects%modes == effect_auto .and. &
                 (known_effects%name == 'adhesion' .or. known_effects%name == 'creep')
-    if (any(is_called) .and. .not. is_tensile(scene_in%loading)) then
-      where (is_called)
-        chosen%effects%modes = effect_off
-        chosen%effects%given = by_numbers
-      end where
-      ! The choice is that of all positions, also in a part of the work or on one of many images.
-      trial = options
-      trial%part = 1
-      trial%parts = 1
-      trial%all_images = .false.
-      if (allocated(trial%more_files)) deallocate (trial%more_files)
-      if (allocated(trial%keep_file)) deallocate (trial%keep_file)
+    if ((any(is_called) .and. .not. is_tensile(scene_in%loading)) .or. &
+        .not. solves_pixels(scene_in)) then
+      if (.not. is_tensile(scene_in%loading)) then
+        where (is_called)
+          chosen%effects%modes = effect_off
+          chosen%effects%given = by_numbers
+        end where
+      end if
       without = results
-      call solve_pixels(chosen, trial, without, failure)
+      call solve_trial(chosen, options, without, is_final, failure)
       if (allocated(failure)) return
-      is_called = is_called .and. &
-                  [(maxval(without%positions%left_out(e)), e=1, size(is_called))] > &
-                  scene_in%effects%number('tolerance') .and. &
-                  (known_effects%name /= 'adhesion' .or. is_attraction_resolved(scene_in))
-      if (.not. (any(is_called) .or. allocated(options%keep_file))) then
-        results = without
-        return
+      influence = [(maxval(without%positions%left_out(e)), e=1, size(influence))]
+      needs_summits = .not. solves_pixels(scene_in) .and. calls_for_asperities(scene_in, influence)
+      if (needs_summits) return
+      if (.not. is_tensile(scene_in%loading)) then
+        is_called = is_called .and. influence > scene_in%effects%number('tolerance') .and. &
+                    (known_effects%name /= 'adhesion' .or. is_attraction_resolved(scene_in))
+        is_final = is_final .and. .not. any(is_called)
       end if
     end if
-    where (is_called) chosen%effects%modes = effect_on
-    call solve_pixels(chosen, options, results, failure)
-    if (allocated(failure)) return
-    do e = 1, size(known_effects)
-      if (.not. is_called(e)) cycle
-      at = findloc(results%effects%names, known_effects(e)%name, 1)
-      results%effects%modes(at) = effect_auto
-      do m = 1, size(results%positions)
-        if (.not. allocated(results%positions(m)%effects)) cycle
-        if (allocated(without%positions)) results%positions(m)%effects(at)%estimate = &
-          without%positions(whole_number(m, options%part, options%parts))%left_out(e)
+    if (is_final) then
+      results = without
+    else
+      where (is_called) chosen%effects%modes = effect_on
+      call solve_pixels(chosen, options, results, failure)
+      if (allocated(failure)) return
+    end if
+    do m = 1, size(results%positions)
+      if (.not. allocated(results%positions(m)%effects)) cycle
+      if (allocated(without%positions)) then
+        associate (trial => without%positions(whole_number(m, options%part, options%parts)), &
+                   position => results%positions(m))
+          position%choices = 1
+          if (.not. is_final) position%solves = position%solves + trial%solves
+          do e = 1, size(known_effects)
+            if (.not. is_called(e)) cycle
+            at = findloc(results%effects%names, known_effects(e)%name, 1)
+            position%effects(at)%estimate = trial%left_out(e)
+          end do
+        end associate
+      end if
+      do e = 1, size(known_effects)
+        if (.not. is_called(e)) cycle
+        at = findloc(results%effects%names, known_effects(e)%name, 1)
+        results%effects%modes(at) = effect_auto
         results%positions(m)%effects(at)%why = 'estimate above tolerance'
       end do
     end do
   end subroutine solve_chosen
+
+  ! Solves the last value with contact of a map to estimate influences, at all positions, also in a
+  ! part of the work or on one of many images. With a hardness the last state depends on the states
+  ! before it: all are solved.
+  subroutine solve_trial(scene_in, options, results, is_final, failure)
+    type(scene), intent(in) :: scene_in
+    type(run_options), intent(in) :: options
+    type(scene_results), intent(inout) :: results
+    logical, intent(out) :: is_final  ! the results are those of all states, and need no file
+    character(len=:), allocatable, intent(out) :: failure
+    type(run_options) :: trial
+    type(scene) :: last
+    type(scene_results) :: found
+    integer :: at, m
+
+    last = scene_in
+    trial = options
+    at = 0  ! value of the path; 0: all states
+    trial%part = 1
+    trial%parts = 1
+    trial%all_images = .false.
+    is_final = .not. options%all_images
+    if (allocated(options%keep_file)) is_final = is_final .and. options%keep_file == ''
+    if (allocated(trial%more_files)) deallocate (trial%more_files)
+    if (allocated(trial%keep_file)) deallocate (trial%keep_file)
+    if (.not. has_hardness(scene_in) .and. &
+        (allocated(scene_in%loading%path) .or. scene_in%loading%points > 1)) then
+      is_final = .false.
+      trial%fields = fields_none
+      last%loading%points = 0
+      if (allocated(last%loading%path)) then
+        at = size(last%loading%path)
+        last%loading%value = last%loading%path(at)
+        deallocate (last%loading%path)
+      end if
+    end if
+    do
+      found = results
+      call solve_pixels(last, trial, found, failure)
+      if (allocated(failure) .or. at <= 1) exit
+      if (any([(maxval(found%positions(m)%states%load) > 0.0_real64, &
+                m=1, size(found%positions))])) exit
+      at = at - 1
+      last%loading%value = scene_in%loading%path(at)
+    end do
+    results = found
+  end subroutine solve_trial
 
   ! Whether a load of a scene is tensile or 0.
   pure logical function is_tensile(loading)
@@ -339,10 +402,10 @@ contains
       results%positions(1)%error_estimate = 1.0_real64
       if (results%map%load_difference < huge(1.0_real64)) results%positions(1)%error_estimate = &
         abs(results%map%load_difference) + results%map%load_uncertain
-    else if (results%map%closing > 0.0_real64) then
+    else if (results%map%compression > 0.0_real64) then
       results%positions(1)%error_estimate = &
         (abs(results%map%difference) + results%map%uncertain) * results%map%rms_height / &
-        results%map%closing
+        results%map%compression
     else
       ! The compression is below the rounding of the heights: its error is unknown.
       results%positions(1)%error_estimate = 1.0_real64

@@ -120,7 +120,8 @@ contains
 
     words = [transfer(effect%simulated // effect%why, word), &
              transfer([effect%estimate, effect%influence, effect%error, &
-                       effect%ending%residual, effect%closing_change, effect%area_change], word), &
+                       effect%ending%residual, effect%compression_change, &
+                       effect%area_change], word), &
              int([merge(1, 0, effect%influence_known), merge(1, 0, effect%ending%converged), &
                   effect%ending%iterations], int64)]
   end function words_of_effect
@@ -138,7 +139,7 @@ contains
     effect%influence = numbers(2)
     effect%error = numbers(3)
     effect%ending%residual = numbers(4)
-    effect%closing_change = numbers(5)
+    effect%compression_change = numbers(5)
     effect%area_change = numbers(6)
     effect%influence_known = words(14) == 1_int64
     effect%ending%converged = words(15) == 1_int64

@@ -15,7 +15,7 @@ module asperity_scene_results
     integer :: summits = 0                              !! number of summits
     integer :: coarser = 1  !! pixels along the side of one that was solved
     real(real64) :: rms_height = 0.0_real64             !! rms height of the map
-    real(real64) :: closing = 0.0_real64  !! compression of the map, from its highest pixel
+    real(real64) :: compression = 0.0_real64  !! compression of the map, from its highest pixel
     real(real64) :: difference = 0.0_real64  !! separation less that of the map [rms heights]
     real(real64) :: uncertain = 0.0_real64              !! uncertainty of it by coarser pixels
     real(real64) :: area_difference = not_computed      !! relative to the area of the map

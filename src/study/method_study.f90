@@ -87,7 +87,7 @@ contains
     type(method_totals), allocatable :: totals(:)
     type(method_row) :: row
     type(time_allowance) :: others
-    real(real64) :: closing, left, most
+    real(real64) :: compression, left, most
     integer :: contacts, i
 
     most = allowance%left()
@@ -100,7 +100,7 @@ contains
     others = allowance
     if (others%left() < (1.0_real64 - share_of_scene) * most) &
       call others%begin((1.0_real64 - share_of_scene) * most)
-    closing = 0.0_real64
+    compression = 0.0_real64
     if (allocated(row%left_out)) then
       ! Where summits are no good the samples of a map may be.
       if (index(row%left_out, too_long) == 0 .and. .not. allocated(scene_in%map)) then
@@ -111,11 +111,11 @@ contains
       results = scene_results()
       allocate (results%positions(0))
     else
-      closing = maxval(totals(1)%closing)
+      compression = maxval(totals(1)%compression)
     end if
     contacts = contacts_of(results)
-    call list_methods(scene_in, simulated_effects(scene_in, results), closing, finest, methods, &
-                      table%no_neighbours)
+    call list_methods(scene_in, simulated_effects(scene_in, results), compression, finest, &
+                      methods, table%no_neighbours)
     deallocate (totals)
     allocate (table%rows(size(methods) + 1), totals(size(methods) + 1))
     table%rows(1) = row

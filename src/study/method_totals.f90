@@ -27,7 +27,7 @@ module asperity_method_totals
     real(real64), allocatable :: load(:)         !! sum of the normal forces
     real(real64), allocatable :: vertical(:)     !! sum of their vertical parts
     real(real64), allocatable :: approach(:)     !! separation of the reference planes
-    real(real64), allocatable :: closing(:)      !! past first touch
+    real(real64), allocatable :: compression(:)      !! past first touch
     real(real64), allocatable :: area(:)         !! real
     real(real64), allocatable :: contacts(:)     !! number of contacts
     !> Average pressure of the first contact one step past first touch, by position; 0 or less where
@@ -41,7 +41,7 @@ module asperity_method_totals
 
   !> Errors of a method.
   type :: method_errors
-    !> Largest over the positions: relative, of the load, or of the approach over the closing.
+    !> Largest over the positions: relative, of the load, or of the approach over the compression.
     real(real64) :: largest = not_computed
     real(real64) :: mean = not_computed    !! the same, mean over the positions
     integer :: worst = 0                   !! position of the largest
@@ -76,7 +76,7 @@ contains
             totals%load(k) = state%load
             totals%vertical(k) = state%vertical_load
             totals%approach(k) = state%approach
-            totals%closing(k) = state%closing
+            totals%compression(k) = state%compression
             totals%area(k) = state%area
             totals%contacts(k) = state%contacts
             totals%is_held = totals%is_held .or. state%time > 0.0_real64
@@ -86,7 +86,8 @@ contains
         totals%greatest_pressure = max(totals%greatest_pressure, &
                                        position%states(size(position%states))%greatest_pressure)
         ! The estimate is that of the last state, not of a path that came back.
-        if (totals%is_held .or. maxval(totals%closing(totals%first(m):k)) <= totals%closing(k)) &
+        if (totals%is_held .or. &
+            maxval(totals%compression(totals%first(m):k)) <= totals%compression(k)) &
           totals%own_estimate = max(totals%own_estimate, position%error_estimate)
       end associate
     end do
@@ -98,7 +99,7 @@ contains
     end do
   end function totals_of
 
-  !> The totals of the original program: one state a position, its closing not known.
+  !> The totals of the original program: one state a position, its compression not known.
   pure type(method_totals) function original_totals(records, step) result(totals)
     type(original_records), intent(in) :: records  !! of a run that kept its contacts
     real(real64), intent(in) :: step               !! its step of the separation [length]
@@ -109,7 +110,7 @@ contains
     totals%load = records%positions%load
     totals%vertical = not_computed
     totals%approach = records%positions%approach
-    totals%closing = 0.0_real64
+    totals%compression = 0.0_real64
     totals%area = records%positions%area
     totals%contacts = records%positions%contacts
     totals%pressure = not_computed
@@ -130,14 +131,14 @@ contains
     integer, intent(in) :: positions, states
 
     allocate (totals%first(positions + 1), totals%load(states), totals%vertical(states), &
-              totals%approach(states), totals%closing(states), totals%area(states), &
+              totals%approach(states), totals%compression(states), totals%area(states), &
               totals%contacts(states), totals%pressure(positions))
   end subroutine allocate_totals
 
   !> Errors of a method against another one: at every state of a position where both have as many,
   !> else at the last one of a hold, else at the deepest. The error of a load, of the normal forces
   !> or of their vertical parts, is relative to the largest of the position, that of the approach to
-  !> its largest closing; the largest counts, as one of them is asked for.
+  !> its largest compression; the largest counts, as one of them is asked for.
   type(method_errors) function errors_of(totals, reference) result(errors)
     type(method_totals), intent(in) :: totals     !! of a method
     type(method_totals), intent(in) :: reference  !! of the method it is compared with
@@ -157,8 +158,9 @@ contains
       else if (reference%is_held) then
         call compare_states([totals%first(m + 1) - 1], [last])
       else
-        call compare_states([have - 1 + maxloc(totals%closing(have:totals%first(m + 1) - 1), 1)], &
-                     [want - 1 + maxloc(reference%closing(want:last), 1)])
+        call compare_states([have - 1 + &
+                             maxloc(totals%compression(have:totals%first(m + 1) - 1), 1)], &
+                     [want - 1 + maxloc(reference%compression(want:last), 1)])
       end if
       by_quantity(error_of_pressure) = 0.0_real64
       if (min(totals%pressure(m), reference%pressure(m)) > 0.0_real64) then
@@ -197,7 +199,7 @@ contains
                                          maxval(reference%area(other)))
       by_quantity(error_of_separation) = &
         relative_to(maxval(abs(totals%approach(one) - reference%approach(other))), &
-              maxval(reference%closing(other)))
+              maxval(reference%compression(other)))
       by_quantity(error_of_contacts) = &
         relative_to(maxval(abs(totals%contacts(one) - reference%contacts(other))), &
               maxval(reference%contacts(other)))

@@ -30,7 +30,7 @@ module asperity_reviewed_theories
   type :: reviewed_theory
     character(len=32) :: name = ''             !! of its authors
     real(real64) :: load = not_computed        !! error of the load, or at a given one of the
-                                               !! approach over the closing
+                                               !! approach over the compression
     real(real64) :: area = not_computed        !! error of the area, relative
     character(len=:), allocatable :: left_out  !! why it gives nothing
   end type reviewed_theory
@@ -239,8 +239,8 @@ contains
     theory%area = relative_error(area, sum(truth%area(ends)))
     if (is_load(scene_in%loading%control)) then
       theory%load = relative_error(missed, 0.0_real64)
-      if (sum(truth%closing(ends)) > 0.0_real64) &
-        theory%load = missed / sum(truth%closing(ends))
+      if (sum(truth%compression(ends)) > 0.0_real64) &
+        theory%load = missed / sum(truth%compression(ends))
     else
       theory%load = relative_error(load, sum(truth%vertical(ends)))
     end if
@@ -253,7 +253,7 @@ contains
 
     do m = 1, size(ends)
       ends(m) = truth%first(m) - 1 + &
-                maxloc(truth%closing(truth%first(m):truth%first(m + 1) - 1), 1)
+                maxloc(truth%compression(truth%first(m):truth%first(m + 1) - 1), 1)
     end do
   end function deepest_states
 

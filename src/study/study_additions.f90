@@ -127,9 +127,8 @@ contains
     end do
   end subroutine add_theories
 
-  !> Measures with what power of the load the area grows, contacts each alone, over the last
-  !> hundredth of the closing at the position with the greatest load: what Archard's hemispheres on
-  !> hemispheres have exponents for.
+  !> Measures the exponent of the area over the load of isolated contacts, over the last hundredth
+  !> of the compression at the position with the greatest load, as Archard's hemispheres have it.
   subroutine add_exponent(scene_in, table)
     type(scene), intent(in) :: scene_in      !! scene with checked values
     type(method_table), intent(inout) :: table  !! gets `area_exponent`, a number
@@ -145,14 +144,14 @@ contains
     associate (plain => table%plain)
       m = maxloc(plain%load(plain%first(2:) - 1), 1)
       last = plain%first(m + 1) - 1
-      if (.not. (plain%closing(last) > 0.0_real64 .and. plain%area(last) > 0.0_real64)) return
+      if (.not. (plain%compression(last) > 0.0_real64 .and. plain%area(last) > 0.0_real64)) return
       one%motion%x_first = position_value(one%motion%x_first, one%motion%x_step)
       one%motion%y_first = position_value(one%motion%y_first, one%motion%y_step)
       one%motion%positions = 1
       one%loading%control = control_separation
       if (allocated(one%loading%path)) deallocate (one%loading%path)
       one%loading%value = rounded_decimal(plain%approach(last) + &
-                                          0.01_real64 * plain%closing(last), 17)
+                                          0.01_real64 * plain%compression(last), 17)
       call run_method(one, study_method(family=of_arithmetic), &
                    run_options(keep_contacts=.false., threads=1), results, failure)
       if (allocated(failure)) return

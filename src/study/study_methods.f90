@@ -119,17 +119,17 @@ contains
 
   !> All methods except that of the scene, by family, each from the fastest on. `left_out` is the
   !> reason in one line why no method includes interaction; empty: some do.
-  subroutine list_methods(scene_in, simulated, closing, finest, methods, left_out)
+  subroutine list_methods(scene_in, simulated, compression, finest, methods, left_out)
     type(scene), intent(in) :: scene_in                   !! scene with checked values
     logical, intent(in) :: simulated(:)                   !! as `simulated_effects` has it
-    real(real64), intent(in) :: closing                   !! the largest of the scene as it asks
+    real(real64), intent(in) :: compression                   !! the largest of the scene as it asks
     real(real64), intent(in) :: finest                    !! resolution of a map: 1 or 2
     type(study_method), allocatable, intent(out) :: methods(:)  !! at least one
     character(len=:), allocatable, intent(out) :: left_out
     integer :: e, k
 
     allocate (methods(0))
-    call add_arithmetics(scene_in, closing, methods)
+    call add_arithmetics(scene_in, compression, methods)
     do e = 1, size(known_effects)
       if (.not. simulated(e) .or. known_effects(e)%name == 'interaction') cycle
       k = size(methods) + 1
@@ -148,22 +148,22 @@ contains
   ! compression. Of a sweep to a limit load besides steps of about the compression and both
   ! overlaps.
   ! Of the thesis' sweep the original program, in each arithmetic and with these steps and its own.
-  subroutine add_arithmetics(scene_in, closing, methods)
+  subroutine add_arithmetics(scene_in, compression, methods)
     type(scene), intent(in) :: scene_in
-    real(real64), intent(in) :: closing
+    real(real64), intent(in) :: compression
     type(study_method), allocatable, intent(inout) :: methods(:)
     integer :: first_step, k, order
     logical :: sweep
 
     sweep = is_sweep(scene_in)
     order = 0
-    if (closing > 0.0_real64) order = floor(log10(closing))
+    if (compression > 0.0_real64) order = floor(log10(compression))
     call add_overlaps(study_method(family=of_arithmetic, name='real64, exact events', &
                                    step=merge(10.0_real64**(order - 1), 0.0_real64, &
-                                              sweep .and. closing > 0.0_real64)))
+                                              sweep .and. compression > 0.0_real64)))
     if (is_thesis_sweep(scene_in)) call add_original(original_order, ', original program, 1976')
     if (any(scene_in%loading%control == [control_separation, control_compression]) .or. &
-        .not. closing > 0.0_real64) return
+        .not. compression > 0.0_real64) return
     first_step = merge(0, 1, sweep)
     do k = order - first_step, order - 3, -1
       if (is_thesis_sweep(scene_in) .and. k /= original_order) &
@@ -252,7 +252,7 @@ contains
     method%name = unit // ' coupled'
     methods = [methods, method]
     if (scene_in%loading%control == control_limit .and. allocated(scene_in%map)) return
-    ! A hardness is that of pixels: `auto` solves these alone.
+    ! A hardness is that of pixels.
     if (has_hardness(scene_in)) then
       call add_pixel_methods(finest, is_moved, methods)
       return
@@ -263,17 +263,18 @@ contains
         why_not_together(trim(known_effects(e)%name), 'on', 'interaction', 'boundary')
     end do
     if (on_cells /= '') return
+    if (allocated(scene_in%map)) then
+      ! `auto` is the pixels at any tolerance.
+      if (.not. any(simulated .and. known_effects%name /= 'interaction')) &
+        call add_pixel_methods(finest, is_moved, methods)
+      return
+    end if
     method%interaction = effect_auto
     do k = 1, size(of_auto)
       method%tolerance = of_auto(k)
       method%name = 'auto, tolerance ' // tolerance_text(of_auto(k))
       methods = [methods, method]
     end do
-    if (allocated(scene_in%map)) then
-      if (.not. any(simulated .and. known_effects%name /= 'interaction')) &
-        call add_pixel_methods(finest, is_moved, methods)
-      return
-    end if
     method%interaction = effect_boundary
     do k = -2, -4, -1
       method%tolerance = decimal_value(1_int64, k)

@@ -31,7 +31,8 @@ def told(asperity, folder, *words):
     done = run_program(asperity, *words, "--cost", cwd=folder)
     assert sorted(path.name for path in folder.iterdir()) == before
     found = re.fullmatch(r"work: (\d+) .*, tried (\d+) in \d+\.\d+ s\n"
-                         r"time: (?:about|at most) \d+ (?:s|min|h) .*\nmemory: about (\d+) MB\n",
+                         r"time: (?:about|at most) \d+ (?:s|min|h) .*\nmemory: about (\d+) MB\n"
+                         r"(?:solves: .*\n)?",
                          done.stdout)
     assert found, done.stdout
     total, tried, megabytes = map(int, found.groups())

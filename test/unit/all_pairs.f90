@@ -15,24 +15,24 @@ module asperity_all_pairs
   !> By upper and lower index, in the solver's units.
   type :: all_pairs
     logical, allocatable :: can_touch(:, :)    !! the spheres overlap in plan
-    real(real64), allocatable :: gap(:, :)     !! closing at which they touch; huge: they cannot
+    real(real64), allocatable :: gap(:, :)     !! compression at which they touch; huge: they cannot
     real(real64), allocatable :: d(:, :)       !! distance of the centres in plan
     real(real64), allocatable :: s(:, :)       !! sum of the radii
     real(real64), allocatable :: zc(:, :)      !! height between the centres at first touch
     real(real64), allocatable :: radius(:, :)  !! combined radius
     real(real64) :: first_touch = 0.0_real64   !! largest approach at which a pair touches
-    real(real64) :: closing = 0.0_real64       !! at the approach asked for
+    real(real64) :: compression = 0.0_real64       !! at the approach asked for
   end type all_pairs
 
 contains
 
-  !> Checks that a list holds every pair that touches up to a closing, each once, with the numbers
-  !> of a comparison of all with all, and in the order of touch.
-  subroutine check_list(error, truth, listed, closing, exactly, what)
+  !> Checks that a list holds every pair that touches up to a compression, each once, with the
+  !> numbers of a comparison of all with all, and in the order of touch.
+  subroutine check_list(error, truth, listed, compression, exactly, what)
     type(error_type), allocatable, intent(inout) :: error  !! the first failure
     type(all_pairs), intent(in) :: truth                     !! the truth
     type(contact_pairs), intent(in) :: listed              !! by the solver
-    real(real64), intent(in) :: closing                    !! no pair up to it may be missing
+    real(real64), intent(in) :: compression                    !! no pair up to it may be missing
     logical, intent(in) :: exactly                         !! and none beyond it listed
     character(len=*), intent(in) :: what                   !! told of a failure
     logical :: seen(size(truth%gap, 1), size(truth%gap, 2)), same
@@ -52,29 +52,31 @@ contains
       end associate
       if (allocated(error)) return
     end do
-    call check(error, .not. any(truth%gap <= closing .and. .not. seen), what // ': a pair is lost')
-    if (exactly) call check(error, all(truth%gap <= closing .or. .not. seen), &
+    call check(error, .not. any(truth%gap <= compression .and. .not. seen), &
+               what // ': a pair is lost')
+    if (exactly) call check(error, all(truth%gap <= compression .or. .not. seen), &
                             what // ': a pair too many')
   end subroutine check_list
 
   !> Checks the numbers of contacts of all states, and who touches in the last.
-  subroutine check_states(error, truth, result, closing, unit, what)
+  subroutine check_states(error, truth, result, compression, unit, what)
     type(error_type), allocatable, intent(inout) :: error  !! the first failure
     type(all_pairs), intent(in) :: truth                     !! the truth
     type(position_result), intent(in) :: result            !! of the solver, with contacts
-    real(real64), intent(in) :: closing                    !! where the position ends
+    real(real64), intent(in) :: compression                    !! where the position ends
     real(real64), intent(in) :: unit                       !! of length, in the scene's
     character(len=*), intent(in) :: what                   !! told of a failure
     integer :: i, first
 
     do i = 1, size(result%states)
       call check(error, result%states(i)%contacts, &
-                 count(truth%gap <= result%states(i)%closing / unit), what // ': other contacts')
+                 count(truth%gap <= result%states(i)%compression / unit), &
+                 what // ': other contacts')
     end do
     if (allocated(error)) return
     first = result%rows_used - result%states(size(result%states))%contacts
     do i = first + 1, result%rows_used
-      call check(error, truth%gap(result%rows(i)%upper, result%rows(i)%lower) <= closing, &
+      call check(error, truth%gap(result%rows(i)%upper, result%rows(i)%lower) <= compression, &
                  what // ': a contact that is none')
       if (i == first + 1) cycle
       call check(error, truth%gap(result%rows(i - 1)%upper, result%rows(i - 1)%lower) <= &
@@ -83,7 +85,7 @@ contains
     end do
   end subroutine check_states
 
-  !> The least closing at which a pair is at its limit; huge when none is before its centres are
+  !> The least compression at which a pair is at its limit; huge when none is before its centres are
   !> level. `listed` has all pairs.
   pure real(real64) function first_limit(listed)
     type(contact_pairs), intent(in) :: listed  !! with the penetration of each at its limit
@@ -95,9 +97,9 @@ contains
   end function first_limit
 
   !> How a message names the pair with the least indices whose centres are level; empty: none is.
-  pure function pair_named(truth, closing) result(text)
+  pure function pair_named(truth, compression) result(text)
     type(all_pairs), intent(in) :: truth   !! the truth
-    real(real64), intent(in) :: closing  !! where the position ends
+    real(real64), intent(in) :: compression  !! where the position ends
     character(len=:), allocatable :: text
     integer :: i, k
 
@@ -105,7 +107,7 @@ contains
     do i = 1, size(truth%gap, 1)
       do k = 1, size(truth%gap, 2)
         if (.not. truth%can_touch(i, k)) cycle
-        if (closing - truth%gap(i, k) < truth%zc(i, k)) cycle
+        if (compression - truth%gap(i, k) < truth%zc(i, k)) cycle
         text = 'the centres of asperities ' // decimal_text(i) // ' (upper) and ' // &
                decimal_text(k) // ' (lower) come level'
         return

@@ -67,7 +67,7 @@ contains
     if (.not. any(truth%can_touch)) return
     where (truth%can_touch) truth%gap = first_touch - touch
     truth%first_touch = first_touch
-    truth%closing = first_touch - length(scene_in%loading%value)
+    truth%compression = first_touch - length(scene_in%loading%value)
 
   contains
 

@@ -40,7 +40,7 @@ contains
       new_unittest('two contacts: the equations, from near to far', two_by_hand), &
       new_unittest('contacts far apart, one, none', far_one_none), &
       new_unittest('coincident contacts are one contact', coincident), &
-      new_unittest('the load asked for is met, and the closing bears it', load_met), &
+      new_unittest('the load asked for is met, and the compression bears it', load_met), &
       new_unittest('a contact at the rim of another opens and closes without a jump', at_the_rim), &
       new_unittest('thousands of crowded contacts converge, to the same bytes by two threads', &
                    thousands), &
@@ -209,7 +209,7 @@ contains
     ! How far open ones stand off is found no better than needed.
     call check(error, maxval(abs(max(again%penetration, 0.0_real64) - &
                                  max(solution%penetration, 0.0_real64))) / depth, 0.0_real64, &
-               1.0e-9_real64, 'the same at that closing')
+               1.0e-9_real64, 'the same at that compression')
     ! One contact with its centres level bears less than 4/3 E sqrt(R) (4 R)**1.5.
     call lay_contacts([0.0_real64], [0.0_real64], [0.0_real64], pairs, law)
     deallocate (solution%penetration, solution%shift)

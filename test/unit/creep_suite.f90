@@ -269,14 +269,14 @@ contains
   end subroutine start
 
   ! A state of a hold.
-  subroutine held_at(pairs, creep, closing, time, state, outcome)
+  subroutine held_at(pairs, creep, compression, time, state, outcome)
     type(contact_pairs), intent(in) :: pairs
     class(contact_effect), intent(in) :: creep
-    real(real64), intent(in) :: closing, time
+    real(real64), intent(in) :: compression, time
     type(contact_state), intent(out) :: state
     type(effect_outcome), intent(out) :: outcome
 
-    call start_state(pairs, hertz_law(modulus=1.0_real64), closing, state)
+    call start_state(pairs, hertz_law(modulus=1.0_real64), compression, state)
     state%time = time
     call creep%apply(pairs, state, outcome)
   end subroutine held_at

@@ -37,7 +37,7 @@ contains
       new_unittest('a tolerance is kept, with cells where it calls for them', called_for), &
       new_unittest('near contacts of a small share of the load stay circles', small_share), &
       new_unittest('a load asked for is met', load_met), &
-      new_unittest('an error of load, told of the closing, by the tangent', told_of_closing), &
+      new_unittest('an error of load, told of the compression, by the tangent', told_of_closing), &
       new_unittest('clusters far apart are as all on one lattice', clusters), &
       new_unittest('contacts in one place bear what one bears', in_one_place), &
       new_unittest('one thread and two give the same bytes', same_bytes)]
@@ -180,7 +180,7 @@ contains
           ! Two thirds of the error of a load.
           if (which /= resolve_none) &
             call check(error, coupled%compression / depth, 1.0_real64, 0.003_real64, &
-                       trim(scenes(i)%name) // ': closing')
+                       trim(scenes(i)%name) // ': compression')
         end associate
       end do
     end do

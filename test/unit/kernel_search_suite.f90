@@ -158,7 +158,7 @@ contains
     type(position_result), intent(in) :: result
     real(real64), intent(in) :: unit
     character(len=*), intent(in) :: what
-    real(real64) :: closing
+    real(real64) :: compression
     character(len=:), allocatable :: level
 
     if (.not. any(truth%can_touch)) then
@@ -171,20 +171,20 @@ contains
     if (allocated(error)) return
     select case (scene_in%loading%control)
     case (control_limit)
-      closing = first_limit(every)
-      level = pair_named(truth, closing)
-      if (.not. closing < huge(closing)) then
+      compression = first_limit(every)
+      level = pair_named(truth, compression)
+      if (.not. compression < huge(compression)) then
         level = 'no pair of asperities reaches the limit before its centres are level'
       else if (level /= '') then
         level = 'before the limit is reached ' // level
       end if
     case (control_separation)
-      closing = truth%closing
-      level = pair_named(truth, closing)
+      compression = truth%compression
+      level = pair_named(truth, compression)
       if (level /= '') level = 'at this separation ' // level
     case default
       level = ''
-      closing = listed%closing
+      compression = listed%compression
     end select
     call check(error, allocated(failure) .eqv. level /= '', what // ': fails or not, ' // level)
     if (allocated(error)) return
@@ -192,36 +192,38 @@ contains
       call check(error, failure, level, what)
       return
     end if
-    if (closing < 0.0_real64) then
+    if (compression < 0.0_real64) then
       call check(error, size(listed%list) == 0 .and. result%states(1)%contacts == 0, &
                  what // ': a contact before the first touch')
       return
     end if
-    call check(error, abs(listed%closing - closing) <= 2 * unit * closing, what // ': another end')
+    call check(error, abs(listed%compression - compression) <= 2 * unit * compression, &
+               what // ': another end')
     if (scene_in%loading%control == control_load) then
-      call check(error, listed%complete_to >= closing, what // ': pairs may be missing')
+      call check(error, listed%complete_to >= compression, what // ': pairs may be missing')
       call check_list(error, truth, listed, &
                       min(listed%complete_to, huge(1.0_real64) / 2), .false., what)
-      call check(error, abs(load_at(truth, closing) / listed%target * listed%modulus - 1) <= &
+      call check(error, abs(load_at(truth, compression) / listed%target * listed%modulus - 1) <= &
                         100 * unit, what // ': another load')
     else
-      call check_list(error, truth, listed, listed%closing, .true., what)
+      call check_list(error, truth, listed, listed%compression, .true., what)
     end if
-    call check_states(error, truth, result, listed%closing, 16.0_real64**listed%length_power, what)
+    call check_states(error, truth, result, listed%compression, &
+                      16.0_real64**listed%length_power, what)
   end subroutine judge
 
   ! Sum of the loads of all pairs over the modulus, by Hertz' law.
-  pure real(real64) function load_at(truth, closing) result(load)
+  pure real(real64) function load_at(truth, compression) result(load)
     type(all_pairs), intent(in) :: truth
-    real(real64), intent(in) :: closing
+    real(real64), intent(in) :: compression
     real(real64) :: p, z
     integer :: i, k
 
     load = 0.0_real64
     do k = 1, size(truth%gap, 2)
       do i = 1, size(truth%gap, 1)
-        if (.not. truth%gap(i, k) < closing) cycle
-        p = closing - truth%gap(i, k)
+        if (.not. truth%gap(i, k) < compression) cycle
+        p = compression - truth%gap(i, k)
         z = truth%zc(i, k) - p
         p = p * (truth%zc(i, k) + z) / (truth%s(i, k) + sqrt(truth%d(i, k)**2 + z**2))
         load = load + 4.0_real64 / 3.0_real64 * sqrt(truth%radius(i, k)) * p**1.5_real64

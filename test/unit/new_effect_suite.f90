@@ -242,12 +242,13 @@ contains
     do i = 1, 2
       call near(error, result%states(i)%load * 16.0_real64, total_load(hertz), met, 'load')
     end do
-    ! The same load with a larger share needs less closing.
-    call check(error, result%states(2)%closing < result%states(1)%closing, 'closing')
-    call check(error, result%states(1)%closing < 0.05_real64 / 16.0_real64, 'below that of Hertz')
+    ! The same load with a larger share needs less compression.
+    call check(error, result%states(2)%compression < result%states(1)%compression, 'compression')
+    call check(error, result%states(1)%compression < 0.05_real64 / 16.0_real64, &
+               'below that of Hertz')
   end subroutine to_loads
 
-  ! The second pair begins where closing - 0.4 closing (1 -+ jump) is its gap of 0.01.
+  ! The second pair begins where compression - 0.4 compression (1 -+ jump) is its gap of 0.01.
   subroutine jumps(error)
     type(error_type), allocatable, intent(out) :: error
     type(effect_box) :: effects(1)
@@ -272,7 +273,7 @@ contains
     call run_position(scene_in, pairs, effects, result, run, failure)
     call check(error, size(result%states), 3, 'first touch, first contact, last state')
     if (allocated(error)) return
-    call near(error, result%states(2)%closing, 0.01_real64 / 0.6_real64 / 16.0_real64, &
+    call near(error, result%states(2)%compression, 0.01_real64 / 0.6_real64 / 16.0_real64, &
               1.0e-4_real64, 'the first contact')
     ! Halvings of 0.05 to 1e-4 of a displacement of 0.0067: 17; to 1e-10 of the last state: 34.
     call check(error, solves < 25, 'states of the search')
@@ -289,12 +290,13 @@ contains
     allocate (outcome%of_contacts(size(pairs%list), 0), outcome%of_state(0))
     outcome%simulated = 'on'
     outcome%load_jump = jump
-    state%penetration(2) = state%closing - pairs%list(2)%gap - 0.4_real64 * state%closing * &
+    state%penetration(2) = state%compression - pairs%list(2)%gap - &
+                           0.4_real64 * state%compression * &
                            (1.0_real64 + jump * (modulo(self%solves, 2) - 0.5_real64))
     if (state%penetration(2) < 0.0_real64) state%answers(2)%load = -1.0e-9_real64
   end subroutine apply_jumping
 
-  ! One aligned pair, so that the load is closing**1.5.
+  ! One aligned pair, so that the load is compression**1.5.
   subroutine held(error)
     type(error_type), allocatable, intent(out) :: error
     type(contact_pairs) :: pairs
@@ -324,8 +326,8 @@ contains
                     'held approach')
         else
           call near(error, result%states(i)%load, result%states(1)%load, met, 'held load')
-          call near(error, left * result%states(i)%closing**1.5_real64, &
-                    result%states(1)%closing**1.5_real64, met, 'closing')
+          call near(error, left * result%states(i)%compression**1.5_real64, &
+                    result%states(1)%compression**1.5_real64, met, 'compression')
         end if
       end do
     end do
@@ -369,13 +371,13 @@ contains
     pairs%length_power = -1
     pairs%first_touch = 1.0_real64
     pairs%complete_to = 1.0_real64
-    pairs%closing = 0.05_real64
+    pairs%compression = 0.05_real64
     allocate (pairs%list(2))
     pairs%list = [pair_of(1.0_real64, 1.0_real64, 0.5_real64), &
                   pair_of(1.0_real64, 2.0_real64, 0.9_real64)]
     pairs%list(2)%gap = 0.01_real64
     pairs%list(2)%x = 5.0_real64
-    call start_state(pairs, hertz_law(modulus=pairs%modulus), pairs%closing, hertz)
+    call start_state(pairs, hertz_law(modulus=pairs%modulus), pairs%compression, hertz)
   end subroutine two_pairs
 
 end module asperity_new_effect_suite

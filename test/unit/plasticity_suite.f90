@@ -80,14 +80,14 @@ contains
     type(contact_state) :: state
     type(effect_outcome) :: outcome
     real(real64) :: elastic, load(4), share
-    real(real64), parameter :: closing(4) = [0.01_real64, 0.05_real64, 0.03_real64, 0.05_real64]
+    real(real64), parameter :: compression(4) = [0.01_real64, 0.05_real64, 0.03_real64, 0.05_real64]
     integer :: i
 
     call three_pairs(pairs)
     call plasticity_by_limit(effect)
     call effect%begin(pairs)
-    do i = 1, size(closing)
-      call start_state(pairs, hertz_law(modulus=pairs%modulus), closing(i), state)
+    do i = 1, size(compression)
+      call start_state(pairs, hertz_law(modulus=pairs%modulus), compression(i), state)
       elastic = total_vertical_load(state)
       share = effect%estimate(pairs, state)
       call act(effect, pairs, state, outcome)
@@ -106,7 +106,7 @@ contains
     call check(error, load(4), load(2), 1.0e-14_real64 * load(2), 'loading again')
     ! A new position has no past.
     call effect%begin(pairs)
-    call start_state(pairs, hertz_law(modulus=pairs%modulus), closing(1), state)
+    call start_state(pairs, hertz_law(modulus=pairs%modulus), compression(1), state)
     call check(error, .not. effect%estimate(pairs, state) > 0.0_real64, 'the past is forgotten')
   end subroutine whole_effect
 

@@ -29,7 +29,7 @@ module asperity_adhesion
     procedure :: leave_out
     procedure :: begin => begin_adhesion
     procedure :: keep => keep_adhesion
-    procedure :: letting_go
+    procedure :: pull_off_compressions
     procedure :: least_load
   end type adhesion_effect
 
@@ -180,26 +180,26 @@ contains
   end subroutine keep_adhesion
 
   !> Compression at which each contact separates, from its overlap along the line of centres.
-  subroutine letting_go(self, pairs, closings)
+  subroutine pull_off_compressions(self, pairs, compressions)
     class(adhesion_effect), intent(in) :: self             !! adhesion with its history
     type(contact_pairs), intent(in) :: pairs               !! pairs of the position
-    real(real64), allocatable, intent(out) :: closings(:)  !! one for each pair, or none
+    real(real64), allocatable, intent(out) :: compressions(:)  !! one for each pair, or none
     real(real64) :: centres, overlap
     integer :: i
 
-    allocate (closings(merge(size(pairs%list), 0, self%work > 0.0_real64)))
-    do i = 1, size(closings)
+    allocate (compressions(merge(size(pairs%list), 0, self%work > 0.0_real64)))
+    do i = 1, size(compressions)
       associate (pair => pairs%list(i))
         overlap = self%law%known(i)%snap_off
         if (.not. self%law%adhered(i)) overlap = self%law%known(i)%snap_in
         centres = pair%s - overlap
         ! zc - sqrt(centres**2 - d**2), without cancellation.
-        closings(i) = pair%gap + overlap * ((pair%s + centres) / (pair%zc + &
+        compressions(i) = pair%gap + overlap * ((pair%s + centres) / (pair%zc + &
                       sqrt((centres - pair%d) * (centres + pair%d))))
-        if (.not. pair%d > 0.0_real64) closings(i) = pair%gap + overlap
+        if (.not. pair%d > 0.0_real64) compressions(i) = pair%gap + overlap
       end associate
     end do
-  end subroutine letting_go
+  end subroutine pull_off_compressions
 
   !> Sum of the least loads of the contacts between two compressions, on unloading. Contacts are
   !> independent, so it is a lower bound of the load; without adhesion the load is larger.

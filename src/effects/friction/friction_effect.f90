@@ -63,9 +63,9 @@ contains
     total = 0.0_real64
     do i = 1, size(pairs%list)
       associate (pair => pairs%list(i))
-        if (pair%gap >= state%closing) exit
-        call state%law%respond(pair, i, state%closing - pair%gap, response)
-        z = pair%zc - (state%closing - pair%gap)
+        if (pair%gap >= state%compression) exit
+        call state%law%respond(pair, i, state%compression - pair%gap, response)
+        z = pair%zc - (state%compression - pair%gap)
         total = total + response%vertical_load
         share = share + min(self%coefficient, self%kappa * (pair%d / z)) * response%load * &
                 (pair%d / sqrt(pair%d**2 + z**2))

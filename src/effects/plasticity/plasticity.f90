@@ -92,7 +92,7 @@ contains
     end do
     further = 0.0_real64
     if (pairs%target > 0.0_real64 .and. lost > 0.0_real64 .and. stiffness > 0.0_real64) &
-      further = min(lost / stiffness, state%closing)
+      further = min(lost / stiffness, state%compression)
     area = 0.0_real64
     changed_area = 0.0_real64
     do i = 1, size(pairs%list)

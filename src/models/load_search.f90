@@ -1,25 +1,26 @@
 !> The compression at which the contacts with their effects carry a load.
-module asperity_closing_at_load
-  use asperity_closing_at_pull, only: close_to_pull, has_attraction
-  use asperity_contact_effect, only: effect_box, effect_outcome
+module asperity_load_search
+  use asperity_pull_off_search, only: has_attraction, unload_to_load
+  use asperity_contact_effect, only: effect_box
   use asperity_contact_pairs, only: contact_pairs, in_scene_units
   use asperity_contact_state, only: contact_state, controlled_load, start_state
-  use asperity_effect_sequence, only: choose_effects, first_failure, found_state, simulate_effects
+  use asperity_effect_sequence, only: choose_effects, first_failure, found_state, &
+                                      simulate_effects
   use asperity_hertz_law, only: hertz_law
   use asperity_interaction, only: interaction_effect
   use asperity_kinds, only: real64
   use asperity_problems, only: real_text
-  use asperity_root_bracket, only: guess_root, narrow_bracket, root_bracket
+  use asperity_root_bracket, only: guess_by_secant, narrow_bracket, root_bracket
   use asperity_scene_values, only: effect_auto
   implicit none
   private
 
-  public :: close_to_load, search_load
+  public :: compress_to_load, search_load
 
   integer, parameter :: most_tries = 300
   real(real64), parameter :: two_thirds = 2.0_real64 / 3.0_real64
   ! A compression below this share of the largest is rounding.
-  real(real64), parameter :: least_closing = 1.0e-18_real64
+  real(real64), parameter :: least_compression = 1.0e-18_real64
   ! Relative error of a load: the solvers of effects converge to less, and a state with a larger
   ! one is refused.
   real(real64), parameter :: least_error = 1.0e-11_real64, largest_error = 1.0e-7_real64
@@ -28,13 +29,13 @@ contains
 
   !> Finds the compression at which the contacts carry a load at a time.
   !>
-  !> The load grows with the compression: bracketed root search for load**(2/3), to the tolerance of
-  !> the effects. Without a load: the largest compression without one. Where contacts attract each
-  !> other, a load of 0 or less, or below that of the last state, is found on unloading.
+  !> The load grows with the compression: `search_load`, to the tolerance of the effects. Without a
+  !> load: the largest compression without one. Where contacts attract each other, a load of 0 or
+  !> less, or below that of the last state, is found on unloading.
   !>
   !> Where `auto` begins or ends to simulate an effect the load jumps. A load within the jump is
-  !> carried with the effect, whose estimate equals its tolerance there; `called_for` is then set.
-  subroutine close_to_load(pairs, effects, target, time, found, failure)
+  !> carried with the effect, whose estimate equals its tolerance there; `fixed_choice` is then set.
+  subroutine compress_to_load(pairs, effects, target, time, found, failure)
     type(contact_pairs), intent(in) :: pairs       !! pairs of the position
     type(effect_box), intent(in) :: effects(:)     !! effects; those in time act in `there` only
     real(real64), intent(in) :: target             !! load, < 0 for tension
@@ -44,38 +45,40 @@ contains
     logical :: jumps, unloads
     integer :: i
 
-    if (allocated(found%called_for)) deallocate (found%called_for)
-    if (allocated(found%found)) deallocate (found%found)
+    if (allocated(found%fixed_choice)) deallocate (found%fixed_choice)
+    if (allocated(found%solution)) deallocate (found%solution)
     ! No effect that acts in time goes together with attraction.
     if (.not. time > 0.0_real64 .and. has_attraction(pairs, effects)) then
       unloads = .not. target > 0.0_real64
       if (.not. unloads) then
-        call simulate_effects(pairs, effects, time, found, .true.)
+        if (.not. is_at_compression(found)) &
+          call simulate_effects(pairs, effects, time, found, .true.)
         unloads = controlled_load(pairs, found%state) > target
       end if
-      if (unloads) call close_to_pull(pairs, effects, target, found, failure)
+      if (unloads) call unload_to_load(pairs, effects, target, found, failure)
       if (unloads) return
     end if
     call search_load(pairs, effects, target, time, found, jumps, failure)
     if (.not. jumps) return
     ! The last state is just past the jump.
-    allocate (found%called_for(size(found%outcomes)))
+    allocate (found%fixed_choice(size(found%outcomes)))
     do i = 1, size(found%outcomes)
-      found%called_for(i) = found%outcomes(i)%simulated /= 'off'
+      found%fixed_choice(i) = found%outcomes(i)%simulated /= 'off'
     end do
     deallocate (failure)
     call search_load(pairs, effects, target, time, found, jumps, failure)
-  end subroutine close_to_load
+  end subroutine compress_to_load
 
-  !> Finds the compression at which the contacts carry a compressive load on loading, by a bracketed
-  !> root search. It ends when the load is met to the tolerance of the effects; when no number is
-  !> left within the bracket the upper end is used, if its load is accurate enough.
+  !> Finds the compression at which the contacts carry a compressive load on loading: safeguarded
+  !> secant method for (load/target)**(2/3), from the tangent at the last state. It ends when the
+  !> load is met to the tolerance of the effects; when no number is left within the bracket the
+  !> upper end is used, if its load is accurate enough.
   subroutine search_load(pairs, effects, target, time, found, jumps, failure)
     type(contact_pairs), intent(in) :: pairs       !! pairs of the position
     type(effect_box), intent(in) :: effects(:)     !! effects; those in time act in `there` only
     real(real64), intent(in) :: target             !! load, 0 or more
     real(real64), intent(in) :: time               !! time since the begin of loading, 0 or more
-    type(found_state), intent(inout) :: found      !! a guess, `called_for`; the state found
+    type(found_state), intent(inout) :: found      !! a guess, `fixed_choice`; the state found
     logical, intent(out) :: jumps                  !! whether the load jumps past the target
     character(len=:), allocatable, intent(out) :: failure   !! reason, when the load is not carried
     type(root_bracket) :: bracket
@@ -88,9 +91,9 @@ contains
                            low_miss=-1.0_real64, high_miss=-1.0_real64, halving=4)
     enough = .false.
     greatest = 0.0_real64
-    call guess_closing(pairs, effects, target, time, bracket%high, found, failure)
+    call guess_compression(pairs, effects, target, time, bracket%high, found, failure)
     if (allocated(failure)) return
-    nothing = least_closing * minval(pairs%list%gap + pairs%list%radius)
+    nothing = least_compression * minval(pairs%list%gap + pairs%list%radius)
     do try = 1, most_tries
       call simulate_effects(pairs, effects, time, found, .not. time > 0.0_real64)
       load = controlled_load(pairs, found%state)
@@ -101,21 +104,22 @@ contains
             min(max(least_error, maxval(found%outcomes%load_jump)), largest_error)) return
       end if
       ! Results of the search of an effect are valid at its compression only.
-      if (allocated(found%found)) deallocate (found%found)
+      if (allocated(found%solution)) deallocate (found%solution)
       greatest = max(greatest, load)
       residual = merge(1.0_real64, -1.0_real64, load > 0.0_real64)
       if (target > 0.0_real64) residual = (max(load, 0.0_real64) / target)**two_thirds - 1.0_real64
-      call narrow_bracket(bracket, found%closing, residual, residual < 0.0_real64)
+      call narrow_bracket(bracket, found%compression, residual, residual < 0.0_real64)
       enough = enough .or. .not. residual < 0.0_real64
       if (.not. target > 0.0_real64 .and. bracket%high < nothing) exit
-      call guess_root(bracket, found%closing, inside)
+      call guess_by_secant(bracket, residual_slope(found%state, load, residual), &
+                           found%compression, inside)
       if (.not. inside) exit
       ! Without an upper end yet the compression is doubled at most.
-      if (.not. enough .and. bracket%low > 0.0_real64) found%closing = &
-        min(found%closing, bracket%low * (1.0_real64 + min(1.0_real64, -2.0_real64 * residual)))
+      if (.not. enough .and. bracket%low > 0.0_real64) found%compression = &
+        min(found%compression, bracket%low * (1.0_real64 + min(1.0_real64, -2.0_real64 * residual)))
     end do
-    found%closing = bracket%low
-    if (bracket%high < nothing) found%closing = 0.0_real64
+    found%compression = bracket%low
+    if (bracket%high < nothing) found%compression = 0.0_real64
     if (.not. target > 0.0_real64) return
     if (.not. enough) then
       failure = 'the load is larger than the surfaces carry before the centres of two ' // &
@@ -123,72 +127,115 @@ contains
                 ' at most'
       return
     end if
-    found%closing = bracket%high
+    found%compression = bracket%high
     call simulate_effects(pairs, effects, time, found, .not. time > 0.0_real64)
     call first_failure(effects, found%outcomes, failure)
     if (allocated(failure)) return
     if (abs(controlled_load(pairs, found%state) - target) <= largest_error * target) return
     failure = 'the load is not reached: with the effects it jumps past it'
-    jumps = .not. allocated(found%called_for) .and. &
+    jumps = .not. allocated(found%fixed_choice) .and. &
             any([(effects(i)%effect%mode == effect_auto, i=1, size(effects))])
   end subroutine search_load
 
   ! First compression of a search: that of the effects that can estimate it, else the given one, but
   ! no less than a thousandth of that of Hertz.
-  subroutine guess_closing(pairs, effects, target, time, most, found, failure)
+  subroutine guess_compression(pairs, effects, target, time, most, found, failure)
     type(contact_pairs), intent(in) :: pairs
     type(effect_box), intent(in) :: effects(:)
     real(real64), intent(in) :: target, time, most  ! most: largest compression
     type(found_state), intent(inout) :: found
     character(len=:), allocatable, intent(inout) :: failure
-    real(real64) :: guessed
+    real(real64) :: guessed, load, residual, slope
 
-    if (allocated(found%found)) deallocate (found%found)
+    if (allocated(found%solution)) deallocate (found%solution)
+    if (target > 0.0_real64 .and. is_at_compression(found)) then
+      load = max(controlled_load(pairs, found%state), 0.0_real64)
+      residual = (load / target)**two_thirds - 1.0_real64
+      slope = residual_slope(found%state, load, residual)
+      ! The last state is that of another load or time: at most half or twice its compression.
+      if (slope * found%compression > 0.0_real64) found%compression = found%compression * &
+        min(max(1.0_real64 - residual / (slope * found%compression), 0.5_real64), 2.0_real64)
+    end if
     if (target > 0.0_real64) &
-      call ask_effects(pairs, effects, target / share_held(effects, time), time, found, failure)
+      call estimate_compression(pairs, effects, target / share_held(effects, time), time, found, &
+                                failure)
     if (allocated(failure)) then
       if (pairs%interrupt%is_asked()) return
       ! The bracketed search finds the load, or the largest one, from compressions.
       deallocate (failure)
-      if (allocated(found%found)) deallocate (found%found)
+      if (allocated(found%solution)) deallocate (found%solution)
     end if
-    guessed = found%closing
-    if (target > 0.0_real64 .and. pairs%target > 0.0_real64) found%closing = &
-      max(found%closing, 1.0e-3_real64 * pairs%closing * (target / pairs%target)**two_thirds)
-    found%closing = min(max(found%closing, 0.0_real64), most * (1.0_real64 - epsilon(1.0_real64)))
-    if (abs(found%closing - guessed) > 0.0_real64 .and. allocated(found%found)) &
-      deallocate (found%found)
-  end subroutine guess_closing
+    guessed = found%compression
+    if (target > 0.0_real64 .and. pairs%target > 0.0_real64) &
+      found%compression = max(found%compression, 1.0e-3_real64 * pairs%compression * &
+                                                 (target / pairs%target)**two_thirds)
+    found%compression = min(max(found%compression, 0.0_real64), &
+                            most * (1.0_real64 - epsilon(1.0_real64)))
+    if (abs(found%compression - guessed) > 0.0_real64 .and. allocated(found%solution)) &
+      deallocate (found%solution)
+  end subroutine guess_compression
+
+  ! Whether the state is that of the compression, also where it belongs to another load or time.
+  pure logical function is_at_compression(found)
+    type(found_state), intent(in) :: found
+
+    is_at_compression = allocated(found%state%answers)
+    if (is_at_compression) &
+      is_at_compression = .not. abs(found%state%compression - found%compression) > 0.0_real64
+  end function is_at_compression
+
+  ! Derivative of (load/target)**(2/3) by the compression from the stiffness of the contacts, which
+  ! is that of vertical loads without interaction; 0 where it is not positive.
+  pure real(real64) function residual_slope(state, load, residual) result(slope)
+    type(contact_state), intent(in) :: state
+    real(real64), intent(in) :: load, residual
+
+    slope = 0.0_real64
+    if (load > 0.0_real64) slope = &
+      max(0.0_real64, two_thirds * (residual + 1.0_real64) / load * sum(state%answers%stiffness))
+  end function residual_slope
 
   ! Sets the compression to that of interaction, which has a search of its own for a load.
-  subroutine ask_effects(pairs, effects, target, time, found, failure)
+  subroutine estimate_compression(pairs, effects, target, time, found, failure)
     type(contact_pairs), intent(in) :: pairs
     type(effect_box), intent(in) :: effects(:)
     real(real64), intent(in) :: target, time
     type(found_state), intent(inout) :: found
     character(len=:), allocatable, intent(inout) :: failure
     type(contact_state) :: state
-    type(effect_outcome) :: outcomes(size(effects))
-    logical, allocatable :: called(:)
-    real(real64) :: left
+    logical :: changes_law
     integer :: i
 
-    call start_state(pairs, hertz_law(modulus=pairs%modulus), found%closing, state)
+    call start_state(pairs, hertz_law(modulus=pairs%modulus), found%compression, state)
     state%time = time
-    call choose_effects(pairs, effects, state, outcomes, called, left)
+    call choose_effects(pairs, effects, state, found%choice)
+    changes_law = .false.
     do i = 1, size(effects)
-      if (allocated(found%called_for) .and. effects(i)%effect%mode == effect_auto) &
-        called(i) = found%called_for(i)
-      if (.not. called(i)) cycle
+      if (changes_law .or. .not. is_simulated()) cycle
       select type (effect => effects(i)%effect)
       type is (interaction_effect)
-        call effect%solve_together(pairs, hertz_law(modulus=pairs%modulus), left, found%closing, &
-                                   found%found, failure, target)
+        call effect%solve_together(pairs, hertz_law(modulus=pairs%modulus), &
+                                   found%choice%tolerance, found%compression, found%solution, &
+                                   failure, target)
         if (allocated(failure)) failure = 'interaction: ' // failure
+        found%solves = found%solves + 1
+        return
+      class default
+        ! The search of interaction is that of elastic contacts.
+        changes_law = .true.
       end select
-      if (allocated(failure)) return
     end do
-  end subroutine ask_effects
+
+  contains
+
+    logical function is_simulated()
+
+      is_simulated = found%choice%is_simulated(i)
+      if (allocated(found%fixed_choice) .and. effects(i)%effect%mode == effect_auto) &
+        is_simulated = found%fixed_choice(i)
+    end function is_simulated
+
+  end subroutine estimate_compression
 
   ! Ratio of the load at a time to that at the same compression on loading.
   real(real64) function share_held(effects, time) result(share)
@@ -203,4 +250,4 @@ contains
     end do
   end function share_held
 
-end module asperity_closing_at_load
+end module asperity_load_search

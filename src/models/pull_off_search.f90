@@ -9,7 +9,7 @@
 !>
 !> The work of a state is proportional to the number of contacts and to the logarithm of the number
 !> of intervals that are skipped.
-module asperity_closing_at_pull
+module asperity_pull_off_search
   use asperity_adhesion, only: adhesion_effect
   use asperity_contact_effect, only: effect_box
   use asperity_contact_pairs, only: contact_pairs, in_scene_units
@@ -18,11 +18,11 @@ module asperity_closing_at_pull
   use asperity_key_sort, only: sort_keys
   use asperity_kinds, only: int32, real64
   use asperity_problems, only: real_text
-  use asperity_root_bracket, only: guess_root, narrow_bracket, root_bracket
+  use asperity_root_bracket, only: guess_by_secant, narrow_bracket, root_bracket
   implicit none
   private
 
-  public :: close_to_pull, has_attraction
+  public :: unload_to_load, has_attraction
 
   real(real64), parameter :: golden = 0.61803398874989485_real64
   ! Number of golden sections: they reduce an interval to 1e-9, in which a minimum is flat to 1e-18.
@@ -37,15 +37,15 @@ contains
   logical function has_attraction(pairs, effects)
     type(contact_pairs), intent(in) :: pairs    !! pairs of the position
     type(effect_box), intent(in) :: effects(:)  !! effects of the scene
-    real(real64), allocatable :: closings(:)
+    real(real64), allocatable :: compressions(:)
 
-    call find_partings(pairs, effects, closings)
-    has_attraction = size(closings) > 0
+    call find_partings(pairs, effects, compressions)
+    has_attraction = size(compressions) > 0
   end function has_attraction
 
   !> Finds the compression, from that of the last state or from first contact. `failure` reports the
   !> largest tensile load when the target exceeds it.
-  subroutine close_to_pull(pairs, effects, target, found, failure)
+  subroutine unload_to_load(pairs, effects, target, found, failure)
     ! Long: the stages are internal procedures, which share the state of the search.
     type(contact_pairs), intent(in) :: pairs                !! pairs of the position
     type(effect_box), intent(in) :: effects(:)              !! effects of the scene
@@ -53,11 +53,15 @@ contains
     type(found_state), intent(inout) :: found               !! last compression; the state found
     character(len=:), allocatable, intent(out) :: failure   !! reason, when the load is not carried
     real(real64), allocatable :: ends(:)
+    real(real64), allocatable :: known(:, :)  ! compressions and loads so far
     real(real64) :: top, best, level
     logical :: begins_open, is_met, seeks_least
     integer :: first, last
 
-    begins_open = .not. found%closing > 0.0_real64
+    begins_open = .not. found%compression > 0.0_real64
+    allocate (known(2, 0))
+    if (allocated(found%state%answers)) &
+      known = reshape([found%state%compression, controlled_load(pairs, found%state)], [2, 1])
     call raise_load(top)
     if (allocated(failure)) return
     call find_ends(pairs, effects, top, ends)
@@ -89,7 +93,7 @@ contains
       real(real64) :: step
       integer :: try
 
-      above = max(found%closing, 0.0_real64)
+      above = max(found%compression, 0.0_real64)
       step = 1.0e-6_real64 * minval(pairs%list%radius)
       do try = 1, most_raises
         if (load_at(above) > target .or. allocated(failure)) return
@@ -177,35 +181,50 @@ contains
       integer :: try
 
       largest = max(abs(target), abs(low_load))
-      bracket = root_bracket(low=0.0_real64, high=high - low, &
-                             low_miss=(low_load - target) / largest, &
-                             high_miss=(load_at(high) - target) / largest, halving=4)
+      bracket = root_bracket(low=0.0_real64, high=high - low, low_miss=-1.0_real64, &
+                             high_miss=-1.0_real64, halving=4)
+      call narrow_bracket(bracket, high - low, (load_at(high) - target) / largest, .false.)
+      call narrow_bracket(bracket, 0.0_real64, (low_load - target) / largest, .true.)
       above = 0.0_real64
       load = low_load
       do try = 1, most_tries
         if (abs(load - target) <= &
             load_tolerance * merge(abs(target), largest, target < 0.0_real64)) exit
-        call guess_root(bracket, above, inside)
+        call guess_by_secant(bracket, 0.0_real64, above, inside)
         if (.not. inside) exit
         load = load_at(low + above)
         call narrow_bracket(bracket, above, (load - target) / largest, load < target)
       end do
-      ! The state returned is that of the last simulation.
-      load = load_at(low + above)
+      if (abs(found%state%compression - (low + above)) > 0.0_real64 .or. &
+          .not. allocated(found%outcomes)) call solve_at(low + above)
     end subroutine find_crossing
 
+    ! Load at a compression; a known one is not solved again.
     real(real64) function load_at(place) result(load)
       real(real64), intent(in) :: place
+      integer :: k
 
       load = 0.0_real64
       if (allocated(failure)) return
-      found%closing = place
-      call simulate_effects(pairs, effects, 0.0_real64, found, .true.)
-      call first_failure(effects, found%outcomes, failure)
+      do k = size(known, 2), 1, -1
+        if (abs(known(1, k) - place) > 0.0_real64) cycle
+        load = known(2, k)
+        return
+      end do
+      call solve_at(place)
       load = controlled_load(pairs, found%state)
+      known = reshape([known, place, load], [2, size(known, 2) + 1])
     end function load_at
 
-  end subroutine close_to_pull
+    subroutine solve_at(place)
+      real(real64), intent(in) :: place
+
+      found%compression = place
+      call simulate_effects(pairs, effects, 0.0_real64, found, .true.)
+      call first_failure(effects, found%outcomes, failure)
+    end subroutine solve_at
+
+  end subroutine unload_to_load
 
   ! Lower bound of a convex function through four ascending points, between the first and the last.
   pure real(real64) function convex_bound(at, values) result(bound)
@@ -245,19 +264,19 @@ contains
 
   ! Compressions below which an adhering contact separates, at which the load is discontinuous: one
   ! for each pair, or none where nothing attracts.
-  subroutine find_partings(pairs, effects, closings)
+  subroutine find_partings(pairs, effects, compressions)
     type(contact_pairs), intent(in) :: pairs
     type(effect_box), intent(in) :: effects(:)
-    real(real64), allocatable, intent(out) :: closings(:)
+    real(real64), allocatable, intent(out) :: compressions(:)
     integer :: i
 
-    allocate (closings(0))
+    allocate (compressions(0))
     do i = 1, size(effects)
       select type (effect => effects(i)%effect)
       type is (adhesion_effect)
-        call effect%letting_go(pairs, closings)
+        call effect%pull_off_compressions(pairs, compressions)
       end select
     end do
   end subroutine find_partings
 
-end module asperity_closing_at_pull
+end module asperity_pull_off_search
