@@ -330,8 +330,7 @@ def test_no_matrix(package, heights, told):
     ({"lower": np.zeros((2, 2)), "map_spacing": 1.0}, "at least 3 x 3"),
     ({"lower": HEIGHTS, "map_spacing": -1.0}, "map_spacing"),
     ({"lower": HEIGHTS, "map_spacing": 1.0, "map_unit": "furlong"}, "furlong"),
-    ({"lower": HEIGHTS, "map_spacing": 1.0, "map_edge": "perodic"}, "did you mean 'periodic'"),
-    ({"lower": HEIGHTS, "map_spacing": 1.0, "upper": ASPERITY}, "surfaces")])
+    ({"lower": HEIGHTS, "map_spacing": 1.0, "map_edge": "perodic"}, "did you mean 'periodic'")])
 def test_bad_maps(package, surfaces, told):
     """Each is refused in a sentence that names what was given."""
     groups = scene(None)

@@ -238,7 +238,7 @@ def test_images(study, tmp_path):
     (spec("separation = 0.2, sizes = 5., 6."), ["sizes: found sizes in another order"]),
     (spec("separation = 0.2, sizes = 20., 0.0001"), ["sizes: found 0.1", "expected at least"]),
     (spec("separation = 0.2, sizes = 29."), ["sizes: found 29.0000, expected at most 24.1"]),
-    (spec("separation = 0.2, factor = 1."), ["factor: found 1 or less"]),
+    (spec("separation = 0.2, factor = 1."), ["factor: found '1.', expected a number more than 1"]),
     (spec("separation = 0.2, sizes = 3., steps = 2"), ["steps: found beside sizes"]),
     (spec("separation = 0.2, tolerance = 1."), ["tolerance: found '1.'", "less than 1"]),
     (spec("separation = 0.2, places = 'here'"), ["places: found", "'grid' or 'random'"]),
