@@ -283,8 +283,9 @@ contains
     integer, intent(in) :: piece                           !! number of the piece
     integer(int64), intent(in) :: words(:)                 !! result of the piece
     character(len=:), allocatable, intent(out) :: failure  !! reason, when it cannot be written
-    character(len=word_digits * size(words)) :: body
+    character(len=:), allocatable :: body  ! may be larger than a stack
 
+    allocate (character(len=word_digits * size(words)) :: body)
     write (body, '(*(z16.16))') words
     call write_bytes(work%descriptor, heading_of(work%piece, piece, body) // new_line('a') // &
                      body // new_line('a'), failure)

@@ -187,22 +187,32 @@ contains
   subroutine alternate_blocks(task, solution)
     type(joint_task), intent(inout) :: task
     type(joint_solution), intent(inout) :: solution
+    type(cluster), allocatable :: previous_clusters(:)
     real(real64) :: load, previous_load, tolerance
+    logical :: has_grown
 
     tolerance = merge(task%elements_tolerance, task%tolerance, task%choice == resolve_all)
-    associate (pairs => task%pairs, coupled => solution%coupled)
-      call form_clusters(pairs, coupled, solution%is_resolved, task%clusters)
-      task%resolved = resolved_contacts(solution%is_resolved, pairs%list%x, pairs%list%y, &
-                                        pairs%list%gap)
-      if (is_one_grid_cheaper(task, coupled)) then
-        call solve_one_grid(task, solution)
-        return
-      end if
+    has_grown = .true.
+    associate (pairs => task%pairs, coupled => solution%coupled, &
+               is_resolved => solution%is_resolved)
       do
+        if (has_grown) then
+          if (allocated(task%clusters)) call move_alloc(task%clusters, previous_clusters)
+          call form_clusters(pairs, coupled, is_resolved, task%clusters)
+          if (allocated(previous_clusters)) call keep_lattices(previous_clusters, task%clusters)
+          task%resolved = resolved_contacts(is_resolved, pairs%list%x, pairs%list%y, pairs%list%gap)
+          if (is_one_grid_cheaper(task, coupled)) then
+            call solve_one_grid(task, solution)
+            return
+          end if
+        end if
         solution%iterations = solution%iterations + 1
         call solve_clusters(pairs, coupled, task%elements_tolerance, task%area_tolerance, &
                             task%clusters, solution%failure)
         if (allocated(solution%failure)) return
+        call add_close_contacts(pairs, task%clusters, is_resolved, has_grown)
+        if (has_grown) cycle
+        task%clusters%is_solved = .false.
         call represent_clusters(pairs, task%law, task%clusters, coupled, task%resolved)
         call adopt_failure(solution)
         if (allocated(solution%failure)) return
@@ -382,6 +392,24 @@ contains
     call adopt_failure(solution)
   end subroutine solve_one_grid
 
+  ! Copies lattices and answers from previous clusters of the same members.
+  subroutine keep_lattices(previous_clusters, clusters)
+    type(cluster), intent(in) :: previous_clusters(:)
+    type(cluster), intent(inout) :: clusters(:)
+    integer :: i, k
+
+    do k = 1, size(clusters)
+      do i = 1, size(previous_clusters)
+        if (size(previous_clusters(i)%members) /= size(clusters(k)%members)) cycle
+        if (any(previous_clusters(i)%members /= clusters(k)%members)) cycle
+        clusters(k)%lattice = previous_clusters(i)%lattice
+        clusters(k)%answer = previous_clusters(i)%answer
+        clusters(k)%is_solved = previous_clusters(i)%is_solved
+        exit
+      end do
+    end do
+  end subroutine keep_lattices
+
   ! Sets the failure of a solution if its coupled solve has failed.
   subroutine adopt_failure(solution)
     type(joint_solution), intent(inout) :: solution
@@ -490,5 +518,33 @@ contains
     end function excess_error
 
   end subroutine choose_resolved
+
+  ! Adds Hertzian contacts that are close to loaded members of a cluster to those resolved: the
+  ! centre of pressure of a ring is inside the contact that it surrounds.
+  subroutine add_close_contacts(pairs, clusters, is_resolved, has_grown)
+    type(contact_pairs), intent(in) :: pairs
+    type(cluster), intent(in) :: clusters(:)      ! solved clusters
+    logical, intent(inout) :: is_resolved(:)
+    logical, intent(out) :: has_grown             ! whether contacts were added
+    integer :: k, l
+
+    has_grown = .false.
+    do k = 1, size(clusters)
+      associate (outside => clusters(k)%outside, contacts => clusters(k)%answer%contacts, &
+                 list => pairs%list(clusters(k)%members))
+        if (.not. allocated(outside%pair)) cycle
+        do l = 1, size(outside%pair)
+          if (is_resolved(outside%pair(l))) cycle
+          ! Members count with the radii of Hertzian contacts of their loads.
+          if (.not. any(contacts%load > 0.0_real64 .and. &
+                        hypot(contacts%x - outside%x(l), contacts%y - outside%y(l)) < &
+                        adjacent_distance * (outside%radius(l) + (0.75_real64 * contacts%load / &
+                                             pairs%modulus * list%radius)**(1.0_real64 / 3)))) cycle
+          is_resolved(outside%pair(l)) = .true.
+          has_grown = .true.
+        end do
+      end associate
+    end do
+  end subroutine add_close_contacts
 
 end module asperity_joint_contacts

@@ -21,6 +21,9 @@ module asperity_resolved_answers
 
   public :: represent_clusters, distribute_loads
 
+  ! Least share of a change of gaps that is applied (chosen).
+  real(real64), parameter :: least_relaxation = 0.1_real64
+
 contains
 
   !> Represents the clusters by contacts that carry their loads at their centres of pressure.
@@ -32,10 +35,12 @@ contains
     type(resolved_contacts), intent(inout) :: resolved  !! positions and gaps are set
     type(contact_response) :: isolated
     type(circle_set) :: previous_set
+    real(real64), dimension(size(pairs%list)) :: previous_gap
     integer, dimension(size(pairs%list)) :: previous_circle, new_circle
     integer :: i, k, m
 
     previous_set = coupled%set
+    previous_gap = resolved%gap
     do k = 1, size(clusters)
       associate (answer => clusters(k)%answer, members => clusters(k)%members)
         resolved%x(members) = answer%contacts%x
@@ -69,11 +74,35 @@ contains
           merge(displacement_by_others(coupled%set, new_circle(members)) - &
                 displacement_by_others(previous_set, previous_circle(members)), &
                 0.0_real64, previous_circle(members) > 0 .and. new_circle(members) > 0)
+        call apply_change(clusters(k), previous_gap(members), gap)
         call correct_outside_gaps(clusters(k), coupled%set, pack(new_circle(members), &
                                                                  new_circle(members) > 0), resolved)
       end associate
     end do
   end subroutine represent_clusters
+
+  ! Reduces the changes of the gaps by the secant of the last two iterations (Aitken), where a
+  ! cluster is stiffer than its representatives, as a ring around a contact is. The iteration would
+  ! otherwise alternate without convergence.
+  subroutine apply_change(this_cluster, previous_gap, gap)
+    type(cluster), intent(inout) :: this_cluster
+    real(real64), intent(in) :: previous_gap(:)  ! by member: gap of the last iteration
+    real(real64), intent(inout) :: gap(:)        ! by pair: gap that the elements require; modified
+    real(real64) :: change(size(previous_gap)), share_applied(size(previous_gap))
+
+    change = gap(this_cluster%members) - previous_gap
+    share_applied = 1.0_real64
+    if (allocated(this_cluster%change)) then
+      where (max(abs(change), abs(this_cluster%change)) < -open_penetration .and. &
+             sign(1.0_real64, this_cluster%change) * (this_cluster%change - change) > 0.0_real64) &
+        share_applied = max(least_relaxation, min(1.0_real64, this_cluster%applied_share * &
+          (this_cluster%change / (this_cluster%change - change))))
+      gap(this_cluster%members) = merge(previous_gap + share_applied * change, &
+                                        gap(this_cluster%members), share_applied < 1.0_real64)
+    end if
+    this_cluster%change = change
+    this_cluster%applied_share = share_applied
+  end subroutine apply_change
 
   ! Merges members with the centre of one inside the circle of the other into one contact, with the
   ! law of the member of the largest load: the effect on other contacts depends little on the

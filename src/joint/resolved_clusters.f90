@@ -24,9 +24,13 @@ module asperity_resolved_clusters
     integer, allocatable :: members(:)              !! contacts, indices in the list of pairs
     type(cluster_lattice) :: lattice                !! lattice of its elements
     type(element_answer) :: answer                  !! solution on its elements
+    logical :: is_solved = .false.                  !! solved in the present field of the others
     real(real64), allocatable :: load(:)            !! by member: vertical load by its law; 0: open
     integer, allocatable :: representative(:)       !! by member: member that carries its load
     real(real64) :: displacement = 0.0_real64       !! lower bound of the displacement by the others
+    !> by member: change of its gap that the elements required in the last iteration, and the share
+    !> of it that was applied
+    real(real64), allocatable :: change(:), applied_share(:)
     type(outside_field) :: outside                  !! field of the contacts outside
   end type cluster
 
@@ -114,6 +118,7 @@ contains
         if (allocated(this_cluster%outside%node_displacement)) &
           this_cluster%outside%node_displacement = &
             this_cluster%outside%node_displacement - this_cluster%displacement
+        if (this_cluster%is_solved) cycle
         call solve_elements(pairs, this_cluster%members, &
                             coupled%compression - this_cluster%displacement, this_cluster%outside, &
                             reshape([tolerance, max(area_per_load * tolerance, area_tolerance), &
@@ -124,6 +129,7 @@ contains
     !$omp end parallel do
     do k = 1, size(clusters)
       if (allocated(clusters(k)%answer%failure)) failure = clusters(k)%answer%failure
+      clusters(k)%is_solved = .true.
     end do
   end subroutine solve_clusters
 

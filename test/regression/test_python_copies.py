@@ -80,7 +80,7 @@ surfaces = [{"upper": "u.csv", "lower": "plane"}, {"upper": "u.csv", "lower": "u
             {"upper": "plane", "lower": "m.txt", "map_spacing": (1.0, 1.0)},
             {"upper": "m.txt", "lower": "m.txt", "map_spacing": (1.0, 1.0)}]
 bad = [{"upper": "none.csv", "lower": "plane"}, {"upper": ".", "lower": "m.txt"},
-       {"upper": "u.csv", "lower": "m.txt", "map_spacing": (1.0, 1.0)}]
+       {"upper": "u.csv", "lower": "m.txt"}]
 
 def solve(number):
     for i in range(number):
