@@ -52,7 +52,7 @@ def prepare(place, sanitized=False):
 def tight_limits(seed):
     """Little memory, and a stack that is too small for one run in two: `ulimit -v`, `-s`."""
     rng = random.Random(f"tight {seed}")
-    return {"RLIMIT_AS": int(15.6e6 * 20 ** rng.random()),
+    return {"RLIMIT_AS": int(15.9e6 * 20 ** rng.random()),
             "RLIMIT_STACK": 1024 * rng.choice([64, 256, 512, 1024, 8192, 8192])}
 
 
