@@ -62,6 +62,7 @@ module asperity_scene_fields
     logical, public :: is_text = .false.         !! otherwise nothing is to be taken from it
     logical, public :: given(2) = .false.        !! upper, lower: as arrays, beside the text
     logical, public :: surfaces_kept = .false.   !! of another scene: &surfaces is not looked at
+    logical, public :: lacks_file = .false.  !! a file of a surface cannot be read
     type(problem_list), public :: problems       !! what is wrong with the scene
     type(problem_list), public :: notes          !! what may be meant otherwise
   contains

@@ -49,7 +49,8 @@ contains
       if (loading%control == 0) return
       call check_need(fields, 'loading', 'value', loading%control /= control_limit, &
                 'control = ''' // trim(control_words(loading%control)) // '''')
-      if (loading%control == control_pressure .and. .not. allocated(checked%map) .and. &
+      if (loading%control == control_pressure .and. &
+          .not. (allocated(checked%map) .or. fields%lacks_file) .and. &
           .not. checked%nominal_area%all_digits > 0_int64) &
         call fields%complain_of('loading', 'control', 'a pressure needs an area: found no ' // &
                                 'nominal_area in &surfaces, expected one')

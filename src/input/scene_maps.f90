@@ -265,7 +265,7 @@ contains
     logical :: others(size(known_effects))
 
     if (.not. allocated(checked%map)) then
-      do i = 1, size(own_names)
+      do i = 1, merge(0, size(own_names), fields%lacks_file)
         call fields%refuse_name('surfaces', trim(own_names(i)), 'found without a map, ' // &
                                 'expected a map as upper or lower')
       end do

@@ -143,6 +143,7 @@ contains
 
     if (fields%is_text) then
       call read_surfaces(checked%file, fields, checked, other_files)
+      fields%lacks_file = other_files%count() > 0
       call read_material(fields, checked)
       call read_motion(fields, checked%motion)
       call read_tilt(fields, checked)

@@ -181,3 +181,12 @@ def test_a_replaced_file_keeps_its_permissions(run, tmp_path, mode):
     assert file.read_text(encoding="ascii").startswith("position,")
     assert (after.st_mode, after.st_uid, after.st_gid) == (before.st_mode, before.st_uid,
                                                            before.st_gid)
+
+
+@pytest.mark.parametrize("control", ["load", "pressure"])
+def test_a_map_that_is_not_there(run, control):
+    """One sentence: the names that a map has are not blamed for its absence."""
+    said = run("&surfaces upper = 'plane', lower = 'none.txt', map_spacing = 2*0.5, map_unit = "
+               "'mm', map_edge = 'free', units = 'mm', 'N' /\n" + MATERIAL
+               + LOADING.replace("load'", f"{control}'"))
+    assert said.startswith("none.txt:1:1: cannot be opened") and len(said.splitlines()) == 1
