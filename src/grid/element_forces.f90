@@ -60,8 +60,6 @@ module asperity_element_forces
     real(real64), allocatable, dimension(:, :) :: next_force, next_gradient  ! f, r after the step
     real(real64), allocatable, dimension(:, :) :: preconditioned  ! approximate inverse of A times r
     real(real64), allocatable, dimension(:, :) :: direction, image  ! d; r where f is free, then A d
-    real(real64), allocatable, dimension(:, :) :: weight  ! after the step 1 where f is free, else 0
-    real(real64) :: free = 0.0_real64              ! sum of the weights
     real(real64) :: level = 0.0_real64             ! still to be subtracted from the next gradient
     real(real64) :: gradient_product = 0.0_real64  ! r times its preconditioned r; 0: restart
     real(real64) :: displacement_scale = 0.0_real64
@@ -91,7 +89,7 @@ contains
     call move_alloc(force, state%next_force)
     if (bounds%limit < huge(1.0_real64)) call project_forces(gap, bounds, state%next_force)
     allocate (state%force, source=state%next_force)
-    allocate (state%next_gradient, state%image, state%weight, mold=gap)
+    allocate (state%next_gradient, state%image, mold=gap)
     allocate (state%gradient(size(gap, 1), size(gap, 2)), source=0.0_real64)
     allocate (state%direction, state%preconditioned, source=state%gradient)
     call find_gradient(influence, gap, bounds, state)
@@ -134,78 +132,19 @@ contains
     real(real64), intent(in) :: gap(:, :)
     type(force_bounds), intent(in) :: bounds
     type(force_iterate), intent(inout) :: state
-    real(real64) :: change, changes, curvature, mean, slope, step, total
-    integer :: i, j
-
-    call find_direction(influence, bounds, state, total, slope)
-    call influence%apply(state%direction, state%image)
-    curvature = 0.0_real64
-    mean = 0.0_real64
-    do j = 1, size(gap, 2)
-      !$omp simd reduction(+:curvature, mean)
-      do i = 1, size(gap, 1)
-        curvature = curvature + state%image(i, j) * state%direction(i, j)
-        mean = mean + state%weight(i, j) * state%image(i, j)
-      end do
-    end do
-    state%decrease = -1.0_real64
-    if (.not. (slope > 0.0_real64 .and. curvature > 0.0_real64)) return
-    step = slope / curvature
-    mean = merge((total - step * mean) / max(1.0_real64, state%free), 0.0_real64, &
-                 bounds%load > 0.0_real64)
-    ! Forces that would be negative become 0; a force of 0 with an overlap becomes positive.
-    total = 0.0_real64
-    changes = 0.0_real64
-    do j = 1, size(gap, 2)
-      !$omp simd private(change) reduction(+:total, changes)
-      do i = 1, size(gap, 1)
-        associate (old => state%force(i, j), new => state%next_force(i, j))
-          change = state%direction(i, j) + (1 - state%weight(i, j)) * state%gradient(i, j)
-          new = min(bounds%limit, max(0.0_real64, old - step * change))
-          total = total + new
-          changes = changes + abs(step_of(new, 0.0_real64) - step_of(old, 0.0_real64)) + &
-                    abs(step_of(bounds%limit, new) - step_of(bounds%limit, old))
-        end associate
-      end do
-    end do
-    if (changes > 0.0_real64) then
-      call scale_to_load(gap, bounds, state%next_force, total)
-      call find_gradient(influence, gap, bounds, state)
-    else
-      ! The gradient is updated in a fixed set of free forces.
-      state%next_gradient = state%gradient - step * state%image
-      state%is_recomputed = .false.
-      state%level = mean
-      call finish_step(influence%norm, bounds, state)
-    end if
-  end subroutine take_conjugate_step
-
-  ! Sets the next direction, conjugate to the one before, of the sum 0 where there is a load.
-  subroutine find_direction(influence, bounds, state, total, slope)
-    type(lattice_convolution), intent(inout) :: influence
-    type(force_bounds), intent(in) :: bounds
-    type(force_iterate), intent(inout) :: state
-    real(real64), intent(out) :: total  ! sum of the gradient over the free forces
-    real(real64), intent(out) :: slope  ! product of direction and gradient
-    real(real64) :: mean, new_product, old_mean, old_product, step
-    integer :: i, j
+    real(real64) :: curvature, mean, new_product, old_product, step, total
+    integer :: changes, i, j
 
     call influence%apply(state%image, state%next_gradient, inverse=.true.)
     ! The set of free forces changes at nearly every step: the formula of Polak and Ribiere (1969)
-    ! makes a restart at each change unnecessary. Weights in place of masks are vectorised.
+    ! makes a restart at each change unnecessary.
     new_product = 0.0_real64
     old_product = 0.0_real64
-    mean = 0.0_real64
-    old_mean = 0.0_real64
-    total = 0.0_real64
-    do j = 1, size(state%force, 2)
-      !$omp simd reduction(+:new_product, old_product, mean, old_mean, total)
-      do i = 1, size(state%force, 1)
+    do j = 1, size(gap, 2)
+      !$omp simd reduction(+:new_product, old_product)
+      do i = 1, size(gap, 1)
         new_product = new_product + state%image(i, j) * state%next_gradient(i, j)
         old_product = old_product + state%image(i, j) * state%preconditioned(i, j)
-        mean = mean + state%weight(i, j) * state%next_gradient(i, j)
-        old_mean = old_mean + state%weight(i, j) * state%direction(i, j)
-        total = total + state%image(i, j)
       end do
     end do
     step = 0.0_real64
@@ -213,19 +152,86 @@ contains
       step = max(0.0_real64, (new_product - old_product) / state%gradient_product)
     state%gradient_product = new_product
     call swap_arrays(state%preconditioned, state%next_gradient)
-    ! The sum of the forces does not change.
-    mean = merge((mean + step * old_mean) / max(1.0_real64, state%free), 0.0_real64, &
-                 bounds%load > 0.0_real64)
-    slope = 0.0_real64
-    do j = 1, size(state%force, 2)
-      !$omp simd reduction(+:slope)
-      do i = 1, size(state%force, 1)
-        state%direction(i, j) = state%weight(i, j) * &
-          (state%preconditioned(i, j) + step * state%direction(i, j) - mean)
-        slope = slope + state%direction(i, j) * state%image(i, j)
+    mean = 0.0_real64
+    changes = 0
+    do j = 1, size(gap, 2)
+      !$omp simd reduction(+:mean, changes)
+      do i = 1, size(gap, 1)
+        state%direction(i, j) = merge(state%preconditioned(i, j) + step * state%direction(i, j), &
+                                      0.0_real64, is_free(state%force(i, j), bounds%limit))
+        mean = mean + state%direction(i, j)
+        changes = changes + merge(1, 0, is_free(state%force(i, j), bounds%limit))
       end do
     end do
-  end subroutine find_direction
+    ! The sum of the forces does not change.
+    mean = merge(mean / max(1, changes), 0.0_real64, bounds%load > 0.0_real64)
+    step = 0.0_real64
+    do j = 1, size(gap, 2)
+      !$omp simd reduction(+:step)
+      do i = 1, size(gap, 1)
+        state%direction(i, j) = merge(state%direction(i, j) - mean, 0.0_real64, &
+                                      is_free(state%force(i, j), bounds%limit))
+        step = step + state%direction(i, j) * state%image(i, j)
+      end do
+    end do
+    call influence%apply(state%direction, state%image)
+    curvature = 0.0_real64
+    do j = 1, size(gap, 2)
+      !$omp simd reduction(+:curvature)
+      do i = 1, size(gap, 1)
+        curvature = curvature + state%image(i, j) * state%direction(i, j)
+      end do
+    end do
+    state%decrease = -1.0_real64
+    if (.not. (step > 0.0_real64 .and. curvature > 0.0_real64)) return
+    step = step / curvature
+    ! Forces that would be negative become 0; a force of 0 with an overlap becomes positive.
+    total = 0.0_real64
+    changes = 0
+    do j = 1, size(gap, 2)
+      !$omp simd reduction(+:total, changes)
+      do i = 1, size(gap, 1)
+        associate (old => state%force(i, j), new => state%next_force(i, j))
+          new = min(bounds%limit, max(0.0_real64, old - step * merge( &
+                state%direction(i, j), state%gradient(i, j), is_free(old, bounds%limit))))
+          total = total + new
+          changes = changes + merge(1, 0, (new > 0.0_real64 .neqv. old > 0.0_real64) .or. &
+                                          (new < bounds%limit .neqv. old < bounds%limit))
+        end associate
+      end do
+    end do
+    if (changes > 0) then
+      call scale_to_load(gap, bounds, state%next_force, total)
+      call find_gradient(influence, gap, bounds, state)
+    else
+      call update_gradient(influence%norm, bounds, step, state)
+    end if
+  end subroutine take_conjugate_step
+
+  ! Updates the gradient by a step in a fixed set of free forces.
+  subroutine update_gradient(norm, bounds, step, state)
+    real(real64), intent(in) :: norm  ! |A|
+    type(force_bounds), intent(in) :: bounds
+    real(real64), intent(in) :: step  ! length of the step along the direction
+    type(force_iterate), intent(inout) :: state
+    real(real64) :: total
+    integer :: free, i, j
+
+    total = 0.0_real64
+    free = 0
+    do j = 1, size(state%force, 2)
+      !$omp simd reduction(+:total, free)
+      do i = 1, size(state%force, 1)
+        state%next_gradient(i, j) = state%gradient(i, j) - step * state%image(i, j)
+        total = total + merge(state%next_gradient(i, j), 0.0_real64, &
+                              is_free(state%next_force(i, j), bounds%limit))
+        free = free + merge(1, 0, is_free(state%next_force(i, j), bounds%limit))
+      end do
+    end do
+    state%is_recomputed = .false.
+    state%level = merge(total / max(1, free), 0.0_real64, bounds%load > 0.0_real64)
+    call finish_step(norm, bounds, state)
+  end subroutine update_gradient
 
   ! Computes the gradient from the forces after a step, and the scale of the rounding of
   ! displacements.
@@ -234,33 +240,31 @@ contains
     real(real64), intent(in) :: gap(:, :)
     type(force_bounds), intent(in) :: bounds
     type(force_iterate), intent(inout) :: state
-    real(real64) :: free, largest, squares, total, weight
-    integer :: i, j
+    real(real64) :: largest, squares, total
+    integer :: free, i, j
 
     call influence%apply(state%next_force, state%next_gradient)
     largest = 0.0_real64
     squares = 0.0_real64
     total = 0.0_real64
-    free = 0.0_real64
+    free = 0
     do j = 1, size(gap, 2)
-      !$omp simd private(weight) reduction(+:squares, total, free) reduction(max:largest)
+      !$omp simd reduction(+:squares, total, free) reduction(max:largest)
       do i = 1, size(gap, 1)
         largest = max(largest, abs(state%next_gradient(i, j)))
         squares = squares + state%next_force(i, j)**2
         state%next_gradient(i, j) = state%next_gradient(i, j) + gap(i, j)
-        weight = step_of(state%next_force(i, j), 0.0_real64) * &
-                 step_of(bounds%limit, state%next_force(i, j))
-        total = total + weight * state%next_gradient(i, j)
-        free = free + weight
+        total = total + merge(state%next_gradient(i, j), 0.0_real64, &
+                              is_free(state%next_force(i, j), bounds%limit))
+        free = free + merge(1, 0, is_free(state%next_force(i, j), bounds%limit))
       end do
     end do
     state%displacement_scale = max(largest, influence%norm * sqrt(squares / size(gap)))
     state%is_recomputed = .true.
     state%level = 0.0_real64
     if (bounds%load > 0.0_real64) then
-      state%level = total / max(1.0_real64, free)
-      if (.not. free > 0.0_real64) &
-        state%level = free_level(gap, bounds, state%next_force, state%next_gradient)
+      state%level = total / max(1, free)
+      if (free == 0) state%level = free_level(gap, bounds, state%next_force, state%next_gradient)
     end if
     call finish_step(influence%norm, bounds, state)
   end subroutine find_gradient
@@ -274,27 +278,22 @@ contains
     real(real64), intent(in) :: norm  ! |A|
     type(force_bounds), intent(in) :: bounds
     type(force_iterate), intent(inout) :: state
-    real(real64) :: above, below, change, decrease, enough, free, r, residual
+    real(real64) :: change, decrease, enough, r, residual
     integer :: i, j
 
     decrease = 0.0_real64
     enough = 0.0_real64
-    free = 0.0_real64
     residual = 0.0_real64
     do j = 1, size(state%force, 2)
-      !$omp simd private(above, below, change, r) reduction(+:decrease, enough, free) &
-      !$omp reduction(max:residual)
+      !$omp simd private(change, r) reduction(+:decrease, enough) reduction(max:residual)
       do i = 1, size(state%force, 1)
         associate (f => state%next_force(i, j))
           r = state%next_gradient(i, j) - state%level
           state%next_gradient(i, j) = r
           decrease = decrease + (state%force(i, j) - f) * (state%gradient(i, j) + r)
-          above = step_of(f, 0.0_real64)
-          below = step_of(bounds%limit, f)
-          residual = max(residual, above * r, -below * r)
-          state%weight(i, j) = above * below
-          state%image(i, j) = above * below * r
-          free = free + above * below
+          residual = max(residual, merge(r, 0.0_real64, f > 0.0_real64), &
+                         merge(-r, 0.0_real64, f < bounds%limit))
+          state%image(i, j) = merge(r, 0.0_real64, is_free(f, bounds%limit))
           change = f - min(bounds%limit, max(0.0_real64, f - r / norm))
           enough = enough + change * (r - 0.5_real64 * norm * change)
         end associate
@@ -302,7 +301,6 @@ contains
     end do
     state%decrease = 0.5_real64 * decrease
     state%enough = enough
-    state%free = free
     state%residual = residual
   end subroutine finish_step
 
@@ -396,13 +394,6 @@ contains
     if (.not. bounds%limit < huge(high) .and. any(force > 0.0_real64)) &
       call scale_to_load(gap, bounds, force, sum(force))
   end subroutine project_forces
-
-  ! 1 where the first number is larger than the second, else 0.
-  pure real(real64) function step_of(one, other)
-    real(real64), intent(in) :: one, other
-
-    step_of = merge(1.0_real64, 0.0_real64, one > other)
-  end function step_of
 
   ! Whether a force is neither 0 nor at the limit.
   elemental logical function is_free(force, limit)
