@@ -1,8 +1,8 @@
 !> Contact circles that overlap, whose contacts are not independent.
 module asperity_overlapping_circles
-  use asperity_cell_grid, only: build_grid, cell_grid, grid_point
+  use asperity_cell_grid, only: build_grid, cell_grid
   use asperity_cell_reach, only: any_height, margin_of_arithmetic
-  use asperity_kinds, only: int32, real64
+  use asperity_kinds, only: real64
   use asperity_pair_search_blocks, only: found_pairs
   use asperity_pair_search_layers, only: search_pairs
   implicit none
@@ -38,9 +38,8 @@ contains
     if (.not. each_with_each) then
       margin = margin_of_arithmetic(epsilon(unit), &
                                     2 * maxval(abs(x(members)) + abs(y(members))) / unit + 2)
-      call build_grid(grid, [(grid_point(x(members(i)) / unit, y(members(i)) / unit, 0.0_real64, &
-                                         radius(members(i)) / unit, int(i, int32)), &
-                              i=1, size(members))], any_height)
+      call build_grid(grid, x(members) / unit, y(members) / unit, &
+                      spread(0.0_real64, 1, size(members)), radius(members) / unit, any_height)
       call search_pairs(grid, grid, 0.0_real64, 0.0_real64, any_height, margin, -huge(unit), near, &
                         each_with_each)
     end if

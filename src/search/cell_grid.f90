@@ -6,33 +6,14 @@
 !> do not exist: the cost is proportional to the number of asperities, whatever their distances. The
 !> order does not depend on the displacement of the surface: one grid serves all positions.
 module asperity_cell_grid
-  use asperity_cell_reach, only: squared_reach
-  use asperity_key_sort, only: sort_keys
+  use asperity_cell_layer, only: build_layer, grid_layer, take_high_points
   use asperity_kinds, only: int32, real64
+  use asperity_number_span, only: number_span, span_of
   implicit none
   private
 
-  public :: cell_grid, grid_layer, grid_point
+  public :: cell_grid
   public :: build_grid, take_high_part
-
-  !> A summit. Not initialised: a large array of these would be written twice.
-  type :: grid_point
-    real(real64) :: x           !! place in plan
-    real(real64) :: y           !! place in plan
-    real(real64) :: height      !! level of the summit
-    real(real64) :: radius      !! radius of the asperity, > 0
-    integer(int32) :: asperity  !! number of the asperity in its surface, from 1
-  end type grid_point
-
-  !> Asperities whose radii have one power of two.
-  type :: grid_layer
-    type(grid_point), allocatable :: points(:)  !! points strip by strip, in each by x
-    integer(int32), allocatable :: first(:)     !! first point of each strip; then the end
-    real(real64), allocatable :: low(:)         !! least y of each strip, ascending
-    real(real64), allocatable :: high(:)        !! largest y of each strip, ascending
-    real(real64) :: largest = 0.0_real64        !! largest radius
-    real(real64) :: highest = 0.0_real64        !! largest height
-  end type grid_layer
 
   !> A surface in layers and strips.
   type :: cell_grid
@@ -42,26 +23,40 @@ module asperity_cell_grid
 contains
 
   !> Sorts a surface. All lengths have one unit, near the radii: squares must not overflow.
-  subroutine build_grid(grid, points, reach)
-    type(cell_grid), intent(out) :: grid        !! the sorted surface
-    type(grid_point), intent(in) :: points(:)   !! its summits at finite places; one at least
-    real(real64), intent(in) :: reach           !! height of `squared_reach` of the searches;
-                                                !! another one is correct, but slower
-    integer, allocatable :: numbers(:)
-    integer :: first_power, i, layer, power
+  subroutine build_grid(grid, x, y, height, radius, reach)
+    type(cell_grid), intent(out) :: grid               !! the sorted surface
+    real(real64), contiguous, intent(in) :: x(:)       !! positions, finite; one at least
+    real(real64), contiguous, intent(in) :: y(:)       !! positions, as many as x
+    real(real64), contiguous, intent(in) :: height(:)  !! summit levels, as many as x
+    real(real64), contiguous, intent(in) :: radius(:)  !! radii, as many as x, each > 0
+    real(real64), intent(in) :: reach                  !! height of `squared_reach` of the searches;
+                                                       !! another one is correct, but slower
+    integer(int32), allocatable :: members(:), ends(:)
+    type(number_span) :: radii
+    integer :: power, i, previous_end, layers
 
-    first_power = exponent(minval(points%radius))
-    allocate (numbers(first_power:exponent(maxval(points%radius))), source=0)
-    do i = 1, size(points)
-      power = exponent(points(i)%radius)
-      numbers(power) = numbers(power) + 1
+    radii = span_of(radius)
+    if (exponent(radii%least) == exponent(radii%largest)) then
+      allocate (grid%layers(1), members(0))
+      call build_layer(grid%layers(1), x, y, height, radius, members, reach)
+      return
+    end if
+    call part_by_power(radius, exponent(radii%least), exponent(radii%largest), members, ends)
+    layers = 0
+    previous_end = 0
+    do i = lbound(ends, 1), ubound(ends, 1)
+      if (ends(i) > previous_end) layers = layers + 1
+      previous_end = ends(i)
     end do
-    allocate (grid%layers(count(numbers > 0)))
-    layer = 0
-    do power = first_power, ubound(numbers, 1)
-      if (numbers(power) == 0) cycle
-      layer = layer + 1
-      call build_layer(grid%layers(layer), pack(points, exponent(points%radius) == power), reach)
+    allocate (grid%layers(layers))
+    layers = 0
+    previous_end = 0
+    do power = lbound(ends, 1), ubound(ends, 1)
+      if (ends(power) == previous_end) cycle
+      layers = layers + 1
+      call build_layer(grid%layers(layers), x, y, height, radius, &
+                       members(previous_end + 1:ends(power)), reach)
+      previous_end = ends(power)
     end do
   end subroutine build_grid
 
@@ -70,86 +65,41 @@ contains
     type(cell_grid), intent(in) :: grid   !! the sorted surface
     real(real64), intent(in) :: least     !! level of the lowest summits
     type(cell_grid), intent(out) :: part  !! asperities with their indices in the surface
-    logical, allocatable :: is_high(:)
-    integer :: i, k, strip
+    integer :: i, k
 
     allocate (part%layers(count(grid%layers%highest >= least)))
     k = 0
     do i = 1, size(grid%layers)
       if (grid%layers(i)%highest < least) cycle
       k = k + 1
-      associate (layer => grid%layers(i))
-        is_high = layer%points%height >= least
-        part%layers(k)%points = pack(layer%points, is_high)
-        call set_strips(part%layers(k), [(count(is_high(layer%first(strip): &
-                                                        layer%first(strip + 1) - 1)), &
-                                          strip=1, size(layer%low))])
-      end associate
+      call take_high_points(grid%layers(i), least, part%layers(k))
     end do
   end subroutine take_high_part
 
-  ! Sorts the asperities of one layer: by y, a strip begins with the first point above the previous
-  ! one; then each strip by x. Both surfaces are cut at multiples of one height: undisplaced, a
-  ! strip meets three others.
-  subroutine build_layer(layer, points, reach)
-    type(grid_layer), intent(inout) :: layer
-    type(grid_point), intent(in) :: points(:)
-    real(real64), intent(in) :: reach
-    integer(int32), allocatable :: order(:)
-    integer, allocatable :: numbers(:)
-    real(real64) :: edge, tall
-    integer :: i, strip
+  ! Sorts indices by the power of two of the radius. `ends`: the last index of each power.
+  subroutine part_by_power(radius, first, last, members, ends)
+    real(real64), contiguous, intent(in) :: radius(:)
+    integer, intent(in) :: first, last
+    integer(int32), allocatable, intent(out) :: members(:), ends(:)
+    integer :: i, power, before, own
 
-    ! Largest distance of a pair of asperities of a layer, with a margin.
-    tall = sqrt(squared_reach(reach, 2 * maxval(points%radius))) * (1.0_real64 + 1.0e-6_real64)
-    if (.not. tall > 0.0_real64) tall = maxval(points%radius)
-    allocate (order(size(points)))
-    allocate (numbers(size(points)), source=0)
-    call sort_keys(points%y, order)
-    layer%points = points(order)
-    strip = 0
-    edge = -huge(edge)
-    do i = 1, size(points)
-      associate (y => layer%points(i)%y)
-        if (strip == 0 .or. .not. y < edge) then
-          strip = strip + 1
-          edge = y + tall
-          if (abs(y) < 1.0e9_real64 * tall) edge = tall * (floor(y / tall) + 1.0_real64)
-        end if
-      end associate
-      numbers(strip) = numbers(strip) + 1
+    allocate (members(size(radius)), ends(first:last))
+    ends(:) = 0_int32
+    do i = 1, size(radius)
+      power = exponent(radius(i))
+      ends(power) = ends(power) + 1_int32
     end do
-    call set_strips(layer, numbers(:strip))
-    do strip = 1, size(layer%low)
-      i = numbers(strip)
-      associate (row => layer%points(layer%first(strip):layer%first(strip + 1) - 1))
-        call sort_keys(row%x, order(:i))
-        row = row(order(:i))
-      end associate
+    before = 0
+    do power = lbound(ends, 1), ubound(ends, 1)
+      own = ends(power)
+      ends(power) = before
+      before = before + own
     end do
-  end subroutine build_layer
-
-  ! Sets the bounds of a layer and of its strips, from the numbers of their points.
-  subroutine set_strips(layer, numbers)
-    type(grid_layer), intent(inout) :: layer
-    integer, intent(in) :: numbers(:)
-    integer :: i, strip
-
-    layer%largest = maxval(layer%points%radius)
-    layer%highest = maxval(layer%points%height)
-    strip = count(numbers > 0)
-    allocate (layer%first(strip + 1), layer%low(strip), layer%high(strip))
-    layer%first(1) = 1
-    strip = 0
-    do i = 1, size(numbers)
-      if (numbers(i) == 0) cycle
-      strip = strip + 1
-      layer%first(strip + 1) = layer%first(strip) + int(numbers(i), int32)
-      associate (y => layer%points(layer%first(strip):layer%first(strip + 1) - 1)%y)
-        layer%low(strip) = minval(y)
-        layer%high(strip) = maxval(y)
-      end associate
+    do i = 1, size(radius)
+      power = exponent(radius(i))
+      ends(power) = ends(power) + 1_int32
+      members(ends(power)) = int(i, int32)
     end do
-  end subroutine set_strips
+  end subroutine part_by_power
 
 end module asperity_cell_grid

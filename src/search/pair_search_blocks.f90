@@ -5,7 +5,7 @@ module asperity_pair_search_blocks
   private
 
   public :: found_pairs
-  public :: add_pair
+  public :: reserve_room
 
   ! Number of pairs of a block.
   integer, parameter :: block_size = 65536
@@ -26,31 +26,18 @@ module asperity_pair_search_blocks
 
 contains
 
-  !> Adds a pair, and a block when the last one is full.
-  subroutine add_pair(found, upper, lower, failed)
+  !> Adds a block when the last one has too little room.
+  subroutine reserve_room(found, needed, failed)
     type(found_pairs), intent(inout) :: found  !! pairs so far
-    integer(int32), intent(in) :: upper        !! index of the upper asperity
-    integer(int32), intent(in) :: lower        !! index of the lower asperity
+    integer, intent(in) :: needed              !! number of pairs to be added, 65536 at most
     logical, intent(out) :: failed             !! whether memory is short
-
-    failed = .false.
-    if (mod(found%number, int(block_size, int64)) == 0) call add_block(found, failed)
-    if (failed) return
-    associate (block => found%block(found%blocks))
-      block%used = block%used + 1
-      block%upper(block%used) = upper
-      block%lower(block%used) = lower
-    end associate
-    found%number = found%number + 1
-  end subroutine add_pair
-
-  ! Adds a block.
-  subroutine add_block(found, failed)
-    type(found_pairs), intent(inout) :: found
-    logical, intent(out) :: failed
     type(pair_block), allocatable :: larger(:)
     integer :: i, status
 
+    failed = .false.
+    if (found%blocks > 0) then
+      if (found%block(found%blocks)%used + needed <= block_size) return
+    end if
     if (.not. allocated(found%block)) allocate (found%block(64))
     if (found%blocks == size(found%block)) then
       allocate (larger(2 * found%blocks))
@@ -69,6 +56,6 @@ contains
     end associate
     failed = status /= 0
     if (.not. failed) found%blocks = found%blocks + 1
-  end subroutine add_block
+  end subroutine reserve_room
 
 end module asperity_pair_search_blocks

@@ -4,10 +4,11 @@
 !> strips in reach, both from left to right in the order of x. The cost is proportional to the
 !> number of asperities and of the pairs found, whatever their positions.
 module asperity_pair_search_layers
-  use asperity_cell_grid, only: cell_grid, grid_layer, grid_point
+  use asperity_cell_grid, only: cell_grid
+  use asperity_cell_layer, only: grid_layer, grid_point, spare_points
   use asperity_cell_reach, only: squared_reach
-  use asperity_kinds, only: real64
-  use asperity_pair_search_blocks, only: add_pair, found_pairs
+  use asperity_kinds, only: int32, int64, real64
+  use asperity_pair_search_blocks, only: found_pairs, reserve_room
   implicit none
   private
 
@@ -22,6 +23,37 @@ module asperity_pair_search_layers
     real(real64) :: distance = 0.0_real64             ! largest reach of the two layers
     logical :: upper_is_second = .false.              ! the first layer is of the lower surface
   end type search_task
+
+  !> Number of near pairs that are collected before they are examined together.
+  integer, parameter :: batch_size = 2048
+  !> Number of strips searched in turn. The start of a search depends on the result of the previous
+  !> one in the same strip; strips in turn are independent, which hides that latency.
+  integer, parameter :: most_lanes = 4
+
+  ! Number of points tested together. A group may begin just after the last point of a layer.
+  integer, parameter :: group = spare_points
+
+  !> Room of a batch: whether it is full is tested once for each point and all lanes.
+  integer, parameter :: batch_room = batch_size + most_lanes * group
+
+  !> Pairs within the largest reach of two layers, the first and the second.
+  type :: near_batch
+    integer :: used = 0                   !! number of pairs; full from batch_size on
+    integer(int32) :: first(batch_room)   !! index in the first layer
+    integer(int32) :: second(batch_room)  !! index in the second layer
+    real(real64) :: squared(batch_room)   !! square of their distance in plan
+  end type near_batch
+
+  !> State of a sweep, so that it can be resumed after a full batch.
+  type :: sweep_place
+    integer :: point = 1              !! current point of the strip of the first layer
+    integer :: last_point = 0         !! last point of that strip
+    integer :: lanes = 0              !! number of strips of the second layer
+    integer :: lane = 1               !! current one of these strips
+    integer :: next = 1               !! next point to test in it
+    integer :: start(most_lanes) = 1  !! first point in each that may be in reach
+    integer :: last(most_lanes) = 0   !! last point in each
+  end type sweep_place
 
 contains
 
@@ -74,94 +106,264 @@ contains
   end subroutine search_pairs
 
   ! Searches each strip of the first layer with the strips in reach of the second.
-  subroutine sweep_layers(layer, other, task, found, failed)
-    type(grid_layer), intent(in) :: layer, other
+  subroutine sweep_layers(first_layer, points, task, found, failed)
+    type(grid_layer), intent(in) :: first_layer, points
     type(search_task), intent(in) :: task
     type(found_pairs), intent(inout) :: found
     logical, intent(out) :: failed
-    integer :: begin, k, strip
+    type(near_batch) :: near
+    type(sweep_place) :: place
+    real(real64) :: low, high
+    integer :: strip, other, begin, lanes
 
     failed = .false.
     begin = 1
-    do strip = 1, size(layer%low)
-      associate (low => layer%low(strip) + task%offset(2), &
-                 high => layer%high(strip) + task%offset(2))
-        do while (begin <= size(other%low))
-          if (low - (other%high(begin) + task%offset(4)) < task%distance) exit
-          begin = begin + 1
+    do strip = 1, first_layer%strips
+      low = first_layer%low(strip) + task%offset(2)
+      high = first_layer%high(strip) + task%offset(2)
+      do while (begin <= points%strips)
+        if (low - (points%high(begin) + task%offset(4)) < task%distance) exit
+        begin = begin + 1
+      end do
+      other = begin
+      do
+        lanes = 0
+        do while (lanes < most_lanes .and. other + lanes <= points%strips)
+          if ((points%low(other + lanes) + task%offset(4)) - high >= task%distance) exit
+          lanes = lanes + 1
         end do
-        do k = begin, size(other%low)
-          if ((other%low(k) + task%offset(4)) - high >= task%distance) exit
-          call sweep_strips(layer%points(layer%first(strip):layer%first(strip + 1) - 1), &
-                            other%points(other%first(k):other%first(k + 1) - 1), task, found, &
-                            failed)
+        if (lanes == 0) exit
+        call begin_sweep(first_layer, points, strip, other, lanes, task%offset, task%distance, &
+                         place)
+        do while (place%point <= place%last_point)
+          call sweep_strips(first_layer%points(1:), points%points(1:), task%offset, task%distance, &
+                            place, near)
+          if (near%used < batch_size) cycle
+          call keep_batch(first_layer, points, task, near, found, failed)
           if (failed) return
         end do
-      end associate
+        other = other + lanes
+      end do
     end do
+    call keep_batch(first_layer, points, task, near, found, failed)
   end subroutine sweep_layers
 
-  ! Keeps the pairs of two strips that are within reach and whose touch is large enough. Differences
-  ! are rounded as those of the distance itself, so that rounding loses no pair.
-  subroutine sweep_strips(points, others, task, found, failed)
-    type(grid_point), contiguous, intent(in) :: points(:), others(:)
+  ! Keeps the pairs of a batch that are within reach and whose touch is large enough.
+  subroutine keep_batch(first_layer, points, task, near, found, failed)
+    type(grid_layer), intent(in) :: first_layer, points
     type(search_task), intent(in) :: task
+    type(near_batch), intent(inout) :: near
     type(found_pairs), intent(inout) :: found
     logical, intent(out) :: failed
-    real(real64) :: across, bound, d, s, squared, touch, x, y
-    integer :: first, i, k, start
+    real(real64) :: s(batch_room), bound(batch_room), touch(batch_room), d
+    integer :: i, n, used
 
     failed = .false.
-    bound = task%distance**2
-    ! The first points that the other strip reaches.
-    first = first_reached(points, others(1)%x + task%offset(3), task%offset(1), task%distance)
-    if (first > size(points)) return
-    start = first_reached(others, points(first)%x + task%offset(1), task%offset(3), task%distance)
-    do i = first, size(points)
-      x = points(i)%x + task%offset(1)
-      y = points(i)%y + task%offset(2)
-      do while (start <= size(others))
-        if (x - (others(start)%x + task%offset(3)) < task%distance) exit
-        start = start + 1
-      end do
-      if (start > size(others)) return
-      do k = start, size(others)
-        across = x - (others(k)%x + task%offset(3))
-        if (-across >= task%distance) exit
-        squared = across**2 + (y - (others(k)%y + task%offset(4)))**2
-        if (squared >= bound) cycle
-        s = points(i)%radius + others(k)%radius
-        if (squared >= (sqrt(squared_reach(task%height, s)) + task%margin)**2) cycle
-        d = min(max(sqrt(squared) - task%margin, 0.0_real64), s)
-        touch = points(i)%height + others(k)%height - d * d / (s + sqrt((s - d) * (s + d)))
-        if (touch < task%least_touch) cycle
-        if (task%upper_is_second) then
-          call add_pair(found, others(k)%asperity, points(i)%asperity, failed)
-        else
-          call add_pair(found, points(i)%asperity, others(k)%asperity, failed)
-        end if
-        if (failed) return
-      end do
+    n = near%used
+    near%used = 0
+    if (n == 0) return
+    s(:n) = first_layer%largest
+    if (allocated(first_layer%radius)) s(:n) = first_layer%radius(near%first(:n))
+    if (allocated(points%radius)) then
+      s(:n) = s(:n) + points%radius(near%second(:n))
+    else
+      s(:n) = s(:n) + points%largest
+    end if
+    if (allocated(first_layer%radius) .or. allocated(points%radius)) then
+      bound(:n) = reach_with_margin(task, s(:n))
+    else
+      bound(:n) = reach_with_margin(task, s(1))
+    end if
+    do i = 1, n
+      associate (one => first_layer%points(near%first(i)), other => points%points(near%second(i)))
+        touch(i) = one%height + other%height
+        near%first(i) = one%asperity
+        near%second(i) = other%asperity
+      end associate
     end do
-  end subroutine sweep_strips
+    do i = 1, n
+      d = min(max(sqrt(near%squared(i)) - task%margin, 0.0_real64), s(i))
+      touch(i) = touch(i) - d * d / (s(i) + sqrt((s(i) - d) * (s(i) + d)))
+    end do
+    call reserve_room(found, n, failed)
+    if (failed) return
+    associate (block => found%block(found%blocks))
+      used = block%used
+      do i = 1, n
+        if (.not. (near%squared(i) < bound(i) .and. touch(i) >= task%least_touch)) cycle
+        used = used + 1
+        if (task%upper_is_second) then
+          block%upper(used) = near%second(i)
+          block%lower(used) = near%first(i)
+        else
+          block%upper(used) = near%first(i)
+          block%lower(used) = near%second(i)
+        end if
+      end do
+      found%number = found%number + int(used - block%used, int64)
+      block%used = used
+    end associate
+  end subroutine keep_batch
 
-  ! Index of the first point that is less than `distance` left of `x`, or one more than there are:
-  ! by bisection.
-  pure integer function first_reached(list, x, shift, distance) result(first)
+  ! Upper bound of the square of the distance, with the margin of the task.
+  elemental real(real64) function reach_with_margin(task, s) result(bound)
+    type(search_task), intent(in) :: task
+    real(real64), intent(in) :: s
+
+    bound = (sqrt(squared_reach(task%height, s)) + task%margin)**2
+  end function reach_with_margin
+
+  !> Sets a sweep to the points of a strip and of `lanes` others that may be in reach.
+  pure subroutine begin_sweep(first_layer, points, strip, other, lanes, offset, distance, place)
+    type(grid_layer), intent(in) :: first_layer  !! the first layer
+    type(grid_layer), intent(in) :: points   !! the second layer
+    integer, intent(in) :: strip             !! strip of the first layer
+    integer, intent(in) :: other             !! first strip of the second layer
+    integer, intent(in) :: lanes             !! number of strips from there, `most_lanes` at most
+    real(real64), intent(in) :: offset(4)    !! added to x, y of the first, of the second layer
+    real(real64), intent(in) :: distance     !! largest reach, length
+    type(sweep_place), intent(out) :: place  !! start of the sweep
+    real(real64) :: left, right
+    integer :: lane, first, last
+
+    place%lanes = lanes
+    first = first_layer%first(strip)
+    last = first_layer%first(strip + 1) - 1
+    left = huge(left)
+    right = -huge(right)
+    do lane = 1, lanes
+      place%start(lane) = points%first(other + lane - 1)
+      place%last(lane) = points%first(other + lane) - 1
+      left = min(left, points%points(place%start(lane))%x + offset(3))
+      right = max(right, points%points(place%last(lane))%x + offset(3))
+    end do
+    place%point = first_reached(first_layer%points(1:), first, last, left, offset(1), distance)
+    place%last_point = last_reaching(first_layer%points(1:), place%point, last, right, offset(1), &
+                                      distance)
+    if (place%point > place%last_point) return
+    left = first_layer%points(place%point)%x + offset(1)
+    do lane = 1, lanes
+      place%start(lane) = first_reached(points%points(1:), place%start(lane), place%last(lane), &
+                                        left, offset(3), distance)
+    end do
+    place%next = place%start(1)
+  end subroutine begin_sweep
+
+  ! Index of the first point from `from` to `to` that is less than `distance` left of `x`, or
+  ! to + 1. Galloping search, as the result is near `from` mostly.
+  pure integer function first_reached(list, from, to, x, shift, distance)
     type(grid_point), contiguous, intent(in) :: list(:)
+    integer, intent(in) :: from, to
     real(real64), intent(in) :: x, shift, distance
-    integer :: last, middle
+    integer :: low, high, middle, step
 
-    first = 1
-    last = size(list) + 1
-    do while (first < last)
-      middle = (first + last) / 2
+    low = from
+    high = from
+    step = 1
+    do while (high <= to)
+      if (x - (list(high)%x + shift) < distance) exit
+      low = high + 1
+      high = high + step
+      step = min(2 * step, to)
+    end do
+    high = min(high, to + 1)
+    do while (low < high)
+      middle = low + (high - low) / 2
       if (x - (list(middle)%x + shift) < distance) then
-        last = middle
+        high = middle
       else
-        first = middle + 1
+        low = middle + 1
       end if
     end do
+    first_reached = low
   end function first_reached
+
+  ! Index of the last point from `from` to `to` that is less than `distance` right of `x`, or
+  ! from - 1. Bisection.
+  pure integer function last_reaching(list, from, to, x, shift, distance)
+    type(grid_point), contiguous, intent(in) :: list(:)
+    integer, intent(in) :: from, to
+    real(real64), intent(in) :: x, shift, distance
+    integer :: low, high, middle
+
+    low = from - 1
+    high = to
+    do while (low < high)
+      middle = high - (high - low) / 2
+      if ((list(middle)%x + shift) - x < distance) then
+        low = middle
+      else
+        high = middle - 1
+      end if
+    end do
+    last_reaching = low
+  end function last_reaching
+
+  !> Collects pairs nearer than `distance` until the strip ends or the batch is full.
+  !>
+  !> Differences are rounded as those of the distance itself, so that rounding loses no pair. A
+  !> group of points is tested without a branch, which would be mispredicted.
+  pure subroutine sweep_strips(first_points, points, offset, distance, place, near)
+    type(grid_point), contiguous, intent(in) :: first_points(:)  !! points of the first layer
+    type(grid_point), contiguous, intent(in) :: points(:)  !! points of the second, with spare ones
+    real(real64), intent(in) :: offset(4)                  !! added to x, y of both layers
+    real(real64), intent(in) :: distance                   !! largest reach, length
+    type(sweep_place), intent(inout) :: place              !! state of the sweep
+    type(near_batch), intent(inout) :: near                !! pairs collected so far
+    real(real64) :: x, y, shift_x, shift_y, across, along, squared, bound
+    integer :: point, lane, start, next, last, used, inside, i
+
+    bound = distance * distance
+    shift_x = offset(3)
+    shift_y = offset(4)
+    lane = place%lane
+    next = place%next
+    used = near%used
+    point = place%point
+    strips: do while (point <= place%last_point)
+      x = first_points(point)%x + offset(1)
+      y = first_points(point)%y + offset(2)
+      do
+        start = place%start(lane)
+        last = place%last(lane)
+        do
+          do i = next, next + group - 1
+            across = x - (points(i)%x + shift_x)
+            along = y - (points(i)%y + shift_y)
+            squared = across * across + along * along
+            inside = merge(1, 0, i <= last)
+            near%first(used + 1) = point
+            near%second(used + 1) = i
+            near%squared(used + 1) = squared
+            used = used + iand(inside, merge(1, 0, squared < bound))
+            start = start + iand(inside, merge(1, 0, across >= distance))
+          end do
+          next = next + group
+          if (start == next) then
+            ! All points tested are too far left, also for the following ones; more may be.
+            start = first_reached(points, start, last, x, shift_x, distance)
+            next = start
+          end if
+          if (next > last) exit
+          if ((points(next)%x + shift_x) - x >= distance) exit
+          if (used < batch_size) cycle
+          place%start(lane) = start
+          exit strips
+        end do
+        place%start(lane) = start
+        if (lane == place%lanes) exit
+        lane = lane + 1
+        next = place%start(lane)
+      end do
+      point = point + 1
+      lane = 1
+      next = place%start(1)
+      if (used >= batch_size) exit strips
+    end do strips
+    near%used = used
+    place%point = point
+    place%lane = lane
+    place%next = next
+  end subroutine sweep_strips
 
 end module asperity_pair_search_layers

@@ -5,7 +5,7 @@
 !> separation at first contact is above a known value. A position uses the smallest sufficient
 !> level: its cost is that of its contacts, not of the surfaces.
 module asperity_pair_search_levels
-  use asperity_cell_grid, only: build_grid, cell_grid, grid_point, take_high_part
+  use asperity_cell_grid, only: build_grid, cell_grid, take_high_part
   use asperity_cell_reach, only: any_height, margin_of_arithmetic, squared_reach
   use asperity_kinds, only: int32, real64
   use asperity_number_span, only: number_span, span_of
@@ -83,13 +83,13 @@ contains
     levels%complete_from(:n) = top - drops
     ! Every level is part of the next. Each surface is sorted by one thread.
     !$omp parallel sections private(k) if(size(upper%x) + size(lower%x) > thread_threshold)
-    call build_grid(levels%level(n + 1)%upper, points_of(upper), height)
+    call build_grid(levels%level(n + 1)%upper, upper%x, upper%y, upper%height, upper%radius, height)
     do k = n, 1, -1
       call take_high_part(levels%level(k + 1)%upper, above%largest - drops(k), &
                           levels%level(k)%upper)
     end do
     !$omp section
-    call build_grid(levels%level(n + 1)%lower, points_of(lower), height)
+    call build_grid(levels%level(n + 1)%lower, lower%x, lower%y, lower%height, lower%radius, height)
     do k = n, 1, -1
       call take_high_part(levels%level(k + 1)%lower, below%largest - drops(k), &
                           levels%level(k)%lower)
@@ -187,27 +187,35 @@ contains
   subroutine rebuild_grid(from, grid)
     type(cell_grid), intent(in) :: from
     type(cell_grid), intent(out) :: grid
-    type(grid_point), allocatable :: points(:)
-    integer :: k
+    real(real64), allocatable :: x(:), y(:), height(:), radius(:)
+    integer(int32), allocatable :: asperities(:)
+    integer :: i, k
 
-    allocate (points(0))
+    allocate (x(0), y(0), height(0), radius(0), asperities(0))
     do k = 1, size(from%layers)
-      points = [points, from%layers(k)%points]
+      associate (layer => from%layers(k))
+        associate (points => layer%points(1:layer%first(layer%strips + 1) - 1))
+          x = [x, points%x]
+          y = [y, points%y]
+          height = [height, points%height]
+          asperities = [asperities, points%asperity]
+          if (allocated(layer%radius)) then
+            radius = [radius, layer%radius]
+          else
+            radius = [radius, spread(layer%largest, 1, size(points))]
+          end if
+        end associate
+      end associate
     end do
-    call build_grid(grid, points, any_height)
+    call build_grid(grid, x, y, height, radius, any_height)
+    do k = 1, size(grid%layers)
+      associate (layer => grid%layers(k))
+        do i = 1, layer%first(layer%strips + 1) - 1
+          layer%points(i)%asperity = asperities(layer%points(i)%asperity)
+        end do
+      end associate
+    end do
   end subroutine rebuild_grid
-
-  ! The points of a surface.
-  pure function points_of(surface) result(points)
-    type(surface_points), intent(in) :: surface
-    type(grid_point) :: points(size(surface%x))
-    integer :: i
-
-    do i = 1, size(points)
-      points(i) = grid_point(surface%x(i), surface%y(i), surface%height(i), surface%radius(i), &
-                             int(i, int32))
-    end do
-  end function points_of
 
   ! Upper bound of |x| + |y|.
   pure real(real64) function extent_of(surface) result(extent)
