@@ -1,7 +1,6 @@
 !> Run time and error of every method that applies to a scene, against the most accurate one that
 !> fits into the time.
 module asperity_method_study
-  use asperity_contact_records, only: state_row
   use asperity_kinds, only: int64, not_computed, real64
   use asperity_method_totals, only: error_of_area, error_of_pressure, errors_of, mean_of_ends, &
                                     original_totals, totals_of, method_errors, method_totals
@@ -12,8 +11,9 @@ module asperity_method_study
   use asperity_progress, only: progress_line
   use asperity_reviewed_theories, only: elastic_criterion
   use asperity_run_options, only: run_options
-  use asperity_scene_results, only: last_state, scene_results
-  use asperity_scene_values, only: effect_auto, effect_boundary, effect_off, scene
+  use asperity_scene_results, only: scene_results
+  use asperity_scene_values, only: effect_auto, effect_boundary, effect_coupled, effect_off, &
+                                   scene, solves_pixels
   use asperity_study_methods, only: method_of_scene, list_methods, of_arithmetic, of_effects, &
                                     of_neighbours, of_steps, request_of, run_method, study_method, &
                                     simulated_effects
@@ -23,15 +23,18 @@ module asperity_method_study
 
   public :: run_method_study, method_row, method_table
 
-  ! Run time estimated for a method that has not run, measured on dense scenes of 20 to 2000
-  ! contacts: boundary elements to 0.01 take about 5 ms a contact; a tolerance ten times smaller, of
-  ! boundary elements or of `auto`, takes up to ten times as long.
-  real(real64), parameter :: seconds_per_contact = 5.0e-3_real64, decade_factor = 10.0_real64
+  ! Run times over those of simpler methods, the middles of the scenes in
+  ! reference_output/bench/accuracy_costs.csv: coupled over isolated contacts, 7 to 31; boundary
+  ! elements to 0.01 over coupled contacts, 8 to 43; a tolerance three times smaller, 1 to 3.
+  real(real64), parameter :: times_coupled = 15.0_real64, times_boundary = 20.0_real64, &
+                             times_tolerance = 1.5_real64
   ! The original program in another arithmetic over exact events in real64, at most:
   ! docs/theory/accuracy.md.
   real(real64), parameter :: times_arithmetic = 40.0_real64
-  ! Time on four times as many pixels (measured: 4 to 5).
-  real(real64), parameter :: pixel_factor = 5.0_real64
+  ! Power of the number of pixels with which the run time grows, until two runs of the study have
+  ! it: four times as many pixels took 4 to 5 times as long (n log n of the transforms, and a few
+  ! iterations more).
+  real(real64), parameter :: pixel_power = log(4.5_real64) / log(4.0_real64)
   ! Largest estimated run time of a method, as a fraction of the remaining time.
   real(real64), parameter :: share_of_method = 0.9_real64
   ! The scene as it asks may take so much: the rest is for methods that are cheaper.
@@ -88,7 +91,7 @@ contains
     type(method_row) :: row
     type(time_allowance) :: others
     real(real64) :: compression, left, most
-    integer :: contacts, i
+    integer :: i
 
     most = allowance%left()
     row%method = method_of_scene()
@@ -113,7 +116,6 @@ contains
     else
       compression = maxval(totals(1)%compression)
     end if
-    contacts = contacts_of(results)
     call list_methods(scene_in, simulated_effects(scene_in, results), compression, finest, &
                       methods, table%no_neighbours)
     deallocate (totals)
@@ -125,10 +127,9 @@ contains
       row = method_row(method=methods(i))
       ! A step takes a quarter of the remaining time at most: its time is not estimated well.
       left = others%left() * merge(0.25_real64, 1.0_real64, row%method%family == of_steps)
-      call estimate_time(table%rows(:i), contacts, left, row)
+      call estimate_time(scene_in, table%rows(:i), left, row)
       if (.not. allocated(row%left_out)) &
         call time_method(scene_in, least_seconds, left, row, totals(i + 1), results)
-      if (contacts == 0 .and. .not. allocated(row%left_out)) contacts = contacts_of(results)
       table%rows(i + 1) = row
       call progress%step()
     end do
@@ -143,85 +144,95 @@ contains
     end if
   end subroutine run_method_study
 
-  ! Contacts of all positions at last.
-  integer function contacts_of(results) result(contacts)
-    type(scene_results), intent(in) :: results
-    type(state_row) :: last
-    integer :: m
-
-    contacts = 0
-    do m = 1, size(results%positions)
-      last = last_state(results%positions(m))
-      contacts = contacts + last%contacts
-    end do
-  end function contacts_of
-
   ! Leaves a method out where its estimated run time is too long.
-  pure subroutine estimate_time(before, contacts, left, row)
+  pure subroutine estimate_time(scene_in, before, left, row)
+    type(scene), intent(in) :: scene_in
     type(method_row), intent(in) :: before(:)
-    integer, intent(in) :: contacts
     real(real64), intent(in) :: left
     type(method_row), intent(inout) :: row
     real(real64) :: seconds
-    integer :: last, plain
+    integer :: known
 
-    last = size(before)
-    plain = findloc(before%method%family, of_arithmetic, 1)
-    seconds = max(0.0_real64, before(1)%seconds)
-    if (plain > 0) seconds = max(0.0_real64, before(plain)%seconds)
-    select case (row%method%family)
-    case (of_arithmetic, of_steps)
-      if (row%method%arithmetic /= 'real64') seconds = times_arithmetic * seconds
-    case (of_neighbours)
-      if (row%method%interaction /= effect_off) seconds = last_seconds()
-      if (row%method%interaction == effect_boundary) then
-        if (before(last)%method%interaction == effect_boundary) then
-          seconds = seconds * merge(pixel_factor, decade_growth(before(max(1, last - 1):)), &
-            row%method%resolution > before(last)%method%resolution)
-        else
-          seconds = max(seconds * row%method%resolution**2, seconds_per_contact * contacts)
-        end if
-      else if (row%method%interaction == effect_auto) then
-        seconds = sqrt(decade_factor) * seconds
+    known = 1
+    if (row%method%family /= of_effects) &
+      known = max(1, findloc(before%method%family, of_arithmetic, 1))
+    seconds = max(0.0_real64, before(known)%seconds)
+    if (row%method%arithmetic /= 'real64') seconds = times_arithmetic * seconds
+    if (row%method%family == of_neighbours) then
+      if (row%method%interaction == effect_boundary .and. allocated(scene_in%map)) then
+        seconds = seconds_on_pixels(before, solves_pixels(scene_in), row%method%resolution)
+      else if (row%method%interaction /= effect_off) then
+        seconds = seconds_of_neighbours(scene_in, before, row%method%interaction)
       end if
-    case default
-      seconds = max(0.0_real64, before(1)%seconds)
-    end select
-    if (row%method%family == of_neighbours .and. seconds > 0.0_real64) row%predicted = seconds
+      if (seconds > 0.0_real64) row%predicted = seconds
+    end if
     if (seconds > share_of_method * left) &
       row%left_out = 'estimated to take ' // seconds_text(seconds) // ' s, ' // &
                      seconds_text(max(0.0_real64, left)) // ' s are left'
-
-  contains
-
-    ! Growth of the time by a tolerance ten times smaller: that of the last two methods, where both
-    ! are boundary elements that were run.
-    pure real(real64) function decade_growth(two)
-      type(method_row), intent(in) :: two(:)
-
-      decade_growth = decade_factor
-      if (size(two) == 2 .and. all(two%method%interaction == effect_boundary .and. &
-                                   two%seconds > 0.0_real64)) &
-        decade_growth = max(1.0_real64, two(size(two))%seconds / two(1)%seconds)
-    end function decade_growth
-
-    ! Time of the last method with neighbours; a method that was left out counts a decade more than
-    ! the method before it.
-    pure real(real64) function last_seconds()
-      integer :: i
-
-      last_seconds = 0.0_real64
-      do i = 1, last
-        if (before(i)%method%family /= of_neighbours) cycle
-        if (before(i)%seconds > 0.0_real64) then
-          last_seconds = before(i)%seconds
-        else
-          last_seconds = decade_factor * last_seconds
-        end if
-      end do
-    end function last_seconds
-
   end subroutine estimate_time
+
+  ! Run time on the pixels of a map: a power of their number, through the two runs on pixels of the
+  ! nearest resolutions or through the only one. The scene may be one of them. 0: there is none.
+  pure real(real64) function seconds_on_pixels(before, scene_has_pixels, resolution) &
+    result(seconds)
+    type(method_row), intent(in) :: before(:)
+    logical, intent(in) :: scene_has_pixels
+    real(real64), intent(in) :: resolution
+    real(real64) :: distance(size(before)), power
+    logical :: has_run(size(before))
+    integer :: near, next
+
+    seconds = 0.0_real64
+    has_run = before%method%interaction == effect_boundary
+    has_run(1) = scene_has_pixels
+    has_run = has_run .and. before%seconds > 0.0_real64
+    if (.not. any(has_run)) return
+    distance = abs(log(before%method%resolution / resolution))
+    near = minloc(distance, 1, has_run)
+    has_run = has_run .and. abs(before%method%resolution - &
+                                before(near)%method%resolution) > 0.0_real64
+    next = minloc(distance, 1, has_run)
+    power = pixel_power
+    associate (at => before(near)%method%resolution)
+      if (next > 0) power = log(before(next)%seconds / before(near)%seconds) / &
+                            log((before(next)%method%resolution / at)**2)
+      seconds = before(near)%seconds * (resolution / at)**(2.0_real64 * max(0.0_real64, power))
+    end associate
+  end function seconds_on_pixels
+
+  ! Run time of contacts with interaction: that of the simpler method times a factor, or that of the
+  ! scene, where it has the same. A method that was not run counts with its prediction.
+  pure real(real64) function seconds_of_neighbours(scene_in, before, interaction) result(seconds)
+    type(scene), intent(in) :: scene_in
+    type(method_row), intent(in) :: before(:)
+    integer, intent(in) :: interaction
+    real(real64) :: known(size(before))
+    integer :: coupled, last
+
+    known = max(0.0_real64, merge(before%seconds, before%predicted, before%seconds > 0.0_real64))
+    last = size(before)
+    seconds = known(last)
+    select case (interaction)
+    case (effect_coupled)
+      seconds = times_coupled * seconds
+      if (.not. allocated(scene_in%map) .and. known(1) > 0.0_real64 .and. &
+          any(scene_in%effects%mode('interaction') == [effect_coupled, effect_auto])) &
+        seconds = known(1)
+    case (effect_auto)
+      if (before(last)%method%interaction == effect_auto) seconds = times_tolerance * seconds
+    case default
+      if (before(last)%method%interaction == effect_boundary) then
+        ! As from the last tolerance but one to the last.
+        seconds = times_tolerance**2 * seconds
+        if (before(last - 1)%method%interaction == effect_boundary .and. &
+            known(last - 1) > 0.0_real64) &
+          seconds = max(1.0_real64, known(last) / known(last - 1)) * known(last)
+      else
+        coupled = findloc(before%method%interaction, effect_coupled, 1)
+        if (coupled > 0) seconds = max(seconds, times_boundary * known(coupled))
+      end if
+    end select
+  end function seconds_of_neighbours
 
   ! One method on the clock, again and again until the median is steady or the time is spent.
   subroutine time_method(scene_in, least_seconds, most_seconds, row, totals, results)

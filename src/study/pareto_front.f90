@@ -16,14 +16,20 @@ contains
   !> the front. A method excels another that is clearly less accurate at no clearly higher cost, or
   !> as accurate at a clearly higher cost; of two that are equal in both, the one whose gain,
   !> relative to what counts as equal, is larger. So no method of the front excels another through a
-  !> third.
+  !> third. Methods of one error and equal times have the least of these times, and the first of
+  !> them is taken: the clock does not choose between methods that are the same.
   pure function on_front(seconds, error) result(front)
     real(real64), intent(in) :: seconds(:)  !! run times [s], more than 0
     real(real64), intent(in) :: error(:)    !! relative errors, 0 or more; as many
     logical :: front(size(seconds))
     logical, dimension(size(seconds)) :: rest, new
+    real(real64) :: least(size(seconds))
     integer :: i, j
 
+    do i = 1, size(seconds)
+      least(i) = minval(seconds, abs(error - error(i)) <= 0.0_real64 .and. &
+                                 seconds(i) <= same_time * seconds)
+    end do
     front = .false.
     rest = .true.
     do while (any(rest))
@@ -49,7 +55,7 @@ contains
         more(1) = sign(2.0_real64, error(one) - error(other))
         if (max(error(one), error(other)) <= 0.0_real64) more(1) = 0.0_real64
       end if
-      more(2) = log(seconds(one) / seconds(other)) / log(same_time)
+      more(2) = log(least(one) / least(other)) / log(same_time)
       is_better = any(more < -1.0_real64) .and. all(more < 1.0_real64)
       if (all(abs(more) <= 1.0_real64)) &
         is_better = sum(more) < 0.0_real64 .or. (.not. sum(more) > 0.0_real64 .and. one < other)

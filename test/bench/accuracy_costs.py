@@ -4,7 +4,8 @@
 
 Runs `asperity accuracy` on the sweep of the thesis, on a rough surface, on a dense one and on a
 height map. With --save the rows go to reference_output/bench/accuracy_costs.csv, and what to type
-for an error as a table into docs/how-to/accuracy.md. test_reference_tables.py compares both; the
+for an error as a table into docs/how-to/accuracy.md. The measured over the predicted run times of
+the study are printed alone. test_reference_tables.py compares both; the
 figure time-and-error is drawn from the rows.
 """
 
@@ -64,8 +65,11 @@ def measured(asperity, seconds):
                             "lower.csv"], cwd=folder, check=True)
         for scene, text in SCENES.items():
             (folder / "a.scene").write_text(text, encoding="ascii")
-            subprocess.run([asperity, "accuracy", "a.scene", "--seconds", str(seconds), "--csv",
-                            "a.out", "--quiet"], cwd=folder, check=True, capture_output=True)
+            done = subprocess.run([asperity, "accuracy", "a.scene", "--seconds", str(seconds),
+                                   "--csv", "a.out"], cwd=folder, check=True,
+                                  capture_output=True, text=True)
+            print(*(f"{scene}: {line}" for line in done.stdout.splitlines()
+                    if line.startswith("Run times with neighbours")), sep="\n")
             for row in csv.DictReader((folder / "a.out").open(encoding="ascii")):
                 option = next((text for start, text in OPTIONS.items()
                                if start in row["method"]), "")

@@ -10,6 +10,7 @@ module asperity_study_suite
   use asperity_greenwood_integrals, only: densities_at, excess_moments, greenwood_law, &
                                           greenwood_law_of, means_over_radii, quantities
   use asperity_kinds, only: int64, real128, real64
+  use asperity_pareto_front, only: on_front
   use asperity_study_spec, only: places_grid, study_spec
   use asperity_testing, only: check, error_type, new_unittest, unittest_type
   implicit none
@@ -36,6 +37,7 @@ contains
       new_unittest('Greenwood-Williamson against a plane', rough_on_plane), &
       new_unittest('Greenwood and Tripp''s own terms', shallow_terms), &
       new_unittest('Gauss''s rule: exact for polynomials', gauss), &
+      new_unittest('Pareto front: the clock does not choose between equal methods', front), &
       new_unittest('moments 29 deviations out, and of widths 1 to 10000', moments_at_limits)]
   end subroutine collect_study
 
@@ -50,6 +52,18 @@ contains
     call check(error, abs(sum(gauss_weight * gauss_node**20) * 21 - 1) > 1.0e-13_real64, &
                'degree 20')
   end subroutine gauss
+
+  !> Of methods of one error in times within 1.5 the first is taken, with the least time of them.
+  subroutine front(error)
+    type(error_type), allocatable, intent(out) :: error
+
+    call check(error, all(on_front([1.4_real64, 1.0_real64, 1.6_real64], [0.1_real64, 0.1_real64, &
+                                                                          0.105_real64]) &
+                          .eqv. [.true., .false., .false.]), 'equal methods')
+    call check(error, all(on_front([1.6_real64, 1.0_real64], [0.1_real64, 0.1_real64]) &
+                          .eqv. [.false., .true.]), 'a faster method')
+    call check(error, all(on_front([4.0_real64, 1.0_real64], [0.0_real64, 0.1_real64])), 'both')
+  end subroutine front
 
   !> F_n(h) of Greenwood and Williamson: at 0 it is 2**(n/2) gamma((n + 1)/2)/(2 sqrt(pi)).
   subroutine gaussian_moments(error)
