@@ -18,16 +18,6 @@ sys.path[:0] = [str(Path(__file__).resolve().parent / name) for name in
 
 from builds import ROOT, build  # noqa: E402
 
-try:
-    from hypothesis import settings  # noqa: E402
-except ImportError:
-    # numpy and pytest are enough for the comparison with the thesis.
-    pass
-else:
-    # The same examples in every run: a failure on one machine is a failure on all.
-    settings.register_profile("fixed", derandomize=True, deadline=None, database=None)
-    settings.load_profile("fixed")
-
 
 # Tests that share what takes long to make: all of such a file run in one process.
 TOGETHER = ("test_accuracy.py", "test_effects.py", "test_python.py", "test_python_arguments.py",

@@ -10,6 +10,7 @@ import pytest
 from cases import ARITHMETICS, scenes
 from cells_met import ARITHMETICS as HISTORIC
 from deck_cases import decks
+from decks import random_deck, write_deck
 from historic import NAMES, LostMeaningError, restate
 from make_cases import write_all
 from exact_contact import TOTALS
@@ -148,6 +149,16 @@ def test_historic_port_against_the_restated_march(name, asperity, data, tmp_path
     for arithmetic, most in (("real64", case.coarse), ("real128", 1.0e-15)):
         worst = historic_error(asperity, path, arithmetic, tmp_path, expected)
         assert worst <= most, arithmetic
+
+
+@pytest.mark.parametrize("seed", (0, 2, 5, 6))
+def test_random_deck_in_the_historic_port(seed, asperity, tmp_path):
+    deck = random_deck(seed)
+    path = write_deck(tmp_path / "random.deck", **deck)
+    # Penetrations are known to 4e-15 cm of 1e-2 cm; the decrements of 100 positions add theirs.
+    assert historic_error(asperity, path, "real64", tmp_path, restate(**deck)) < 1e-9
+    last = records(tmp_path / "real64.csv")[-1]
+    assert float(last["x_displacement"]) == pytest.approx(2.54 * deck["displacement"][0] + 10.0)
 
 
 def historic_error(asperity, path, arithmetic, folder, expected):

@@ -27,20 +27,6 @@ def program():
     return build("release").parent.parent / "example" / "hex32_words"
 
 
-@pytest.mark.parametrize("kind", BODIES)
-def test_archived_pairs(kind, program, tally):
-    """What the machine gave for 200 pairs of each kind."""
-    pairs, left = kept()
-    assert len(pairs[kind]) == KEPT and pairs[kind] == operands(kind, KEPT)
-    found = arithmetic(program, kind, pairs[kind])
-    rows = list(zip(pairs[kind], left[kind], found, strict=True))
-    differ = [row for row in rows if not agrees(kind, *row)]
-    assert kind not in NORMAL or not differ, told((kind, "0", *differ[0]))
-    assert all(explained(kind, operand, machines) for operand, machines, _ in differ)
-    if kind in NORMAL:
-        tally.add("System/370, archived", KEPT, KEPT)
-
-
 def test_a_wrong_digit_is_seen():
     """One unit of the last place, a wrong sign, a wrong condition code."""
     pairs, left = kept()

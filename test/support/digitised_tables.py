@@ -45,14 +45,6 @@ def interval(cell):
     return Fraction(cell) - half, Fraction(cell) + half
 
 
-def pressure(record):
-    """Average pressure bounded by both printed pressures."""
-    average = interval(record["average_pressure"])
-    maximum = interval(record["maximum_pressure"])
-    bounds = [b for b in (average, maximum and tuple(m / Fraction(3, 2) for m in maximum)) if b]
-    return max(b[0] for b in bounds), min(b[1] for b in bounds)
-
-
 def loaded(record):
     return record["kind"] == "contact" and record["average_pressure"] != ""
 
@@ -68,12 +60,3 @@ def approaches(table):
             contacts = []
     assert not contacts, "contacts without a total at the end"
     return groups
-
-
-def loaded_records():
-    return [
-        (f"{table} row {record['row']}", record)
-        for table in TABLES_VII
-        for record in records(DATA / f"{table}.csv")
-        if loaded(record)
-    ]

@@ -251,6 +251,72 @@ def law_one_more_state(scene, exe, folder, _rng):
     return one.status
 
 
+def law_shifted(scene, exe, folder, rng):
+    """Both surfaces elsewhere in plan. Under a tilt of one of them they touch higher or lower."""
+    if "tilt" in scene.groups:
+        return None
+    dx, dy = (scenes.on_grid(rng.uniform(-10, 10)) for _ in "xy")
+    return same_after(scene, scenes.mapped(scene, lambda row: (row[0] + dx, row[1] + dy, *row[2:])),
+                      exe, folder)
+
+
+def law_raised(scene, exe, folder, rng):
+    """Heights count from any plane: raised surfaces have the same contacts, and a separation that
+    is larger by as much."""
+    other = scenes.mapped(scene, lambda row: row)
+    lifts = [scenes.on_grid(rng.uniform(-1, 0.6)) for _ in range(2)]
+    for side, lift in zip(("upper", "lower"), lifts):
+        setattr(other, side, [(x, y, height + lift, radius)
+                              for x, y, height, radius in getattr(scene, side)])
+    if scene.groups["loading"]["control"] == "approach":
+        other.groups["loading"]["value"] += sum(lifts)
+    one, two = (scenes.run(exe, s, folder) for s in (scene, other))
+    look(scene, one)
+    if both(one, two):
+        for row in two.files["positions"] + two.files["curve"]:
+            row["separation"] = repr(float(row["separation"]) - sum(lifts))
+        same_totals(scene, one, two)
+    return one.status
+
+
+def without_effects(scene, **loading):
+    """One position of isolated contacts under the first value of the loading, changed."""
+    other = scenes.mapped(scene, lambda row: row)
+    other.groups.pop("motion", None)
+    other.groups["effects"] = {"interaction": "off"}
+    old = other.groups["loading"]
+    if isinstance(old.get("value"), list):
+        old["value"] = old["value"][0]
+    old.update(loading)
+    return other
+
+
+def law_falls_never(scene, exe, folder, rng):
+    """No contact, load or area falls while isolated contacts are loaded."""
+    run = scenes.run(exe, without_effects(scene, points=rng.randint(2, 40)), folder)
+    if run.status == 0:
+        for one, two in zip(run.files["curve"], run.files["curve"][1:]):
+            claim(number(one, "separation") >= number(two, "separation"), "separation grows")
+            for name in ("contacts", "load", "area"):
+                claim(number(one, name) <= number(two, name), f"{name} falls")
+    return run.status
+
+
+def law_inverse(scene, exe, folder, _rng):
+    """The load at a separation has this separation: isolated contacts, either way round."""
+    run = scenes.run(exe, without_effects(scene), folder)
+    if run.status or not number(run.files["positions"][0], "load") > 0.0:
+        return None
+    found, is_load = run.files["positions"][0], scene.groups["loading"]["control"] == "load"
+    again = scenes.run(exe, without_effects(
+        scene, control="approach" if is_load else "load",
+        value=number(found, "separation" if is_load else "load")), folder)
+    claim(again.status == 0, again.err)
+    near(number(again.files["positions"][0], "load"), number(found, "load"), ROUNDING, "load")
+    near(closing(again, again.files["positions"][0]), closing(run, found), ROUNDING, "closing")
+    return 0
+
+
 def same_after(scene, other, exe, folder, factor=1.0, share=None, names=None):
     one, two = (scenes.run(exe, s, folder) for s in (scene, other))
     look(scene, one)
@@ -289,13 +355,16 @@ def closing(run, row):
 LAWS = {"scaled by powers of two": law_scaled, "mirrored": law_mirrored,
         "turned by 90 degrees": law_turned, "asperities in another order": law_permuted,
         "two copies far apart": law_copied, "a tighter tolerance": law_tighter,
-        "one more state on the way": law_one_more_state}
+        "one more state on the way": law_one_more_state, "shifted in plan": law_shifted,
+        "raised": law_raised, "nothing falls while loading": law_falls_never,
+        "load and separation": law_inverse}
 
 
-def broken(seed, exe, folder):
-    """The law of a seed: its name, the status of the run (None: not asked), and what is broken."""
+def broken(seed, exe, folder, name=None):
+    """A law, by default that of the seed: its name, the status of the run (None: not asked), and
+    what is broken."""
     rng = random.Random(f"law {seed}")
-    name = list(LAWS)[seed % len(LAWS)]
+    name = name or list(LAWS)[seed % len(LAWS)]
     try:
         return name, LAWS[name](scenes.scene_of_seed(seed), exe, folder, rng), ""
     except Broken as fault:
