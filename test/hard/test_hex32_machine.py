@@ -11,8 +11,8 @@ import mpmath
 import pytest
 import s370_machine
 from builds import build
-from hex32_against_machine import (BODIES, COUNTS, FOLDER, FRACTION, KEPT, LARGEST, MASKS, PAIRS,
-                                   ROUGH, SIGN, agrees, arithmetic, compare, explained, fraction,
+from hex32_against_machine import (BODIES, COUNTS, FOLDER, FRACTION, LARGEST, MASKS, PAIRS,
+                                   ROUGH, SIGN, agrees, arithmetic, compare, fraction,
                                    kept, machine, machine_result, operands, told, word)
 from surfaces_csv import records
 

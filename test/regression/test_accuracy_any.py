@@ -152,25 +152,6 @@ def test_the_reference_of_neighbours(name, asperity, tmp_path):
     assert float(alone["error_max"]) == pytest.approx(factor, rel=0.02, abs=1e-3)
 
 
-@pytest.mark.truth
-def test_the_reference_of_a_map(asperity, tmp_path):
-    """The samples of a map, against conjugate gradients in numpy."""
-    height = 1e-3 * rough(48, seed=9)
-    made_maps.write_bytes(tmp_path / "map.sdf", height)  # unit: that of the file
-    scene = write_scene(tmp_path / "map.scene", surfaces={"upper": "plane", "lower": "map.sdf"},
-                        material={"contact_modulus": 1.0},
-                        loading={"control": "load", "value": 0.5},
-                        effects={"interaction": "coupled"})
-    rows, _ = study(asperity, scene, tmp_path)
-    y, x = np.mgrid[0:48, 0:48]
-    plane = np.c_[x.ravel(), y.ravel(), np.ones(48 * 48)]
-    level = height - (plane @ np.linalg.lstsq(plane, height.ravel(), rcond=None)[0]).reshape(48, 48)
-    want = press(level, (1.0, 1.0), 1.0, 0.5)[0]
-    best = reference(rows)
-    assert best["method"] == "pixels of the map"
-    assert abs(float(best["separation"]) - want) < 1e-6 * (level.max() - want)
-
-
 def test_resolutions_of_a_map(asperity, tmp_path):
     """Every second and fourth pixel are those of the map alone under its load; pixels half as wide
     nearly those of the exact surface. No error below that of the reference is printed."""

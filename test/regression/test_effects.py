@@ -8,8 +8,8 @@ import re
 import numpy as np
 import pytest
 
-from effect_runs import (CAP, CELLS, COMBINED, CONVERGED, COUPLED_APART, COUPLED_OVERLAPPING, DECK,
-                         ROOT, TOLD, Sweeps, by_position, column, report, total)
+from effect_runs import (CAP, CELLS, COMBINED, CONVERGED, COUPLED_APART, COUPLED_OVERLAPPING,
+                         ROOT, Sweeps, by_position, column, report, total)
 from surfaces_csv import records, solve, write_scene, write_surface
 
 OVERLAPPING = (18, 56, 79)  # positions of the thesis where contact circles overlap
@@ -187,24 +187,6 @@ def test_auto_simulates_what_matters(tolerance, sweeps, truth, tally):
         assert resolved <= set(OVERLAPPING) and not (resolved and tolerance > 0.02)
 
 
-def test_auto_leaves_no_trace_where_it_is_off(sweeps):
-    """Byte for byte the answers of the solver without effects."""
-    auto, off = sweeps.solve(interaction="auto", tolerance=0.01), sweeps.solve(interaction="off")
-    rows, common = by_position(auto.contacts), list(off.contacts[0])
-    same = 0
-    for left, free in zip(auto.positions, off.positions):
-        if left["interaction"] != "off":
-            continue
-        same += 1
-        m = int(free["position"])
-        assert {name: left[name] for name in free if name not in TOLD} == {
-            name: cell for name, cell in free.items() if name not in TOLD}
-        assert [{name: row[name] for name in common} for row in rows[m]] == [
-            row for row in off.contacts if int(row["position"]) == m]
-    print(f"auto at 0.01: {same} positions left out")
-    assert 20 < same < 80
-
-
 def test_residuals(sweeps):
     coupled = sweeps.solve(interaction="coupled")
     worst = column(coupled.positions, "interaction_residual").max()
@@ -253,33 +235,7 @@ def test_summary(sweeps, tally):
             f"(position {estimate.argmax() + 1})") in text
 
 
-@pytest.mark.parametrize("mode", ("off", "coupled", "boundary", "auto"))
-def test_overlapping_circles_are_told(mode, sweeps):
-    run = sweeps.solve(interaction=mode)
-    circles = {int(row["position"]): int(row["overlapping_circles"]) for row in run.positions}
-    assert {m for m, count in circles.items() if count} == set(OVERLAPPING)
-    assert "3 pairs of contact circles overlap" in run.stdout
-    assert ("their interaction is off" in run.stdout) == (mode == "off")
-
-
 # Load asked for.
-
-@pytest.mark.parametrize("load", (1.0, 300.0, 3000.0))
-def test_load_is_reached_at_all_positions(load, sweeps, tally):
-    run = sweeps.solve(loading={"control": "load", "value": load}, interaction="coupled")
-    report(tally, "effects: load asked for, coupled",
-           np.abs(column(run.positions, "load") / load - 1), 1e-10)
-    sums = [total(rows, "load") for rows in by_position(run.contacts).values()]
-    report(tally, "effects: sum of loads, coupled", np.abs(np.array(sums) / load - 1), 1e-10)
-
-
-@pytest.mark.parametrize("mode, bound", (("boundary", CELLS), ("auto", 0.01)))
-def test_load_is_reached_on_cells(mode, bound, sweeps, tally):
-    run = sweeps.solve(loading={"control": "load", "value": 900.0}, x_first=1.7, positions=3,
-                       interaction=mode)
-    report(tally, f"effects: load asked for, {mode}",
-           np.abs(column(run.positions, "load") / 900.0 - 1), bound)
-
 
 # Curves, the same again.
 
@@ -310,33 +266,6 @@ def test_curve_is_made_of_states(mode, sweeps, tally):
     report(tally, f"effects: states of a curve, {mode}", errors, 1e-9)
     loads = column(run.curve, "load")
     assert (np.diff(loads) > 0).all()
-
-
-def test_curve_of_a_sweep(sweeps):
-    """Positions and steps are in order, and the last state of each is the position."""
-    run = sweeps.solve(positions=4, x_first=1.7, curve=True, interaction="coupled",
-                       loading={"control": "load", "value": 500.0, "points": 3})
-    states = by_position(run.curve)
-    assert list(states) == [1, 2, 3, 4]
-    for row in run.positions:
-        curve = states[int(row["position"])]
-        assert [int(state["step"]) for state in curve] == list(range(1, int(row["steps"]) + 1))
-        assert len(curve) == 4 and curve[-1]["load"] == row["load"]
-        assert float(row["load"]) == pytest.approx(500.0, rel=1e-10)
-
-
-@pytest.mark.parametrize("mode", (
-    "coupled", pytest.param("boundary", marks=pytest.mark.long), "auto"))
-def test_same_bytes_again(mode, sweeps, asperity, tmp_path):
-    """Also with another number of threads."""
-    first = sweeps.solve(interaction=mode)
-    scene = write_scene(tmp_path / "sweep.scene", surfaces={"deck": str(DECK)},
-                        motion={"x_first": 0.1, "x_step": 0.1, "positions": 100},
-                        effects={"interaction": mode})
-    again = solve(asperity, scene, "--threads", "2")
-    assert again.status == 0, again.stderr
-    assert again.positions == first.positions and again.contacts == first.contacts
-    assert effects_part(again.stdout) == effects_part(first.stdout)
 
 
 def caps_on_a_plane(folder, loading, modulus=1.0, length=1.0, **effects):

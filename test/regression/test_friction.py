@@ -11,9 +11,8 @@ import numpy as np
 import pytest
 
 import friction_truth
-from effect_runs import (CAP, COMBINED, DECK, MODULUS, RATIO, TOLD, Sweeps, by_position, column,
+from effect_runs import (CAP, COMBINED, MODULUS, RATIO, TOLD, Sweeps, by_position, column,
                          place_of, report, total)
-from programs import run_program
 from surfaces_csv import solve, write_csv_scene
 
 KAPPA = 2 * (1 - RATIO) / (2 - RATIO)  # tangential over normal stiffness (Mindlin 1949)
@@ -290,41 +289,6 @@ def test_friction_on_cells(sweeps, tally):
         worst.append(max(abs(side - want), abs(float(row["vertical_load"]) - vertical
                                                - along * sine)) / vertical)
     report(tally, "friction: equilibrium on cells", worst, 1e-10)
-
-
-def test_load_asked_for(sweeps, tally):
-    """The sum of the normal loads is asked for: friction does not change the closing."""
-    loading = {"control": "load", "value": 500.0}
-    off = sweeps.solve(loading=loading, positions=20)
-    on = sweeps.solve(loading=loading, positions=20, friction="on", friction_coefficient=0.3)
-    report(tally, "friction: load asked for",
-           np.abs(column(on.positions, "load") / 500.0 - 1), 1e-11)
-    report(tally, "friction: separation at a load",
-           np.abs(column(on.positions, "separation") - column(off.positions, "separation")), 1e-12)
-
-
-def test_curve(sweeps, tally):
-    """Friction depends on the path, which is one closing: each state is what its approach gives."""
-    run = sweeps.solve(positions=1, x_first=5.5, curve=True, friction="on",
-                       friction_coefficient=0.1, loading={"control": "limit", "points": 6})
-    assert len(run.curve) == int(run.positions[0]["steps"]) >= 6
-    rows = [row for row in run.contacts if float(row["load"]) > 1e-9]
-    assert {row["step"] for row in rows} >= {"3", "6"}
-    compare(rows, 0.1, tally, "states of a curve")
-    for step, state in enumerate(run.curve, 1):
-        part = [row for row in run.contacts if int(row["step"]) == step]
-        assert total(part, "vertical_load") == pytest.approx(float(state["vertical_load"]),
-                                                             rel=1e-13, abs=1e-300)
-
-
-def test_same_bytes_again(sweeps, asperity, tmp_path):
-    scene = tmp_path / "sweep.scene"
-    scene.write_text(f"&surfaces deck = '{DECK}' /\n&effects friction = 'on', "
-                     "friction_coefficient = 0.1 /\n")
-    files = [tmp_path / name for name in ("a.csv", "b.csv")]
-    for file in files:
-        run_program(asperity, "solve", scene, "--quiet", "--contacts", file)
-    assert files[0].read_bytes() == files[1].read_bytes()
 
 
 def test_one_contact_that_slips_in_part(asperity, tmp_path, tally):

@@ -1,8 +1,7 @@
-"""Laws of height maps: a periodic map has no edge in any step, and no choice of axes matters.
+"""Edges of height maps: a periodic map has none in any step; flat maps, punches and full contact.
 
-A periodic map may be rolled, any map transposed, mirrored or turned, its heights shifted, a free
-map tilted: nothing but places changes. The truth of each law is the same map before the change; the
-values themselves are held against numpy in test_map_scene.py and against Westergaard here.
+Laws of changed maps are in test/support/map_laws.py, values against numpy in test_map_scene.py and
+test_fields.py, those of Westergaard here.
 """
 
 
@@ -14,10 +13,6 @@ from programs import run_program
 from surfaces_csv import records
 
 MODULUS = 3.0
-CHANGES = ("rolled", "transposed", "mirrored along x", "mirrored along y", "turned", "shifted",
-           "tilted", "lifted far")
-# Of the range of heights, the load, the area: gaps are closed to 1e-9 of the range of heights.
-SAME = 1e-9
 
 
 class Map:
@@ -31,55 +26,6 @@ class Map:
 
     def area(self):
         return np.count_nonzero(~np.isnan(self.height)) * self.spacing[0] * self.spacing[1]
-
-
-def random_map(seed):
-    random = np.random.default_rng(seed)
-    rows, columns = (int(n) for n in random.integers(6, 34, 2))
-    if seed % 4 == 0:
-        rows = columns
-    kind = seed % 3
-    height = random.standard_normal((rows, columns))
-    if kind > 0:
-        q = np.hypot(np.fft.fftfreq(rows)[:, None], np.fft.fftfreq(columns)[None, :])
-        q[0, 0] = 1.0
-        height = np.fft.ifft2(q ** (-0.9 * kind) * np.fft.fft2(height)).real
-    height = (height - height.mean()) / height.std()
-    if seed % 5 == 1:
-        height += 1e6
-    if seed % 6 == 2:
-        height[random.random(height.shape) < 0.05] = np.nan
-        height[0, 0] = 0.0
-    spacing = (0.5, float(random.choice([0.5, 0.4, 1.1])))
-    return Map(height, spacing, periodic=seed % 2 == 0), random
-
-
-def changed(of, how, random):
-    height, spacing = of.height, of.spacing
-    rows, columns = height.shape
-    if how == "rolled":
-        height = np.roll(height, random.integers(1, 30, 2), (0, 1))
-    elif how == "transposed":
-        height, spacing = height.T, spacing[::-1]
-    elif how == "mirrored along x":
-        height = height[:, ::-1]
-    elif how == "mirrored along y":
-        height = height[::-1]
-    elif how == "turned":
-        height, spacing = np.rot90(height), spacing[::-1]
-    elif how == "shifted":
-        height = height + 7.25
-    elif how == "lifted far":
-        height = height + 1e6
-    else:
-        height = height + (0.375 * np.arange(columns) - 0.25 * np.arange(rows)[:, None])
-    return Map(height, spacing, of.periodic)
-
-
-def laws_of(of, random):
-    known = [how for how in CHANGES
-             if (how != "rolled" or of.periodic) and (how != "tilted" or not of.periodic)]
-    return random.choice(known, 2, replace=False)
 
 
 def command(asperity, folder, *words):
@@ -126,60 +72,6 @@ def printed(text, name):
             value = line[len(name):].split()[0]
             return np.nan if value == "-" else float(value)
     raise AssertionError(f"no {name} in:\n{text}")
-
-
-@pytest.mark.fuzz
-@pytest.mark.parametrize("part", range(8))
-def test_laws_of_pixels(asperity, tmp_path, tally, part):
-    """200 maps, each under a load of 1e-3 to 30 of what their slopes call for, two changes each."""
-    worst = 0.0
-    for seed in range(part, 200, 8):
-        of, random = random_map(seed)
-        slope = np.nanstd(np.diff(of.height, axis=0)) / of.spacing[1]
-        pressure = MODULUS * slope * 10 ** random.uniform(-3, 1.5)
-        scale = np.nanmax(of.height) - np.nanmin(of.height)
-        one, contacts, _ = solve(asperity, tmp_path, of, pressure)
-        load = sum(column(contacts, "load"))
-        assert load == pytest.approx(pressure * of.area(), rel=1e-12)
-        for how in laws_of(of, random):
-            two, others, _ = solve(asperity, tmp_path, changed(of, how, random), pressure)
-            case = f"map {seed}, {how}"
-            assert one["contacts"] == two["contacts"], case
-            noise = 1e-9 if how == "lifted far" or seed % 5 == 1 else 0.0
-            errors = [abs(float(one["separation"]) - float(two["separation"])) / scale,
-                      abs(float(one["area"]) / float(two["area"]) - 1),
-                      np.abs(column(contacts, "area") - column(others, "area")).max() / of.area(),
-                      np.abs(column(contacts, "load") - column(others, "load")).max() / load,
-                      np.abs(np.sort(column(contacts, "maximum_pressure"))
-                             - np.sort(column(others, "maximum_pressure"))).max()
-                      / column(contacts, "maximum_pressure").max()]
-            assert max(errors) < SAME + 100 * noise, (case, errors)
-            worst = max([worst, *errors])
-            tally.add("map laws, pixels", len(errors), len(errors), 0)
-    print("worst", worst)
-
-
-@pytest.mark.fuzz
-@pytest.mark.parametrize("part", range(4))
-def test_laws_of_summits(asperity, tmp_path, tally, part):
-    """Both rules: heights, radii and statistics of 200 maps, two changes each."""
-    for seed in range(part, 200, 4):
-        of, random = random_map(seed)
-        rule = ("eight", "contact")[seed // 2 % 2]
-        one = summits(asperity, tmp_path, of, rule)
-        for how in laws_of(of, random):
-            two = summits(asperity, tmp_path, changed(of, how, random), rule)
-            case = f"map {seed}, {rule}, {how}"
-            same = 1e-8 if how == "lifted far" or seed % 5 == 1 else 1e-11
-            assert len(one[1]) == len(two[1]), case
-            # By rule contact a radius is at most that of a ridge: one over a difference of heights.
-            np.testing.assert_allclose(one[1][:, 0], two[1][:, 0], rtol=0, atol=same, err_msg=case)
-            np.testing.assert_allclose(1 / np.sort(one[1][:, 1]), 1 / np.sort(two[1][:, 1]),
-                                       rtol=0, atol=100 * same, err_msg=case)
-            for name in ("rms height", "rms slope", "Nayak's alpha", "density of summits"):
-                assert printed(one[0], name) == pytest.approx(printed(two[0], name), rel=100 * same,
-                                                              nan_ok=True), (case, name)
-            tally.add("map laws, summits", len(one[1]), len(one[1]), 0)
 
 
 def test_spikes_on_the_seam(asperity, tmp_path):
@@ -337,23 +229,6 @@ def test_a_cosine_of_any_phase(asperity, tmp_path, tally):
                 assert np.all((mean < before) | (mean < 1e-6)), (share, n, mean, before)
             before = mean
             tally.add("Westergaard", errors.size, errors.size, 0)
-
-
-def test_numpy_on_periodic_maps(asperity, tmp_path, tally):
-    """20 random periodic maps against numpy on the map as it is, without levelling."""
-    for seed in range(0, 40, 2):
-        of, random = random_map(seed)
-        if np.isnan(of.height).any():
-            continue
-        height = of.height - of.height.mean()
-        pressure = MODULUS * 10 ** random.uniform(-2, 0.5) * np.abs(np.diff(height, axis=0)).mean()
-        level, pressures = press(height.T, of.spacing, MODULUS, pressure * of.area(),
-                                 periodic=True, closed=1e-11)
-        state, contacts, _ = solve(asperity, tmp_path, of, pressure)
-        assert float(state["separation"]) == pytest.approx(level, abs=1e-8 * np.ptp(height))
-        assert column(contacts, "maximum_pressure").max() == pytest.approx(pressures.max(),
-                                                                           rel=1e-8)
-        tally.add("numpy, periodic maps", 2, 2, 0)
 
 
 def test_a_plane_asked_of_a_periodic_map(asperity, tmp_path):

@@ -10,7 +10,7 @@ import numpy as np
 import pytest
 
 from programs import run_program
-from surfaces_csv import solve, write_csv_scene, write_scene
+from surfaces_csv import solve, write_scene
 
 SPACING = (0.5, 0.25)
 Y, X = np.mgrid[:12, :16]
@@ -414,21 +414,6 @@ def test_a_header_against_the_units_of_the_scene(maps):
     found = maps.scene(text, units="'um', 'N'")
     assert found.status == 2 and "found length 'um' beside 'mm' of the map" in found.stderr
     assert maps.scene(text, units="'um', 'N'", map_unit="'um'").status == 0
-
-
-@pytest.mark.parametrize("first, second", itertools.product(MICRO, MICRO))
-def test_micro_signs_are_one_unit(first, second, asperity, tmp_path):
-    scene = write_csv_scene(tmp_path, [(0, 0, .2, 1)], [(0, 0, .1, 1)],
-                            loading={"control": "approach", "value": 0.29})
-    for name, unit in (("upper", first), ("lower", second)):
-        surface = tmp_path / f"pair_{name}.csv"
-        surface.write_text(re.sub(r"\b(x|y|height|radius)\b", rf"\1 [{unit}]", surface.read_text()),
-                           encoding="utf-8")
-    text = scene.read_text().replace("'pair_lower.csv'", "'pair_lower.csv', units = 'um', 'N'")
-    scene.write_text(text)
-    assert solve(asperity, scene).status == 0
-    scene.write_text(text.replace("'um'", f"'{second}'"), encoding="utf-8")
-    assert solve(asperity, scene).status == 0
 
 
 # ---------------------------------------------------------------- P13: two maps

@@ -3,7 +3,6 @@
 import copy
 import pickle
 import struct
-import sys
 from types import SimpleNamespace
 
 import matplotlib
@@ -354,19 +353,6 @@ def test_height_map_is_its_own(package):
     assert repr(surface).endswith(" um, periodic>") and "32 x 24" in surface._repr_html_()
 
 
-def test_edge_of_the_map_and_of_the_scene(package):
-    """A scene takes the edge of its map; its own word comes first."""
-    def separation(periodic, **more):
-        surface = package.HeightMap(HEIGHTS, (DX, DY), "um", periodic)
-        groups = scene(surface, **more)
-        groups["effects"] = {"interaction": "boundary"}
-        return package.solve(groups).states["separation"][-1]
-    free, periodic = separation(False), separation(True)
-    assert free != periodic
-    assert separation(False, map_edge="periodic") == periodic
-    assert separation(True, map_edge="free") == free
-
-
 def test_plots(package):
     """Map and summits with axes and units; on axes that are given."""
     surface = package.read_map(ROUGH, unit="um")
@@ -382,29 +368,3 @@ def test_plots(package):
         assert np.array_equal(np.ma.filled(own.images[0].get_array(), np.nan), surface.heights,
                               equal_nan=True)
     assert len(package.summits(HEIGHTS, spacing=1.0).plot().images) == 1
-
-
-TWELVE = """
-import asperity
-import numpy as np
-q = np.hypot(*np.meshgrid(np.fft.fftfreq(256), np.fft.fftfreq(256)))
-noise = np.fft.fft2(np.random.default_rng(1).standard_normal((256, 256)))
-heights = np.fft.ifft2(noise * np.where((q > 0.008) & (q < 0.1), q + 1e-9, 1e9)**-1.8).real
-surface = asperity.HeightMap(0.1 * heights / heights.std(), 0.5, "um", periodic=True)
-states = asperity.solve({"surfaces": {"upper": "plane", "lower": surface},
-                         "material": {"contact_modulus": 1e5},
-                         "loading": {"control": "pressure", "value": 1000, "points": 5}}).states
-import matplotlib.pyplot as plt
-plt.plot(states["nominal_pressure"], states["area_fraction"])
-print(*states["area_fraction"])
-"""
-
-
-def test_twelve_lines(package_folder):
-    """A numpy map to area against pressure, in twelve lines."""
-    code = f"import sys; sys.path.insert(0, {str(package_folder)!r})"
-    done = run_program(sys.executable, "-W", "ignore", "-c", code + TWELVE,
-                       env={"MPLBACKEND": "Agg"})
-    assert len(TWELVE.strip().splitlines()) <= 12, done.stderr
-    areas = [float(word) for word in done.stdout.split()]
-    assert len(areas) >= 5 and areas == sorted(areas) and 0 < areas[-1] < 1

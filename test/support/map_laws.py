@@ -143,7 +143,8 @@ def tilted(height):
 
 CHANGES = {"mirrored": (lambda h: h[::-1], False), "transposed": (lambda h: h.T, True),
            "turned by 90 degrees": (lambda h: h.T[::-1], True),
-           "raised and tilted": (tilted, False)}
+           "raised and tilted": (tilted, False),
+           "rolled": (lambda h: np.roll(h, (5, 3), (0, 1)), False)}
 
 
 # ---------------------------------------------------------------- the laws
@@ -198,8 +199,11 @@ def solved_share(scene, *runs):
 
 
 def top_of(scene):
-    """The highest sample over the plane of least squares of each map and of their sum."""
+    """The highest sample over the plane of least squares of each map and of their sum, of periodic
+    maps over their mean."""
     def level(height):
+        if "map_edge" in scene.groups["surfaces"]:
+            return height - np.nanmean(height)
         there = ~np.isnan(height)
         x, y = np.indices(height.shape)
         columns = np.stack([x[there], y[there], np.ones(there.sum())], axis=1)
@@ -212,7 +216,11 @@ def top_of(scene):
 def law_changed(change):
     def law(scene, exe, folder, _rng):
         of_map, swap = CHANGES[change]
-        if change == "raised and tilted" and scene.groups["surfaces"].get("map_edge"):
+        if change == "rolled":
+            scene = copy.deepcopy(scene)
+            scene.groups["surfaces"]["map_edge"] = "periodic"
+            scene.groups["effects"] = {"interaction": "boundary"}
+        elif change == "raised and tilted" and scene.groups["surfaces"].get("map_edge"):
             # Tilted, it would not be periodic.
             return None
         return same_after(scene, mapped(scene, of_map, swap), exe, folder)
@@ -278,7 +286,7 @@ def law_given_back(scene, exe, folder, _rng):
     two = run(exe, other, folder)
     if two.status == 1 and ("the map " in two.err or "mean height of a map" in two.err):
         return None
-    if laws.both(one, two) and scene.groups["effects"]["interaction"] != "auto":
+    if laws.both(one, two) and "auto" not in scene.groups["effects"].values():
         laws.near(laws.number(row, "load"), laws.number(two.files["positions"][-1], "load"),
                   max(SAMPLES, solved_share(scene, one, two)), "load at the level found")
     return one.status
@@ -323,9 +331,10 @@ LAWS = {"scaled by powers of two": law_scaled,
         "the level found, given": law_given_back, "summits by either rule": law_of_summits}
 
 
-def broken(seed, exe, folder):
-    """The law of a seed: its name, the status of the run (None: not asked), and what is broken."""
-    scene, name = random_scene(seed), list(LAWS)[seed % len(LAWS)]
+def broken(seed, exe, folder, name=None):
+    """A law, by default that of the seed: its name, the status of the run (None: not asked), and
+    what is broken."""
+    scene, name = random_scene(seed), name or list(LAWS)[seed % len(LAWS)]
     try:
         return name, LAWS[name](scene, exe, folder, random.Random(f"law {seed}")), None
     except laws.Broken as wrong:
