@@ -170,7 +170,7 @@ module asperity_theory_warnings
       'of the work of adhesion is left in the gap at its edge', &
       'take a wider map or expect a pull that is too small by up to this share'), &
     warning_kind('shrinking', in_theory, 0.0_real64, .true., &
-      'contacts shrink, which the theory of creep does not cover', &
+      'contacts shrink beside others, beyond the theory of creep', &
       'of the elastic load is that of contacts that shrink', &
       'take their loads as estimates or solve the surface as a height map')]
 

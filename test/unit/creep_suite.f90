@@ -31,7 +31,7 @@ contains
     allocate (suite(0))
     suite = [ &
       new_unittest('the stiffness is the slope of the vertical load', slopes), &
-      new_unittest('shrinking areas are warned of, rounding is not', shrinking), &
+      new_unittest('shrinking areas with neighbours are warned of, rounding is not', shrinking), &
       new_unittest('compliance: Laplace inversion, no time, endless time', compliances), &
       new_unittest('three relaxation times: steps of a hold have a constant load', three_times), &
       new_unittest('steps of a smooth course: second order, against mpmath', steps_converge), &
@@ -45,8 +45,9 @@ contains
     class(contact_effect), allocatable :: creep
     type(contact_state) :: state, below, above
     type(effect_outcome) :: outcome, other
-    real(real64), parameter :: h = 1.0e-6_real64
-    integer :: i
+    real(real64), parameter :: h = 1.0e-6_real64, at(3) = [0.035_real64, 0.025_real64, &
+                               0.02_real64], times(3) = [0.8_real64, 1.0_real64, 1.1_real64]
+    integer :: i, k
 
     allocate (pairs%list(2))
     pairs%list(1) = pair_of(1.0_real64, 1.0_real64, 1.2_real64)
@@ -55,12 +56,16 @@ contains
     call start(pairs, creep)
     call held_at(pairs, creep, 0.03_real64, 0.0_real64, state, outcome)
     call creep%keep(pairs, state)
-    call held_at(pairs, creep, 0.035_real64, 0.8_real64, state, outcome)
-    call held_at(pairs, creep, 0.035_real64 - h, 0.8_real64, below, outcome)
-    call held_at(pairs, creep, 0.035_real64 + h, 0.8_real64, above, other)
-    do i = 1, 2
-      call near(error, state%answers(i)%stiffness, (above%answers(i)%vertical_load - &
-                below%answers(i)%vertical_load) / (2.0_real64 * h), 1.0e-8_real64, 'slope')
+    ! On loading, then as the contacts shrink.
+    do k = 1, 3
+      call held_at(pairs, creep, at(k), times(k), state, outcome)
+      call held_at(pairs, creep, at(k) - h, times(k), below, outcome)
+      call held_at(pairs, creep, at(k) + h, times(k), above, other)
+      do i = 1, 2
+        call near(error, state%answers(i)%stiffness, (above%answers(i)%vertical_load - &
+                  below%answers(i)%vertical_load) / (2.0_real64 * h), 1.0e-8_real64, 'slope')
+      end do
+      call creep%keep(pairs, state)
     end do
   end subroutine slopes
 
@@ -77,6 +82,7 @@ contains
       0.04_real64 * (1.0_real64 - 1.0e-6_real64), 1.0_real64, 1.0_real64, &
       0.01_real64, 1.0_real64, 1.0_real64, &
       0.05_real64, 1.0_real64, 0.0_real64], [3, 5])
+    real(real64), parameter :: lowered = 0.01_real64
     real(real64) :: share
     integer :: i
 
@@ -87,10 +93,10 @@ contains
     pairs%list%gap = [0.0_real64, 0.01_real64, 0.03_real64]
     pairs%modulus = 1.0_real64
     call start(pairs, creep)
-    call held_at(pairs, creep, 0.04_real64, 0.0_real64, state, outcome)
+    call held_at(pairs, creep, 0.04_real64, 0.0_real64, state, outcome, lowered)
     call creep%keep(pairs, state)
     do i = 1, size(steps, 2)
-      call held_at(pairs, creep, steps(1, i), steps(2, i), state, outcome)
+      call held_at(pairs, creep, steps(1, i), steps(2, i), state, outcome, lowered)
       share = 0.0_real64
       if (allocated(outcome%warnings)) &
         share = sum(outcome%warnings%magnitude, outcome%warnings%number == of_shrinking)
@@ -98,7 +104,7 @@ contains
       call check(error, all(state%answers%load >= 0.0_real64), 'no pull')
     end do
     ! Where next to nothing of the elastic load is left, the surface has not recovered.
-    call held_at(pairs, creep, 0.005_real64, 1.0_real64, state, outcome)
+    call held_at(pairs, creep, 0.005_real64, 1.0_real64, state, outcome, lowered)
     call check(error, all(state%answers%load <= 0.0_real64), 'open')
     call check(error, all(state%answers%contact_radius <= 0.0_real64), 'open: no area')
   end subroutine shrinking
@@ -268,15 +274,17 @@ contains
     call creep%begin(pairs)
   end subroutine start
 
-  ! A state of a hold.
-  subroutine held_at(pairs, creep, compression, time, state, outcome)
+  ! A state of a hold; `lowered` are displacements by neighbours, beside the compression.
+  subroutine held_at(pairs, creep, compression, time, state, outcome, lowered)
     type(contact_pairs), intent(in) :: pairs
     class(contact_effect), intent(in) :: creep
     real(real64), intent(in) :: compression, time
     type(contact_state), intent(out) :: state
     type(effect_outcome), intent(out) :: outcome
+    real(real64), intent(in), optional :: lowered
 
     call start_state(pairs, hertz_law(modulus=1.0_real64), compression, state)
+    if (present(lowered)) state%compression = compression + lowered
     state%time = time
     call creep%apply(pairs, state, outcome)
   end subroutine held_at

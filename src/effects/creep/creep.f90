@@ -3,12 +3,14 @@
 !> Loading, a path and a hold of the load or the separation take their times; without a time of
 !> loading that is instantaneous. In each state the elastic responses become those of a viscoelastic
 !> solid with the memory of the states before (Lee and Radok 1960). The modulus of the scene is the
-!> instantaneous one. Where a contact shrinks the theory leaves tractions on the area that opened.
+!> instantaneous one. The area of an isolated contact may shrink and grow again (`contact_rings`);
+!> that of one with displacements by neighbours keeps tractions where it has opened.
 module asperity_creep
   use asperity_contact_effect, only: contact_effect, effect_column, effect_outcome, force, &
                                      plain, relative_influence
   use asperity_contact_law, only: contact_response
   use asperity_contact_pairs, only: contact_pairs
+  use asperity_contact_rings, only: contact_rings, has_shrunk, keep_rings, measure_rings
   use asperity_contact_state, only: contact_state
   use asperity_kinds, only: int64, not_computed, real64
   use asperity_scene_values, only: body_compliance, effect_auto, effect_boundary, hold_load, &
@@ -35,6 +37,10 @@ module asperity_creep
     real(real64) :: elastic(2) = 0.0_real64   !! without relaxation
     real(real64) :: relaxing(most_relaxations, 2) = 0.0_real64  !! parts that will relax
     logical :: is_loaded = .false.            !! the load is more than 0
+    type(contact_rings) :: rings              !! of an isolated contact; else not allocated
+    !> Load and pressure over those of the rings, from the state in which it began to shrink; 0: it
+    !> has grown so far.
+    real(real64) :: correction(2) = 0.0_real64
   end type contact_memory
 
   !> Creep with one viscoelastic solid for both bodies.
@@ -133,7 +139,7 @@ contains
     type(effect_outcome), intent(inout) :: outcome  !! gets columns and warnings
     type(solid_step) :: step
     real(real64) :: elastic, shrinking
-    logical :: holds
+    logical :: holds, isolated
     integer :: i, number
 
     outcome%simulated = 'on'
@@ -146,15 +152,17 @@ contains
     number = 0
     do i = 1, size(pairs%list)
       elastic = state%answers(i)%load
-      if (holds .and. self%memory(i)%is_loaded .and. self%memory(i)%elastic(1) - elastic > &
-          self%may_fall * outcome%of_state(2)) then
+      isolated = holds .and. is_isolated(pairs, state, i)
+      if (isolated) isolated = allocated(self%memory(i)%rings%overlap)
+      if (holds .and. .not. isolated .and. self%memory(i)%is_loaded .and. &
+          self%memory(i)%elastic(1) - elastic > self%may_fall * outcome%of_state(2)) then
         shrinking = shrinking + self%memory(i)%elastic(1)
         number = number + 1
       end if
       if (.not. state%penetration(i) > 0.0_real64) cycle
       outcome%of_contacts(i, :) = [elastic, 1.0_real64]
       if (.not. (holds .and. elastic > 0.0_real64)) cycle
-      call relax_contact(step, self%memory(i), pairs%list(i)%s, state%answers(i))
+      call relax_contact(step, self%memory(i), isolated, pairs%list(i)%s, state%answers(i))
       outcome%of_contacts(i, 2) = state%answers(i)%load / elastic
     end do
     if (number > 0) call add_warning(outcome%warnings, of_shrinking, shrinking / &
@@ -206,21 +214,38 @@ contains
     if (to_come > self%tolerance) call add_warning(outcome%warnings, of_relaxing, to_come)
   end subroutine warn_of_limits
 
+  ! Whether no neighbour displaces the surfaces of a contact.
+  elemental logical function is_isolated(pairs, state, i)
+    type(contact_pairs), intent(in) :: pairs
+    type(contact_state), intent(in) :: state
+    integer, intent(in) :: i
+
+    is_isolated = .not. abs(state%penetration(i) - &
+                            (state%compression - pairs%list(i)%gap)) > 0.0_real64
+  end function is_isolated
+
   ! Turns the elastic response of a contact into that after a step. Where nothing is left of the
   ! load the surface has not recovered, and the contact is open.
-  pure subroutine relax_contact(step, before, sum_of_radii, answer)
+  pure subroutine relax_contact(step, before, isolated, sum_of_radii, answer)
     type(solid_step), intent(in) :: step
     type(contact_memory), intent(in) :: before
+    logical, intent(in) :: isolated
     real(real64), intent(in) :: sum_of_radii
     type(contact_response), intent(inout) :: answer
-    real(real64) :: elastic, now(2), turn
-    integer :: k
+    real(real64) :: correction(2), elastic, gain, now(2), rim, turn
 
     elastic = answer%load
-    now = step%gain * [answer%load, answer%maximum_pressure]
-    do k = 1, 2
-      now(k) = now(k) + history_of(step, before%elastic(k), before%relaxing(:step%terms, k))
-    end do
+    gain = step%gain
+    now = hereditary_values(step, before, [answer%load, answer%maximum_pressure])
+    if (isolated) then
+      if (before%correction(1) > 0.0_real64 .or. has_shrunk(before%rings, answer%overlap)) then
+        call measure_rings(before%rings, step, answer%overlap, rim, now)
+        correction = correction_of(step, before)
+        now = correction * now * [answer%load, answer%maximum_pressure]
+        gain = gain * sqrt(rim) * correction(1)
+        answer%contact_radius = answer%contact_radius * sqrt(rim)
+      end if
+    end if
     if (.not. now(1) > 0.0_real64) then
       answer = contact_response()
       return
@@ -231,8 +256,38 @@ contains
     ! The elastic stiffness is cosine dPe/dp + Pe d(cosine)/dp; creep reduces dPe/dp only.
     turn = (1.0_real64 - answer%cosine) * (1.0_real64 + answer%cosine) / &
            (sum_of_radii - answer%overlap)
-    answer%stiffness = step%gain * answer%stiffness - (answer%load - step%gain * elastic) * turn
+    answer%stiffness = gain * answer%stiffness - (answer%load - gain * elastic) * turn
   end subroutine relax_contact
+
+  ! Hereditary integrals of load and greatest pressure of a contact, from their elastic values.
+  pure function hereditary_values(step, before, elastic) result(now)
+    type(solid_step), intent(in) :: step
+    type(contact_memory), intent(in) :: before
+    real(real64), intent(in) :: elastic(2)
+    real(real64) :: now(2)
+    integer :: k
+
+    do k = 1, 2
+      now(k) = step%gain * elastic(k) + &
+               history_of(step, before%elastic(k), before%relaxing(:step%terms, k))
+    end do
+  end function hereditary_values
+
+  ! Load and pressure over those of the rings. Where the contact begins to shrink the loads of both
+  ! sums are equal at the last overlap.
+  pure function correction_of(step, before) result(correction)
+    type(solid_step), intent(in) :: step
+    type(contact_memory), intent(in) :: before
+    real(real64) :: correction(2), rim, shares(2)
+
+    correction = before%correction
+    if (correction(1) > 0.0_real64) return
+    correction = 1.0_real64
+    call measure_rings(before%rings, step, before%rings%last, rim, shares)
+    if (all(shares > 0.0_real64 .and. before%elastic > 0.0_real64)) &
+      correction = hereditary_values(step, before, before%elastic) / (shares * before%elastic)
+    if (.not. all(correction > 0.0_real64)) correction = 1.0_real64
+  end function correction_of
 
   !> Begins a position without any contact so far.
   subroutine begin_creep(self, pairs)
@@ -257,6 +312,14 @@ contains
     step = step_over(self%solid, self%time, state%time)
     do i = 1, size(pairs%list)
       associate (memory => self%memory(i), answer => state%answers(i))
+        if (.not. is_isolated(pairs, state, i)) then
+          memory%rings = contact_rings()
+          memory%correction = 0.0_real64
+        else if (allocated(memory%rings%overlap) .or. .not. memory%is_loaded) then
+          if (has_shrunk(memory%rings, answer%overlap)) &
+            memory%correction = correction_of(step, memory)
+          call keep_rings(memory%rings, step, answer%overlap)
+        end if
         memory%is_loaded = answer%load > 0.0_real64
         call keep_load(step, answer%load, memory%elastic(1), memory%relaxing(:step%terms, 1))
         call keep_load(step, answer%maximum_pressure, memory%elastic(2), &
