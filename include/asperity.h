@@ -13,7 +13,8 @@
  * compiler ends it.
  *
  * Threads: nothing is remembered between calls. Calls may run at once in several threads, also on
- * the same scene. One outcome must not be freed while another thread uses it.
+ * the same scene: solves run in parallel, other calls take turns. One outcome must not be freed while
+ * another thread uses it.
  *
  * Every argument is checked. One that is refused gives an outcome with ASPERITY_BAD_INPUT, whose text
  * names the argument as it is called here, says what was found and what is expected. Pointers may be

@@ -43,6 +43,7 @@ contains
 
     call begin_outcome(new, handle)
     if (.not. associated(new)) return
+    !$omp critical (library_texts)
     call require_text('map', path, new%problems)
     which = 0
     call take_word('unit', unit, length_units, which, new%problems)
@@ -59,6 +60,7 @@ contains
       call set_map(new, text_of(path), map)
     end if
     call finish_outcome(new)
+    !$omp end critical (library_texts)
   end function c_read_map
 
   ! Fills the tables and texts of a map. Missing pixels are NaN there.
@@ -89,12 +91,14 @@ contains
 
     call begin_outcome(new, handle)
     if (.not. associated(new)) return
+    !$omp critical (library_texts)
     call require_text('path', path, new%problems)
     call take_heights('map', given, map, new%problems, new%failure)
     if (new%problems%count() == 0 .and. .not. allocated(new%failure)) &
       call write_map_file(text_of(path), map, new%problems, new%failure)
     call set_text(new, text_notes, note_of_file(text_of(path), map))
     call finish_outcome(new)
+    !$omp end critical (library_texts)
   end function c_write_map
 
   !> `asperity_generate_map`.
@@ -108,6 +112,7 @@ contains
 
     call begin_outcome(new, handle)
     if (.not. associated(new)) return
+    !$omp critical (library_texts)
     call take_spec(path, groups, spec, new%problems)
     if (new%problems%count() == 0 .and. .not. spec%is_map) &
       call new%problems%add(spec%file // ': found surfaces, expected a group &map')
@@ -120,6 +125,7 @@ contains
       end if
     end if
     call finish_outcome(new)
+    !$omp end critical (library_texts)
   end function c_generate_map
 
   !> `asperity_power_spectrum`.
@@ -142,6 +148,7 @@ contains
 
     call begin_outcome(new, handle)
     if (.not. associated(new)) return
+    !$omp critical (library_texts)
     call take_heights('map', given, map, new%problems, new%failure)
     if (new%problems%count() == 0 .and. .not. all(map%pixel_spacing > 0.0)) &
       call new%problems%add('map.spacing: found 0, 0, expected the spacing of the pixels')
@@ -164,6 +171,7 @@ contains
       end do
     end if
     call finish_outcome(new)
+    !$omp end critical (library_texts)
   end function c_power_spectrum_at_level
 
   !> `asperity_summits`.
@@ -195,6 +203,7 @@ contains
 
     call begin_outcome(new, handle)
     if (.not. associated(new)) return
+    !$omp critical (library_texts)
     chosen%periodic = periodic
     chosen%edge_of_file = .true.
     call set_choices(choices, chosen, new%problems)
@@ -202,6 +211,7 @@ contains
     if (new%problems%count() == 0) &
       call summits_of_file(text_of(path), chosen, map, summits, spikes, new%problems, new%failure)
     call finish_summits(new, text_of(path), chosen, spikes, map, summits)
+    !$omp end critical (library_texts)
   end function summits_with_edge
 
   !> `asperity_summits_of_map`.
@@ -217,11 +227,13 @@ contains
 
     call begin_outcome(new, handle)
     if (.not. associated(new)) return
+    !$omp critical (library_texts)
     call set_choices(choices, chosen, new%problems)
     call take_heights('map', given, map, new%problems, new%failure)
     if (new%problems%count() == 0 .and. .not. allocated(new%failure)) &
       call summits_of_array(map, chosen, summits, spikes, new%problems, new%failure)
     call finish_summits(new, 'map', chosen, spikes, map, summits)
+    !$omp end critical (library_texts)
   end function c_summits_of_map
 
   ! The choices for summits.

@@ -53,10 +53,12 @@ contains
 
     call begin_outcome(new, handle)
     if (.not. associated(new)) return
+    !$omp critical (library_texts)
     allocate (new%scene_in)
     call require_text('scene', path, new%problems)
     if (new%problems%count() == 0) call read_scene(text_of(path), new%scene_in, new%problems)
     call finish_scene(new)
+    !$omp end critical (library_texts)
   end function c_read_scene
 
   !> `asperity_build_scene`.
@@ -70,6 +72,7 @@ contains
 
     call begin_outcome(new, handle)
     if (.not. associated(new)) return
+    !$omp critical (library_texts)
     allocate (new%scene_in)
     if (.not. c_associated(groups)) call new%problems%add('groups: found NULL, expected a text')
     if (.not. (c_associated(upper) .or. c_associated(lower))) then
@@ -82,6 +85,7 @@ contains
         call build_scene(surfaces(1), surfaces(2), text_of(groups), new%scene_in, new%problems)
     end if
     call finish_scene(new)
+    !$omp end critical (library_texts)
   end function c_build_scene
 
   !> `asperity_build_scene_of`.
@@ -95,6 +99,7 @@ contains
 
     call begin_outcome(new, handle)
     if (.not. associated(new)) return
+    !$omp critical (library_texts)
     allocate (new%scene_in)
     if (.not. c_associated(groups)) call new%problems%add('groups: found NULL, expected a text')
     call take_side('surfaces.upper', upper, sides(1))
@@ -102,6 +107,7 @@ contains
     if (new%problems%count() == 0 .and. .not. allocated(new%failure)) &
       call build_scene_of(sides, text_of(groups), new%scene_in, new%problems)
     call finish_scene(new)
+    !$omp end critical (library_texts)
 
   contains
 
@@ -137,6 +143,7 @@ contains
 
     call begin_outcome(new, handle)
     if (.not. associated(new)) return
+    !$omp critical (library_texts)
     allocate (new%scene_in)
     call look_at(of_scene, from)
     if (associated(from)) call new%problems%append(from%problems)
@@ -149,6 +156,7 @@ contains
     if (new%problems%count() == 0) &
       call rebuild_scene(from%scene_in, text_of(groups), new%scene_in, new%problems)
     call finish_scene(new)
+    !$omp end critical (library_texts)
   end function c_rebuild_scene
 
   !> `asperity_solve_scene`.
@@ -182,19 +190,35 @@ contains
     type(run_options) :: chosen
     type(outcome), pointer :: before, from, new
     type(scene_results) :: results
-    type(problem_list) :: kinds, warnings
-    type(text_buffer) :: summary
-    integer :: which
 
+    call begin_outcome(new, handle)
+    if (.not. associated(new)) return
     chosen%fields = fields
+    chosen%reuse%keeps = .true.
     call look_at(earlier, before)
     if (associated(before)) then
       if (allocated(before%solutions)) chosen%reuse%earlier => before%solutions
     end if
     if (c_associated(progress)) call c_f_pointer(progress, chosen%counted_work%numbers, [2])
-    call begin_outcome(new, handle)
-    if (.not. associated(new)) return
     call look_at(of_scene, from)
+    !$omp critical (library_texts)
+    call check_request(from, options, chosen, new)
+    !$omp end critical (library_texts)
+    if (new%problems%count() == 0 .and. .not. allocated(new%failure)) &
+      call solve(from%scene_in, results, new%failure, chosen)
+    !$omp critical (library_texts)
+    if (associated(from)) call set_results(from, chosen, results, new)
+    call finish_outcome(new)
+    !$omp end critical (library_texts)
+  end function c_solve_with_fields
+
+  ! Checks a scene and the options of its solve.
+  subroutine check_request(from, options, chosen, new)
+    type(outcome), pointer, intent(in) :: from
+    type(c_ptr), intent(in) :: options
+    type(run_options), intent(inout) :: chosen
+    type(outcome), intent(inout) :: new
+
     if (associated(from)) call new%problems%append(from%problems)
     if (.not. associated(from)) then
       new%failure = 'no scene'
@@ -204,34 +228,43 @@ contains
       call set_options(options, chosen, new%problems)
       if (chosen%fields > fields_none) &
         call check_field_request(from%scene_in, 'fields', new%problems)
-      chosen%reuse%keeps = .true.
-      if (new%problems%count() == 0) call solve(from%scene_in, results, new%failure, chosen)
-      if (allocated(new%failure)) new%failure = from%scene_in%file // ': ' // new%failure
-      call set_text(new, text_notes, from%scene_in%notes%text())
     end if
-    if (new%problems%count() == 0 .and. .not. allocated(new%failure)) then
-      allocate (new%solutions(size(results%positions)))
-      do which = 1, size(new%solutions)
-        call move_alloc(results%positions(which)%start%solutions, new%solutions(which)%solutions)
-        if (allocated(new%solutions(which)%solutions) .or. &
-            .not. associated(chosen%reuse%earlier)) cycle
-        if (which <= size(chosen%reuse%earlier)) &
-          new%solutions(which) = chosen%reuse%earlier(which)
-      end do
-      call move_alloc(results%positions(1)%fields, new%fields)
-      call list_warnings(from%scene_in%file, results, warnings, kinds)
-      call set_text(new, text_warnings, warnings%text())
-      call set_text(new, text_warning_kinds, kinds%text())
-      call write_summary(from%scene_in, results, summary)
-      call set_text(new, text_report, summary%text())
-      do which = 1, of_contacts
-        if (.not. allocated(new%failure)) &
-          call make_arrays(which, results, new%tables(which), new%failure)
-        if (.not. allocated(new%failure)) call name_units(from%scene_in, new%tables(which))
-      end do
-    end if
-    call finish_outcome(new)
-  end function c_solve_with_fields
+  end subroutine check_request
+
+  ! Fills an outcome with the results of a solve, or with the place of its failure.
+  subroutine set_results(from, chosen, results, new)
+    type(outcome), intent(in) :: from
+    type(run_options), intent(in) :: chosen
+    type(scene_results), intent(inout) :: results
+    type(outcome), intent(inout) :: new
+    type(problem_list) :: kinds, warnings
+    type(text_buffer) :: summary
+    integer :: which
+
+    if (.not. allocated(from%scene_in) .or. from%problems%count() > 0) return
+    call set_text(new, text_notes, from%scene_in%notes%text())
+    if (allocated(new%failure)) new%failure = from%scene_in%file // ': ' // new%failure
+    if (new%problems%count() > 0 .or. allocated(new%failure)) return
+    allocate (new%solutions(size(results%positions)))
+    do which = 1, size(new%solutions)
+      call move_alloc(results%positions(which)%start%solutions, new%solutions(which)%solutions)
+      if (allocated(new%solutions(which)%solutions) .or. &
+          .not. associated(chosen%reuse%earlier)) cycle
+      if (which <= size(chosen%reuse%earlier)) &
+        new%solutions(which) = chosen%reuse%earlier(which)
+    end do
+    call move_alloc(results%positions(1)%fields, new%fields)
+    call list_warnings(from%scene_in%file, results, warnings, kinds)
+    call set_text(new, text_warnings, warnings%text())
+    call set_text(new, text_warning_kinds, kinds%text())
+    call write_summary(from%scene_in, results, summary)
+    call set_text(new, text_report, summary%text())
+    do which = 1, of_contacts
+      if (.not. allocated(new%failure)) call make_arrays(which, results, new%tables(which), &
+                                                         new%failure)
+      if (.not. allocated(new%failure)) call name_units(from%scene_in, new%tables(which))
+    end do
+  end subroutine set_results
 
   ! Reads the options of a run. A value out of its range is a problem.
   subroutine set_options(given, chosen, problems)
@@ -269,6 +302,7 @@ contains
 
     call begin_outcome(new, handle)
     if (.not. associated(new)) return
+    !$omp critical (library_texts)
     call look_at(solved, from)
     if (.not. associated(from)) then
       call new%problems%add('solved: found NULL, expected the outcome of a solve')
@@ -291,6 +325,7 @@ contains
       end if
     end if
     call finish_outcome(new)
+    !$omp end critical (library_texts)
   end function c_fields
 
   ! The fields of a state; 0: there are none.

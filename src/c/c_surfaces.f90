@@ -31,6 +31,7 @@ contains
 
     call begin_outcome(new, handle)
     if (.not. associated(new)) return
+    !$omp critical (library_texts)
     call take_spec(path, groups, spec, new%problems)
     if (new%problems%count() == 0 .and. spec%is_map) &
       call new%problems%add(spec%file // ': found a height map, expected surfaces: ' // &
@@ -49,6 +50,7 @@ contains
       call add_surface(x, y, height, radius, new%tables(table_upper + side - 1), '')
     end do
     call finish_outcome(new)
+    !$omp end critical (library_texts)
   end function c_generate
 
   !> `asperity_make_report`.
@@ -68,6 +70,7 @@ contains
 
     call begin_outcome(new, handle)
     if (.not. associated(new)) return
+    !$omp critical (library_texts)
     call require_text('deck', path, new%problems)
     if (new%problems%count() == 0) call read_card_deck(text_of(path), deck, new%problems)
     which = 1
@@ -97,6 +100,7 @@ contains
       call set_text(new, text_notes, deck%notes%text() // records%notes%text())
     end if
     call finish_outcome(new)
+    !$omp end critical (library_texts)
   end function c_report
 
 end module asperity_c_surfaces

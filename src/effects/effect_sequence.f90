@@ -5,7 +5,7 @@ module asperity_effect_sequence
   use asperity_contact_pairs, only: contact_pairs
   use asperity_contact_state, only: contact_state, interaction_solution, start_state, &
                                     total_vertical_load
-  use asperity_effect_names, only: why_not_together
+  use asperity_effect_names, only: go_together
   use asperity_hertz_law, only: hertz_law
   use asperity_kinds, only: real64
   use asperity_scene_values, only: effect_auto, effect_boundary
@@ -239,8 +239,8 @@ contains
       do other = 1, size(effects)
         if (.not. (is_chosen(order(i)) .and. is_chosen(other))) cycle
         if (any(order(i:) == other)) cycle
-        if (why_not_together(trim(effects(order(i))%effect%name), mode_word(order(i)), &
-                             trim(effects(other)%effect%name), mode_word(other)) == '') cycle
+        if (go_together(effects(order(i))%effect%name, mode_word(order(i)), &
+                        effects(other)%effect%name, mode_word(other))) cycle
         is_chosen(order(i)) = .false.
         call add_warning(outcomes(order(i))%warnings, of_together, outcomes(order(i))%estimate, &
                          whose=trim(effects(order(i))%effect%name) // ' beside ' // &
@@ -251,12 +251,11 @@ contains
   contains
 
     ! The mode in which an effect would be simulated, as far as other effects depend on it.
-    function mode_word(effect) result(word)
+    character(len=8) function mode_word(effect)
       integer, intent(in) :: effect
-      character(len=:), allocatable :: word
 
-      word = 'on'
-      if (effects(effect)%effect%mode == effect_boundary) word = 'boundary'
+      mode_word = 'on'
+      if (effects(effect)%effect%mode == effect_boundary) mode_word = 'boundary'
     end function mode_word
 
   end subroutine exclude_conflicts

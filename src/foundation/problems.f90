@@ -16,6 +16,11 @@ module asperity_problems
     module procedure :: short_decimal, long_decimal
   end interface decimal_text
 
+  !> A number as text without blanks.
+  interface real_text
+    module procedure :: plain_real, formed_real
+  end interface real_text
+
   ! Largest numbers of problems of a file, and of successive equal problems, that are printed;
   ! others are counted. They limit the output for a file of another kind, or with a fault in every
   ! line.
@@ -52,6 +57,7 @@ module asperity_problems
     procedure :: shorten => shorten_list !! keeps two problems of a file of another kind
     procedure :: place => place_of_line  !! place of the problem of a line
     procedure :: text => problem_text    !! text with one line for each problem
+    procedure :: write_text              !! the same, where several threads write
     procedure, private :: add_placed
     procedure, private :: count_text
   end type problem_list
@@ -236,50 +242,80 @@ contains
     class(problem_list), intent(in) :: self  !! list of problems
     character(len=:), allocatable :: text    !! lines with their ends
 
-    text = self%lines%text()
+    call self%write_text(text)
+  end function problem_text
+
+  !> Writes the text of all problems, one line for each, with line ends.
+  pure subroutine write_text(self, text)
+    class(problem_list), intent(in) :: self              !! list of problems
+    character(len=:), allocatable, intent(out) :: text  !! lines with their ends
+
+    text = ''
+    if (allocated(self%lines%store)) text = self%lines%store(:self%lines%used)
     if (self%alike > most_alike) &
       text = text // printable_text(self%file // ': ' // self%count_text()) // new_line('a')
     if (self%beyond > 0) &
       text = text // printable_text(self%file // ': and ' // decimal_text(self%beyond) // &
                                ' more problems') // new_line('a')
-  end function problem_text
+  end subroutine write_text
+
+  ! Length of an integer as text. (gfortran wants it before its use in a length.)
+  pure integer function long_length(value) result(length)
+    integer(int64), intent(in) :: value
+    character(len=20) :: written
+
+    write (written, '(i0)') value
+    length = len_trim(written)
+  end function long_length
 
   !> An integer as text without blanks.
+  !>
+  !> The length of such a result is computed, not deferred: gfortran keeps the deferred length of a
+  !> function in static memory, one for all threads.
   pure function short_decimal(value) result(text)
-    integer, intent(in) :: value           !! integer of any size
-    character(len=:), allocatable :: text  !! its decimal digits, with sign when negative
+    integer, intent(in) :: value                          !! integer of any size
+    character(len=long_length(int(value, int64))) :: text  !! its digits, with sign when negative
 
-    text = long_decimal(int(value, int64))
+    write (text, '(i0)') value
   end function short_decimal
 
   !> An integer of 64 bits as text without blanks.
   pure function long_decimal(value) result(text)
-    integer(int64), intent(in) :: value    !! integer of any size
-    character(len=:), allocatable :: text  !! its decimal digits, with sign when negative
-    character(len=20) :: written
+    integer(int64), intent(in) :: value          !! integer of any size
+    character(len=long_length(value)) :: text    !! its digits, with sign when negative
 
-    write (written, '(i0)') value
-    text = trim(written)
+    write (text, '(i0)') value
   end function long_decimal
 
-  !> A number as text without blanks: seven digits, or the form of an edit descriptor.
-  pure function real_text(value, form) result(text)
-    real(real64), intent(in) :: value               !! number of any size
-    character(len=*), intent(in), optional :: form  !! edit descriptor, of a width up to 32
-    character(len=:), allocatable :: text           !! for instance `1.234567E+005` without `form`
-    character(len=32) :: written
+  ! A number at the left of a field of blanks.
+  pure character(len=32) function written_real(value, form) result(written)
+    real(real64), intent(in) :: value
+    character(len=*), intent(in) :: form
 
-    if (present(form)) then
-      write (written, '(' // form // ')') value
-      text = trim(adjustl(written))
-      ! Stars, or an exponent of three digits without its letter: as many digits in a wider form.
-      if (scan(text, '*') == 0 .and. &
-          (scan(text(2:), '+-') == 0 .or. scan(text, 'E') > 0)) return
-      write (written, '(es25.' // form(index(form, '.') + 1:index(form, '.') + 1) // 'e3)') value
-    else
-      write (written, '(es16.6e3)') value
-    end if
-    text = trim(adjustl(written))
-  end function real_text
+    write (written, '(' // form // ')') value
+    written = adjustl(written)
+    ! Stars, or an exponent of three digits without its letter: as many digits in a wider form.
+    if (scan(written, '*') == 0 .and. &
+        (scan(written(2:), '+-') == 0 .or. scan(written, 'E') > 0)) return
+    write (written, '(es25.' // form(index(form, '.') + 1:index(form, '.') + 1) // 'e3)') value
+    written = adjustl(written)
+  end function written_real
+
+  !> A number as text of seven digits, for instance `1.234567E+005`, without blanks.
+  pure function plain_real(value) result(text)
+    real(real64), intent(in) :: value                      !! number of any size
+    character(len=len_trim(written_real(value, 'es16.6e3'))) :: text
+
+    text = written_real(value, 'es16.6e3')
+  end function plain_real
+
+  !> A number in the form of an edit descriptor, without blanks.
+  pure function formed_real(value, form) result(text)
+    real(real64), intent(in) :: value                      !! number of any size
+    character(len=*), intent(in) :: form                   !! edit descriptor, of a width up to 32
+    character(len=len_trim(written_real(value, form))) :: text
+
+    text = written_real(value, form)
+  end function formed_real
 
 end module asperity_problems

@@ -14,7 +14,8 @@ module asperity_effect_names
   public :: by_default, by_numbers, by_word
   public :: hold_load, hold_separation, hold_words
   public :: law_exponential, most_relaxations
-  public :: known_effect, known_effects, effect_numbers, needed_for, why_not_together
+  public :: known_effect, known_effects, effect_numbers
+  public :: go_together, needed_for, why_not_together
 
   integer, parameter :: effect_off = 1       !! the effect is left out
   integer, parameter :: effect_on = 2        !! the effect is simulated
@@ -173,21 +174,43 @@ contains
     character(len=*), intent(in) :: first_way   !! how it is simulated
     character(len=*), intent(in) :: second      !! another effect, as in &effects
     character(len=*), intent(in) :: second_way  !! how it is simulated
-    logical, intent(in), optional :: on_pixels  !! on the pixels of a map; absent: on asperities
-    character(len=:), allocatable :: why
-    logical :: of_map
+    logical, intent(in) :: on_pixels            !! on the pixels of a map; .false.: on asperities
+    character(len=:), allocatable :: why        !! sentence for a message
     integer :: i
+
+    why = ''
+    i = conflict_of(first, first_way, second, second_way, on_pixels)
+    if (i > 0) why = first // ' and ' // second // ' do not go together: ' // &
+                     trim(merge(pairs(i)%on_pixels, pairs(i)%on_asperities, on_pixels))
+  end function why_not_together
+
+  !> Whether two effects are computed together.
+  pure logical function go_together(first, first_way, second, second_way, on_pixels)
+    character(len=*), intent(in) :: first       !! an effect, as in &effects
+    character(len=*), intent(in) :: first_way   !! how it is simulated
+    character(len=*), intent(in) :: second      !! another effect, as in &effects
+    character(len=*), intent(in) :: second_way  !! how it is simulated
+    logical, intent(in), optional :: on_pixels  !! on the pixels of a map; absent: on asperities
+    logical :: of_map
 
     of_map = .false.
     if (present(on_pixels)) of_map = on_pixels
-    why = ''
+    go_together = conflict_of(first, first_way, second, second_way, of_map) == 0
+  end function go_together
+
+  ! Entry of two effects that are not computed together; 0: they are.
+  pure integer function conflict_of(first, first_way, second, second_way, on_pixels) result(found)
+    character(len=*), intent(in) :: first, first_way, second, second_way
+    logical, intent(in) :: on_pixels
+    integer :: i
+
+    found = 0
     do i = 1, size(pairs)
-      if (.not. (is_pair(pairs(i), first, first_way, second) .or. &
-                 is_pair(pairs(i), second, second_way, first))) cycle
-      why = trim(merge(pairs(i)%on_pixels, pairs(i)%on_asperities, of_map))
-      if (why /= '') why = first // ' and ' // second // ' do not go together: ' // why
+      if ((is_pair(pairs(i), first, first_way, second) .or. &
+           is_pair(pairs(i), second, second_way, first)) .and. &
+          merge(pairs(i)%on_pixels, pairs(i)%on_asperities, on_pixels) /= '') found = i
     end do
-  end function why_not_together
+  end function conflict_of
 
   ! Whether an entry of the table is that of these two effects.
   pure logical function is_pair(pair, one, mode, other)

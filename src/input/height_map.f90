@@ -9,8 +9,8 @@ module asperity_height_map
   implicit none
   private
 
-  public :: height_map, change_unit, move_map, put_in_unit, give_spacing, fault_of_map, &
-            fault_of_spacing, known_units, length_units, unit_number, unit_ratio, plain_unit, &
+  public :: height_map, change_unit, move_map, put_in_unit, give_spacing, check_heights, &
+            check_spacing, known_units, length_units, unit_number, unit_ratio, plain_unit, &
             no_height, is_measured, is_length, make_room, read_height, expected_length, &
             expected_height, highest, largest_height, &
             most_samples, digit_of, no_power, edge_names, index_beside, level_mean, level_names, &
@@ -202,23 +202,23 @@ contains
     end if
   end subroutine give_spacing
 
-  !> Returns what is wrong with a spacing that is given; empty: nothing.
-  pure function fault_of_spacing(given_spacing, option) result(fault)
+  !> Finds what is wrong with a spacing that is given; empty: nothing.
+  pure subroutine check_spacing(given_spacing, option, fault)
     real(real64), intent(in) :: given_spacing(2)  !! along x and y; 0, 0: none is given
-    character(len=*), intent(in) :: option   !! name of the spacing, for the message
-    character(len=:), allocatable :: fault   !! what was found and what is expected
+    character(len=*), intent(in) :: option        !! name of the spacing, for the message
+    character(len=:), allocatable, intent(out) :: fault  !! what was found and what is expected
 
     fault = ''
     if (all(abs(given_spacing) <= 0.0_real64) .or. all(is_length(given_spacing))) return
     fault = option // ': found ' // real_text(given_spacing(1)) // ', ' // &
             real_text(given_spacing(2)) // &
             ', expected two numbers, each ' // expected_length // ', or 0 for both'
-  end function fault_of_spacing
+  end subroutine check_spacing
 
-  !> Returns what is wrong with a map of any source; empty: nothing.
-  pure function fault_of_map(map) result(fault)
-    type(height_map), intent(in) :: map     !! with its heights
-    character(len=:), allocatable :: fault  !! what was found and what is expected
+  !> Finds what is wrong with a map of any source; empty: nothing.
+  pure subroutine check_heights(map, fault)
+    type(height_map), intent(in) :: map                  !! with its heights
+    character(len=:), allocatable, intent(out) :: fault  !! what was found and what is expected
     real(real64) :: low, high
     integer(int64) :: measured
     integer :: row
@@ -242,7 +242,7 @@ contains
     else if (high > low .and. high - low < least_range) then
       fault = 'heights differ by less than 1e-60, expected more, or none'
     end if
-  end function fault_of_map
+  end subroutine check_heights
 
   !> The largest height without its sign; 0 where all pixels are missing.
   pure real(real64) function largest_height(map)

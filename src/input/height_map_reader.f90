@@ -2,7 +2,7 @@
 module asperity_height_map_reader
   use, intrinsic :: ieee_arithmetic, only: ieee_is_nan
   use asperity_delimited_text, only: line_reader
-  use asperity_height_map, only: edge_names, expected_height, fault_of_map, fault_of_spacing, &
+  use asperity_height_map, only: edge_names, expected_height, check_heights, check_spacing, &
                                  give_spacing, height_map, highest, known_units, largest_height, &
                                  make_room, no_height, plain_unit, unit_number
   use asperity_input_text, only: begin_file, check_text, first_control
@@ -90,7 +90,7 @@ contains
     before = problems%count()
     map%unit = ''
     call map%notes%start(path)
-    fault = fault_of_spacing(pixel_spacing, option)
+    call check_spacing(pixel_spacing, option, fault)
     if (fault /= '') then
       call problems%add(fault)
       return
@@ -124,7 +124,7 @@ contains
                                 ': ' // file%failure)
     if (allocated(failure)) failure = path // ': ' // failure
     if (problems%count() > before .or. allocated(failure)) return
-    fault = fault_of_map(map)
+    call check_heights(map, fault)
     if (fault /= '') call problems%add_in_file(fault)
 
   contains
@@ -157,7 +157,7 @@ contains
     map%unit = plain_unit(unit)
     map%edge = edge
     call map%notes%start(which)
-    fault = fault_of_spacing(along, which // '.spacing')
+    call check_spacing(along, which // '.spacing', fault)
     if (fault /= '') call problems%add(fault)
     if (map%unit /= '' .and. unit_number(map%unit) == 0) then
       call problems%add(which // '.unit: found ' // unit // ', expected one of ' // known_units // &
@@ -182,7 +182,7 @@ contains
       end do
     end do rows
     if (problems%count() > before) return
-    fault = fault_of_map(map)
+    call check_heights(map, fault)
     if (fault /= '') call problems%add(which // ': ' // fault)
     map%digit = spacing(largest_height(map))
   end subroutine take_map

@@ -14,7 +14,7 @@ module asperity_generated_map
   use asperity_constants, only: pi
   use asperity_decimal, only: decimal_to_real64
   use asperity_generation_values, only: map_spec
-  use asperity_height_map, only: fault_of_map, free_edge, height_map, highest, largest_height, &
+  use asperity_height_map, only: check_heights, free_edge, height_map, highest, largest_height, &
                                  length_units, periodic_edge
   use asperity_kinds, only: int64, real64
   use asperity_line_transform, only: back_in_place, line_transform, waves_to_real
@@ -75,7 +75,7 @@ contains
     end if
     map%height = (map%height - mean) * real(spec%rms / sqrt(mean_square), real64)
     map%digit = spacing(largest_height(map))
-    failure = fault_of_map(map)
+    call check_heights(map, failure)
     if (largest_height(map) > highest) failure = 'heights beyond 1e30, expected a lower rms value'
     if (failure == '') deallocate (failure)
   end subroutine generate_map

@@ -1,6 +1,6 @@
 !> From the file of a height map to its summits: reading, unit, levelling, removal of outliers.
 module asperity_summits_of_file
-  use asperity_height_map, only: fault_of_spacing, give_spacing, height_map, is_measured, &
+  use asperity_height_map, only: check_spacing, give_spacing, height_map, is_measured, &
                                  length_units, level_names, level_plane, note_repeated_line, &
                                  periodic_edge, put_in_unit, usual_level
   use asperity_height_map_reader, only: read_height_map
@@ -69,7 +69,7 @@ contains
     spikes = -1_int64
     choices%periodic = map%edge == periodic_edge
     call check_choices(choices, problems)
-    fault = fault_of_spacing(choices%pixel_spacing, trim(choices%prefix) // 'spacing')
+    call check_spacing(choices%pixel_spacing, trim(choices%prefix) // 'spacing', fault)
     if (fault == '') &
       call give_spacing(map, choices%pixel_spacing, trim(choices%prefix) // 'spacing', .false., &
       fault)

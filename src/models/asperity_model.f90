@@ -16,7 +16,7 @@ module asperity_asperity_model
   use asperity_contact_state, only: contact_state, start_state
   use asperity_earlier_solutions, only: expected_compression
   use asperity_effect_list, only: list_effects, list_left_out
-  use asperity_effect_names, only: effect_on, effect_words, known_effects, why_not_together
+  use asperity_effect_names, only: effect_on, effect_words, go_together, known_effects
   use asperity_effect_sequence, only: choose_effects, effect_choice
   use asperity_element_pressures, only: element_pressures
   use asperity_first_yield, only: yielding_body
@@ -347,8 +347,8 @@ contains
     is_ruled_out = .false.
     do i = 1, size(self%effects)
       associate (effect => self%effects(i)%effect)
-        is_ruled_out = is_ruled_out .or. why_not_together(trim(name), 'on', trim(effect%name), &
-          trim(effect_words(merge(effect_on, effect%mode, effect%mode == effect_auto)))) /= ''
+        is_ruled_out = is_ruled_out .or. .not. go_together(name, 'on', effect%name, &
+          effect_words(merge(effect_on, effect%mode, effect%mode == effect_auto)))
       end associate
     end do
   end function is_ruled_out

@@ -2,7 +2,7 @@
 module asperity_map_scene
   use asperity_contact_model, only: path_step
   use asperity_decimal, only: decimal_to_real64, decimal_value
-  use asperity_effect_names, only: effect_on, known_effects, why_not_together
+  use asperity_effect_names, only: effect_on, go_together, known_effects
   use asperity_height_map, only: height_map, is_measured, move_map
   use asperity_kinds, only: int64, real64
   use asperity_map_caps, only: add_caps, placed_caps
@@ -116,8 +116,8 @@ contains
     ! The error of Hertzian contacts, which `auto` would avoid, is less than that of summits. Beside
     ! an effect without a common theory `auto` leaves interaction out.
     if (plain%effects%mode('interaction') == effect_auto .and. .not. any([( &
-        plain%effects%modes(i) == effect_on .and. why_not_together(trim(known_effects(i)%name), &
-        'on', 'interaction', 'coupled') /= '', i=1, size(known_effects))])) &
+        plain%effects%modes(i) == effect_on .and. .not. go_together(known_effects(i)%name, &
+        'on', 'interaction', 'coupled'), i=1, size(known_effects))])) &
       call plain%effects%call_for('interaction', effect_coupled)
     associate (upper => plain%upper, lower => plain%lower)
       upper%is_plane = .true.

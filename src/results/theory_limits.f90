@@ -5,7 +5,7 @@
 module asperity_theory_limits
   use asperity_constants, only: pi
   use asperity_decimal, only: decimal_to_real64
-  use asperity_effect_names, only: effect_words, known_effects, why_not_together
+  use asperity_effect_names, only: effect_words, go_together, known_effects
   use asperity_first_yield, only: yield_pressure
   use asperity_kinds, only: real64
   use asperity_scene_values, only: control_limit, criterion_greenwood_williamson, criterion_hardy, &
@@ -101,8 +101,8 @@ contains
     associate (modes => scene_in%effects%modes)
       do i = 1, size(modes)
         if (any(modes(i) == [effect_off, effect_auto])) cycle
-        if (why_not_together('plasticity', 'on', trim(known_effects(i)%name), &
-                             trim(effect_words(modes(i)))) /= '' .or. &
+        if (.not. go_together('plasticity', 'on', known_effects(i)%name, &
+                              effect_words(modes(i))) .or. &
             (allocated(scene_in%map) .and. modes(i) == effect_boundary)) &
           name = 'not with ' // known_effects(i)%name
       end do

@@ -16,9 +16,9 @@ module asperity_accuracy_choice
   implicit none
   private
 
-  public :: run_errors, check_left_out, choose_hertz_contacts, choose_model, errors_of_run, &
-            first_tolerance, influence_left_out, may_use_elements, next_tolerance, &
-            possible_accuracy, proposed_accuracy, report_method, total_error
+  public :: run_errors, add_possible_accuracy, add_proposal, check_left_out, &
+            choose_hertz_contacts, choose_model, errors_of_run, first_tolerance, &
+            influence_left_out, may_use_elements, next_tolerance, report_method, total_error
 
   ! Smallest relative error of an area by boundary elements that is relied on.
   ! With finer elements the estimates 1.9e-3 and 9.3e-4 in two scenes of steep pairs were less than
@@ -257,34 +257,35 @@ contains
     end if
   end subroutine report_method
 
-  !> The errors of the most accurate run, and what to ask for.
-  pure function possible_accuracy(errors, on_pixels, accuracy, total) result(text)
+  !> Adds the errors of the most accurate run and an option that is met.
+  pure subroutine add_possible_accuracy(errors, on_pixels, accuracy, total, text)
     type(run_errors), intent(in) :: errors     !! errors of the run
     logical, intent(in) :: on_pixels           !! whether the pixels of a map are solved
     real(real64), intent(in) :: accuracy       !! requested relative error
     character(len=*), intent(in) :: total      !! of which: `all`, `load` or `area`
-    character(len=:), allocatable :: text      !! sentence with an option that is met
-    text = trim(merge('the pixels of the map have', 'the most accurate one has ', on_pixels)) // &
+    character(len=:), allocatable, intent(inout) :: text  !! begin of the sentence
+
+    text = text // &
+           trim(merge('the pixels of the map have', 'the most accurate one has ', on_pixels)) // &
            ' an estimated error of loads and separations of ' // &
            real_text(total_error(errors, 'load'))
     if (errors%area > 0.0_real64) &
       text = text // ', of areas of ' // real_text(total_error(errors, 'area'))
-    text = text // proposed_accuracy(total_error(errors, total), total)
+    call add_proposal(total_error(errors, total), total, text)
     if (on_pixels) text = text // ', or take a map of finer pixels'
     if (total == 'all' .and. total_error(errors, 'load') <= accuracy) &
       text = text // ', or for --of load where areas do not matter'
-  end function possible_accuracy
+  end subroutine add_possible_accuracy
 
-  !> The option that asks for an error; empty where no option is possible.
-  pure function proposed_accuracy(error, total) result(text)
+  !> Adds the option for an error, where one is possible.
+  pure subroutine add_proposal(error, total, text)
     real(real64), intent(in) :: error        !! relative error that a run had
     character(len=*), intent(in) :: total    !! of which: `all`, `load` or `area`
-    character(len=:), allocatable :: text    !! the end of a sentence
+    character(len=:), allocatable, intent(inout) :: text  !! begin of the sentence
 
-    text = ''
     if (.not. error < possible_share) return
-    text = ': set --accuracy ' // real_text(error / possible_share, 'es7.1')
+    text = text // ': set --accuracy ' // real_text(error / possible_share, 'es7.1')
     if (total /= 'all') text = text // ' --of ' // trim(total)
-  end function proposed_accuracy
+  end subroutine add_proposal
 
 end module asperity_accuracy_choice

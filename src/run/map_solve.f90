@@ -6,7 +6,7 @@ module asperity_map_solve
   use asperity_contact_model, only: contact_model, path_step
   use asperity_contact_records, only: contact_row, drop_rows, position_result, state_row
   use asperity_decimal, only: decimal_to_real64
-  use asperity_effect_names, only: by_numbers, known_effects, why_not_together
+  use asperity_effect_names, only: by_numbers, go_together, known_effects
   use asperity_height_map, only: height_map
   use asperity_kept_records, only: whole_number
   use asperity_kinds, only: not_computed, real64
@@ -113,7 +113,7 @@ contains
     calls_for_asperities = any([( &
       scene_in%effects%modes(e) == effect_auto .and. known_effects(e)%not_on_pixels /= '' .and. &
       influence(e) > scene_in%effects%number('tolerance') .and. &
-      why_not_together(trim(known_effects(e)%name), 'on', 'interaction', 'coupled') == '', &
+      go_together(known_effects(e)%name, 'on', 'interaction', 'coupled'), &
       e=1, size(known_effects))])
   end function calls_for_asperities
 

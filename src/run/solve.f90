@@ -1,9 +1,9 @@
 !> Solution of a scene, with its own settings or to a requested accuracy.
 module asperity_solve
-  use asperity_accuracy_choice, only: check_left_out, choose_hertz_contacts, choose_model, &
-                                      possible_accuracy, errors_of_run, first_tolerance, &
-                                      may_use_elements, next_tolerance, report_method, &
-                                      run_errors, total_error
+  use asperity_accuracy_choice, only: add_possible_accuracy, check_left_out, &
+                                      choose_hertz_contacts, choose_model, errors_of_run, &
+                                      first_tolerance, may_use_elements, next_tolerance, &
+                                      report_method, run_errors, total_error
   use asperity_decimal, only: decimal_to_real64
   use asperity_kinds, only: real64
   use asperity_map_solve, only: solve_map
@@ -37,7 +37,7 @@ contains
     if (present(options)) chosen = options
     call check_options(chosen, problems)
     if (problems%count() > 0) then
-      failure = problems%text()
+      call problems%write_text(failure)
       failure = failure(:len(failure) - 1)
       return
     end if
@@ -123,9 +123,9 @@ contains
       end if
       least = errors_of_run(chosen, .false., results)
     end if
-    failure = 'no method has this accuracy; ' // &
-              possible_accuracy(least, chosen%effects%mode('interaction') == effect_boundary, &
-                                options%accuracy, options%accuracy_of)
+    failure = 'no method has this accuracy; '
+    call add_possible_accuracy(least, chosen%effects%mode('interaction') == effect_boundary, &
+                               options%accuracy, options%accuracy_of, failure)
     if (allocated(unsolved)) failure = failure // ' (' // unsolved // ')'
   end subroutine solve_model_to_accuracy
 

@@ -1,7 +1,7 @@
 !> Solution of two surfaces of summits: with their effects, or without them to an accuracy.
 module asperity_surface_solve
   use asperity_accuracy_bound, only: error_bound
-  use asperity_accuracy_choice, only: check_left_out, influence_left_out, proposed_accuracy
+  use asperity_accuracy_choice, only: add_proposal, check_left_out, influence_left_out
   use asperity_asperity_model, only: make_asperity_model
   use asperity_contact_model, only: contact_model
   use asperity_contact_records, only: solve_method
@@ -80,8 +80,8 @@ contains
       results%way_told = 'ten times better: not possible'
     if (results%error_bound <= options%accuracy) return
     failure = 'no method has this accuracy; the most accurate one, real64, has an error of ' // &
-              real_text(results%error_bound, 'es7.1') // &
-              proposed_accuracy(results%error_bound, 'all')
+              real_text(results%error_bound, 'es7.1')
+    call add_proposal(results%error_bound, 'all', failure)
   end subroutine solve_to_accuracy
 
   !> Whether a scene has effects, or a path of several values.

@@ -136,7 +136,7 @@ contains
     if (.not. allocated(failure)) call take_records(watch%kept, positions, failure)
     if (allocated(failure)) return
     if (allocated(kept%more) .and. sum(int(positions%rows_used, int64)) > most_rows) then
-      failure = too_many()
+      call refuse_rows(failure)
       return
     end if
     call watch%progress%begin(options%progress, 'positions', number, watch%kept%done)
@@ -295,7 +295,7 @@ contains
     do m = 1, min(size(positions), watch%failed)
       rows = rows + int(positions(m)%rows_used, int64)
       if (m == watch%failed) failure = watch%failure
-      if (rows > int(most_rows, int64)) failure = too_many()
+      if (rows > int(most_rows, int64)) call refuse_rows(failure)
       if (.not. allocated(failure)) cycle
       failure = 'position ' // decimal_text(whole_number(m, watch%start, watch%stride)) // ': ' // &
                 failure
@@ -303,11 +303,11 @@ contains
     end do
   end subroutine find_failure
 
-  pure function too_many() result(text)
-    character(len=:), allocatable :: text
+  subroutine refuse_rows(failure)
+    character(len=:), allocatable, intent(out) :: failure
 
-    text = 'more than ' // decimal_text(most_rows) // ' contacts to keep: expected fewer ' // &
-           'positions or points, or no list of contacts'
-  end function too_many
+    failure = 'more than ' // decimal_text(most_rows) // ' contacts to keep: expected fewer ' // &
+              'positions or points, or no list of contacts'
+  end subroutine refuse_rows
 
 end module asperity_sweep

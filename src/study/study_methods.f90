@@ -4,7 +4,7 @@ module asperity_study_methods
   use asperity_contact_records, only: by_events, by_marching, overlap_original, overlap_stable, &
                                       solve_method
   use asperity_decimal, only: decimal_value
-  use asperity_effect_names, only: known_effects, why_not_together
+  use asperity_effect_names, only: go_together, known_effects, why_not_together
   use asperity_height_map, only: height_map, level_none
   use asperity_interruption, only: interruption
   use asperity_isolated_contacts, only: solve_position
@@ -139,7 +139,8 @@ contains
     left_out = ''
     do e = 1, size(known_effects)
       if (simulated(e) .and. left_out == '') &
-        left_out = why_not_together(trim(known_effects(e)%name), 'on', 'interaction', 'coupled')
+        left_out = why_not_together(trim(known_effects(e)%name), 'on', 'interaction', 'coupled', &
+                                    .false.)
     end do
     if (left_out == '') call add_neighbours(scene_in, simulated, finest, methods)
   end subroutine list_methods
@@ -233,7 +234,7 @@ contains
                                                     decimal_value(3_int64, -3), &
                                                     decimal_value(1_int64, -3)]
     type(study_method) :: method
-    character(len=:), allocatable :: on_cells, unit
+    character(len=:), allocatable :: unit
     logical :: is_moved
     integer :: e, k
 
@@ -257,12 +258,8 @@ contains
       call add_pixel_methods(finest, is_moved, methods)
       return
     end if
-    on_cells = ''
-    do e = 1, size(simulated)
-      if (simulated(e)) on_cells = on_cells // &
-        why_not_together(trim(known_effects(e)%name), 'on', 'interaction', 'boundary')
-    end do
-    if (on_cells /= '') return
+    if (any([(simulated(e) .and. .not. go_together(known_effects(e)%name, 'on', 'interaction', &
+                                                   'boundary'), e=1, size(simulated))])) return
     if (allocated(scene_in%map)) then
       ! `auto` is the pixels at any tolerance.
       if (.not. any(simulated .and. known_effects%name /= 'interaction')) &

@@ -67,7 +67,8 @@ contains
         failure = 'cannot be packed: found room for ' // decimal_text(i - 1) // ' of ' // &
                   decimal_text(size(x)) // ' asperities, and none for the next in ' // &
                   decimal_text(tries) // ' tries, expected a smaller least distance, fewer ' // &
-                  'asperities' // packing_remedy(extent, least, size(x))
+                  'asperities'
+        call add_remedy(extent, least, size(x), failure)
         return
       end if
       if (least > 0_int64) call add_position(grid, x(i), y(i), i)
@@ -152,20 +153,22 @@ contains
 
   !> Remedy for the message: more tries, or the coverage where random placing nearly fills the
   !> surface.
-  pure function packing_remedy(extent, least, number) result(text)
+  pure subroutine add_remedy(extent, least, number, failure)
     integer(int64), intent(in) :: extent(2), least
     integer, intent(in) :: number
-    character(len=:), allocatable :: text
+    character(len=:), allocatable, intent(inout) :: failure
     real(real64) :: covered
 
-    text = ' or more tries'
     ! Discs extend beyond the edge, so a small area holds more than a large one in proportion.
     covered = pi / 4 * real(number, real64) / &
               ((real(extent(1), real64) / real(least, real64) + 1) * &
                (real(extent(2), real64) / real(least, real64) + 1))
-    if (covered <= jamming .or. covered > 10) return
-    text = ': their discs would cover ' // real_text(covered, 'f5.3') // ' of the area, ' // &
-           'random placing ends near ' // real_text(jamming, 'f5.3')
-  end function packing_remedy
+    if (covered <= jamming .or. covered > 10) then
+      failure = failure // ' or more tries'
+    else
+      failure = failure // ': their discs would cover ' // real_text(covered, 'f5.3') // &
+                ' of the area, random placing ends near ' // real_text(jamming, 'f5.3')
+    end if
+  end subroutine add_remedy
 
 end module asperity_random_positions

@@ -142,6 +142,33 @@ def test_threads(package):
     assert np.allclose(found, expected, rtol=1e-6)
 
 
+def test_messages_in_threads(package):
+    """Calls that fail in two threads at once have messages of their own, of any length."""
+    def message(length):
+        wrong = {f"n{i}": "y" * (1 + length * i % 50) for i in range(100)}
+        with pytest.raises(package.InputError) as caught:
+            package.Scene({"surfaces": {"deck": "x" * length}, "effects": wrong})
+        return str(caught.value)
+    lengths = range(1, 100)
+    expected = [message(length) for length in lengths]
+    with concurrent.futures.ThreadPoolExecutor(2) as pool:
+        assert list(pool.map(message, lengths)) == expected
+
+
+def test_no_shared_lengths(package_folder):
+    """The rooms that solve call no function of a deferred length: gfortran keeps that length in
+    static memory, under the name `slen`, where threads overwrite it."""
+    listed = run_program("objdump", "-t", package_folder / "asperity" / "libasperity.so").stdout
+    # Symbols follow the name of their source.
+    parts = {part.split()[1]: part for part in listed.split(" df *ABS*")[1:]}
+    held = {name for name, part in parts.items() if "slen." in part}
+    rooms = ("circles", "contact", "effects", "grid", "joint", "maps", "models", "numerics",
+             "results", "run", "search", "summation")
+    sources = {path.name for room in rooms for path in (ROOT / "src" / room).glob("*.[fF]90")}
+    assert len(sources & set(parts)) > 100
+    assert sorted(sources & held) == []
+
+
 PROGRESS = """
 import sys
 if HIDE: sys.modules["tqdm"] = None
