@@ -11,7 +11,7 @@ import numpy as np
 import pytest
 from builds import ROOT, build
 from programs import run_program
-from surfaces_csv import records, write_csv_scene
+from surfaces_csv import records
 
 # Says nothing about the build under test: the package has the release build.
 pytestmark = [pytest.mark.once, pytest.mark.filterwarnings("ignore::UserWarning")]
@@ -94,30 +94,6 @@ def test_as_the_program(package, name, tmp_path, tally):
                     if ": warning: " in line]
     # The program adds the corrected Table VI to the summary of a bare deck.
     assert done.stdout.partition("\n")[2].startswith(results.summary.partition("\n")[2])
-
-
-@pytest.mark.long
-def test_fortran_c_and_python(package, venv, tmp_path, tally):
-    """One scene from files through the program, from memory through C and through Python."""
-    scene = write_csv_scene(tmp_path, BALL, BUMPS, modulus=STEEL["elastic_modulus"],
-                            ratio=STEEL["poisson_ratio"], loading=CURVE,
-                            effects={"interaction": "coupled"})
-    run_program(build("release"), "solve", scene, "--curve", tmp_path / "states")
-    results = package.solve(scene_as_dict(BALL, BUMPS, loading=CURVE,
-                                          effects={"interaction": "coupled"}))
-    assert_same(results.states, tmp_path / "states", tally, "states of arrays")
-    program = tmp_path / "press"
-    library = next(venv.glob("lib/python*/site-packages/asperity"))
-    run_program("gcc", "-std=c99", "-Wall", "-Wextra", "-Werror", "-pedantic", "-I", "include",
-                "example/press_two_surfaces.c", "-o", program, "-L", library, "-lasperity",
-                f"-Wl,-rpath,{library}", cwd=ROOT)
-    for words, table in ((), results.states), (("data/examples/thesis.scene",), None):
-        if table is None:
-            with pytest.warns(package.TheoryWarning):
-                table = package.solve(ROOT / words[0]).positions
-        done = run_program(program, *words, cwd=ROOT)
-        rows = [tuple(map(float, line.split())) for line in done.stdout.splitlines()]
-        assert rows == list(zip(table["separation"], table["load"]))
 
 
 def test_report(package):

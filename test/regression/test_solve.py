@@ -14,8 +14,7 @@ import pytest
 from mpmath import mpf
 
 from decks import random_deck, write_deck
-from exact_contact import (TOTALS, Truth, local_slopes, overlap_from_penetration, read_deck,
-                           slope_of_logs)
+from exact_contact import TOTALS, Truth, local_slopes, read_deck, slope_of_logs
 from surfaces_csv import exact_csv_scene, solve, write_csv_scene, write_scene
 
 TOTALS_BOUND = 1e-13
@@ -326,74 +325,6 @@ def test_refusals(words, groups, asperity, tmp_path):
     assert words in run.stderr
     assert len([line for line in run.stderr.splitlines() if ": note: " not in line]) == 1
     assert not list(tmp_path.glob("*positions*")) and not list(tmp_path.glob("*curve*"))
-
-
-def overlap_errors(run, plan, total, real):
-    """Errors of the overlaps, in ulps of `real`, given the printed penetrations."""
-    for row in run.contacts:
-        p, w = float(row["penetration"]), float(row["overlap"])
-        if p > 0.0:
-            key = int(row["upper"]) - 1
-            digits = 60 + int(-2 * math.log10(p))
-            true = overlap_from_penetration(total(row, key), plan(row, key), p, digits)
-            yield abs(float((mpf(w) - true) / mpf(float(np.spacing(real(float(true)))))))
-
-
-def test_overlap_of_many_pairs(asperity, tmp_path):
-    """1500 pairs, each alone in plan, some nearly beside each other, closed to any penetration."""
-    rng = random.Random(7)
-    # Centres must not come level by rounding.
-    real, slack = np.float64, 1e-6
-    upper, lower = [], []
-    for i in range(1500):
-        # Radii that add up exactly, and plan distances that are differences of zero.
-        ru, rl = (rng.randrange(2 ** 19, 2 ** 20) / 2 ** 20 for _ in range(2))
-        s = ru + rl
-        d = float(real(s * rng.choice((rng.random(), 1 - 2.0 ** -rng.uniform(1, 20),
-                                       2.0 ** -rng.uniform(1, 30)))))
-        zc = math.sqrt((s - d) * (s + d))
-        p = zc * min(1 - slack, rng.choice((rng.random(), 10.0 ** -rng.uniform(0, 15), 1.0)))
-        if i == 0:
-            ru, rl, s, d, p = 0.75, 0.75, 1.5, 0.0, 0.5
-            zc = s
-        level = 0.25 + p + d * d / (s + zc)
-        upper.append((0.0, 4.0 * i, float(real(1.9 * ru)), ru))
-        lower.append((d, 4.0 * i, float(real(level - real(1.9 * ru))), rl))
-    run = solve(asperity, write_csv_scene(tmp_path, upper, lower,
-                                          loading={"control": "approach", "value": 0.25}))
-    assert run.status == 0, run.stderr
-    errors = list(overlap_errors(run, lambda row, i: lower[i][0],
-                                 lambda row, i: upper[i][3] + lower[i][3], real))
-    print(f"{len(errors)} overlaps, worst {max(errors):.2f} ulps")
-    assert len(errors) > 1200 and max(errors) <= 4.0
-
-
-def test_overlap_of_one_pair(asperity, tmp_path):
-    """Penetrations down to 1e-300. By load: any plan distance. By approach: where first touch is
-    exactly at zero, d**2/(s + zc) being a whole number in Pythagorean triangles."""
-    real, least = np.float64, 300
-    errors, smallest = [], 1.0
-    sweep = {"x_first": 0.0, "x_step": 2.0 ** -6, "positions": 96}
-    for power in range(0, least, least // 10):
-        scene = write_csv_scene(tmp_path, [(0.0, 0.0, 1.4, 0.75)], [(0.0, 0.0, 1.4, 0.75)],
-                                motion=sweep, loading={"control": "load", "value": 10.0 ** -power})
-        run = solve(asperity, scene)
-        assert run.status == 0, run.stderr
-        errors += overlap_errors(run, lambda row, i: float(row["x_displacement"]),
-                                 lambda row, i: 1.5, real)
-    for s, d, zc in ((5, 3, 4), (13, 12, 5), (13, 5, 12), (17, 15, 8), (25, 24, 7), (29, 20, 21)):
-        for power in range(0, least + 1, least // 6):
-            p = float(real(10.0 ** -power))
-            r, h = s / 2, 0.9 * s // 1
-            scene = write_csv_scene(tmp_path, [(0.0, 0.0, h, r)],
-                                    [(float(d), 0.0, s - zc - h, r)],
-                                    loading={"control": "approach", "value": -p})
-            run = solve(asperity, scene)
-            assert run.status == 0 and float(run.contacts[0]["penetration"]) == p
-            errors += overlap_errors(run, lambda row, i, d=d: d, lambda row, i, s=s: s, real)
-            smallest = min(smallest, p)
-    print(f"{len(errors)} overlaps, worst {max(errors):.2f} ulps, least {smallest:g}")
-    assert len(errors) > 900 and max(errors) <= 4.0
 
 
 def curve_of_deck(asperity, root, tmp_path, x):

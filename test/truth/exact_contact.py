@@ -303,13 +303,6 @@ class Truth:
             return sorted((p.touch for p in self.near_pairs(m)), reverse=True)
 
 
-def overlap_from_penetration(total, plan, penetration, digits=900):
-    """Overlap of two spheres from numbers taken as exact."""
-    with mp.workdps(digits):
-        s, d, p = map(mpf, (total, plan, penetration))
-        return s - root(d * d + (root(s * s - d * d) - p) ** 2)
-
-
 def slope_of_logs(x, y):
     """Least squares through (log x, log y)."""
     return float(np.polyfit(np.log(x), np.log(y), 1)[0])
