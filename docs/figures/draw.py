@@ -795,9 +795,10 @@ def main(executable, *names):
     drawn = {name.replace("_", "-") if name.split("_")[0] in (
         "gallery", "how", "map", "time", "scan", "representative", "pair", "rough") else name: make
         for name, make in FIGURES.items()}
-    # The scene is named in the picture without its folder.
-    pictures = {"pressure-map": ("solve", "surface.scene"),
-                "summits": ("summits", ROOT / "data/examples/summits/smooth.sdf")}
+    # Commands of the README and of the tutorial: a picture names its file as they do.
+    pictures = {"pressure-map": (DATA, "solve", "surface.scene"),
+                "summits": (ROOT, "summits", "data/examples/summits/smooth.sdf", "--unit", "um",
+                            "--rule", "contact")}
     names = names or (*drawn, *pictures)
     unknown = set(names) - {*drawn, *pictures}
     if unknown:
@@ -807,7 +808,8 @@ def main(executable, *names):
     for name in names:
         path = FOLDER / f"{name}.svg"
         if name in pictures:
-            run(executable, *pictures[name], "--quiet", "--picture", path, folder=DATA)
+            folder, *words = pictures[name]
+            run(executable, *words, "--quiet", "--picture", path, folder=folder)
             continue
         canvas = drawn[name]()
         canvas.savefig(path, metadata={"Date": None})

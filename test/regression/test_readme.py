@@ -88,6 +88,13 @@ def test_thesis(run):
         ROOT / "reference_output/thesis.ibm370.txt").read_text()
 
 
+def test_picture_of_the_tutorial(run, tmp_path):
+    page = (ROOT / "docs/tutorial/measured-surface.md").read_text(encoding="utf-8")
+    run(re.search(r"(?m)^\$ (asperity summits .*)", page)[1])
+    assert (tmp_path / "summits.svg").read_text() == (
+        ROOT / "docs/figures/summits.svg").read_text()
+
+
 @pytest.mark.once
 def test_gallery_has_every_example():
     """Each scene and specification of the examples, and a picture below each heading."""
