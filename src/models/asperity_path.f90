@@ -8,6 +8,7 @@ module asperity_asperity_path
   use asperity_isolated_contacts, only: list_compressions
   use asperity_kinds, only: real64
   use asperity_path_steps, only: plan_path
+  use asperity_root_bracket, only: guess_by_secant, narrow_bracket, root_bracket
   use asperity_scene_values, only: control_compression, control_limit, control_pressure, &
                                    effect_off, is_load, scene
   implicit none
@@ -71,80 +72,94 @@ contains
   end subroutine plan_states
 
   ! Finds the compressions, up to the last, of the first contact of each pair, with displacements by
-  ! neighbours. The penetration of a contact is less than the compression since its first contact:
-  ! the compression less the largest penetration of the new contacts is an upper bound of the next
-  ! one. The secant through two such states converges to it faster; below it the bracket is
-  ! halved, as for a contact that begins with a jump. Computed states serve the later contacts.
+  ! neighbours: zeros of the largest penetration of the pairs that have not been in contact, by a
+  ! bracketed secant method. Computed states serve the later contacts.
   ! The displacement by neighbours jumps as their load does where the number of boundary elements
   ! changes with the compression, and so does the place of a first contact.
   subroutine find_first_contacts(pairs, effects, end_state, contacts_begin, failure)
+    ! Long: one search, whose states serve the next one.
     type(contact_pairs), intent(in) :: pairs
     type(effect_box), intent(in) :: effects(:)
     type(found_state), intent(inout) :: end_state  ! with the last compression; counts solves
     real(real64), allocatable, intent(out) :: contacts_begin(:)  ! ascending, from first contact
     character(len=:), allocatable, intent(inout) :: failure
-    ! Least tolerance over the last compression (chosen: the accuracy of the solution at one).
-    real(real64), parameter :: least_tolerance = 1.0e-10_real64
+    ! Least tolerance over the last compression (chosen: the accuracy of the solution at one), and
+    ! the penetration of an open contact without a value over the last one (chosen).
+    real(real64), parameter :: least_tolerance = 1.0e-10_real64, share_open = 0.05_real64
     type(found_state) :: found
-    logical, dimension(size(pairs%list)) :: begun, fresh
-    ! Known states in descending compression [length], with the penetrations of loaded contacts.
+    type(root_bracket) :: bracket
+    logical :: begun(size(pairs%list)), inside
+    real(real64) :: at, below(size(pairs%list)), new, tolerance
+    ! Known states with further contacts in descending compression [length].
     real(real64), allocatable :: compressions(:), penetrations(:, :)
-    real(real64) :: at, last, low, new, tolerance, step
-    integer :: lead, pair_count, used
+    integer :: lead, used
 
-    pair_count = size(pairs%list)
     contacts_begin = [0.0_real64]
     begun = .not. pairs%list%gap > 0.0_real64
-    allocate (compressions(0), penetrations(pair_count, 0))
-    last = end_state%compression
-    at = last
-    do
-      low = contacts_begin(size(contacts_begin))
+    below = -pairs%list%gap
+    allocate (compressions(0), penetrations(size(begun), 0))
+    call solve_at(end_state%compression)
+    if (allocated(failure)) return
+    do while (used > 0)
+      bracket = root_bracket(low=contacts_begin(size(contacts_begin)), high=compressions(used), &
+                             low_miss=-1.0_real64, high_miss=-1.0_real64, halving=4)
+      lead = maxloc(penetrations(:, used), 1, .not. begun)
+      if (below(lead) < -tiny(new)) call narrow_bracket(bracket, bracket%low, below(lead), .true.)
+      call narrow_bracket(bracket, bracket%high, penetrations(lead, used), .false.)
       do
-        found%compression = at
-        found%solves = 0
-        call simulate_effects(pairs, effects, 0.0_real64, found, .true.)
-        end_state%solves = end_state%solves + found%solves
-        call first_failure(effects, found%outcomes, failure)
-        if (allocated(failure)) return
-        fresh = .not. found%state%penetration < 0.0_real64
-        if (any(fresh .and. .not. begun)) then
-          compressions = [compressions, at]
-          penetrations = reshape([penetrations, merge(found%state%penetration, &
-                                  -huge(at), fresh)], [pair_count, size(compressions)])
-        else if (.not. at < last) then
-          return
-        else
-          low = at
-        end if
-        used = size(compressions)
         lead = maxloc(penetrations(:, used), 1, .not. begun)
         new = penetrations(lead, used)
-        tolerance = max(least_tolerance * last, maxval(found%outcomes%load_jump) * &
-                        (compressions(used) - pairs%list(lead)%gap - new))
-        if (min(new, compressions(used) - low) <= tolerance) exit
-        at = 0.5_real64 * (low + compressions(used))
-        if (.not. any(fresh .and. .not. begun)) cycle
-        step = new
-        if (used > 1) step = max(step, step * (compressions(used - 1) - compressions(used)) / &
-                                 max(penetrations(lead, used - 1) - step, &
-                                     step * least_tolerance) - 0.5_real64 * tolerance)
-        if (compressions(used) - step > low) at = compressions(used) - step
+        tolerance = max(least_tolerance * end_state%compression, maxval(found%outcomes%load_jump) &
+                        * (compressions(used) - pairs%list(lead)%gap - new))
+        if (min(new, compressions(used) - bracket%low) <= tolerance) exit
+        ! The compression since the first contact is larger than the penetration.
+        call guess_by_secant(bracket, 1.0_real64, at, inside)
+        if (.not. inside) exit
+        ! A contact begins at the upper end.
+        call solve_at(min(at + 0.5_real64 * tolerance, 0.5_real64 * (at + compressions(used))))
+        if (allocated(failure)) return
+        at = found%compression
+        below = found%state%penetration
+        if (any(.not. (begun .or. below < 0.0_real64))) then
+          call narrow_bracket(bracket, at, maxval(below, .not. begun), .false.)
+        else
+          call narrow_bracket(bracket, at, merge(below(lead), -share_open * new, &
+                                                 below(lead) < -tiny(new)), .true.)
+        end if
       end do
       contacts_begin = [contacts_begin, compressions(used)]
-      begun = begun .or. penetrations(:, used) > -huge(at)
+      below = penetrations(:, used)
+      begun = begun .or. .not. below < 0.0_real64
       ! The state of the least compression at which a contact is still new.
       do while (used > 0)
-        if (any(penetrations(:, used) > -huge(at) .and. .not. begun)) exit
+        if (any(.not. (begun .or. penetrations(:, used) < 0.0_real64))) exit
         used = used - 1
       end do
-      if (used == 0) return
       compressions = compressions(:used)
       penetrations = penetrations(:, :used)
-      at = compressions(used) - maxval(penetrations(:, used), .not. begun)
-      low = contacts_begin(size(contacts_begin))
-      if (.not. at > low) at = 0.5_real64 * (low + compressions(used))
     end do
+
+  contains
+
+    ! Solves a state, and keeps it where a contact is new.
+    subroutine solve_at(compression)
+      real(real64), intent(in) :: compression
+
+      found%compression = compression
+      found%solves = end_state%solves
+      call simulate_effects(pairs, effects, 0.0_real64, found, .true.)
+      end_state%solves = found%solves
+      call first_failure(effects, found%outcomes, failure)
+      if (.not. allocated(failure)) then
+        if (any(.not. (begun .or. found%state%penetration < 0.0_real64))) then
+          compressions = [compressions, compression]
+          penetrations = reshape([penetrations, found%state%penetration], &
+                                 [size(begun), size(compressions)])
+        end if
+      end if
+      used = size(compressions)
+    end subroutine solve_at
+
   end subroutine find_first_contacts
 
   ! A value of the path in the unit of the pairs: a load, or the compression of a separation.

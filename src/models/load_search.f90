@@ -1,6 +1,7 @@
 !> The compression at which the contacts with their effects carry a load.
 module asperity_load_search
-  use asperity_pull_off_search, only: has_attraction, unload_to_load
+  use asperity_adhesion, only: adhesion_effect
+  use asperity_pull_off_search, only: unload_to_load
   use asperity_contact_effect, only: effect_box
   use asperity_contact_pairs, only: contact_pairs, in_scene_units
   use asperity_contact_state, only: contact_state, controlled_load, start_state
@@ -43,20 +44,30 @@ contains
     type(found_state), intent(inout) :: found      !! a guess of the compression; the state found
     character(len=:), allocatable, intent(out) :: failure   !! reason, when the load is not carried
     logical :: jumps, unloads
-    integer :: i
+    integer :: e, i
 
     if (allocated(found%fixed_choice)) deallocate (found%fixed_choice)
     if (allocated(found%solution)) deallocate (found%solution)
     ! No effect that acts in time goes together with attraction.
-    if (.not. time > 0.0_real64 .and. has_attraction(pairs, effects)) then
+    e = merge(0, attracting_effect(effects), time > 0.0_real64)
+    if (e > 0) then
       unloads = .not. target > 0.0_real64
       if (.not. unloads) then
         if (.not. is_at_compression(found)) &
           call simulate_effects(pairs, effects, time, found, .true.)
         unloads = controlled_load(pairs, found%state) > target
       end if
-      if (unloads) call unload_to_load(pairs, effects, target, found, failure)
-      if (unloads) return
+      if (unloads) then
+        select type (adhesion => effects(e)%effect)
+        type is (adhesion_effect)
+          call unload_to_load(pairs, adhesion, target, found%compression, failure)
+        end select
+        if (.not. allocated(failure)) call simulate_effects(pairs, effects, time, found, .true.)
+        if (.not. allocated(failure)) call first_failure(effects, found%outcomes, failure)
+        ! Where `auto` leaves adhesion out the load is that of loading.
+        if (allocated(failure)) return
+        if (found%outcomes(e)%simulated /= 'off') return
+      end if
     end if
     call search_load(pairs, effects, target, time, found, jumps, failure)
     if (.not. jumps) return
@@ -69,11 +80,23 @@ contains
     call search_load(pairs, effects, target, time, found, jumps, failure)
   end subroutine compress_to_load
 
+  ! Place of an effect that makes contacts attract each other; 0: there is none.
+  integer function attracting_effect(effects) result(e)
+    type(effect_box), intent(in) :: effects(:)
+
+    do e = size(effects), 1, -1
+      select type (effect => effects(e)%effect)
+      type is (adhesion_effect)
+        if (effect%work > 0.0_real64) return
+      end select
+    end do
+  end function attracting_effect
+
   !> Finds the compression at which the contacts carry a compressive load on loading: safeguarded
   !> secant method for (load/target)**(2/3), from the tangent at the last state. It ends when the
   !> load is met to the tolerance of the effects; when no number is left within the bracket the
   !> upper end is used, if its load is accurate enough.
-  subroutine search_load(pairs, effects, target, time, found, jumps, failure)
+  recursive subroutine search_load(pairs, effects, target, time, found, jumps, failure)
     type(contact_pairs), intent(in) :: pairs       !! pairs of the position
     type(effect_box), intent(in) :: effects(:)     !! effects; those in time act in `there` only
     real(real64), intent(in) :: target             !! load, 0 or more
@@ -137,24 +160,37 @@ contains
             any([(effects(i)%effect%mode == effect_auto, i=1, size(effects))])
   end subroutine search_load
 
-  ! First compression of a search: that of the effects that can estimate it, else the given one, but
-  ! no less than a thousandth of that of Hertz.
-  subroutine guess_compression(pairs, effects, target, time, most, found, failure)
+  ! First compression of a search: that of the effects that can estimate it, else the given one, else
+  ! that of Hertzian contacts.
+  recursive subroutine guess_compression(pairs, effects, target, time, most, found, failure)
     type(contact_pairs), intent(in) :: pairs
     type(effect_box), intent(in) :: effects(:)
     real(real64), intent(in) :: target, time, most  ! most: largest compression
     type(found_state), intent(inout) :: found
     character(len=:), allocatable, intent(inout) :: failure
+    type(found_state) :: elastic
+    type(effect_box) :: none(0)
+    character(len=:), allocatable :: why
     real(real64) :: guessed, load, residual, slope
+    logical :: jumps
 
     if (allocated(found%solution)) deallocate (found%solution)
-    if (target > 0.0_real64 .and. is_at_compression(found)) then
-      load = max(controlled_load(pairs, found%state), 0.0_real64)
-      residual = (load / target)**two_thirds - 1.0_real64
-      slope = residual_slope(found%state, load, residual)
-      ! The last state is that of another load or time: at most half or twice its compression.
-      if (slope * found%compression > 0.0_real64) found%compression = found%compression * &
-        min(max(1.0_real64 - residual / (slope * found%compression), 0.5_real64), 2.0_real64)
+    if (target > 0.0_real64) then
+      load = 0.0_real64
+      if (is_at_compression(found)) load = max(controlled_load(pairs, found%state), 0.0_real64)
+      if (load > 0.0_real64) then
+        residual = (load / target)**two_thirds - 1.0_real64
+        slope = residual_slope(found%state, load, residual)
+        ! The last state is that of another load or time: at most half or twice its compression.
+        if (slope * found%compression > 0.0_real64) found%compression = found%compression * &
+          min(max(1.0_real64 - residual / (slope * found%compression), 0.5_real64), 2.0_real64)
+      else if (is_at_compression(found) .or. .not. found%compression > 0.0_real64) then
+        ! The first contact alone has a larger compression.
+        elastic%compression = (0.75_real64 * target / pairs%modulus)**two_thirds / &
+                              pairs%list(1)%radius**(1.0_real64 / 3.0_real64)
+        call search_load(pairs, none, target, 0.0_real64, elastic, jumps, why)
+        found%compression = max(found%compression, elastic%compression)
+      end if
     end if
     if (target > 0.0_real64) &
       call estimate_compression(pairs, effects, target / share_held(effects, time), time, found, &
@@ -166,9 +202,6 @@ contains
       if (allocated(found%solution)) deallocate (found%solution)
     end if
     guessed = found%compression
-    if (target > 0.0_real64 .and. pairs%target > 0.0_real64) &
-      found%compression = max(found%compression, 1.0e-3_real64 * pairs%compression * &
-                                                 (target / pairs%target)**two_thirds)
     found%compression = min(max(found%compression, 0.0_real64), &
                             most * (1.0_real64 - epsilon(1.0_real64)))
     if (abs(found%compression - guessed) > 0.0_real64 .and. allocated(found%solution)) &

@@ -1,5 +1,6 @@
 """States solved for the states asked for, as `--cost` counts them: one each without a load, at most
-eight more a load, and one choice of effects each; on pixels one more to estimate influences."""
+eight more a load or an event, and one choice of effects each; on pixels one more to estimate
+influences."""
 
 import re
 
@@ -55,12 +56,25 @@ def test_asperities(effects, loading, asperity, tmp_path):
     assert choices <= found + 8 * (loads + held) + 1
 
 
-def test_pull_off(asperity, tmp_path):
-    """At most one solve for each contact that may separate, beside those of a load."""
-    scene = write_plane_scene(tmp_path, CAPS, loading={"control": "load", "value": (5.0, -0.01)},
-                              effects=ADHESIVE)
+@pytest.mark.parametrize("loads", [(5.0, -0.01), (5.0, 0.0), (-0.002,), (1.0, 0.2, -0.005)],
+                         ids=str)
+def test_pull_off(loads, asperity, tmp_path):
+    """Where contacts separate no states are solved beside those of the loads on loading."""
+    scene = write_plane_scene(tmp_path, CAPS, effects=ADHESIVE, loading={
+        "control": "load", "value": loads if len(loads) > 1 else loads[0]})
     solves, states, choices = counts(asperity, scene)
-    assert states == 2 and choices <= solves <= 2 + 8 + len(CAPS)
+    assert states == len(loads) and choices <= solves <= states + 8
+
+
+@pytest.mark.parametrize("effects, loading", [(COUPLED, LOAD), (COUPLED, DEPTH), (BOUNDARY, LOAD),
+                                              ({"interaction": "auto"}, DEPTH)], ids=str)
+def test_events(effects, loading, asperity, tmp_path):
+    """At most eight solves more for the compression of an event, on average."""
+    control, value = loading
+    scene = write_plane_scene(tmp_path, CAPS, effects=effects, loading={
+        "control": control, "value": value, "events": "on"})
+    solves, states, _ = counts(asperity, scene)
+    assert states > 8 and solves <= 9 * states
 
 
 NUMBERS = {"work_of_adhesion": 0.05, "equilibrium_distance": 1.0, "adhesion_law": "exponential"}
