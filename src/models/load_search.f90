@@ -160,8 +160,8 @@ contains
             any([(effects(i)%effect%mode == effect_auto, i=1, size(effects))])
   end subroutine search_load
 
-  ! First compression of a search: that of the effects that can estimate it, else the given one, else
-  ! that of Hertzian contacts.
+  ! First compression of a search: that of the effects that can estimate it, else the given one,
+  ! else that of Hertzian contacts.
   recursive subroutine guess_compression(pairs, effects, target, time, most, found, failure)
     type(contact_pairs), intent(in) :: pairs
     type(effect_box), intent(in) :: effects(:)
