@@ -1,9 +1,10 @@
 !> Outcome of a command: messages, printed text and staged files. The program prints and writes them
 !> in one place for all commands.
 module asperity_command_outcome
-  use asperity_files, only: write_message, write_standard_error, write_standard_output
+  use asperity_files, only: write_standard_error, write_standard_output
   use asperity_images, only: image_number
   use asperity_output_files, only: commit_files, discard_files, stage_file
+  use asperity_printable, only: printable_text
   use asperity_problems, only: not_enough_memory, problem_list
   use asperity_text_buffer, only: text_buffer
   implicit none
@@ -55,7 +56,7 @@ contains
       if (.not. allocated(outcome%failure)) call commit_files(outcome%failure, last=.true.)
       if (allocated(outcome%failure)) then
         call discard_files()
-        call write_message(outcome%failure)
+        call write_standard_error(printable_text(outcome%failure) // new_line('a'))
       else
         call write_standard_error(outcome%warnings%text())
       end if

@@ -69,6 +69,8 @@ contains
     type(generation_spec), intent(in) :: spec
     type(command_outcome), intent(inout) :: outcome
     type(height_map) :: map
+    type(work_cost) :: cost
+    integer(int64) :: bytes
     character(len=:), allocatable :: note
     character(len=2) :: unit
 
@@ -82,7 +84,11 @@ contains
     call check_map_path(line%output_path('--output'), trim(unit), outcome%problems)
     if (outcome%problems%count() > 0) return
     if (line%has('--cost')) then
-      call try_waves(spec, outcome)
+      cost%pieces = 'columns of waves'
+      cost%tried = waves_tried
+      call try_map(spec%map, cost%tried, cost%total, cost%begun, bytes)
+      cost%bytes_each = real(bytes, real64) / max(1, cost%total - cost%tried)
+      call tell_cost(cost, outcome%text)
       return
     end if
     call generate_map(spec%map, map, outcome%failure)
@@ -94,20 +100,6 @@ contains
     note = note_of_file(line%output_path('--output'), map)
     if (note /= '') call outcome%warnings%add(note)
   end subroutine make_map
-
-  !> Estimates the cost of a map from a few of its waves; nothing is written.
-  subroutine try_waves(spec, outcome)
-    type(generation_spec), intent(in) :: spec
-    type(command_outcome), intent(inout) :: outcome
-    type(work_cost) :: cost
-    integer(int64) :: bytes
-
-    cost%pieces = 'columns of waves'
-    cost%tried = waves_tried
-    call try_map(spec%map, cost%tried, cost%total, cost%begun, bytes)
-    cost%bytes_each = real(bytes, real64) / max(1, cost%total - cost%tried)
-    call tell_cost(cost, outcome%text)
-  end subroutine try_waves
 
   !> Estimates the cost from the first surfaces of the ensemble; no file is written.
   subroutine try_surfaces(line, spec, plans, outcome)

@@ -7,12 +7,14 @@ module asperity_run_solve
                                     room_of_fields
   use asperity_corrected_table, only: correct_table
   use asperity_corrected_table_text, only: write_corrected_table
-  use asperity_csv_tables, only: write_histogram, write_table
+  use asperity_csv_tables, only: begin_stress_csv, write_histogram, write_stress_csv, write_table
+  use asperity_decimal, only: decimal_to_real64
   use asperity_error_budget, only: error_budget, measure_budget
   use asperity_field_picture, only: draw_plan, plan_of_pressure
   use asperity_files, only: same_name, write_standard_error
   use asperity_images, only: image_number
   use asperity_kinds, only: int64, real64
+  use asperity_map_stress, only: largest_stress, look_for_largest, stress_solver
   use asperity_output_files, only: note_kept
   use asperity_position_packet, only: pack_position
   use asperity_number_format, only: count_text, number_text
@@ -24,7 +26,6 @@ module asperity_run_solve
   use asperity_results_vti, only: write_vti
   use asperity_results_vtk, only: write_vtk
   use asperity_run_options, only: run_options, totals_of_accuracy
-  use asperity_run_stress, only: check_stress, compute_stress
   use asperity_scene_inputs, only: input_file, list_inputs
   use asperity_scene_reader, only: read_scene
   use asperity_scene_results, only: scene_results
@@ -70,7 +71,7 @@ contains
     type(work_cost) :: cost
     type(array_table) :: tables(3)  ! positions, states, contacts; those that outputs need
     character(len=:), allocatable :: units  ! first line of CSV files; not allocated: none
-    integer :: i
+    integer :: i, k
 
     call read_scene(line%input, scene_in, outcome%problems)
     if (outcome%problems%count() == 0) call check_choices(line, scene_in, outcome%problems)
@@ -87,8 +88,14 @@ contains
       outcome%failure = line%input // ': ' // outcome%failure
       return
     end if
-    call check_fields(line, results, outcome%failure)
-    if (allocated(outcome%failure)) return
+    if (needs_fields(line)) then
+      if (size(results%positions(1)%fields) > most_states) then
+        outcome%failure = line%input // ': --fields-of all: found ' // &
+          decimal_text(size(results%positions(1)%fields)) // ' states, expected at most ' // &
+          decimal_text(most_states)
+        return
+      end if
+    end if
     if (line%share(2) > 1) then
       if (.not. line%has('--quiet')) &
         call tell_part(line, 'positions', size(results%positions), outcome%text)
@@ -105,7 +112,9 @@ contains
         call write_corrected_table(correct_table(scene_in%deck, results), outcome%text)
     end if
     do i = 1, size(tables)
-      if (.not. allocated(outcome%failure) .and. needs_table(line, i)) &
+      if (.not. allocated(outcome%failure) .and. &
+          any([(tables_of(i, k) .and. line%output_path(trim(table_options(k))) /= '', &
+                k=1, size(table_options))])) &
         call make_arrays(i, results, tables(i), outcome%failure)
     end do
     do i = 1, size(table_options)
@@ -174,19 +183,37 @@ contains
       call stage_output('--picture', picture)
     end subroutine stage_field
 
-    ! The largest stresses of the last state as text, all of them as a table.
+    ! The largest stresses of the last state in the lower body as text, all of them as a table.
     subroutine stage_stress()
-      type(text_buffer) :: lines, table
+      character(len=*), parameter :: names(2) = [character(len=20) :: 'von Mises stress', &
+        'largest shear stress']
+      type(stress_solver) :: solver
+      type(largest_stress) :: largest(2)
+      type(text_buffer) :: table
+      real(real64), allocatable :: stress(:, :, :)
+      character(len=:), allocatable :: text
 
-      associate (fields => results%positions(1)%fields)
-        if (line%output_path('--stress') /= '') then
-          call compute_stress(scene_in, fields(size(fields)), line%depths, lines, table, units)
-          call stage_output('--stress', table)
-        else
-          call compute_stress(scene_in, fields(size(fields)), line%depths, lines)
-        end if
+      associate (field => results%positions(1)%fields(size(results%positions(1)%fields)))
+        call solver%prepare(field, decimal_to_real64(scene_in%lower%poisson_ratio))
+        call begin_stress_csv(table, units)
+        do i = 1, size(line%depths)
+          call solver%solve(line%depths(i), stress)
+          call look_for_largest(field, line%depths(i), stress, largest)
+          if (line%output_path('--stress') /= '') &
+            call write_stress_csv(field, line%depths(i), stress, table)
+        end do
       end associate
-      if (.not. line%has('--quiet')) call outcome%text%append(lines%text())
+      call stage_output('--stress', table)
+      if (line%has('--quiet')) return
+      call outcome%text%line('')
+      call outcome%text%line('Stress in the lower body under the normal pressures, largest of ' // &
+                             'the depths')
+      do i = 1, size(largest)
+        text = '  ' // with_unit(trim(names(i)), trim(unit_of(scene_in, is_pressure))) // ' ' // &
+               number_text(largest(i)%value) // ' at depth ' // number_text(largest(i)%depth) // &
+               ', x ' // number_text(largest(i)%x) // ', y ' // number_text(largest(i)%y)
+        call outcome%text%line(with_unit(text, trim(unit_of(scene_in, is_length))))
+      end do
     end subroutine stage_stress
 
     subroutine draw_pressure(field, picture)
@@ -222,16 +249,6 @@ contains
 
   end subroutine run_solve_command
 
-  ! Whether an output needs a table of the results.
-  logical function needs_table(line, which) result(needs)
-    type(command_line), intent(in) :: line
-    integer, intent(in) :: which
-    integer :: i
-
-    needs = any([(tables_of(which, i) .and. line%output_path(trim(table_options(i))) /= '', &
-                  i=1, size(table_options))])
-  end function needs_table
-
   ! Whether an option needs the pressure on the pixels of a map.
   logical function needs_fields(line) result(needs)
     type(command_line), intent(in) :: line
@@ -242,19 +259,6 @@ contains
       needs = needs .or. line%has(trim(field_options(i)))
     end do
   end function needs_fields
-
-  ! Refuses more files than can be written.
-  subroutine check_fields(line, results, failure)
-    type(command_line), intent(in) :: line
-    type(scene_results), intent(in) :: results
-    character(len=:), allocatable, intent(inout) :: failure
-
-    if (.not. needs_fields(line)) return
-    if (size(results%positions(1)%fields) > most_states) &
-      failure = line%input // ': --fields-of all: found ' // &
-                decimal_text(size(results%positions(1)%fields)) // ' states, expected at most ' // &
-                decimal_text(most_states)
-  end subroutine check_fields
 
   ! `NAME_0001.vti`, or the path as it is.
   function numbered_path(path, number, is_numbered) result(numbered)
@@ -326,7 +330,9 @@ contains
     character(len=:), allocatable :: option
     integer :: i
 
-    if (line%has('--depths')) call check_stress(scene_in, problems)
+    if (line%has('--depths') .and. decimal_to_real64(scene_in%contact_modulus) > 0.0_real64) &
+      call problems%add('--depths: stress needs poisson_ratio in &material: found ' // &
+                        'contact_modulus in its place')
     do i = 1, size(field_options)
       option = trim(field_options(i))
       if (.not. line%has(option)) cycle

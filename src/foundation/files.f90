@@ -4,12 +4,11 @@ module asperity_files
   use, intrinsic :: iso_c_binding, only: c_int, c_size_t
   use asperity_byte_reader, only: byte_reader
   use asperity_kinds, only: int64
-  use asperity_printable, only: printable_text
   use asperity_system_calls, only: posix_usleep, posix_write, system_error, system_reason
   implicit none
   private
 
-  public :: same_name, read_whole_file, write_standard_output, write_standard_error, write_message
+  public :: same_name, read_whole_file, write_standard_output, write_standard_error
   public :: write_bytes, standard_output, standard_error
 
   !> Descriptors of the standard streams.
@@ -59,13 +58,6 @@ contains
 
     call write_bytes(standard_error, text, failure)
   end subroutine write_standard_error
-
-  !> Writes one line to standard error, made printable.
-  subroutine write_message(text)
-    character(len=*), intent(in) :: text  !! the line, without its end
-
-    call write_standard_error(printable_text(text) // new_line('a'))
-  end subroutine write_message
 
   !> Writes a whole text, in as many calls as the system needs.
   subroutine write_bytes(descriptor, text, failure)

@@ -162,16 +162,11 @@ contains
     if (a == '' .or. b == '' .or. index(a, '/dev/std') == 1 .or. index(b, '/dev/std') == 1) &
       return
     name = canonical_path(a)
-    if (.not. is_device(name)) same_file = same_name(name, canonical_path(b))
+    ! Devices, and what a process has open, may be shared.
+    if ((index(name, '/dev/') == 1 .and. index(name, '/dev/shm/') /= 1) .or. &
+        index(name, '/proc/') == 1) return
+    same_file = same_name(name, canonical_path(b))
   end function same_file
-
-  !> Whether a path is that of a device, or of what a process has open.
-  pure logical function is_device(path)
-    character(len=*), intent(in) :: path
-
-    is_device = (index(path, '/dev/') == 1 .and. index(path, '/dev/shm/') /= 1) .or. &
-                index(path, '/proc/') == 1
-  end function is_device
 
   !> Opens a device or a pipe for writing. `descriptor` is -1 for a regular file. Devices are
   !> written directly, because renaming a staged file would replace the device (/dev/null) by a

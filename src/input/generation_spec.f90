@@ -42,7 +42,10 @@ contains
     character(len=*), intent(in) :: text         !! the whole file
     type(generation_spec), intent(out) :: spec   !! its values, defaults filled in
     type(problem_list), intent(out) :: problems  !! all that is wrong
+    character(len=*), parameter :: others(*) = [character(len=8) :: 'surfaces', 'heights', &
+      'radii', 'random', 'deck']
     type(scene_fields) :: fields
+    integer :: i
 
     spec%file = path
     call read_fields(path, text, 'a specification', [a_specification], &
@@ -50,7 +53,11 @@ contains
     if (fields%is_text) then
       spec%is_map = fields%has_group('map')
       if (spec%is_map) then
-        call refuse_others(fields)
+        do i = 1, size(others)
+          if (fields%has_group(trim(others(i)))) &
+            call fields%complain_of_group(trim(others(i)), 'found &' // trim(others(i)) // &
+                                          ' beside &map, expected one of them')
+        end do
         call take_map_spec(fields, spec%map)
       else
         call take_generation(fields, spec)
@@ -59,20 +66,6 @@ contains
     problems = fields%problems
     spec%notes = fields%notes
   end subroutine parse_generation_spec
-
-  ! A height map has no group beside &map.
-  subroutine refuse_others(fields)
-    type(scene_fields), intent(inout) :: fields
-    character(len=*), parameter :: others(*) = [character(len=8) :: 'surfaces', 'heights', &
-      'radii', 'random', 'deck']
-    integer :: i
-
-    do i = 1, size(others)
-      if (fields%has_group(trim(others(i)))) &
-        call fields%complain_of_group(trim(others(i)), 'found &' // trim(others(i)) // &
-                                      ' beside &map, expected one of them')
-    end do
-  end subroutine refuse_others
 
   !> Takes the groups of a specification from a text that may hold other groups too.
   subroutine take_generation(fields, spec)

@@ -286,8 +286,7 @@ contains
   !> Allocates the heights. `failure` is allocated when there is no memory for them.
   subroutine make_room(map, failure)
     type(height_map), intent(inout) :: map                 !! its numbers of columns and rows set
-    character(len=:), allocatable, intent(out) :: failure  !! reason that there is no memory; not
-                                                           !! allocated: there is
+    character(len=:), allocatable, intent(out) :: failure  !! why there is no memory for it
 
     if (.not. has_memory(8_int64 * int(map%columns, int64) * int(map%rows, int64))) then
       failure = not_enough_memory // ' for the map, ' // decimal_text(map%columns) // ' x ' // &

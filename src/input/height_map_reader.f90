@@ -55,8 +55,7 @@ contains
     logical, intent(in) :: progress                         !! report the progress
     type(height_map), intent(out) :: map                    !! map with its heights
     type(problem_list), intent(inout) :: problems           !! all that is wrong
-    character(len=:), allocatable, intent(out) :: failure   !! reason that there is no memory; not
-                                                            !! allocated: there is
+    character(len=:), allocatable, intent(out) :: failure   !! why there is no memory for it
     character(len=*), intent(in), optional :: option        !! that gives the spacing; `spacing`
     type(line_reader) :: file
     character(len=:), allocatable :: name
@@ -80,8 +79,7 @@ contains
     logical, intent(in) :: progress                         !! report the progress
     type(height_map), intent(out) :: map                    !! map with its heights
     type(problem_list), intent(inout) :: problems           !! all that is wrong
-    character(len=:), allocatable, intent(out) :: failure   !! reason that there is no memory; not
-                                                            !! allocated: there is
+    character(len=:), allocatable, intent(out) :: failure   !! why there is no memory for it
     type(sdf_header) :: header
     character(len=:), allocatable :: fault, magic
     integer :: before

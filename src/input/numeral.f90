@@ -7,7 +7,7 @@ module asperity_numeral
   implicit none
   private
 
-  public :: read_numeral, read_whole_number, decimal_sum, is_a_double, rounded_decimal
+  public :: read_numeral, read_whole_number, is_a_double, rounded_decimal
   public :: read_double_numeral, without_kind, expected_numbers, in_range
   public :: any_number, above_zero, share, poisson_range, not_negative, share_or_all
   public :: a_length, above_one, least_length, most_length
@@ -144,35 +144,6 @@ contains
     call read_numeral(trim(adjustl(text)), number, good)
   end function rounded_decimal
 
-  !> Sum of two decimals: exact as long as it has at most 18 digits, else rounded there.
-  elemental function decimal_sum(a, b) result(total)
-    type(decimal_value), intent(in) :: a, b  !! numbers of at most 18 digits
-    type(decimal_value) :: total             !! a + b
-    type(decimal_value) :: fine, coarse
-
-    fine = a
-    coarse = b
-    if (a%all_digits == 0_int64 .or. (b%all_digits /= 0_int64 .and. &
-      a%power_of_ten > b%power_of_ten)) then
-      fine = b
-      coarse = a
-    end if
-    total = fine
-    if (coarse%all_digits == 0_int64) return
-    do while (coarse%power_of_ten > fine%power_of_ten .and. &
-              abs(coarse%all_digits) < 10_int64**(most_digits - 1))
-      coarse%all_digits = 10_int64 * coarse%all_digits
-      coarse%power_of_ten = coarse%power_of_ten - 1
-    end do
-    if (coarse%power_of_ten - fine%power_of_ten > most_digits) then
-      fine%all_digits = 0_int64
-    else if (coarse%power_of_ten > fine%power_of_ten) then
-      fine%all_digits = rounded_quotient(fine%all_digits, 10_int64**(coarse%power_of_ten - &
-        fine%power_of_ten))
-    end if
-    total = decimal_value(coarse%all_digits + fine%all_digits, coarse%power_of_ten)
-  end function decimal_sum
-
   !> Reads the digits behind an exponent's letter.
   pure subroutine read_exponent(text, power, good)
     character(len=*), intent(in) :: text
@@ -207,17 +178,6 @@ contains
     nearest_double = decimal_to_real64(value)
     is_a_double = abs(nearest_double) <= huge(nearest_double) .and. abs(nearest_double) > 0.0_real64
   end function is_a_double
-
-  !> Quotient rounded to the nearest whole number, halves away from zero.
-  elemental integer(int64) function rounded_quotient(dividend, divisor)
-    integer(int64), intent(in) :: dividend, divisor
-    integer(int64) :: rest
-
-    rounded_quotient = dividend / divisor
-    rest = dividend - rounded_quotient * divisor
-    if (abs(rest) >= divisor - abs(rest)) &
-      rounded_quotient = rounded_quotient + sign(1_int64, dividend)
-  end function rounded_quotient
 
   !> Whether a number is in a range.
   pure logical function in_range(value, number_range)

@@ -7,7 +7,7 @@ module asperity_scene_deck
   use asperity_input_text, only: read_text
   use asperity_kept_records, only: checksum
   use asperity_kinds, only: int64
-  use asperity_numeral, only: decimal_sum, is_a_double
+  use asperity_numeral, only: is_a_double, rounded_decimal
   use asperity_problems, only: decimal_text, problem_list
   use asperity_scene_values, only: scene, scene_motion, scene_surface, thesis_limit_load
   implicit none
@@ -73,7 +73,11 @@ contains
                           target_scene%lower_mirror_width, found)
       ! XDISPL and YDISPL are added, as the original's print says.
       call convert_number(header_cards, shift_field(1), deck%x_displacement, inch, shift, found)
-      sweep%x_first = decimal_sum(thesis_step, shift)
+      sweep%x_first = rounded_decimal(decimal_to_real64(thesis_step) + &
+                                      decimal_to_real64(shift), 17)
+      if (shift%power_of_ten >= -17 .and. shift%power_of_ten <= -1) sweep%x_first = decimal_value( &
+        10_int64**(-1 - shift%power_of_ten) + shift%all_digits, shift%power_of_ten)
+      if (shift%all_digits == 0_int64) sweep%x_first = thesis_step
       sweep%x_step = thesis_step
       call convert_number(header_cards, shift_field(2), deck%y_displacement, inch, sweep%y_first, &
                           found)

@@ -49,7 +49,10 @@ contains
         call fields%take('effects', trim(effect_numbers(i)%name), effects%numbers(i))
       end do
       do i = 1, size(known_effects)
-        call take_source(fields, checked, i)
+        ! A group &limit says where flow begins, if loading goes on beyond it.
+        if (effects%has_numbers(i) .or. (known_effects(i)%name == 'plasticity' .and. &
+            (names_hardness(checked) .or. (fields%has_group('limit') .and. &
+             checked%loading%control /= control_limit)))) effects%given(i) = by_numbers
         if (.not. fields%has_name('effects', trim(known_effects(i)%name)) .or. &
             written(i) == default_mode(effects, i)) cycle
         effects%given(i) = by_word
@@ -74,20 +77,6 @@ contains
       if (checked%contact_modulus%all_digits > 0_int64) call refuse_combined(fields, checked)
     end associate
   end subroutine read_effects
-
-  ! Sets what calls for an effect where the scene does not write a mode: its numbers or nothing.
-  subroutine take_source(fields, checked, i)
-    type(scene_fields), intent(in) :: fields
-    type(scene), intent(inout) :: checked
-    integer, intent(in) :: i
-
-    associate (effects => checked%effects, flows => known_effects(i)%name == 'plasticity')
-      ! A group &limit says where flow begins, if loading goes on beyond it.
-      if (effects%has_numbers(i) .or. (flows .and. fields%has_group('limit') .and. &
-          checked%loading%control /= control_limit) .or. &
-          (flows .and. names_hardness(checked))) effects%given(i) = by_numbers
-    end associate
-  end subroutine take_source
 
   ! The mode of an effect that the scene does not write; `effect_off` for one that it writes.
   pure integer function default_mode(effects, i) result(mode)

@@ -140,6 +140,7 @@ contains
     type(scene), intent(inout) :: checked
     type(problem_list), intent(inout) :: problems
     type(problem_list) :: other_files
+    integer :: i
 
     if (fields%is_text) then
       call read_surfaces(checked%file, fields, checked, other_files)
@@ -150,7 +151,12 @@ contains
       call read_loading(fields, checked)
       call read_limit(fields, checked)
       call read_effects(fields, checked)
-      call read_stored(fields, checked)
+      do i = 1, size(scene_rows)
+        associate (row => scene_rows(i))
+          if (row%stored .and. .not. (fields%surfaces_kept .and. row%group == 'surfaces')) &
+            call fields%take(trim(row%group), trim(row%name), checked%stored(i))
+        end associate
+      end do
       call note_unlike_bodies(checked)
       call check_states(fields, checked)
       call check_map_scene(fields, checked)
@@ -159,20 +165,6 @@ contains
     call problems%append(fields%problems)
     call problems%append(other_files)
   end subroutine read_groups
-
-  ! Values that a row of the table alone describes.
-  subroutine read_stored(fields, checked)
-    type(scene_fields), intent(inout) :: fields
-    type(scene), intent(inout) :: checked
-    integer :: i
-
-    do i = 1, size(scene_rows)
-      associate (row => scene_rows(i))
-        if (row%stored .and. .not. (fields%surfaces_kept .and. row%group == 'surfaces')) &
-          call fields%take(trim(row%group), trim(row%name), checked%stored(i))
-      end associate
-    end do
-  end subroutine read_stored
 
   !> A deck in the place of a scene is the thesis' sweep over it.
   subroutine deck_as_scene(path, text, checked, problems)

@@ -286,8 +286,7 @@ contains
     logical, intent(in) :: progress                         !! print the progress
     type(height_map), intent(inout) :: map                  !! gets the pixels
     type(problem_list), intent(inout) :: problems           !! what is wrong
-    character(len=:), allocatable, intent(out) :: failure   !! reason that there is no memory; not
-                                                            !! allocated: there is
+    character(len=:), allocatable, intent(out) :: failure   !! why there is no memory for it
     type(progress_line) :: shown
     integer(int64) :: least, others
     integer :: i, unit

@@ -81,15 +81,6 @@ contains
     call fields%require_name('random', 'ensemble', 'the number of surfaces, 2 or more')
     call fields%take('material', 'elastic_modulus', spec%elastic_modulus)
     call fields%take('material', 'poisson_ratio', spec%poisson_ratio)
-    call take_loading(fields, spec)
-    call take_sections(fields, spec)
-  end subroutine take_study
-
-  !> How near the surfaces come.
-  subroutine take_loading(fields, spec)
-    type(scene_fields), intent(inout) :: fields
-    type(study_spec), intent(inout) :: spec
-
     call fields%take('study', 'against', spec%against)
     call fields%take('study', 'separation', spec%separation)
     call fields%take('study', 'pressure', spec%pressure)
@@ -97,7 +88,8 @@ contains
     if (.not. (spec%at_pressure .or. fields%has_name('study', 'separation'))) &
       call fields%complain_of_group('study', 'no separation and no pressure in &study, ' // &
                                     'expected one of them')
-  end subroutine take_loading
+    call take_sections(fields, spec)
+  end subroutine take_study
 
   !> Takes how sections are cut out, and when one is representative.
   subroutine take_sections(fields, spec)

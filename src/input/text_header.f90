@@ -85,7 +85,7 @@ contains
         surfer_lines = modulo(surfer_lines + 1, 5)
         if (problems%count() > 0) return
         cycle
-      else if (is_esri_line(text)) then
+      else if (any(lower_case(text(:scan(text // ' ', blanks) - 1)) == esri_names)) then
         call take_esri_line(text, line, header, problems)
         cycle
       end if
@@ -132,13 +132,6 @@ contains
       header%pixel_spacing(number - 1) = (values(2) - values(1)) / (header%stated(number - 1) - 1)
     end if
   end subroutine take_surfer_line
-
-  ! Whether a line is one of the header of a grid of ESRI: a name and a value.
-  pure logical function is_esri_line(text)
-    character(len=*), intent(in) :: text
-
-    is_esri_line = any(lower_case(text(:scan(text // ' ', blanks) - 1)) == esri_names)
-  end function is_esri_line
 
   ! A line of the header of a grid of ESRI.
   subroutine take_esri_line(text, line, header, problems)

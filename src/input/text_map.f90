@@ -76,8 +76,7 @@ contains
     logical, intent(in) :: progress                         !! report the progress
     type(height_map), intent(inout) :: map                  !! gets the pixels
     type(problem_list), intent(inout) :: problems           !! what is wrong
-    character(len=:), allocatable, intent(out) :: failure   !! reason that there is no memory; not
-                                                            !! allocated: there is
+    character(len=:), allocatable, intent(out) :: failure   !! why there is no memory for it
     type(text_layout) :: layout
     logical :: given, points
 

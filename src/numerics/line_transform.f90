@@ -29,6 +29,18 @@ module asperity_line_transform
 
   integer(c_int), parameter :: without_measuring = 64_c_int
 
+  abstract interface
+    subroutine execute_plan(plan, from, to) bind(c)
+      import :: c_ptr
+      implicit none
+      type(c_ptr), value :: plan, from, to
+    end subroutine execute_plan
+  end interface
+
+  procedure(execute_plan), bind(c, name='fftw_execute_dft_r2c') :: execute_real_to_complex
+  procedure(execute_plan), bind(c, name='fftw_execute_dft_c2r') :: execute_complex_to_real
+  procedure(execute_plan), bind(c, name='fftw_execute_dft') :: execute_complex
+
   interface
     type(c_ptr) function plan_real_to_complex(length, from, to, flags) &
       bind(c, name='fftw_plan_dft_r2c_1d')
@@ -53,24 +65,6 @@ module asperity_line_transform
       integer(c_int), value :: length, direction, flags
       type(c_ptr), value :: from, to
     end function plan_complex
-
-    subroutine execute_real_to_complex(plan, from, to) bind(c, name='fftw_execute_dft_r2c')
-      import :: c_ptr
-      implicit none
-      type(c_ptr), value :: plan, from, to
-    end subroutine execute_real_to_complex
-
-    subroutine execute_complex_to_real(plan, from, to) bind(c, name='fftw_execute_dft_c2r')
-      import :: c_ptr
-      implicit none
-      type(c_ptr), value :: plan, from, to
-    end subroutine execute_complex_to_real
-
-    subroutine execute_complex(plan, from, to) bind(c, name='fftw_execute_dft')
-      import :: c_ptr
-      implicit none
-      type(c_ptr), value :: plan, from, to
-    end subroutine execute_complex
 
     subroutine destroy(plan) bind(c, name='fftw_destroy_plan')
       import :: c_ptr

@@ -2,8 +2,7 @@
 !> fastest method and its time; the diagrams, and all methods as a table. It loads nothing; its
 !> script is a few lines that read the data of the page.
 module asperity_accuracy_page
-  use asperity_html_page, only: begin_page, begin_section, begin_table, end_of_table, &
-                                end_page, put_row
+  use asperity_html_page, only: begin_page, begin_section, end_page, put_table
   use asperity_kinds, only: not_computed, real64
   use asperity_method_study, only: method_table
   use asperity_method_totals, only: error_of_area
@@ -121,28 +120,26 @@ contains
   subroutine put_methods(table, buffer)
     type(method_table), intent(in) :: table
     type(text_buffer), intent(inout) :: buffer
-    character(len=140) :: cells(8)
+    character(len=140) :: cells(8, size(table%rows))
     integer :: i
 
-    call begin_table('methods; Pareto front: no other method is faster and more accurate', &
-                     [character(len=13) :: 'method', 'family', 'Pareto front', 'time [s]', &
-                      'error', 'of the area', 'approximation', 'not run'], buffer)
+    cells = ''
     do i = 1, size(table%rows)
       associate (row => table%rows(i))
-        cells(1) = row%method%name
-        cells(2) = family_words(row%method%family)
-        cells(3) = merge('*', ' ', row%on_front)
-        cells(4) = number_text(row%seconds, 2)
-        cells(5) = number_text(row%total%largest, 2)
-        cells(6) = number_text(row%total%quantity(error_of_area), 2)
-        if (row%is_reference) cells(5:6) = 'reference'
-        cells(7) = number_text(row%own%largest, 2)
-        cells(8) = ''
-        if (allocated(row%left_out)) cells(8) = row%left_out
-        call put_row(cells, buffer)
+        cells(1, i) = row%method%name
+        cells(2, i) = family_words(row%method%family)
+        cells(3, i) = merge('*', ' ', row%on_front)
+        cells(4, i) = number_text(row%seconds, 2)
+        cells(5, i) = number_text(row%total%largest, 2)
+        cells(6, i) = number_text(row%total%quantity(error_of_area), 2)
+        if (row%is_reference) cells(5:6, i) = 'reference'
+        cells(7, i) = number_text(row%own%largest, 2)
+        if (allocated(row%left_out)) cells(8, i) = row%left_out
       end associate
     end do
-    call buffer%line(end_of_table)
+    call put_table('methods; Pareto front: no other method is faster and more accurate', &
+                   [character(len=13) :: 'method', 'family', 'Pareto front', 'time [s]', &
+                    'error', 'of the area', 'approximation', 'not run'], cells, buffer)
   end subroutine put_methods
 
   ! The data, and the script of the slider: the fastest method for an error, and for a tenth of it.

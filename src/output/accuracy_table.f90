@@ -1,12 +1,13 @@
 !> Run time and error of all methods of a scene, as a table with a diagram and as CSV.
 module asperity_accuracy_table
   use asperity_contact_records, only: by_marching, overlap_original
-  use asperity_csv, only: csv_line
+  use asperity_csv_tables, only: write_table
   use asperity_kinds, only: not_computed, real64
   use asperity_method_study, only: method_row, method_table
   use asperity_method_totals, only: error_of_area, quantity_names
   use asperity_number_format, only: number_text
   use asperity_problems, only: real_text
+  use asperity_result_table, only: add_reals, add_wholes, add_words, array_table
   use asperity_study_methods, only: family_words, of_arithmetic, of_neighbours, of_scene, &
                                     of_steps, of_theory
   use asperity_text_buffer, only: text_buffer
@@ -223,49 +224,48 @@ contains
   subroutine write_accuracy_csv(table, buffer)
     type(method_table), intent(in) :: table        !! all methods of a scene
     type(text_buffer), intent(inout) :: buffer  !! gets the text
-    type(csv_line) :: line
+    type(array_table) :: columns
+    type(method_row), allocatable :: rows(:)
+    character(len=400) :: left_out(size(table%rows))
     integer :: i, k
 
-    call buffer%append('family,method,arithmetic,step,overlap,seconds,spread,ratio,error_max,' // &
-                       'error_mean,error_position,area_error_max,own_error_max')
+    allocate (rows, source=table%rows)
+    left_out = ''
+    do i = 1, size(rows)
+      if (allocated(rows(i)%left_out)) left_out(i) = without_commas(rows(i)%left_out)
+    end do
+    call add_words(columns, 'family', family_words(rows%method%family))
+    call add_words(columns, 'method', without_commas(rows%method%name))
+    call add_words(columns, 'arithmetic', rows%method%arithmetic)
+    call add_reals(columns, 'step', merge(rows%method%step, 0.0_real64, &
+                                          rows%method%path == by_marching))
+    call add_words(columns, 'overlap', merge('original', 'stable  ', &
+                                             rows%method%overlap == overlap_original))
+    call add_reals(columns, 'seconds', rows%seconds)
+    call add_reals(columns, 'spread', rows%time_spread)
+    call add_reals(columns, 'ratio', [(ratio_of(rows, i), i=1, size(rows))])
+    call add_reals(columns, 'error_max', rows%total%largest)
+    call add_reals(columns, 'error_mean', rows%total%mean)
+    call add_reals(columns, 'error_position', merge(real(rows%total%worst, real64), not_computed, &
+                                                    rows%total%worst > 0), is_count=.true.)
+    call add_reals(columns, 'area_error_max', rows%total%quantity(error_of_area))
+    call add_reals(columns, 'own_error_max', rows%own%largest)
     do k = 1, size(quantity_names)
-      call buffer%append(',' // trim(quantity_names(k)) // '_max,' // trim(quantity_names(k)) // &
-                         '_mean')
+      call add_reals(columns, trim(quantity_names(k)) // '_max', rows%own%quantity(k))
+      call add_reals(columns, trim(quantity_names(k)) // '_mean', rows%own%quantity_mean(k))
     end do
-    call buffer%line(',error_estimate,load,separation,area,front,own_front,reference,left_out')
-    do i = 1, size(table%rows)
-      associate (row => table%rows(i), method => table%rows(i)%method)
-        call line%put(trim(family_words(method%family)))
-        call line%put(without_commas(trim(method%name)))
-        call line%put(trim(method%arithmetic))
-        call line%put(merge(method%step, 0.0_real64, method%path == by_marching))
-        call line%put(trim(merge('original', 'stable  ', method%overlap == overlap_original)))
-        call line%put([row%seconds, row%time_spread, ratio_of(table%rows, i), row%total%largest, &
-                       row%total%mean])
-        if (row%total%worst > 0) then
-          call line%put(row%total%worst)
-        else
-          call line%put('')
-        end if
-        call line%put([row%total%quantity(error_of_area), row%own%largest])
-        do k = 1, size(quantity_names)
-          call line%put([row%own%quantity(k), row%own%quantity_mean(k)])
-        end do
-        call line%put([row%own_estimate, row%ends])
-        call line%put(row%on_front)
-        call line%put(row%on_own_front)
-        call line%put(row%is_reference)
-        if (allocated(row%left_out)) then
-          call line%put(without_commas(row%left_out))
-        else
-          call line%put('')
-        end if
-        call line%finish(buffer)
-      end associate
-    end do
+    call add_reals(columns, 'error_estimate', rows%own_estimate)
+    call add_reals(columns, 'load', rows%ends(1))
+    call add_reals(columns, 'separation', rows%ends(2))
+    call add_reals(columns, 'area', rows%ends(3))
+    call add_wholes(columns, 'front', merge(1, 0, rows%on_front))
+    call add_wholes(columns, 'own_front', merge(1, 0, rows%on_own_front))
+    call add_wholes(columns, 'reference', merge(1, 0, rows%is_reference))
+    call add_words(columns, 'left_out', left_out)
+    call write_table(columns, buffer)
   end subroutine write_accuracy_csv
 
-  pure function without_commas(text) result(words)
+  elemental function without_commas(text) result(words)
     character(len=*), intent(in) :: text
     character(len=len(text)) :: words
     integer :: i

@@ -1,11 +1,12 @@
 !> The study of the representative area as a table and as CSV.
 module asperity_area_study_table
   use asperity_area_study, only: area_study, size_result
-  use asperity_csv, only: csv_line
+  use asperity_csv_tables, only: write_table
   use asperity_greenwood_integrals, only: quantities
   use asperity_kinds, only: real64
   use asperity_number_format, only: number_text
   use asperity_problems, only: decimal_text, real_text
+  use asperity_result_table, only: add_reals, add_wholes, add_words, array_table
   use asperity_study_spec, only: against_plane, reference_integral, study_spec
   use asperity_text_buffer, only: text_buffer
   implicit none
@@ -25,15 +26,18 @@ contains
     type(study_spec), intent(in) :: spec        !! specification of the study
     type(area_study), intent(in) :: study       !! results of the study
     type(text_buffer), intent(inout) :: buffer  !! gets the text
-    character(len=:), allocatable :: against, integral
+    character(len=:), allocatable :: against, integral, lower
     character(len=160) :: line
     integer :: i, q
 
     against = 'pairs of rough surfaces'
     integral = 'Greenwood-Tripp'
+    lower = ', lower ' // number_text(study%density(2)) // ' (' // &
+            number_text(study%design_density(2)) // ')'
     if (spec%against == against_plane) then
       against = 'rough surfaces against a plane'
       integral = 'Greenwood-Williamson'
+      lower = ''
     end if
     call buffer%line(decimal_text(study%surfaces) // ' ' // against // ', separation ' // &
                      number_text(study%separation))
@@ -44,7 +48,7 @@ contains
     call buffer%line('asperities per area, found (design): upper ' // &
                      number_text(study%density(1)) // ' (' // &
                      number_text(study%design_density(1)) // &
-                     ')' // lower_density())
+                     ')' // lower)
     do q = 1, quantities
       call buffer%line('')
       call buffer%line(trim(headings(q)) // ' per area')
@@ -68,17 +72,6 @@ contains
     end do
     call buffer%line('')
     call write_verdict(spec, study, buffer)
-
-  contains
-
-    function lower_density() result(text)
-      character(len=:), allocatable :: text
-
-      text = ''
-      if (spec%against == against_plane) return
-      text = ', lower ' // number_text(study%density(2)) // ' (' // &
-             number_text(study%design_density(2)) // ')'
-    end function lower_density
 
   end subroutine write_area_table
 
@@ -129,28 +122,42 @@ contains
   subroutine write_area_csv(study, buffer)
     type(area_study), intent(in) :: study       !! results of the study
     type(text_buffer), intent(inout) :: buffer  !! gets the text
-    type(csv_line) :: line
-    integer :: i, q
+    type(array_table) :: table
+    integer :: i, q, rows
 
-    call buffer%line('size,quantity,surfaces,sections,mean,deviation,standard_error,integral,' // &
-                     'shallow_integral,reference,within,all_within,separation,upper_density,' // &
-                     'lower_density,representative,estimated_size')
-    do i = 1, size(study%sizes)
-      do q = 1, quantities
-        associate (row => study%sizes(i))
-          call line%put(row%side)
-          call line%put(trim(names(q)))
-          call line%put(study%surfaces)
-          call line%put(row%sections)
-          call line%put([row%mean(q), row%deviation(q), row%error(q), study%integral(q), &
-                         study%shallow(q), study%reference(q), row%within(q), row%all_within, &
-                         study%separation, study%density])
-          call line%put(i == study%representative)
-          call line%put(study%estimated_side)
-          call line%finish(buffer)
-        end associate
-      end do
-    end do
+    rows = quantities * size(study%sizes)
+    associate (sizes => study%sizes)
+      call add_reals(table, 'size', each_quantity(sizes%side))
+      call add_words(table, 'quantity', [(names, i=1, size(sizes))])
+      call add_wholes(table, 'surfaces', spread(study%surfaces, 1, rows))
+      call add_wholes(table, 'sections', nint(each_quantity(real(sizes%sections, real64))))
+      call add_reals(table, 'mean', [(sizes(i)%mean, i=1, size(sizes))])
+      call add_reals(table, 'deviation', [(sizes(i)%deviation, i=1, size(sizes))])
+      call add_reals(table, 'standard_error', [(sizes(i)%error, i=1, size(sizes))])
+      call add_reals(table, 'integral', [(study%integral, i=1, size(sizes))])
+      call add_reals(table, 'shallow_integral', [(study%shallow, i=1, size(sizes))])
+      call add_reals(table, 'reference', [(study%reference, i=1, size(sizes))])
+      call add_reals(table, 'within', [(sizes(i)%within, i=1, size(sizes))])
+      call add_reals(table, 'all_within', each_quantity(sizes%all_within))
+      call add_reals(table, 'separation', spread(study%separation, 1, rows))
+      call add_reals(table, 'upper_density', spread(study%density(1), 1, rows))
+      call add_reals(table, 'lower_density', spread(study%density(2), 1, rows))
+      call add_wholes(table, 'representative', [((merge(1, 0, i == study%representative), &
+                                                  q=1, quantities), i=1, size(sizes))])
+      call add_reals(table, 'estimated_size', spread(study%estimated_side, 1, rows))
+    end associate
+    call write_table(table, buffer)
+
+  contains
+
+    ! A value of each size, for all its quantities.
+    pure function each_quantity(values) result(repeated)
+      real(real64), intent(in) :: values(:)
+      real(real64) :: repeated(quantities * size(values))
+
+      repeated = reshape(spread(values, 1, quantities), shape(repeated))
+    end function each_quantity
+
   end subroutine write_area_csv
 
   !> A share in percent.

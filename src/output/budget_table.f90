@@ -84,20 +84,13 @@ contains
       call buffer%line('Separation: given, or that at which an isolated contact reaches its limit.')
     if (model%known(of_load) == share_given .and. model%known(of_approach) == share_measured) &
       call buffer%line('Separation: its change by the error of the model at the given load.')
-    if (any(model%known == share_unknown) .and. .not. allocated(model%why_not)) &
-      call buffer%line('Not estimated: ' // unknown_because(model))
-  end subroutine write_model
-
-  ! Why single totals have no number.
-  pure function unknown_because(model) result(text)
-    type(model_budget), intent(in) :: model
-    character(len=:), allocatable :: text
-
+    if (allocated(model%why_not) .or. all(model%known /= share_unknown)) return
     if (model%interaction == effect_boundary) then
-      text = 'no finer model to compare boundary elements with.'
+      call buffer%line('Not estimated: no finer model to compare boundary elements with.')
     else
-      text = 'at a given load the areas of the two models belong to different separations.'
+      call buffer%line('Not estimated: at a given load the areas of the two models belong to ' // &
+                       'different separations.')
     end if
-  end function unknown_because
+  end subroutine write_model
 
 end module asperity_budget_table

@@ -48,7 +48,7 @@ contains
       character(len=*), intent(in) :: name
       integer, intent(in) :: row, column, decimals
       character(len=11) :: before, after
-      character(len=:), allocatable :: reason
+      character(len=:), allocatable :: change, reason
       character(len=57) :: line
       integer :: places, stage
 
@@ -62,10 +62,14 @@ contains
         reason = 'no contact at its limit: the original divided by zero'
       else if (fixed_text(table%historic(row, column), places) /= after) then
         do stage = 1, size(table%change, 3)
-          if (abs(table%change(row, column, stage)) < 0.5_real64 * 10.0_real64**(-places)) cycle
-          if (reason /= '') reason = reason // ', '
-          reason = reason // stage_name(table, stage, row) // ' ' // &
-                   signed_text(table%change(row, column, stage), places)
+          associate (by_stage => table%change(row, column, stage))
+            if (abs(by_stage) < 0.5_real64 * 10.0_real64**(-places)) cycle
+            if (reason /= '') reason = reason // ', '
+            change = real_text(by_stage, 'sp, es24.3e3')
+            if (abs(by_stage) < 10.0_real64**(14 - max(places, 1))) &
+              change = real_text(by_stage, 'sp, f16.' // decimal_text(max(places, 1)))
+            reason = reason // stage_name(table, stage, row) // ' ' // change
+          end associate
         end do
         if (reason == '') reason = 'changes below half a printed unit add up'
       end if
@@ -91,16 +95,5 @@ contains
     write (text, format) value
     if (decimals == 0) text = ' ' // text(:10)
   end function fixed_text
-
-  ! A change with its sign.
-  pure function signed_text(value, decimals) result(text)
-    real(real64), intent(in) :: value
-    integer, intent(in) :: decimals
-    character(len=:), allocatable :: text
-
-    text = real_text(value, 'sp, es24.3e3')
-    if (abs(value) < 10.0_real64**(14 - max(decimals, 1))) &
-      text = real_text(value, 'sp, f16.' // decimal_text(max(decimals, 1)))
-  end function signed_text
 
 end module asperity_corrected_table_text

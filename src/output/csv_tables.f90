@@ -1,13 +1,12 @@
 !> Tables as CSV: results of a run, distribution of the pressure, summits and spectra of a map.
 module asperity_csv_tables
-  use, intrinsic :: ieee_arithmetic, only: ieee_is_nan
   use asperity_contact_field, only: contact_field, pressure_histogram
-  use asperity_csv, only: csv_line
   use asperity_kinds, only: not_computed, real64
   use asperity_map_stress, only: component_names, largest_shear, von_mises
   use asperity_map_spectrum, only: power_spectrum, spectrum_names
   use asperity_map_summits, only: map_summits
-  use asperity_result_table, only: add_reals, add_surface, array_table
+  use asperity_result_table, only: add_reals, add_surface, add_wholes, add_words, array_table, &
+                                   put_cell
   use asperity_text_buffer, only: text_buffer
   implicit none
   private
@@ -25,31 +24,16 @@ contains
     type(array_table), intent(in) :: table      !! table with columns
     type(text_buffer), intent(inout) :: buffer  !! gets the text
     character(len=*), intent(in), optional :: comment  !! a line before the names
-    type(csv_line) :: line
     integer :: i, row
 
     if (present(comment)) call buffer%line('# ' // comment)
-    do i = 1, size(table%columns)
-      call line%put(table%columns(i)%name)
-    end do
-    call line%finish(buffer)
-    do row = 1, table%rows
+    do row = 0, table%rows
       do i = 1, size(table%columns)
-        associate (column => table%columns(i))
-          if (allocated(column%wholes)) then
-            call line%put(column%wholes(row))
-          else if (allocated(column%letters)) then
-            call line%put(transfer(column%letters(:, row), repeat('a', size(column%letters, 1))))
-          else if (ieee_is_nan(column%reals(row))) then
-            call line%put('')
-          else if (column%is_count) then
-            call line%put(nint(column%reals(row)))
-          else
-            call line%put(column%reals(row))
-          end if
-        end associate
+        if (i > 1) call buffer%append(',')
+        if (row == 0) call buffer%append(table%columns(i)%name)
+        if (row > 0) call put_cell(table%columns(i), row, '', buffer)
       end do
-      call line%finish(buffer)
+      call buffer%line('')
     end do
   end subroutine write_table
 
@@ -72,38 +56,32 @@ contains
   subroutine write_spectrum_csv(spectra, buffer)
     type(power_spectrum), intent(in) :: spectra(3)  !! of a map
     type(text_buffer), intent(inout) :: buffer      !! gets the text
-    type(csv_line) :: line
-    integer :: i, k
+    type(array_table) :: table
+    integer :: k
 
-    call buffer%line('spectrum,q,c_iso,c_1d,number')
-    do k = 1, size(spectra)
-      do i = 1, size(spectra(k)%q)
-        call line%put(trim(spectrum_names(k)))
-        call line%put([spectra(k)%q(i), merge(spectra(k)%c(i), not_computed, k == 1), &
-                       merge(not_computed, spectra(k)%c(i), k == 1)])
-        call line%put(spectra(k)%number(i))
-        call line%finish(buffer)
-      end do
-    end do
+    call add_words(table, 'spectrum', [(spread(spectrum_names(k), 1, size(spectra(k)%q)), &
+                                        k=1, size(spectra))])
+    call add_reals(table, 'q', [(spectra(k)%q, k=1, size(spectra))])
+    call add_reals(table, 'c_iso', [spectra(1)%c, spread(not_computed, 1, size(spectra(2)%q) + &
+                                                         size(spectra(3)%q))])
+    call add_reals(table, 'c_1d', [spread(not_computed, 1, size(spectra(1)%q)), spectra(2)%c, &
+                                   spectra(3)%c])
+    call add_wholes(table, 'number', [(spectra(k)%number, k=1, size(spectra))])
+    call write_table(table, buffer)
   end subroutine write_spectrum_csv
 
   !> Writes the names of the columns of stresses.
   subroutine begin_stress_csv(buffer, comment)
     type(text_buffer), intent(inout) :: buffer  !! gets the text
     character(len=*), intent(in), optional :: comment  !! a line before the names
-    type(csv_line) :: line
     integer :: k
 
     if (present(comment)) call buffer%line('# ' // comment)
-    call line%put('depth')
-    call line%put('x')
-    call line%put('y')
+    call buffer%append('depth,x,y')
     do k = 1, size(component_names)
-      call line%put('stress_' // component_names(k))
+      call buffer%append(',stress_' // component_names(k))
     end do
-    call line%put('von_mises')
-    call line%put('largest_shear')
-    call line%finish(buffer)
+    call buffer%line(',von_mises,largest_shear')
   end subroutine begin_stress_csv
 
   !> Writes one line a pixel: the stresses below it at one depth.
@@ -112,14 +90,18 @@ contains
     real(real64), intent(in) :: depth            !! depth below the surface [length]
     real(real64), intent(in) :: stress(:, :, :)  !! (column, row, component)
     type(text_buffer), intent(inout) :: buffer   !! gets the text
-    type(csv_line) :: line
-    integer :: i, j
+    character(len=25) :: cells(5 + size(stress, 3))
+    integer :: i, j, k
 
     do j = 1, field%rows
       do i = 1, field%columns
-        call line%put([depth, field%origin + ([i, j] - 1) * field%pixel_spacing, &
-                       stress(i, j, :), von_mises(stress(i, j, :)), largest_shear(stress(i, j, :))])
-        call line%finish(buffer)
+        write (cells, '(es25.16e3)') depth, field%origin + ([i, j] - 1) * field%pixel_spacing, &
+          stress(i, j, :), von_mises(stress(i, j, :)), largest_shear(stress(i, j, :))
+        call buffer%append(trim(adjustl(cells(1))))
+        do k = 2, size(cells)
+          call buffer%append(',' // trim(adjustl(cells(k))))
+        end do
+        call buffer%line('')
       end do
     end do
   end subroutine write_stress_csv

@@ -7,12 +7,7 @@ module asperity_html_page
   private
 
   public :: begin_page, end_page, begin_section
-  public :: begin_table, put_row, put_lines, put_paragraphs
-  public :: escaped_text
-  public :: end_of_table
-
-  !> End of a table.
-  character(len=*), parameter :: end_of_table = '</tbody></table></div>'
+  public :: put_table, put_lines, put_paragraphs, escaped_text
 
   ! Two sets of colours, each with a contrast of 4.5 or more of text to paper; one column of any
   ! width; what is too wide is scrolled by itself.
@@ -91,11 +86,12 @@ contains
   end subroutine begin_section
 
   !> A table that scrolls by itself, with the keyboard, too.
-  subroutine begin_table(caption, headers, buffer)
+  subroutine put_table(caption, headers, cells, buffer)
     character(len=*), intent(in) :: caption      !! what it holds, as it stands
     character(len=*), intent(in) :: headers(:)   !! of its columns; the first heads the rows
+    character(len=*), intent(in) :: cells(:, :)  !! by column and row, as they stand
     type(text_buffer), intent(inout) :: buffer   !! gets the page
-    integer :: i
+    integer :: i, row
 
     call buffer%append('<div class="scroll" role="region" tabindex="0" aria-label="' // &
                        escaped_text(caption) // '">' // nl // '<table><caption>' // &
@@ -104,20 +100,15 @@ contains
       call buffer%append('<th scope="col">' // escaped_text(trim(headers(i))) // '</th>')
     end do
     call buffer%line('</tr></thead>' // nl // '<tbody>')
-  end subroutine begin_table
-
-  !> A row, as many cells as the table has headers.
-  subroutine put_row(cells, buffer)
-    character(len=*), intent(in) :: cells(:)    !! as they stand
-    type(text_buffer), intent(inout) :: buffer  !! gets the page
-    integer :: i
-
-    call buffer%append('<tr><th scope="row">' // escaped_text(trim(cells(1))) // '</th>')
-    do i = 2, size(cells)
-      call buffer%append('<td>' // escaped_text(trim(cells(i))) // '</td>')
+    do row = 1, size(cells, 2)
+      call buffer%append('<tr><th scope="row">' // escaped_text(trim(cells(1, row))) // '</th>')
+      do i = 2, size(cells, 1)
+        call buffer%append('<td>' // escaped_text(trim(cells(i, row))) // '</td>')
+      end do
+      call buffer%line('</tr>')
     end do
-    call buffer%line('</tr>')
-  end subroutine put_row
+    call buffer%line('</tbody></table></div>')
+  end subroutine put_table
 
   !> Lines of text as they were written; `label` says what they are.
   subroutine put_lines(label, text, buffer)

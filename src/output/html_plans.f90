@@ -4,7 +4,7 @@ module asperity_html_plans
   use asperity_contact_records, only: contact_radius, contact_row, position_result, state_row
   use asperity_decimal, only: decimal_to_real64
   use asperity_height_map, only: height_map
-  use asperity_html_page, only: begin_table, end_of_table, put_row
+  use asperity_html_page, only: put_table
   use asperity_kinds, only: not_computed, real64
   use asperity_number_format, only: count_text, number_text
   use asperity_problems, only: decimal_text
@@ -247,9 +247,8 @@ contains
     type(svg_plot) :: plot
     type(state_row) :: last
     character(len=:), allocatable :: title
-    character(len=24) :: cells(7)
-    real(real64) :: values(6)
-    integer :: i, k, last_circle, last_in_table, step
+    character(len=24), allocatable :: cells(:, :)
+    integer :: i, last_circle, last_in_table, step
     logical :: reached
 
     last = state_in_plan(results, m, step)
@@ -296,21 +295,19 @@ contains
     if (.not. reached) call buffer%line('</g>')
     call buffer%line('</svg>')
     if (last_in_table >= last%first_row) then
-      call begin_table('contacts, ' // title, [character(len=16) :: 'area_no', 'x', 'y', &
-                       merge('area          ', 'contact_radius', frame%has_patches), 'load', &
-                       'average_pressure', 'maximum_pressure'], buffer)
+      allocate (cells(7, last%first_row:last_in_table))
       do i = last%first_row, last_in_table
         associate (row => results%positions(m)%rows(i))
-          values = [row%x, row%y, merge(row%area, contact_radius(row), frame%has_patches), &
-                    row%load, row%average_pressure, row%maximum_pressure]
-          cells(1) = decimal_text(row%area_no)
+          cells(:, i) = [character(len=24) :: decimal_text(row%area_no), number_text(row%x), &
+                         number_text(row%y), number_text(merge(row%area, contact_radius(row), &
+                                                               frame%has_patches)), &
+                         number_text(row%load), number_text(row%average_pressure), &
+                         number_text(row%maximum_pressure)]
         end associate
-        do k = 1, size(values)
-          cells(k + 1) = number_text(values(k))
-        end do
-        call put_row(cells, buffer)
       end do
-      call buffer%line(end_of_table)
+      call put_table('contacts, ' // title, [character(len=16) :: 'area_no', 'x', 'y', &
+                     merge('area          ', 'contact_radius', frame%has_patches), 'load', &
+                     'average_pressure', 'maximum_pressure'], cells, buffer)
     end if
     call buffer%line(trim(merge('</details>', '</div>    ', size(results%positions) > 1)))
   end subroutine put_plan

@@ -7,10 +7,10 @@ module asperity_result_table
   use asperity_contact_records, only: contact_radius, contact_row, position_result, state_row
   use asperity_effect_names, only: known_effects
   use asperity_kinds, only: int32, int64, not_computed, real64
-  use asperity_problems, only: decimal_text, real_text
   use asperity_process, only: has_memory
   use asperity_scene_results, only: has_height_map, kinds_of_warnings, last_state, scene_results
   use asperity_scene_values, only: scene
+  use asperity_text_buffer, only: text_buffer
   use asperity_unit_names, only: is_area, is_force, is_length, is_moment, is_number, is_pressure, &
                                  powers_of, unit_of, unit_powers
   implicit none
@@ -18,7 +18,7 @@ module asperity_result_table
 
   public :: array_column, array_table, make_arrays, add_reals, add_surface, add_wholes, &
             name_units, numbers_of, place_of
-  public :: cell_text
+  public :: add_words, put_cell
   public :: of_positions, of_states, of_contacts, table_names
 
   !> The tables.
@@ -404,23 +404,27 @@ contains
     end associate
   end function numbers_of
 
-  !> A cell in a file: a number with 17 digits, a whole number, a word.
-  pure function cell_text(column, row, empty) result(text)
-    type(array_column), intent(in) :: column  !! column of a table
-    integer, intent(in) :: row                !! row of the cell, from 1
-    character(len=*), intent(in) :: empty     !! text of an empty cell
-    character(len=:), allocatable :: text     !! text without blanks around it
+  !> Appends a cell as files have it: a number with 17 digits, a whole number, a word.
+  pure subroutine put_cell(column, row, empty, buffer)
+    type(array_column), intent(in) :: column    !! column of a table
+    integer, intent(in) :: row                  !! row of the cell, from 1
+    character(len=*), intent(in) :: empty       !! text of an empty cell
+    type(text_buffer), intent(inout) :: buffer  !! gets the cell, without blanks around it
+    character(len=25) :: cell
 
+    cell = empty
     if (allocated(column%wholes)) then
-      text = decimal_text(column%wholes(row))
+      write (cell, '(i0)') column%wholes(row)
     else if (allocated(column%letters)) then
-      text = trim(transfer(column%letters(:, row), repeat('a', word_length)))
-    else if (ieee_is_nan(column%reals(row))) then
-      text = empty
-    else
-      text = real_text(column%reals(row), 'es25.16e3')
+      call buffer%append(trim(transfer(column%letters(:, row), &
+                                       repeat('a', size(column%letters, 1)))))
+      return
+    else if (.not. ieee_is_nan(column%reals(row))) then
+      if (column%is_count) write (cell, '(i0)') nint(column%reals(row))
+      if (.not. column%is_count) write (cell, '(es25.16e3)') column%reals(row)
     end if
-  end function cell_text
+    call buffer%append(trim(adjustl(cell)))
+  end subroutine put_cell
 
   !> Names the units of all columns of a table of a run.
   subroutine name_units(scene_in, arrays)
@@ -433,17 +437,20 @@ contains
     end do
   end subroutine name_units
 
-  !> Adds a column of doubles to a table.
-  subroutine add_reals(table, name, values, unit)
+  !> Adds a column of doubles to a table; one that was not computed is an empty cell.
+  subroutine add_reals(table, name, values, unit, is_count)
     type(array_table), intent(inout) :: table  !! without columns, or with some as long
     character(len=*), intent(in) :: name       !! of the column
     real(real64), intent(in) :: values(:)      !! cells of the column
     character(len=*), intent(in), optional :: unit  !! its unit; absent: not known
+    logical, intent(in), optional :: is_count       !! present: they are whole numbers
 
     call add_column(table, name)
     table%rows = size(values)
     associate (new => table%columns(size(table%columns)))
       new%reals = values
+      where (.not. values > not_computed) new%reals = ieee_value(1.0_real64, ieee_quiet_nan)
+      new%is_count = present(is_count)
       if (present(unit)) new%unit = trim(unit)
     end associate
   end subroutine add_reals
@@ -471,6 +478,23 @@ contains
     table%rows = size(values)
     table%columns(size(table%columns))%wholes = values
   end subroutine add_wholes
+
+  !> Adds a column of words to a table.
+  subroutine add_words(table, name, words)
+    type(array_table), intent(inout) :: table  !! without columns, or with some as long
+    character(len=*), intent(in) :: name       !! of the column
+    character(len=*), intent(in) :: words(:)   !! cells of the column
+    integer :: i
+
+    call add_column(table, name)
+    table%rows = size(words)
+    associate (new => table%columns(size(table%columns)))
+      allocate (new%letters(len(words), size(words)))
+      do i = 1, size(words)
+        new%letters(:, i) = transfer(words(i), 'a', len(words))
+      end do
+    end associate
+  end subroutine add_words
 
   ! Adds a column without cells.
   subroutine add_column(table, name)

@@ -5,8 +5,8 @@ module asperity_results_html
   use asperity_effect_names, only: known_effects
   use asperity_effects_summary, only: list_effects, effect_sentence
   use asperity_field_picture, only: draw_plan, plan_of_gap, plan_of_pressure, plan_of_traction
-  use asperity_html_page, only: begin_page, begin_section, begin_table, end_of_table, &
-                                end_page, escaped_text, put_lines, put_paragraphs, put_row
+  use asperity_html_page, only: begin_page, begin_section, end_page, escaped_text, put_lines, &
+                                put_paragraphs, put_table
   use asperity_html_plans, only: put_plans
   use asperity_kinds, only: real64
   use asperity_number_format, only: number_text
@@ -102,25 +102,24 @@ contains
     type(total_line), allocatable :: lines(:)
     type(text_buffer) :: path, remarks
     character(len=:), allocatable :: text
-    character(len=82) :: cells(4)
+    character(len=82), allocatable :: cells(:, :)
     integer :: i, k
 
     call list_totals(scene_in, results, lines)
-    if (size(results%positions) == 1) then
-      call begin_table('totals at the end', [character(len=8) :: 'total', 'value'], buffer)
-    else
-      call begin_table('totals at the ends of all positions', &
-                       [character(len=8) :: 'total', 'largest', 'smallest', 'mean'], buffer)
-    end if
+    allocate (cells(merge(2, 4, size(results%positions) == 1), size(lines)))
     do i = 1, size(lines)
-      cells(1) = lines(i)%name
-      if (lines(i)%remark /= '') cells(1) = trim(lines(i)%name) // ', ' // lines(i)%remark
+      cells(1, i) = lines(i)%name
+      if (lines(i)%remark /= '') cells(1, i) = trim(lines(i)%name) // ', ' // lines(i)%remark
       do k = 1, lines(i)%known
-        cells(k + 1) = number_text(lines(i)%numbers(k))
+        cells(k + 1, i) = number_text(lines(i)%numbers(k))
       end do
-      call put_row(cells(:lines(i)%known + 1), buffer)
     end do
-    call buffer%line(end_of_table)
+    if (size(results%positions) == 1) then
+      call put_table('totals at the end', [character(len=8) :: 'total', 'value'], cells, buffer)
+    else
+      call put_table('totals at the ends of all positions', [character(len=8) :: 'total', &
+                     'largest', 'smallest', 'mean'], cells, buffer)
+    end if
     if (errors_in_words(results) /= '') &
       call buffer%line('<p>' // errors_in_words(results) // '</p>')
     call write_remarks(scene_in, results, remarks)
@@ -251,26 +250,25 @@ contains
     type(array_table), intent(in) :: table
     character(len=*), intent(in) :: caption, option, wanted(:)
     type(text_buffer), intent(inout) :: buffer
-    character(len=24) :: cells(size(wanted))
-    integer :: columns(size(wanted)), i, k, row, shown
+    character(len=24), allocatable :: cells(:, :)
+    integer :: columns(size(wanted)), i, k, row
 
     columns = [(place_of(table, wanted(i)), i=1, size(wanted))]
-    call begin_table(caption, pack(wanted, columns > 0), buffer)
-    shown = count(columns > 0)
-    columns(:shown) = pack(columns, columns > 0)
-    do row = 1, min(table%rows, most_rows)
-      do i = 1, shown
-        associate (column => table%columns(columns(i)))
-          if (allocated(column%reals)) cells(i) = number_text(column%reals(row))
-          if (allocated(column%wholes)) cells(i) = decimal_text(column%wholes(row))
+    allocate (cells(count(columns > 0), min(table%rows, most_rows)))
+    columns = pack(columns, columns > 0, columns)
+    do row = 1, size(cells, 2)
+      do i = 1, size(cells, 1)
+        associate (column => table%columns(columns(i)), cell => cells(i, row))
+          if (allocated(column%reals)) cell = number_text(column%reals(row))
+          if (allocated(column%wholes)) cell = decimal_text(column%wholes(row))
           if (allocated(column%letters)) &
-            write (cells(i), '(*(a))') (column%letters(k, row), k=1, size(column%letters, 1))
-          if (column%name == 'limit_reached') cells(i) = merge('yes', 'no ', column%wholes(row) > 0)
+            write (cell, '(*(a))') (column%letters(k, row), k=1, size(column%letters, 1))
+          if (column%name == 'limit_reached') cell = merge('yes', 'no ', column%wholes(row) > 0)
         end associate
       end do
-      call put_row(cells(:shown), buffer)
     end do
-    call buffer%line(end_of_table)
+    call put_table(caption, pack(wanted, [(place_of(table, wanted(i)) > 0, i=1, size(wanted))]), &
+                   cells, buffer)
     if (table%rows > most_rows) &
       call buffer%line('<p>The first ' // decimal_text(most_rows) // ' of ' // &
                        decimal_text(table%rows) // ' ' // caption(:scan(caption // ',', ',') - 1) &
@@ -282,17 +280,20 @@ contains
     type(input_file), intent(in) :: inputs(3)
     type(scene_results), intent(in) :: results
     type(text_buffer), intent(inout) :: buffer
-    integer :: i
+    integer :: i, longest
 
     call buffer%line('<p>asperity ' // version // ', solved in ' // trim(results%arithmetic) // &
                      '.</p>')
-    call begin_table('files read', [character(len=20) :: 'file', 'checksum (FNV-1a)'], buffer)
-    do i = 1, size(inputs)
-      if (inputs(i)%path == '') cycle
-      call buffer%line('<tr><th scope="row">' // escaped_text(inputs(i)%path) // '</th><td>' // &
-                       inputs(i)%checksum // '</td></tr>')
-    end do
-    call buffer%line(end_of_table)
+    longest = max(8, maxval([(len(inputs(i)%path), i=1, size(inputs))]))
+    block
+      character(len=longest) :: cells(2, count([(inputs(i)%path /= '', i=1, size(inputs))]))
+
+      do i = 1, size(cells, 2)
+        cells(:, i) = [character(len=longest) :: inputs(i)%path, inputs(i)%checksum]
+      end do
+      call put_table('files read', [character(len=20) :: 'file', 'checksum (FNV-1a)'], cells, &
+                     buffer)
+    end block
     call put_paragraphs(scene_in%notes%text(), '', buffer)
     call put_lines('the scene', scene_in%text, buffer)
   end subroutine put_origin

@@ -3,7 +3,7 @@
 module asperity_results_json
   use asperity_printable, only: printable_text
   use asperity_problems, only: problem_list, real_text
-  use asperity_result_table, only: array_table, cell_text, of_contacts, table_names
+  use asperity_result_table, only: array_table, of_contacts, put_cell, table_names
   use asperity_scene_inputs, only: input_file
   use asperity_scene_results, only: scene_results
   use asperity_scene_values, only: effect_words, scene
@@ -105,9 +105,10 @@ contains
           ! A line of bearable length, for editors.
           if (row > 1 .and. mod(row, 8) == 1) call buffer%append(new_line('a'))
           if (allocated(column%letters)) then
-            call buffer%append(json_text(cell_text(column, row, '')))
+            call buffer%append(json_text(trim(transfer(column%letters(:, row), &
+                                                       repeat('a', size(column%letters, 1))))))
           else
-            call buffer%append(cell_text(column, row, 'null'))
+            call put_cell(column, row, 'null', buffer)
           end if
         end do
         call buffer%append(']')

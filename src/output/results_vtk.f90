@@ -1,7 +1,7 @@
 !> Contacts as points with their values, for ParaView: VTK's XML file of poly data (.vtp), ASCII.
 module asperity_results_vtk
   use asperity_problems, only: decimal_text
-  use asperity_result_table, only: array_column, array_table, cell_text, place_of
+  use asperity_result_table, only: array_table, place_of, put_cell
   use asperity_text_buffer, only: text_buffer
   implicit none
   private
@@ -15,7 +15,7 @@ contains
   subroutine write_vtk(table, buffer)
     type(array_table), intent(in) :: table      !! contacts of a run
     type(text_buffer), intent(inout) :: buffer  !! gets the text
-    integer :: i, x, y
+    integer :: i, k, x, y
 
     x = place_of(table, 'x')
     y = place_of(table, 'y')
@@ -28,8 +28,10 @@ contains
     call buffer%line('<Points>')
     call buffer%line('<DataArray type="Float64" NumberOfComponents="3" format="ascii">')
     do i = 1, table%rows
-      call buffer%line(cell_text(table%columns(x), i, 'nan') // ' ' // &
-                       cell_text(table%columns(y), i, 'nan') // ' 0')
+      call put_cell(table%columns(x), i, 'nan', buffer)
+      call buffer%append(' ')
+      call put_cell(table%columns(y), i, 'nan', buffer)
+      call buffer%line(' 0')
     end do
     call buffer%line('</DataArray>')
     call buffer%line('</Points>')
@@ -39,7 +41,15 @@ contains
     call buffer%line('</Verts>')
     call buffer%line('<PointData>')
     do i = 1, size(table%columns)
-      if (i /= x .and. i /= y) call put_column(table%columns(i))
+      if (i == x .or. i == y) cycle
+      call buffer%line('<DataArray type="' // trim(merge('Float64', 'Int32  ', &
+                       allocated(table%columns(i)%reals))) // '" Name="' // &
+                       table%columns(i)%name // '" format="ascii">')
+      do k = 1, table%rows
+        call put_cell(table%columns(i), k, 'nan', buffer)
+        call buffer%line('')
+      end do
+      call buffer%line('</DataArray>')
     end do
     call buffer%line('</PointData>')
     call buffer%line('</Piece>')
@@ -60,19 +70,6 @@ contains
       end do
       call buffer%line('</DataArray>')
     end subroutine put_counts
-
-    subroutine put_column(column)
-      type(array_column), intent(in) :: column
-      integer :: k
-
-      call buffer%line('<DataArray type="' // trim(merge('Float64', 'Int32  ', &
-                       allocated(column%reals))) // '" Name="' // column%name // &
-                       '" format="ascii">')
-      do k = 1, table%rows
-        call buffer%line(cell_text(column, k, 'nan'))
-      end do
-      call buffer%line('</DataArray>')
-    end subroutine put_column
 
   end subroutine write_vtk
 

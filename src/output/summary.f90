@@ -31,12 +31,15 @@ contains
     type(scene), intent(in) :: scene_in         !! scene that was solved
     type(scene_results), intent(in) :: results  !! results of a run
     type(text_buffer), intent(inout) :: buffer  !! gets the lines
+    type(problem_list) :: warnings
 
     call write_heading(scene_in, results, buffer)
     call buffer%line('')
     call write_totals(scene_in, results, buffer)
     call buffer%line('')
-    call write_errors(results, buffer)
+    if (errors_in_words(results) /= '') call buffer%line(errors_in_words(results))
+    call list_warnings('', results, warnings)
+    call buffer%append(warnings%text())
     call write_remarks(scene_in, results, buffer)
     call write_form(scene_in, results, buffer)
     call write_grid(scene_in, results, buffer)
@@ -50,27 +53,19 @@ contains
     type(scene), intent(in) :: scene_in         !! scene that was solved
     type(scene_results), intent(in) :: results  !! results of a run
     type(text_buffer), intent(inout) :: buffer  !! gets the lines
-    character(len=:), allocatable :: model
+    character(len=:), allocatable :: limit, model
 
     call buffer%line(scene_in%file // ': ' // surfaces_in_words(scene_in) // ', ' // &
                      count_text(size(results%positions), 'position'))
     model = effects_in_words(results)
+    limit = ''
+    if (asks_for_limit(scene_in)) &
+      limit = '; limit: ' // trim(criterion_words(scene_in%limit%criterion))
     if (model == 'none') model = 'elastic, frictionless, non-interacting contacts (Hertz)'
     call buffer%line('model: ' // model // '; control: ' // &
-                     trim(control_words(scene_in%loading%control)) // limit_text(scene_in) // &
+                     trim(control_words(scene_in%loading%control)) // limit // &
                      '; arithmetic: ' // trim(results%arithmetic))
   end subroutine write_heading
-
-  ! The largest error estimates over the positions, and the warnings.
-  subroutine write_errors(results, buffer)
-    type(scene_results), intent(in) :: results
-    type(text_buffer), intent(inout) :: buffer
-    type(problem_list) :: warnings
-
-    if (errors_in_words(results) /= '') call buffer%line(errors_in_words(results))
-    call list_warnings('', results, warnings)
-    call buffer%append(warnings%text())
-  end subroutine write_errors
 
   !> `error estimate: load 1.2 %, contact area 0.9 %`, the largest over the positions; under load
   !> control it is that of the compression in place of the load. Empty where none is known.
@@ -356,25 +351,17 @@ contains
            (scene_in%loading%control == control_limit .or. .not. scene_in%limit%from_thesis)
   end function asks_for_limit
 
-  !> The limit's criterion in words.
-  pure function limit_text(scene_in) result(text)
-    type(scene), intent(in) :: scene_in
-    character(len=:), allocatable :: text
-
-    text = ''
-    if (asks_for_limit(scene_in)) &
-      text = '; limit: ' // trim(criterion_words(scene_in%limit%criterion))
-  end function limit_text
-
   !> Appends the comparison.
   subroutine write_map_table(record, buffer)
     type(map_record), intent(in) :: record      !! how they compare
     type(text_buffer), intent(inout) :: buffer  !! gets the lines
     character(len=:), allocatable :: text
 
+    text = 'all pixels'
+    if (record%coarser > 1) text = 'pixels of ' // decimal_text(record%coarser) // ' x ' // &
+                                   decimal_text(record%coarser) // ' pixels of the map'
     call buffer%line('')
-    call buffer%line('Summits against boundary elements on ' // resolution_text(record) // &
-                     ' at the same load')
+    call buffer%line('Summits against boundary elements on ' // text // ' at the same load')
     text = '  difference in separation ' // with_sign(record%difference) // ' rms heights'
     if (record%coarser > 1) text = text // ' (uncertainty ' // &
                                    real_text(record%uncertain, 'f10.3') // ')'
@@ -390,16 +377,6 @@ contains
                        percent_text(shares%on_spikes) // ' on outliers')
     end associate
   end subroutine write_map_table
-
-  ! On how fine a map.
-  pure function resolution_text(record) result(text)
-    type(map_record), intent(in) :: record
-    character(len=:), allocatable :: text
-
-    text = 'all pixels'
-    if (record%coarser > 1) text = 'pixels of ' // decimal_text(record%coarser) // ' x ' // &
-                                   decimal_text(record%coarser) // ' pixels of the map'
-  end function resolution_text
 
   pure function with_sign(number) result(text)
     real(real64), intent(in) :: number

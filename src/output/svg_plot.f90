@@ -113,9 +113,10 @@ contains
     type(text_buffer), intent(inout) :: buffer    !! gets the page
     logical, intent(in), optional :: is_again     !! the axes are those of the first plan of a page
     type(text_buffer) :: marks
-    character(len=:), allocatable :: names, sizes
+    integer, parameter :: widest_letter = 8  ! points of a title
+    character(len=:), allocatable :: names, sizes, title
     real(real64) :: corner(2), room(2)
-    integer :: axis
+    integer :: axis, letters
 
     associate (spans => self%axes(:2)%high - self%axes(:2)%low)
       if (self%longest > 0) self%frame = spans * (self%longest / maxval(spans))
@@ -150,8 +151,10 @@ contains
                        '.grid{stroke:#ccc;fill:none}</style>')
       call buffer%line('<rect' // place_attributes(corner) // &
                        ' width="100%" height="100%" fill="white"/>')
-      call put_text(corner + [8, 18], 'start" style="font-weight:bold', &
-                    cut_text(self%title, int(room(1))), buffer)
+      title = self%title
+      letters = int(room(1)) / widest_letter
+      if (len(title) > letters) title = title(:letters - 3) // '...'
+      call put_text(corner + [8, 18], 'start" style="font-weight:bold', title, buffer)
     else
       call buffer%line('>')
     end if
@@ -326,17 +329,6 @@ contains
                      point_text(points) // 'm0-3v6"/>')
     call put_text([points + 8, foot + 7], 'start', name, buffer)
   end subroutine put_bar
-
-  ! A text in a room of so many points.
-  pure function cut_text(text, room) result(cut)
-    character(len=*), intent(in) :: text
-    integer, intent(in) :: room
-    character(len=:), allocatable :: cut
-    integer, parameter :: widest_letter = 8
-
-    cut = text
-    if (len(cut) > room / widest_letter) cut = cut(:room / widest_letter - 3) // '...'
-  end function cut_text
 
   !> Points joined by straight lines.
   subroutine add_curve(self, x, y, buffer)

@@ -319,13 +319,16 @@ contains
     type(scene_results), intent(out) :: results            !! results, all positions
     character(len=:), allocatable, intent(out) :: failure  !! reason of a failure
     type(scene) :: copy, plain
+    type(scene_effects) :: none
 
     copy = scene_in
     copy%loading%points = 0
     if (any(method%family == [of_arithmetic, of_steps])) then
       call replace_map(scene_in, copy, failure)
       if (allocated(failure)) return
-      call remove_effects(copy)
+      ! No effects, and of several values the deepest.
+      copy%effects = none
+      if (allocated(copy%loading%path)) deallocate (copy%loading%path)
       copy%loading%points = 0
       if (method%path == by_marching) then
         call march_positions(copy, method, options%interrupt, results, failure)
@@ -418,14 +421,5 @@ contains
     call join_maps(scene_in, 1, map, origin, failure)
     if (.not. allocated(failure)) call summits_of_scene(scene_in, map, plain, summits, failure)
   end subroutine replace_map
-
-  ! Effects, and what several values lead up to: the deepest of them stays.
-  subroutine remove_effects(copy)
-    type(scene), intent(inout) :: copy
-    type(scene_effects) :: none
-
-    copy%effects = none
-    if (allocated(copy%loading%path)) deallocate (copy%loading%path)
-  end subroutine remove_effects
 
 end module asperity_study_methods

@@ -44,7 +44,7 @@ contains
     character(len=:), allocatable, intent(out) :: failure  !! reason, when they cannot be packed
     type(occupied_cells) :: grid
     integer(int64) :: words(4)
-    integer :: i, attempt
+    integer :: i, attempt, cell
     logical :: is_free
 
     if (real(size(x), real64) > most_points(extent, least)) then
@@ -71,7 +71,10 @@ contains
         call add_remedy(extent, least, size(x), failure)
         return
       end if
-      if (least > 0_int64) call add_position(grid, x(i), y(i), i)
+      if (least == 0_int64) cycle
+      cell = 1 + int(x(i) / grid%side) + int(y(i) / grid%side) * grid%columns
+      grid%next(i) = grid%first(cell)
+      grid%first(cell) = i
     end do
   end subroutine place_at_random
 
@@ -124,17 +127,6 @@ contains
     end do
     has_room = .true.
   end function has_room
-
-  pure subroutine add_position(grid, x, y, i)
-    type(occupied_cells), intent(inout) :: grid
-    integer(int64), intent(in) :: x, y
-    integer, intent(in) :: i
-    integer :: cell
-
-    cell = 1 + int(x / grid%side) + int(y / grid%side) * grid%columns
-    grid%next(i) = grid%first(cell)
-    grid%first(cell) = i
-  end subroutine add_position
 
   !> Upper bound of the number of points that keep the distance d on a convex area A of perimeter P:
   !> 2 A/(sqrt(3) d**2) + P/(2 d) + 1 (N. Oler, "An inequality in the geometry of numbers", Acta

@@ -10,7 +10,7 @@ module asperity_scene_suite
   use asperity_numbers_ibm370, only: double_ibm370 => from_real64, number_ibm370 => decimal_number
   use asperity_numbers_real128, only: number_128 => decimal_number
   use asperity_numbers_real32, only: number_32 => decimal_number
-  use asperity_numeral, only: decimal_sum, read_double_numeral, read_numeral
+  use asperity_numeral, only: read_double_numeral, read_numeral
   use asperity_problems, only: problem_list
   use asperity_scene_reader, only: parse_scene
   use asperity_scene_values, only: control_separation, control_limit, criterion_load, &
@@ -42,7 +42,6 @@ contains
             new_unittest('what is no number is refused', test_bad_numerals), &
             new_unittest('quick conversion equals the library''s', test_decimal_to_real64), &
             new_unittest('doubles are kept exactly', test_doubles), &
-            new_unittest('sums of decimals', test_decimal_sum), &
             new_unittest('a deck in a scene, and the defaults', test_deck_defaults), &
             new_unittest('a group overrides the deck name by name', test_overrides), &
             new_unittest('syntax that is accepted', test_syntax), &
@@ -253,32 +252,6 @@ contains
     end subroutine one
 
   end subroutine test_decimal_to_real64
-
-  subroutine test_decimal_sum(error)
-    type(error_type), allocatable, intent(out) :: error
-
-    call one(decimal_value(1_int64, -1), decimal_value(254_int64, -3), 354_int64, -3)
-    call one(decimal_value(254_int64, -3), decimal_value(-1_int64, -1), 154_int64, -3)
-    call one(decimal_value(7_int64, -2), decimal_value(0_int64, 0), 7_int64, -2)
-    call one(decimal_value(0_int64, -9), decimal_value(7_int64, 2), 7_int64, 2)
-    call one(decimal_value(1_int64, 300), decimal_value(1_int64, 0), 10_int64**17, 283)
-    call one(decimal_value(1_int64, 17), decimal_value(6_int64, -1), 10_int64**17 + 1, 0)
-    call one(decimal_value(1_int64, 17), decimal_value(-4_int64, -1), 10_int64**17, 0)
-
-  contains
-
-    subroutine one(a, b, digits, exponent)
-      type(decimal_value), intent(in) :: a, b
-      integer(int64), intent(in) :: digits
-      integer, intent(in) :: exponent
-      type(decimal_value) :: total
-
-      total = decimal_sum(a, b)
-      call check(error, total%all_digits, digits, 'digits of the sum')
-      call check(error, total%power_of_ten, exponent, 'exponent of the sum')
-    end subroutine one
-
-  end subroutine test_decimal_sum
 
   subroutine test_deck_defaults(error)
     type(error_type), allocatable, intent(out) :: error
