@@ -1,7 +1,6 @@
 """`asperity generate`: the numbers against an independent evaluation, their statistics, and what
 the command says when it cannot do what is asked."""
 
-import math
 import os
 from decimal import Decimal
 
@@ -150,42 +149,6 @@ def test_draws_are_those_of_the_definition(column, stream, mean, deviation, lowe
         met = sum(value <= allowed for value in off)
     tally.add("generated heights and radii", 400, met)
     assert met == 400
-
-
-def test_statistics_of_many(generate, tally):
-    """1e5 asperities: moments and distribution against the closed form, places against uniform.
-
-    Moments within 4 standard errors; Kolmogorov-Smirnov below 1.95/sqrt(n), chi-square within 3.3
-    deviations of its mean: another seed would miss one of these once in 1000 times."""
-    number = 100000
-    text = generate(PLAIN.format(number=number, least=0, seed=3, more="")).stdout
-    x, y, height, radius = table(text).T
-    assert len(x) == number
-    for values, mean, deviation, lowest, highest in (
-            (height, 0.05, 0.012, 0.04, 0.071), (radius, 0.5, 0.03, 0.44, 0.53)):
-        assert lowest <= values.min() and values.max() <= highest
-        # The extremes come close to the cut-offs: n times the chance of the gap is above 20.
-        assert values.min() - lowest < 1e-3 * deviation > highest - values.max()
-        a, b = (lowest - mean) / deviation, (highest - mean) / deviation
-        m, s = truncated_moments(a, b)
-        z = (values - mean) / deviation
-        fourth = ((z - m) ** 4).mean() / s ** 4
-        assert abs(z.mean() - m) < 4 * s / np.sqrt(number)
-        assert abs(z.std() - s) < 4 * s * np.sqrt((fourth - 1) / 4 / number)
-        low, total = float(cdf(a)), float(cdf(b) - cdf(a))
-        expected = (np.array([math.erfc(-value / math.sqrt(2)) for value in np.sort(z)]) / 2
-                    - low) / total
-        rank = np.arange(number + 1) / number
-        off = max(np.abs(expected - rank[:-1]).max(), np.abs(expected - rank[1:]).max())
-        assert off < 1.95 / np.sqrt(number)
-    for nx, ny in ((20, 20), (1000, 1), (1, 1000)):
-        counts = np.histogram2d(x, y, bins=(nx, ny), range=((0, 40), (0, 25)))[0].ravel()
-        chi_square = ((counts - number / counts.size) ** 2).sum() / (number / counts.size)
-        assert abs(chi_square - (counts.size - 1)) < 3.3 * np.sqrt(2 * (counts.size - 1))
-    # Heights know nothing of places or radii.
-    for first, second in ((x, height), (y, height), (x, y), (height, radius)):
-        assert abs(np.corrcoef(first, second)[0, 1]) < 4 / np.sqrt(number)
-    tally.add("generated statistics", 15, 15)
 
 
 @pytest.mark.truth

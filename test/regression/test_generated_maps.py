@@ -80,16 +80,6 @@ def summed(waves):
     return heights.real
 
 
-def density_of(heights, spacing):
-    """Two-dimensional power spectral density, and the wave vectors."""
-    rows, columns = heights.shape
-    area = heights.size * spacing[0] * spacing[1]
-    c = abs(np.fft.fft2(heights) * spacing[0] * spacing[1]) ** 2 / area
-    qx, qy = np.meshgrid(2 * np.pi * np.fft.fftfreq(columns, spacing[0]),
-                         2 * np.pi * np.fft.fftfreq(rows, spacing[1]))
-    return c, qx, qy
-
-
 @pytest.mark.parametrize("below", ("flat", "none"))
 @pytest.mark.parametrize("quantity", ("rms_height", "rms_slope"))
 @pytest.mark.parametrize("periodic", ("on", "off"))
@@ -171,61 +161,6 @@ def exact_gaussian(words):
     return np.array([draw_in_whole_numbers(each) for each in zip(*words)]) / 2.0 ** 37
 
 
-def test_the_spectrum_is_self_affine(generate):
-    """1024 x 1024 pixels: slope -2 (1 + H), plateau and cut-off of the density. A ring of n wave
-    vectors has n/2 independent ones of an exponential distribution: relative deviation
-    sqrt(2/n)."""
-    heights = generate("&map pixels = 1024, spacing = 0.1, hurst = 0.8, roll_off = 10., "
-                       "cut_off = 0.4, rms_slope = 0.5, seed = 11 /\n")
-    c, qx, qy = density_of(heights, (0.1, 0.1))
-    q, q_r, q_c = np.hypot(qx, qy), 2 * np.pi / 10.0, 2 * np.pi / 0.4
-    assert c[q > q_c * 1.0001].max() <= 1e-18 * c.max()
-    inside = (q > 0) & (q < q_c)
-    shape = np.maximum(q, q_r) ** -3.6
-    c_0 = (c[inside] / shape[inside]).mean()
-    for low, high in ((0.0, q_r), (q_r, 2 * q_r), (2 * q_r, 8 * q_r), (8 * q_r, q_c)):
-        ring = (q > low) & (q <= high) & inside
-        assert (c[ring] / shape[ring]).mean() == \
-            pytest.approx(c_0, rel=4 * np.sqrt(2 / ring.sum())), (low, high)
-    # Least squares over rings, each with the weight of its number.
-    edges = np.geomspace(q_r, q_c, 30)
-    ring = np.digitize(q, edges)
-    n = np.array([(ring == k).sum() for k in range(1, 30)])
-    x = np.log([q[ring == k].mean() for k in range(1, 30)])
-    y = np.log([(c[ring == k] / shape[ring == k]).mean() for k in range(1, 30)])
-    slope = np.polyfit(x, y, 1, w=np.sqrt(n))[0]
-    assert abs(slope) < 4 * np.sqrt(2 / (n * (x - np.average(x, weights=n)) ** 2).sum())
-
-
-def test_rms_values_are_exact(generate):
-    """On the periodic map, by Parseval."""
-    text = "&map pixels = 60, 100, spacing = 0.3, 0.2, hurst = 0.6, {} = 0.25, seed = {} /\n"
-    for seed in (1, 2, 3):
-        c, qx, qy = density_of(generate(text.format("rms_slope", seed)), (0.3, 0.2))
-        area = 60 * 0.3 * 100 * 0.2
-        assert np.sqrt(((qx ** 2 + qy ** 2) * c).sum() / area) == pytest.approx(0.25, rel=1e-10)
-        heights = generate(text.format("rms_height", seed))
-        assert heights.std() == pytest.approx(0.25, rel=1e-12)
-        assert abs(heights.mean()) < 1e-14
-
-
-def test_maps_are_isotropic_and_gaussian(generate):
-    """Power in quarters of the half-plane of directions, and the moments of the heights."""
-    heights = generate("&map pixels = 512, spacing = 1., hurst = 0.5, roll_off = 20., "
-                       "cut_off = 4., rms_height = 1., seed = 3 /\n")
-    c, qx, qy = density_of(heights, (1.0, 1.0))
-    q = np.hypot(qx, qy)
-    share = c * q ** 3 * (q > 2 * np.pi / 20) * (q < 2 * np.pi / 4)
-    angle = np.arctan2(qy, qx) % np.pi
-    quarters = [share[(angle >= k * np.pi / 4) & (angle < (k + 1) * np.pi / 4)] for k in range(4)]
-    means = [quarter[quarter > 0].mean() for quarter in quarters]
-    least = min((quarter > 0).sum() for quarter in quarters)
-    assert np.ptp(means) / np.mean(means) < 6 * np.sqrt(2 / least)
-    # Some 512**2/20**2 independent heights.
-    assert abs((heights ** 3).mean()) < 4 * np.sqrt(15 / 655)
-    assert (heights ** 4).mean() == pytest.approx(3, abs=4 * np.sqrt(96 / 655))
-
-
 def test_seeds_differ_and_threads_do_not(generate):
     text = ("&map pixels = 256, spacing = 1., hurst = 0.8, roll_off = 16., rms_height = 1., "
             "seed = {} /")
@@ -243,18 +178,6 @@ def test_finer_pixels_show_the_same_map(generate):
             "rms_height = 1., seed = 4 /")
     coarse, fine = generate(text.format(64, 0.5)), generate(text.format(128, 0.25))
     assert abs(fine[::2, ::2] - coarse).max() < 1e-8
-
-
-def test_a_periodic_map_continues_beyond_its_edge(generate):
-    """Differences across the seam are as large as elsewhere; a free map's edges do not fit."""
-    text = ("&map pixels = 300, spacing = 1., hurst = 0.8, roll_off = 150., cut_off = 10., "
-            "rms_slope = 0.1, seed = 6, periodic = '{}' /")
-    seams = {}
-    for periodic in ("on", "off"):
-        z = generate(text.format(periodic))
-        seams[periodic] = np.sqrt(((z[:, 0] - z[:, -1]) ** 2).mean() / (np.diff(z) ** 2).mean())
-    assert 0.8 < seams["on"] < 1.2
-    assert seams["off"] > 5
 
 
 def test_defaults(generate, run, tmp_path):
@@ -430,20 +353,6 @@ def test_spectra_are_those_of_SurfaceTopography(columns, rows, dx, dy, edge, run
         np.testing.assert_allclose(found[kind][1][:len(q)], c, rtol=1e-10)
         assert len(found[kind][0]) == (map_of.nb_grid_pts[0] - 1) // 2
         assert (found[kind][2] == lines).all()
-
-
-def test_spectra_sum_to_the_mean_square(generate, run, tmp_path):
-    """Parseval on a periodic map whose cut-off lies below the Nyquist wave number."""
-    z = generate("&map pixels = 48, 64, spacing = 0.5, 0.4, hurst = 0.8, roll_off = 10., "
-                 "cut_off = 1.5, rms_height = 0.7 /")
-    run("summits", "map.npy", "--spacing", "0.5,0.4", "--edge", "periodic", "--spectrum", "s.csv")
-    found = spectra(tmp_path / "s.csv")
-    area = z.size * 0.5 * 0.4
-    # Rings with the number of their wave vectors.
-    assert (found["iso"][1] * found["iso"][2]).sum() / area == pytest.approx(0.49, rel=1e-10)
-    for kind, side, axis in (("x", 24.0, 1), ("y", 25.6, 0)):
-        wanted = (z - z.mean(axis=axis, keepdims=True)).var()
-        assert 2 * found[kind][1].sum() / side == pytest.approx(wanted, rel=1e-10)
 
 
 @pytest.mark.parametrize("kind", ["x", "y"])
