@@ -167,7 +167,8 @@ contains
 
   end subroutine list_totals
 
-  ! Adds pressures that no file has: the load over the area, and the greatest one.
+  ! Adds pressures that no file has: the greatest one, and the load over the area, which is at most
+  ! the greatest: the corrected area of a patch of few pixels is less than that of its pixels.
   subroutine add_pressures(results, table)
     type(scene_results), intent(in) :: results
     type(array_table), intent(inout) :: table
@@ -180,7 +181,10 @@ contains
     do m = 1, table%rows
       last = last_state(results%positions(m))
       if (last%area > 0.0_real64) mean(m) = last%load / last%area
-      if (last%greatest_pressure > not_computed) greatest(m) = last%greatest_pressure
+      if (last%greatest_pressure > not_computed) then
+        greatest(m) = last%greatest_pressure
+        mean(m) = min(mean(m), greatest(m))
+      end if
     end do
     call add_reals(table, 'mean_pressure', mean)
     call add_reals(table, 'greatest_pressure', greatest)

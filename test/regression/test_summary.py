@@ -99,6 +99,17 @@ def test_summary_shows_what_the_files_say(asperity, tmp_path, name):
         assert max(abs(lost), abs(sunk)) > 1e-6
 
 
+def test_mean_pressure_of_one_pixel(asperity, tmp_path):
+    """The mean over the corrected area of an unresolved patch is at most its greatest pressure."""
+    (tmp_path / "m.txt").write_text("0 0 0 0\n0 0 1 0\n0 0 0 0\n0 0 0 0\n")
+    (tmp_path / "m.scene").write_text("""&surfaces
+upper = 'plane', lower = 'm.txt', map_unit = 'um', map_spacing = 1.0, 1.0 /
+&material contact_modulus = 1e5 / &loading control = 'load', value = 0.5 /""")
+    run = run_program(asperity, "solve", tmp_path / "m.scene")
+    shown = summary_of(run.stdout.splitlines())
+    assert float(shown["mean pressure"]) == float(shown["greatest pressure"]) == 0.5
+
+
 def solve_at_load(asperity, folder, effects, load):
     """Closing and area at a load, and what the summary says of them, with some effects."""
     scene = write_csv_scene(
