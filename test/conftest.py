@@ -30,7 +30,7 @@ MARKS = ("fast: what `make test` runs: all tests of no other kind",
          "truth: many positions, pixels or contacts against an independent evaluation",
          "pages: blocks, tables and links of the pages, and the site",
          "fuzz: random decks, scenes and maps", "long: the statements of shorter tests, more often",
-         "once: does not depend on the build; left out of builds that look for trouble",
+         "once: in the release build alone: depends on no build, or a sibling runs in the others",
          "trouble: runs in these builds although it is not fast")
 
 

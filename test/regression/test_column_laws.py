@@ -14,7 +14,7 @@ from programs import run_program
 from surfaces_csv import write_surface
 from test_written_defaults import FILES, NUMBERS, random_scene, write
 
-pytestmark = [pytest.mark.fuzz, pytest.mark.trouble]
+pytestmark = pytest.mark.fuzz
 
 SCENES = 300
 EFFECTS = (*NUMBERS, "interaction")

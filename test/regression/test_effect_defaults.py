@@ -243,7 +243,7 @@ EFFECTS = {
     "creep": {"hold_time": 1.0, "relaxation_time": 1.0, "relaxed_modulus_ratio": 0.5}}
 
 
-@pytest.mark.parametrize("edge", ("periodic", "free"))
+@pytest.mark.parametrize("edge", ("periodic", pytest.param("free", marks=pytest.mark.once)))
 def test_an_effect_of_a_map_is_simulated_or_left_out(edge, asperity, tmp_path):
     """Not both, for random sets of numbers; a note or a row of the summary names each."""
     rng = np.random.default_rng(3)
