@@ -20,13 +20,11 @@ module asperity_help
 
   ! The words after a bare `asperity`.
   character(len=*), parameter :: next_steps(*) = [character(len=82) :: &
-    'asperity: contact between rough surfaces of spherical asperities', &
-    '', &
+    'asperity: contact between rough surfaces of spherical asperities', '', &
     'Three commands to begin with:', &
     '  asperity data/thesis.deck     the printed report of the 1970s program', &
     '  asperity solve SCENE          contact of two surfaces: data/examples has scenes', &
-    '  asperity summits MAP          a measured height map: statistics and summits', &
-    'Then:', &
+    '  asperity summits MAP          a measured height map: statistics and summits', 'Then:', &
     '  asperity accuracy             run time and error of every method', &
     '  asperity --help               all commands and options', &
     'With fpm: fpm run -- data/thesis.deck']

@@ -2,7 +2,7 @@
 module asperity_run_summits
   use asperity_command_line, only: command_line
   use asperity_command_outcome, only: command_outcome
-  use asperity_csv_tables, only: write_spectrum_csv, write_summits_csv
+  use asperity_csv_tables, only: write_spectrum_csv, write_table
   use asperity_field_picture, only: draw_map
   use asperity_height_map, only: height_map
   use asperity_height_map_reader, only: read_height_map
@@ -12,6 +12,7 @@ module asperity_run_summits
   use asperity_map_summits, only: map_summits, rule_eight
   use asperity_printable, only: printable_text
   use asperity_problems, only: decimal_text
+  use asperity_result_table, only: add_surface, array_table
   use asperity_summits_of_file, only: summit_choices, summits_of_file, summits_of_samples
   use asperity_summits_table, only: write_summits_table
   use asperity_text_buffer, only: text_buffer
@@ -37,6 +38,7 @@ contains
     type(summit_choices) :: choices
     type(text_buffer) :: surface, picture, spectrum
     type(power_spectrum) :: spectra(3)
+    type(array_table) :: table
     integer(int64) :: spikes
 
     choices = summit_choices(rule=max(rule_eight, line%choice('--rule')), &
@@ -63,7 +65,8 @@ contains
       call measure_map(map, summits, found)
       call write_summits_table(line%input, choices, spikes, map, summits, found, outcome%text)
     end if
-    if (line%output_path('--output') /= '') call write_summits_csv(summits, surface)
+    call add_surface(summits%x, summits%y, summits%height, summits%radius, table, '')
+    if (line%output_path('--output') /= '') call write_table(table, surface)
     call outcome%stage_text(line%output_path('--output'), surface)
     call outcome%stage_text(line%output_path('--spectrum'), spectrum)
     if (line%output_path('--picture') /= '') &

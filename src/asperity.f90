@@ -24,7 +24,8 @@ module asperity
   use asperity_summit_spheres, only: radius_geometric, radius_names, radius_neighbours, &
                                      radius_paraboloid
   use asperity_summits_of_file, only: summit_choices, summits_of_array, summits_of_file
-  use asperity_summits_table, only: write_summits_table
+  use asperity_summits_table, only: add_statistics, write_summits_table
+  use asperity_unit_names, only: length_power
   ! Generated surfaces.
   use asperity_generated_map, only: generate_map
   use asperity_generated_surface, only: generate_surface, generated_surface, plan_surface, &

@@ -3,9 +3,10 @@ module asperity_c_maps
   use, intrinsic :: iso_c_binding, only: c_associated, c_double, c_f_pointer, c_int, &
                                           c_null_ptr, c_ptr
   use, intrinsic :: iso_fortran_env, only: int64, real64
-  use asperity, only: add_reals, add_surface, add_wholes, decimal_text, generate_map, &
-                      generation_spec, height_map, length_units, level_map, level_names, &
-                      map_statistics, map_summits, measure_map, measure_spectra, note_of_file, &
+  use asperity, only: add_reals, add_statistics, add_surface, add_wholes, generate_map, &
+                      generation_spec, height_map, length_power, length_units, level_map, &
+                      level_names, map_statistics, map_summits, measure_map, measure_spectra, &
+                      note_of_file, &
                       periodic_edge, power_spectrum, problem_list, put_in_unit, radius_names, &
                       read_height_map, rule_names, summit_choices, summits_of_array, &
                       summits_of_file, text_buffer, usual_level, write_map_file, &
@@ -163,9 +164,9 @@ contains
       call set_text(new, text_unit, map%unit)
       do k = 1, size(spectra)
         associate (table => new%tables(table_spectra + k - 1), from => spectra(k))
-          call add_reals(table, 'q', from%q, power_of(map%unit, -1))
-          if (k == 1) call add_reals(table, 'c_iso', from%c, power_of(map%unit, 4))
-          if (k > 1) call add_reals(table, 'c_1d', from%c, power_of(map%unit, 3))
+          call add_reals(table, 'q', from%q, length_power(map%unit, -1))
+          if (k == 1) call add_reals(table, 'c_iso', from%c, length_power(map%unit, 4))
+          if (k > 1) call add_reals(table, 'c_1d', from%c, length_power(map%unit, 3))
           call add_wholes(table, 'number', from%number)
         end associate
       end do
@@ -272,45 +273,9 @@ contains
       associate (table => new%tables(table_summits))
         call add_surface(summits%x, summits%y, summits%height, summits%radius, table, map%unit)
       end associate
-      associate (table => new%tables(table_statistics))
-        call add_reals(table, 'samples', [real(found%samples, real64)])
-        call add_reals(table, 'missing', [real(found%missing, real64)])
-        call add_reals(table, 'slopes_left_out', [found%slopes_left_out])
-        call add_reals(table, 'spacing_x', map%pixel_spacing(1:1), map%unit)
-        call add_reals(table, 'spacing_y', map%pixel_spacing(2:2), map%unit)
-        call add_reals(table, 'rms_height', [found%rms_height], map%unit)
-        call add_reals(table, 'rms_slope', [found%rms_slope])
-        call add_reals(table, 'm0', [found%m0], power_of(map%unit, 2))
-        call add_reals(table, 'm2_x', found%m2(1:1))
-        call add_reals(table, 'm2_y', found%m2(2:2))
-        call add_reals(table, 'm4_x', found%m4(1:1), power_of(map%unit, -2))
-        call add_reals(table, 'm4_y', found%m4(2:2), power_of(map%unit, -2))
-        call add_reals(table, 'alpha', [found%alpha])
-        call add_reals(table, 'density', [found%density], power_of(map%unit, -2))
-        call add_reals(table, 'mean_height', [found%mean_height], map%unit)
-        call add_reals(table, 'height_deviation', [found%height_deviation], map%unit)
-        call add_reals(table, 'mean_curvature', [found%mean_curvature], power_of(map%unit, -1))
-        call add_reals(table, 'mean_radius', [found%mean_radius], map%unit)
-        call add_reals(table, 'expected_density', [found%expected_density], power_of(map%unit, -2))
-        call add_reals(table, 'expected_height', [found%expected_height], map%unit)
-        call add_reals(table, 'expected_deviation', [found%expected_deviation], map%unit)
-        call add_reals(table, 'expected_curvature', [found%expected_curvature], &
-                       power_of(map%unit, -1))
-      end associate
+      call add_statistics(map, found, new%tables(table_statistics))
     end if
     call finish_outcome(new)
   end subroutine finish_summits
-
-  ! A power of a unit of length; empty where the unit is not known.
-  pure function power_of(unit, power) result(text)
-    character(len=*), intent(in) :: unit     !! name of the unit
-    integer, intent(in) :: power             !! exponent, not 0
-    character(len=:), allocatable :: text    !! for instance `1/um2`
-
-    text = trim(unit)
-    if (text == '') return
-    if (abs(power) > 1) text = text // decimal_text(abs(power))
-    if (power < 0) text = '1/' // text
-  end function power_of
 
 end module asperity_c_maps

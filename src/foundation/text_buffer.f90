@@ -32,8 +32,7 @@ contains
     if (.not. allocated(self%store)) allocate (character(len=4096) :: self%store)
     needed = self%used + len(piece, int64)
     if (needed > len(self%store, int64)) then
-      allocate (character(len=max(needed, 2_int64 * len(self%store, int64))) :: larger, &
-                stat=status)
+      allocate (character(len=max(needed, 2_int64 * len(self%store, int64))) :: larger, stat=status)
       self%failed = status /= 0
       if (self%failed) return
       larger(:self%used) = self%store(:self%used)

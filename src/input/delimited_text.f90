@@ -9,8 +9,7 @@ module asperity_delimited_text
   implicit none
   private
 
-  public :: begins_comment, line_cells, line_reader, read_cells, column_of, &
-            separator_of
+  public :: begins_comment, line_cells, line_reader, read_cells, column_of, separator_of
 
   ! Bytes that are read at once, as many as a block of a file; a longer line needs more.
   integer, parameter :: block_length = 65536

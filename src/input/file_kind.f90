@@ -12,8 +12,7 @@ module asperity_file_kind
   integer, parameter :: a_scene = 1, a_specification = 2, a_study = 3, a_surface = 4, a_map = 5
 
   ! Name of each kind, and the command that takes it.
-  character(len=*), parameter :: advice(5) = [character(len=76) :: &
-    'a scene: asperity solve FILE', &
+  character(len=*), parameter :: advice(5) = [character(len=76) :: 'a scene: asperity solve FILE', &
     'a specification of surfaces: asperity generate FILE', &
     'a specification of a study: asperity study FILE', &
     'a surface: name it in &surfaces of a scene, then asperity solve SCENE', &

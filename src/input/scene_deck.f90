@@ -73,8 +73,7 @@ contains
                           target_scene%lower_mirror_width, found)
       ! XDISPL and YDISPL are added, as the original's print says.
       call convert_number(header_cards, shift_field(1), deck%x_displacement, inch, shift, found)
-      sweep%x_first = rounded_decimal(decimal_to_real64(thesis_step) + &
-                                      decimal_to_real64(shift), 17)
+      sweep%x_first = rounded_decimal(decimal_to_real64(thesis_step) + decimal_to_real64(shift), 17)
       if (shift%power_of_ten >= -17 .and. shift%power_of_ten <= -1) sweep%x_first = decimal_value( &
         10_int64**(-1 - shift%power_of_ten) + shift%all_digits, shift%power_of_ten)
       if (shift%all_digits == 0_int64) sweep%x_first = thesis_step

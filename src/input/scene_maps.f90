@@ -59,7 +59,7 @@ contains
     type(scene_fields), intent(inout) :: fields       !! the scene's text
     type(scene), intent(inout) :: checked             !! gets the maps; has those that are given
     type(problem_list), intent(inout) :: other_files  !! what is wrong with the files
-    type(decimal_value) :: pixel_spacing(2, 2)
+    type(decimal_value) :: form(2), pixel_spacing(2, 2)
     integer :: despike, edges(2), sides, unit(2)
     logical :: good, is_given(2)
 
@@ -73,7 +73,12 @@ contains
                 (checked%lower%file /= '' .or. checked%map%lower%columns > 0)]
     sides = count(is_given)
     call take_spacing()
-    call take_form()
+    call fields%take('surfaces', 'form_radius', form)
+    checked%map%form_radius = decimal_to_real64(form)
+    if (any(checked%map%form_radius > 0.0_real64 .and. &
+            .not. is_length(checked%map%form_radius))) &
+      call fields%complain_of('surfaces', 'form_radius', 'expected ' // expected_length // &
+                              ', or 0 for a straight axis')
     call fields%take('surfaces', 'map_unit', unit(:max(1, sides)))
     unit(2) = unit(max(1, sides))
     if (.not. has_caps(checked)) &
@@ -131,18 +136,6 @@ contains
                                 // 'that is periodic, expected both alike, or map_edge')
       end if
     end subroutine take_edge
-
-    ! Radii of the form: one for both axes, or one along each.
-    subroutine take_form()
-      type(decimal_value) :: values(2)
-
-      call fields%take('surfaces', 'form_radius', values)
-      checked%map%form_radius = decimal_to_real64(values)
-      if (any(checked%map%form_radius > 0.0_real64 .and. &
-              .not. is_length(checked%map%form_radius))) &
-        call fields%complain_of('surfaces', 'form_radius', 'expected ' // expected_length // &
-                                ', or 0 for a straight axis')
-    end subroutine take_form
 
     ! A pair for all maps, or one for each.
     subroutine take_spacing()

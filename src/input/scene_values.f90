@@ -343,8 +343,7 @@ contains
     type(scene), intent(in) :: scene_in  !! checked values, with a map
 
     associate (mode => scene_in%effects%mode('interaction'))
-      needs_pixels = mode == effect_boundary .or. &
-                     (mode == effect_auto .and. &
+      needs_pixels = mode == effect_boundary .or. (mode == effect_auto .and. &
                       (scene_in%map%periodic .or. has_hardness(scene_in) .or. &
                        has_tangential(scene_in%loading)))
     end associate

@@ -528,8 +528,7 @@ contains
       if (layout%names_line > 0) expected = decimal_text(layout%cell_count) // ' as there are names'
       call problems%add_at(cells%line, column_of(cells, 1), 'found ' // &
                            decimal_text(cells%cell_count) // &
-                           ' cells or an empty one, expected ' // &
-                           expected)
+                           ' cells or an empty one, expected ' // expected)
       return
     end if
     do i = 1, 3

@@ -123,8 +123,7 @@ contains
       write (line, '(a1, 1x, a40, a9, a7, "%", a9, 5(1x, a19))') &
         merge('*', ' ', rows(i)%on_own_front), rows(i)%method%name, &
         short_number(rows(i)%seconds), aligned_text('f7.0', 100 * rows(i)%time_spread), &
-        aligned_text('f9.1', ratio_of(rows, i)), &
-        (short_number(rows(i)%own%quantity(k)) // ' (' // &
+        aligned_text('f9.1', ratio_of(rows, i)), (short_number(rows(i)%own%quantity(k)) // ' (' // &
          trim(adjustl(short_number(rows(i)%own%quantity_mean(k)))) // ')' // repeat(' ', 7), &
          k = 1, size(quantity_names))
       call buffer%line(line)

@@ -47,8 +47,7 @@ contains
                      number_text(study%corner(2) + study%extent(2)))
     call buffer%line('asperities per area, found (design): upper ' // &
                      number_text(study%density(1)) // ' (' // &
-                     number_text(study%design_density(1)) // &
-                     ')' // lower)
+                     number_text(study%design_density(1)) // ')' // lower)
     do q = 1, quantities
       call buffer%line('')
       call buffer%line(trim(headings(q)) // ' per area')
@@ -94,8 +93,7 @@ contains
     least = 'none of these sizes'
     if (study%representative > 0) least = number_text(study%sizes(study%representative)%side)
     call buffer%line('representative size (' // two_decimals(spec%confidence) // &
-                     ' of the sections): ' &
-                     // least)
+                     ' of the sections): ' // least)
     call buffer%line('estimate by the spread: ' // number_text(study%estimated_side))
   end subroutine write_verdict
 

@@ -73,8 +73,7 @@ contains
         end do
         if (reason == '') reason = 'changes below half a printed unit add up'
       end if
-      write (line, '(2x, a20, 1x, a7, 3x, 2a11)') name, columns(column), &
-        before, after
+      write (line, '(2x, a20, 1x, a7, 3x, 2a11)') name, columns(column), before, after
       call buffer%line(line // reason)
     end subroutine number_line
 

@@ -4,15 +4,13 @@ module asperity_csv_tables
   use asperity_kinds, only: not_computed, real64
   use asperity_map_stress, only: component_names, largest_shear, von_mises
   use asperity_map_spectrum, only: power_spectrum, spectrum_names
-  use asperity_map_summits, only: map_summits
-  use asperity_result_table, only: add_reals, add_surface, add_wholes, add_words, array_table, &
-                                   put_cell
+  use asperity_result_table, only: add_reals, add_wholes, add_words, array_table, put_cell
   use asperity_text_buffer, only: text_buffer
   implicit none
   private
 
   public :: begin_stress_csv, write_histogram, write_spectrum_csv, write_stress_csv, &
-            write_summits_csv, write_table
+            write_table
 
   ! Bins of the pressure between 0 and the greatest one.
   integer, parameter :: bins = 100
@@ -105,15 +103,5 @@ contains
       end do
     end do
   end subroutine write_stress_csv
-
-  !> Writes the summits as a surface: what a scene reads.
-  subroutine write_summits_csv(summits, buffer)
-    type(map_summits), intent(in) :: summits    !! of a map
-    type(text_buffer), intent(inout) :: buffer  !! gets the text
-    type(array_table) :: table
-
-    call add_surface(summits%x, summits%y, summits%height, summits%radius, table, '')
-    call write_table(table, buffer)
-  end subroutine write_summits_csv
 
 end module asperity_csv_tables

@@ -38,8 +38,7 @@ contains
     character(len=*), intent(in) :: units(2)      !! of length and pressure; blank: not known
     logical, intent(in) :: is_file                !! a file of its own, not a part of a page
     type(text_buffer), intent(inout) :: buffer    !! gets the drawing, an SVG
-    character(len=*), parameter :: names(3) = [character(len=8) :: 'pressure', 'gap', &
-      'traction']
+    character(len=*), parameter :: names(3) = [character(len=8) :: 'pressure', 'gap', 'traction']
     character(len=*), parameter :: blanks(3) = [character(len=10) :: 'no contact', 'contact', &
       'no contact']
     type(svg_plot) :: plot
@@ -55,8 +54,7 @@ contains
     call set_axes(plot, field%origin, field%pixel_spacing, shape(field%gap), units(1))
     plot%axes(3) = plot_axis(names(quantity), units(merge(1, 2, quantity == plan_of_gap)), &
                              0.0_real64, max(0.0_real64, maxval(mean)))
-    plot%notes = 1 + merge(1, 0, note /= '') + &
-                 merge(1, 0, .not. all(field%pressure > not_computed))
+    plot%notes = 1 + merge(1, 0, note /= '') + merge(1, 0, .not. all(field%pressure > not_computed))
     call plot%begin_plot(label, buffer)
     call plot%add_pixels(mean, .true., buffer)
     call plot%add_note(1, trim(blanks(quantity)), buffer, 'white')

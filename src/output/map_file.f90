@@ -154,13 +154,11 @@ contains
       real(real64), intent(in) :: height
       character(len=:), allocatable :: bytes
 
-      if (ending == 'sdf') then
-        ! A missing pixel is the lowest number, here as there.
-        bytes = bytes_of(transfer(height, 0_int64), 8)
-      else if (ending == 'npy' .and. is_measured(height)) then
-        bytes = bytes_of(transfer(height, 0_int64), 8)
+      ! A missing pixel of surface data is the lowest number, here as there.
+      if (ending == 'sdf' .or. (ending == 'npy' .and. is_measured(height))) then
+        bytes = double_bytes(height)
       else if (ending == 'npy') then
-        bytes = bytes_of(transfer(ieee_value(height, ieee_quiet_nan), 0_int64), 8)
+        bytes = double_bytes(ieee_value(height, ieee_quiet_nan))
       else if (is_measured(height)) then
         bytes = real_text(height, 'es24.16e3') // ' '
       else
@@ -185,16 +183,6 @@ contains
            double_bytes(map%pixel_spacing(1) * metres) // &
            double_bytes(map%pixel_spacing(2) * metres) // double_bytes(metres) // &
            double_bytes(-1.0_real64) // char(0) // char(binary64) // char(0)
-
-  contains
-
-    pure function double_bytes(number) result(bytes)
-      real(real64), intent(in) :: number
-      character(len=8) :: bytes
-
-      bytes = bytes_of(transfer(number, 0_int64), 8)
-    end function double_bytes
-
   end function surface_data_header
 
   ! Version 1 of the format; the pixels begin at a multiple of 64 bytes.
@@ -228,6 +216,12 @@ contains
 
     is_periodic = map%periodic .or. map%edge == periodic_edge
   end function is_periodic
+
+  pure character(len=8) function double_bytes(number) result(bytes)
+    real(real64), intent(in) :: number
+
+    bytes = bytes_of(transfer(number, 0_int64), 8)
+  end function double_bytes
 
   ! The lowest byte first.
   pure function bytes_of(bits, wide) result(bytes)

@@ -77,8 +77,7 @@ contains
         check = ieor(shiftr(check, 1), merge(polynomial, 0_int64, btest(check, 0)))
       end do
     end do
-    call bytes%append(big_bytes(len(content, int64)) // named // &
-                      big_bytes(ieor(check, all_32)))
+    call bytes%append(big_bytes(len(content, int64)) // named // big_bytes(ieor(check, all_32)))
   end subroutine add_chunk
 
   ! A zlib stream (RFC 1950) of stored blocks, with its check sum.

@@ -127,8 +127,7 @@ contains
 
     call buffer%append(transfer(size(marks, kind=int64), repeat('a', int(count_bytes))))
     do j = 1, size(marks, 2)
-      call buffer%append(transfer(int(merge(1, 0, marks(:, j)), int8), &
-                                  repeat('a', size(marks, 1))))
+      call buffer%append(transfer(int(merge(1, 0, marks(:, j)), int8), repeat('a', size(marks, 1))))
     end do
   end subroutine put_marks
 

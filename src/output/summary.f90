@@ -186,7 +186,12 @@ contains
     if (allocated(failure)) return
     allocate (values(size(scene_in%loading%path)), lost(0))
     values(:) = decimal_to_real64(scene_in%loading%path)
-    controlled = numbers_of(table, controlled_column(scene_in%loading%control))
+    associate (control => scene_in%loading%control)
+      text = trim(control_words(control))
+      if (control == control_limit) text = 'separation'
+      if (control == control_pressure) text = 'nominal_pressure'
+    end associate
+    controlled = numbers_of(table, text)
     call buffer%line('')
     line = 'load path'
     do k = 1, size(heads)
@@ -239,21 +244,6 @@ contains
     end subroutine put_state
 
   end subroutine write_path
-
-  ! The column of the states that a load path prescribes under a control.
-  pure function controlled_column(control) result(name)
-    integer, intent(in) :: control
-    character(len=:), allocatable :: name
-
-    select case (control)
-    case (control_pressure)
-      name = 'nominal_pressure'
-    case (control_load, control_vertical_load, control_compression)
-      name = trim(control_words(control))
-    case default
-      name = 'separation'
-    end select
-  end function controlled_column
 
   ! How many asperities there are, or on what plane.
   function surfaces_in_words(scene_in) result(text)
@@ -323,8 +313,7 @@ contains
                                               ')'
     end do
     call buffer%line('accuracy' // requested // ': fastest method ' // results%way_taken // &
-                     ', ' // &
-                     trim(merge('estimated error', 'error bound    ', &
+                     ', ' // trim(merge('estimated error', 'error bound    ', &
                                 allocated(results%effects))) // promised // deviation)
     call buffer%line(results%way_told)
   end subroutine write_choice

@@ -9,13 +9,26 @@ module asperity_summits_table
   use asperity_number_format, only: percent_text
   use asperity_printable, only: printable_text
   use asperity_problems, only: decimal_text, real_text
+  use asperity_result_table, only: add_reals, array_table
   use asperity_summit_spheres, only: radius_names
   use asperity_summits_of_file, only: summit_choices
   use asperity_text_buffer, only: text_buffer
+  use asperity_unit_names, only: length_power
   implicit none
   private
 
-  public :: write_summits_table
+  public :: add_statistics, write_summits_table
+
+  ! A statistic of a map: its column, its name in the table, its unit as a power of the length, its
+  ! value, and column and value of what theory expects of it.
+  type :: statistic
+    character(len=16) :: column
+    character(len=21) :: words
+    integer :: power
+    real(real64) :: value
+    character(len=18) :: expected_column = ''
+    real(real64) :: expected = 0.0_real64
+  end type statistic
 
   ! Where the columns begin.
   integer, parameter :: value_column = 25, unit_column = 50, theory_column = 58
@@ -31,6 +44,9 @@ contains
     type(map_summits), intent(in) :: summits      !! of this map
     type(map_statistics), intent(in) :: found     !! statistics of both
     type(text_buffer), intent(inout) :: buffer    !! gets the text
+    character(len=:), allocatable :: of_theory, value
+    type(statistic) :: rows(15)
+    integer :: i
 
     call buffer%line(printable_text(path) // ': ' // decimal_text(map%columns) // ' x ' // &
                      decimal_text(map%rows) // ' pixels, level: ' // &
@@ -49,21 +65,16 @@ contains
     if (choices%rule == rule_contact) call put_count('  on ridges', int(summits%on_ridges, int64))
     call buffer%line('')
     call put_line('', '', '', 'Nayak expects', buffer)
-    call put_value('spacing along x', map%pixel_spacing(1), 1)
-    call put_value('spacing along y', map%pixel_spacing(2), 1)
-    call put_value('rms height', found%rms_height, 1)
-    call put_value('rms slope', found%rms_slope, 0)
-    call put_value('m0', found%m0, 2)
-    call put_value('m2 along x', found%m2(1), 0)
-    call put_value('m2 along y', found%m2(2), 0)
-    call put_value('m4 along x', found%m4(1), -2)
-    call put_value('m4 along y', found%m4(2), -2)
-    call put_value('Nayak''s alpha', found%alpha, 0)
-    call put_value('density of summits', found%density, -2, found%expected_density)
-    call put_value('mean summit height', found%mean_height, 1, found%expected_height)
-    call put_value('deviation of heights', found%height_deviation, 1, found%expected_deviation)
-    call put_value('mean summit curvature', found%mean_curvature, -1, found%expected_curvature)
-    call put_value('mean summit radius', found%mean_radius, 1)
+    rows = statistics_of(map, found)
+    do i = 1, size(rows)
+      value = '-'
+      if (.not. ieee_is_nan(rows(i)%value)) value = real_text(rows(i)%value, 'es22.14e3')
+      of_theory = ''
+      if (rows(i)%expected_column /= '' .and. .not. ieee_is_nan(found%alpha)) &
+        of_theory = real_text(rows(i)%expected, 'es12.4e3')
+      call put_line(trim(rows(i)%words), value, length_power(map%unit, rows(i)%power), of_theory, &
+                    buffer)
+    end do
 
   contains
 
@@ -74,29 +85,57 @@ contains
       call put_line(name, decimal_text(value), '', '', buffer)
     end subroutine put_count
 
-    ! A value in a power of the unit of length, and what theory expects.
-    subroutine put_value(name, value, power, theory)
-      character(len=*), intent(in) :: name
-      real(real64), intent(in) :: value
-      integer, intent(in) :: power
-      real(real64), intent(in), optional :: theory
-      character(len=:), allocatable :: expected, unit
-
-      expected = ''
-      if (present(theory) .and. .not. ieee_is_nan(found%alpha)) &
-        expected = real_text(theory, 'es12.4e3')
-      unit = map%unit
-      if (power == 0) unit = ''
-      if (abs(power) == 2 .and. unit /= '') unit = unit // '2'
-      if (power < 0 .and. unit /= '') unit = '1/' // unit
-      if (ieee_is_nan(value)) then
-        call put_line(name, '-', unit, expected, buffer)
-      else
-        call put_line(name, real_text(value, 'es22.14e3'), unit, expected, buffer)
-      end if
-    end subroutine put_value
-
   end subroutine write_summits_table
+
+  !> Adds the statistics of a map to a table, a column each.
+  subroutine add_statistics(map, found, table)
+    type(height_map), intent(in) :: map        !! levelled height map
+    type(map_statistics), intent(in) :: found  !! statistics of map and summits
+    type(array_table), intent(inout) :: table  !! table without columns
+    type(statistic) :: rows(15)
+    integer :: i
+
+    rows = statistics_of(map, found)
+    call add_reals(table, 'samples', [real(found%samples, real64)])
+    call add_reals(table, 'missing', [real(found%missing, real64)])
+    call add_reals(table, 'slopes_left_out', [found%slopes_left_out])
+    do i = 1, size(rows)
+      call add_reals(table, trim(rows(i)%column), [rows(i)%value], &
+                     length_power(map%unit, rows(i)%power))
+    end do
+    do i = 1, size(rows)
+      if (rows(i)%expected_column /= '') &
+        call add_reals(table, trim(rows(i)%expected_column), [rows(i)%expected], &
+                       length_power(map%unit, rows(i)%power))
+    end do
+  end subroutine add_statistics
+
+  ! All statistics, in the order of the table.
+  function statistics_of(map, found) result(rows)
+    type(height_map), intent(in) :: map
+    type(map_statistics), intent(in) :: found
+    type(statistic) :: rows(15)
+
+    rows = [statistic('spacing_x', 'spacing along x', 1, map%pixel_spacing(1)), &
+            statistic('spacing_y', 'spacing along y', 1, map%pixel_spacing(2)), &
+            statistic('rms_height', 'rms height', 1, found%rms_height), &
+            statistic('rms_slope', 'rms slope', 0, found%rms_slope), &
+            statistic('m0', 'm0', 2, found%m0), &
+            statistic('m2_x', 'm2 along x', 0, found%m2(1)), &
+            statistic('m2_y', 'm2 along y', 0, found%m2(2)), &
+            statistic('m4_x', 'm4 along x', -2, found%m4(1)), &
+            statistic('m4_y', 'm4 along y', -2, found%m4(2)), &
+            statistic('alpha', 'Nayak''s alpha', 0, found%alpha), &
+            statistic('density', 'density of summits', -2, found%density, &
+                      'expected_density', found%expected_density), &
+            statistic('mean_height', 'mean summit height', 1, found%mean_height, &
+                      'expected_height', found%expected_height), &
+            statistic('height_deviation', 'deviation of heights', 1, found%height_deviation, &
+                      'expected_deviation', found%expected_deviation), &
+            statistic('mean_curvature', 'mean summit curvature', -1, found%mean_curvature, &
+                      'expected_curvature', found%expected_curvature), &
+            statistic('mean_radius', 'mean summit radius', 1, found%mean_radius)]
+  end function statistics_of
 
   ! A line of the table; numbers with a sign begin one column earlier.
   subroutine put_line(name, value, unit, theory, buffer)

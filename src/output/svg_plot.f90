@@ -403,8 +403,7 @@ contains
 
     call buffer%line('<circle class="dot" cx="' // point_text(place_of(self, 1, x)) // '" cy="' // &
                      point_text(place_of(self, 2, y)) // '" r="3"><title>' // &
-                     escaped_text(text) // &
-                     '</title></circle>')
+                     escaped_text(text) // '</title></circle>')
   end subroutine add_dot
 
   !> A circle at its place and of its size, but no smaller than a dot. `stops`: it can be reached
@@ -537,8 +536,7 @@ contains
 
     call buffer%line('<g id="' // name // '" aria-hidden="true"><path class="' // name // &
                      ' outline" d="M' // place_text(1) // 'L' // place_text(2) // 'L' // &
-                     place_text(3) // 'L' // &
-                     place_text(4) // 'z"/>')
+                     place_text(3) // 'L' // place_text(4) // 'z"/>')
     if (size(points, 2) > 4) call buffer%append('<path class="' // name // ' summits" d="')
     do i = 5, size(points, 2)
       call buffer%append('M' // place_text(i) // trim(merge('h0            ', 'm-3 0h6m-3-3v6', &

@@ -4,7 +4,8 @@ module asperity_unit_names
   implicit none
   private
 
-  public :: axis_unit, has_units, powers_of, unit_powers, units_in_words, unit_of, with_unit
+  public :: axis_unit, has_units, length_power, powers_of, unit_powers, units_in_words, unit_of, &
+            with_unit
   public :: is_number, is_length, is_force, is_area, is_pressure, is_moment
 
   !> Powers of length, force and time in the unit of a quantity, or the unit itself where it is made
@@ -111,6 +112,15 @@ contains
     unit = trim(scene_in%map%lower%unit)
     if (scene_in%map%lower%columns == 0) unit = trim(scene_in%map%upper%unit)
   end function length_unit
+
+  !> Unit of a power of a length: `um2`, `1/um`; empty for a plain number or an unknown unit.
+  pure function length_power(unit, power) result(text)
+    character(len=*), intent(in) :: unit   !! of the length; empty: unknown
+    integer, intent(in) :: power           !! exponent of the length
+    character(len=:), allocatable :: text  !! unit of the power
+
+    text = composed_unit(trim(unit), '', unit_powers(length=power))
+  end function length_power
 
   !> A name and its unit in brackets; the name alone where there is none.
   pure function with_unit(name, unit) result(text)

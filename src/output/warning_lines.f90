@@ -31,8 +31,7 @@ contains
       if (positions > 1) more = ' and ' // decimal_text(positions - 1) // ' more'
       prefix = 'warning: position '
       if (file /= '') prefix = file // ': ' // prefix
-      call lines%add(prefix // decimal_text(at) // more // ': ' // &
-                     in_words(worst))
+      call lines%add(prefix // decimal_text(at) // more // ': ' // in_words(worst))
       if (present(kinds)) call kinds%add(trim(warning_kinds(which)%name) // ' ' // &
                                          trim(class_names(warning_kinds(which)%class)))
     end do

@@ -195,8 +195,7 @@ contains
 
       asperities_on_area = count(surface%x >= plan%corner(1) .and. surface%y >= plan%corner(2) &
                                  .and. surface%x < plan%corner(1) + plan%extent(1) .and. &
-                                 surface%y < plan%corner(2) + plan%extent(2)) / &
-                           product(plan%extent)
+                                 surface%y < plan%corner(2) + plan%extent(2)) / product(plan%extent)
     end function asperities_on_area
 
   end subroutine study_surface

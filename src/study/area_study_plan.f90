@@ -61,8 +61,7 @@ contains
                 real_text(plan%law%highest, shown)
     else if (depth >= plan%law%least_sum) then
       failure = 'the centres of two asperities may come level at the separation, expected ' // &
-                'more than ' // &
-                real_text(plan%law%highest - plan%law%least_sum, shown)
+                'more than ' // real_text(plan%law%highest - plan%law%least_sum, shown)
     end if
     if (allocated(failure)) return
     margin = margin_at(spec, depth)

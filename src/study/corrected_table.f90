@@ -155,10 +155,8 @@ contains
           differences = differences + difference
           table(slope_row, 1) = max(table(slope_row, 1), position%rows(i)%slope)
           table(slope_row, 2) = min(table(slope_row, 2), position%rows(i)%slope)
-          table(individual_difference_row, 1) = &
-            max(table(individual_difference_row, 1), difference)
-          table(individual_difference_row, 2) = &
-            min(table(individual_difference_row, 2), difference)
+          table(individual_difference_row, 1) = max(table(individual_difference_row, 1), difference)
+          table(individual_difference_row, 2) = min(table(individual_difference_row, 2), difference)
         end do
       end associate
     end do
@@ -172,8 +170,7 @@ contains
     end do
     if (as_original) then
       table(points_row, 3) = aint(table(points_row, 3))
-      table(total_difference_row, 3) = &
-        sum(values(:, total_difference_row)) / max(1, contacts)
+      table(total_difference_row, 3) = sum(values(:, total_difference_row)) / max(1, contacts)
     end if
     table(slope_row, 3) = slopes / max(1, contacts)
     table(individual_difference_row, 3) = differences / max(1, contacts)

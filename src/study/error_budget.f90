@@ -80,8 +80,7 @@ contains
     type(run_options) :: beside
     integer :: m
 
-    beside = run_options(keep_contacts=.false., threads=options%threads, &
-                         progress=options%progress)
+    beside = run_options(keep_contacts=.false., threads=options%threads, progress=options%progress)
     budget%without_effects = has_effects(scene_in)
     bound = error_bound(scene_in, results%positions)
     if (budget%without_effects) then

@@ -96,8 +96,7 @@ contains
     most = allowance%left()
     row%method = method_of_scene()
     allocate (totals(1))
-    call time_method(scene_in, least_seconds, share_of_scene * most, row, totals(1), &
-                 results)
+    call time_method(scene_in, least_seconds, share_of_scene * most, row, totals(1), results)
     ! A scene that takes more than its share, as it cannot be interrupted everywhere, takes nothing
     ! from the other methods.
     others = allowance
@@ -173,8 +172,7 @@ contains
 
   ! Run time on the pixels of a map: a power of their number, through the two runs on pixels of the
   ! nearest resolutions or through the only one. The scene may be one of them. 0: there is none.
-  pure real(real64) function seconds_on_pixels(before, scene_has_pixels, resolution) &
-    result(seconds)
+  pure real(real64) function seconds_on_pixels(before, scene_has_pixels, resolution) result(seconds)
     type(method_row), intent(in) :: before(:)
     logical, intent(in) :: scene_has_pixels
     real(real64), intent(in) :: resolution

@@ -180,8 +180,7 @@ contains
     ! The mean of the pressure is over the positions that have one.
     positions = max(1, size(reference%first) - 1)
     errors%mean = errors%mean / positions
-    errors%quantity_mean = errors%quantity_mean / &
-                           merge(max(pressures, 1), positions, is_pressure)
+    errors%quantity_mean = errors%quantity_mean / merge(max(pressures, 1), positions, is_pressure)
     if (pressures == 0) errors%quantity(error_of_pressure) = not_computed
     if (pressures == 0) errors%quantity_mean(error_of_pressure) = not_computed
 

@@ -161,8 +161,7 @@ contains
       summits%mean = summits%mean + mean
       summits%deviation = summits%deviation + deviation**2
       summits%highest = max(summits%highest, maxval(surface%height))
-      summits%foot = max(summits%foot, &
-                         sqrt(max(0.0_real64, 2 * mean * n / sum(surface%radius))))
+      summits%foot = max(summits%foot, sqrt(max(0.0_real64, 2 * mean * n / sum(surface%radius))))
       associate (side => spec%sides(sides))
         side%number = n
         side%length = rounded_decimal(sqrt(box(sides)), 17)

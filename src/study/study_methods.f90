@@ -30,8 +30,7 @@ module asperity_study_methods
   private
 
   public :: method_of_scene, list_methods, most_methods, run_method, study_method, &
-            simulated_effects, &
-            replace_map, request_of
+            simulated_effects, replace_map, request_of
   public :: of_scene, of_arithmetic, of_steps, of_neighbours, of_effects, of_input, of_theory, &
             family_words
 
