@@ -140,22 +140,6 @@ def test_generate(package, tmp_path):
 
 # ---------------------------------------------------------------- arrays
 
-def test_arrays_without_a_copy(package):
-    """What numpy takes is the table's memory, which stays as long as anything refers to it."""
-    results = package.solve(scene_as_dict(BALL, BUMPS, loading=CURVE))
-    column = np.asarray(results.states["load"])
-    again = np.asarray(results.states["load"])
-    assert column.dtype == np.float64 and not column.flags.writeable
-    assert column.__array_interface__["data"] == again.__array_interface__["data"]
-    wholes = np.asarray(results.contacts["lower"])
-    assert wholes.dtype == np.int32 and set(wholes) <= set(range(1, 10))
-    kept = column.copy()
-    del results, again
-    # Whatever takes the place of memory that was freed.
-    filler = [package.solve(scene_as_dict(BALL, BUMPS, loading=CURVE)) for _ in range(20)]
-    assert np.array_equal(column, kept) and len(filler) == 20
-
-
 def test_surfaces_of_all_kinds(package):
     """Lists, strided and read-only arrays, other types, one radius for all: the same results."""
     x, y, height, radius = np.array(BUMPS).T
