@@ -213,6 +213,11 @@ asperity_outcome *asperity_solve_with_fields(const asperity_outcome *scene,
  * -1 for the last. */
 asperity_outcome *asperity_fields(const asperity_outcome *solved, int position, int state);
 
+/* Stress in the lower body at a depth below the pixels of asperity_fields, tension positive, z into the
+ * body: table ASPERITY_FIELDS with stress_xx, yy, zz, xy, xz, yz, von_mises and largest_shear. */
+asperity_outcome *asperity_stress(const asperity_outcome *solved, int position, int state,
+                                  double depth);
+
 /* Runs the original program on a card deck; ASPERITY_REPORT is what it prints. arithmetic: "ibm370"
  * (also for NULL), "real32", "real64" or "real128". tables: [number] positions from 1 to 100, whose
  * contact tables are printed; NULL: those of the thesis, 13, 55 and 56. */

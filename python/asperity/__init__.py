@@ -15,14 +15,15 @@ from . import _library as _c
 from ._calls import generate, report, summits
 from ._columns import Table, Values
 from ._errors import AccuracyWarning, ComputeError, InputError, Problem, TheoryWarning
-from ._fields import Fields
+from ._fields import Fields, Stress
 from ._maps import HeightMap, generate_map, read_map
 from ._results import Results, Summits, load
 from ._scenes import Scene, solve
 
 __all__ = ["solve", "report", "summits", "generate", "generate_map", "read_map", "load",
-           "Scene", "HeightMap", "Results", "Fields", "Summits", "Table", "Values", "InputError",
-           "ComputeError", "Problem", "TheoryWarning", "AccuracyWarning", "__version__"]
+           "Scene", "HeightMap", "Results", "Fields", "Stress", "Summits", "Table", "Values",
+           "InputError", "ComputeError", "Problem", "TheoryWarning", "AccuracyWarning",
+           "__version__"]
 
 __version__ = _c.VERSION
 

@@ -165,6 +165,56 @@ class Fields:
                f"{len(pressed)} pixels in contact>"
 
 
+class Stress:
+    """Stress in the lower body below the pixels of one state; tension is positive, z points into
+    the body.
+
+    `stress["xx"]` and `stress.xx` are arrays with the shape (depths, rows, columns).
+
+    Attributes
+    ----------
+    depth : numpy.ndarray
+        Depths below the surface.
+    xx, yy, zz, xy, xz, yz : numpy.ndarray
+        Components.
+    von_mises, largest_shear : numpy.ndarray
+        Von Mises stress, and half of the difference of the principal stresses.
+    unit : str
+        Unit of the stresses, empty where it is not known.
+    """
+
+    def __init__(self, fields: Fields, depths: Any, tables: list[Table]):
+        library: Any = needed("numpy", "stress", "stresses")
+        self.depth: NDArray[Any] = depths
+        self.unit = fields.units["pressure"]
+        self._fields = fields
+        self._arrays: dict[str, NDArray[Any]] = {
+            name.removeprefix("stress_"): library.stack(
+                [library.asarray(table[name]).reshape(fields.shape) for table in tables])
+            for name in tables[0]}
+
+    def keys(self) -> tuple[str, ...]:
+        """The names of the arrays."""
+        return tuple(self._arrays)
+
+    def __getitem__(self, name: str) -> NDArray[Any]:
+        return self._arrays[name]
+
+    def __getattr__(self, name: str) -> NDArray[Any]:
+        try:
+            return cast("NDArray[Any]", self.__dict__["_arrays"][name])
+        except KeyError:
+            raise AttributeError(f"no stress {name!r}: {', '.join(self.keys())}") from None
+
+    def largest(self, name: str = "von_mises") -> tuple[float, float, float, float]:
+        """The largest value of an array, with its depth, x and y."""
+        depth, row, column_ = (int(index) for index in needed(
+            "numpy", "stress", "stresses").unravel_index(self[name].argmax(), self[name].shape))
+        at = self._fields
+        return (float(self[name][depth, row, column_]), float(self.depth[depth]),
+                at.origin[0] + column_ * at.spacing[0], at.origin[1] + row * at.spacing[1])
+
+
 def in_rows(cells: Column, shape: tuple[int, int], is_flag: bool) -> Any:
     """The values of a column by row and column of the map."""
     library: Any = numpy()

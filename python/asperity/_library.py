@@ -79,6 +79,7 @@ _FUNCTIONS: list[tuple[Any, ...]] = [
     ("rebuild_scene", c_void_p, c_void_p, c_char_p),
     ("solve_with_fields", c_void_p, c_void_p, POINTER(Options), c_void_p, POINTER(c_int), c_int),
     ("fields", c_void_p, c_void_p, c_int, c_int),
+    ("stress", c_void_p, c_void_p, c_int, c_int, c_double),
     ("make_report", c_void_p, c_char_p, c_char_p, POINTER(c_int), c_int),
     ("summits", c_void_p, c_char_p, POINTER(SummitsOptions)),
     ("periodic_summits", c_void_p, c_char_p, POINTER(SummitsOptions)),

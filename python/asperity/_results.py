@@ -11,6 +11,7 @@ from . import _fields, _files
 from . import _library as _c
 from ._columns import Table, needed, shown
 from ._errors import ComputeError, warn_caller
+from ._fields import Stress
 from ._maps import HeightMap, is_topography, map_of_file, map_of_topography
 from ._plots import draw_contacts, draw_curves, draw_pixels, draw_points, new_axes
 
@@ -237,6 +238,48 @@ class Results:
             found = _c.call("fields", self._outcome, int(position), step).checked()
             self._fields[position, step] = _fields.Fields(found, int(position), step)
         return self._fields[position, step]
+
+    def stress(self, depths: Any, position: int = 1, *, step: int | None = None) -> Stress:
+        """Stress in the lower body below the pixels of `fields`, without tractions of friction.
+
+        Parameters
+        ----------
+        depths : float or array_like
+            Depths below the surface, more than 0.
+        position, step
+            As for `fields`.
+
+        Returns
+        -------
+        Stress
+
+        Raises
+        ------
+        IndexError, ComputeError, InputError
+            As `fields`; where the scene has no Poisson's ratio; for a depth of 0 or less.
+
+        Examples
+        --------
+        >>> import asperity, numpy as np
+        >>> x = np.linspace(-0.2, 0.2, 65)
+        >>> results = asperity.solve({
+        ...     "surfaces": {"upper": "plane", "lower": asperity.HeightMap(
+        ...         -(x[:, None]**2 + x**2) / 2, x[1] - x[0])},
+        ...     "material": {"elastic_modulus": (1e3, 1e3), "poisson_ratio": (0.3, 0.3)},
+        ...     "loading": {"control": "load", "value": 0.6}}, fields=True)
+        >>> stress = results.stress(np.linspace(0.02, 0.1, 17))
+        >>> value, depth, _, _ = stress.largest("von_mises")
+        >>> print(f"{value / results.fields().pressure.max():.2f} {depth:.2f}")
+        0.62 0.05
+        """
+        library: Any = needed("numpy", "stress", "stresses")
+        fields = self.fields(position, step=step)
+        if self._outcome is None:
+            raise ComputeError("no stress of results that were loaded: expected solve(...)")
+        at = library.atleast_1d(library.asarray(depths, dtype=float))
+        return Stress(fields, at, [
+            _c.call("stress", self._outcome, fields.position, fields.step, float(depth)).checked()
+            .table(_c.FIELDS, "pixels") for depth in at])
 
     def pressure_histogram(self, position: int = 1, state: int | None = None, bins: int = 100, *,
                            step: int | None = None) -> tuple[Column, Column]:

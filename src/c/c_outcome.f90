@@ -49,6 +49,7 @@ module asperity_c_outcome
     type(c_letters), allocatable :: units(:, :)            !! units of columns (column, table)
     type(solution_start), allocatable :: solutions(:)      !! by position, for further solves
     type(contact_field), allocatable :: fields(:)          !! fields of the states that keep them
+    real(real64), allocatable :: ratio                     !! Poisson's of the lower body, if known
     character(len=:), allocatable :: failure               !! reason, when it was not computed
   end type outcome
 

@@ -16,6 +16,9 @@ module asperity_c_scenes
                       read_scene, rebuild_scene, run_options, scene_results, scene_side, &
                       scene_surface, solve, text_buffer, write_summary
   use asperity_contact_field, only: contact_marks
+  use asperity_decimal, only: decimal_to_real64
+  use asperity_kinds, only: real64
+  use asperity_map_stress, only: component_names, largest_shear, stress_solver, von_mises
   use asperity_c_arguments, only: require_text, take_asperities, take_heights
   use asperity_c_outcome, only: add_pixels, begin_outcome, finish_outcome, finish_scene, &
                                 look_at, outcome, set_text, table_fields, table_map, text_notes, &
@@ -25,7 +28,7 @@ module asperity_c_scenes
   private
 
   public :: c_read_scene, c_build_scene, c_build_scene_of, c_rebuild_scene, c_solve, &
-            c_solve_again, c_solve_with_fields, c_fields
+            c_solve_again, c_solve_with_fields, c_fields, c_stress
   public :: c_options, c_side
 
   !> `asperity_options` of the header.
@@ -254,6 +257,8 @@ contains
         new%solutions(which) = chosen%reuse%earlier(which)
     end do
     call move_alloc(results%positions(1)%fields, new%fields)
+    if (.not. decimal_to_real64(from%scene_in%contact_modulus) > 0.0_real64) &
+      new%ratio = decimal_to_real64(from%scene_in%lower%poisson_ratio)
     call list_warnings(from%scene_in%file, results, warnings, kinds)
     call set_text(new, text_warnings, warnings%text())
     call set_text(new, text_warning_kinds, kinds%text())
@@ -303,6 +308,80 @@ contains
     call begin_outcome(new, handle)
     if (.not. associated(new)) return
     !$omp critical (library_texts)
+    call choose_field(solved, position, state, from, new, which)
+    if (which > 0) call set_field(new, from%fields(which), &
+                                  unit_of_column(from%tables(of_positions), 'mean_gap'), &
+                                  unit_of_column(from%tables(of_contacts), 'average_pressure'))
+    call finish_outcome(new)
+    !$omp end critical (library_texts)
+  end function c_fields
+
+  !> `asperity_stress`.
+  type(c_ptr) function c_stress(solved, position, state, depth) bind(c, name='asperity_stress') &
+    result(handle)
+    type(c_ptr), value :: solved        !! outcome of a solve
+    integer(c_int), value :: position   !! from 1
+    integer(c_int), value :: state      !! from 1; -1: the last
+    real(c_double), value :: depth      !! below the surface, more than 0
+    type(outcome), pointer :: from, new
+    type(stress_solver) :: solver
+    real(real64), allocatable :: stress(:, :, :)
+    integer :: which
+
+    call begin_outcome(new, handle)
+    if (.not. associated(new)) return
+    !$omp critical (library_texts)
+    call choose_field(solved, position, state, from, new, which)
+    if (.not. (depth > 0.0_real64 .and. depth < huge(depth))) then
+      call new%problems%add('depth: expected a number more than 0')
+    else if (which > 0) then
+      if (.not. allocated(from%ratio)) new%failure = &
+        'stress needs poisson_ratio in &material: found contact_modulus in its place'
+    end if
+    !$omp end critical (library_texts)
+    if (new%problems%count() == 0 .and. .not. allocated(new%failure)) then
+      call solver%prepare(from%fields(which), from%ratio)
+      call solver%solve(depth, stress)
+    end if
+    !$omp critical (library_texts)
+    if (allocated(stress)) call set_stress(new, stress, unit_of_column(from%tables(of_contacts), &
+                                                                     'average_pressure'))
+    call finish_outcome(new)
+    !$omp end critical (library_texts)
+  end function c_stress
+
+  ! Table of the stresses at one depth.
+  subroutine set_stress(new, stress, unit)
+    type(outcome), intent(inout) :: new
+    real(real64), intent(in) :: stress(:, :, :)  ! (column, row, component)
+    character(len=*), intent(in) :: unit
+    real(real64), allocatable :: derived(:, :, :)
+    integer :: i, j
+
+    allocate (derived(size(stress, 1), size(stress, 2), 2))
+    associate (table => new%tables(table_fields))
+      do i = 1, size(component_names)
+        call add_pixels(table, 'stress_' // component_names(i), stress(:, :, i), unit, new%failure)
+      end do
+      do j = 1, size(stress, 2)
+        do i = 1, size(stress, 1)
+          derived(i, j, :) = [von_mises(stress(i, j, :)), largest_shear(stress(i, j, :))]
+        end do
+      end do
+      call add_pixels(table, 'von_mises', derived(:, :, 1), unit, new%failure)
+      call add_pixels(table, 'largest_shear', derived(:, :, 2), unit, new%failure)
+    end associate
+  end subroutine set_stress
+
+  ! Finds the fields of a state of an outcome; 0: there are none, and `new` has the reason.
+  subroutine choose_field(solved, position, state, from, new, which)
+    type(c_ptr), intent(in) :: solved
+    integer, intent(in) :: position, state
+    type(outcome), pointer, intent(out) :: from
+    type(outcome), intent(inout) :: new
+    integer, intent(out) :: which
+
+    which = 0
     call look_at(solved, from)
     if (.not. associated(from)) then
       call new%problems%add('solved: found NULL, expected the outcome of a solve')
@@ -312,11 +391,8 @@ contains
                     'position of asperities, and fields requested'
     else
       which = field_of(from%fields, position, state)
-      if (which > 0) then
-        call set_field(new, from%fields(which), unit_of_column(from%tables(of_positions), &
-                                                               'mean_gap'), &
-                       unit_of_column(from%tables(of_contacts), 'average_pressure'))
-      else if (position /= from%fields(1)%position) then
+      if (which > 0) return
+      if (position /= from%fields(1)%position) then
         call new%problems%add('position: found ' // decimal_text(position) // ', expected ' // &
                               decimal_text(from%fields(1)%position))
       else
@@ -324,9 +400,7 @@ contains
                               states_in_words(from%fields) // ', or -1 for the last')
       end if
     end if
-    call finish_outcome(new)
-    !$omp end critical (library_texts)
-  end function c_fields
+  end subroutine choose_field
 
   ! The fields of a state; 0: there are none.
   pure integer function field_of(fields, position, state) result(which)

@@ -38,12 +38,13 @@ contains
 
   !> Solves a state at a load, or at the level of `answer`. `answer%failure` has the largest tensile
   !> load where the load is not carried.
-  subroutine solve_map_state(laws, time, history, answer, load)
+  subroutine solve_map_state(laws, time, history, answer, load, tolerance)
     type(map_laws), intent(in) :: laws              !! what acts on the pixels
     real(real64), intent(in) :: time                !! time of the state; without creep any
     type(map_history), intent(inout) :: history     !! state before; becomes this state
     type(map_answer), intent(inout) :: answer       !! solution of the state before; of this one
     real(real64), intent(in), optional :: load      !! normal load; absent: the level is given
+    real(real64), intent(in), optional :: tolerance  !! as of `press_map`, without adhesion
     type(height_map) :: map
     real(real64) :: modulus
     logical :: is_loaded
@@ -58,10 +59,10 @@ contains
     if (allocated(laws%attraction)) then
       call solve_adhesion(map, modulus, laws, history%adhesion, answer, load)
     else if (is_loaded) then
-      call press_map(map, modulus, answer, load, hardness=laws%hardness)
+      call press_map(map, modulus, answer, load, tolerance, laws%hardness)
     else
       if (present(load)) answer%level = maxval(map%height)
-      call press_map(map, modulus, answer, hardness=laws%hardness)
+      call press_map(map, modulus, answer, tolerance=tolerance, hardness=laws%hardness)
     end if
     if (allocated(answer%failure)) return
     if (allocated(laws%solid)) call end_creep_step(answer, history%creep)

@@ -253,10 +253,18 @@ contains
   subroutine check_map_scene(fields, checked)
     type(scene_fields), intent(inout) :: fields  !! the scene's text
     type(scene), intent(inout) :: checked        !! all groups are read; gets a note
+    character(len=*), parameter :: conductivities(2) = [character(len=23) :: &
+      'electrical_conductivity', 'thermal_conductivity']
     character(len=:), allocatable :: text
     integer :: i, mode
-    logical :: others(size(known_effects))
+    logical :: on_pixels, others(size(known_effects))
 
+    on_pixels = allocated(checked%map)
+    if (on_pixels) on_pixels = solves_pixels(checked)
+    do i = 1, merge(0, 2, on_pixels)
+      call fields%refuse_name('material', trim(conductivities(i)), 'conductance is that of ' // &
+                              'pixels: found no map that is solved on its pixels, expected one')
+    end do
     if (.not. allocated(checked%map)) then
       do i = 1, merge(0, size(own_names), fields%lacks_file)
         call fields%refuse_name('surfaces', trim(own_names(i)), 'found without a map, ' // &

@@ -73,6 +73,11 @@ module asperity_scene_names
     known_name('material', 'contact_modulus', above_zero, &
                'combined modulus, in place of the two above', otherwise='none', &
                unit='force/length^2'), &
+    known_name('material', 'electrical_conductivity', above_zero, &
+               'of both bodies, for the conductance of pixels', 2, otherwise='none', &
+               unit='siemens/length'), &
+    known_name('material', 'thermal_conductivity', above_zero, 'the same for heat', 2, &
+               otherwise='none', unit='watt/kelvin/length'), &
     known_name('motion', 'x_first', any_number, 'displacement at the first position, along x', &
                unit='length'), &
     known_name('motion', 'x_step', any_number, 'from one position to the next', unit='length'), &

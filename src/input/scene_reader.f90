@@ -223,6 +223,8 @@ contains
     call fields%take('material', 'poisson_ratio', pair)
     checked%upper%poisson_ratio = pair(1)
     checked%lower%poisson_ratio = pair(2)
+    call fields%take('material', 'electrical_conductivity', checked%conductivity(:, 1))
+    call fields%take('material', 'thermal_conductivity', checked%conductivity(:, 2))
     call fields%take('material', 'contact_modulus', checked%contact_modulus)
     if (fields%has_name('material', 'contact_modulus')) then
       call fields%refuse_name('material', 'elastic_modulus', beside_modulus)

@@ -153,6 +153,8 @@ module asperity_scene_values
     type(decimal_value) :: lower_mirror_width     !! the deck's WIDTHL, when mirrored
     !> Combined modulus itself, in place of those of both surfaces; 0: it follows from them.
     type(decimal_value) :: contact_modulus
+    !> (body, kind): electrical and thermal conductivities of upper and lower body; 0: not given.
+    type(decimal_value) :: conductivity(2, 2)
     type(decimal_value) :: nominal_area           !! of the surfaces in plan; 0: not given
     character(len=16) :: units(2) = ''            !! names of length and force; blank: not given
     type(decimal_value) :: field_spacing          !! cells of fields of asperities; 0: not given

@@ -13,7 +13,8 @@ module asperity_map_interface
   implicit none
   private
 
-  public :: interface_columns, interface_powers, measure_interface
+  public :: conductance_columns, conductance_units, interface_columns, interface_powers, &
+            measure_interface
 
   !> Columns of a state: the stiffness by the compression and by the mean gap, the conductance over
   !> the conductivity, and whether the open area percolates along x and y.
@@ -21,6 +22,11 @@ module asperity_map_interface
     'contact_stiffness', 'interface_stiffness', 'conductance_length', 'open_path_x', 'open_path_y']
   !> Powers of the modulus and of the length in their units.
   integer, parameter :: interface_powers(2, 5) = reshape([1, 1, 1, 1, 0, 1, 0, 0, 0, 0], [2, 5])
+  !> Columns of the conductances where both bodies have a conductivity.
+  character(len=*), parameter :: conductance_columns(2) = &
+    [character(len=24) :: 'electrical_conductance', 'thermal_conductance']
+  !> Units of these columns.
+  character(len=*), parameter :: conductance_units(2) = [character(len=3) :: 'S', 'W/K']
 
 contains
 

@@ -19,7 +19,8 @@ module asperity_pixel_model
   use asperity_map_error, only: estimate_pixel_errors, is_rough_at_pixels, pixel_errors
   use asperity_map_fields, only: measure_fields, take_field
   use asperity_map_form, only: find_form_contact
-  use asperity_map_interface, only: interface_columns, interface_powers, measure_interface
+  use asperity_map_interface, only: conductance_columns, interface_columns, interface_powers, &
+                                    measure_interface
   use asperity_map_levelling, only: is_flat
   use asperity_map_patches, only: find_patches, map_patch
   use asperity_map_scene, only: area_of_map, displacement_of, join_maps, plan_map_path
@@ -190,6 +191,7 @@ contains
   subroutine name_map_columns(scene_in, header)
     type(scene), intent(in) :: scene_in         !! scene with a map that is solved on its pixels
     type(effect_header), intent(out) :: header  !! columns of the effects on pixels
+    integer :: i
 
     header%names = [character(len=11) :: 'interaction']
     header%modes = [scene_in%effects%mode('interaction')]
@@ -209,6 +211,11 @@ contains
     header%state_columns = [header%state_columns, interface_columns]
     header%state_powers = reshape([header%state_powers, interface_powers], &
                                   [2, size(header%state_columns)])
+    do i = 1, 2
+      if (scene_in%conductivity(1, i)%all_digits == 0_int64) cycle
+      header%state_columns = [header%state_columns, conductance_columns(i)]
+      header%state_powers = reshape([header%state_powers, 0, 0], [2, size(header%state_columns)])
+    end do
     if (any(scene_in%map%form_radius > 0.0_real64)) then
       header%state_columns = [character(len=24) :: header%state_columns, 'hertz_pressure', &
                               'hertz_area']
@@ -386,7 +393,10 @@ contains
     associate (unused => keep_rows)
     end associate
     associate (model => self%model, map => self%map)
-      call estimate_errors(self, steps(size(steps))%load < no_load, result, other_errors, warnings)
+      associate (last => steps(size(steps)))
+        call estimate_errors(self, last%load < no_load .or. last%control == held_load, result, &
+                             other_errors, warnings)
+      end associate
       call warn_of_map(map, model%tolerance, any(model%scene_in%map%form_radius > 0.0_real64), &
                        warnings)
       call take_worse(result%warnings, warnings, size(steps))
@@ -437,7 +447,7 @@ contains
     type(position_result), intent(inout) :: result
     real(real64) :: length, of_interface(size(interface_columns)), smooth(2)
     real(real64), allocatable :: pressure(:, :)
-    integer :: axis
+    integer :: axis, i
 
     associate (answer => self%answer, laws => self%model%laws, map => self%map, &
                patches => self%patches, form => self%model%scene_in%map%form_radius, &
@@ -448,6 +458,12 @@ contains
       call measure_interface(self%history%deformed, laws%modulus, pressure, of_interface, &
                              laws%hardness)
       result%state_values = [result%state_values, of_interface]
+      do i = 1, 2
+        associate (both => decimal_to_real64(self%model%scene_in%conductivity(:, i)))
+          if (all(both > 0.0_real64)) result%state_values = [result%state_values, &
+            max(not_computed, of_interface(3) * (product(both) / sum(both)))]
+        end associate
+      end do
       if (any(form > 0.0_real64)) then
         ! Length of the contact of a cylinder: that of a period along its axis; 0: its end is free.
         axis = minloc(form, 1)
@@ -504,8 +520,9 @@ contains
   end subroutine add_slip
 
   ! Estimates the errors of the last state by the size of the pixels, and warns of them. With a
-  ! hardness they are known at the largest load of the path, where its history does not matter. With
-  ! adhesion or creep they are unknown.
+  ! hardness they are known at the largest load of the path, where its history does not matter: not
+  ! beside creep. With adhesion they are known where pixels twice as wide resolve it, and not under
+  ! a pull that is prescribed: wider pixels may not carry it.
   subroutine estimate_errors(self, by_load, result, other_errors, warnings)
     class(pixel_bodies), intent(in), target :: self
     logical, intent(in) :: by_load  ! the load is prescribed
@@ -518,18 +535,23 @@ contains
     character(len=32) :: whose
 
     other_errors = not_computed
-    if (size(self%patches) == 0 .or. self%model%has_adhesion .or. &
-        allocated(self%model%laws%solid)) return
+    if (size(self%patches) == 0) return
+    associate (laws => self%model%laws)
+      if (allocated(laws%hardness) .and. allocated(laws%solid)) return
+      if (allocated(laws%attraction) .and. (2.0_real64 * self%model%steepness > steepest .or. &
+          (by_load .and. .not. self%answer%load > 0.0_real64))) return
+    end associate
     associate (state => result%states(self%states), answer => self%answer, model => self%model)
       if (.not. allocated(model%laws%hardness) .or. &
           answer%load >= maxval(result%states%load) * (1.0_real64 - load_rounding)) &
-        call estimate_pixel_errors(self%map, model%laws%modulus, answer, self%patches, &
-                                   state, by_load, errors, model%laws%hardness)
+        call estimate_pixel_errors(self%map, model%laws, self%history, answer, self%patches, &
+                                   state, by_load, errors)
       if (errors%area > not_computed) other_errors = &
         [errors%area, errors%gap, errors%pressure] / &
         [state%area, max(state%mean_gap, errors%gap, tiny(errors%gap)), &
-         state%greatest_pressure]
-      if (errors%load > not_computed) result%error_estimate = errors%load / answer%load
+         max(state%greatest_pressure, errors%pressure, tiny(errors%gap))]
+      if (errors%load > not_computed .and. abs(answer%load) > 0.0_real64) &
+        result%error_estimate = errors%load / abs(answer%load)
       if (errors%level > not_computed .and. state%compression > 0.0_real64) &
         result%error_estimate = errors%level / state%compression
     end associate

@@ -7,6 +7,7 @@ module asperity_result_table
   use asperity_contact_records, only: contact_radius, contact_row, position_result, state_row
   use asperity_effect_names, only: known_effects
   use asperity_kinds, only: int32, int64, not_computed, real64
+  use asperity_map_interface, only: conductance_columns, conductance_units
   use asperity_process, only: has_memory
   use asperity_scene_results, only: has_height_map, kinds_of_warnings, last_state, scene_results
   use asperity_scene_values, only: scene
@@ -124,7 +125,8 @@ contains
     type(position_result), intent(in) :: positions(:)
     type(state_row) :: last(size(positions))
     real(real64), dimension(size(positions)) :: circles, one
-    integer :: i, m
+    type(unit_powers) :: dimension
+    integer :: i, k, m
 
     do m = 1, size(positions)
       last(m) = last_state(positions(m))
@@ -156,9 +158,11 @@ contains
         call fill_effect(table, trim(results%effects%names(i)), positions, i)
       end do
       do i = 1, size(results%effects%state_columns)
+        dimension = powers_of(results%effects%state_powers(:, i))
+        k = findloc(conductance_columns == results%effects%state_columns(i), .true., 1)
+        if (k > 0) dimension%word = conductance_units(k)
         call table%put(trim(results%effects%state_columns(i)), &
-                       [(positions(m)%state_values(i), m=1, size(positions))], &
-                       powers_of(results%effects%state_powers(:, i)))
+                       [(positions(m)%state_values(i), m=1, size(positions))], dimension)
       end do
     end if
     if (allocated(results%map)) then

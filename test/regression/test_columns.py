@@ -73,7 +73,8 @@ def solved(asperity, tmp_path_factory):
     plastic = write_scene(
         folder / "plastic.scene", surfaces={"upper": "plane", "form_radius": (0, 1e3), "lower": str(
             ROOT / "data/examples/summits/rough.sdf")},
-        material={"contact_modulus": 1e11}, effects={
+        material={"contact_modulus": 1e11, "electrical_conductivity": (6e7, 6e7),
+                  "thermal_conductivity": (400, 400)}, effects={
             "interaction": "boundary", "plasticity": "on", "plastic_hardness": 1e9},
         loading={"control": "vertical_load", "value": (5e-4, 0.0)})
     slip = write_scene(

@@ -6,6 +6,7 @@ import math
 import numpy as np
 import pytest
 from map_press_truth import rough
+from programs import run_program
 from surfaces_csv import solve
 from test_map_scene import E, load_for, map_scene
 
@@ -51,6 +52,24 @@ def test_a_circle(asperity, tmp_path, tally):
     # By the definition of the mean gap the interface of a free map is stiffer.
     assert float(row["interface_stiffness"]) > float(row["contact_stiffness"])
     tally.add("stiffness and conductance of a circle", 2, 2)
+
+
+def test_conductances(asperity, tmp_path):
+    """Barber (2003): the length over 1/k1 + 1/k2, and refused without pixels."""
+    height = 1e-3 * rough(32, shortest=8, seed=1)
+    loading = {"control": "load", "value": load_for(height, SIDES, 0.05)}
+    text = map_scene(tmp_path, height, SIDES, surfaces={"map_edge": "free"},
+                     loading=loading).read_text()
+    given = "electrical_conductivity = 6e4, 2e4, thermal_conductivity = 0.4, 0.1"
+    (tmp_path / "k.scene").write_text(text.replace("&material", f"&material {given},"))
+    row = solve(asperity, tmp_path / "k.scene").positions[0]
+    length = float(row["conductance_length"])
+    assert float(row["electrical_conductance"]) == pytest.approx(length * 1.5e4, rel=1e-12)
+    assert float(row["thermal_conductance"]) == pytest.approx(length * 0.08, rel=1e-12)
+    one = text.replace("&material", "&material thermal_conductivity = 1., 1.,")
+    (tmp_path / "k.scene").write_text(one.replace("'boundary'", "'off'"))
+    words = run_program(asperity, "solve", tmp_path / "k.scene", status=2).stderr
+    assert "thermal_conductivity" in words and "on its pixels" in words
 
 
 def test_a_limit_on_the_pressure(asperity, tmp_path):

@@ -281,3 +281,34 @@ def test_traction_and_stick(package, path, asperity, tmp_path):
     assert results.positions["tangential_load"][0] == pytest.approx(3.0)
     with pytest.raises(KeyError):
         package.solve(path, fields=True).fields()["traction"]
+
+
+def test_stress_below(tmp_path):
+    """The arrays of `stress` are the file of `--stress`; largest values have their place; refusals
+    have the reason."""
+    import asperity as library
+    x = np.linspace(-0.2, 0.2, 33)
+    scene = {"surfaces": {"upper": "plane", "lower": library.HeightMap(
+        -((x[:, None] - 0.05)**2 + x**2) / 2, x[1] - x[0], "mm"), "map_level": "none"},
+        "material": {"elastic_modulus": (1e3, 1e3), "poisson_ratio": (0.3, 0.3)},
+        "loading": {"control": "load", "value": 0.6}}
+    results = library.solve(scene, fields=True)
+    stress = results.stress((0.03, 0.05, 0.07))
+    a, peak = (0.75 * 0.6 / (1e3 / 0.91 / 2))**(1 / 3), results.fields().pressure.max()
+    value, depth, at_x, at_y = stress.largest()
+    assert stress.von_mises.shape == (3, 33, 33) and abs(value / peak - 0.62) < 0.01
+    assert (depth, at_x) == (0.05, 16 * (x[1] - x[0])) and abs(depth - 0.48 * a) < 0.02
+    assert at_y == 20 * (x[1] - x[0])
+    xx, yy, zz, xy, xz, yz = (stress[name] for name in ("xx", "yy", "zz", "xy", "xz", "yz"))
+    mises = np.sqrt(((xx - yy)**2 + (yy - zz)**2 + (zz - xx)**2) / 2
+                    + 3 * (xy**2 + xz**2 + yz**2))
+    assert np.allclose(stress.von_mises, mises, rtol=1e-12, atol=1e-12 * peak)
+    area = (x[1] - x[0])**2
+    assert abs(-zz.sum(axis=(1, 2))[0] * area / 0.6 - 1) < 0.05
+    with pytest.raises(library.InputError, match="depth: expected a number more than 0"):
+        results.stress(0)
+    scene["material"] = {"contact_modulus": 1e3, "thermal_conductivity": (0.1, 0.4)}
+    with pytest.raises(library.ComputeError, match="poisson_ratio"):
+        library.solve(scene, fields=True).stress(0.1)
+    assert results.positions.units["conductance_length"] == "mm"
+    assert library.solve(scene).positions.units["thermal_conductance"] == "W/K"
