@@ -28,6 +28,27 @@ class Map:
         return np.count_nonzero(~np.isnan(self.height)) * self.spacing[0] * self.spacing[1]
 
 
+def random_map(seed):
+    random = np.random.default_rng(seed)
+    rows, columns = (int(n) for n in random.integers(6, 34, 2))
+    if seed % 4 == 0:
+        rows = columns
+    kind = seed % 3
+    height = random.standard_normal((rows, columns))
+    if kind > 0:
+        q = np.hypot(np.fft.fftfreq(rows)[:, None], np.fft.fftfreq(columns)[None, :])
+        q[0, 0] = 1.0
+        height = np.fft.ifft2(q ** (-0.9 * kind) * np.fft.fft2(height)).real
+    height = (height - height.mean()) / height.std()
+    if seed % 5 == 1:
+        height += 1e6
+    if seed % 6 == 2:
+        height[random.random(height.shape) < 0.05] = np.nan
+        height[0, 0] = 0.0
+    spacing = (0.5, float(random.choice([0.5, 0.4, 1.1])))
+    return Map(height, spacing, periodic=seed % 2 == 0), random
+
+
 def command(asperity, folder, *words):
     return run_program(asperity, *words, status=None, cwd=folder)
 
