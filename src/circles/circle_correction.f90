@@ -11,17 +11,19 @@
 !> where q is the flat mean of the field less its Hertz mean, and d the oval field (oval_field) at
 !> the azimuth phi. With x = 7.5 q/p, the mean curvature of the field over that of the contact, both
 !> are taken at the curvature (1 + x)/R: axial = 3/5 p V (1 + x/3 - (1 + x)**(1/3)), and oval is
-!> multiplied by (1 + x)**(-5/3). The loads change by the one linear step
+!> multiplied by (1 + x)**(-5/3). With y = R D/2 a contact of inclination m is an ellipse without a
+!> field, of y0 = m**2/(2 + m**2) along its slope: |y|**2 in the oval term is |y + y0|**2 - |y0|**2.
+!> The loads change by the one linear step
 !>
 !>     (diag(1/k + max(growth, 0)/(3 V)) + C) dV = c - d,   d = -d(axial + oval)/dV
 !>
 !> with k stiffness, C the compliances of flat punches, and c the change of the compression that
 !> keeps a given load. Left out are terms of the order (a/d)**7 and the oval field of far circles.
 !>
-!> The area is that of Hertz' ellipse: it has the mean curvature (1 + x)/R, of which y = R |D|/2 is
-!> half of the difference of the principal ones, and its area is that of the isolated contact times
-!> (1 + x)**(-2/3) (1 + 2/9 (y/(1 + x))**2), to the second order in y (Johnson, Contact Mechanics,
-!> 1985, eq. 4.25 and 4.28).
+!> The area is that of Hertz' ellipse: it has the mean curvature (1 + x)/R, of which y + y0 is half
+!> of the difference of the principal ones, and its area is that of the isolated contact times
+!> (1 + x)**(-2/3) (1 + 2/9 (|y + y0|**2 - |y0|**2)/(1 + x)**2), to the second order (Johnson,
+!> Contact Mechanics, 1985, eq. 4.25 and 4.28).
 !>
 !> The expansion about the centre of a circle holds up to the next rim, at the distance r from it.
 !> Where a circle reaches over that rim, a > r, the terms of its area, which are of second order,
@@ -191,7 +193,7 @@ contains
       end associate
     end do
     change = max(1 + curvature(1, :), least_curvature)**(-2.0_real64 / 3)
-    oval = change * 2.0_real64 / 9 * min(1.0_real64, curvature(2, :))**2
+    oval = change * 2.0_real64 / 9 * min(1.0_real64, curvature(2, :))
     change = merge(0.0_real64, change + oval - 1, set%shift_fixed)
     weight = min(1.0_real64, max(0.0_real64, reach))**2
     correction%area_ratio = (1 + weight * change) * uncovered
@@ -200,7 +202,7 @@ contains
     lost = circle * (uncovered * (1 - weight) * abs(change) + 1 - uncovered)
     correction%area_error = circle * uncovered * weight * curvature_share * abs(change) + &
                             overlap_share * lost
-    correction%shared_area_error = circle * uncovered * weight * oval + common_share * lost
+    correction%shared_area_error = circle * uncovered * weight * abs(oval) + common_share * lost
   end subroutine correct_areas
 
   ! Share of a circle of radius 1 that is counted with another one: the part beyond the chord of
@@ -226,7 +228,7 @@ contains
   !> sum of the terms by each load.
   subroutine find_curvature_terms(set, curvature, gain, gradient)
     type(circle_set), intent(inout) :: set     !! solved circles; only its tree changes
-    !> x and y/(1 + x) by circle [1], 0 where the place is fixed
+    !> x and (|y + y0|**2 - |y0|**2)/(1 + x)**2 by circle [1], 0 where the place is fixed
     real(real64), intent(out) :: curvature(:, :)
     real(real64), intent(out) :: gain(:)       !! axial and oval term by circle
     real(real64), intent(out) :: gradient(:)   !! derivative of -sum(gain) by the load
@@ -318,18 +320,20 @@ contains
       oval = oval + terms(merge(3, 5, i < j), k) * turn
       hertz_oval = hertz_oval + set%terms(hessian_anisotropy, k) * turn
     end do
-    associate (load => set%load(i), a => set%radius(i))
+    associate (load => set%load(i), a => set%radius(i), own_oval => set%own_oval(i))
       p = 0.75_real64 * load / a
       curvature(1) = 7.5_real64 * q / p
       bend = max(1 + curvature(1), least_curvature)
       axial_gain = 0.6_real64 * p * load * (1 + curvature(1) / 3 - bend**(1.0_real64 / 3))
       ! R D/2, as products of radii would underflow: a**5 D**2 is 3 p V (R D/2)**2.
       half_difference = a**2 / (2 * p) * oval
-      curvature(2) = abs(half_difference) / bend
-      oval_gain = 2.0_real64 / 15 * p * load * abs(half_difference)**2 * bend**(-5.0_real64 / 3)
+      curvature(2) = real(conjg(half_difference) * (half_difference + 2 * own_oval), real64)
+      oval_gain = 2.0_real64 / 15 * p * load * curvature(2) * bend**(-5.0_real64 / 3)
+      curvature(2) = curvature(2) / bend**2
       by_bend = 12.5_real64 * oval_gain / (bend * p)
       by_axial = 1.5_real64 * load * (1 - bend**(-2.0_real64 / 3))
-      by_oval = 2.0_real64 / 15 * a**2 * load * bend**(-5.0_real64 / 3) * half_difference
+      by_oval = 2.0_real64 / 15 * a**2 * load * bend**(-5.0_real64 / 3) * &
+                (half_difference + own_oval)
       gain = axial_gain + oval_gain
       gradient = -5.0_real64 / 3 * gain + q * (by_axial - by_bend) * 2 / 3
       by_axial = by_axial - by_bend

@@ -77,6 +77,9 @@ module asperity_circle_field
     integer, allocatable :: contact(:)           !! index in the list of pairs
     real(real64), allocatable :: x(:), y(:)      !! first touches [length]
     real(real64), allocatable :: curvature(:)    !! 1/R [1/length]; 0 where the shift is fixed
+    !> half of the difference of the principal curvatures over their mean, with twice the azimuth of
+    !> the larger one [1]
+    complex(real64), allocatable :: own_oval(:)
     logical, allocatable :: shift_fixed(:)       !! the centre of pressure stays at x, y
     real(real64), allocatable :: shift(:, :)     !! lateral shift s of the centre (2, circle)
     real(real64), allocatable :: load(:)         !! V: load over the modulus, more than 0
@@ -123,6 +126,7 @@ contains
     self%shift_fixed = spread(.false., 1, n)
     self%x = spread(0.0_real64, 1, n)
     self%y = self%x
+    self%own_oval = spread((0.0_real64, 0.0_real64), 1, n)
     self%curvature = self%x
     self%load = self%x
     self%load_share = self%x

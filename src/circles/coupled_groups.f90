@@ -11,7 +11,7 @@ module asperity_coupled_groups
                                    thread_threshold
   use asperity_contact_law, only: contact_law, contact_response
   use asperity_contact_pairs, only: contact_pair, contact_pairs
-  use asperity_coupled_state, only: coupled_solution, evaluate_state, solve_state
+  use asperity_coupled_state, only: coupled_solution, evaluate_state, plan_radius, solve_state
   use asperity_index_groups, only: gather_groups
   use asperity_kinds, only: real64
   implicit none
@@ -108,7 +108,7 @@ contains
       allocate (group%outer_field(5, size(member)))
       do i = 1, size(member)
         associate (k => member(i), pair => group_pairs%list(i), p => group%penetration(i))
-          offset = pair%radius * (set%slope(:, k) - group%set%slope(:, i))
+          offset = plan_radius(pair) * (set%slope(:, k) - group%set%slope(:, i))
           pair%x = pair%x - offset(1)
           pair%y = pair%y - offset(2)
           group%shift(:, i) = group%shift(:, i) + offset

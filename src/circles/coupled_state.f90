@@ -8,7 +8,7 @@ module asperity_coupled_state
                                    list_near_circles, most_inner_iterations, rounding_error, &
                                    thread_threshold
   use asperity_contact_law, only: contact_law, contact_response
-  use asperity_contact_pairs, only: contact_pairs
+  use asperity_contact_pairs, only: contact_pair, contact_pairs
   use asperity_kinds, only: real64
   use asperity_solve_ending, only: solve_ending
   use asperity_source_tree, only: source_tree
@@ -16,7 +16,7 @@ module asperity_coupled_state
   private
 
   public :: answer_at, coupled_solution, evaluate_state, find_carried_load, gather_circles, &
-            penetration_without_load, raise_to_load, resolved_contacts, solve_state, update_circles
+            penetration_without_load, plan_radius, raise_to_load, resolved_contacts, solve_state, update_circles
 
   !> Penetration of a contact that touches nowhere [length]: no step raises it above 0; chosen.
   real(real64), parameter, public :: open_penetration = -1.0e-3_real64 * huge(1.0_real64)
@@ -326,6 +326,13 @@ contains
 
   end subroutine gather_circles
 
+  !> Radius of curvature of the vertical gap of a pair, geometric mean of the principal ones.
+  elemental real(real64) function plan_radius(pair) result(radius)
+    type(contact_pair), intent(in) :: pair   !! pair of asperities, or one and a plane
+
+    radius = pair%radius * (pair%zc / pair%s)**2
+  end function plan_radius
+
   ! Sets the circle of a response to its contact. `is_kept` becomes false where its centre of
   ! pressure has moved.
   subroutine set_circle(pairs, answer, solution, k, resolved, is_kept)
@@ -339,13 +346,19 @@ contains
 
     associate (set => solution%set, i => solution%set%contact(k))
       place = [pairs%list(i)%x, pairs%list(i)%y]
-      set%curvature(k) = 1.0_real64 / pairs%list(i)%radius
+      associate (pair => pairs%list(i))
+        set%curvature(k) = 1.0_real64 / plan_radius(pair)
+        ! The curvatures of the vertical gap are in the ratio 1 + slope**2.
+        set%own_oval(k) = cmplx(pair%lower_x - pair%upper_x, pair%lower_y - pair%upper_y, &
+                                real64)**2 / (2 * pair%zc**2 + pair%d**2)
+      end associate
       set%shift(:, k) = solution%shift(:, i)
       set%shift_fixed(k) = .false.
       if (present(resolved)) set%shift_fixed(k) = resolved%is_resolved(i)
       if (set%shift_fixed(k)) then
         place = [resolved%x(i), resolved%y(i)]
         set%curvature(k) = 0.0_real64
+        set%own_oval(k) = 0.0_real64
         set%shift(:, k) = 0.0_real64
       end if
       ! A centre of pressure has moved: the neighbour lists must be rebuilt.
@@ -357,7 +370,7 @@ contains
       set%stiffness(k) = answer%stiffness * factor
       set%load_share(k) = 1.0_real64 / inclination_factor(answer%cosine)
       if (.not. pairs%vertical) set%load_share(k) = set%load_share(k) / answer%cosine
-      set%radius(k) = answer%contact_radius
+      set%radius(k) = answer%contact_radius * sqrt(answer%cosine)
     end associate
   end subroutine set_circle
 

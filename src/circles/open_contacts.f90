@@ -9,7 +9,7 @@ module asperity_open_contacts
   use asperity_constants, only: pi
   use asperity_contact_law, only: contact_law, contact_response
   use asperity_contact_pairs, only: contact_pairs
-  use asperity_coupled_state, only: answer_at, coupled_solution, open_penetration, &
+  use asperity_coupled_state, only: answer_at, coupled_solution, open_penetration, plan_radius, &
                                     resolved_contacts, solve_state
   use asperity_hidden_contacts, only: is_hidden
   use asperity_kinds, only: real64
@@ -150,7 +150,8 @@ contains
         associate (near => state%open_tree%near(state%open_tree%first(k): &
                                              state%open_tree%first(k + 1) - 1), &
                    p => solution%penetration(i), reach => solution%compression - state%gap(i), &
-                   shift_gain => 0.5_real64 * pairs%list(i)%radius * dot_product(far(2:), far(2:)))
+                   radius => plan_radius(pairs%list(i)), &
+                   shift_gain => 0.5_real64 * plan_radius(pairs%list(i)) * sum(far(2:)**2))
           ! Near circles only displace the surface downwards: without them an upper bound.
           p = reach - far(1) + shift_gain + dot_product(far(2:), shift)
           if (p + shift_gain < 0.0_real64) cycle
@@ -158,7 +159,7 @@ contains
             p = open_penetration
             cycle
           end if
-          call find_lowest_place(pairs%list(i)%x, pairs%list(i)%y, pairs%list(i)%radius, set, &
+          call find_lowest_place(pairs%list(i)%x, pairs%list(i)%y, radius, set, &
                                  near, far, &
                       0.1_real64 * lowest, shift, height_before, height_after)
           touches(i) = reach - height_before > lowest

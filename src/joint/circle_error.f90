@@ -1,9 +1,9 @@
 !> Errors of contacts that are solved as Hertzian contacts, by cause.
 !>
 !> That of the field of the neighbours is estimated by the size of its correction
-!> (circle_correction). Others are estimated contact by contact here, as indicators by the first
-!> neglected term, tested against boundary elements, not proved bounds: of inclined contacts
-!> and of caps that stand out of the contact that covers them.
+!> (circle_correction). Those of caps that stand out of the contact that covers them are estimated
+!> here, as indicators by the first neglected term, tested against boundary elements, not proved
+!> bounds.
 module asperity_circle_error
   use asperity_circle_correction, only: circle_correction, find_correction
   use asperity_circle_field, only: are_close
@@ -37,10 +37,6 @@ module asperity_circle_error
   ! Factor of the load of a hidden cap by the pressure of the contact that covers it (measured: 1.33
   ! at most in the four scenes where no other error is larger).
   real(real64), parameter :: hidden_factor = 4.0_real64 / 3.0_real64
-  ! Error of an inclined contact, whose elliptic field is computed as that of a circle: share of the
-  ! decrease of its load by neighbours, over the slope squared (measured: 0.054 at most on 33 scenes
-  ! of slopes from 0.14 to 0.56 where no other error is larger).
-  real(real64), parameter :: inclination_share = 0.06_real64
   ! Least ratio of the radii of two overlapping contacts for which the sharper one is nested
   ! (chosen; test: nested contacts in test/regression/test_warnings_at_limits.py).
   real(real64), parameter :: nested_ratio = 3.0_real64
@@ -66,8 +62,12 @@ contains
     errors%compression_share = sum(solution%set%load) / (solution%compression * correction%tangent)
     associate (set => solution%set)
       do k = 1, size(set%contact)
-        call find_shape_error(pairs, solution, k, errors%of_shape(set%contact(k), 1), &
-                              errors%is_nested(set%contact(k)))
+        i = set%contact(k)
+        do l = set%tree%first(k), set%tree%first(k + 1) - 1
+          j = set%tree%near(l)
+          if (pairs%list(set%contact(j))%radius >= nested_ratio * pairs%list(i)%radius) &
+            errors%is_nested(i) = errors%is_nested(i) .or. are_close(set, k, j, 1.0_real64)
+        end do
       end do
       errors%of_field(set%contact, 1) = correction%load_error
       call find_open_neighbours(pairs, solution, 1.0_real64, tree, open_pairs)
@@ -106,30 +106,6 @@ contains
                       [set%radius, spread(0.0_real64, 1, size(open_pairs))], radii, size(set%x))
     end associate
   end subroutine find_open_neighbours
-
-  ! Finds the error of the load of one contact by its inclination, and whether it is nested.
-  subroutine find_shape_error(pairs, solution, k, error, is_nested)
-    type(contact_pairs), intent(in) :: pairs
-    type(coupled_solution), intent(in) :: solution
-    integer, intent(in) :: k
-    real(real64), intent(out) :: error
-    logical, intent(out) :: is_nested
-    real(real64) :: displacement
-    integer :: j, l
-
-    associate (set => solution%set, pair => pairs%list(solution%set%contact(k)), &
-               p => solution%penetration(solution%set%contact(k)))
-      is_nested = .false.
-      do l = set%tree%first(k), set%tree%first(k + 1) - 1
-        j = set%tree%near(l)
-        if (pairs%list(set%contact(j))%radius >= nested_ratio * pair%radius) &
-          is_nested = is_nested .or. are_close(set, k, j, 1.0_real64)
-      end do
-      displacement = max(0.0_real64, solution%compression - pair%gap - p)
-      error = set%load(k) * inclination_share * displacement / (p + displacement) * &
-              (pair%d / pair%zc)**2
-    end associate
-  end subroutine find_shape_error
 
   !> Relative decrease of the load of a sphere from that of its paraboloid: p/(10 R) under a plane,
   !! to first order (the next term of the gap is r**4/(8 R**3)). A plane has the radius 0 and no

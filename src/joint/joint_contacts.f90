@@ -27,7 +27,7 @@ module asperity_joint_contacts
   use asperity_contact_pairs, only: contact_pairs
   use asperity_coupled_contacts, only: adopt_penetrations, coupled_solution, resolved_contacts, &
                                        solve_coupled
-  use asperity_coupled_state, only: find_carried_load, open_penetration, raise_to_load
+  use asperity_coupled_state, only: answer_at, find_carried_load, open_penetration, raise_to_load
   use asperity_element_pressures, only: join_elements
   use asperity_hertz_law, only: hertz_law
   use asperity_index_groups, only: gather_groups
@@ -152,33 +152,34 @@ contains
     call estimate_errors(task, solution)
   end subroutine solve_joint
 
-  ! Sets the areas in plan of contacts by their law, and corrects loads and areas of elastic ones:
-  ! the penetration of an isolated contact is a power 2/3 of its load, its area is a multiple of it.
+  ! Sets loads and areas of contacts by their law, and corrects those of elastic ones: the
+  ! penetration of an isolated contact is a power 2/3 of its load.
   subroutine correct_circles(task, solution)
     type(joint_task), intent(inout) :: task
     type(joint_solution), intent(inout) :: solution
     type(contact_response) :: response
-    real(real64) :: before, ratio(size(solution%coupled%set%contact))
+    real(real64) :: before
     integer :: k
 
     task%compression_share = task%errors%compression_share
     associate (coupled => solution%coupled, set => solution%coupled%set, pairs => task%pairs, &
                contact => solution%coupled%set%contact)
-      solution%area(contact) = pi * set%radius**2
-      if (.not. same_type_as(task%law, hertz_law())) return
-      ratio = (1 + task%correction%load_change / set%load)**(2.0_real64 / 3)
-      solution%area(contact) = solution%area(contact) * ratio * task%correction%area_ratio
-      coupled%penetration(contact) = coupled%penetration(contact) * ratio
-      coupled%compression = coupled%compression + task%correction%compression_change
-      if (allocated(task%target)) then
-        before = coupled%penetration(contact(1))
-        call raise_to_load(pairs, task%law, task%target / pairs%modulus, coupled%penetration)
-        coupled%compression = coupled%compression + (coupled%penetration(contact(1)) - before)
+      if (same_type_as(task%law, hertz_law())) then
+        coupled%penetration(contact) = coupled%penetration(contact) * &
+          (1 + task%correction%load_change / set%load)**(2.0_real64 / 3)
+        coupled%compression = coupled%compression + task%correction%compression_change
+        if (allocated(task%target)) then
+          before = coupled%penetration(contact(1))
+          call raise_to_load(pairs, task%law, task%target / pairs%modulus, coupled%penetration)
+          coupled%compression = coupled%compression + (coupled%penetration(contact(1)) - before)
+        end if
+      else
+        task%correction%area_ratio = 1.0_real64
       end if
       do k = 1, size(contact)
-        call task%law%respond(pairs%list(contact(k)), contact(k), &
-                              coupled%penetration(contact(k)), response)
+        response = answer_at(pairs, task%law, contact(k), coupled%penetration(contact(k)))
         set%load(k) = response%vertical_load * inclination_factor(response%cosine) / pairs%modulus
+        solution%area(contact(k)) = pi * response%contact_radius**2 * task%correction%area_ratio(k)
       end do
     end associate
   end subroutine correct_circles

@@ -41,6 +41,9 @@ MOST_OF_MANY, RADIUS_OF_MANY = 1_440_000, 32
 # Errors to which squares are made smaller, and how much smaller; not for many contacts.
 LOAD_ERROR, AREA_ERROR = 5e-5, 1.5e-3
 FINER = (1.0, 0.6, 0.36)
+# Few contacts do not average what squares scatter, and three grids can agree by chance: squares in
+# the radius at least, of up to so many contacts.
+FEW, RADIUS_OF_FEW = 3, 60
 # Of the largest penetration: residual at which a solve ends.
 CONVERGED = 2e-7
 STEPS = 600
@@ -293,7 +296,9 @@ def truth_of(scene):
         side = finest(pairs, finer)
         results = on_grids(pairs, side)
         load, load_error, area, area_error = settled(results)
-        if load_error < LOAD_ERROR and area_error < AREA_ERROR:
+        squares = Gap(pairs).reach.max() / np.sqrt(2) / side
+        if load_error < LOAD_ERROR and area_error < AREA_ERROR and (
+                len(pairs.gap) > FEW or squares >= RADIUS_OF_FEW):
             break
     alone, _, alone_area = (v.sum() for v in pairs.law())
     normal = load * results[-1, 3] / results[-1, 0]
@@ -302,7 +307,7 @@ def truth_of(scene):
             "load_error": f"{load_error:.1e}", "normal_load": f"{normal:.9g}",
             "alone_area": f"{alone_area:.6g}", "area": f"{area:.6g}",
             "area_error": f"{area_error:.1e}",
-            "squares": f"{Gap(pairs).reach.max() / np.sqrt(2) / side:.0f}"}
+            "squares": f"{squares:.0f}"}
 
 
 def rim():

@@ -166,6 +166,7 @@ contains
       allocate (curvature(2, numbers(k)))
       allocate (gain(numbers(k)))
       allocate (gradient, unused, mold=gain)
+      set%own_oval = [(0.02_real64 * cmplx(l, 3 - l, real64), l=1, numbers(k))]
       call find_curvature_terms(set, curvature, gain, gradient)
       change = direction(numbers(k), seed, .true.)
       other = set
