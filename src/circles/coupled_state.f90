@@ -16,7 +16,8 @@ module asperity_coupled_state
   private
 
   public :: answer_at, coupled_solution, evaluate_state, find_carried_load, gather_circles, &
-            penetration_without_load, plan_radius, raise_to_load, resolved_contacts, solve_state, update_circles
+            penetration_without_load, plan_radius, raise_to_load, resolved_contacts, &
+            solve_state, update_circles
 
   !> Penetration of a contact that touches nowhere [length]: no step raises it above 0; chosen.
   real(real64), parameter, public :: open_penetration = -1.0e-3_real64 * huge(1.0_real64)

@@ -17,6 +17,12 @@ module asperity_element_answer
   ! their error estimates in test/unit/elements_suite.f90).
   real(real64), parameter, public :: area_error = 0.12_real64
 
+  ! Area that the sums of powers of forces lack [1], in squares of the side by side of an element on
+  ! the rim, as the rim cuts elements. Measured on 858 isolated contacts in numpy, circles and
+  ! ellipses of 4 to 40 elements in the radius: 0.010, from 0.006 to 0.015 by size and shape; test:
+  ! merged contacts in test/regression/test_dense.py.
+  real(real64), parameter :: rim_area = 0.01_real64
+
   !> A contact on boundary elements. Loads, lengths and pressures in the units of the pairs.
   type :: element_contact
     real(real64) :: load = 0.0_real64      !! vertical load, 0 or more
@@ -84,8 +90,8 @@ contains
       associate (contact => contacts(shapes(k)%pair), load => sums(2, k), h => lattice%side)
         contact%load = modulus * lattice%depth * h * load
         contact%pressure = modulus * (lattice%depth / h) * largest_force(k)
-        contact%area = h**2 * loaded_elements(sums(:, k)) * &
-                       exp(-slit_area(k) / loaded_elements(sums(:, k)))
+        contact%area = h**2 * (loaded_elements(sums(:, k)) * &
+                       exp(-slit_area(k) / loaded_elements(sums(:, k))) + rim_area * rim_sides(k))
         contact%x = shapes(k)%x + h * moment(1, k) / load
         contact%y = shapes(k)%y + h * moment(2, k) / load
         ! The error of a load is at most half of that of the area, over n, as the pressure falls to

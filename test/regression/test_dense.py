@@ -56,6 +56,8 @@ def test_auto(asperity, tally, tolerance):
         found = estimates(results, area)
         if found.known < len(results):
             wrong.append(f"{name}: {len(results) - found.known} of {len(results)} without")
+        if area and found.below:
+            wrong.append(f"{name}: {found.below:.1%} below the error")
     assert not wrong, "\n".join(wrong)
 
 
@@ -75,6 +77,30 @@ def test_areas_of_contacts_that_merge(asperity, tmp_path, shear, apart, count):
                     contacts=False)
         off = float(ran.positions[0]["area"]) / area - 1
         assert abs(off) <= max(tolerance, 0.005) + error, (tolerance, off, error)
+
+
+@pytest.mark.once
+def test_areas_of_contacts_on_grids(asperity):
+    """Sums of powers alone lack the area at the rim: all eight are then .3 to .6 % too small."""
+    names = ("triples_000", "pairs_018", "rings_023", "chains_001", "clumps_034", "clumps_039",
+             "clumps_045", "clusters_014")
+    results = solved(asperity, [s for s in dense_scenes() if s.name in names],
+                     tolerance=TOLERANCES[-1])
+    assert len(results) == 2 * len(names)
+    beyond = [r for r in results if not abs(r.area_error) <= r.area_estimate + r.area_bound]
+    assert not beyond, told(beyond)
+    assert abs(np.mean([r.area_error for r in results])) < 2e-3
+
+
+@pytest.mark.once
+def test_inclined_contacts_in_plan(asperity):
+    """Slopes from .2 to .5: circles of the radius and the curvature along the line of centres were
+    off by .05 to .2 % in four of these."""
+    names = ("steep_018", "steep_022", "steep_039", "steep_041", "steep_043")
+    results = solved(asperity, [s for s in dense_scenes() if s.name in names], "coupled")
+    assert len(results) == 2 * len(names)
+    wrong = [r for r in results if not abs(r.error) <= 3e-4 + r.bound]
+    assert not wrong, told(wrong)
 
 
 # Caps on caps in two groups, the second of which is loaded at a higher load only.
