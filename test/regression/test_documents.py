@@ -124,7 +124,7 @@ def test_options_exist(page, options):
     known = set().union(*options.values())
     for path in (*ROOT.glob("test/**/*.py"), *(p for p in ROOT.glob(".ci/*") if p.is_file())):
         known |= set(OPTION.findall(path.read_text(encoding="utf-8")))
-    others = re.compile(r"(?:fpm|cafrun|mpirun|srun|#SBATCH)\b")
+    others = re.compile(r"(?:fpm|git|cafrun|mpirun|srun|#SBATCH)\b")
     lost = set()
     for text in (*code(page), *(line for _, text in blocks(page) for line in text.splitlines())):
         # What fpm hands on is for asperity.
