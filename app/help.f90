@@ -148,7 +148,10 @@ contains
         if (row%effect /= '' .and. row%effect /= row%name) name = '    ' // row%name
         values = values_in_words(row)
         if (row%value_kind == any_number) values = 'a number'
-        values = values // count_in_words(row%counts) // '; '
+        if (row%counts(2) > 1) values = values // ', ' // decimal_text(row%counts(1))
+        if (row%counts(2) > row%counts(1)) &
+          values = values // merge(' or ', ' to ', row%counts(2) < 5) // decimal_text(row%counts(2))
+        values = values // trim(merge(' values; ', ';        ', row%counts(2) > 1)) // ' '
         if (row%needed_with /= '') then
           values = values // 'needed with ' // needed_for(row)
         else if (index(row%otherwise, 'needed') == 1) then
@@ -163,18 +166,6 @@ contains
       end associate
     end do
   end subroutine describe_names
-
-  ! How many values a name has, in words; empty: one.
-  pure function count_in_words(counts) result(words)
-    integer, intent(in) :: counts(2)
-    character(len=:), allocatable :: words
-
-    words = ''
-    if (counts(2) > 1) words = ', ' // decimal_text(counts(1))
-    if (counts(2) > counts(1)) words = words // merge(' or ', ' to ', counts(2) < 5) // &
-                                       decimal_text(counts(2))
-    if (words /= '') words = words // ' values'
-  end function count_in_words
 
   ! Value of a name that does not occur, in words.
   pure function default_of(row) result(default)

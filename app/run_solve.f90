@@ -166,6 +166,8 @@ contains
       type(contact_field), intent(in) :: field
       logical, intent(in) :: is_last
       type(text_buffer) :: histogram, picture, vti
+      character(len=:), allocatable :: title
+      character(len=20) :: lengths(2)  ! units of length and pressure
 
       if (line%output_path('--fields') /= '') then
         call write_vti(field, vti)
@@ -179,7 +181,13 @@ contains
         call stage_output('--histogram', histogram)
       end if
       if (line%output_path('--picture') == '') return
-      call draw_pressure(field, picture)
+      lengths = [character(len=20) :: unit_of(scene_in, is_length), unit_of(scene_in, is_pressure)]
+      title = printable_text(line%input) // ': ' // &
+              with_unit(trim(merge('mean pressure   ', 'nominal pressure', &
+                             parts_in_words(field) /= '')), trim(lengths(2))) // ' ' // &
+              number_text(sum(field%pressure, mask=field%pressure > 0.0_real64) / &
+                          count(field%gap >= 0.0_real64), 3)
+      call draw_plan(field, plan_of_pressure, title, lengths, .true., picture)
       call stage_output('--picture', picture)
     end subroutine stage_field
 
@@ -215,21 +223,6 @@ contains
         call outcome%text%line(with_unit(text, trim(unit_of(scene_in, is_length))))
       end do
     end subroutine stage_stress
-
-    subroutine draw_pressure(field, picture)
-      type(contact_field), intent(in) :: field
-      type(text_buffer), intent(inout) :: picture
-      character(len=:), allocatable :: title
-      character(len=20) :: units(2)
-
-      units = [character(len=20) :: unit_of(scene_in, is_length), unit_of(scene_in, is_pressure)]
-      title = printable_text(line%input) // ': ' // &
-              with_unit(trim(merge('mean pressure   ', 'nominal pressure', &
-                             parts_in_words(field) /= '')), trim(units(2))) // ' ' // &
-              number_text(sum(field%pressure, mask=field%pressure > 0.0_real64) / &
-                       count(field%gap >= 0.0_real64), 3)
-      call draw_plan(field, plan_of_pressure, title, units, .true., picture)
-    end subroutine draw_pressure
 
     ! Stages a file. A trial counts its bytes only: twice, as the text is held and then copied.
     subroutine stage_output(option, text, path)
@@ -306,6 +299,8 @@ contains
     type(command_line), intent(in) :: line
     type(scene), intent(in) :: scene_in
     type(problem_list), intent(inout) :: problems
+    character(len=:), allocatable :: option
+    integer :: i
 
     call refuse_input(line, scene_in%upper%file, problems)
     if (.not. same_name(scene_in%lower%file, scene_in%upper%file)) &
@@ -315,24 +310,10 @@ contains
                         'units = ''mm'', ''N'' in &surfaces')
     if (allocated(scene_in%map) .and. line%has('--budget')) &
       call problems%add('--budget: a map is compared with its summits in every run, expected none')
-    call check_field_options(line, scene_in, problems)
-    if (line%share(2) > scene_in%motion%positions) &
-      call problems%add('--share: found ' // decimal_text(line%share(2)) // ' parts of ' // &
-                        count_text(scene_in%motion%positions, 'position') // &
-                        ', expected at most as many parts as positions')
-  end subroutine check_choices
-
-  ! Pressure on pixels is that of a height map solved on them, and is not kept in a file.
-  subroutine check_field_options(line, scene_in, problems)
-    type(command_line), intent(in) :: line
-    type(scene), intent(in) :: scene_in
-    type(problem_list), intent(inout) :: problems
-    character(len=:), allocatable :: option
-    integer :: i
-
     if (line%has('--depths') .and. decimal_to_real64(scene_in%contact_modulus) > 0.0_real64) &
       call problems%add('--depths: stress needs poisson_ratio in &material: found ' // &
                         'contact_modulus in its place')
+    ! Pressure on pixels is that of a height map solved on them, and is not kept in a file.
     do i = 1, size(field_options)
       option = trim(field_options(i))
       if (.not. line%has(option)) cycle
@@ -341,7 +322,11 @@ contains
         call problems%add(option // ': a file of --keep has no pressure on pixels, expected ' // &
                           'one of both')
     end do
-  end subroutine check_field_options
+    if (line%share(2) > scene_in%motion%positions) &
+      call problems%add('--share: found ' // decimal_text(line%share(2)) // ' parts of ' // &
+                        count_text(scene_in%motion%positions, 'position') // &
+                        ', expected at most as many parts as positions')
+  end subroutine check_choices
 
   ! How the user wants it done. The corrected Table VI needs the contacts of the thesis' sweep.
   function options_of(line, scene_in) result(options)

@@ -19,7 +19,7 @@ contains
     type(text_buffer), intent(inout) :: buffer  !! gets the text
     type(budget_line) :: total
     character(len=100) :: line
-    character(len=:), allocatable :: reference
+    character(len=:), allocatable :: reference, share
     integer :: i
 
     call buffer%line('')
@@ -30,9 +30,12 @@ contains
     end if
     do i = 1, size(budget%lines)
       total = budget%lines(i)
+      share = 'not estimated'
+      if (budget%model%known(i) == share_measured) &
+        share = ' ' // real_text(budget%model%error(i), 'es9.1e3')
+      if (budget%model%known(i) == share_given) share = 'given'
       write (line, '(2x, a14, a15, es14.1e3, es16.1e3, 4x, a)') total%name, &
-        real_text(total%value, 'g15.7') // '   ', total%arithmetic, total%step, &
-        model_share(budget%model, i)
+        real_text(total%value, 'g15.7') // '   ', total%arithmetic, total%step, share
       call buffer%line(line)
     end do
     if (positions > 1) call buffer%line('+- is the largest over the positions.')
@@ -42,22 +45,6 @@ contains
     call buffer%line('Step: none, as events are solved exactly.')
     call write_model(budget%model, buffer)
   end subroutine write_budget
-
-  ! A number, or why there is none.
-  pure function model_share(model, i) result(text)
-    type(model_budget), intent(in) :: model
-    integer, intent(in) :: i
-    character(len=:), allocatable :: text
-
-    select case (model%known(i))
-    case (share_measured)
-      text = ' ' // real_text(model%error(i), 'es9.1e3')
-    case (share_given)
-      text = 'given'
-    case default
-      text = 'not estimated'
-    end select
-  end function model_share
 
   ! The models that were compared, and the error of the reference.
   subroutine write_model(model, buffer)

@@ -3,6 +3,7 @@
 module asperity_field_picture
   use asperity_contact_field, only: contact_field
   use asperity_height_map, only: height_map, is_measured
+  use asperity_key_sort, only: sort_keys
   use asperity_kinds, only: not_computed, real64
   use asperity_map_summits, only: map_summits
   use asperity_number_format, only: count_text, number_text
@@ -72,10 +73,10 @@ contains
     type(text_buffer), intent(inout) :: buffer  !! gets the drawing, an SVG
     type(svg_plot) :: plot
     real(real64), allocatable :: mean(:, :)
-    logical, allocatable :: drawn(:)
+    integer, allocatable :: order(:)
     real(real64) :: middle, deviation
     character(len=:), allocatable :: note, text
-    integer :: number
+    integer :: i, number
 
     plot%title = title
     call average_squares(map%height, width_of_file, mean, note)
@@ -92,9 +93,12 @@ contains
     call plot%begin_plot(title, buffer)
     call plot%add_pixels(mean, .false., buffer)
     number = size(summits%x)
-    drawn = highest_of(summits%height)
-    call plot%add_marks(pack(summits%x, drawn), pack(summits%y, drawn), &
-                        merge(2, 4, number > many_dots), buffer)
+    order = [(i, i=1, number)]
+    if (number > most_dots) then
+      call sort_keys(summits%height, order)
+      order = order(number - most_dots + 1:)
+    end if
+    call plot%add_marks(summits%x(order), summits%y(order), merge(2, 4, number > many_dots), buffer)
     text = count_text(number, 'summit') // ' (dots)'
     if (number > most_dots) text = text // ', the highest ' // decimal_text(most_dots) // ' drawn'
     call plot%add_note(1, text, buffer)
@@ -118,28 +122,6 @@ contains
     plot%has_colours = .true.
     plot%longest = merge(width_of_file, side_of_plan, allocated(plot%title))
   end subroutine set_axes
-
-  ! Which heights are the highest, at most so many as are drawn; the least one by bisection.
-  pure function highest_of(height) result(chosen)
-    real(real64), intent(in) :: height(:)
-    logical :: chosen(size(height))
-    real(real64) :: above, below, middle
-    integer :: round
-
-    chosen = .true.
-    if (size(height) <= most_dots) return
-    below = minval(height)
-    above = maxval(height)
-    do round = 1, 40
-      middle = 0.5_real64 * (below + above)
-      if (count(height > middle) > most_dots) then
-        below = middle
-      else
-        above = middle
-      end if
-    end do
-    chosen = height > above
-  end function highest_of
 
   ! Mean values of squares of measured pixels, with a note on them; `not_computed` where none was
   ! measured.

@@ -35,7 +35,17 @@ contains
     call buffer%line('"text": ' // json_text(scene_in%text) // '},')
     call buffer%line('"provenance": {"version": "' // version // '",')
     call buffer%line('"arithmetic": "' // trim(results%arithmetic) // '",')
-    call put_effects(results, buffer)
+    call buffer%append('"effects": {')
+    if (allocated(results%effects)) then
+      do i = 1, size(results%effects%names)
+        if (i > 1) call buffer%append(', ')
+        call buffer%append('"' // trim(results%effects%names(i)) // '": "' // &
+                           trim(effect_words(results%effects%modes(i))) // '"')
+      end do
+    end if
+    call buffer%line('},')
+    if (allocated(results%effects)) &
+      call buffer%line('"tolerance": ' // real_text(results%effects%tolerance, 'es25.16e3') // ',')
     call buffer%append('"inputs": [')
     do i = 1, size(inputs)
       if (inputs(i)%path == '') cycle
@@ -52,25 +62,6 @@ contains
     end do
     call buffer%line('}')
   end subroutine write_json
-
-  ! The effects that are not off, and the tolerance of `auto`.
-  subroutine put_effects(results, buffer)
-    type(scene_results), intent(in) :: results
-    type(text_buffer), intent(inout) :: buffer
-    integer :: i
-
-    call buffer%append('"effects": {')
-    if (allocated(results%effects)) then
-      do i = 1, size(results%effects%names)
-        if (i > 1) call buffer%append(', ')
-        call buffer%append('"' // trim(results%effects%names(i)) // '": "' // &
-                           trim(effect_words(results%effects%modes(i))) // '"')
-      end do
-    end if
-    call buffer%line('},')
-    if (.not. allocated(results%effects)) return
-    call buffer%line('"tolerance": ' // real_text(results%effects%tolerance, 'es25.16e3') // ',')
-  end subroutine put_effects
 
   ! Lines as a list of texts.
   subroutine put_lines(name, lines, buffer)

@@ -1,7 +1,7 @@
 !> The summary that `asperity solve` prints.
 module asperity_summary
   use asperity_contact_field, only: parts_in_words
-  use asperity_contact_records, only: prescribed_nothing, position_result, state_row
+  use asperity_contact_records, only: prescribed_nothing, state_row
   use asperity_decimal, only: decimal_to_real64
   use asperity_effect_names, only: known_effects
   use asperity_effects_summary, only: effects_in_words, write_effects
@@ -81,8 +81,9 @@ contains
 
     text = ''
     if (any(results%positions%error_estimate > not_computed)) &
-      text = trim(merge('load       ', 'compression', &
-                        all(last_prescribed(results%positions) == prescribed_nothing))) // ' ' // &
+      text = trim(merge('load       ', 'compression', all([ &
+             (results%positions(m)%states(size(results%positions(m)%states))%prescribed == &
+              prescribed_nothing, m=1, size(results%positions))]))) // ' ' // &
              percent_text(maxval(results%positions%error_estimate))
     do k = 1, merge(size(columns), 0, allocated(results%effects))
       at = findloc(results%effects%state_columns, columns(k), 1)
@@ -96,13 +97,6 @@ contains
     end do
     if (text /= '') text = 'error estimate: ' // text
   end function errors_in_words
-
-  ! Which load the last state of each position was to meet.
-  pure elemental integer function last_prescribed(position)
-    type(position_result), intent(in) :: position
-
-    last_prescribed = position%states(size(position%states))%prescribed
-  end function last_prescribed
 
   !> Limits reached, positions without contact, overlapping circles.
   subroutine write_remarks(scene_in, results, buffer)

@@ -3,7 +3,7 @@
 module asperity_totals_table
   use, intrinsic :: ieee_arithmetic, only: ieee_is_nan, ieee_quiet_nan, ieee_value
   use asperity_contact_field, only: parts_in_words
-  use asperity_contact_records, only: position_result, state_row
+  use asperity_contact_records, only: state_row
   use asperity_kinds, only: not_computed, real64
   use asperity_number_format, only: number_text
   use asperity_result_table, only: add_reals, array_table, make_arrays, numbers_of, of_positions, &
@@ -203,7 +203,10 @@ contains
     do m = 1, size(results%positions)
       last = last_state(results%positions(m))
       if (.not. last%time > 0.0_real64) return
-      begin = begin_of_hold(results%positions(m))
+      ! The state in which the last hold begins.
+      associate (states => results%positions(m)%states)
+        begin = states(max(1, findloc(states%time > 0.0_real64, .false., 1, back=.true.)))
+      end associate
       lost(m) = not_computed
       if (abs(begin%load) > 0.0_real64) lost(m) = 1.0_real64 - last%load / begin%load
       sunk(m) = begin%approach - last%approach
@@ -215,18 +218,6 @@ contains
       call add_line(with_unit('creep displacement', unit_of(scene_in, is_length)), sunk, &
                     size(sunk), 'compression during the hold', lines)
   end subroutine list_held
-
-  ! The state in which the last hold begins.
-  pure type(state_row) function begin_of_hold(position)
-    type(position_result), intent(in) :: position
-    integer :: i
-
-    i = size(position%states)
-    do while (i > 1 .and. position%states(i)%time > 0.0_real64)
-      i = i - 1
-    end do
-    begin_of_hold = position%states(i)
-  end function begin_of_hold
 
   ! Adds a quantity with its known values, of so many positions.
   subroutine add_line(name, known, positions, remark, lines)
