@@ -183,35 +183,22 @@ contains
     real(real64) :: low, high, place(2), value(2)
     ! Golden section.
     real(real64), parameter :: share = 0.618033988749894848_real64
-    integer :: i, worse
+    integer :: i
 
     low = 0.0_real64
     high = compression
-    place(1) = high - share * (high - low)
-    place(2) = low + share * (high - low)
-    value(1) = load_at(placed, found, place(1), overlap)
-    value(2) = load_at(placed, found, place(2), overlap)
     do i = 1, cuts
-      worse = 1
-      if (value(2) < value(1)) worse = 2
-      if (worse == 1) then
-        low = place(1)
-        place(1) = place(2)
-        value(1) = value(2)
-        place(2) = low + share * (high - low)
-        value(2) = load_at(placed, found, place(2), overlap)
-      else
-        high = place(2)
-        place(2) = place(1)
-        value(2) = value(1)
-        place(1) = high - share * (high - low)
-        value(1) = load_at(placed, found, place(1), overlap)
+      place = [high - share * (high - low), low + share * (high - low)]
+      value = [load_at(placed, found, place(1), overlap), load_at(placed, found, place(2), overlap)]
+      if (maxval(value) > load) then
+        load = maxval(value)
+        compression = place(maxloc(value, 1))
       end if
-    end do
-    do i = 1, 2
-      if (.not. value(i) > load) cycle
-      load = value(i)
-      compression = place(i)
+      if (value(2) < value(1)) then
+        high = place(2)
+      else
+        low = place(1)
+      end if
     end do
   end subroutine find_greatest
 

@@ -71,8 +71,7 @@ contains
     class(contact_model), allocatable, intent(out) :: model
     type(effect_header), intent(out) :: header             !! columns of the effects
     character(len=:), allocatable, intent(out) :: failure  !! reason, when there is no model
-    !> States whose pressures on boundary elements are kept: `fields_last` ...; absent: none.
-    integer, intent(in), optional :: fields
+    integer, intent(in) :: fields  !! states whose pressures on elements are kept: `fields_last` ...
     !> Method without any effect, for the accuracy study; absent: with the effects of the scene.
     type(solve_method), intent(in), optional :: method
     type(asperity_model), allocatable :: new
@@ -80,7 +79,7 @@ contains
 
     allocate (new)
     new%scene_in => scene_in
-    if (present(fields)) new%fields = fields
+    new%fields = fields
     if (present(method)) then
       new%isolated = .true.
       new%method = method

@@ -8,7 +8,7 @@ module asperity_asperity_records
   use asperity_contact_law, only: contact_response
   use asperity_hertz_law, only: hertz_law
   use asperity_kinds, only: not_computed, real64
-  use asperity_effect_header, only: effect_header
+  use asperity_effect_header, only: add_columns, add_effect, begin_header, effect_header
   use asperity_scene_values, only: criterion_load, criterion_none, is_load, scene
   use asperity_state_tally, only: add_contact, begin_tally, finish_tally, state_tally
   use asperity_theory_limits, only: seen_contact
@@ -27,38 +27,30 @@ contains
   !> Sets the names of the effects and of their columns.
   subroutine name_columns(effects, header)
     type(effect_box), intent(in) :: effects(:)     !! effects of the scene
-    type(effect_header), intent(inout) :: header   !! header with names and columns
+    type(effect_header), intent(out) :: header     !! header with names and columns
     integer :: i
 
-    allocate (header%names(size(effects)), header%modes(size(effects)), &
-              header%contact_columns(0), header%state_columns(0), header%contact_powers(2, 0), &
-              header%state_powers(2, 0))
+    call begin_header(header)
     do i = 1, size(effects)
       associate (effect => effects(i)%effect)
-        header%names(i) = effect%name
-        header%modes(i) = effect%mode
-        ! gfortran 12 does not find the length of the second part without optimisation.
-        header%contact_columns = [character(len=20) :: header%contact_columns, &
-                                  effect%contact_columns%text]
-        header%state_columns = [character(len=24) :: header%state_columns, &
-                                effect%state_columns%text]
-        header%contact_powers = with_powers(header%contact_powers, effect%contact_columns)
-        header%state_powers = with_powers(header%state_powers, effect%state_columns)
+        call add_effect(header, effect%name, effect%mode)
+        call add_columns(header%contact_columns, header%contact_powers, &
+                         effect%contact_columns%text, powers_of(effect%contact_columns))
+        call add_columns(header%state_columns, header%state_powers, effect%state_columns%text, &
+                         powers_of(effect%state_columns))
       end associate
     end do
 
   contains
 
-    ! Appends the powers of columns.
-    pure function with_powers(before, columns) result(powers)
-      integer, intent(in) :: before(:, :)
+    ! Powers of the modulus and of the length.
+    pure function powers_of(columns) result(powers)
       type(column_name), intent(in) :: columns(:)
-      integer :: powers(2, size(before, 2) + size(columns))
+      integer :: powers(2, size(columns))
 
-      powers(:, :size(before, 2)) = before
-      powers(1, size(before, 2) + 1:) = columns%modulus_power
-      powers(2, size(before, 2) + 1:) = columns%length_power
-    end function with_powers
+      powers(1, :) = columns%modulus_power
+      powers(2, :) = columns%length_power
+    end function powers_of
 
   end subroutine name_columns
 

@@ -3,15 +3,14 @@
 !> Each state is the start of the next. With a hardness each state deforms the map: pixels at the
 !> hardness are lowered by the remaining overlap, at the same pressure.
 module asperity_pixel_model
-  use asperity_attraction_law, only: attraction_at, attraction_law, new_attraction, pixel_steepness
+  use asperity_attraction_law, only: attraction_at
   use asperity_contact_field, only: fields_all, fields_none, room_of_fields
   use asperity_contact_model, only: at_distance, at_load, contact_model, held_load, no_load, &
                                     path_step, placed_bodies
   use asperity_contact_records, only: add_rows, contact_row, position_result, prescribed_normal, &
                                       state_row
   use asperity_decimal, only: decimal_to_real64
-  use asperity_friction, only: slip_contact_columns, slip_contact_powers, slip_state_columns, &
-                               slip_state_powers, stiffness_ratio_of
+  use asperity_friction, only: stiffness_ratio_of
   use asperity_height_map, only: height_map
   use asperity_kinds, only: int64, not_computed, real64
   use asperity_map_caps, only: placed_caps
@@ -19,8 +18,7 @@ module asperity_pixel_model
   use asperity_map_error, only: estimate_pixel_errors, is_rough_at_pixels, pixel_errors
   use asperity_map_fields, only: measure_fields, take_field
   use asperity_map_form, only: find_form_contact
-  use asperity_map_interface, only: conductance_columns, interface_columns, interface_powers, &
-                                    measure_interface
+  use asperity_map_interface, only: interface_columns, measure_interface
   use asperity_map_levelling, only: is_flat
   use asperity_map_patches, only: find_patches, map_patch
   use asperity_map_scene, only: area_of_map, displacement_of, join_maps, plan_map_path
@@ -30,28 +28,23 @@ module asperity_pixel_model
   use asperity_partial_slip, only: slip_answer, slip_of_patches, slip_request, solve_partial_slip, &
                                    take_traction
   use asperity_path_steps, only: plan_hold
+  use asperity_pixel_effects, only: name_map_columns, resolved_steepness, set_map_laws, steepest
   use asperity_problems, only: decimal_text, not_enough_memory, real_text
   use asperity_process, only: has_memory
   use asperity_effect_header, only: effect_header
-  use asperity_scene_values, only: combined_modulus, effect_off, has_hardness, is_load, scene
+  use asperity_scene_values, only: effect_off, is_load, scene
   use asperity_theory_limits, only: is_patch_at_limit, look_at_pressure, set_theory_limits, &
                                     theory_limits
   use asperity_theory_warnings, only: add_warning, of_attraction, of_cap, of_contact_radius, &
                                       of_cut_range, of_error, of_flat_map, of_held_gap, &
                                       of_resolution, take_worse, theory_warning, warning_kinds
-  use asperity_viscoelastic_solid, only: solid_of_scene
   implicit none
   private
 
-  public :: is_attraction_resolved, make_pixel_model
+  public :: make_pixel_model
 
   ! Tolerance of the largest load at the hardness, for rounding.
   real(real64), parameter :: load_rounding = 1.0e-12_real64
-
-  ! Steepness of the attraction without a warning, and the largest (measured on a ball: up to 1.0
-  ! states of open and of adhering surfaces agree to 1e-8 pi w R, at 1.2 they differ by 1e-2; test:
-  ! wide pixels in test/regression/test_adhesive_pixels.py).
-  real(real64), parameter :: resolved = 0.7_real64, steepest = 1.2_real64
 
   !> One map, or two that are moved over each other.
   type, extends(contact_model) :: pixel_model
@@ -114,7 +107,9 @@ contains
     call name_map_columns(scene_in, header)
     header%tolerance = scene_in%effects%number('tolerance')
     new%tolerance = header%tolerance
-    call set_laws(scene_in, maxval(new%first_map%pixel_spacing), new, failure)
+    call set_map_laws(scene_in, maxval(new%first_map%pixel_spacing), new%laws, new%steepness, &
+                      failure)
+    new%has_adhesion = scene_in%effects%mode('adhesion') /= effect_off
     if (allocated(failure)) return
     if (scene_in%effects%mode('friction') /= effect_off) then
       allocate (new%slip)
@@ -141,111 +136,6 @@ contains
       new%nominal_area = area_of_map(new%first_map)
     call move_alloc(new, model)
   end subroutine make_pixel_model
-
-  ! Sets what acts on the pixels. `failure` is allocated where they are too wide for the attraction.
-  subroutine set_laws(scene_in, pixel, model, failure)
-    type(scene), intent(in) :: scene_in
-    real(real64), intent(in) :: pixel  ! largest spacing of the pixels
-    type(pixel_model), intent(inout) :: model
-    character(len=:), allocatable, intent(out) :: failure
-
-    associate (effects => scene_in%effects, laws => model%laws)
-      laws%modulus = combined_modulus(scene_in)
-      model%has_adhesion = effects%mode('adhesion') /= effect_off
-      if (has_hardness(scene_in)) laws%hardness = effects%number('plastic_hardness')
-      if (model%has_adhesion .and. effects%number('work_of_adhesion') > 0.0_real64) then
-        laws%attraction = attraction_of(scene_in)
-        model%steepness = pixel_steepness(laws%attraction, pixel, laws%modulus)
-        if (model%steepness > steepest) &
-          failure = 'the pixels are too wide for the range of adhesion: found a spacing of ' // &
-                    real_text(pixel) // ', expected at most ' // &
-                    real_text(pixel * resolved / model%steepness)
-      end if
-      if (effects%mode('creep') == effect_off) return
-      laws%solid = solid_of_scene(scene_in)
-    end associate
-  end subroutine set_laws
-
-  !> Whether the range of adhesion is wide enough for the pixels of a map.
-  logical function is_attraction_resolved(scene_in) result(is_resolved)
-    type(scene), intent(in) :: scene_in    !! scene with a map and a work of adhesion > 0
-
-    associate (maps => scene_in%map)
-      is_resolved = pixel_steepness( &
-        attraction_of(scene_in), &
-        maxval([maps%lower%pixel_spacing, maps%upper%pixel_spacing]), &
-        combined_modulus(scene_in)) <= steepest
-    end associate
-  end function is_attraction_resolved
-
-  ! Attraction of a scene.
-  type(attraction_law) function attraction_of(scene_in) result(law)
-    type(scene), intent(in) :: scene_in
-
-    law = new_attraction(nint(scene_in%effects%number('adhesion_law')), &
-                         scene_in%effects%number('work_of_adhesion'), &
-                         scene_in%effects%number('equilibrium_distance'))
-  end function attraction_of
-
-  ! Names of the columns of a map that is solved on its pixels, beside those of contacts.
-  subroutine name_map_columns(scene_in, header)
-    type(scene), intent(in) :: scene_in         !! scene with a map that is solved on its pixels
-    type(effect_header), intent(out) :: header  !! columns of the effects on pixels
-    integer :: i
-
-    header%names = [character(len=11) :: 'interaction']
-    header%modes = [scene_in%effects%mode('interaction')]
-    header%contact_columns = [character(len=20) :: 'samples']
-    header%state_columns = [character(len=24) :: 'samples_in_contact', 'sample_area', &
-                            'area_error_estimate', 'gap_error_estimate', 'pressure_error_estimate']
-    header%contact_powers = reshape([0, 0], [2, 1])
-    header%state_powers = reshape([0, 0, 0, 2, 0, 0, 0, 0, 0, 0], [2, 5])
-    if (scene_in%effects%mode('friction') /= effect_off) then
-      header%names = [header%names, 'friction   ']
-      header%modes = [header%modes, scene_in%effects%mode('friction')]
-      header%contact_columns = [header%contact_columns, slip_contact_columns]
-      header%contact_powers = reshape([header%contact_powers, slip_contact_powers], [2, 3])
-      header%state_columns = [header%state_columns, slip_state_columns]
-      header%state_powers = reshape([header%state_powers, slip_state_powers], [2, 10])
-    end if
-    header%state_columns = [header%state_columns, interface_columns]
-    header%state_powers = reshape([header%state_powers, interface_powers], &
-                                  [2, size(header%state_columns)])
-    do i = 1, 2
-      if (scene_in%conductivity(1, i)%all_digits == 0_int64) cycle
-      header%state_columns = [header%state_columns, conductance_columns(i)]
-      header%state_powers = reshape([header%state_powers, 0, 0], [2, size(header%state_columns)])
-    end do
-    if (any(scene_in%map%form_radius > 0.0_real64)) then
-      header%state_columns = [character(len=24) :: header%state_columns, 'hertz_pressure', &
-                              'hertz_area']
-      header%state_powers = reshape([header%state_powers, 1, 0, 0, 2], &
-                                    [2, size(header%state_columns)])
-    end if
-    if (has_hardness(scene_in)) then
-      call add_columns('plasticity', [character(len=24) :: 'plastic_area', 'dissipated_work'], &
-                       [0, 2, 1, 3])
-      header%hardness = scene_in%effects%number('plastic_hardness')
-    end if
-    if (scene_in%effects%mode('adhesion') /= effect_off) &
-      call add_columns('adhesion', [character(len=24) :: 'adhering_contacts', &
-                                    'pulling_contacts', 'gap_attraction'], [0, 0, 0, 0, 1, 2])
-    if (scene_in%effects%mode('creep') /= effect_off) &
-      call add_columns('creep', [character(len=24) :: 'time', 'elastic_load'], [0, 0, 1, 2])
-
-  contains
-
-    subroutine add_columns(name, columns, powers)
-      character(len=*), intent(in) :: name, columns(:)
-      integer, intent(in) :: powers(:)
-
-      header%names = [character(len=11) :: header%names, name]
-      header%modes = [header%modes, scene_in%effects%mode(name)]
-      header%state_columns = [character(len=24) :: header%state_columns, columns]
-      header%state_powers = reshape([header%state_powers, powers], [2, size(header%state_columns)])
-    end subroutine add_columns
-
-  end subroutine name_map_columns
 
   ! Places the map at a position.
   subroutine place_map(self, m, keep_rows, bodies, result, failure)
@@ -346,8 +236,8 @@ contains
       if (is_flat(map)) call add_warning(warnings, of_flat_map, 0.0_real64)
       call warn_of_patches(self, warnings)
       if (allocated(self%caps%rise)) call warn_of_caps(self, warnings)
-      if (model%steepness > resolved) &
-        call add_warning(warnings, of_attraction, model%steepness / resolved)
+      if (model%steepness > resolved_steepness) &
+        call add_warning(warnings, of_attraction, model%steepness / resolved_steepness)
       if (allocated(model%laws%attraction)) then
         if (map%periodic .and. number > 1 .and. .not. allocated(self%load)) &
           call add_warning(warnings, of_held_gap, real(number, real64))
@@ -645,19 +535,11 @@ contains
       end if
       do i = 1, size(patches)
         associate (row => rows(i), patch => patches(i))
-          row%area_no = i
-          row%upper = 0
-          row%lower = i
-          row%x = from_lower(patch%x, 1)
-          row%y = from_lower(patch%y, 2)
-          row%area = patch%area
-          row%projected_area = patch%area
-          row%slope = 0.0_real64
-          row%load = patch%load
-          row%vertical_load = patch%load
-          row%average_pressure = patch%mean
-          row%maximum_pressure = patch%highest
-          row%penetration = patch%top - answer%level
+          row = contact_row( &
+            area_no=i, upper=0, lower=i, x=from_lower(patch%x, 1), y=from_lower(patch%y, 2), &
+            area=patch%area, projected_area=patch%area, slope=0.0_real64, load=patch%load, &
+            vertical_load=patch%load, average_pressure=patch%mean, &
+            maximum_pressure=patch%highest, penetration=patch%top - answer%level)
           row%limit_exceeded = is_patch_at_limit(self%model%scene_in%limit, row%load, &
                                                  row%average_pressure, row%maximum_pressure)
         end associate

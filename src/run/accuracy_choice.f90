@@ -17,7 +17,7 @@ module asperity_accuracy_choice
   private
 
   public :: run_errors, add_possible_accuracy, add_proposal, check_left_out, &
-            choose_hertz_contacts, choose_model, errors_of_run, first_tolerance, &
+            choose_model, errors_of_run, first_tolerance, &
             influence_left_out, may_use_elements, next_tolerance, report_method, total_error
 
   ! Smallest relative error of an area by boundary elements that is relied on.
@@ -117,16 +117,6 @@ contains
     may_use_elements = scene_in%effects%mode('interaction') /= effect_off .and. &
                        .not. allocated(scene_in%map)
   end function may_use_elements
-
-  !> Sets a scene to Hertzian contacts only, to estimate their error.
-  subroutine choose_hertz_contacts(scene_in, chosen)
-    type(scene), intent(in) :: scene_in       !! scene, checked, with effects
-    type(scene), intent(out) :: chosen        !! scene to be solved
-
-    chosen = scene_in
-    if (chosen%effects%mode('interaction') /= effect_off) &
-      call chosen%effects%call_for('interaction', effect_coupled)
-  end subroutine choose_hertz_contacts
 
   !> Estimated errors of a run. That of a path is at least its tolerance, as estimates are those of
   !> its last state.

@@ -8,6 +8,7 @@
 module asperity_contact_slip
   use asperity_contact_records, only: contact_row, position_result
   use asperity_decimal, only: decimal_to_real64, decimal_value
+  use asperity_effect_header, only: add_columns
   use asperity_friction, only: slip_contact_columns, slip_contact_powers, slip_state_columns, &
                                slip_state_powers, stiffness_ratio_of
   use asperity_kinds, only: not_computed, real64
@@ -46,12 +47,10 @@ contains
     call solve_surfaces(scene_in, options, results, failure)
     if (allocated(failure) .or. .not. has_tangential(scene_in%loading)) return
     associate (header => results%effects)
-      header%contact_columns = [header%contact_columns, slip_contact_columns]
-      header%contact_powers = reshape([header%contact_powers, slip_contact_powers], &
-                                      [2, size(header%contact_columns)])
-      header%state_columns = [header%state_columns, slip_state_columns]
-      header%state_powers = reshape([header%state_powers, slip_state_powers], &
-                                    [2, size(header%state_columns)])
+      call add_columns(header%contact_columns, header%contact_powers, slip_contact_columns, &
+                       slip_contact_powers)
+      call add_columns(header%state_columns, header%state_powers, slip_state_columns, &
+                       slip_state_powers)
     end associate
     do m = 1, size(results%positions)
       ! Positions of other images have no states here.

@@ -7,20 +7,18 @@
 module asperity_map_check
   use asperity_contact_records, only: state_row
   use asperity_height_map, only: height_map, is_measured
-  use asperity_kinds, only: int64, not_computed, real64
+  use asperity_kinds, only: int64, real64
   use asperity_map_contact, only: closed_fully, closed_start, half_map, map_answer, press_map
   use asperity_map_patches, only: find_patches, map_patch
   use asperity_map_scene, only: area_of_map
   use asperity_map_shares, only: find_shares
   use asperity_map_summits, only: map_summits
-  use asperity_numeral, only: rounded_decimal
   use asperity_problems, only: real_text
   use asperity_scene_results, only: map_record
-  use asperity_scene_values, only: control_load, scene_loading
   implicit none
   private
 
-  public :: compare_with_map, increased_load, map_reference, solve_reference, stiffness_between
+  public :: compare_with_map, map_reference, solve_reference, stiffness_step
 
   !> Reference solution: the map on its pixels, or on coarser ones.
   type :: map_reference
@@ -36,7 +34,7 @@ module asperity_map_check
     integer(int64) :: most_coarser = 4500000_int64
   end type map_reference
 
-  ! Relative increase of the load for a stiffness (chosen).
+  !> Relative increase of the load for a stiffness (chosen).
   real(real64), parameter :: stiffness_step = 0.01_real64
 
   ! Contact area fraction at which the contact of a rough surface percolates, for any spectrum
@@ -44,25 +42,6 @@ module asperity_map_check
   real(real64), parameter :: percolation = 0.42_real64
 
 contains
-
-  !> Loading by the load of a state, increased for the stiffness.
-  type(scene_loading) function increased_load(state) result(loading)
-    type(state_row), intent(in) :: state  !! state with a load > 0
-
-    loading%control = control_load
-    loading%value = rounded_decimal((1.0_real64 + stiffness_step) * state%load, 17)
-  end function increased_load
-
-  !> Stiffness between two states: increase of the load over that of the compression.
-  pure real(real64) function stiffness_between(state, more) result(stiffness)
-    type(state_row), intent(in) :: state  !! state at a load
-    type(state_row), intent(in) :: more   !! state at a larger load
-
-    stiffness = not_computed
-    if (more%compression > state%compression) &
-      stiffness = (more%vertical_load - state%vertical_load) / &
-                  (more%compression - state%compression)
-  end function stiffness_between
 
   !> Solves the reference at the last load or level of a scene. `failure` is allocated when it is
   !> not solved, or when its contact area percolates.

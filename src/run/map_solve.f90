@@ -10,18 +10,18 @@ module asperity_map_solve
   use asperity_height_map, only: height_map
   use asperity_kept_records, only: whole_number
   use asperity_kinds, only: not_computed, real64
-  use asperity_map_check, only: compare_with_map, increased_load, map_reference, &
-                                solve_reference, stiffness_between
+  use asperity_map_check, only: compare_with_map, map_reference, solve_reference, stiffness_step
   use asperity_map_scene, only: area_of_map, join_maps, plan_map_path, summits_of_scene
   use asperity_map_shares, only: warn_of_map, warn_of_shares
   use asperity_map_summits, only: map_summits
   use asperity_numeral, only: rounded_decimal
-  use asperity_pixel_model, only: is_attraction_resolved, make_pixel_model
+  use asperity_pixel_effects, only: is_attraction_resolved
+  use asperity_pixel_model, only: make_pixel_model
   use asperity_run_options, only: run_options
   use asperity_scene_results, only: last_state, scene_results
-  use asperity_scene_values, only: combined_modulus, control_limit, control_separation, &
-                                   effect_auto, effect_off, effect_on, has_hardness, is_load, &
-                                   scene, scene_loading, solves_pixels
+  use asperity_scene_values, only: combined_modulus, control_limit, control_load, &
+                                   control_separation, effect_auto, effect_off, effect_on, &
+                                   has_hardness, is_load, scene, scene_loading, solves_pixels
   use asperity_surface_fields, only: solve_with_fields
   use asperity_surface_solve, only: solve_surfaces
   use asperity_sweep, only: sweep_scene
@@ -370,7 +370,8 @@ contains
     character(len=:), allocatable, intent(out) :: failure
     type(scene_results) :: more
     type(scene) :: other
-    type(state_row) :: last
+    type(scene_loading) :: load_again
+    type(state_row) :: increased, last
     type(theory_warning), allocatable :: warnings(:)
     real(real64) :: stiffness
     character(len=:), allocatable :: why
@@ -387,9 +388,16 @@ contains
     stiffness = not_computed
     if (reference%coarser == 1) then
       other = plain
-      other%loading = increased_load(last)
+      other%loading = load_again
+      other%loading%control = control_load
+      other%loading%value = rounded_decimal((1.0_real64 + stiffness_step) * last%load, 17)
       call solve_surfaces(other, run_options(interrupt=reference%answer%interrupt), more, why)
-      if (.not. allocated(why)) stiffness = stiffness_between(last, last_state(more%positions(1)))
+      if (.not. allocated(why)) then
+        increased = last_state(more%positions(1))
+        if (increased%compression > last%compression) &
+          stiffness = (increased%vertical_load - last%vertical_load) / &
+                      (increased%compression - last%compression)
+      end if
     end if
     allocate (results%map)
     call compare_with_map(map, reference, combined_modulus(scene_in), summits, last, stiffness, &

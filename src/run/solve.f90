@@ -1,9 +1,9 @@
 !> Solution of a scene, with its own settings or to a requested accuracy.
 module asperity_solve
   use asperity_accuracy_choice, only: add_possible_accuracy, check_left_out, &
-                                      choose_hertz_contacts, choose_model, errors_of_run, &
-                                      first_tolerance, may_use_elements, next_tolerance, &
-                                      report_method, run_errors, total_error
+                                      choose_model, errors_of_run, first_tolerance, &
+                                      may_use_elements, next_tolerance, report_method, &
+                                      run_errors, total_error
   use asperity_decimal, only: decimal_to_real64
   use asperity_kinds, only: real64
   use asperity_map_solve, only: solve_map
@@ -11,7 +11,8 @@ module asperity_solve
   use asperity_problems, only: problem_list
   use asperity_run_options, only: check_options, run_options
   use asperity_scene_results, only: scene_results
-  use asperity_scene_values, only: by_default, by_word, effect_boundary, effect_off, scene
+  use asperity_scene_values, only: by_default, by_word, effect_boundary, effect_coupled, &
+                                   effect_off, scene
   use asperity_surface_fields, only: solve_with_fields
   use asperity_surface_solve, only: has_effects
   !$ use omp_lib, only: omp_get_max_threads, omp_set_num_threads
@@ -114,9 +115,11 @@ contains
     end do
     if (.not. least%load < huge(tolerance)) then
       ! A scene that cannot be solved at all fails with its own reason.
-      call choose_hertz_contacts(scene_in, chosen)
-      if (chosen%effects%mode('interaction') /= effect_off) &
+      chosen = scene_in
+      if (chosen%effects%mode('interaction') /= effect_off) then
+        call chosen%effects%call_for('interaction', effect_coupled)
         call solve(chosen, results, failure, method_options)
+      end if
       if (.not. results%are_solved) then
         call move_alloc(unsolved, failure)
         return

@@ -15,7 +15,7 @@ module asperity_surface_solve
   implicit none
   private
 
-  public :: has_effects, solve_surfaces, solve_without_effects
+  public :: has_effects, solve_effects, solve_surfaces
 
 contains
 
@@ -33,32 +33,18 @@ contains
     end if
   end subroutine solve_surfaces
 
-  !> Solves every position without effects by a method: the default is `solve_method()`; others are
-  !> for the accuracy study.
-  subroutine solve_without_effects(scene_in, method, options, results, failure)
+  !> Solves a scene with its effects, or without any by a method.
+  subroutine solve_effects(scene_in, options, results, failure, method)
     type(scene), intent(in), target :: scene_in            !! scene, checked for faults
-    type(solve_method), intent(in) :: method               !! method of the solver
     type(run_options), intent(in) :: options               !! options of the run
-    type(scene_results), intent(out) :: results            !! results of all positions
+    type(scene_results), intent(inout) :: results          !! results of all positions
     character(len=:), allocatable, intent(out) :: failure  !! reason, when it is not solved
+    type(solve_method), intent(in), optional :: method     !! for the study; absent: with effects
     class(contact_model), allocatable, target :: model
     type(effect_header) :: header
 
-    call make_asperity_model(scene_in, model, header, failure, method=method)
-    if (.not. allocated(failure)) call sweep_scene(scene_in, options, model, results, failure)
-  end subroutine solve_without_effects
-
-  ! Solves a scene with its effects.
-  subroutine solve_effects(scene_in, options, results, failure)
-    type(scene), intent(in), target :: scene_in
-    type(run_options), intent(in) :: options
-    type(scene_results), intent(inout) :: results
-    character(len=:), allocatable, intent(out) :: failure
-    class(contact_model), allocatable, target :: model
-    type(effect_header) :: header
-
-    call make_asperity_model(scene_in, model, header, failure, options%fields)
-    if (has_effects(scene_in)) results%effects = header
+    call make_asperity_model(scene_in, model, header, failure, options%fields, method)
+    if (has_effects(scene_in) .and. .not. present(method)) results%effects = header
     if (.not. allocated(failure)) call sweep_scene(scene_in, options, model, results, failure)
   end subroutine solve_effects
 

@@ -17,7 +17,7 @@ module asperity_error_budget
   use asperity_scene_results, only: last_state, scene_results
   use asperity_scene_values, only: control_separation, effect_boundary, effect_off, is_load, scene
   use asperity_solve, only: solve
-  use asperity_surface_solve, only: has_effects, solve_without_effects
+  use asperity_surface_solve, only: has_effects, solve_effects
   implicit none
   private
 
@@ -84,7 +84,7 @@ contains
     budget%without_effects = has_effects(scene_in)
     bound = error_bound(scene_in, results%positions)
     if (budget%without_effects) then
-      call solve_without_effects(scene_in, solve_method(), beside, plain, failure)
+      call solve_effects(scene_in, beside, plain, failure, solve_method())
       if (allocated(failure)) return
       bound = error_bound(scene_in, plain%positions)
     end if

@@ -25,7 +25,7 @@ module asperity_study_methods
                                    effect_off, has_hardness, is_thesis_sweep, scene, &
                                    scene_effects, scene_map
   use asperity_solve, only: solve
-  use asperity_surface_solve, only: solve_without_effects
+  use asperity_surface_solve, only: solve_effects
   implicit none
   private
 
@@ -332,8 +332,8 @@ contains
       if (method%path == by_marching) then
         call march_positions(copy, method, options%interrupt, results, failure)
       else
-        call solve_without_effects(copy, solve_method(overlap=method%overlap, step=method%step), &
-                                   options, results, failure)
+        call solve_effects(copy, options, results, failure, &
+                           solve_method(overlap=method%overlap, step=method%step))
       end if
       return
     end if

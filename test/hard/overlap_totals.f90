@@ -11,7 +11,7 @@ program overlap_totals
   use asperity_scene_reader, only: read_scene
   use asperity_scene_results, only: last_state, scene_results
   use asperity_scene_values, only: scene
-  use asperity_surface_solve, only: solve_without_effects
+  use asperity_surface_solve, only: solve_effects
   implicit none
 
   character(len=4096) :: words(2)
@@ -34,7 +34,7 @@ program overlap_totals
   end if
   options%threads = 1
   method%overlap = merge(overlap_original, overlap_stable, words(2) == 'original')
-  call solve_without_effects(checked, method, options, results, failure)
+  call solve_effects(checked, options, results, failure, method)
   if (allocated(failure)) then
     write (error_unit, '(a)') failure
     error stop

@@ -1,0 +1,125 @@
+!> The effects of a scene on the pixels of a map: what acts on them, and their columns.
+module asperity_pixel_effects
+  use asperity_attraction_law, only: attraction_law, new_attraction, pixel_steepness
+  use asperity_effect_header, only: add_columns, add_effect, begin_header, effect_header
+  use asperity_friction, only: slip_contact_columns, slip_contact_powers, slip_state_columns, &
+                               slip_state_powers
+  use asperity_kinds, only: int64, real64
+  use asperity_map_interface, only: conductance_columns, interface_columns, interface_powers
+  use asperity_map_state, only: map_laws
+  use asperity_problems, only: real_text
+  use asperity_scene_values, only: combined_modulus, effect_off, has_hardness, scene
+  use asperity_viscoelastic_solid, only: solid_of_scene
+  implicit none
+  private
+
+  public :: is_attraction_resolved, name_map_columns, resolved_steepness, set_map_laws, steepest
+
+  !> Steepness of the attraction without a warning, and the largest (measured on a ball: up to 1.0
+  !> states of open and of adhering surfaces agree to 1e-8 pi w R, at 1.2 they differ by 1e-2; test:
+  !> wide pixels in test/regression/test_adhesive_pixels.py).
+  real(real64), parameter :: resolved_steepness = 0.7_real64, steepest = 1.2_real64
+
+contains
+
+  !> Sets what acts on the pixels. `failure` is allocated where they are too wide for adhesion.
+  subroutine set_map_laws(scene_in, pixel, laws, steepness, failure)
+    type(scene), intent(in) :: scene_in         !! scene with a map, checked
+    real(real64), intent(in) :: pixel           !! largest spacing of the pixels [length]
+    type(map_laws), intent(out) :: laws         !! what acts on the pixels
+    real(real64), intent(out) :: steepness      !! of the attraction over a pixel; 0: none
+    character(len=:), allocatable, intent(out) :: failure  !! reason, when it is not resolved
+
+    steepness = 0.0_real64
+    associate (effects => scene_in%effects)
+      laws%modulus = combined_modulus(scene_in)
+      if (has_hardness(scene_in)) laws%hardness = effects%number('plastic_hardness')
+      if (effects%mode('adhesion') /= effect_off .and. &
+          effects%number('work_of_adhesion') > 0.0_real64) then
+        laws%attraction = attraction_of(scene_in)
+        steepness = pixel_steepness(laws%attraction, pixel, laws%modulus)
+        if (steepness > steepest) &
+          failure = 'the pixels are too wide for the range of adhesion: found a spacing of ' // &
+                    real_text(pixel) // ', expected at most ' // &
+                    real_text(pixel * resolved_steepness / steepness)
+      end if
+      if (effects%mode('creep') /= effect_off) laws%solid = solid_of_scene(scene_in)
+    end associate
+  end subroutine set_map_laws
+
+  !> Whether the range of adhesion is wide enough for the pixels of a map.
+  logical function is_attraction_resolved(scene_in) result(is_resolved)
+    type(scene), intent(in) :: scene_in    !! scene with a map and a work of adhesion > 0
+
+    associate (maps => scene_in%map)
+      is_resolved = pixel_steepness( &
+        attraction_of(scene_in), &
+        maxval([maps%lower%pixel_spacing, maps%upper%pixel_spacing]), &
+        combined_modulus(scene_in)) <= steepest
+    end associate
+  end function is_attraction_resolved
+
+  ! Attraction of a scene.
+  type(attraction_law) function attraction_of(scene_in) result(law)
+    type(scene), intent(in) :: scene_in
+
+    law = new_attraction(nint(scene_in%effects%number('adhesion_law')), &
+                         scene_in%effects%number('work_of_adhesion'), &
+                         scene_in%effects%number('equilibrium_distance'))
+  end function attraction_of
+
+  !> Names the columns of a map that is solved on its pixels, beside those of contacts.
+  subroutine name_map_columns(scene_in, header)
+    type(scene), intent(in) :: scene_in         !! scene with a map that is solved on its pixels
+    type(effect_header), intent(out) :: header  !! columns of the effects on pixels
+    integer :: i
+
+    call begin_header(header)
+    call add_effect(header, 'interaction', scene_in%effects%mode('interaction'))
+    call add_columns(header%contact_columns, header%contact_powers, ['samples'], [0, 0])
+    call add_of_state([character(len=24) :: 'samples_in_contact', 'sample_area', &
+                       'area_error_estimate', 'gap_error_estimate', 'pressure_error_estimate'], &
+                      [0, 0, 0, 2, 0, 0, 0, 0, 0, 0])
+    if (is_on('friction')) then
+      call add_columns(header%contact_columns, header%contact_powers, slip_contact_columns, &
+                       slip_contact_powers)
+      call add_of_state(slip_state_columns, slip_state_powers)
+    end if
+    call add_of_state(interface_columns, interface_powers)
+    do i = 1, 2
+      if (scene_in%conductivity(1, i)%all_digits /= 0_int64) &
+        call add_of_state(conductance_columns(i:i), [0, 0])
+    end do
+    if (any(scene_in%map%form_radius > 0.0_real64)) &
+      call add_of_state([character(len=24) :: 'hertz_pressure', 'hertz_area'], [1, 0, 0, 2])
+    if (has_hardness(scene_in)) then
+      call add_effect(header, 'plasticity', scene_in%effects%mode('plasticity'))
+      call add_of_state([character(len=24) :: 'plastic_area', 'dissipated_work'], [0, 2, 1, 3])
+      header%hardness = scene_in%effects%number('plastic_hardness')
+    end if
+    if (is_on('adhesion')) &
+      call add_of_state([character(len=24) :: 'adhering_contacts', 'pulling_contacts', &
+                         'gap_attraction'], [0, 0, 0, 0, 1, 2])
+    if (is_on('creep')) &
+      call add_of_state([character(len=24) :: 'time', 'elastic_load'], [0, 0, 1, 2])
+
+  contains
+
+    ! Whether an effect is on, which is then added.
+    logical function is_on(name)
+      character(len=*), intent(in) :: name
+
+      is_on = scene_in%effects%mode(name) /= effect_off
+      if (is_on) call add_effect(header, name, scene_in%effects%mode(name))
+    end function is_on
+
+    subroutine add_of_state(names, powers)
+      character(len=*), intent(in) :: names(:)
+      integer, intent(in) :: powers(2, size(names))
+
+      call add_columns(header%state_columns, header%state_powers, names, powers)
+    end subroutine add_of_state
+
+  end subroutine name_map_columns
+
+end module asperity_pixel_effects
