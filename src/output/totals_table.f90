@@ -1,7 +1,7 @@
 !> Totals of a run, one line a quantity: its value at a single position; largest, smallest and mean
 !> value over several.
 module asperity_totals_table
-  use, intrinsic :: ieee_arithmetic, only: ieee_is_nan, ieee_quiet_nan, ieee_value
+  use, intrinsic :: ieee_arithmetic, only: ieee_is_nan
   use asperity_contact_field, only: parts_in_words
   use asperity_contact_records, only: state_row
   use asperity_kinds, only: not_computed, real64
@@ -176,8 +176,8 @@ contains
     type(state_row) :: last
     integer :: m
 
-    mean = ieee_value(mean, ieee_quiet_nan)
-    greatest = mean
+    mean = not_computed
+    greatest = not_computed
     do m = 1, table%rows
       last = last_state(results%positions(m))
       if (last%area > 0.0_real64) mean(m) = last%load / last%area
