@@ -183,7 +183,7 @@ contains
       if (last%area > 0.0_real64) mean(m) = last%load / last%area
       if (last%greatest_pressure > not_computed) then
         greatest(m) = last%greatest_pressure
-        if (last%area > 0.0_real64) mean(m) = min(mean(m), greatest(m))
+        mean(m) = min(mean(m), greatest(m))
       end if
     end do
     call add_reals(table, 'mean_pressure', mean)
