@@ -691,7 +691,7 @@ def time_and_error(canvas, *panels):
             colour, marker = next(style for key, style in families.items() if key in option)
             axes.plot(time, error, marker, color=colour, markersize=6)
             label = option.replace("interaction = ", "").replace("boundary_tolerance = ", "") \
-                .replace("tolerance = ", "").replace("'boundary', every", "every")
+                .replace("area_tolerance = ", "area ").replace("tolerance = ", "").replace("'boundary', every", "every")
             near = next((place for place in labels if abs(np.log(place[0] / time)) < 0.5
                          and abs(np.log(place[1] / error)) < 0.3), (time, error))
             labels.setdefault(near, []).append(label)
