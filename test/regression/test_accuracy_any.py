@@ -113,7 +113,8 @@ def test_any_scene(kind, asperity, root, tmp_path):
     front.sort(key=lambda row: float(row["seconds"]))
     errors = [max(float(row["error_max"]), floor) for row in front]
     assert errors == sorted(errors, reverse=True)
-    assert min(float(row["seconds"]) for row in run) * 1.5 >= float(front[0]["seconds"])
+    # Equal to the fastest method, or to one of the same error that is.
+    assert min(float(row["seconds"]) for row in run) * 1.5**2 >= float(front[0]["seconds"])
     assert {row["arithmetic"] for row in rows if row["family"] == "arithmetic"} == {"real64"}
     if kind in ("plasticity path", "adhesion cycle", "creep hold", "friction"):
         assert any(row["family"] == "effects" and float(row["own_error_max"]) > 1e-4
