@@ -183,28 +183,41 @@ class Stress:
         Unit of the stresses, empty where it is not known.
     """
 
+    xx: NDArray[Any]
+    yy: NDArray[Any]
+    zz: NDArray[Any]
+    xy: NDArray[Any]
+    xz: NDArray[Any]
+    yz: NDArray[Any]
+    von_mises: NDArray[Any]
+    largest_shear: NDArray[Any]
+
     def __init__(self, fields: Fields, depths: Any, tables: list[Table]):
         library: Any = needed("numpy", "stress", "stresses")
         self.depth: NDArray[Any] = depths
         self.unit = fields.units["pressure"]
         self._fields = fields
-        self._arrays: dict[str, NDArray[Any]] = {
-            name.removeprefix("stress_"): library.stack(
-                [library.asarray(table[name]).reshape(fields.shape) for table in tables])
-            for name in tables[0]}
+        self._names = tuple(name.removeprefix("stress_") for name in tables[0])
+        for name, column_ in zip(self._names, tables[0]):
+            setattr(self, name, library.stack(
+                [library.asarray(table[column_]).reshape(fields.shape) for table in tables]))
 
     def keys(self) -> tuple[str, ...]:
         """The names of the arrays."""
-        return tuple(self._arrays)
+        return self._names
+
+    def __iter__(self) -> Iterator[str]:
+        return iter(self._names)
 
     def __getitem__(self, name: str) -> NDArray[Any]:
-        return self._arrays[name]
+        if name not in self._names:
+            raise KeyError(f"no stress {name!r}: {', '.join(self._names)}")
+        return cast("NDArray[Any]", getattr(self, name))
 
-    def __getattr__(self, name: str) -> NDArray[Any]:
-        try:
-            return cast("NDArray[Any]", self.__dict__["_arrays"][name])
-        except KeyError:
-            raise AttributeError(f"no stress {name!r}: {', '.join(self.keys())}") from None
+    def __repr__(self) -> str:
+        unit = f" {self.unit}" if self.unit else ""
+        return f"<asperity.Stress at {len(self.depth)} depths: step {self._fields.step}, " \
+               f"von Mises up to {shown(float(self.von_mises.max()))}{unit}>"
 
     def largest(self, name: str = "von_mises") -> tuple[float, float, float, float]:
         """The largest value of an array, with its depth, x and y."""

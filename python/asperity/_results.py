@@ -276,7 +276,9 @@ class Results:
         fields = self.fields(position, step=step)
         if self._outcome is None:
             raise ComputeError("no stress of results that were loaded: expected solve(...)")
-        at = library.atleast_1d(library.asarray(depths, dtype=float))
+        at = library.atleast_1d(library.asarray(depths))
+        if not (at.ndim == 1 and at.size > 0 and at.dtype.kind in "iuf" and (at > 0).all()):
+            raise _a.wrong("depths", _a.shown(depths), "one or several numbers above 0")
         return Stress(fields, at, [
             _c.call("stress", self._outcome, fields.position, fields.step, float(depth)).checked()
             .table(_c.FIELDS, "pixels") for depth in at])

@@ -24,6 +24,7 @@ module asperity_c_scenes
                                 look_at, outcome, set_text, table_fields, table_map, text_notes, &
                                 text_of, text_report, text_unit, text_warning_kinds, &
                                 text_warnings
+  use asperity_problems, only: real_text
   implicit none
   private
 
@@ -333,7 +334,8 @@ contains
     !$omp critical (library_texts)
     call choose_field(solved, position, state, from, new, which)
     if (.not. (depth > 0.0_real64 .and. depth < huge(depth))) then
-      call new%problems%add('depth: expected a number more than 0')
+      call new%problems%add('depth: found ' // real_text(depth) // &
+                            ', expected a number more than 0')
     else if (which > 0) then
       if (.not. allocated(from%ratio)) new%failure = &
         'stress needs poisson_ratio in &material: found contact_modulus in its place'

@@ -2,6 +2,7 @@
 states, copies, plots, refusals, and a Python without numpy."""
 
 import copy
+import math
 import pickle
 
 import matplotlib
@@ -305,8 +306,14 @@ def test_stress_below(tmp_path):
     assert np.allclose(stress.von_mises, mises, rtol=1e-12, atol=1e-12 * peak)
     area = (x[1] - x[0])**2
     assert abs(-zz.sum(axis=(1, 2))[0] * area / 0.6 - 1) < 0.05
-    with pytest.raises(library.InputError, match="depth: expected a number more than 0"):
-        results.stress(0)
+    assert repr(stress).startswith("<asperity.Stress at 3 depths: step 1, von Mises up to ")
+    for again in (copy.copy(stress), copy.deepcopy(stress), pickle.loads(pickle.dumps(stress))):
+        assert list(again) == list(stress) and np.array_equal(again.xz, stress["xz"])
+    for wrong in (0, -1.0, [], "deep", [[0.1]], [0.1, math.nan]):
+        with pytest.raises(library.InputError, match="depths: found .*, expected one or several"):
+            results.stress(wrong)
+    with pytest.raises(library.InputError, match="depth: found Infinity, expected a number more"):
+        results.stress(math.inf)
     scene["material"] = {"contact_modulus": 1e3, "thermal_conductivity": (0.1, 0.4)}
     with pytest.raises(library.ComputeError, match="poisson_ratio"):
         library.solve(scene, fields=True).stress(0.1)
