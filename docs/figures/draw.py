@@ -697,7 +697,10 @@ def time_and_error(canvas, *panels):
             labels.setdefault(near, []).append(label)
         for place, words in labels.items():
             is_right = place[0] > (least * most**2)**(1 / 3) and "'boundary'" in words[0]
-            is_below = is_right or len(words) > 1
+            beside = [other for other in labels if abs(np.log(place[1] / other[1])) < 0.3
+                      and other[0] < place[0]]
+            is_below = len(words) > 1 or any(place[0] < 3 * other[0] for other in beside) or (
+                is_right and all(len(labels[other]) == 1 for other in beside))
             axes.annotate("\n".join(words), place, (-6 if is_right else 3, -4 if is_below else 4),
                           fontsize=8, textcoords="offset points",
                           ha="right" if is_right else "left", va="top" if is_below else "bottom")

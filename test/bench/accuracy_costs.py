@@ -102,7 +102,8 @@ def rows_of(text):
 
 def advice(text):
     """The table of what to type: for each goal the fastest option that meets it on all surfaces of
-    asperities, its largest errors there, and its time over that of 'coupled'."""
+    asperities, its largest errors there, and its time over that of 'coupled'. Of options as fast
+    but for the noise of the clock, a factor 1.5, the most accurate one; one row an option."""
     scenes = list(SCENES)[:3]
     cells = {(row["option"], row["scene"]): [float(row[name]) for name in (
         "seconds", "error", "area_error")] for row in rows_of(text)
@@ -110,6 +111,7 @@ def advice(text):
     unit = [cells["`'coupled'`", scene][0] for scene in scenes]
     yield "| goal | option | error of the load, area | time, `'coupled'` = 1 |"
     yield "| --- | --- | ---: | ---: |"
+    rows = {}
     for goal, load, area in GOALS:
         found = []
         for option in OPTIONS.values():
@@ -120,10 +122,14 @@ def advice(text):
                     times = [value[0] / one for value, one in zip(values, unit)]
                     found.append((sum(times), option, worst, times))
         if found:
-            _, option, worst, times = min(found)
+            quick = [row for row in found if row[0] <= 1.5 * min(found)[0]]
+            _, option, worst, times = min(quick, key=lambda row: row[2])
             span = " to ".join(dict.fromkeys(
                 f"{float(f'{time:.2g}'):g}" for time in (min(times), max(times))))
-            yield f"| {goal} | {option} | {worst[0]:.1g}, {worst[1]:.1g} | {span} |"
+            row = f"{option} | {worst[0]:.1g}, {worst[1]:.1g} | {span} |"
+            rows.setdefault(row, []).append(goal)
+    for row, goals in rows.items():
+        yield f"| {'; '.join(goals)} | {row}"
 
 
 def main():
