@@ -120,7 +120,10 @@ contains
       call find_gradient(influence, gap, bounds, state)
     end do
     if (present(level) .or. present(displacement)) call influence%apply(state%force, state%gradient)
-    if (present(level)) level = free_level(gap, bounds, state%force, state%gradient + gap)
+    if (present(level)) then
+      state%next_gradient = state%gradient + gap
+      level = free_level(gap, bounds, state%force, state%next_gradient)
+    end if
     call move_alloc(state%force, force)
     if (present(displacement)) call move_alloc(state%gradient, displacement)
   end subroutine find_forces
@@ -319,17 +322,32 @@ contains
   real(real64) function free_level(gap, bounds, force, gradient) result(level)
     real(real64), intent(in) :: gap(:, :), force(:, :), gradient(:, :)
     type(force_bounds), intent(in) :: bounds
-    logical :: is_unloaded(size(gap, 1), size(gap, 2))
-    integer :: free
+    real(real64) :: highest, lowest
+    integer :: free, i, j
 
-    free = count(is_free(force, bounds%limit))
+    free = 0
+    level = 0.0_real64
+    highest = -huge(highest)
+    lowest = huge(lowest)
+    do j = 1, size(gap, 2)
+      do i = 1, size(gap, 1)
+        if (is_free(force(i, j), bounds%limit)) then
+          free = free + 1
+          level = level + gradient(i, j)
+        end if
+        if (force(i, j) > 0.0_real64) then
+          highest = max(highest, gradient(i, j))
+        else if (is_element(gap(i, j))) then
+          lowest = min(lowest, gradient(i, j))
+        end if
+      end do
+    end do
     if (free > 0 .or. .not. bounds%limit < huge(1.0_real64)) then
-      level = sum(gradient, mask=is_free(force, bounds%limit)) / max(1, free)
-      return
+      level = level / max(1, free)
+    else
+      level = highest
+      if (lowest < huge(lowest)) level = 0.5_real64 * (highest + lowest)
     end if
-    level = maxval(gradient, mask=force > 0.0_real64)
-    is_unloaded = is_element(gap) .and. .not. force > 0.0_real64
-    if (any(is_unloaded)) level = 0.5_real64 * (level + minval(gradient, mask=is_unloaded))
   end function free_level
 
   ! Scales forces from 0 to the limit to the prescribed sum, if any: only the free ones change, by a
