@@ -351,7 +351,7 @@ contains
   real(real64) function scatter_radius(lattice, answer) result(radius)
     type(cluster_lattice), intent(in) :: lattice
     type(element_answer), intent(in) :: answer
-    logical :: loaded(size(lattice%elements%force, 1), size(lattice%elements%force, 2))
+    logical, allocatable :: loaded(:, :)
     integer :: columns, rows, sides
 
     loaded = lattice%elements%force > 0.0_real64
