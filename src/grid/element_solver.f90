@@ -354,9 +354,10 @@ contains
     logical, allocatable :: loaded(:, :)
     integer :: columns, rows, sides
 
-    loaded = lattice%elements%force > 0.0_real64
-    columns = size(loaded, 1)
-    rows = size(loaded, 2)
+    columns = size(lattice%elements%force, 1)
+    rows = size(lattice%elements%force, 2)
+    allocate (loaded(columns, rows))
+    loaded(:, :) = lattice%elements%force > 0.0_real64
     sides = count(loaded(:columns - 1, :) .neqv. loaded(2:, :)) + &
             count(loaded(:, :rows - 1) .neqv. loaded(:, 2:)) + count(loaded(1, :)) + &
             count(loaded(columns, :)) + count(loaded(:, 1)) + count(loaded(:, rows))
