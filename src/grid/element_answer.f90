@@ -19,7 +19,8 @@ module asperity_element_answer
 
   ! Area that the sums of powers of forces lack [1], in squares of the side by side of an element on
   ! the rim, as the rim cuts elements. Measured on 858 isolated contacts in numpy, circles and
-  ! ellipses of 4 to 40 elements in the radius: 0.010, from 0.006 to 0.015 by size and shape.
+  ! ellipses of 4 to 40 elements in the radius: 0.010, from 0.006 to 0.015 by size and shape (test:
+  ! the area of a contact in test/unit/elements_suite.f90).
   real(real64), parameter :: rim_area = 0.01_real64
 
   !> A contact on boundary elements. Loads, lengths and pressures in the units of the pairs.

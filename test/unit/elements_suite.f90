@@ -204,25 +204,35 @@ contains
   end subroutine single_is_hertz
 
   ! One contact on elements of many sizes against Hertz: the error estimate of an area is one
-  ! standard deviation.
+  ! standard deviation, and the area that is lacking is 0 in the mean, in squares by side of an
+  ! element on the rim, of which a circle of n elements in the radius has 8 n. Without the area at
+  ! the rim it is 0.012, with a standard error of 0.0006.
   subroutine area_is_estimated(error)
     type(error_type), allocatable, intent(out) :: error
     type(contact_pairs) :: pairs
     type(element_answer) :: answer
     type(outside_field) :: nothing
     real(real64), parameter :: depth = 1.0e-4_real64
-    real(real64) :: deviation, tolerance
+    integer, parameter :: sizes = 201
+    real(real64) :: deviation, lack(sizes), tolerance
     integer :: i
 
     pairs%modulus = 1.0_real64
     pairs%list = [pair_at(0.0_real64, 0.0_real64, 0.0_real64, 0.0_real64, 2.0_real64)]
-    do i = 0, 200
-      tolerance = 0.004_real64 * 1.005_real64**i
-      call solve_anew(pairs, [1], depth, nothing, [0.01_real64, tolerance], answer)
+    do i = 1, sizes
+      tolerance = 0.004_real64 * 1.005_real64**(i - 1)
+      block
+        type(cluster_lattice) :: lattice
+        call solve_elements(pairs, [1], depth, nothing, reshape([0.01_real64, tolerance, no_more], &
+                                                                [2, 2]), lattice, answer)
+        lack(i) = (pi * depth - answer%contacts(1)%area) / &
+                  (8 * sqrt(depth) * lattice%elements%side)
+      end block
       deviation = abs(answer%contacts(1)%area / (pi * depth) - 1.0_real64)
       call check(error, deviation <= tolerance, 'tolerance')
       call check(error, deviation <= 3 * answer%area_error, 'error estimate')
     end do
+    call check(error, abs(sum(lack) / sizes) <= 0.004_real64, 'area at the rim')
   end subroutine area_is_estimated
 
   ! To first order in the penetration: an elliptical contact of curvatures 1/(R c**3) and 1/(R c),
