@@ -11,8 +11,8 @@ import mpmath
 import pytest
 import s370_machine
 from builds import build
-from hex32_against_machine import (BODIES, COUNTS, FOLDER, FRACTION, LARGEST, MASKS, PAIRS,
-                                   ROUGH, SIGN, agrees, arithmetic, compare, fraction,
+from hex32_against_machine import (BODIES, COUNTS, FOLDER, FRACTION, KEPT, LARGEST, MASKS, PAIRS,
+                                   ROUGH, SIGN, agrees, arithmetic, compare, explained, fraction,
                                    kept, machine, machine_result, operands, told, word)
 from surfaces_csv import records
 
@@ -25,6 +25,20 @@ NORMAL = [kind for kind in BODIES if not kind.endswith(ROUGH)]
 @pytest.fixture(scope="module")
 def program():
     return build("release").parent.parent / "example" / "hex32_words"
+
+
+@pytest.mark.parametrize("kind", BODIES)
+def test_archived_pairs(kind, program, tally):
+    """What the machine gave for 200 pairs of each kind."""
+    pairs, left = kept()
+    assert len(pairs[kind]) == KEPT and pairs[kind] == operands(kind, KEPT)
+    found = arithmetic(program, kind, pairs[kind])
+    rows = list(zip(pairs[kind], left[kind], found, strict=True))
+    differ = [row for row in rows if not agrees(kind, *row)]
+    assert kind not in NORMAL or not differ, told((kind, "0", *differ[0]))
+    assert all(explained(kind, operand, machines) for operand, machines, _ in differ)
+    if kind in NORMAL:
+        tally.add("System/370, archived", KEPT, KEPT)
 
 
 def test_a_wrong_digit_is_seen():
