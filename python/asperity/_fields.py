@@ -27,7 +27,26 @@ FLAGS = ("contact", "stick")
 NONE, LAST, ALL = 0, 1, 2
 
 
-class Fields:
+class Arrays:
+    """Arrays that are attributes and the values of a mapping."""
+
+    _kind = ""
+    _names: tuple[str, ...]
+
+    def keys(self) -> tuple[str, ...]:
+        """The names of the arrays."""
+        return self._names
+
+    def __iter__(self) -> Iterator[str]:
+        return iter(self._names)
+
+    def __getitem__(self, name: str) -> NDArray[Any]:
+        if name not in self._names:
+            raise KeyError(f"no {self._kind} {name!r}: {', '.join(self._names)}")
+        return cast("NDArray[Any]", getattr(self, name))
+
+
+class Fields(Arrays):
     """Pressure, gap and displacement of one state, on the pixels of a height map or on a grid.
 
     The arrays have the shape (rows, columns) and are indexed `[row, column]` = `[y, x]`, as the map
@@ -80,6 +99,7 @@ class Fields:
     0.0
     """
 
+    _kind = "field"
     pressure: NDArray[Any]
     gap: NDArray[Any]
     displacement: NDArray[Any]
@@ -102,18 +122,6 @@ class Fields:
         self.position, self.step = position, step
         for name in self._names:
             setattr(self, name, in_rows(table[name], self.shape, name in FLAGS))
-
-    def keys(self) -> tuple[str, ...]:
-        """The names of the arrays."""
-        return self._names
-
-    def __iter__(self) -> Iterator[str]:
-        return iter(self._names)
-
-    def __getitem__(self, name: str) -> NDArray[Any]:
-        if name not in self._names:
-            raise KeyError(f"no field {name!r}: {', '.join(self._names)}")
-        return cast("NDArray[Any]", getattr(self, name))
 
     def to_xarray(self) -> xarray.Dataset:
         """The arrays as a dataset with the dimensions `y` and `x`, the coordinates `position` and
@@ -165,7 +173,7 @@ class Fields:
                f"{len(pressed)} pixels in contact>"
 
 
-class Stress:
+class Stress(Arrays):
     """Stress in the lower body below the pixels of one state; tension is positive, z points into
     the body.
 
@@ -183,6 +191,7 @@ class Stress:
         Unit of the stresses, empty where it is not known.
     """
 
+    _kind = "stress"
     xx: NDArray[Any]
     yy: NDArray[Any]
     zz: NDArray[Any]
@@ -201,18 +210,6 @@ class Stress:
         for name, column_ in zip(self._names, tables[0]):
             setattr(self, name, library.stack(
                 [library.asarray(table[column_]).reshape(fields.shape) for table in tables]))
-
-    def keys(self) -> tuple[str, ...]:
-        """The names of the arrays."""
-        return self._names
-
-    def __iter__(self) -> Iterator[str]:
-        return iter(self._names)
-
-    def __getitem__(self, name: str) -> NDArray[Any]:
-        if name not in self._names:
-            raise KeyError(f"no stress {name!r}: {', '.join(self._names)}")
-        return cast("NDArray[Any]", getattr(self, name))
 
     def __repr__(self) -> str:
         unit = f" {self.unit}" if self.unit else ""

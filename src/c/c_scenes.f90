@@ -1,5 +1,4 @@
-!> The library for C: scenes, their solution, and fields on pixels; `include/asperity.h` has what
-!> each procedure does.
+!> The library for C: scenes and their solution; `include/asperity.h` has what each procedure does.
 !>
 !> Every call gives one outcome, a handle, that holds all it brought: a scene, tables as arrays,
 !> texts, problems; `asperity_c_answers` has what C reads of it. No call stops the process, prints,
@@ -9,27 +8,21 @@
 module asperity_c_scenes
   use, intrinsic :: iso_c_binding, only: c_associated, c_double, c_f_pointer, c_int, &
                                           c_null_ptr, c_ptr
-  use asperity, only: add_reals, add_wholes, array_table, build_scene, build_scene_of, &
-                      check_field_request, check_options, contact_field, decimal_text, &
-                      fields_none, list_warnings, make_arrays, name_units, &
-                      of_contacts, of_positions, parse_scene, place_of, problem_list, &
-                      read_scene, rebuild_scene, run_options, scene_results, scene_side, &
-                      scene_surface, solve, text_buffer, write_summary
-  use asperity_contact_field, only: contact_marks
+  use asperity, only: build_scene, build_scene_of, check_field_request, check_options, &
+                      fields_none, list_warnings, make_arrays, name_units, of_contacts, &
+                      parse_scene, problem_list, read_scene, rebuild_scene, run_options, &
+                      scene_results, scene_side, scene_surface, solve, text_buffer, write_summary
   use asperity_decimal, only: decimal_to_real64
   use asperity_kinds, only: real64
-  use asperity_map_stress, only: component_names, largest_shear, stress_solver, von_mises
   use asperity_c_arguments, only: require_text, take_asperities, take_heights
-  use asperity_c_outcome, only: add_pixels, begin_outcome, finish_outcome, finish_scene, &
-                                look_at, outcome, set_text, table_fields, table_map, text_notes, &
-                                text_of, text_report, text_unit, text_warning_kinds, &
+  use asperity_c_outcome, only: begin_outcome, finish_outcome, finish_scene, look_at, outcome, &
+                                set_text, text_notes, text_of, text_report, text_warning_kinds, &
                                 text_warnings
-  use asperity_problems, only: real_text
   implicit none
   private
 
   public :: c_read_scene, c_build_scene, c_build_scene_of, c_rebuild_scene, c_solve, &
-            c_solve_again, c_solve_with_fields, c_fields, c_stress
+            c_solve_again, c_solve_with_fields
   public :: c_options, c_side
 
   !> `asperity_options` of the header.
@@ -296,190 +289,5 @@ contains
     if (c_associated(options%interrupt)) &
       call c_f_pointer(options%interrupt, chosen%interrupt%number)
   end subroutine set_options
-
-  !> `asperity_fields`.
-  type(c_ptr) function c_fields(solved, position, state) bind(c, name='asperity_fields') &
-    result(handle)
-    type(c_ptr), value :: solved        !! outcome of a solve
-    integer(c_int), value :: position   !! from 1
-    integer(c_int), value :: state      !! from 1; -1: the last
-    type(outcome), pointer :: from, new
-    integer :: which
-
-    call begin_outcome(new, handle)
-    if (.not. associated(new)) return
-    !$omp critical (library_texts)
-    call choose_field(solved, position, state, from, new, which)
-    if (which > 0) call set_field(new, from%fields(which), &
-                                  unit_of_column(from%tables(of_positions), 'mean_gap'), &
-                                  unit_of_column(from%tables(of_contacts), 'average_pressure'))
-    call finish_outcome(new)
-    !$omp end critical (library_texts)
-  end function c_fields
-
-  !> `asperity_stress`.
-  type(c_ptr) function c_stress(solved, position, state, depth) bind(c, name='asperity_stress') &
-    result(handle)
-    type(c_ptr), value :: solved        !! outcome of a solve
-    integer(c_int), value :: position   !! from 1
-    integer(c_int), value :: state      !! from 1; -1: the last
-    real(c_double), value :: depth      !! below the surface, more than 0
-    type(outcome), pointer :: from, new
-    type(stress_solver) :: solver
-    real(real64), allocatable :: stress(:, :, :)
-    integer :: which
-
-    call begin_outcome(new, handle)
-    if (.not. associated(new)) return
-    !$omp critical (library_texts)
-    call choose_field(solved, position, state, from, new, which)
-    if (.not. (depth > 0.0_real64 .and. depth < huge(depth))) then
-      call new%problems%add('depth: found ' // real_text(depth) // &
-                            ', expected a number more than 0')
-    else if (which > 0) then
-      if (.not. allocated(from%ratio)) new%failure = &
-        'stress needs poisson_ratio in &material: found contact_modulus in its place'
-    end if
-    !$omp end critical (library_texts)
-    if (new%problems%count() == 0 .and. .not. allocated(new%failure)) then
-      call solver%prepare(from%fields(which), from%ratio)
-      call solver%solve(depth, stress)
-    end if
-    !$omp critical (library_texts)
-    if (allocated(stress)) call set_stress(new, stress, unit_of_column(from%tables(of_contacts), &
-                                                                     'average_pressure'))
-    call finish_outcome(new)
-    !$omp end critical (library_texts)
-  end function c_stress
-
-  ! Table of the stresses at one depth.
-  subroutine set_stress(new, stress, unit)
-    type(outcome), intent(inout) :: new
-    real(real64), intent(in) :: stress(:, :, :)  ! (column, row, component)
-    character(len=*), intent(in) :: unit
-    real(real64), allocatable :: derived(:, :, :)
-    integer :: i, j
-
-    allocate (derived(size(stress, 1), size(stress, 2), 2))
-    associate (table => new%tables(table_fields))
-      do i = 1, size(component_names)
-        call add_pixels(table, 'stress_' // component_names(i), stress(:, :, i), unit, new%failure)
-      end do
-      do j = 1, size(stress, 2)
-        do i = 1, size(stress, 1)
-          derived(i, j, :) = [von_mises(stress(i, j, :)), largest_shear(stress(i, j, :))]
-        end do
-      end do
-      call add_pixels(table, 'von_mises', derived(:, :, 1), unit, new%failure)
-      call add_pixels(table, 'largest_shear', derived(:, :, 2), unit, new%failure)
-    end associate
-  end subroutine set_stress
-
-  ! Finds the fields of a state of an outcome; 0: there are none, and `new` has the reason.
-  subroutine choose_field(solved, position, state, from, new, which)
-    type(c_ptr), intent(in) :: solved
-    integer, intent(in) :: position, state
-    type(outcome), pointer, intent(out) :: from
-    type(outcome), intent(inout) :: new
-    integer, intent(out) :: which
-
-    which = 0
-    call look_at(solved, from)
-    if (.not. associated(from)) then
-      call new%problems%add('solved: found NULL, expected the outcome of a solve')
-    else if (.not. allocated(from%fields)) then
-      new%failure = 'no fields: expected a height map solved on its pixels, for instance ' // &
-                    'with interaction = ''boundary'', or field_spacing in &surfaces for one ' // &
-                    'position of asperities, and fields requested'
-    else
-      which = field_of(from%fields, position, state)
-      if (which > 0) return
-      if (position /= from%fields(1)%position) then
-        call new%problems%add('position: found ' // decimal_text(position) // ', expected ' // &
-                              decimal_text(from%fields(1)%position))
-      else
-        call new%problems%add('state: found ' // decimal_text(state) // ', expected ' // &
-                              states_in_words(from%fields) // ', or -1 for the last')
-      end if
-    end if
-  end subroutine choose_field
-
-  ! The fields of a state; 0: there are none.
-  pure integer function field_of(fields, position, state) result(which)
-    type(contact_field), intent(in) :: fields(:)
-    integer, intent(in) :: position, state
-
-    which = size(fields)
-    if (state == -1 .and. fields(which)%position == position) return
-    do which = size(fields), 1, -1
-      if (fields(which)%position == position .and. fields(which)%state == state) return
-    end do
-  end function field_of
-
-  ! The numbers of the states.
-  function states_in_words(fields) result(text)
-    type(contact_field), intent(in) :: fields(:)
-    character(len=:), allocatable :: text
-
-    text = decimal_text(fields(1)%state)
-    if (size(fields) > 1) text = 'a number from ' // text // ' to ' // &
-                                 decimal_text(fields(size(fields))%state)
-  end function states_in_words
-
-  ! Tables and unit of one state.
-  subroutine set_field(new, field, length, pressure)
-    type(outcome), intent(inout) :: new
-    type(contact_field), intent(in) :: field
-    character(len=*), intent(in) :: length, pressure  ! units; empty: not known
-
-    call set_text(new, text_unit, length)
-    associate (table => new%tables(table_map))
-      call add_wholes(table, 'columns', [field%columns])
-      call add_wholes(table, 'rows', [field%rows])
-      call add_reals(table, 'spacing_x', field%pixel_spacing(1:1), length)
-      call add_reals(table, 'spacing_y', field%pixel_spacing(2:2), length)
-      call add_reals(table, 'origin_x', field%origin(1:1), length)
-      call add_reals(table, 'origin_y', field%origin(2:2), length)
-      call add_wholes(table, 'boundary_contacts', [field%boundary_contacts])
-      call add_wholes(table, 'hertz_contacts', [field%hertz_contacts])
-    end associate
-    associate (table => new%tables(table_fields))
-      call add_pixels(table, 'pressure', field%pressure, pressure, new%failure)
-      call add_pixels(table, 'gap', field%gap, length, new%failure)
-      call add_pixels(table, 'displacement', field%displacement, length, new%failure)
-      call add_marks('contact', contact_marks(field))
-      if (allocated(field%traction)) then
-        call add_pixels(table, 'traction', field%traction, pressure, new%failure)
-        call add_marks('stick', field%sticks)
-      end if
-    end associate
-
-  contains
-
-    ! One column of 1 and 0, row by row of the map.
-    subroutine add_marks(name, marks)
-      character(len=*), intent(in) :: name
-      logical, intent(in) :: marks(:, :)
-
-      if (allocated(new%failure)) return
-      call add_wholes(new%tables(table_fields), name, [merge(1, 0, marks)])
-      new%tables(table_fields)%columns(size(new%tables(table_fields)%columns))%unit = ''
-    end subroutine add_marks
-
-  end subroutine set_field
-
-  ! Unit of a column of a table; empty where it has none.
-  pure function unit_of_column(table, name) result(unit)
-    type(array_table), intent(in) :: table
-    character(len=*), intent(in) :: name
-    character(len=:), allocatable :: unit
-    integer :: i
-
-    unit = ''
-    if (.not. allocated(table%columns)) return
-    i = place_of(table, name)
-    if (i == 0) return
-    if (allocated(table%columns(i)%unit)) unit = table%columns(i)%unit
-  end function unit_of_column
 
 end module asperity_c_scenes
