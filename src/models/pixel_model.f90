@@ -427,7 +427,8 @@ contains
     other_errors = not_computed
     if (size(self%patches) == 0) return
     associate (laws => self%model%laws)
-      if (allocated(laws%hardness) .and. allocated(laws%solid)) return
+      if (allocated(laws%solid) .and. (allocated(laws%hardness) .or. allocated(laws%attraction))) &
+        return
       if (allocated(laws%attraction) .and. (2.0_real64 * self%model%steepness > steepest .or. &
           (by_load .and. .not. self%answer%load > 0.0_real64))) return
     end associate

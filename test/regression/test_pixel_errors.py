@@ -92,12 +92,33 @@ def test_a_separation_has_an_error_of_the_load(asperity, tmp_path):
     assert "error estimate: compression " in words and "influence" not in words
 
 
+@pytest.mark.parametrize("control", ["load", "separation"])
+def test_errors_of_creep_are_those_of_a_softer_body(asperity, tmp_path, control):
+    """In a hold the state is elastic with the relaxed modulus (Lee and Radok 1960)."""
+    height = rough(32, shortest=4, seed=2)
+    ratio, hold = 0.4, 2.0
+    relaxed = ratio + (1 - ratio) * np.exp(-hold)
+    compliance = 1 / ratio - (1 / ratio - 1) * np.exp(-ratio * hold)
+    creep = solve(asperity, tmp_path, height, 1.0, control=control, value=0.5, effects={
+        "creep": "on", "hold_time": hold, "relaxation_time": 1.0, "relaxed_modulus_ratio": ratio,
+        "hold": control})
+    soft = solve(asperity, tmp_path, height, 1.0, control=control, value={
+        "load": float(0.5 * compliance), "separation": 0.5}[control])
+    load = 0.5 if control == "load" else soft["load"] * relaxed
+    assert creep["load"] == pytest.approx(load, 1e-6)
+    for name in ("separation", "area", "error_estimate", "area_error_estimate",
+                 "gap_error_estimate", "pressure_error_estimate"):
+        assert creep[name] == pytest.approx(soft[name], 1e-5), name
+
+
 def test_unknown_errors_are_empty(asperity, tmp_path):
-    """Without load, after unloading from the hardness, where pixels twice as wide do not resolve
-    adhesion, and on a map of three pixels."""
+    """Without load, after unloading from the hardness, where a pixel has left creeping contacts,
+    where pixels twice as wide do not resolve adhesion, and on a map of three pixels."""
     height = rough(16, shortest=4, seed=2)
     for values, effects in (((1.0, 0.0), {}), ((1.0, 0.5), {"plasticity": "on",
                                                             "plastic_hardness": 0.1}),
+                            ((30.0, 5.0), {"creep": "on", "loading_time": 3.0,
+                                          "relaxation_time": 1.0, "relaxed_modulus_ratio": 0.5}),
                             (1.0, {"adhesion": "on", "equilibrium_distance": 0.1 / 0.9743,
                                    "work_of_adhesion": 0.65 * E * 0.1**2})):
         found = solve(asperity, tmp_path, height, 1.0, effects=effects, control="load",
