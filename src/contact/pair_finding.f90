@@ -9,14 +9,14 @@
 !> inclination of the contact by the tilt is neglected, an error of the order of the slope squared.
 module asperity_pair_finding
   use asperity_candidate_pairs, only: largest_rise, refine_heights, set_gaps, sort_by_gap
-  use asperity_cell_reach, only: margin_of_arithmetic, squared_reach
+  use asperity_cell_layer, only: margin_of_arithmetic, squared_reach
   use asperity_contact_records, only: by_events, solve_method
   use asperity_isolated_compression, only: compression_at_load, first_at_limit
   use asperity_key_sort, only: sort_keys
   use asperity_kinds, only: int64, real64
-  use asperity_pair_search_blocks, only: found_pairs
-  use asperity_pair_search_levels, only: build_levels, last_level, search_level, surface_points
-  use asperity_pair_search_row, only: build_row, first_from
+  use asperity_pair_search_layers, only: found_pairs
+  use asperity_pair_search_levels, only: build_levels, build_row, first_from, last_level, &
+                                         search_level, surface_points
   use asperity_placed_scene, only: candidate, largest_value, placed_scene, position_pairs
   use asperity_scene_values, only: control_compression, control_limit, control_load, &
                                    control_separation

@@ -8,8 +8,7 @@
 !> g = max(touch) - touch and its penetration p = c - g. Positions are independent.
 module asperity_placed_scene
   use asperity_kinds, only: int32, real64
-  use asperity_pair_search_levels, only: pair_levels
-  use asperity_pair_search_row, only: summit_row
+  use asperity_pair_search_levels, only: pair_levels, summit_row
   use asperity_scene_values, only: control_limit, criterion_none
   use asperity_theory_limits, only: theory_limits
   implicit none

@@ -3,16 +3,16 @@
 !> Each layer of one surface is searched with each layer of the other: every strip against the
 !> strips in reach, both from left to right in the order of x. The cost is proportional to the
 !> number of asperities and of the pairs found, whatever their positions.
+!>
+!> Found pairs are kept in blocks: nothing is copied when their number grows.
 module asperity_pair_search_layers
   use asperity_cell_grid, only: cell_grid
-  use asperity_cell_layer, only: grid_layer, grid_point, spare_points
-  use asperity_cell_reach, only: squared_reach
+  use asperity_cell_layer, only: grid_layer, grid_point, spare_points, squared_reach
   use asperity_kinds, only: int32, int64, real64
-  use asperity_pair_search_blocks, only: found_pairs, reserve_room
   implicit none
   private
 
-  public :: search_pairs
+  public :: search_pairs, found_pairs
 
   ! Criteria of one search.
   type :: search_task
@@ -54,6 +54,23 @@ module asperity_pair_search_layers
     integer :: start(most_lanes) = 1  !! first point in each that may be in reach
     integer :: last(most_lanes) = 0   !! last point in each
   end type sweep_place
+
+  ! Number of pairs of a block.
+  integer, parameter :: block_size = 65536
+
+  !> A block of pairs.
+  type :: pair_block
+    integer :: used = 0                      !! number of pairs in the block
+    integer(int32), allocatable :: upper(:)  !! indices of the upper asperities, from 1
+    integer(int32), allocatable :: lower(:)  !! indices of the lower asperities, from 1
+  end type pair_block
+
+  !> All pairs found, in the order of the search, which is the same in every run.
+  type :: found_pairs
+    integer(int64) :: number = 0_int64         !! pairs in all blocks
+    integer :: blocks = 0                      !! blocks in use
+    type(pair_block), allocatable :: block(:)  !! the first `blocks` are in use
+  end type found_pairs
 
 contains
 
@@ -365,5 +382,37 @@ contains
     place%lane = lane
     place%next = next
   end subroutine sweep_strips
+
+  !> Adds a block when the last one has too little room.
+  subroutine reserve_room(found, needed, failed)
+    type(found_pairs), intent(inout) :: found  !! pairs so far
+    integer, intent(in) :: needed              !! number of pairs to be added, 65536 at most
+    logical, intent(out) :: failed             !! whether memory is short
+    type(pair_block), allocatable :: larger(:)
+    integer :: i, status
+
+    failed = .false.
+    if (found%blocks > 0) then
+      if (found%block(found%blocks)%used + needed <= block_size) return
+    end if
+    if (.not. allocated(found%block)) allocate (found%block(64))
+    if (found%blocks == size(found%block)) then
+      allocate (larger(2 * found%blocks))
+      do i = 1, found%blocks
+        larger(i)%used = found%block(i)%used
+        call move_alloc(found%block(i)%upper, larger(i)%upper)
+        call move_alloc(found%block(i)%lower, larger(i)%lower)
+      end do
+      call move_alloc(larger, found%block)
+    end if
+    associate (next => found%block(found%blocks + 1))
+      allocate (next%upper(block_size), stat=status)
+      failed = status /= 0
+      if (failed) return
+      allocate (next%lower(block_size), stat=status)
+    end associate
+    failed = status /= 0
+    if (.not. failed) found%blocks = found%blocks + 1
+  end subroutine reserve_room
 
 end module asperity_pair_search_layers

@@ -11,7 +11,7 @@
 program scale_search
   use, intrinsic :: iso_fortran_env, only: error_unit, output_unit
   use asperity_kinds, only: int64, real64
-  use asperity_pair_search_blocks, only: found_pairs
+  use asperity_pair_search_layers, only: found_pairs
   use asperity_pair_search_levels, only: build_levels, last_level, pair_levels, search_level, &
                                          surface_points
   implicit none

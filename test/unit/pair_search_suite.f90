@@ -1,9 +1,9 @@
 !> Tests of the pair search against a search that compares all with all.
 module asperity_pair_search_suite
-  use asperity_cell_reach, only: any_height, margin_of_arithmetic, squared_reach
+  use asperity_cell_layer, only: any_height, margin_of_arithmetic, squared_reach
   use asperity_key_sort, only: sort_keys
   use asperity_kinds, only: int32, int64, real64
-  use asperity_pair_search_blocks, only: found_pairs
+  use asperity_pair_search_layers, only: found_pairs
   use asperity_pair_search_levels, only: build_levels, last_level, pair_levels, search_level, &
                                          surface_points
   use asperity_testing, only: check, error_type, new_unittest, unittest_type
