@@ -7,7 +7,7 @@ module asperity_effect_sequence
                                     total_vertical_load
   use asperity_effect_names, only: go_together
   use asperity_hertz_law, only: hertz_law
-  use asperity_kinds, only: real64
+  use asperity_kinds, only: not_computed, real64
   use asperity_scene_values, only: effect_auto, effect_boundary
   use asperity_theory_warnings, only: add_warning, of_together
   implicit none
@@ -100,7 +100,7 @@ contains
         before = total_vertical_load(found%state)
         call effect%apply(pairs, found%state, outcome)
         if (allocated(outcome%failure)) return
-        if (before > 0.0_real64 .and. .not. outcome%influence_known) &
+        if (before > 0.0_real64 .and. .not. outcome%influence > not_computed) &
           outcome%influence = total_vertical_load(found%state) / before - 1.0_real64
       end associate
     end do

@@ -121,7 +121,6 @@ contains
                               .not. same_type_as(state%law, hertz_law())))
     end associate
     outcome%influence = outcome%of_state(2) - 1.0_real64
-    outcome%influence_known = .true.
     if (self%mode == effect_auto .and. outcome%of_state(5) > self%tolerance) &
       call add_warning(outcome%warnings, of_area, outcome%of_state(5))
   end subroutine apply_interaction

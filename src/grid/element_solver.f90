@@ -154,7 +154,7 @@ contains
       answer%contacts%x = pairs%list(members)%x
       answer%contacts%y = pairs%list(members)%y
       if (size(shapes) == 0) then
-        answer%ending = solve_ending(.true., 0.0_real64, 0)
+        answer%ending = solve_ending(converged=.true.)
         return
       end if
       if (.not. all(shapes%penetration < level_height(pairs%list(members(shapes%pair))))) then

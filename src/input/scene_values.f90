@@ -157,7 +157,6 @@ module asperity_scene_values
     type(decimal_value) :: conductivity(2, 2)
     type(decimal_value) :: nominal_area           !! of the surfaces in plan; 0: not given
     character(len=16) :: units(2) = ''            !! names of length and force; blank: not given
-    type(decimal_value) :: field_spacing          !! cells of fields of asperities; 0: not given
     type(decimal_value) :: starting_gap           !! at the start: 1.27 cm for a deck, else 0
     type(scene_motion) :: motion                  !! where the upper surface stands
     type(scene_loading) :: loading                !! how far the surfaces close

@@ -93,7 +93,7 @@ contains
         answer%pressure = 0.0_real64 * map%height
         answer%displacement = answer%pressure
         answer%load = 0.0_real64
-        answer%ending = solve_ending(.true., 0.0_real64, 0)
+        answer%ending = solve_ending(converged=.true.)
         return
       end if
       if (map%periodic .and. .not. present(hardness) .and. &

@@ -114,10 +114,9 @@ contains
   end subroutine make_asperity_model
 
   ! Places the asperities at a position. Where no effect is simulated the results are complete.
-  subroutine place_asperities(self, m, keep_rows, bodies, result, failure)
+  subroutine place_asperities(self, m, bodies, result, failure)
     class(asperity_model), intent(in), target :: self
     integer, intent(in) :: m
-    logical, intent(in) :: keep_rows
     class(placed_bodies), allocatable, intent(out) :: bodies
     type(position_result), intent(out) :: result
     character(len=:), allocatable, intent(out) :: failure
@@ -126,11 +125,11 @@ contains
     logical :: is_needed
 
     if (self%isolated) then
-      call solve_position(self%placed, m, self%method, keep_rows, result, failure)
+      call solve_position(self%placed, m, self%method, self%keep_rows, result, failure)
       return
     end if
     if (self%by_estimate) then
-      call solve_without(self, m, keep_rows, result, is_needed, failure)
+      call solve_without(self, m, result, is_needed, failure)
       if (allocated(failure) .or. .not. is_needed) return
     end if
     allocate (placed)
@@ -208,19 +207,19 @@ contains
   end subroutine solve_with_all_pairs
 
   ! Completes the results: by the solver without effects where none was simulated.
-  subroutine add_left_out(self, steps, keep_rows, result, failure)
+  subroutine add_left_out(self, steps, result, failure)
     class(placed_asperities), intent(inout), target :: self
     type(path_step), intent(in) :: steps(:)
-    logical, intent(in) :: keep_rows
     type(position_result), intent(inout) :: result
     character(len=:), allocatable, intent(out) :: failure
     type(position_result) :: columns
 
-    call self%asperity_bodies%add_totals(steps, keep_rows, result, failure)
+    call self%asperity_bodies%add_totals(steps, result, failure)
     if (allocated(failure)) return
     if (.not. self%simulated) then
       columns = result
-      call solve_position(self%model%placed, self%m, solve_method(), keep_rows, result, failure)
+      call solve_position(self%model%placed, self%m, solve_method(), self%keep_rows, result, &
+                          failure)
       if (allocated(failure)) return
       call move_values(columns, result)
     end if
@@ -235,10 +234,9 @@ contains
   end subroutine free_pressures
 
   ! Solves one position without effects, unless one is to be simulated in one of its states.
-  subroutine solve_without(self, m, keep_rows, result, is_needed, failure)
+  subroutine solve_without(self, m, result, is_needed, failure)
     class(asperity_model), intent(in) :: self
     integer, intent(in) :: m
-    logical, intent(in) :: keep_rows
     type(position_result), intent(out) :: result
     logical, intent(out) :: is_needed  ! an effect is to be simulated
     character(len=:), allocatable, intent(out) :: failure
@@ -251,7 +249,7 @@ contains
     integer :: i, number
 
     is_needed = .false.
-    call solve_position(self%placed, m, solve_method(), keep_rows, result, failure, pairs)
+    call solve_position(self%placed, m, solve_method(), self%keep_rows, result, failure, pairs)
     if (allocated(failure)) return
     if (size(self%effects) > 0) then
       call copy_effects(self%effects, effects)
@@ -269,7 +267,7 @@ contains
       do i = 1, size(choices)
         call start_at(i)
         call add_without_effects(self%scene_in, pairs, effects, state, choices(i)%outcomes, i, &
-                                 keep_rows, columns)
+                                 self%keep_rows, columns)
       end do
       columns%choices = result%choices
       call move_values(columns, result)

@@ -134,16 +134,15 @@ contains
   end subroutine solve_asperity_step
 
   ! Adds the last state to the results.
-  subroutine add_asperity_state(self, step, number, keep_rows, result)
+  subroutine add_asperity_state(self, step, number, result)
     class(asperity_bodies), intent(inout), target :: self
     type(path_step), intent(in) :: step
     integer, intent(in) :: number
-    logical, intent(in) :: keep_rows
     type(position_result), intent(inout) :: result
 
     associate (found => self%found, pairs => self%pairs)
       call add_contacts(self%scene_in, pairs, self%effects, found%state, found%outcomes, number, &
-                        keep_rows, result)
+                        self%keep_rows, result)
       if (found%compression > self%deepest) then
         self%deepest = found%compression
         if (allocated(self%law)) deallocate (self%law)
@@ -162,15 +161,12 @@ contains
   end subroutine add_asperity_state
 
   ! Keeps the solution for further runs, and compares the last state with those of fewer effects.
-  subroutine compare_effects(self, steps, keep_rows, result, failure)
+  subroutine compare_effects(self, steps, result, failure)
     class(asperity_bodies), intent(inout), target :: self
     type(path_step), intent(in) :: steps(:)
-    logical, intent(in) :: keep_rows
     type(position_result), intent(inout) :: result
     character(len=:), allocatable, intent(out) :: failure
 
-    associate (unused => keep_rows)
-    end associate
     associate (state => self%found%state, pairs => self%pairs)
       if (pairs%keeps_solution .and. allocated(state%solution)) then
         if (state%solution%is_unique) then

@@ -4,7 +4,7 @@
 !> A model places the bodies at a position. A position solves the states of its path one after the
 !> other: each is the history of the next.
 module asperity_contact_model
-  use asperity_contact_records, only: position_result
+  use asperity_contact_records, only: most_rows, position_result
   use asperity_interruption, only: interruption
   use asperity_kinds, only: int64, real64
   use asperity_scene_values, only: hold_load, scene
@@ -15,7 +15,7 @@ module asperity_contact_model
   private
 
   public :: contact_model, path_step, placed_bodies, at_distance, at_load, held_distance, &
-            held_load, no_load, plan_hold, plan_path
+            held_load, no_load, follow_path, plan_hold, plan_path, solve_position
 
   integer, parameter :: at_distance = 1    !! at a given compression or separation
   integer, parameter :: at_load = 2        !! at a given load
@@ -42,6 +42,7 @@ module asperity_contact_model
     !> fraction; huge: never.
     real(real64) :: loads_differ = huge(1.0_real64)
     real(real64) :: nominal_area = 0.0_real64  !! in the scene's unit; 0: not given
+    logical :: keep_rows = .true.         !! keep the contacts of every state
     type(interruption) :: interrupt       !! interruption of the run
     type(work_count) :: progress_count    !! progress of the run, in states
     type(solution_reuse) :: reuse         !! solutions of an earlier run
@@ -51,6 +52,7 @@ module asperity_contact_model
 
   !> The bodies at one position, in their last state.
   type, abstract :: placed_bodies
+    logical :: keep_rows = .true.  !! keep the contacts of every state
   contains
     procedure(list_steps), deferred :: list_steps  !! lists the states of the position
     procedure(solve_step), deferred :: solve_step  !! solves the next state
@@ -61,12 +63,11 @@ module asperity_contact_model
   abstract interface
     !> Places the bodies at a position. Where its result needs no path it is complete, and `bodies`
     !> is not allocated.
-    subroutine place_bodies(self, m, keep_rows, bodies, result, failure)
+    subroutine place_bodies(self, m, bodies, result, failure)
       import :: contact_model, placed_bodies, position_result
       implicit none
       class(contact_model), intent(in), target :: self        !! bodies ready to be placed
       integer, intent(in) :: m                                !! position, from 1
-      logical, intent(in) :: keep_rows                        !! keep the contacts of every state
       class(placed_bodies), allocatable, intent(out) :: bodies  !! the bodies there
       type(position_result), intent(out) :: result            !! displacement, or all results
       character(len=:), allocatable, intent(out) :: failure   !! reason, when it is not solved
@@ -92,23 +93,21 @@ module asperity_contact_model
     end subroutine solve_step
 
     !> Adds the last state to the results, with its contacts when they are kept.
-    subroutine add_state(self, step, number, keep_rows, result)
+    subroutine add_state(self, step, number, result)
       import :: path_step, placed_bodies, position_result
       implicit none
       class(placed_bodies), intent(inout), target :: self      !! in the state
       type(path_step), intent(in) :: step              !! control of the state
       integer, intent(in) :: number                    !! number of the state, from 1
-      logical, intent(in) :: keep_rows                 !! keep its contacts
       type(position_result), intent(inout) :: result   !! with allocated states
     end subroutine add_state
 
     !> Completes the results of a position after its last state.
-    subroutine add_totals(self, steps, keep_rows, result, failure)
+    subroutine add_totals(self, steps, result, failure)
       import :: path_step, placed_bodies, position_result
       implicit none
       class(placed_bodies), intent(inout), target :: self             !! in the last state
       type(path_step), intent(in) :: steps(:)                 !! all states of the path
-      logical, intent(in) :: keep_rows                        !! keep the contacts of every state
       type(position_result), intent(inout) :: result          !! with all states
       character(len=:), allocatable, intent(out) :: failure   !! reason, when it is not solved
     end subroutine add_totals
@@ -116,6 +115,53 @@ module asperity_contact_model
 
 contains
 
+  !> Solves all states of a position. `failure` is allocated when its end cannot be reached.
+  subroutine solve_position(model, m, result, failure)
+    class(contact_model), intent(in), target :: model       !! bodies ready to be placed
+    integer, intent(in) :: m                                !! position, from 1
+    type(position_result), intent(out) :: result            !! states, ending with the last
+    character(len=:), allocatable, intent(out) :: failure   !! set where the end is not reached
+    class(placed_bodies), allocatable, target :: bodies
+    type(position_result) :: placed
+    logical :: must_repeat
+
+    call model%place(m, bodies, placed, failure)
+    result = placed
+    if (allocated(failure) .or. .not. allocated(bodies)) return
+    bodies%keep_rows = model%keep_rows
+    do
+      call follow_path(bodies, model%progress_count, result, must_repeat, failure)
+      if (.not. must_repeat) return
+      call model%progress_count%add_work(-result%counted)
+      if (allocated(failure)) return
+      result = placed
+    end do
+  end subroutine solve_position
+
+  !> Follows the path of placed bodies once.
+  subroutine follow_path(bodies, progress_count, result, must_repeat, failure)
+    class(placed_bodies), intent(inout), target :: bodies   !! bodies without contact
+    type(work_count), intent(in) :: progress_count          !! progress of the run, in states
+    type(position_result), intent(inout) :: result          !! without states; gets them
+    logical, intent(out) :: must_repeat                     !! whether the path has to be repeated
+    character(len=:), allocatable, intent(out) :: failure   !! set where the end is not reached
+    type(path_step), allocatable :: steps(:)
+    integer :: i
+
+    must_repeat = .false.
+    call bodies%list_steps(steps, failure)
+    if (allocated(failure)) return
+    allocate (result%states(size(steps)), result%rows(0))
+    do i = 1, size(steps)
+      call bodies%solve_step(steps(i), must_repeat, failure)
+      if (allocated(failure) .or. must_repeat) return
+      call bodies%add_state(steps(i), i, result)
+      call progress_count%count_state(result%counted)
+      ! The states end early when there are more contacts than can be kept.
+      if (result%rows_used > most_rows) return
+    end do
+    call bodies%add_totals(steps, result, failure)
+  end subroutine follow_path
 
   !> Plans the states between values of a path: equal parts lie between two of them. The path begins
   !> with its first contact where there are several parts. In time it has a constant rate.

@@ -137,18 +137,15 @@ contains
   end subroutine make_pixel_model
 
   ! Places the map at a position.
-  subroutine place_map(self, m, keep_rows, bodies, result, failure)
+  subroutine place_map(self, m, bodies, result, failure)
     class(pixel_model), intent(in), target :: self
     integer, intent(in) :: m
-    logical, intent(in) :: keep_rows
     class(placed_bodies), allocatable, intent(out) :: bodies
     type(position_result), intent(out) :: result
     character(len=:), allocatable, intent(out) :: failure
     type(pixel_bodies), allocatable :: placed
     real(real64) :: displacement(2)
 
-    associate (unused => keep_rows)
-    end associate
     displacement = displacement_of(self%scene_in%motion, m)
     result%x_displacement = displacement(1)
     result%y_displacement = displacement(2)
@@ -219,11 +216,10 @@ contains
   end subroutine solve_pixel_step
 
   ! Adds the last state, with the warnings of its patches and its fields.
-  subroutine add_pixel_state(self, step, number, keep_rows, result)
+  subroutine add_pixel_state(self, step, number, result)
     class(pixel_bodies), intent(inout), target :: self
     type(path_step), intent(in) :: step
     integer, intent(in) :: number
-    logical, intent(in) :: keep_rows
     type(position_result), intent(inout) :: result
     type(map_shares) :: shares
     type(theory_warning), allocatable :: warnings(:)
@@ -244,8 +240,8 @@ contains
         if (cut > model%tolerance) call add_warning(warnings, of_cut_range, cut)
       end if
       call take_worse(result%warnings, warnings, number)
-      call fill_state(self, step, keep_rows, result, number)
-      if (keep_rows) self%samples = [self%samples, real(self%patches%samples, real64)]
+      call fill_state(self, step, result, number)
+      if (self%keep_rows) self%samples = [self%samples, real(self%patches%samples, real64)]
       if (model%fields == fields_none) return
       if (model%fields == fields_all .or. number == self%states) &
         call add_field(self, number, result)
@@ -270,17 +266,14 @@ contains
   end subroutine add_field
 
   ! Adds the columns of the last state, its estimated errors, and the warnings of the map itself.
-  subroutine add_pixel_totals(self, steps, keep_rows, result, failure)
+  subroutine add_pixel_totals(self, steps, result, failure)
     class(pixel_bodies), intent(inout), target :: self
     type(path_step), intent(in) :: steps(:)
-    logical, intent(in) :: keep_rows
     type(position_result), intent(inout) :: result
     character(len=:), allocatable, intent(out) :: failure
     type(theory_warning), allocatable :: warnings(:)
     real(real64) :: other_errors(3)
 
-    associate (unused => keep_rows)
-    end associate
     associate (model => self%model, map => self%map)
       associate (last => steps(size(steps)))
         call estimate_errors(self, last%load < no_load .or. last%control == held_load, result, &
@@ -503,10 +496,9 @@ contains
   end subroutine warn_of_caps
 
   ! Sets the results of one state and its contact patches.
-  subroutine fill_state(self, step, keep_rows, result, number)
+  subroutine fill_state(self, step, result, number)
     class(pixel_bodies), intent(in), target :: self
     type(path_step), intent(in) :: step
-    logical, intent(in) :: keep_rows
     type(position_result), intent(inout) :: result
     integer, intent(in) :: number
     type(contact_row) :: rows(size(self%patches))
@@ -546,7 +538,7 @@ contains
       end do
     end associate
     result%limit_reached = any(rows%limit_exceeded)
-    if (keep_rows) call add_rows(result, rows, state)
+    if (self%keep_rows) call add_rows(result, rows, state)
     result%states(number) = state
 
   contains

@@ -6,11 +6,11 @@ module asperity_solve_ending
 
   public :: solve_ending
 
-  !> End of one iteration; by default not converged.
+  !> End of one iteration; by default not converged. It has no gaps.
   type :: solve_ending
-    logical :: converged = .false.          !! whether the residual is below the tolerance
     real(real64) :: residual = 0.0_real64   !! relative residual as the solver defines it
     integer :: iterations = 0               !! number of outer iterations
+    logical :: converged = .false.          !! whether the residual is below the tolerance
   end type solve_ending
 
 end module asperity_solve_ending

@@ -96,8 +96,8 @@ module asperity_contact_records
     time=0.0_real64, load=0.0_real64, vertical_load=0.0_real64, area=0.0_real64, &
     projected_area=0.0_real64, greatest_pressure=0.0_real64, contacts=0)
 
-  !> Outcome of one effect in one state. Lengths of texts are multiples of 8, as a record is sent in
-  !> words of 64 bits.
+  !> Outcome of one effect in one state. It is sent in words of 64 bits, without gaps: lengths of
+  !> texts are multiples of 8.
   type :: effect_record
     character(len=16) :: simulated = 'off'    !! coupled, boundary, on; `off`: left out
     character(len=40) :: why = ''             !! reason, where the effect had a choice
@@ -107,8 +107,7 @@ module asperity_contact_records
     !> Measured relative change of the compression at the prescribed load, and of the area.
     real(real64) :: compression_change = not_computed, area_change = not_computed
     !> How its solve ended; a residual and iterations that were not computed: a closed form.
-    type(solve_ending) :: ending = solve_ending(.true., not_computed, -1)
-    logical :: influence_known = .false.      !! the influence was measured by the effect
+    type(solve_ending) :: ending = solve_ending(not_computed, -1, .true.)
   end type effect_record
 
   !> One position: its states in the order of compression; the last one is the end.

@@ -176,11 +176,11 @@ module asperity_theory_warnings
 
   !> One kind of warning at one position.
   type :: theory_warning
+    real(real64) :: magnitude = 0.0_real64  !! size in the measure of the kind
     integer :: number = 0                !! one of the `of_` numbers
     integer :: state = 0                 !! state of the position with the largest size
     integer :: contacts = 0              !! number of contacts; 0: of the whole state
-    real(real64) :: magnitude = 0.0_real64  !! size in the measure of the kind
-    character(len=32) :: whose = ''      !! effects of the warning, unless set by the kind
+    character(len=36) :: whose = ''      !! effects of the warning, unless set by the kind
   end type theory_warning
 
 contains

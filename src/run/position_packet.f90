@@ -3,19 +3,18 @@
 !> Numbers are copied bit by bit, so that the result is restored exactly. Only the version of the
 !> program that wrote the words reads them.
 module asperity_position_packet
-  use asperity_contact_records, only: effect_record, position_result
+  use asperity_contact_records, only: position_result
   use asperity_effect_names, only: known_effects
   use asperity_kinds, only: int64, real64
-  use asperity_theory_warnings, only: theory_warning
   implicit none
   private
 
   public :: pack_position, unpack_position
 
-  ! Numbers of words: a position without its lists, a state, a contact, an effect, a warning. States
-  ! and contacts have no gaps between their components: they are copied whole.
+  ! Numbers of words: a position without its lists, a state, a contact, an effect, a warning. These
+  ! records have no gaps between their components: they are copied whole.
   integer, parameter :: of_head = 13 + size(known_effects), of_state = 17, of_row = 13, &
-                        of_effect = 16, of_warning = 8
+                        of_effect = 14, of_warning = 7
   integer(int64), parameter :: word(1) = 0_int64  ! mold of `transfer` to words
 
 contains
@@ -24,7 +23,7 @@ contains
   pure subroutine pack_position(result, words)
     type(position_result), intent(in) :: result             !! result of a position
     integer(int64), allocatable, intent(out) :: words(:)    !! words, at least those of the head
-    integer :: i, values(2), effects, columns, warnings
+    integer :: values(2), effects, columns, warnings
 
     warnings = 0
     if (allocated(result%warnings)) warnings = size(result%warnings)
@@ -43,12 +42,11 @@ contains
                   size(result%states), result%rows_used, effects, columns, values, &
                   warnings], int64), &
              transfer(result%left_out, word), &
-             [(words_of_warning(result%warnings(i)), i = 1, warnings)], &
              transfer(result%states, word)]
+    if (warnings > 0) words = [words, transfer(result%warnings, word)]
     if (result%rows_used > 0) words = [words, transfer(result%rows(:result%rows_used), word)]
     if (effects < 0) return
-    words = [words, [(words_of_effect(result%effects(i)), i = 1, effects)], &
-             transfer(result%state_values, word)]
+    words = [words, transfer(result%effects, word), transfer(result%state_values, word)]
     if (product(values) > 0) words = [words, transfer(pack(result%contact_values, .true.), word)]
   end subroutine pack_position
 
@@ -56,7 +54,7 @@ contains
   pure subroutine unpack_position(words, result)
     integer(int64), intent(in) :: words(:)         !! words of pack_position
     type(position_result), intent(out) :: result   !! result of the position
-    integer :: at, i, states, effects, columns, values(2), warnings
+    integer :: at, states, effects, columns, values(2), warnings
 
     result%x_displacement = transfer(words(1), result%x_displacement)
     result%y_displacement = transfer(words(2), result%y_displacement)
@@ -73,77 +71,26 @@ contains
     result%left_out = transfer(words(14:of_head), result%left_out, size(result%left_out))
     allocate (result%states(states), result%rows(result%rows_used))
     at = of_head
-    if (warnings > 0) allocate (result%warnings(warnings))
-    do i = 1, warnings
-      result%warnings(i) = warning_of(words(at + 1:at + of_warning))
-      at = at + of_warning
-    end do
     result%states = transfer(words(at + 1:at + of_state * states), result%states, states)
     at = at + of_state * states
+    if (warnings > 0) then
+      allocate (result%warnings(warnings))
+      result%warnings = transfer(words(at + 1:at + of_warning * warnings), result%warnings, &
+                                 warnings)
+      at = at + of_warning * warnings
+    end if
     result%rows = transfer(words(at + 1:at + of_row * result%rows_used), result%rows, &
                            result%rows_used)
     at = at + of_row * result%rows_used
     if (effects < 0) return
     allocate (result%effects(effects), result%state_values(columns), &
               result%contact_values(values(1), values(2)))
-    do i = 1, effects
-      result%effects(i) = effect_of(words(at + 1:at + of_effect))
-      at = at + of_effect
-    end do
+    result%effects = transfer(words(at + 1:at + of_effect * effects), result%effects, effects)
+    at = at + of_effect * effects
     result%state_values = transfer(words(at + 1:at + columns), result%state_values, columns)
     at = at + columns
     result%contact_values = reshape(transfer(words(at + 1:at + product(values)), &
                                              result%state_values, product(values)), values)
   end subroutine unpack_position
-
-  pure function words_of_warning(warning) result(words)
-    type(theory_warning), intent(in) :: warning
-    integer(int64) :: words(of_warning)
-
-    words = [int([warning%number, warning%state, warning%contacts], int64), &
-             transfer(warning%magnitude, word), transfer(warning%whose, word)]
-  end function words_of_warning
-
-  pure type(theory_warning) function warning_of(words) result(warning)
-    integer(int64), intent(in) :: words(of_warning)
-
-    warning%number = int(words(1))
-    warning%state = int(words(2))
-    warning%contacts = int(words(3))
-    warning%magnitude = transfer(words(4), warning%magnitude)
-    warning%whose = transfer(words(5:8), warning%whose)
-  end function warning_of
-
-  pure function words_of_effect(effect) result(words)
-    type(effect_record), intent(in) :: effect
-    integer(int64) :: words(of_effect)
-
-    words = [transfer(effect%simulated // effect%why, word), &
-             transfer([effect%estimate, effect%influence, effect%error, &
-                       effect%ending%residual, effect%compression_change, &
-                       effect%area_change], word), &
-             int([merge(1, 0, effect%influence_known), merge(1, 0, effect%ending%converged), &
-                  effect%ending%iterations], int64)]
-  end function words_of_effect
-
-  pure type(effect_record) function effect_of(words) result(effect)
-    integer(int64), intent(in) :: words(of_effect)
-    character(len=len(effect%simulated) + len(effect%why)) :: text
-    real(real64) :: numbers(6)
-
-    text = transfer(words(:7), text)
-    numbers = transfer(words(8:13), numbers)
-    effect%simulated = text(:len(effect%simulated))
-    effect%why = text(len(effect%simulated) + 1:)
-    effect%estimate = numbers(1)
-    effect%influence = numbers(2)
-    effect%error = numbers(3)
-    effect%ending%residual = numbers(4)
-    effect%compression_change = numbers(5)
-    effect%area_change = numbers(6)
-    effect%influence_known = words(14) == 1_int64
-    effect%ending%converged = words(15) == 1_int64
-    effect%ending%iterations = int(words(16))
-  end function effect_of
 
 end module asperity_position_packet

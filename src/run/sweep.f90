@@ -8,7 +8,7 @@
 !> It is checked for every solver, independently of the error that the solver reports, whether every
 !> state of a position carries the requested load and is physically valid.
 module asperity_sweep
-  use asperity_contact_model, only: contact_model
+  use asperity_contact_model, only: contact_model, solve_position
   use asperity_contact_records, only: are_finite, most_rows, position_result, &
                                       prescribed_nothing, prescribed_vertical, room_of_a_state, &
                                       state_row
@@ -19,7 +19,6 @@ module asperity_sweep
                                    next_record, pieces_of_part, share_work, whole_number
   use asperity_kinds, only: int64, real64
   use asperity_position_packet, only: pack_position, unpack_position
-  use asperity_position_path, only: solve_position
   use asperity_problems, only: decimal_text, not_enough_memory, real_text
   use asperity_process, only: has_memory, threads_with_memory
   use asperity_progress, only: progress_line
@@ -68,6 +67,7 @@ contains
     character(len=:), allocatable, intent(out) :: failure  !! reason, when a position is not solved
     type(kept_work) :: kept
 
+    model%keep_rows = options%keep_contacts
     model%interrupt = options%interrupt
     model%reuse = options%reuse
     model%progress_count = options%counted_work
@@ -160,13 +160,13 @@ contains
         if (threads > 1) then
           !$omp parallel do schedule(dynamic) num_threads(threads)
           do m = first, last
-            if (is_wanted(watch, m)) call solve_one(model, m, options, positions(m), watch)
+            if (is_wanted(watch, m)) call solve_one(model, m, positions(m), watch)
           end do
           !$omp end parallel do
         else
           ! Outside a parallel region: nested regions would start their threads at each position.
           do m = first, last
-            if (is_wanted(watch, m)) call solve_one(model, m, options, positions(m), watch)
+            if (is_wanted(watch, m)) call solve_one(model, m, positions(m), watch)
           end do
         end if
         if (watch%kept%is_shared .and. watch%failed < huge(1)) &
@@ -241,18 +241,16 @@ contains
   end function is_wanted
 
   ! Solves and checks one position in one thread.
-  subroutine solve_one(model, m, options, position, watch)
+  subroutine solve_one(model, m, position, watch)
     class(contact_model), intent(in), target :: model
     integer, intent(in) :: m
-    type(run_options), intent(in) :: options
     type(position_result), intent(inout) :: position
     type(sweep_watch), intent(inout) :: watch
     character(len=:), allocatable :: failure
     integer(int64), allocatable :: words(:)
     integer :: last
 
-    call solve_position(model, whole_number(m, watch%start, watch%stride), options%keep_contacts, &
-                      position, failure)
+    call solve_position(model, whole_number(m, watch%start, watch%stride), position, failure)
     if (position%lacks_memory .and. .not. allocated(failure)) &
       failure = not_enough_memory // ' for the list of contacts'
     if (.not. allocated(failure)) then

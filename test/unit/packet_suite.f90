@@ -83,15 +83,13 @@ contains
     sent%effects(1)%simulated = 'coupled+boundary'
     sent%effects(1)%why = 'contact circles overlap'
     sent%effects(1)%influence = -0.2_real64
-    sent%effects(1)%influence_known = .true.
     sent%effects(1)%ending%converged = .true.
     sent%effects(1)%ending%iterations = 12
     call pack_position(sent, words)
     call unpack_position(words, found)
     call check(error, found%effects(1)%simulated, 'coupled+boundary', 'how')
     call check(error, found%effects(1)%why, sent%effects(1)%why, 'why')
-    call check(error, found%effects(1)%influence_known .and. &
-               found%effects(1)%ending%converged .and. &
+    call check(error, found%effects(1)%ending%converged .and. &
                found%effects(1)%ending%iterations == 12, 'how it ended')
     call check(error, trim(found%effects(2)%simulated), 'off', 'the other')
     call check(error, nint(sum(found%state_values)), 6, 'columns of the position')
