@@ -241,6 +241,7 @@ contains
     call add_words(columns, 'overlap', merge('original', 'stable  ', &
                                              rows%method%overlap == overlap_original))
     call add_reals(columns, 'seconds', rows%seconds)
+    call add_reals(columns, 'predicted_seconds', rows%predicted)
     call add_reals(columns, 'spread', rows%time_spread)
     call add_reals(columns, 'ratio', [(ratio_of(rows, i), i=1, size(rows))])
     call add_reals(columns, 'error_max', rows%total%largest)

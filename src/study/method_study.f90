@@ -39,6 +39,9 @@ module asperity_method_study
   real(real64), parameter :: share_of_method = 0.9_real64
   ! The scene as it asks may take so much: the rest is for methods that are cheaper.
   real(real64), parameter :: share_of_scene = 0.5_real64
+  ! Shares of the remaining time for one method with neighbours, as others follow, and for one by
+  ! steps, whose time is not estimated well.
+  real(real64), parameter :: share_of_neighbours = 0.75_real64, share_of_step = 0.25_real64
 
   character(len=*), parameter :: too_long = 'takes longer than --seconds'
 
@@ -91,7 +94,7 @@ contains
     type(method_row) :: row
     type(time_allowance) :: others
     real(real64) :: compression, left, most
-    integer :: i
+    integer :: i, pass
 
     most = allowance%left()
     row%method = method_of_scene()
@@ -122,15 +125,20 @@ contains
     table%rows(1) = row
     totals(1) = totals_of(results)
     call progress%step()
-    do i = 1, size(methods)
-      row = method_row(method=methods(i))
-      ! A step takes a quarter of the remaining time at most: its time is not estimated well.
-      left = others%left() * merge(0.25_real64, 1.0_real64, row%method%family == of_steps)
-      call estimate_time(scene_in, table%rows(:i), left, row)
-      if (.not. allocated(row%left_out)) &
-        call time_method(scene_in, least_seconds, left, row, totals(i + 1), results)
-      table%rows(i + 1) = row
-      call progress%step()
+    ! The reference is one of those with neighbours: they have the time first.
+    do pass = 1, 2
+      do i = 1, size(methods)
+        if ((methods(i)%family == of_neighbours) .neqv. pass == 1) cycle
+        row = method_row(method=methods(i))
+        left = others%left()
+        if (row%method%family == of_steps) left = share_of_step * left
+        if (row%method%family == of_neighbours) left = share_of_neighbours * left
+        call estimate_time(scene_in, table%rows(:i), left, row)
+        if (.not. allocated(row%left_out)) &
+          call time_method(scene_in, least_seconds, left, row, totals(i + 1), results)
+        table%rows(i + 1) = row
+        call progress%step()
+      end do
     end do
     call choose_reference(table, totals, allocated(scene_in%map))
     if (table%reference == 0) then
@@ -153,9 +161,9 @@ contains
     integer :: known
 
     known = 1
-    if (row%method%family /= of_effects) &
-      known = max(1, findloc(before%method%family, of_arithmetic, 1))
-    seconds = max(0.0_real64, before(known)%seconds)
+    if (row%method%family /= of_effects) known = findloc(before%method%family, of_arithmetic, 1)
+    seconds = 0.0_real64
+    if (known > 0) seconds = max(0.0_real64, before(known)%seconds)
     if (row%method%arithmetic /= 'real64') seconds = times_arithmetic * seconds
     if (row%method%family == of_neighbours) then
       if (row%method%interaction == effect_boundary .and. allocated(scene_in%map)) then

@@ -142,7 +142,7 @@ def test_columns_of_the_others(asperity, tmp_path):
     (tmp_path / "a.spec").write_text("&surfaces number = 9, length = 1., width = 2. /\n"
                                      "&radii mean = 3. / &heights mean = 0.1, deviation = 0.01 /\n")
     run(asperity, "generate", tmp_path / "a.spec", "--output", tmp_path / "g")
-    run(asperity, "accuracy", "data/thesis.deck", "--seconds", "3", "--csv", tmp_path / "a")
+    run(asperity, "accuracy", "data/thesis.deck", "--seconds", "6", "--csv", tmp_path / "a")
     text = (ROOT / "data/examples/study/thesis.spec").read_text()
     (tmp_path / "b.spec").write_text(re.sub(r"ensemble = \d+", "ensemble = 2", text))
     run(asperity, "study", tmp_path / "b.spec", "--csv", tmp_path / "b")
@@ -157,3 +157,9 @@ def test_columns_of_the_others(asperity, tmp_path):
             if "" in cells:
                 assert re.search("empty", told[heading][name][1]) or file == "a", name
     assert len(told) == 10
+    # The time of the study goes to methods with neighbours first, one of which is the reference.
+    header, rows = read(tmp_path / "a")
+    rows = {row[header.index("method")]: dict(zip(header, row)) for row in rows}
+    assert rows["boundary elements; 0.01"]["seconds"]
+    assert rows["boundary elements; 0.01"]["predicted_seconds"]
+    assert not rows["real128; original program; steps 1.0E-05"]["seconds"]
