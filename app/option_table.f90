@@ -97,8 +97,9 @@ module asperity_option_table
       'choose the fastest method with an estimated relative error below ERROR, for instance ' // &
       '1e-3, including the estimated influence of effects that are off'), &
     option_entry('solve', '--of', 'WORD', &
-      'totals that --accuracy limits: all (default), load (or separation), or area', &
-      words=[character(len=11) :: totals_of_accuracy, none(:3)]), &
+      'results that --accuracy limits: all (default: load and area), load (or separation), ' // &
+      'area, or pressure (greatest; of maps)', &
+      words=[character(len=11) :: totals_of_accuracy, none(:2)]), &
     option_entry('solve', '--budget', '', &
       'print the error budget of every total: arithmetic, step, model'), &
     option_entry('solve', '--threads', 'N', &

@@ -133,8 +133,9 @@ typedef struct {
   const int *interrupt;   /* NULL, or a number that another thread or a signal's handler makes other
                              than 0 to end the call: it goes no further than the states that are
                              under way, and fails with "interrupted" */
-  const char *accuracy_of; /* totals that `accuracy` limits: "all" (also for NULL), "load" (the
-                              separation under a load), or "area" */
+  const char *accuracy_of; /* results that `accuracy` limits: "all" (also for NULL: load and area),
+                              "load" (the separation under a load), "area", or "pressure" (the
+                              greatest, of height maps) */
 } asperity_options;
 
 /* How summits are found. All bytes zero: the defaults. */

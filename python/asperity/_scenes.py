@@ -142,7 +142,7 @@ def solve(scene: _a.Path | Mapping[str, Mapping[str, Any]] | Scene, *, arithmeti
     accuracy : float, default 0
         Largest estimated relative error, less than 1; the fastest method with this error is used.
         0: no such choice.
-    accuracy_of : 'all', 'load' or 'area', default 'all'
+    accuracy_of : 'all', 'load', 'area' or 'pressure', default 'all'
         Totals that `accuracy` limits; `load` stands for the separation under a load.
     contacts : bool, default True
         False: totals only, `contacts` of the results has no rows.

@@ -32,7 +32,7 @@ module asperity_c_scenes
     integer(c_int) :: totals_only    !! not 0: contacts are not kept
     integer(c_int) :: threads        !! 0: as many as OpenMP gives
     type(c_ptr) :: interrupt         !! a number that is not 0 when the work shall end; may be null
-    type(c_ptr) :: accuracy_of       !! 'all', 'load', 'area' or null
+    type(c_ptr) :: accuracy_of       !! one of `totals_of_accuracy` or null
   end type c_options
 
   !> `asperity_side` of the header.

@@ -42,6 +42,7 @@ module asperity_accuracy_choice
   type :: run_errors
     real(real64) :: model = 0.0_real64       !! load or separation, by omitted effects and methods
     real(real64) :: area = 0.0_real64        !! real area, by omitted effects and methods
+    real(real64) :: pressure = 1.0_real64    !! greatest pressure; 1: unknown
     real(real64) :: arithmetic = 0.0_real64  !! all totals, by rounding
     real(real64) :: load = 0.0_real64        !! difference to a requested load
   end type run_errors
@@ -54,7 +55,7 @@ contains
   subroutine choose_model(scene_in, tolerance, total, on_cells, chosen)
     type(scene), intent(in) :: scene_in       !! scene, checked, with effects
     real(real64), intent(in) :: tolerance     !! relative error of the totals
-    character(len=*), intent(in) :: total     !! which: `all`, `load` or `area`
+    character(len=*), intent(in) :: total     !! which: one of `totals_of_accuracy`
     logical, intent(in) :: on_cells           !! boundary elements where Hertz is inaccurate
     type(scene), intent(out) :: chosen        !! scene to be solved
     integer :: mode
@@ -124,7 +125,7 @@ contains
     type(scene), intent(in) :: scene_in         !! scene that was solved
     logical, intent(in) :: on_elements          !! boundary elements where Hertz is inaccurate
     type(scene_results), intent(in) :: results  !! results of the scene
-    integer :: column, e, i, m
+    integer :: e, i, m
 
     if (on_elements) errors%area = element_error
     errors%arithmetic = error_bound(scene_in, results%positions)
@@ -149,14 +150,27 @@ contains
         any(scene_in%effects%modes == effect_auto)) &
       errors%model = max(errors%model, scene_in%effects%number('tolerance'))
     if (.not. allocated(results%effects)) return
-    column = findloc(results%effects%state_columns, 'area_error_estimate', 1)
-    if (column == 0) return
-    do m = 1, size(results%positions)
-      if (.not. allocated(results%positions(m)%state_values)) cycle
-      if (size(results%positions(m)%state_values) >= column) &
-        errors%area = max(errors%area, &
-                       safety_factor * max(0.0_real64, results%positions(m)%state_values(column)))
-    end do
+    errors%area = max(errors%area, largest_estimate('area_error_estimate'))
+    if (largest_estimate('pressure_error_estimate') > 0.0_real64) &
+      errors%pressure = largest_estimate('pressure_error_estimate')
+
+  contains
+
+    ! Largest estimate of a column over the positions, with the safety factor; 0: there is none.
+    pure real(real64) function largest_estimate(name) result(largest)
+      character(len=*), intent(in) :: name
+      integer :: column, m
+
+      largest = 0.0_real64
+      column = findloc(results%effects%state_columns == name, .true., 1)
+      do m = 1, merge(size(results%positions), 0, column > 0)
+        if (.not. allocated(results%positions(m)%state_values)) cycle
+        if (size(results%positions(m)%state_values) >= column) &
+          largest = max(largest, results%positions(m)%state_values(column))
+      end do
+      largest = safety_factor * largest
+    end function largest_estimate
+
   end function errors_of_run
 
   ! Relative difference of the load of a state to the requested one.
@@ -174,7 +188,7 @@ contains
   !> Total error of loads and separation, of the area, or the larger one.
   pure real(real64) function total_error(errors, total)
     type(run_errors), intent(in) :: errors   !! errors of a run
-    character(len=*), intent(in) :: total    !! of which: `all`, `load` or `area`
+    character(len=*), intent(in) :: total    !! of which, as `totals_of_accuracy`
 
     total_error = model_error(errors, total) + errors%arithmetic + errors%load
   end function total_error
@@ -184,15 +198,22 @@ contains
     type(run_errors), intent(in) :: errors
     character(len=*), intent(in) :: total
 
-    model_error = 0.0_real64
-    if (total /= 'area') model_error = errors%model
-    if (total /= 'load') model_error = max(model_error, errors%area)
+    select case (total)
+    case ('load')
+      model_error = errors%model
+    case ('area')
+      model_error = errors%area
+    case ('pressure')
+      model_error = errors%pressure
+    case default
+      model_error = max(errors%model, errors%area)
+    end select
   end function model_error
 
   !> First tolerance of boundary elements: their error estimate is about as large.
   pure real(real64) function first_tolerance(accuracy, total) result(first)
     real(real64), intent(in) :: accuracy        !! requested relative error
-    character(len=*), intent(in) :: total       !! of which: `all`, `load` or `area`
+    character(len=*), intent(in) :: total       !! of which, as `totals_of_accuracy`
 
     first = accuracy
     if (total /= 'load') first = max(first, element_error)
@@ -204,7 +225,7 @@ contains
   pure real(real64) function next_tolerance(errors, accuracy, total, tolerance) result(next)
     type(run_errors), intent(in) :: errors      !! errors with the last tolerance
     real(real64), intent(in) :: accuracy        !! requested relative error
-    character(len=*), intent(in) :: total       !! of which: `all`, `load` or `area`
+    character(len=*), intent(in) :: total       !! of which, as `totals_of_accuracy`
     real(real64), intent(in) :: tolerance       !! tolerance of the last run
     real(real64) :: left
 
@@ -252,7 +273,7 @@ contains
     type(run_errors), intent(in) :: errors     !! errors of the run
     logical, intent(in) :: on_pixels           !! whether the pixels of a map are solved
     real(real64), intent(in) :: accuracy       !! requested relative error
-    character(len=*), intent(in) :: total      !! of which: `all`, `load` or `area`
+    character(len=*), intent(in) :: total      !! of which, as `totals_of_accuracy`
     character(len=:), allocatable, intent(inout) :: text  !! begin of the sentence
 
     text = text // &
@@ -261,6 +282,8 @@ contains
            real_text(total_error(errors, 'load'))
     if (errors%area > 0.0_real64) &
       text = text // ', of areas of ' // real_text(total_error(errors, 'area'))
+    if (total == 'pressure') text = text // ', of the greatest pressure of ' // &
+                                    real_text(total_error(errors, 'pressure'))
     call add_proposal(total_error(errors, total), total, text)
     if (on_pixels) text = text // ', or take a map of finer pixels'
     if (total == 'all' .and. total_error(errors, 'load') <= accuracy) &
@@ -270,7 +293,7 @@ contains
   !> Adds the option for an error, where one is possible.
   pure subroutine add_proposal(error, total, text)
     real(real64), intent(in) :: error        !! relative error that a run had
-    character(len=*), intent(in) :: total    !! of which: `all`, `load` or `area`
+    character(len=*), intent(in) :: total    !! of which, as `totals_of_accuracy`
     character(len=:), allocatable, intent(inout) :: text  !! begin of the sentence
 
     if (.not. error < possible_share) return

@@ -11,8 +11,10 @@ module asperity_run_options
 
   public :: check_options, run_options, totals_of_accuracy
 
-  !> Totals whose error an accuracy limits; load stands for the separation under a load.
-  character(len=8), parameter :: totals_of_accuracy(3) = [character(len=8) :: 'all', 'load', 'area']
+  !> Results whose error an accuracy limits: load and area; load, or the separation under a load;
+  !> area; greatest pressure, of maps solved on their pixels.
+  character(len=8), parameter :: totals_of_accuracy(4) = [character(len=8) :: &
+    'all', 'load', 'area', 'pressure']
 
   integer, parameter :: most_threads = 9999  ! largest accepted number of threads
 
@@ -52,7 +54,7 @@ contains
                         'relative error of more than 0 and less than 1, or 0 for none')
     if (all(options%accuracy_of /= totals_of_accuracy)) &
       call problems%add('accuracy_of: found ' // trim(options%accuracy_of) // &
-                        ', expected all, load or area')
+                        ', expected all, load, area or pressure')
     if (options%threads < 0 .or. options%threads > most_threads) &
       call problems%add('threads: found ' // decimal_text(options%threads) // ', expected a ' // &
                         'number from 1 to ' // decimal_text(most_threads) // ', or 0 for all cores')

@@ -42,6 +42,12 @@ contains
       failure = failure(:len(failure) - 1)
       return
     end if
+    if (chosen%accuracy > 0 .and. chosen%accuracy_of == 'pressure' .and. &
+        .not. allocated(scene_in%map)) then
+      failure = 'the error of the greatest pressure is estimated on the pixels of a map: ' // &
+                'expected one, or --of load or --of area'
+      return
+    end if
     ! An accuracy may be reached without interaction, where the scene does not set it.
     associate (on => scene_in%effects%modes /= effect_off, given => scene_in%effects%given)
       if (any(on .and. given < by_word) .and. chosen%accuracy > 0 .and. &
