@@ -1,27 +1,33 @@
 !> Estimated error of the contact of a height map by the size of its pixels.
 !>
 !> The map is solved again on every second pixel along both sides: on the odd ones, and on the even
-!> ones, with adhesion from the attraction of its pixels. With d the larger difference of a result
-!> from that on all pixels, the errors are 0.85 d of the separation at a load, of the load at a
-!> separation and of the mean gap, and the larger of d and half the correction of the rim of the
-!> area. The relative error of the greatest pressure is that of d, or that of the area where it is
-!> larger, as peaks lie between the pixels of all grids
-!> (fitted on balls, waves and self-affine maps at 6 pressures, against closed forms and pixels a
-!> quarter as wide; measured on other kinds: 95 to 98 % of the errors are below the estimate,
-!> reference_output/bench/pixel_estimates.csv; test: test/regression/test_pixel_errors.py). Waves
-!> with crests along the pixels have less accurate estimates.
+!> ones, with adhesion from the attraction of its pixels; the odd ones again likewise, without
+!> adhesion. Let d and D be the root mean squares of both differences of a result, by this and by
+!> the next halving. At second order d and D/4 are each three times the error, and either may be
+!> small by chance. With e the root of the sum of their squares, the errors are e/2 of the
+!> separation at a load, of the load at a separation and of the mean gap. That of the area is the
+!> largest of e, half of the correction of the rim, and that of straight rims: each straight piece
+!> of a rim along the pixels lies up to half a pixel from its sides, and the errors of pieces are
+!> independent. The relative error of the greatest pressure is that of e, or that of the area where
+!> it is larger, as peaks lie between the pixels of all grids (measured:
+!> reference_output/bench/pixel_estimates.csv; test: test/regression/test_pixel_errors.py).
+!> Without D, with adhesion or below 8 pixels, all errors are e.
+!>
+!> They are errors of a surface that is smooth between the pixels. Of a map that is rough at their
+!> size they are those of pixels a quarter as wide: no order is assumed, e has D in place of D/4,
+!> and all errors are e. Its slope grows on by the observed ratio, and the area is inverse to the
+!> slope (Persson, J. Chem. Phys. 115 (2001) 3840): its error is at least the growth. The greatest
+!> pressure has no estimate, as it grows with the slope and with the number of peaks.
 !>
 !> With creep they are those of the elastic state of the same displacements, with its own load (Lee
 !> and Radok 1960), which holds as long as no pixel has left the contact.
-!>
-!> They are errors of a surface that is smooth between the pixels. Of a map that is rough at their
-!> size finer pixels would show more, which no coarser ones tell.
 !>
 !> A height map on fewer or more pixels.
 module asperity_map_error
   use asperity_contact_records, only: state_row
   use asperity_height_map, only: height_map, index_beside, is_measured, no_height
   use asperity_kinds, only: not_computed, real64
+  use asperity_map_adhesion, only: adhesion_history
   use asperity_map_contact, only: map_answer, most_load
   use asperity_map_fields, only: measure_fields
   use asperity_map_patches, only: find_patches, map_patch
@@ -40,8 +46,9 @@ module asperity_map_error
     real(real64) :: pressure = not_computed  !! of the greatest pressure
   end type pixel_errors
 
-  ! Share of the difference by half the pixels that is the error (measured, see above).
-  real(real64), parameter :: share_of_difference = 0.85_real64
+  ! Error over the difference by half the pixels: 1/3 at second order, with a safety factor of 1.5
+  ! (chosen); and that difference over the one before.
+  real(real64), parameter :: share_of_difference = 0.5_real64, second_order = 0.25_real64
   ! Tolerance of the gaps over the range of heights (chosen: the differences are larger by far).
   real(real64), parameter :: closed_halves = 1.0e-6_real64
   ! Growth of the slope by the last halving of the pixel over that by the one before, above which a
@@ -49,8 +56,18 @@ module asperity_map_error
   ! self-affine surface, at least 0.63 where that ends at two pixels (chosen; test: waves and random
   ! maps in test/regression/test_pixel_errors.py).
   real(real64), parameter :: rough_growth = 0.6_real64
+  ! The same of independent heights (derived: their slope is inverse to the size of the pixel).
+  real(real64), parameter :: fastest_growth = 2.0_real64
   ! Least number of pixels along a side (chosen: halves of two are no maps).
   integer, parameter :: least_side = 4
+
+  ! A solution on all pixels of a map, or on every second one.
+  type :: solved_map
+    type(height_map) :: map
+    type(adhesion_history) :: adhesion
+    type(map_answer) :: answer
+    real(real64) :: totals(5) = 0.0_real64  ! level, load, area, mean gap, greatest pressure
+  end type solved_map
 
 contains
 
@@ -65,77 +82,157 @@ contains
     type(state_row), intent(in) :: state        !! totals of this solution
     logical, intent(in) :: by_load              !! the load is prescribed, else the separation
     type(pixel_errors), intent(out) :: errors   !! errors of this solution
-    type(map_answer) :: elastic, of_half, unsolved
-    type(map_history) :: its_history, no_history
+    type(solved_map) :: elastic, half, quarter
     type(map_laws) :: its_laws
-    type(height_map) :: half
-    type(map_patch), allocatable :: patches_of_half(:)
-    real(real64), allocatable :: load
-    type(state_row) :: state_of_half
-    real(real64) :: difference(5)
-    integer :: first
+    real(real64) :: before(5), difference(5), growth
+    logical :: is_known
 
-    if (any(shape(map%height) < least_side)) return
-    elastic = answer
+    elastic%map = map
+    elastic%adhesion = history%adhesion
+    elastic%answer = answer
     its_laws = laws
     if (allocated(laws%solid)) then
       deallocate (its_laws%solid)
-      elastic%pressure = history%creep%elastic
-      elastic%load = sum(elastic%pressure) * product(map%pixel_spacing)
+      elastic%answer%pressure = history%creep%elastic
+      elastic%answer%load = sum(history%creep%elastic) * product(map%pixel_spacing)
       ! Where a pixel has left the contact the surface has not recovered.
-      if (.not. sum(abs(elastic%pressure), mask=.not. answer%pressure > 0.0_real64) <= &
-          closed_halves * sum(abs(elastic%pressure))) return
+      if (.not. sum(abs(history%creep%elastic), mask=.not. answer%pressure > 0.0_real64) <= &
+          closed_halves * sum(abs(history%creep%elastic))) return
     end if
-    difference = 0.0_real64
-    do first = 1, 2
-      half = every_pixel(map, 2, first)
-      if (.not. any(is_measured(half%height))) return
-      of_half = unsolved
-      of_half%level = answer%level
-      of_half%interrupt = answer%interrupt
-      of_half%pressure = elastic%pressure(first::2, first::2)
-      if (by_load) load = elastic%load
-      if (by_load .and. allocated(laws%hardness)) load = min(load, most_load(half, laws%hardness))
-      its_history = no_history
-      its_history%deformed = half
-      if (allocated(laws%attraction)) then
-        its_history%adhesion%attraction = history%adhesion%attraction(first::2, first::2)
-        its_history%adhesion%contact_pressure = &
-          history%adhesion%contact_pressure(first::2, first::2)
-      end if
-      call solve_map_state(its_laws, 0.0_real64, its_history, of_half, load, closed_halves)
-      if (allocated(of_half%failure)) return
-      if (allocated(laws%attraction)) then
-        call find_patches(half, its_history%adhesion%contact_pressure, patches_of_half)
-      else
-        call find_patches(half, of_half%pressure, patches_of_half, hardness=laws%hardness)
-      end if
-      call measure_fields(half, of_half, state_of_half)
-      difference = max(difference, abs( &
-        [of_half%level, of_half%load, sum(patches_of_half%area), state_of_half%mean_gap, &
-         maxval(of_half%pressure)] - &
-        [answer%level, elastic%load, state%area, state%mean_gap, maxval(elastic%pressure)]))
-    end do
-    errors%area = max(difference(3), 0.5_real64 * sum(patches%rim))
-    errors%gap = share_of_difference * difference(4)
-    errors%pressure = state%greatest_pressure * max(errors%area / state%area, &
-      difference(5) / max(maxval(elastic%pressure), tiny(difference)))
-    if (by_load) errors%level = share_of_difference * difference(1)
-    if (.not. by_load) &
-      errors%load = share_of_difference * difference(2) * answer%load / elastic%load
+    elastic%totals = [answer%level, elastic%answer%load, state%area, state%mean_gap, &
+                      maxval(elastic%answer%pressure)]
+    call compare_halves(elastic, its_laws, by_load, half, difference, is_known)
+    if (.not. is_known) return
+    growth = growth_of_slope(map)
+    is_known = .not. allocated(laws%attraction)
+    if (is_known) call compare_halves(half, its_laws, by_load, quarter, before, is_known)
+    if (is_known) difference = hypot(difference, before * &
+                                     merge(1.0_real64, second_order, growth > 0.0_real64))
+    errors%area = max(difference(3), 0.5_real64 * sum(patches%rim), growth * state%area)
+    if (allocated(laws%attraction)) then
+      errors%area = max(errors%area, error_of_rims(map, history%adhesion%contact_pressure))
+    else
+      errors%area = max(errors%area, error_of_rims(map, answer%pressure))
+    end if
+    if (.not. growth > 0.0_real64) errors%pressure = state%greatest_pressure * max( &
+      errors%area / state%area, difference(5) / max(elastic%totals(5), tiny(difference)))
+    ! One difference alone has no order.
+    if (is_known .and. .not. growth > 0.0_real64) difference = share_of_difference * difference
+    errors%gap = difference(4)
+    if (by_load) errors%level = difference(1)
+    if (.not. by_load) errors%load = difference(2) * answer%load / elastic%answer%load
   end subroutine estimate_pixel_errors
+
+  ! Solves every second pixel of a map, the odd and the even ones, and compares the totals.
+  subroutine compare_halves(full, laws, by_load, half, difference, is_known)
+    type(solved_map), intent(in) :: full
+    type(map_laws), intent(in) :: laws
+    logical, intent(in) :: by_load
+    type(solved_map), intent(out) :: half          ! of the odd pixels
+    real(real64), intent(out) :: difference(5)     ! of both, root mean square
+    logical, intent(out) :: is_known               ! the map has so many pixels; both are solved
+    type(solved_map) :: one, unsolved
+    type(map_history) :: history, no_history
+    type(map_patch), allocatable :: patches(:)
+    real(real64), allocatable :: load
+    type(state_row) :: state
+    integer :: first
+
+    is_known = .false.
+    difference = 0.0_real64
+    if (any(shape(full%map%height) < least_side)) return
+    do first = 2, 1, -1
+      one = unsolved
+      one%map = every_pixel(full%map, 2, first)
+      if (.not. any(is_measured(one%map%height))) return
+      one%answer%level = full%answer%level
+      one%answer%interrupt = full%answer%interrupt
+      one%answer%pressure = full%answer%pressure(first::2, first::2)
+      if (by_load) load = full%answer%load
+      if (by_load .and. allocated(laws%hardness)) &
+        load = min(load, most_load(one%map, laws%hardness))
+      history = no_history
+      history%deformed = one%map
+      if (allocated(laws%attraction)) then
+        history%adhesion%attraction = full%adhesion%attraction(first::2, first::2)
+        history%adhesion%contact_pressure = full%adhesion%contact_pressure(first::2, first::2)
+      end if
+      call solve_map_state(laws, 0.0_real64, history, one%answer, load, closed_halves)
+      if (allocated(one%answer%failure)) return
+      one%adhesion = history%adhesion
+      if (allocated(laws%attraction)) then
+        call find_patches(one%map, one%adhesion%contact_pressure, patches)
+      else
+        call find_patches(one%map, one%answer%pressure, patches, hardness=laws%hardness)
+      end if
+      call measure_fields(one%map, one%answer, state)
+      one%totals = [one%answer%level, one%answer%load, sum(patches%area), state%mean_gap, &
+                    maxval(one%answer%pressure)]
+      difference = hypot(difference, one%totals - full%totals)
+    end do
+    difference = difference / sqrt(2.0_real64)
+    half = one
+    is_known = .true.
+  end subroutine compare_halves
+
+  ! Error of the area by the straight pieces of rims: of each half a pixel over its length; the
+  ! root of the sum of squares. Where the body ends, at an edge or a missing pixel, is no rim.
+  pure real(real64) function error_of_rims(map, pressure) result(error)
+    type(height_map), intent(in) :: map
+    real(real64), intent(in) :: pressure(:, :)
+    logical, allocatable :: beyond(:, :), rim(:, :), line(:)
+    integer :: along, i, length, side
+
+    error = 0.0_real64
+    do side = -2, 2
+      if (side == 0) cycle
+      beyond = pressure > 0.0_real64 .or. .not. is_measured(map%height)
+      if (map%repeats(abs(side))) then
+        beyond = cshift(beyond, sign(1, side), abs(side))
+      else
+        beyond = eoshift(beyond, sign(1, side), .true., abs(side))
+      end if
+      rim = pressure > 0.0_real64 .and. .not. beyond
+      if (abs(side) == 1) rim = transpose(rim)
+      do i = 1, size(rim, 2)
+        line = rim(:, i)
+        ! A piece that goes on beyond the end of a periodic map is in one piece.
+        if (map%repeats(3 - abs(side)) .and. .not. all(line)) &
+          line = cshift(line, findloc(line, .false., 1))
+        length = 0
+        do along = 1, size(line)
+          length = merge(length + 1, 0, line(along))
+          ! The squares 1, 3, 5, ... of a piece add up to that of its length.
+          if (length > 0) error = error + 2 * length - 1
+        end do
+      end do
+    end do
+    error = 0.5_real64 * sqrt(error) * product(map%pixel_spacing)
+  end function error_of_rims
 
   !> Whether a map is rough at the size of its pixels: its slope by differences over 1, 2 and 4
   !> pixels does not converge.
   pure logical function is_rough_at_pixels(map)
     type(height_map), intent(in) :: map  !! levelled height map
-    real(real64) :: slope(0:2)
+
+    is_rough_at_pixels = growth_of_slope(map) > 0.0_real64
+  end function is_rough_at_pixels
+
+  ! Relative growth of the slope of a map that is rough at the size of its pixels, by differences
+  ! over 1, 2 and 4 of them, to pixels a quarter as wide; 0: it is not rough.
+  pure real(real64) function growth_of_slope(map) result(growth)
+    type(height_map), intent(in) :: map
+    real(real64) :: ratio, slope(0:2)
     integer :: k
 
-    is_rough_at_pixels = .false.
+    growth = 0.0_real64
     if (any(shape(map%height) <= 4)) return
     slope = [(norm2([slope_over(2**k, 1), slope_over(2**k, 2)]), k=0, 2)]
-    is_rough_at_pixels = slope(0) - slope(1) > rough_growth * max(0.0_real64, slope(1) - slope(2))
+    ratio = fastest_growth
+    if (slope(1) > slope(2)) &
+      ratio = min(ratio, (slope(0) - slope(1)) / (slope(1) - slope(2)))
+    if (slope(0) > slope(1) .and. ratio > rough_growth) &
+      growth = (1.0_real64 - slope(1) / slope(0)) * (ratio + ratio**2)
 
   contains
 
@@ -161,7 +258,7 @@ contains
       slope = sqrt(slope / max(1, number)) / (distance * map%pixel_spacing(axis))
     end function slope_over
 
-  end function is_rough_at_pixels
+  end function growth_of_slope
 
   !> The map on every second pixel or fewer. A periodic map keeps its lengths: where the step does
   !> not divide its number of pixels, they are a little narrower.

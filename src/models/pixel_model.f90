@@ -427,9 +427,10 @@ contains
         call estimate_pixel_errors(self%map, model%laws, self%history, answer, self%patches, &
                                    state, by_load, errors)
       if (errors%area > not_computed) other_errors = &
-        [errors%area, errors%gap, errors%pressure] / &
+        [errors%area, errors%gap, max(0.0_real64, errors%pressure)] / &
         [state%area, max(state%mean_gap, errors%gap, tiny(errors%gap)), &
          max(state%greatest_pressure, errors%pressure, tiny(errors%gap))]
+      if (.not. errors%pressure > not_computed) other_errors(3) = not_computed
       if (errors%load > not_computed .and. abs(answer%load) > 0.0_real64) &
         result%error_estimate = errors%load / abs(answer%load)
       if (errors%level > not_computed .and. state%compression > 0.0_real64) &

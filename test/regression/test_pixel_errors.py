@@ -9,7 +9,7 @@ import pytest
 
 from map_press_truth import rough
 from programs import run_program
-from surfaces_csv import records, write_scene
+from surfaces_csv import records, write_plane_scene, write_scene
 
 E = 2.0
 N = 40
@@ -38,8 +38,9 @@ def ball(random):
 
 def finer(asperity, folder, random, kind):
     """A random surface of no waves shorter than 4 to 16 pixels, solved on pixels a quarter as
-    wide."""
-    fine = rough(4 * N, longest=0.5, shortest=random.uniform(16, 64), seed=random.integers(10**6))
+    wide; rough: of waves down to half a pixel."""
+    shortest = 2 if kind == "rough" else random.uniform(16, 64)
+    fine = rough(4 * N, longest=0.5, shortest=shortest, seed=random.integers(10**6))
     slope = np.sqrt(sum((np.diff(fine, axis=a) ** 2).mean() for a in (0, 1))) * 4
     load = 10 ** random.uniform(-1.7, -0.3) * E * slope / 2 * N**2
     effects = None
@@ -57,10 +58,10 @@ def finer(asperity, folder, random, kind):
     return fine[::4, ::4], 1.0, "periodic", load, (true["separation"], true["area"]), effects
 
 
-@pytest.mark.parametrize("kind", ["ball", "random", "plastic", "adhesive", "creeping"])
+@pytest.mark.parametrize("kind", ["ball", "random", "rough", "plastic", "adhesive", "creeping"])
 def test_estimates_cover_the_errors(asperity, tmp_path, tally, kind):
     """Of 10 maps of each kind: at most one error of a kind is above its estimate, none 2.5 times,
-    and the median estimate is at most 15 errors. (Of 60: 97 to 100 % are below, 2.4 to 9.3.)"""
+    and the median estimate is at most 15 errors."""
     random = np.random.default_rng(3)
     ratios = []
     for _ in range(10):
@@ -76,6 +77,22 @@ def test_estimates_cover_the_errors(asperity, tmp_path, tally, kind):
     assert ((ratios > 1).sum(axis=0) <= 1).all() and ratios.max() < 2.5, ratios
     assert (np.median(1 / ratios, axis=0) < 15).all(), ratios
     tally.add("errors of pixels", ratios.size, ratios.size)
+
+
+def test_errors_of_straight_rims(asperity, tmp_path):
+    """Waves with crests along the rows, whose rims all err by the same part of a pixel: at most two
+    errors of the area are above the estimate, none 1.5 times (2.1 times without the straight
+    pieces). Westergaard: under a pressure p the share 2/pi asin(sqrt(p l/(pi E g))) of the length l
+    of a height g."""
+    length, height = 10.0, 0.05
+    wave = height * np.cos(2 * np.pi * (np.arange(N) + 0.3) / length)[:, None] + np.zeros((N, N))
+    ratios = []
+    for share in np.linspace(0.1, 0.7, 13):
+        found = solve(asperity, tmp_path, wave, 1.0, control="load",
+                      value=float(share * np.pi * E * height / length * N**2))
+        area = 2 / np.pi * np.arcsin(np.sqrt(share)) * N**2
+        ratios.append(abs(found["area"] / area - 1) / found["area_error_estimate"])
+    assert (np.array(ratios) > 1).sum() <= 2 and max(ratios) < 1.5, ratios
 
 
 def test_a_separation_has_an_error_of_the_load(asperity, tmp_path):
@@ -157,7 +174,8 @@ def test_maps_rough_at_their_pixels(asperity, tmp_path, kind, is_rough):
             height = np.random.default_rng(seed).standard_normal((N, N + 3))
         else:
             height = rough(N, shortest=kind, seed=seed)
-        solve(asperity, tmp_path, height, 1.0, edge, control="load", value=load)
+        found = solve(asperity, tmp_path, height, 1.0, edge, control="load", value=load)
+        assert ("pressure_error_estimate" in found) != is_rough  # it grows without limit
         told = run_program(asperity, "solve", tmp_path / "m.scene").stderr
         assert "not resolved by the pixels of the map" in told
         assert ("(it is rough at their size)" in told) == is_rough
@@ -174,6 +192,18 @@ def test_mean_gap_and_greatest_pressure(asperity, tmp_path):
     error = abs(greatest / (2 * E * 0.02 / np.pi) - 1)
     assert 0 < error < found["pressure_error_estimate"] < 0.2
     assert re.search("error estimate: compression .*, contact area .*, greatest pressure ", told)
+    # An accuracy of this pressure alone: met, or refused with an option that is; not of asperities.
+    asked = "--of", "pressure", "--accuracy"
+    estimate = found["pressure_error_estimate"]
+    run_program(asperity, "solve", tmp_path / "m.scene", *asked, 1.6 * estimate)
+    told = run_program(asperity, "solve", tmp_path / "m.scene", *asked, "1e-3", status=1).stderr
+    option = re.search(r"set --accuracy (\S+) --of pressure", told)
+    assert error < float(option[1])
+    run_program(asperity, "solve", tmp_path / "m.scene", *asked, option[1])
+    alone = write_plane_scene(tmp_path / "alone", [(0.0, 0.0, 0.1, 1.0)],
+                              loading={"control": "load", "value": 1.0})
+    told = run_program(asperity, "solve", alone, *asked, "1e-3", status=1).stderr
+    assert "expected one, or --of load or --of area" in told
     waves = [np.cos(np.arange(4 * N) * 2 * np.pi / 40 + phase) for phase in (0.3, 0.7)]
     fine = waves[0] + waves[1][:, None]
     true, coarse = (solve(asperity, tmp_path, h, spacing, control="load", value=0.01 * E * N**2)
