@@ -163,16 +163,16 @@ def scale_constants(parts):
     rows = []
     for one in (one for room in ROOMS for one in constants(room) if one.source):
         name, test = f"{one.file}:{one.name}", one.test or ROOM_TESTS[one.room]
-        row = {"constant": name, "test": test}
+        row = {"constant": name, "reason": one.source, "test": test}
         if not parts or any(part in name for part in parts):
             for factor in ("up", "down"):
                 row[factor], failure = outcome(*scaled(one, factor), test)
                 row["first test that fails"] = failure or row.get("first test that fails", "")
             print(*row.values(), sep=",", flush=True)
-        rows.append(old.get(name, row) if len(row) == 2 else row)
+        rows.append({**old.get(name, {}), **row})
     with open(KEPT, "w", encoding="utf-8", newline="") as file:
-        table = csv.DictWriter(file, ["constant", "test", "up", "down", "first test that fails"],
-                               lineterminator="\n")
+        table = csv.DictWriter(file, ["constant", "reason", "test", "up", "down",
+                                      "first test that fails"], lineterminator="\n")
         table.writeheader()
         table.writerows(rows)
 

@@ -4,8 +4,9 @@
 !> positive definite, else that of the convex model (circle_products), factored as L D L'.
 module asperity_circle_blocks
   use asperity_circle_field, only: are_close, circle_set, close_distance, compliance, &
-                                   direction_x, direction_y, first_slope, least_curvature_share, &
-                                   pair_hessian, second_slope, thread_threshold
+                                   direction_x, direction_y, first_slope, large_set, &
+                                   least_curvature_share, pair_hessian, second_slope
+  use asperity_coarse_circles, only: circles_per_square
   use asperity_circle_products, only: convex_hessian
   use asperity_index_groups, only: gather_groups
   use asperity_kinds, only: real64
@@ -22,10 +23,6 @@ module asperity_circle_blocks
     real(real64), allocatable :: factor(:)          !! L of L D L', with D as its diagonal
   end type circle_blocks
 
-  ! Circles in a block at most [1]: a factor takes the third power of it; measured, 6 and 24 take 5
-  ! to 10 % longer on dense scenes.
-  integer, parameter :: most_in_block = 12
-
 contains
 
   !> Finds the blocks.
@@ -35,7 +32,7 @@ contains
     logical :: overlap(size(set%one)), near(size(set%one))
     integer :: k, m
 
-    !$omp parallel do schedule(static) if(size(near) > thread_threshold)
+    !$omp parallel do schedule(static) if(size(near) > large_set)
     do k = 1, size(near)
       overlap(k) = are_close(set, set%one(k), set%other(k), 1.0_real64)
       near(k) = are_close(set, set%one(k), set%other(k), close_distance) .and. .not. overlap(k)
@@ -46,7 +43,8 @@ contains
     call gather_groups([pack(set%one, overlap), pack(set%one, near)], &
                        [pack(set%other, overlap), pack(set%other, near)], &
                        spread(.true., 1, count(overlap) + count(near)), &
-                       spread(.true., 1, size(set%x)), most_in_block, blocks%member, blocks%first)
+                       spread(.true., 1, size(set%x)), int(circles_per_square), blocks%member, &
+                       blocks%first)
     allocate (blocks%start(size(blocks%first)))
     blocks%start(1) = 1
     do k = 1, size(blocks%first) - 1
@@ -65,7 +63,7 @@ contains
     integer :: k
     logical :: is_definite
 
-    !$omp parallel do schedule(dynamic, 64) private(is_definite) if(size(set%x) > thread_threshold)
+    !$omp parallel do schedule(dynamic, 64) private(is_definite) if(size(set%x) > large_set)
     do k = 1, size(blocks%first) - 1
       associate (member => blocks%member(blocks%first(k):blocks%first(k + 1) - 1), &
                  factor => blocks%factor(blocks%start(k):blocks%start(k + 1) - 1))
@@ -164,7 +162,7 @@ contains
     real(real64), intent(out) :: change(:, :)      !! solutions (3, circle)
     integer :: k
 
-    !$omp parallel do schedule(static) if(size(left, 2) > thread_threshold)
+    !$omp parallel do schedule(static) if(size(left, 2) > large_set)
     do k = 1, size(blocks%first) - 1
       call solve_one(blocks%member(blocks%first(k):blocks%first(k + 1) - 1), &
                      3 * (blocks%first(k + 1) - blocks%first(k)), &

@@ -34,8 +34,9 @@
 !> step is limited to this range, and its whole size counts in the error.
 module asperity_circle_correction
   use asperity_circle_field, only: are_close, circle_set, compliance, direction_x, direction_y, &
-                                   first_slope, hessian_anisotropy, most_inner_iterations, &
-                                   relative_position, second_slope, sum_error, thread_threshold
+                                   first_slope, hessian_anisotropy, large_set, &
+                                   least_curvature_share, linear_residual, relative_position, &
+                                   second_slope, sum_error
   use asperity_circle_step, only: circle_model, find_step, prepare_model, trust_step
   use asperity_constants, only: pi
   use asperity_interruption, only: interruption
@@ -62,22 +63,15 @@ module asperity_circle_correction
     real(real64), allocatable :: shared_area_error(:)  !! further errors of the area, which add up
   end type circle_correction
 
-  ! Least curvature of a contact in a field [1], a share of its own: below it the terms are taken at
-  ! this curvature; chosen, overlapping circles alone have less.
-  real(real64), parameter :: least_curvature = 0.2_real64
-  ! Share of the equations of the correction that is left [1]; chosen: the correction is below 0.05
-  ! of the load, and its own error below 0.1 of it.
-  real(real64), parameter :: correction_residual = 1.0e-3_real64
   ! Sums of radii [1] below which circles are close, and factor of the error of their loads over
   ! those of others; measured on 306 scenes against boundary elements, kept by 155 of 156 others.
   real(real64), parameter :: close_share = 0.9_real64, close_factor = 3.0_real64
   ! Error of the area of a circle over its change by curvature [1]; measured on the 401 scenes of
   ! reference_output/interaction/dense.csv, of which 99 % keep the estimate.
   real(real64), parameter :: curvature_share = 0.25_real64
-  ! The same over its change by overlap [1], of one circle (derived: the true area is between those
-  ! with and without the change, midway at best), and of all in common (measured: up to 0.145 on the
-  ! caps of reference_output/interaction/rough.csv).
-  real(real64), parameter :: overlap_share = 0.5_real64, common_share = 0.15_real64
+  ! The same of all circles in common over their change by overlap [1]; measured, up to 0.145 on the
+  ! caps of reference_output/interaction/rough.csv.
+  real(real64), parameter :: common_share = 0.15_real64
 
 contains
 
@@ -108,7 +102,7 @@ contains
     correction%tangent = sum(by_compression%change(1, :))
     lowering = set%displacement + 0.5_real64 * set%curvature * sum(set%shift**2, dim=1)
     ! The load is linear in the compression but for the limits: few iterations.
-    do try = 1, most_inner_iterations
+    do try = 1, digits(excess)
       correction%load_change = limited_changes()
       excess = sum(set%load_share * correction%load_change)
       if (.not. keeps_load .or. abs(excess) <= sum_error * &
@@ -150,7 +144,7 @@ contains
       products = 0
       radius = huge(radius)**0.25_real64
       model%gradient(1, :) = by_load
-      call find_step(set, model, correction_residual, radius, response, products, interrupt)
+      call find_step(set, model, linear_residual, radius, response, products, interrupt)
     end subroutine find_response
 
   end subroutine find_correction
@@ -192,16 +186,17 @@ contains
         uncovered(j) = uncovered(j) * (1 - ceded_share(distance / radius(j), radius(i) / radius(j)))
       end associate
     end do
-    change = max(1 + curvature(1, :), least_curvature)**(-2.0_real64 / 3)
+    change = max(1 + curvature(1, :), least_curvature_share)**(-2.0_real64 / 3)
     oval = change * 2.0_real64 / 9 * min(1.0_real64, curvature(2, :))
     change = merge(0.0_real64, change + oval - 1, set%shift_fixed)
     weight = min(1.0_real64, max(0.0_real64, reach))**2
     correction%area_ratio = (1 + weight * change) * uncovered
     circle = (radius / maxval(radius))**2
     circle = circle / sum(circle * correction%area_ratio)
+    ! The true area is between those with and without what overlaps change: midway at best.
     lost = circle * (uncovered * (1 - weight) * abs(change) + 1 - uncovered)
     correction%area_error = circle * uncovered * weight * curvature_share * abs(change) + &
-                            overlap_share * lost
+                            0.5_real64 * lost
     correction%shared_area_error = circle * uncovered * weight * abs(oval) + common_share * lost
   end subroutine correct_areas
 
@@ -241,7 +236,7 @@ contains
     n = size(set%x)
     allocate (terms(7, size(set%one)), far(6, n))
     call find_pair_terms(set, terms)
-    !$omp parallel do schedule(static) if(n > thread_threshold)
+    !$omp parallel do schedule(static) if(n > large_set)
     do i = 1, n
       call find_own_terms(set, terms, i, curvature(:, i), gain(i), gradient(i), by_axial(i), &
                           by_oval(i))
@@ -250,7 +245,7 @@ contains
     ! Far circles: C - M is the Laplacian of 1/r times a**2/15.
     call sum_sources(set%tree, by_axial * set%radius**2 / 15, spread(0.0_real64, 1, n), far, &
                      set%shift_since)
-    !$omp parallel do schedule(static) private(j, k, l) if(n > thread_threshold)
+    !$omp parallel do schedule(static) private(j, k, l) if(n > large_set)
     do i = 1, n
       gradient(i) = gradient(i) - far(2, i) / pi
       do l = set%tree%first(i), set%tree%first(i + 1) - 1
@@ -274,7 +269,7 @@ contains
     real(real64) :: r
     integer :: k
 
-    !$omp parallel do schedule(static) private(r, mutual) if(size(set%one) > thread_threshold)
+    !$omp parallel do schedule(static) private(r, mutual) if(size(set%one) > large_set)
     do k = 1, size(set%one)
       associate (a => set%radius(set%one(k)), b => set%radius(set%other(k)))
         r = norm2(relative_position(set, set%one(k), set%other(k)))
@@ -323,7 +318,7 @@ contains
     associate (load => set%load(i), a => set%radius(i), own_oval => set%own_oval(i))
       p = 0.75_real64 * load / a
       curvature(1) = 7.5_real64 * q / p
-      bend = max(1 + curvature(1), least_curvature)
+      bend = max(1 + curvature(1), least_curvature_share)
       axial_gain = 0.6_real64 * p * load * (1 + curvature(1) / 3 - bend**(1.0_real64 / 3))
       ! R D/2, as products of radii would underflow: a**5 D**2 is 3 p V (R D/2)**2.
       half_difference = a**2 / (2 * p) * oval

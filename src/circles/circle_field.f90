@@ -51,26 +51,19 @@ module asperity_circle_field
   !> The same over few circles [1], and error of a given load; measured in mutual_suite.
   real(real64), parameter, public :: rounding_error = 1.0e-13_real64
 
-  !> Largest numbers of conjugate-gradient iterations [1], chosen, dense scenes need 60; and of
-  !> iterations on few unknowns: a group, a place of contact, squares; chosen, they need 10.
-  integer, parameter, public :: most_iterations = 400, most_inner_iterations = 40
-
-  !> Circles or near pairs [1] above which threads share the work, without a change of results;
-  !> chosen: fewer take microseconds.
-  integer, parameter, public :: thread_threshold = 1000
+  !> Least share of linear equations that a solve leaves [1]; derived: the sums of a product are in
+  !> error by 2e-4.
+  real(real64), parameter, public :: linear_residual = 1.0e-3_real64
 
   !> Circles [1] above which a set is large: sums have the error `sum_error`, the residual of a
-  !> solution is larger, neighbour lists are kept to the end, and total loads are sums of partial
-  !> sums of so many; chosen; test: coupled_suite.f90.
+  !> solution is larger, neighbour lists are kept to the end, total loads are sums of partial sums
+  !> of so many, a group has no more, and threads share the work; chosen; test: coupled_suite.f90.
   integer, parameter, public :: large_set = 1000
 
   ! Memory, bytes, an upper estimate that is compared with what is available. Near pair: 56 of its
   ! terms, 24 of its circles and places in lists, 56 of the lists that blocks are made from. Circle:
-  ! 864 of a full block of 12, 440 of set and step, the rest for the tree; derived.
-  integer(int64), parameter :: bytes_of_pair = 136_int64, bytes_of_circle = 1600_int64
-
-  ! Pairs [1] whose terms are found together; chosen, some MB.
-  integer, parameter :: batch_size = 65536
+  ! 1152 of a full block of 16, 440 of set and step, the rest for the tree; derived.
+  integer(int64), parameter :: bytes_of_pair = 136_int64, bytes_of_circle = 1900_int64
 
   !> Loaded contacts, one a circle, and their field. Arrays have one element, or column, a circle.
   type :: circle_set
@@ -201,17 +194,18 @@ contains
 
     n = size(set%x)
     set%shift_since = set%shift - set%listed(2:, :)
-    allocate (far(6, n), batch(min(batch_size, size(set%one))))
+    ! The terms of as many pairs at a time as there are circles.
+    allocate (far(6, n), batch(min(n, size(set%one))))
     call sum_sources(set%tree, set%load, hertz_spread * set%radius**2, far, set%shift_since)
-    !$omp parallel do schedule(static) if(n > thread_threshold)
+    !$omp parallel do schedule(static) if(n > large_set)
     do k = 1, n
       call set_far_field(set, k, far(:, k))
     end do
     !$omp end parallel do
     set%energy = 0.5_real64 * sum(set%load * (far(1, :) + hertz_spread * set%radius**2 * far(2, :)))
-    do from = 1, size(set%one), batch_size
-      to = min(from + batch_size - 1, size(set%one))
-      if (to - from <= thread_threshold) then
+    do from = 1, size(set%one), n
+      to = min(from + n - 1, size(set%one))
+      if (to - from <= large_set) then
         do k = from, to
           call find_terms(set, k, batch(k - from + 1))
           call add_displacements(set, k, batch(k - from + 1))

@@ -6,7 +6,7 @@
 !> contact by its law is integrated.
 module asperity_circle_potential
   use asperity_circle_field, only: circle_set, inclination_factor, large_set, rounding_error, &
-                                   sum_error, thread_threshold
+                                   sum_error
   use asperity_contact_law, only: contact_law, contact_response
   use asperity_contact_pairs, only: contact_pairs
   use asperity_coupled_state, only: answer_at, coupled_solution, solve_state
@@ -25,7 +25,7 @@ module asperity_circle_potential
     type(solve_state) :: state                    !! gradient and residual
   end type potential_state
 
-  ! Gauss and Legendre's rule of three points on -1 to 1.
+  ! The rule of Gauss and Legendre of three points on -1 to 1; derived.
   real(real64), parameter :: nodes(3) = sqrt(0.6_real64) * [-1, 0, 1]
   real(real64), parameter :: weights(3) = [5, 8, 5] / 18.0_real64
 
@@ -81,7 +81,7 @@ contains
                         (solution%compression - before%compression), &
                         load(:, 2), &
                         gradient(:, 2), circle(:, 2))
-    !$omp parallel do schedule(static) if(n > thread_threshold)
+    !$omp parallel do schedule(static) if(n > large_set)
     do i = 1, n
       part(i) = 0.0_real64
       if (all(circle(i, :) == 0)) cycle

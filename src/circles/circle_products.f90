@@ -6,9 +6,9 @@
 !> circles. It raises the second derivatives by the own shift until they are positive definite.
 module asperity_circle_products
   use asperity_circle_field, only: circle_set, compliance, direction_x, direction_y, first_slope, &
-                                   flat_spread, hessian_anisotropy, least_curvature_share, &
-                                   pair_hessian, second_slope, slope_over_distance, &
-                                   thread_threshold
+                                   flat_spread, hessian_anisotropy, large_set, &
+                                   least_curvature_share, pair_hessian, second_slope, &
+                                   slope_over_distance
   use asperity_constants, only: pi
   use asperity_kinds, only: real64
   use asperity_source_tree, only: sum_sources
@@ -64,7 +64,7 @@ contains
       call sum_sources(set%tree, change(1, :), flat_spread * set%radius**2, far, set%shift_since, &
                        low_order=.true., dipole=spread(set%load, 1, 2) * change(2:, :))
     end if
-    !$omp parallel do schedule(static) if(n > thread_threshold) &
+    !$omp parallel do schedule(static) if(n > large_set) &
     !$omp   private(i, j, k, l, row, relative_shift, slope_own, slope_other, direction)
     do i = 1, n
       row(1) = far(1, i) / pi + change(1, i) / set%stiffness(i)

@@ -10,7 +10,7 @@
 !> the border).
 module asperity_circle_step
   use asperity_circle_blocks, only: circle_blocks, factor_blocks, find_blocks, solve_blocks
-  use asperity_circle_field, only: circle_set, most_iterations
+  use asperity_circle_field, only: circle_set
   use asperity_circle_products, only: multiply
   use asperity_coarse_circles, only: circles_per_square, coarse_circles, gather_squares, &
                                      shared_change, sum_of_squares
@@ -112,7 +112,7 @@ contains
       scaled_direction = model%weight * direction
       radius = sqrt(sum(scaled_direction**2))
     end if
-    do round = 1, most_iterations
+    do round = 1, size(residual)
       if (.not. inner_product > accuracy**2 * first_product .or. interrupt%is_asked()) exit
       call multiply(set, model%convex, direction, image)
       products = products + 1

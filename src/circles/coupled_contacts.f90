@@ -20,21 +20,22 @@
 !> the complete pair list (the caller repeats); two steps without a decrease, or too many steps (not
 !> converged); no memory, interrupted (failure).
 module asperity_coupled_contacts
-  use asperity_circle_field, only: large_set, most_inner_iterations, sum_error
+  use asperity_circle_field, only: large_set, least_curvature_share, linear_residual, &
+                                   sum_error
   use asperity_circle_potential, only: potential_change, potential_state, remember_state, &
                                        restore_state
   use asperity_circle_step, only: circle_model, find_step, prepare_model, trust_step
   use asperity_contact_law, only: contact_law
   use asperity_contact_pairs, only: contact_pairs, in_scene_units
-  use asperity_coupled_groups, only: find_groups, group_law, extract_group, most_in_group, &
-                                     insert_group
+  use asperity_coupled_groups, only: find_groups, group_law, extract_group, insert_group
   use asperity_coupled_start, only: few_contacts, prepare_start, scale_start
   use asperity_coupled_state, only: coupled_solution, evaluate_state, find_carried_load, &
                                     penetration_without_load, raise_to_load, resolved_contacts, &
                                     solve_state, update_circles
+  use asperity_element_forces, only: iterations_allowed
   use asperity_hidden_contacts, only: release_hidden
   use asperity_kinds, only: real64
-  use asperity_open_contacts, only: find_touching, may_touch, most_searches
+  use asperity_open_contacts, only: find_touching, may_touch
   use asperity_problems, only: real_text
   implicit none
   private
@@ -48,22 +49,10 @@ module asperity_coupled_contacts
   ! Ratio of successive residuals [1] above which the residual stagnates, below which open contacts
   ! are examined again, and which is the largest forcing term of a step; chosen.
   real(real64), parameter :: stagnation_ratio = 0.5_real64
-  ! Steps at most [1]; chosen, the hardest known scene takes 130.
-  integer, parameter :: most_steps = 1000
-  ! Ratios of the actual to the predicted decrease [1] above which a step is accepted, below which
-  ! the region shrinks and above which it grows; Nocedal and Wright 2006, algorithm 4.1.
-  real(real64), parameter :: acceptance_ratio = 0.1_real64
-  real(real64), parameter :: poor_ratio = 0.25_real64, good_ratio = 0.75_real64  ! 2006, as above
-  ! New radius of the region over the length of the step [1]; 2006, as above.
-  real(real64), parameter :: shrink_factor = 0.25_real64, growth_factor = 2.0_real64
-  ! Residual [1] above which the model is convex, and from which on the compression is compared with
-  ! the complete pair list; measured, 0.01 to 0.03 need equal steps.
-  real(real64), parameter :: convex_residual = 0.02_real64
-  ! Least forcing term, the share of the gradient that a step leaves [1], else the root of the
-  ! residual (Eisenstat and Walker 1996); chosen: the sums of a product are in error by 2e-4.
-  real(real64), parameter :: least_forcing = 1.0e-3_real64
-  ! Share of the residual that is left in a group [1]; measured, 0.5 needs a third more steps.
-  real(real64), parameter :: group_forcing = 0.1_real64
+  ! Ratios of the actual to the predicted decrease [1]: above the first a step is accepted, below
+  ! the second the region shrinks to a quarter of the step, above the third it grows to twice the
+  ! step; Nocedal and Wright 2006, algorithm 4.1.
+  real(real64), parameter :: trust_ratios(3) = [0.1_real64, 0.25_real64, 0.75_real64]
 
 contains
 
@@ -101,9 +90,9 @@ contains
     call evaluate_state(pairs, law, solution, state, resolved)
     if (is_start .and. .not. present(target) .and. size(solution%set%x) <= few_contacts) &
       call scale_start(pairs, law, solution, state)
-    step_limit = most_steps
+    step_limit = iterations_allowed
     if (present(group_residual)) &
-      step_limit = min(most_inner_iterations, most_searches * most_in_group / size(pairs%list))
+      step_limit = digits(radius)
     is_final = .false.
     activated = -1
     circles = 0
@@ -121,7 +110,7 @@ contains
       if (present(group_residual)) required = max(required, group_residual)
       ! The pair list is complete only up to this compression. Beyond it the solution is invalid;
       ! the caller repeats the solve with all pairs.
-      if (solution%compression > pairs%complete_to .and. state%residual < convex_residual) exit
+      if (solution%compression > pairs%complete_to .and. state%residual < linear_residual) exit
       if (state%residual <= required .or. &
           (state%residual <= stagnation_ratio * examined_residual .and. &
            (activated /= 0 .or. may_touch(solution, state)))) then
@@ -151,7 +140,7 @@ contains
       ! At the end the near pairs are those of the solution, whatever the start (test: loads in
       ! random order in test/regression/test_solve_again.py). Once only: a pair on the border may
       ! enter and leave the lists.
-      if (state%residual < least_forcing .and. .not. is_final) then
+      if (state%residual < linear_residual .and. .not. is_final) then
         is_final = .true.
         state%rebuilds_lists = size(solution%set%x) <= large_set
       end if
@@ -214,7 +203,7 @@ contains
     unloaded = penetration_without_load(pairs, law, contact, deep)
     solution%penetration(contact) = 0.0_real64
     call remember_state(solution, state, before)
-    do halving = 0, most_searches
+    do halving = 0, digits(change)
       solution%penetration = before%penetration
       solution%penetration(contact) = unloaded + (deep - unloaded) * 0.5_real64**halving
       if (state%target > 0.0_real64) &
@@ -243,7 +232,8 @@ contains
     real(real64) :: change, noise
     integer :: k
 
-    call find_groups(solution%set, state%contact_residual, member, first)
+    call find_groups(solution%set, state%contact_residual, forcing_term(state%residual), member, &
+                     first)
     if (size(member) == 0) return
     ! Where most of many contacts have large residuals, a step of all needs fewer fields.
     if (size(state%contact_residual) > large_set .and. &
@@ -275,8 +265,8 @@ contains
     type(coupled_solution) :: group
 
     call extract_group(pairs, law, solution, state, member, group_pairs, law_of_group, group)
-    call solve_coupled(group_pairs, law_of_group, group, group_residual=group_forcing * &
-                       state%residual)
+    call solve_coupled(group_pairs, law_of_group, group, group_residual= &
+                       forcing_term(state%residual) * state%residual)
     if (.not. allocated(group%failure)) &
       call insert_group(pairs, member, group_pairs, law_of_group, group, solution)
   end subroutine solve_group
@@ -304,12 +294,12 @@ contains
     model%gradient(1, :) = before%state%load_gradient
     model%gradient(2:, :) = spread(before%set%load, 1, 2) * before%state%shift_gradient
     model%keep_sum = state%target > 0.0_real64
-    model%convex = before%state%residual > convex_residual
+    forcing = forcing_term(before%state%residual)
+    model%convex = forcing > least_curvature_share
     call prepare_model(solution%set, model)
-    forcing = min(stagnation_ratio, max(least_forcing, sqrt(before%state%residual)))
     ! The last step of a large set need not go below the accepted residual.
     if (n > large_set) &
-      forcing = max(forcing, group_forcing * accepted_residual / before%state%residual)
+      forcing = max(forcing, trust_ratios(1) * accepted_residual / before%state%residual)
     do
       call find_step(solution%set, model, forcing, radius, step, solution%products, pairs%interrupt)
       if (.not. step%decrease > 0.0_real64 .or. pairs%interrupt%is_asked()) return
@@ -325,12 +315,12 @@ contains
       if (allocated(solution%failure)) return
       call potential_change(pairs, law, before, solution, state, change, noise)
       ratio = -change / step%decrease
-      if (.not. ratio >= poor_ratio) then
-        radius = shrink_factor * step%length
-      else if (ratio > good_ratio .and. step%at_border) then
-        radius = growth_factor * step%length
+      if (.not. ratio >= trust_ratios(2)) then
+        radius = 0.25_real64 * step%length
+      else if (ratio > trust_ratios(3) .and. step%at_border) then
+        radius = 2 * step%length
       end if
-      is_taken = ratio > acceptance_ratio
+      is_taken = ratio > trust_ratios(1)
       if (is_taken) return
       call restore_state(before, solution, state)
       state%rebuilds_lists = .false.
@@ -342,6 +332,14 @@ contains
       end if
     end do
   end subroutine take_step
+
+  ! Share of the equations that a step leaves, or that a group leaves of its own (Eisenstat and
+  ! Walker, SIAM J. Sci. Comput. 17 (1996) 16): the root of the residual, for a rate of 3/2.
+  pure real(real64) function forcing_term(residual) result(share)
+    real(real64), intent(in) :: residual
+
+    share = min(stagnation_ratio, max(linear_residual, sqrt(residual)))
+  end function forcing_term
 
   ! Penetration at a changed load, to first order p + dV/k, k stiffness. Where the load increases it
   ! follows a power law, V ~ p**(k p/V), exact for Hertz' law: along the tangent small loads would

@@ -7,8 +7,8 @@
 !> R) - R t**2/2. Growth with the square of the radius makes a contact softer. Without groups the
 !> scenes of test_found_steps in test/hard/test_everything_solved.py take up to 258 steps, not 28.
 module asperity_coupled_groups
-  use asperity_circle_field, only: are_close, circle_set, close_distance, least_curvature_share, &
-                                   thread_threshold
+  use asperity_circle_field, only: are_close, circle_set, close_distance, large_set, &
+                                   least_curvature_share
   use asperity_contact_law, only: contact_law, contact_response
   use asperity_contact_pairs, only: contact_pair, contact_pairs
   use asperity_coupled_state, only: coupled_solution, evaluate_state, plan_radius, solve_state
@@ -29,11 +29,6 @@ module asperity_coupled_groups
     procedure :: respond
   end type group_law
 
-  ! Share of the largest error of the equations [1] from which on a contact is eliminated; chosen.
-  real(real64), parameter :: eliminated_share = 0.05_real64
-  !> Contacts of a group at most [1]; chosen: larger ones take longer than they save.
-  integer, parameter, public :: most_in_group = 100
-
 contains
 
   !> Response of a contact of the group.
@@ -51,18 +46,19 @@ contains
   end subroutine respond
 
   !> Finds contacts with large residuals, with those close to them, in groups.
-  subroutine find_groups(set, contact_residual, member, first)
+  subroutine find_groups(set, contact_residual, share, member, first)
     type(circle_set), intent(in) :: set              !! circles with their near pairs
     real(real64), intent(in) :: contact_residual(:)  !! error of the equations, by circle [length]
+    real(real64), intent(in) :: share                !! of the largest error that is left
     integer, allocatable, intent(out) :: member(:)   !! indices of circles, group by group
     integer, allocatable, intent(out) :: first(:)    !! first member of each group, and one more
     logical, dimension(size(contact_residual)) :: has_large_residual, is_member
     logical :: is_linked(size(set%one))
     integer :: k
 
-    has_large_residual = contact_residual > eliminated_share * maxval(contact_residual)
+    has_large_residual = contact_residual > share * maxval(contact_residual)
     is_member = has_large_residual
-    !$omp parallel do schedule(static) if(size(is_linked) > thread_threshold)
+    !$omp parallel do schedule(static) if(size(is_linked) > large_set)
     do k = 1, size(is_linked)
       associate (a => set%one(k), b => set%other(k))
         is_linked(k) = .not. (set%shift_fixed(a) .or. set%shift_fixed(b))
@@ -77,7 +73,7 @@ contains
       end associate
     end do
     is_linked = is_linked .and. is_member(set%one) .and. is_member(set%other)
-    call gather_groups(set%one, set%other, is_linked, is_member, most_in_group, member, first)
+    call gather_groups(set%one, set%other, is_linked, is_member, large_set, member, first)
   end subroutine find_groups
 
   !> Sets up a group as contacts of its own, in the field of all others.

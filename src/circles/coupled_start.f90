@@ -1,6 +1,6 @@
 !> Start of the iteration of coupled contacts.
 module asperity_coupled_start
-  use asperity_circle_field, only: inclination_factor, most_inner_iterations
+  use asperity_circle_field, only: inclination_factor
   use asperity_coarse_circles, only: circles_per_square, coarse_circles, gather_squares, &
                                      pressed_displacement, shared_change, sum_of_squares
   use asperity_contact_law, only: contact_law, contact_response
@@ -77,7 +77,7 @@ contains
     ! t + ratio t**(3/2) = 1, by Newton's method from above.
     ratio = 2 * solution%set%energy / work
     t = 1.0_real64
-    do i = 1, most_inner_iterations
+    do i = 1, digits(t)
       t = t - (t + ratio * t**1.5_real64 - 1.0_real64) / (1.0_real64 + 1.5_real64 * ratio * sqrt(t))
     end do
     where (solution%penetration > 0.0_real64) solution%penetration = t * solution%penetration
@@ -100,7 +100,7 @@ contains
     allocate (load(size(penetration)), stiffness(size(penetration)))
     coarse%stiffness = spread(0.0_real64, 1, coarse%columns * coarse%rows)
     allocate (displacement(coarse%columns * coarse%rows), source=0.0_real64)
-    do step = 1, most_inner_iterations
+    do step = 1, digits(target)
       if (pairs%interrupt%is_asked()) return
       load = 0.0_real64
       stiffness = 0.0_real64

@@ -5,8 +5,7 @@
 !> largest error of them, as a penetration, over the largest penetration.
 module asperity_coupled_state
   use asperity_circle_field, only: circle_set, find_field, inclination_factor, large_set, &
-                                   list_near_circles, most_inner_iterations, rounding_error, &
-                                   thread_threshold
+                                   list_near_circles, rounding_error
   use asperity_contact_law, only: contact_law, contact_response
   use asperity_contact_pairs, only: contact_pair, contact_pairs
   use asperity_kinds, only: real64
@@ -93,7 +92,7 @@ contains
 
     low = 0.0_real64
     high = deep
-    do halving = 1, most_inner_iterations
+    do halving = 1, digits(low)
       middle = 0.5_real64 * (low + high)
       answer = answer_at(pairs, law, i, middle)
       if (answer%vertical_load > 0.0_real64) then
@@ -118,7 +117,7 @@ contains
 
     ! At most until the centres of one contact are level.
     most = huge(most)
-    !$omp parallel do schedule(static) reduction(min:most) if(size(penetration) > thread_threshold)
+    !$omp parallel do schedule(static) reduction(min:most) if(size(penetration) > large_set)
     do i = 1, size(penetration)
       most = min(most, level_share * pairs%list(i)%zc - penetration(i))
     end do
@@ -219,14 +218,14 @@ contains
       call find_field(set)
       solution%fields = solution%fields + 1
       largest = maxval(solution%penetration(set%contact))
-      !$omp parallel do schedule(static) if(size(set%x) > thread_threshold)
+      !$omp parallel do schedule(static) if(size(set%x) > large_set)
       do k = 1, size(set%x)
         call set_gradient(k)
       end do
       !$omp end parallel do
       if (state%target > 0.0_real64) &
         solution%compression = dot_product(set%stiffness, state%load_gradient) / sum(set%stiffness)
-      !$omp parallel do schedule(static) if(size(set%x) > thread_threshold)
+      !$omp parallel do schedule(static) if(size(set%x) > large_set)
       do k = 1, size(set%x)
         call set_residual(k)
       end do
@@ -287,7 +286,7 @@ contains
       contact = pack([(i, i=1, size(state%gap))], solution%penetration > 0.0_real64)
     end if
     allocate (answer(size(contact)), is_loaded(size(contact)))
-    !$omp parallel do schedule(static) if(size(contact) > thread_threshold)
+    !$omp parallel do schedule(static) if(size(contact) > large_set)
     do k = 1, size(contact)
       call find_answer(k)
     end do
@@ -308,7 +307,7 @@ contains
       allocate (state%load_gradient(n), state%shift_gradient(2, n), state%contact_residual(n))
       set%contact = contact
       if (allocated(solution%outer_field)) set%outer_field = solution%outer_field(:, set%contact)
-      !$omp parallel do schedule(static) reduction(.and.:is_same) if(n > thread_threshold)
+      !$omp parallel do schedule(static) reduction(.and.:is_same) if(n > large_set)
       do k = 1, n
         call set_circle(pairs, answer(k), solution, k, resolved, is_same)
       end do

@@ -3,8 +3,7 @@
 !> An open contact is at the shift s that minimises s**2/(2 R) + u(x + s), with u the displacement
 !> by the loaded contacts. It touches where this minimum and its gap are less than the compression.
 module asperity_open_contacts
-  use asperity_circle_field, only: circle_set, hertz_spread, large_set, most_inner_iterations, &
-                                   near_factor, sum_error, thread_threshold
+  use asperity_circle_field, only: circle_set, hertz_spread, large_set, near_factor, sum_error
   use asperity_circle_products, only: lowest_shift
   use asperity_constants, only: pi
   use asperity_contact_law, only: contact_law, contact_response
@@ -19,11 +18,6 @@ module asperity_open_contacts
   private
 
   public :: find_touching, may_touch, are_separate
-
-  !> Searches with the field about a new place [1], halvings of the penetrations of contacts that
-  !> begin to touch, and steps of the largest group that is eliminated, at most; chosen, 3 are
-  !> needed, and a group need not be solved.
-  integer, parameter, public :: most_searches = 8
 
 contains
 
@@ -55,7 +49,7 @@ contains
       is_open = is_open .and. state%examined > -largest_change(solution, state)
     allocate (touches(size(is_open)), source=.false.)
     number = pack([(i, i=1, size(is_open))], is_open)
-    do pass = 1, most_searches
+    do pass = 1, digits(lowest)
       if (size(number) == 0) exit
       call minimise_gaps(pairs, number, state, lowest, solution, touches)
       if (allocated(solution%failure)) return
@@ -141,7 +135,7 @@ contains
         return
       end if
       call sum_sources(state%open_tree, set%load / pi, hertz_spread * set%radius**2, field)
-      !$omp parallel do schedule(dynamic, 64) if(n > thread_threshold) &
+      !$omp parallel do schedule(dynamic, 64) if(n > large_set) &
       !$omp   private(i, height_after, height_before, far, shift)
       do k = 1, n
         i = number(k)
@@ -189,15 +183,15 @@ contains
     s = first_shift
     current = height_at(s)
     height_before = current(1)
-    do step = 1, most_inner_iterations
+    do step = 1, digits(radius)
       if (.not. radius * dot_product(current(2:3), current(2:3)) > accuracy) exit
       newton_step = lowest_shift(current(4:), 1.0_real64 / radius, current(2:3))
-      do halving = 1, most_inner_iterations
+      do halving = 1, digits(radius)
         trial = height_at(s + newton_step)
         if (trial(1) <= current(1) + 1.0e-4_real64 * dot_product(current(2:3), newton_step)) exit
         newton_step = newton_step / 2
       end do
-      if (halving > most_inner_iterations) exit
+      if (halving > digits(radius)) exit
       s = s + newton_step
       current = trial
     end do

@@ -44,8 +44,8 @@ module asperity_element_forces
   ! beyond full contact; four times that is allowed (chosen). Without it loads whose displacements
   ! are 1e6 times the heights do not end.
   real(real64), parameter :: rounding = 4096 * epsilon(1.0_real64)
-  ! Largest number of iterations (chosen).
-  integer, parameter :: iterations_allowed = 2000
+  !> Largest number of iterations, of a method that converges (chosen).
+  integer, parameter, public :: iterations_allowed = 2000
 
   !> Bounds of the forces, and the residual that ends the search.
   type :: force_bounds

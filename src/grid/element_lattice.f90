@@ -184,13 +184,13 @@ contains
   pure function ellipse_factors(square) result(factor)
     real(real64), intent(in) :: square  ! of the slope: ratio of curvatures less 1
     real(real64) :: factor(2), ratio, previous, eccentricity, mean, other, half, s, weight
-    integer, parameter :: most_substitutions = 40  ! derived: each leaves at most half of the error
     integer :: i
 
     factor = 1.0_real64
     if (.not. square > sqrt(epsilon(square))) return
     ratio = (1.0_real64 + square)**(-2.0_real64 / 3.0_real64)
-    do i = 1, most_substitutions
+    ! Each substitution leaves at most half of the error.
+    do i = 1, digits(ratio)
       previous = ratio
       eccentricity = (1.0_real64 - ratio) * (1.0_real64 + ratio)  ! squared
       s = 0.5_real64 * eccentricity

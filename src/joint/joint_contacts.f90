@@ -12,8 +12,9 @@
 !> contacts, with the derivatives of all loads in the second block. Where one lattice under all
 !> contacts costs less than the clusters, it is solved instead.
 !>
-!> Exits: converged, where the last change of the total load is at most `settled_share` times the
-!> tolerance; a message in `failure`, where a solve failed or after `most_iterations` iterations.
+!> Exits: converged, where the last change of the total load is at most `elements_share` times the
+!> tolerance of the elements; a message in `failure`, where a solve failed or after as many
+!> iterations as a number has binary digits.
 module asperity_joint_contacts
   use asperity_circle_correction, only: circle_correction
   use asperity_circle_error, only: circle_errors, find_errors, find_open_neighbours, &
@@ -21,7 +22,7 @@ module asperity_joint_contacts
   use asperity_element_answer, only: area_error
   use asperity_element_lattice, only: penetration_of_load, radius_of_load
   use asperity_element_solver, only: deviations, elements_allowed, solve_elements
-  use asperity_circle_field, only: are_close, circle_set, inclination_factor
+  use asperity_circle_field, only: are_close, circle_set, inclination_factor, linear_residual
   use asperity_constants, only: pi
   use asperity_contact_law, only: contact_law, contact_response, hertz_law
   use asperity_contact_pairs, only: contact_pairs
@@ -62,14 +63,9 @@ module asperity_joint_contacts
   end enum
 
   ! Share of the tolerance for the boundary elements, where there are any: Hertzian contacts have
-  ! the rest (chosen).
+  ! the rest. Also that of the last change of the total load by iterations, of which the tolerance
+  ! is that of the elements (chosen).
   real(real64), parameter :: elements_share = 0.25_real64
-  ! Error of the load of one cluster at a prescribed load, and change of the total load in the last
-  ! iteration of Hertzian contacts and boundary elements, as shares of the tolerance; also the
-  ! relative error of loads on elements while the compression is searched (chosen).
-  real(real64), parameter :: settled_share = 0.02_real64
-  ! Largest number of iterations (chosen).
-  integer, parameter :: most_iterations = 30
   ! Distance in sums of radii below which Hertzian contacts are resolved together, with the open
   ! contacts within as many radii (chosen: close to a large contact the error estimated for a small
   ! one is a third of the true one; test: errors in test/regression/test_dense.py).
@@ -191,7 +187,7 @@ contains
     real(real64) :: load, previous_load, tolerance
     logical :: has_grown
 
-    tolerance = merge(task%elements_tolerance, task%tolerance, task%choice == resolve_all)
+    tolerance = elements_share * task%elements_tolerance
     has_grown = .true.
     associate (pairs => task%pairs, coupled => solution%coupled, &
                is_resolved => solution%is_resolved)
@@ -224,8 +220,8 @@ contains
         if (allocated(solution%failure)) return
         load = sum(coupled%set%load)
         task%last_change = abs(load - previous_load) / max(load, tiny(load))
-        if (task%last_change <= settled_share * tolerance) exit
-        if (solution%iterations == most_iterations) then
+        if (task%last_change <= tolerance) exit
+        if (solution%iterations == digits(tolerance)) then
           solution%failure = 'Hertzian contacts and boundary elements did not converge together'
           return
         end if
@@ -289,7 +285,7 @@ contains
 
   ! Whether one lattice under all contacts costs less than the lattices of the clusters: elements
   ! times the logarithm of their number, by the transforms of a product, and for clusters times the
-  ! iterations until changes that contract by a half are below `settled_share`. One lattice serves
+  ! iterations until changes that contract by a half are below `elements_share`. One lattice serves
   ! also where the only cluster has all loaded contacts.
   logical function is_one_grid_cheaper(task, coupled) result(is_cheaper)
     type(joint_task), intent(in) :: task
@@ -311,7 +307,7 @@ contains
       end do
       is_cheaper = (size(task%clusters) == 1 .and. all(task%resolved%is_resolved(set%contact))) &
         .or. (elements < elements_allowed .and. elements * log(elements) < &
-              log(settled_share) / log(0.5_real64) * sum(cluster_elements * log(cluster_elements)))
+              log(elements_share) / log(0.5_real64) * sum(cluster_elements * log(cluster_elements)))
     end associate
   end function is_one_grid_cheaper
 
@@ -376,8 +372,8 @@ contains
         if (.not. allocated(task%target)) exit
         call find_carried_load(pairs, task%law, coupled%penetration, 0.0_real64, load, slope)
         load = load * pairs%modulus
-        if (abs(load - task%target) <= settled_share * task%elements_tolerance * task%target) exit
-        if (solution%iterations == most_iterations) then
+        if (abs(load - task%target) <= linear_residual * task%elements_tolerance * task%target) exit
+        if (solution%iterations == digits(load)) then
           solution%failure = 'the load of the boundary elements was not met'
           return
         end if

@@ -5,8 +5,7 @@
 !> contact is set such that its law gives the load of the elements in the field of all others. It
 !> then responds to changes of that field by its own stiffness.
 module asperity_resolved_answers
-  use asperity_circle_field, only: circle_set, most_inner_iterations, relative_position, &
-                                   rounding_error
+  use asperity_circle_field, only: circle_set, relative_position, rounding_error
   use asperity_contact_law, only: contact_law, contact_response
   use asperity_contact_pairs, only: contact_pairs
   use asperity_coupled_contacts, only: adopt_penetrations, coupled_solution, resolved_contacts
@@ -20,9 +19,6 @@ module asperity_resolved_answers
   private
 
   public :: represent_clusters, distribute_loads
-
-  ! Least share of a change of gaps that is applied (chosen).
-  real(real64), parameter :: least_relaxation = 0.1_real64
 
 contains
 
@@ -95,8 +91,8 @@ contains
     if (allocated(this_cluster%change)) then
       where (max(abs(change), abs(this_cluster%change)) < -open_penetration .and. &
              sign(1.0_real64, this_cluster%change) * (this_cluster%change - change) > 0.0_real64) &
-        share_applied = max(least_relaxation, min(1.0_real64, this_cluster%applied_share * &
-          (this_cluster%change / (this_cluster%change - change))))
+        share_applied = min(1.0_real64, this_cluster%applied_share * &
+          (this_cluster%change / (this_cluster%change - change)))
       gap(this_cluster%members) = merge(previous_gap + share_applied * change, &
                                         gap(this_cluster%members), share_applied < 1.0_real64)
     end if
@@ -261,7 +257,7 @@ contains
     integer :: step
 
     p = penetration_of_load(pairs%list(i), load / pairs%modulus)
-    do step = 1, most_inner_iterations
+    do step = 1, digits(p)
       answer = answer_at(pairs, law, i, p)
       p = p + 1.5_real64 * answer%vertical_load / answer%stiffness * &
           ((load / answer%vertical_load)**(2.0_real64 / 3) - 1)

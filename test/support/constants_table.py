@@ -12,8 +12,8 @@ ROOT = Path(__file__).resolve().parents[2]
 ROOMS = ("grid", "circles", "joint")
 DECLARED = re.compile(r"^\s*(?:real|integer)\b[^!]*\bparameter\b[^!]*::([^!]*)", re.IGNORECASE)
 ITEM = re.compile(r"(\w+)\s*(?:\([^()]*\))?\s*=\s*([^=]+?)(?=,\s*\w+\s*(?:\([^()]*\))?\s*=|$)")
-SOURCES = (re.compile(r"\b(derived|measured|chosen)\b", re.IGNORECASE),
-           re.compile(r"\b((?:[A-Z]\w+ )?(?:18|19|20)\d\d)\b"))
+SOURCES = {"literature": r"\b(?:18|19|20)\d\d\b", "derived": r"\bderived\b",
+           "measured": r"\bmeasured\b", "chosen": r"\bchosen\b"}
 TEST = re.compile(r"\b(\w+_suite\.f90|test_\w+\.py)")
 
 
@@ -29,8 +29,8 @@ class Constant:
 
     @property
     def source(self):
-        found = next(filter(None, (words.search(self.comment) for words in SOURCES)), None)
-        return found[1].lower() if found else ""
+        return next((source for source, words in SOURCES.items()
+                     if re.search(words, self.comment, re.IGNORECASE)), "")
 
     @property
     def test(self):

@@ -401,7 +401,7 @@ contains
       state%gap = pairs%list%gap
       solution%penetration(i) = 0.5_real64 * solved%penetration(i)
       call evaluate_state(pairs, law, solution, state)
-      call find_groups(solution%set, state%contact_residual, member, first)
+      call find_groups(solution%set, state%contact_residual, 0.1_real64, member, first)
       call check(error, any(member == findloc(solution%set%contact, i, 1)), 'not in a group')
       if (allocated(error)) return
       call check(error, size(member) < size(solved%set%contact) / 2, 'nearly all')
