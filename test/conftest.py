@@ -66,14 +66,31 @@ def pytest_configure(config):
         config.addinivalue_line("markers", line)
 
 
-def pytest_collection_modifyitems(items):
-    """A test without a kind is `fast`; pages do not depend on the build."""
+def pytest_addoption(parser):
+    parser.addoption("--ends", action="store_true", help="of the cases of a test the first and the "
+                     "last alone, but for those marked trouble")
+
+
+@pytest.hookimpl(wrapper=True)
+def pytest_collection_modifyitems(config, items):
+    """A test without a kind is `fast`; pages do not depend on the build. `--ends` comes last."""
     for item in items:
         marks = {mark.name for mark in item.iter_markers()}
         if marks.isdisjoint(KINDS):
             item.add_marker(pytest.mark.fast)
         if "pages" in marks:
             item.add_marker(pytest.mark.once)
+    result = yield
+    if config.getoption("ends"):
+        ends = {}
+        for item in items:
+            many = item.get_closest_marker("trouble")
+            name = item if many else item.nodeid.partition("[")[0]
+            ends[name] = (*ends.get(name, ())[:1], item)
+        kept = {item for cases in ends.values() for item in cases}
+        config.hook.pytest_deselected(items=[item for item in items if item not in kept])
+        items[:] = [item for item in items if item in kept]
+    return result
 
 
 def name_of(item):

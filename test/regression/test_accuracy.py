@@ -31,10 +31,10 @@ LADDER = {"isolated contacts": ("off", 0.0), "contacts coupled": ("coupled", 0.0
 PART = {"x_first": 0.3, "x_step": 0.5, "positions": 20}
 
 
-def run_study(asperity, path, folder):
+def run_study(asperity, path, folder, *words):
     """Table, rows of arithmetics and steps, rows of the levels of interaction."""
     file = folder / "study.csv"
-    done = run_program(asperity, "accuracy", path, "--csv", file, timeout=900)
+    done = run_program(asperity, "accuracy", path, "--csv", file, *words, timeout=900)
     rows = records(file)
     return (done.stdout, [row for row in rows if row["family"] in ("arithmetic", "steps")],
             [row for row in rows if row["family"] == "neighbours"])
@@ -57,9 +57,9 @@ def whole(asperity, root, tmp_path_factory):
 
 @pytest.fixture(scope="module")
 def part(asperity, root, tmp_path_factory):
-    """The study on a part of the positions, a scene."""
+    """The study on a part of the positions, a scene; in a slow build, too, with all methods."""
     folder = tmp_path_factory.mktemp("part")
-    return run_study(asperity, part_scene(folder, root), folder)
+    return run_study(asperity, part_scene(folder, root), folder, "--seconds", "900")
 
 
 @pytest.fixture(scope="module")

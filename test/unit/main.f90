@@ -1,5 +1,7 @@
 !> Runs every suite of unit tests.
 program unit_tests
+  use, intrinsic :: ieee_exceptions, only: ieee_divide_by_zero, ieee_invalid, ieee_overflow, &
+                                           ieee_set_halting_mode
   use asperity_testing, only: finish, run_suite, tally_type
   use asperity_adhesion_suite, only: collect_adhesion
   use asperity_elements_suite, only: collect_elements
@@ -31,6 +33,8 @@ program unit_tests
 
   type(tally_type) :: tally
 
+  ! An unset number is a signalling NaN in the strict build: its first use ends the run.
+  call ieee_set_halting_mode([ieee_divide_by_zero, ieee_invalid, ieee_overflow], .true.)
   call run_suite('hex32', collect_hex32, tally)
   call run_suite('overlap', collect_overlap, tally)
   call run_suite('cards', collect_cards, tally)
