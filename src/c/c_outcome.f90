@@ -12,6 +12,7 @@ module asperity_c_outcome
   use asperity, only: add_reals, array_table, contact_field, is_measured, list_groups, &
                       not_enough_memory, problem_list, &
                       problem_place, scene, solution_start
+  use asperity_system_calls, only: text_of
   implicit none
   private
 
@@ -188,26 +189,5 @@ contains
     end do
     letters%letters(len(text) + 1) = c_null_char
   end subroutine set_letters
-
-  !> A text of C; empty for a null pointer.
-  function text_of(address) result(text)
-    type(c_ptr), intent(in) :: address     !! address of its first character
-    character(len=:), allocatable :: text  !! text without the null character
-    character(kind=c_char), pointer :: letters(:)
-    integer :: i, length
-
-    text = ''
-    if (.not. c_associated(address)) return
-    call c_f_pointer(address, letters, [huge(length)])
-    length = 0
-    do while (letters(length + 1) /= c_null_char)
-      length = length + 1
-    end do
-    deallocate (text)
-    allocate (character(len=length) :: text)
-    do i = 1, length
-      text(i:i) = letters(i)
-    end do
-  end function text_of
 
 end module asperity_c_outcome

@@ -9,14 +9,13 @@
 !> inclination of the contact by the tilt is neglected, an error of the order of the slope squared.
 module asperity_pair_finding
   use asperity_candidate_pairs, only: largest_rise, refine_heights, set_gaps, sort_by_gap
-  use asperity_cell_layer, only: margin_of_arithmetic, squared_reach
   use asperity_contact_records, only: by_events, solve_method
   use asperity_isolated_compression, only: compression_at_load, first_at_limit
   use asperity_key_sort, only: sort_keys
   use asperity_kinds, only: int64, real64
   use asperity_pair_search_layers, only: found_pairs
-  use asperity_pair_search_levels, only: build_levels, build_row, first_from, last_level, &
-                                         search_level, surface_points
+  use asperity_pair_search_levels, only: build_levels, last_level, search_level, &
+                                         surface_points
   use asperity_placed_scene, only: candidate, largest_value, placed_scene, position_pairs
   use asperity_scene_values, only: control_compression, control_limit, control_load, &
                                    control_separation
@@ -30,25 +29,19 @@ contains
   !> Prepares the search, once for all positions.
   subroutine prepare_search(placed)
     type(placed_scene), intent(inout) :: placed  !! scene in solver units
-    ! Comparisons up to which a row is as fast as a grid.
-    integer(int64), parameter :: few = 100000_int64
+    ! Comparisons up to which all with all is as fast as a grid.
+    integer(int64), parameter :: few = 10000_int64
     real(real64) :: widest
 
     widest = largest_value(placed%ru) + largest_value(placed%rl)
     placed%far_reach = widest * (1.0_real64 + 1.0e-6_real64)
-    placed%near_reach = sqrt(squared_reach(placed%height_max, widest)) * &
-                        (1.0_real64 + 1.0e-6_real64)
-    placed%extent = largest_value(abs(placed%xu)) + largest_value(abs(placed%yu)) + &
-                    largest_value(abs(placed%xl)) + largest_value(abs(placed%yl)) + widest
     placed%rise = largest_value(abs(placed%hu)) + largest_value(abs(placed%hl)) + widest
     if (placed%on_plane) then
       ! One of the two has no asperity. A displacement shifts all heights equally.
       placed%level = [placed%hu, placed%hl]
       allocate (placed%order(size(placed%level)))
       call sort_keys(-placed%level, placed%order)
-    else if (size(placed%xu, kind=int64) * size(placed%xl, kind=int64) <= few) then
-      call build_row(placed%row, placed%xl, placed%yl)
-    else
+    else if (size(placed%xu, kind=int64) * size(placed%xl, kind=int64) > few) then
       call build_levels(placed%levels, &
                         surface_points(placed%xu, placed%yu, placed%hu, placed%ru), &
                         surface_points(placed%xl, placed%yl, placed%hl, placed%rl), &
@@ -74,8 +67,8 @@ contains
       call find_on_plane(placed, method, position, failure)
       return
     end if
-    if (allocated(placed%row%x)) then
-      call find_along_row(placed, all_pairs, position)
+    if (.not. allocated(placed%levels%complete_from)) then
+      call compare_all(placed, all_pairs, position)
       return
     end if
     last = last_level(placed%levels)
@@ -181,30 +174,25 @@ contains
     below = approach - 64.0_real64 * epsilon(below) * (placed%rise + abs(approach))
   end function below_with_rounding
 
-  ! Pairs of a small scene: every upper asperity with those of the row that are in reach.
-  subroutine find_along_row(placed, all_pairs, position)
+  ! Pairs of a small scene: all are compared with all.
+  subroutine compare_all(placed, all_pairs, position)
     type(placed_scene), intent(in) :: placed
     logical, intent(in) :: all_pairs
     type(position_pairs), intent(inout) :: position
-    real(real64) :: x, y, reach
-    integer :: i, j
+    real(real64) :: x, y
+    integer :: j, k
 
     if (.not. allocated(position%found)) allocate (position%found(256))
     position%number = 0
-    reach = placed%near_reach
-    if (all_pairs) reach = placed%far_reach
-    reach = reach + margin_of_arithmetic(epsilon(x), placed%extent + &
-                                         abs(position%dx) + abs(position%dy))
     do j = 1, size(placed%xu)
       x = placed%xu(j) + position%dx
       y = placed%yu(j) + position%dy
-      do i = first_from(placed%row, x - reach), size(placed%row%x)
-        if (placed%row%x(i) > x + reach) exit
-        if (abs(placed%row%y(i) - y) > reach) cycle
-        call add_if_near(placed, j, int(placed%row%asperity(i)), x, y, all_pairs, position)
+      do k = 1, size(placed%xl)
+        if (abs(x - placed%xl(k)) < placed%far_reach) &
+          call add_if_near(placed, j, k, x, y, all_pairs, position)
       end do
     end do
-  end subroutine find_along_row
+  end subroutine compare_all
 
   ! Pairs of a large scene, of the asperities of one level, that touch at `least_touch` or above.
   subroutine find_in_level(placed, level, all_pairs, least_touch, position, failure)

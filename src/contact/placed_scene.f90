@@ -8,7 +8,7 @@
 !> g = max(touch) - touch and its penetration p = c - g. Positions are independent.
 module asperity_placed_scene
   use asperity_kinds, only: int32, real64
-  use asperity_pair_search_levels, only: pair_levels, summit_row
+  use asperity_pair_search_levels, only: pair_levels
   use asperity_scene_values, only: control_limit, criterion_none
   use asperity_theory_limits, only: theory_limits
   implicit none
@@ -45,12 +45,9 @@ module asperity_placed_scene
     logical :: events = .false.                    !! a state at each first touch as well
     integer :: criterion = criterion_none
     real(real64) :: limit                          !! load, or overlap over radius: limit_overlap
-    ! Search for pairs: along a row in small scenes, else level by level.
-    type(summit_row) :: row                        !! the lower surface
+    ! Search for pairs: all with all in small scenes, else level by level.
     type(pair_levels) :: levels                    !! both surfaces; empty in a small scene
-    real(real64) :: near_reach = 0.0_real64        !! largest candidate distance in plan
     real(real64) :: far_reach = 0.0_real64         !! largest distance in plan of spheres that touch
-    real(real64) :: extent = 0.0_real64            !! largest |x| + |y| + sum of radii
     real(real64) :: rise = 0.0_real64              !! largest |heights| and sum of radii
   end type placed_scene
 

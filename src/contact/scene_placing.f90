@@ -1,6 +1,7 @@
 !> Conversion of a scene to the units of the solver.
 module asperity_scene_placing
   use asperity_constants, only: pi
+  use asperity_contact_records, only: all_finite
   use asperity_decimal, only: decimal_to_real64, decimal_value
   use asperity_kinds, only: int64, real64
   use asperity_pair_finding, only: prepare_search
@@ -274,11 +275,5 @@ contains
         (placed%criterion /= criterion_none .and. .not. limit > 0.0_real64)) &
       failure = 'the load or the limit of the scene is too small for this arithmetic'
   end subroutine check_range
-
-  pure logical function all_finite(numbers)
-    real(real64), intent(in) :: numbers(:)
-
-    all_finite = all(abs(numbers) <= huge(1.0_real64))
-  end function all_finite
 
 end module asperity_scene_placing

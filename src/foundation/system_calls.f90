@@ -9,7 +9,7 @@ module asperity_system_calls
   public :: file_owner, posix_chmod, posix_chown
   public :: posix_fsync, posix_rename, posix_unlink, posix_usleep, posix_signal, posix_exit_now
   public :: posix_atexit, posix_isatty, posix_getpid, posix_exit, posix_getrlimit
-  public :: system_error, system_reason, canonical_path
+  public :: system_error, system_reason, canonical_path, text_of
 
   interface
     !> Opens a file or device; -1 when refused.
@@ -276,18 +276,24 @@ contains
     call posix_free(letters)
   end function real_path
 
-  !> Text at an address of the C library, without its null character.
+  !> A text of C; empty for a null pointer.
   function text_of(address) result(text)
-    type(c_ptr), intent(in) :: address
-    character(len=:), allocatable :: text
+    type(c_ptr), intent(in) :: address     !! address of its first character
+    character(len=:), allocatable :: text  !! text without the null character
     character(kind=c_char), pointer :: letters(:)
-    integer :: i
+    integer :: i, length
 
-    call c_f_pointer(address, letters, [huge(i)])
     text = ''
-    do i = 1, size(letters)
-      if (letters(i) == c_null_char) exit
-      text = text // letters(i)
+    if (.not. c_associated(address)) return
+    call c_f_pointer(address, letters, [huge(length)])
+    length = 0
+    do while (letters(length + 1) /= c_null_char)
+      length = length + 1
+    end do
+    deallocate (text)
+    allocate (character(len=length) :: text)
+    do i = 1, length
+      text(i:i) = letters(i)
     end do
   end function text_of
 

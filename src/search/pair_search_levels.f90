@@ -4,20 +4,16 @@
 !> summits are less than a drop below the highest of their surface. So it holds every pair whose
 !> separation at first contact is above a known value. A position uses the smallest sufficient
 !> level: its cost is that of its contacts, not of the surfaces.
-!>
-!> Few asperities are searched along a row, sorted by x.
 module asperity_pair_search_levels
   use asperity_cell_grid, only: build_grid, cell_grid, take_high_part
   use asperity_cell_layer, only: any_height, margin_of_arithmetic, squared_reach
-  use asperity_key_sort, only: sort_keys
   use asperity_kinds, only: int32, real64
   use asperity_number_span, only: number_span, span_of
   use asperity_pair_search_layers, only: found_pairs, search_pairs
   implicit none
   private
 
-  public :: pair_levels, surface_points, build_levels, last_level, search_level, summit_row, &
-            build_row, first_from
+  public :: pair_levels, surface_points, build_levels, last_level, search_level
 
   ! Ratio of the numbers of asperities of successive levels; least number of the first level.
   integer, parameter :: growth = 8, fewest = 64
@@ -54,13 +50,6 @@ module asperity_pair_search_levels
     real(real64), private :: tall = 0.0_real64     ! extent along y of the highest strips
     real(real64), private :: widest = 0.0_real64   ! largest sum of radii
   end type pair_levels
-
-  !> Asperities in the order of x.
-  type :: summit_row
-    real(real64), allocatable :: x(:)           !! positions along x, ascending
-    real(real64), allocatable :: y(:)           !! positions along y
-    integer(int32), allocatable :: asperity(:)  !! number of the asperity in its surface, from 1
-  end type summit_row
 
 contains
 
@@ -235,35 +224,5 @@ contains
     y = span_of(surface%y)
     extent = max(abs(x%least), abs(x%largest)) + max(abs(y%least), abs(y%largest))
   end function extent_of
-
-  !> Sorts a surface by x.
-  subroutine build_row(row, x, y)
-    type(summit_row), intent(out) :: row          !! the sorted surface
-    real(real64), contiguous, intent(in) :: x(:)  !! positions along x, finite
-    real(real64), contiguous, intent(in) :: y(:)  !! positions along y, as many as x
-
-    allocate (row%x(size(x)), row%y(size(x)), row%asperity(size(x)))
-    call sort_keys(x, row%asperity)
-    row%x(:) = x(row%asperity)
-    row%y(:) = y(row%asperity)
-  end subroutine build_row
-
-  !> Index of the first asperity of the row that is not left of `x`; size + 1 when there is none.
-  pure integer function first_from(row, x) result(low)
-    type(summit_row), intent(in) :: row  !! the sorted surface
-    real(real64), intent(in) :: x        !! position along x, length
-    integer :: high, middle
-
-    low = 1
-    high = size(row%x) + 1
-    do while (low < high)
-      middle = (low + high) / 2
-      if (row%x(middle) < x) then
-        low = middle + 1
-      else
-        high = middle
-      end if
-    end do
-  end function first_from
 
 end module asperity_pair_search_levels
