@@ -255,6 +255,7 @@ contains
       call add_reals(columns, trim(quantity_names(k)) // '_mean', rows%own%quantity_mean(k))
     end do
     call add_reals(columns, 'error_estimate', rows%own_estimate)
+    call add_reals(columns, 'area_error_estimate', rows%area_estimate)
     call add_reals(columns, 'load', rows%ends(1))
     call add_reals(columns, 'separation', rows%ends(2))
     call add_reals(columns, 'area', rows%ends(3))

@@ -37,6 +37,9 @@ contains
     type(state_row) :: last
     integer :: m
 
+    bound = finest_accuracy
+    ! A map has no asperities to be rounded.
+    if (allocated(scene_in%map)) return
     roundoff = 0.5_real64 * epsilon(1.0_real64)
     modulus = combined_modulus(scene_in)
     associate (upper => scene_in%upper, lower => scene_in%lower, motion => scene_in%motion)
@@ -54,7 +57,6 @@ contains
     ! The distance of the summits of a pair in plan is less than the sum of their radii, and less
     ! than twice the largest coordinate along x and along y.
     distance = min(maxval(scene_in%upper%radius) + maxval(scene_in%lower%radius), 3 * in_plan)
-    bound = finest_accuracy
     do m = 1, size(positions)
       last = last_state(positions(m))
       if (.not. (last%compression > 0.0_real64 .and. last%load > 0.0_real64)) cycle
