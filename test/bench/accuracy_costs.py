@@ -123,8 +123,8 @@ def advice(text):
     least = [max(min(values[k] for (_, scene), values in cells.items() if scene == one)
                  for one in scenes) for k in (1, 2)]
     yield ""
-    yield (f"No option is shown to have smaller errors than {least[0]:g} of the load and {least[1]:g} "
-           "of the area:")
+    yield (f"No option is shown to have smaller errors than {least[0]:g} of the load and "
+           f"{least[1]:g} of the area:")
     yield "the most accurate ones have these estimated errors themselves."
 
 
