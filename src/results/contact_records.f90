@@ -18,8 +18,8 @@ module asperity_contact_records
   public :: contact_row, effect_record, no_contacts, position_result, solve_method, state_row, &
             prescribed_nothing, prescribed_normal, prescribed_vertical, by_events, by_marching, &
             overlap_stable, overlap_original, add_rows, all_finite, are_finite, contact_radius, &
-            cut_rows, drop_rows, most_rows, room_of_a_state, add_columns, add_effect, begin_header, &
-            effect_header
+            cut_rows, drop_rows, most_rows, room_of_a_state, add_columns, add_effect, &
+            begin_header, effect_header
 
   !> Largest number of contacts that is kept: a list in a file has up to 400 bytes a contact.
   integer, parameter :: most_rows = 5000000

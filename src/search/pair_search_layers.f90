@@ -7,7 +7,7 @@
 !> Found pairs are kept in blocks: nothing is copied when their number grows.
 module asperity_pair_search_layers
   use asperity_cell_grid, only: cell_grid
-  use asperity_cell_layer, only: grid_layer, grid_point, spare_points, squared_reach
+  use asperity_cell_layer, only: grid_layer, spare_points, squared_reach
   use asperity_kinds, only: int32, int64, real64
   implicit none
   private
@@ -24,36 +24,18 @@ module asperity_pair_search_layers
     logical :: upper_is_second = .false.              ! the first layer is of the lower surface
   end type search_task
 
-  !> Number of near pairs that are collected before they are examined together.
-  integer, parameter :: batch_size = 2048
-  !> Number of strips searched in turn. The start of a search depends on the result of the previous
-  !> one in the same strip; strips in turn are independent, which hides that latency.
-  integer, parameter :: most_lanes = 4
-
-  ! Number of points tested together. A group may begin just after the last point of a layer.
+  ! Number of points tested together. A group may begin just before the last point of a layer.
   integer, parameter :: group = spare_points
-
-  !> Room of a batch: whether it is full is tested once for each point and all lanes.
-  integer, parameter :: batch_room = batch_size + most_lanes * group
+  ! Number of near pairs that are collected before they are examined together.
+  integer, parameter :: batch_size = 2048
 
   !> Pairs within the largest reach of two layers, the first and the second.
   type :: near_batch
-    integer :: used = 0                   !! number of pairs; full from batch_size on
-    integer(int32) :: first(batch_room)   !! index in the first layer
-    integer(int32) :: second(batch_room)  !! index in the second layer
-    real(real64) :: squared(batch_room)   !! square of their distance in plan
+    integer :: used = 0                              !! number of pairs; full from batch_size on
+    integer(int32) :: first(batch_size + group)      !! index in the first layer
+    integer(int32) :: second(batch_size + group)     !! index in the second layer
+    real(real64) :: squared(batch_size + group)      !! square of their distance in plan
   end type near_batch
-
-  !> State of a sweep, so that it can be resumed after a full batch.
-  type :: sweep_place
-    integer :: point = 1              !! current point of the strip of the first layer
-    integer :: last_point = 0         !! last point of that strip
-    integer :: lanes = 0              !! number of strips of the second layer
-    integer :: lane = 1               !! current one of these strips
-    integer :: next = 1               !! next point to test in it
-    integer :: start(most_lanes) = 1  !! first point in each that may be in reach
-    integer :: last(most_lanes) = 0   !! last point in each
-  end type sweep_place
 
   ! Number of pairs of a block.
   integer, parameter :: block_size = 65536
@@ -129,9 +111,8 @@ contains
     type(found_pairs), intent(inout) :: found
     logical, intent(out) :: failed
     type(near_batch) :: near
-    type(sweep_place) :: place
     real(real64) :: low, high
-    integer :: strip, other, begin, lanes
+    integer :: strip, other, begin
 
     failed = .false.
     begin = 1
@@ -142,28 +123,62 @@ contains
         if (low - (points%high(begin) + task%offset(4)) < task%distance) exit
         begin = begin + 1
       end do
-      other = begin
-      do
-        lanes = 0
-        do while (lanes < most_lanes .and. other + lanes <= points%strips)
-          if ((points%low(other + lanes) + task%offset(4)) - high >= task%distance) exit
-          lanes = lanes + 1
-        end do
-        if (lanes == 0) exit
-        call begin_sweep(first_layer, points, strip, other, lanes, task%offset, task%distance, &
-                         place)
-        do while (place%point <= place%last_point)
-          call sweep_strips(first_layer%points(1:), points%points(1:), task%offset, task%distance, &
-                            place, near)
-          if (near%used < batch_size) cycle
-          call keep_batch(first_layer, points, task, near, found, failed)
-          if (failed) return
-        end do
-        other = other + lanes
+      do other = begin, points%strips
+        if ((points%low(other) + task%offset(4)) - high >= task%distance) exit
+        call sweep_strips(first_layer, strip, points, other, task, near, found, failed)
+        if (failed) return
       end do
     end do
     call keep_batch(first_layer, points, task, near, found, failed)
   end subroutine sweep_layers
+
+  ! Finds the pairs of two strips. Differences are rounded as those of the distance itself, so that
+  ! rounding loses no pair. A group of points is tested without a branch, which would be
+  ! mispredicted; most pairs are left out by a bound of their touch, which needs no root.
+  subroutine sweep_strips(first_layer, strip, points, other, task, near, found, failed)
+    type(grid_layer), intent(in) :: first_layer, points
+    integer, intent(in) :: strip, other
+    type(search_task), intent(in) :: task
+    type(near_batch), intent(inout) :: near
+    type(found_pairs), intent(inout) :: found
+    logical, intent(inout) :: failed
+    real(real64) :: x, y, across, squared, bound, fall, slack, least
+    integer :: i, j, start, next, last, inside
+
+    bound = task%distance**2
+    ! A touch is below the sum of the heights by d**2/(s + zc), d**2/(2 s) or more.
+    fall = (1.0_real64 - 1.0e-14_real64) / (2 * (first_layer%largest + points%largest))
+    slack = 2 * task%margin * task%distance
+    start = points%first(other)
+    last = points%first(other + 1) - 1
+    do i = first_layer%first(strip), first_layer%first(strip + 1) - 1
+      x = first_layer%points(i)%x + task%offset(1)
+      y = first_layer%points(i)%y + task%offset(2)
+      least = task%least_touch - first_layer%points(i)%height
+      next = start
+      do
+        do j = next, next + group - 1
+          across = x - (points%points(j)%x + task%offset(3))
+          squared = across * across + (y - (points%points(j)%y + task%offset(4)))**2
+          near%first(near%used + 1) = i
+          near%second(near%used + 1) = j
+          near%squared(near%used + 1) = squared
+          inside = merge(1, 0, j <= last)
+          start = start + iand(inside, merge(1, 0, across >= task%distance))
+          near%used = near%used + iand(iand(inside, merge(1, 0, squared < bound)), merge(1, 0, &
+            .not. points%points(j)%height - (squared - slack) * fall < least))
+        end do
+        if (near%used >= batch_size) then
+          call keep_batch(first_layer, points, task, near, found, failed)
+          if (failed) return
+        end if
+        next = next + group
+        if (next > last) exit
+        if ((points%points(next)%x + task%offset(3)) - x >= task%distance) exit
+      end do
+      if (start > last) exit
+    end do
+  end subroutine sweep_strips
 
   ! Keeps the pairs of a batch that are within reach and whose touch is large enough.
   subroutine keep_batch(first_layer, points, task, near, found, failed)
@@ -172,7 +187,8 @@ contains
     type(near_batch), intent(inout) :: near
     type(found_pairs), intent(inout) :: found
     logical, intent(out) :: failed
-    real(real64) :: s(batch_room), bound(batch_room), touch(batch_room), d
+    real(real64), dimension(size(near%squared)) :: s, bound, touch
+    real(real64) :: d
     integer :: i, n, used
 
     failed = .false.
@@ -229,159 +245,6 @@ contains
 
     bound = (sqrt(squared_reach(task%height, s)) + task%margin)**2
   end function reach_with_margin
-
-  !> Sets a sweep to the points of a strip and of `lanes` others that may be in reach.
-  pure subroutine begin_sweep(first_layer, points, strip, other, lanes, offset, distance, place)
-    type(grid_layer), intent(in) :: first_layer  !! the first layer
-    type(grid_layer), intent(in) :: points   !! the second layer
-    integer, intent(in) :: strip             !! strip of the first layer
-    integer, intent(in) :: other             !! first strip of the second layer
-    integer, intent(in) :: lanes             !! number of strips from there, `most_lanes` at most
-    real(real64), intent(in) :: offset(4)    !! added to x, y of the first, of the second layer
-    real(real64), intent(in) :: distance     !! largest reach, length
-    type(sweep_place), intent(out) :: place  !! start of the sweep
-    real(real64) :: left, right
-    integer :: lane, first, last
-
-    place%lanes = lanes
-    first = first_layer%first(strip)
-    last = first_layer%first(strip + 1) - 1
-    left = huge(left)
-    right = -huge(right)
-    do lane = 1, lanes
-      place%start(lane) = points%first(other + lane - 1)
-      place%last(lane) = points%first(other + lane) - 1
-      left = min(left, points%points(place%start(lane))%x + offset(3))
-      right = max(right, points%points(place%last(lane))%x + offset(3))
-    end do
-    place%point = first_reached(first_layer%points(1:), first, last, left, offset(1), distance)
-    place%last_point = last_reaching(first_layer%points(1:), place%point, last, right, offset(1), &
-                                      distance)
-    if (place%point > place%last_point) return
-    left = first_layer%points(place%point)%x + offset(1)
-    do lane = 1, lanes
-      place%start(lane) = first_reached(points%points(1:), place%start(lane), place%last(lane), &
-                                        left, offset(3), distance)
-    end do
-    place%next = place%start(1)
-  end subroutine begin_sweep
-
-  ! Index of the first point from `from` to `to` that is less than `distance` left of `x`, or
-  ! to + 1. Galloping search, as the result is near `from` mostly.
-  pure integer function first_reached(list, from, to, x, shift, distance)
-    type(grid_point), contiguous, intent(in) :: list(:)
-    integer, intent(in) :: from, to
-    real(real64), intent(in) :: x, shift, distance
-    integer :: low, high, middle, step
-
-    low = from
-    high = from
-    step = 1
-    do while (high <= to)
-      if (x - (list(high)%x + shift) < distance) exit
-      low = high + 1
-      high = high + step
-      step = min(2 * step, to)
-    end do
-    high = min(high, to + 1)
-    do while (low < high)
-      middle = low + (high - low) / 2
-      if (x - (list(middle)%x + shift) < distance) then
-        high = middle
-      else
-        low = middle + 1
-      end if
-    end do
-    first_reached = low
-  end function first_reached
-
-  ! Index of the last point from `from` to `to` that is less than `distance` right of `x`, or
-  ! from - 1. Bisection.
-  pure integer function last_reaching(list, from, to, x, shift, distance)
-    type(grid_point), contiguous, intent(in) :: list(:)
-    integer, intent(in) :: from, to
-    real(real64), intent(in) :: x, shift, distance
-    integer :: low, high, middle
-
-    low = from - 1
-    high = to
-    do while (low < high)
-      middle = high - (high - low) / 2
-      if ((list(middle)%x + shift) - x < distance) then
-        low = middle
-      else
-        high = middle - 1
-      end if
-    end do
-    last_reaching = low
-  end function last_reaching
-
-  !> Collects pairs nearer than `distance` until the strip ends or the batch is full.
-  !>
-  !> Differences are rounded as those of the distance itself, so that rounding loses no pair. A
-  !> group of points is tested without a branch, which would be mispredicted.
-  pure subroutine sweep_strips(first_points, points, offset, distance, place, near)
-    type(grid_point), contiguous, intent(in) :: first_points(:)  !! points of the first layer
-    type(grid_point), contiguous, intent(in) :: points(:)  !! points of the second, with spare ones
-    real(real64), intent(in) :: offset(4)                  !! added to x, y of both layers
-    real(real64), intent(in) :: distance                   !! largest reach, length
-    type(sweep_place), intent(inout) :: place              !! state of the sweep
-    type(near_batch), intent(inout) :: near                !! pairs collected so far
-    real(real64) :: x, y, shift_x, shift_y, across, along, squared, bound
-    integer :: point, lane, start, next, last, used, inside, i
-
-    bound = distance * distance
-    shift_x = offset(3)
-    shift_y = offset(4)
-    lane = place%lane
-    next = place%next
-    used = near%used
-    point = place%point
-    strips: do while (point <= place%last_point)
-      x = first_points(point)%x + offset(1)
-      y = first_points(point)%y + offset(2)
-      do
-        start = place%start(lane)
-        last = place%last(lane)
-        do
-          do i = next, next + group - 1
-            across = x - (points(i)%x + shift_x)
-            along = y - (points(i)%y + shift_y)
-            squared = across * across + along * along
-            inside = merge(1, 0, i <= last)
-            near%first(used + 1) = point
-            near%second(used + 1) = i
-            near%squared(used + 1) = squared
-            used = used + iand(inside, merge(1, 0, squared < bound))
-            start = start + iand(inside, merge(1, 0, across >= distance))
-          end do
-          next = next + group
-          if (start == next) then
-            ! All points tested are too far left, also for the following ones; more may be.
-            start = first_reached(points, start, last, x, shift_x, distance)
-            next = start
-          end if
-          if (next > last) exit
-          if ((points(next)%x + shift_x) - x >= distance) exit
-          if (used < batch_size) cycle
-          place%start(lane) = start
-          exit strips
-        end do
-        place%start(lane) = start
-        if (lane == place%lanes) exit
-        lane = lane + 1
-        next = place%start(lane)
-      end do
-      point = point + 1
-      lane = 1
-      next = place%start(1)
-      if (used >= batch_size) exit strips
-    end do strips
-    near%used = used
-    place%point = point
-    place%lane = lane
-    place%next = next
-  end subroutine sweep_strips
 
   !> Adds a block when the last one has too little room.
   subroutine reserve_room(found, needed, failed)
