@@ -183,7 +183,7 @@ contains
       title = printable_text(line%input) // ': ' // &
               with_unit(trim(merge('mean pressure   ', 'nominal pressure', &
                              parts_in_words(field) /= '')), trim(lengths(2))) // ' ' // &
-              number_text(sum(field%pressure, mask=field%pressure > 0.0_real64) / &
+              number_text(sum(field%pressure, mask=field%gap >= 0.0_real64) / &
                           count(field%gap >= 0.0_real64), 3)
       call draw_plan(field, plan_of_pressure, title, lengths, .true., picture)
       call stage_output('--picture', picture)

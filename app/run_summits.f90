@@ -84,7 +84,7 @@ contains
     integer(int64) :: spikes
 
     call read_height_map(line%input, line%pixel_spacing, .true., map, outcome%problems, &
-                         outcome%failure, '--spacing')
+                         outcome%failure, '--spacing', choices%unit)
     if (outcome%problems%count() > 0 .or. allocated(outcome%failure)) return
     cost%pieces = 'rows of ' // decimal_text(map%columns) // ' pixels'
     cost%total = map%rows

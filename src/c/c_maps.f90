@@ -55,7 +55,7 @@ contains
     end if
     if (new%problems%count() == 0) &
       call read_height_map(text_of(path), pixel_spacing, .false., map, new%problems, &
-                           new%failure)
+                           new%failure, unit=which)
     if (new%problems%count() == 0 .and. .not. allocated(new%failure)) then
       call put_in_unit(map, which)
       call set_map(new, text_of(path), map)

@@ -25,12 +25,13 @@
 !> A height map on fewer or more pixels.
 module asperity_map_error
   use asperity_contact_records, only: state_row
-  use asperity_height_map, only: height_map, index_beside, is_measured, no_height
+  use asperity_height_map, only: height_map, is_measured, no_height
   use asperity_kinds, only: not_computed, real64
   use asperity_map_adhesion, only: adhesion_history
   use asperity_map_contact, only: map_answer, most_load
   use asperity_map_fields, only: measure_fields
   use asperity_map_patches, only: find_patches, map_patch
+  use asperity_map_statistics, only: rms_slope_over
   use asperity_map_state, only: map_history, map_laws, solve_map_state
   implicit none
   private
@@ -227,37 +228,12 @@ contains
 
     growth = 0.0_real64
     if (any(shape(map%height) <= 4)) return
-    slope = [(norm2([slope_over(2**k, 1), slope_over(2**k, 2)]), k=0, 2)]
+    slope = [(rms_slope_over(map, 2**k), k=0, 2)]
     ratio = fastest_growth
     if (slope(1) > slope(2)) &
       ratio = min(ratio, (slope(0) - slope(1)) / (slope(1) - slope(2)))
     if (slope(0) > slope(1) .and. ratio > rough_growth) &
       growth = (1.0_real64 - slope(1) / slope(0)) * (ratio + ratio**2)
-
-  contains
-
-    ! Root mean square of the slope by measured pixels at a distance along an axis.
-    pure real(real64) function slope_over(distance, axis) result(slope)
-      integer, intent(in) :: distance, axis
-      integer :: i, j, number, other(2)
-
-      slope = 0.0_real64
-      number = 0
-      do j = 1, map%rows
-        do i = 1, map%columns
-          other = [i, j]
-          other(axis) = index_beside(other(axis) + distance, size(map%height, axis), &
-                                     map%repeats(axis))
-          if (other(axis) == 0) cycle
-          if (.not. (is_measured(map%height(i, j)) .and. &
-                     is_measured(map%height(other(1), other(2))))) cycle
-          number = number + 1
-          slope = slope + (map%height(other(1), other(2)) - map%height(i, j))**2
-        end do
-      end do
-      slope = sqrt(slope / max(1, number)) / (distance * map%pixel_spacing(axis))
-    end function slope_over
-
   end function growth_of_slope
 
   !> The map on every second pixel or fewer. A periodic map keeps its lengths: where the step does

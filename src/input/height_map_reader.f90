@@ -49,7 +49,8 @@ contains
 
   !> Reads and checks a map. With problems, or when `failure` is allocated because there is no
   !> memory for it, the map is not to be used.
-  subroutine read_height_map(path, pixel_spacing, progress, map, problems, failure, option)
+  subroutine read_height_map(path, pixel_spacing, progress, map, problems, failure, option, &
+    unit)
     character(len=*), intent(in) :: path                    !! the file; `-` is standard input
     real(real64), intent(in) :: pixel_spacing(2)  !! of a matrix along x and y; 0 when not given
     logical, intent(in) :: progress                         !! report the progress
@@ -57,23 +58,30 @@ contains
     type(problem_list), intent(inout) :: problems           !! all that is wrong
     character(len=:), allocatable, intent(out) :: failure   !! why there is no memory for it
     character(len=*), intent(in), optional :: option        !! that gives the spacing; `spacing`
+    !> which of `length_units` lengths without a unit have; 0 or absent: none
+    integer, intent(in), optional :: unit
     type(line_reader) :: file
     character(len=:), allocatable :: name
+    integer :: of_numbers
 
     call file%open(path)
     name = 'spacing'
     if (present(option)) name = option
-    call take_height_map(path, file, pixel_spacing, name, .false., progress, map, problems, failure)
+    of_numbers = 0
+    if (present(unit)) of_numbers = unit
+    call take_height_map(path, file, pixel_spacing, of_numbers, name, .false., progress, map, &
+                         problems, failure)
     call file%close()
   end subroutine read_height_map
 
   ! Long: three arguments say how the spacing of the scene or command line is used.
   !> Reads and checks a map from a file that is open.
-  subroutine take_height_map(path, file, pixel_spacing, option, shared, progress, map, problems, &
-    failure)
+  subroutine take_height_map(path, file, pixel_spacing, unit, option, shared, progress, map, &
+    problems, failure)
     character(len=*), intent(in) :: path                    !! name for the messages
     type(line_reader), intent(inout) :: file               !! at its first byte
     real(real64), intent(in) :: pixel_spacing(2)  !! of a matrix along x and y; 0 when not given
+    integer, intent(in) :: unit  !! which of `length_units` lengths without a unit have; 0: none
     character(len=*), intent(in) :: option                  !! that gives it, for the messages
     logical, intent(in) :: shared             !! no spacing for a map that has its own
     logical, intent(in) :: progress                         !! report the progress
@@ -115,7 +123,8 @@ contains
       ! A byte that no text has says enough.
       call check_text(file%block(:file%used), expected, problems)
       if (problems%count() > before) return
-      call read_text_map(file, pixel_spacing, option, shared, progress, map, problems, failure)
+      call read_text_map(file, pixel_spacing, unit, option, shared, progress, map, problems, &
+                         failure)
     end if
     if (allocated(file%failure) .and. problems%count() == before) &
       call problems%add_in_file('byte ' // decimal_text(file%before + int(file%at, int64)) // &

@@ -167,7 +167,7 @@ contains
           call found%add('surfaces.' // trim(merge('upper', 'lower', side == 1)) // ': ' // fault)
       else
         call take_height_map(surface%file, files(side), decimal_to_real64(pixel_spacing(:, side)), &
-                             'map_spacing', shared, .true., map, found, failure)
+                             unit(side), 'map_spacing', shared, .true., map, found, failure)
         surface%checksum = checksum_of_pipe(files(side))
         if (allocated(failure)) call found%add(failure)
         found%lacks_memory = allocated(failure)

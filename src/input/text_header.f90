@@ -4,8 +4,8 @@ module asperity_text_header
   use asperity_column_names, only: column_list, columns_named, is_height_name
   use asperity_decimal, only: decimal_to_real64, decimal_value
   use asperity_delimited_text, only: separator_of
-  use asperity_height_map, only: edge_names, is_length, no_power, plain_unit, read_height, &
-                                 unit_number
+  use asperity_height_map, only: edge_names, is_length, length_units, no_power, plain_unit, &
+                                 read_height, unit_number
   use asperity_input_text, only: blanks, lower_case, in_quotes, without_blanks
   use asperity_kinds, only: int64, real64
   use asperity_numeral, only: read_numeral
@@ -20,6 +20,9 @@ module asperity_text_header
   character(len=*), parameter :: comment_signs = '#%'
   integer, parameter :: unit_length = 16
   character(len=*), parameter :: axis(3) = ['x', 'y', 'z']
+  !> Beginnings of the words for `length_units`.
+  character(len=*), parameter :: unit_words(6) = [character(len=8) :: 'metre', 'millimet', &
+    'micromet', 'nanomet', 'centimet', 'inch']
   !> Surfer's height of a pixel that is missing, and all above it.
   real(real64), parameter :: surfer_blank = 1.70141e38_real64
   !> ESRI's where the header has none.
@@ -256,6 +259,7 @@ contains
     type(column_list) :: found
     type(decimal_value) :: number
     character(len=:), allocatable :: name, value, unit
+    character(len=unit_length) :: units(3)
     integer :: at, i, first, last, place(3)
     logical :: good
 
@@ -314,6 +318,11 @@ contains
       do i = first, last
         call set_unit(i, unit, line, header, problems)
       end do
+    else if (any(units_in_words(text) /= '')) then
+      units = units_in_words(text)
+      do i = 1, 3
+        call set_unit(i, trim(units(i)), line, header, problems)
+      end do
     else if (has_unit(text) .or. name == 'width' .or. name == 'height') then
       call notes%add_at(line, 1, 'note: the unit in ' // in_quotes(text) // &
                         ' is not understood and not used')
@@ -330,6 +339,39 @@ contains
     unit = plain_unit(unit)
     unit = unit(:min(len(unit), unit_length))
   end function bare_unit
+
+  ! The units of x, y and z in a comment without numbers: `heights in nm`, `x, y in um, z in nm`.
+  ! Each is that of the names before it. `m` and `in` are units as the last word. Empty: none.
+  pure function units_in_words(text) result(unit)
+    character(len=*), intent(in) :: text
+    character(len=unit_length) :: unit(3)
+    character(len=:), allocatable :: words, word
+    integer :: at, k
+    logical :: are_named(3), is_clear
+
+    unit = ''
+    words = plain_unit(lower_case(text))
+    do at = 1, len(words)
+      if (scan(words(at:at), ',;:=/"''()[]-_') == 1) words(at:at) = ' '
+    end do
+    words = without_blanks(words)
+    are_named = .false.
+    is_clear = .true.
+    do while (words /= '' .and. scan(text, '0123456789') == 0)
+      at = scan(words // ' ', blanks)
+      word = words(:at - 1)
+      words = without_blanks(words(at:))
+      are_named = are_named .or. [any(word == ['x ', 'xy']), any(word == ['y ', 'xy']), &
+                                  is_height_name(word)]
+      at = findloc([(index(word, trim(unit_words(k))) == 1, k=1, size(unit_words))], .true., 1)
+      if (at > 0) word = trim(length_units(at))
+      if (unit_number(word) == 0 .or. (words /= '' .and. (word == 'm' .or. word == 'in'))) cycle
+      is_clear = is_clear .and. any(are_named) .and. all(unit == '' .or. .not. are_named)
+      where (are_named) unit = word
+      are_named = .false.
+    end do
+    if (any(are_named) .or. .not. is_clear) unit = ''
+  end function units_in_words
 
   ! Whether a comment speaks of a unit of length: a word, for `m` and `in` between brackets.
   pure logical function has_unit(text)

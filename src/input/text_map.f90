@@ -68,9 +68,11 @@ module asperity_text_map
 contains
 
   !> Reads a map. `failure` is allocated when there is no memory for it.
-  subroutine read_text_map(file, pixel_spacing, option, shared, progress, map, problems, failure)
+  subroutine read_text_map(file, pixel_spacing, unit, option, shared, progress, map, problems, &
+    failure)
     type(line_reader), intent(inout) :: file               !! file that is open
     real(real64), intent(in) :: pixel_spacing(2)            !! of a matrix; 0 when not given
+    integer, intent(in) :: unit  !! which of `length_units` lengths without a unit have; 0: none
     character(len=*), intent(in) :: option                  !! that gives it, for messages
     logical, intent(in) :: shared                           !! not for a map that has its own
     logical, intent(in) :: progress                         !! report the progress
@@ -120,7 +122,8 @@ contains
     map%own_spacing = points .or. .not. given
     if (problems%count() > 0 .or. allocated(failure)) return
     if (given .and. any(layout%extent > 0.0_real64)) call compare_extent()
-    if (problems%count() == 0) call set_unit(layout, given .and. .not. points, map, problems)
+    if (problems%count() == 0) &
+      call set_unit(layout, unit, option(:len(option) - len('spacing')) // 'unit', map, problems)
 
   contains
 
@@ -155,45 +158,45 @@ contains
     has_own = layout%names_line > 0 .or. layout%has_spacing()
   end function has_own
 
-  ! The unit of the map: that of all lengths, or metres where each has one of its own.
-  subroutine set_unit(layout, spacing_given, map, problems)
+  ! The unit of the map: that of all lengths, or metres where each has one of its own. Where the
+  ! header has that of the heights alone, or of x and y alone, the others are in the unit that is
+  ! named for the map.
+  subroutine set_unit(layout, unit, option, map, problems)
     type(text_layout), intent(in) :: layout
-    logical, intent(in) :: spacing_given
+    integer, intent(in) :: unit  ! which of `length_units`; 0: none is named
+    character(len=*), intent(in) :: option
     type(height_map), intent(inout) :: map
     type(problem_list), intent(inout) :: problems
     character(len=:), allocatable :: found
-    integer :: i
-    logical :: same
+    integer :: i, numbers(3)
 
     map%edge = layout%edge
     found = ''
-    same = .true.
     do i = 1, 3
-      if (layout%unit(i) == '') cycle
-      same = same .and. (found == '' .or. &
-                         index(found // ',', ' ' // trim(layout%unit(i)) // ',') > 0)
-      found = found // ', ' // 'xyz'(i:i) // ' ' // trim(layout%unit(i))
+      if (layout%unit(i) /= '') found = found // ', ' // 'xyz'(i:i) // ' ' // trim(layout%unit(i))
     end do
     if (found == '') return
     found = found(3:)
-    if (all(layout%unit == layout%unit(1)) .and. unit_number(layout%unit(1)) > 0) then
-      map%unit = trim(layout%unit(1))
-    else if (minval([(unit_number(layout%unit(i)), i=1, 3)]) > 0) then
-      do i = 1, 2
-        map%pixel_spacing(i) = map%pixel_spacing(i) * unit_ratio(layout%unit(i), 1) / &
-                         unit_ratio(layout%unit(3), 1)
-      end do
-      map%unit = trim(layout%unit(3))
-      call change_unit(map, 1)
-      call map%notes%add_in_file('note: units of its header: ' // found // '; lengths are in m')
-    else if (spacing_given .and. layout%unit(3) == '' .or. &
-             (same .and. (spacing_given .or. all(layout%extent <= 0.0_real64)))) then
+    numbers = [(unit_number(layout%unit(i)), i=1, 3)]
+    where (layout%unit == '') numbers = unit
+    if (all(layout%unit == layout%unit(1)) .and. numbers(1) == 0) then
       call map%notes%add_in_file('note: units of its header: ' // found // '; not used, as they ' &
-                                 // 'are not those of all lengths, or none of ' // known_units // &
-                                 ': lengths are taken as they are')
-    else
+                                 // 'are none of ' // known_units // ': lengths are taken as ' // &
+                                 'they are')
+    else if (any(numbers == 0)) then
       call problems%add_in_file('units of its header: found ' // found // ', expected one of ' // &
-                                known_units // ' for each of x, y and z')
+                                known_units // ' for each of x, y and z, or ' // option)
+    else if (all(numbers == numbers(1))) then
+      map%unit = trim(length_units(numbers(1)))
+    else
+      do i = 1, 2
+        map%pixel_spacing(i) = map%pixel_spacing(i) * unit_ratio(length_units(numbers(i)), 1) / &
+                         unit_ratio(length_units(numbers(3)), 1)
+      end do
+      map%unit = trim(length_units(numbers(3)))
+      call change_unit(map, merge(unit, 1, unit > 0))
+      call map%notes%add_in_file('note: units of its header: ' // found // '; lengths are in ' // &
+                                 map%unit)
     end if
   end subroutine set_unit
 

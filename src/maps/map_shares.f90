@@ -6,8 +6,9 @@ module asperity_map_shares
   use asperity_kinds, only: real64
   use asperity_map_despiking, only: is_spike, limit_of_spikes
   use asperity_map_patches, only: map_patch
-  use asperity_theory_warnings, only: add_warning, of_border, of_map_edge, of_missing, &
-                                      of_no_summit, of_scan_lines, of_spikes, theory_warning, &
+  use asperity_map_statistics, only: rms_slope_over
+  use asperity_theory_warnings, only: add_warning, of_border, of_map_edge, of_map_slope, &
+                                      of_missing, of_no_summit, of_scan_lines, of_spikes, theory_warning, &
                                       warning_kinds
   implicit none
   private
@@ -112,19 +113,25 @@ contains
     if (shares%on_spikes > tolerance) call add_warning(warnings, of_spikes, shares%on_spikes)
   end subroutine warn_of_shares
 
-  !> Warns of a map with missing pixels, and of a periodic map with a jump at its border.
-  pure subroutine warn_of_map(map, tolerance, has_form, warnings)
+  !> Warns of a map with missing pixels, of a steep map, and of a periodic one with a jump at its
+  !> border.
+  pure subroutine warn_of_map(map, tolerance, has_form, has_caps, warnings)
     type(height_map), intent(in) :: map     !! levelled height map
     real(real64), intent(in) :: tolerance   !! largest share without a warning
-    logical, intent(in) :: has_form         !! its form has a bend at the border
+    logical, intent(in) :: has_form         !! its form has slopes, and a bend at the border
+    logical, intent(in) :: has_caps         !! spheres of a table are part of it
     type(theory_warning), allocatable, intent(inout) :: warnings(:)  !! warnings of the state
-    real(real64), parameter :: rounding = 1.0e-9_real64  ! tolerance for a ridge along the border
-    real(real64) :: missing, ratio
+    real(real64), parameter :: rounding = 1.0e-9_real64  ! tolerance at a limit
+    real(real64) :: missing, ratio, slope
     integer :: axis
 
     missing = count(.not. is_measured(map%height)) / real(size(map%height), real64)
     if (missing > tolerance) call add_warning(warnings, of_missing, missing)
     if (has_form) return
+    slope = 0.0_real64
+    if (.not. has_caps) slope = rms_slope_over(map, 1)
+    if (slope > warning_kinds(of_map_slope)%limit * (1.0_real64 + rounding)) &
+      call add_warning(warnings, of_map_slope, slope)
     ratio = 0.0_real64
     do axis = 1, 2
       if (map%repeats(axis)) ratio = max(ratio, border_ratio(map%height, axis))

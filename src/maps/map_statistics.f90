@@ -19,7 +19,7 @@ module asperity_map_statistics
   implicit none
   private
 
-  public :: map_statistics, measure_map
+  public :: map_statistics, measure_map, rms_slope_over
 
   !> Statistics of a map. Lengths are in the unit of the map. Once the map is measured, quantities
   !> of summits or slopes are NaN where it has none.
@@ -160,5 +160,32 @@ contains
     end subroutine add_difference
 
   end subroutine measure_moments
+
+  !> Root mean square of the gradient by measured pixels at a distance along each axis.
+  pure real(real64) function rms_slope_over(map, distance) result(slope)
+    type(height_map), intent(in) :: map  !! levelled height map
+    integer, intent(in) :: distance      !! of two pixels, in pixels
+    integer :: axis, i, j, number, other(2)
+    real(real64) :: square
+
+    slope = 0.0_real64
+    do axis = 1, 2
+      square = 0.0_real64
+      number = 0
+      do j = 1, map%rows
+        do i = 1, map%columns
+          other = [i, j]
+          other(axis) = index_beside(other(axis) + distance, size(map%height, axis), &
+                                     map%repeats(axis))
+          if (other(axis) == 0) cycle
+          if (.not. (is_measured(map%height(i, j)) .and. &
+                     is_measured(map%height(other(1), other(2))))) cycle
+          number = number + 1
+          square = square + (map%height(other(1), other(2)) - map%height(i, j))**2
+        end do
+      end do
+      slope = hypot(slope, sqrt(square / max(1, number)) / (distance * map%pixel_spacing(axis)))
+    end do
+  end function rms_slope_over
 
 end module asperity_map_statistics

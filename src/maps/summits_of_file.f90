@@ -46,7 +46,7 @@ contains
     call check_choices(choices, problems)
     if (problems%count() > 0) return
     call read_height_map(path, choices%pixel_spacing, choices%progress, map, problems, failure, &
-                         trim(choices%prefix) // 'spacing')
+                         trim(choices%prefix) // 'spacing', choices%unit)
     if (problems%count() > 0 .or. allocated(failure)) return
     if (choices%edge_of_file .and. map%edge == periodic_edge) choices%periodic = .true.
     call check_choices(choices, problems)

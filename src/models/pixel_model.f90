@@ -33,7 +33,7 @@ module asperity_pixel_model
                                     theory_limits
   use asperity_theory_warnings, only: add_warning, of_attraction, of_cap, of_contact_radius, &
                                       of_cut_range, of_error, of_flat_map, of_held_gap, &
-                                      of_resolution, take_worse, theory_warning, warning_kinds
+                                      of_map_pressure, of_resolution, take_worse, theory_warning, warning_kinds
   implicit none
   private
 
@@ -277,7 +277,7 @@ contains
                              other_errors, warnings)
       end associate
       call warn_of_map(map, model%tolerance, any(model%scene_in%map%form_radius > 0.0_real64), &
-                       warnings)
+                       allocated(self%caps%rise), warnings)
       call take_worse(result%warnings, warnings, size(steps))
       result%state_values = [sum(self%patches%samples) * &
                              [1.0_real64, product(map%pixel_spacing)], other_errors]
@@ -462,14 +462,18 @@ contains
     end if
   end subroutine check_room
 
-  ! Warns of patches beyond yield or the limit.
+  ! Warns of patches beyond yield or the limit, and of strains beyond the linear theory.
   subroutine warn_of_patches(self, warnings)
     class(pixel_bodies), intent(in), target :: self
     type(theory_warning), allocatable, intent(inout) :: warnings(:)
     real(real64), parameter :: peak = 1.5_real64  ! greatest over average pressure of Hertz
+    real(real64) :: greatest
     integer :: i
 
     associate (patches => self%patches)
+      greatest = maxval([0.0_real64, patches%highest]) / self%model%laws%modulus
+      if (greatest > warning_kinds(of_map_pressure)%limit) &
+        call add_warning(warnings, of_map_pressure, greatest)
       do i = 1, size(patches)
         call look_at_pressure(self%model%limits, patches(i)%mean, patches(i)%highest / peak, &
                               patches(i)%load, warnings)

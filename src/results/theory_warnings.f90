@@ -13,7 +13,8 @@ module asperity_theory_warnings
             of_no_summit, of_scan_lines, of_spikes, of_area, of_limit, of_range, &
             of_unlike_bodies, of_yield_strain, of_flow_depth, of_unloading_depth, of_missing, &
             of_border, of_resolution, of_flat_map, of_off, of_barred, of_error, &
-            of_nested, of_excluded, of_attraction, of_held_gap, of_cut_range, of_shrinking
+            of_nested, of_excluded, of_attraction, of_held_gap, of_cut_range, of_shrinking, &
+            of_map_slope, of_map_pressure
 
   !> Places of the kinds in `warning_kinds`, where each is described.
   enum, bind(c)
@@ -22,7 +23,7 @@ module asperity_theory_warnings
       of_no_summit, of_scan_lines, of_spikes, of_area, of_limit, of_range, of_unlike_bodies, &
       of_yield_strain, of_flow_depth, of_unloading_depth, of_missing, of_border, of_resolution, &
       of_flat_map, of_off, of_barred, of_error, of_nested, of_excluded, of_attraction, &
-      of_held_gap, of_cut_range, of_shrinking
+      of_held_gap, of_cut_range, of_shrinking, of_map_slope, of_map_pressure
   end enum
 
   !> Classes of kinds: a result outside the range of a theory; a result whose numbers are in error,
@@ -172,7 +173,14 @@ module asperity_theory_warnings
     warning_kind('shrinking', in_theory, 0.0_real64, .true., &
       'contacts shrink beside others, beyond the theory of creep', &
       'of the elastic load is that of contacts that shrink', &
-      'take their loads as estimates or solve the surface as a height map')]
+      'take their loads as estimates or solve the surface as a height map'), &
+    warning_kind('map_slope', in_theory, 0.3_real64, .false., &
+      'the map is steep', 'is its rms slope (limit 0.3)', &
+      'check the unit of its heights or expect errors of the order of the square of the slope'), &
+    warning_kind('map_pressure', in_theory, 0.19_real64, .true., &
+      'pressures are near the contact modulus', &
+      'of the modulus is the greatest (limit 19 %)', &
+      'check the units of heights and modulus or take strains as beyond the linear theory')]
 
   !> One kind of warning at one position.
   type :: theory_warning

@@ -356,7 +356,7 @@ contains
       end associate
     end if
     call warn_of_map(map, scene_in%effects%number('tolerance'), &
-                     any(scene_in%map%form_radius > 0.0_real64), warnings)
+                     any(scene_in%map%form_radius > 0.0_real64), .false., warnings)
     call take_worse(results%positions(1)%warnings, warnings, size(results%positions(1)%states))
   end subroutine add_map_warnings
 

@@ -176,3 +176,31 @@ def test_effects_left_out_beside_pixels(asperity, tmp_path):
     assert (row["adhesion"], row["interaction"]) == ("on", "boundary")
     assert "adhesion" not in lines and float(row["adhesion_estimate"]) > 0.01
     assert "the pixels are too wide for the range of adhesion" in found[4][1]
+
+
+@pytest.mark.parametrize("interaction", ["boundary", "coupled"])
+def test_a_steep_map(interaction, asperity, tmp_path):
+    """The rms slope by neighbouring pixels, of the levelled map, in both models."""
+    step = SIDES[0]
+    height = level(rough(N, shortest=6, seed=3))
+    slope = math.hypot(*((np.diff(height, axis=k) ** 2).mean() ** .5 / step for k in (0, 1)))
+    for factor in (0.999, 1.001, 5.0):
+        lines = run(asperity, tmp_path, height * (0.3 * factor / slope), 1e-3 * LOAD, 0.99,
+                    interaction)
+        found = [line for line in lines if "the map is steep" in line]
+        assert len(found) == (factor > 1)
+    assert "1.50 is its rms slope (limit 0.3), check the unit of its heights" in found[0]
+
+
+def test_pressures_near_the_modulus(asperity, tmp_path):
+    """Hertz: the greatest pressure is 2 a/(pi R) of the modulus, 0.191 where a = 0.3 R."""
+    step = SIDES[0]
+    radius = 40 * step
+    x, y = (np.indices((N, N)) - (N - 1) / 2) * step
+    height = -(x**2 + y**2) / (2 * radius)
+    for factor in (0.98, 1.02):
+        load = math.pi**3 * radius**2 * E / 6 * (0.19 * factor) ** 3
+        lines = run(asperity, tmp_path, height, load, 0.99)
+        found = [line for line in lines if "pressures are near the contact modulus" in line]
+        assert len(found) == (factor > 1)
+    assert told(lines, "near the contact modulus") == pytest.approx(0.19 * 1.02, rel=0.01)

@@ -231,9 +231,9 @@ def test_both_doors_take_and_refuse_the_same(first, maps):
             (content[:60], spacing, at_summits.stderr, in_scene.stderr)
         assert in_scene.status in (0, 2), in_scene.stderr
         if in_scene.status == 2 and content.strip():
-            assert {line.partition("F:")[2].replace("map_spacing", "--spacing")
+            assert {line.partition("F:")[2].replace("map_", "--")
                     for line in in_scene.stderr.splitlines()} == \
-                {line.partition("F:")[2].replace("map_spacing", "--spacing")
+                {line.partition("F:")[2].replace("map_", "--")
                  for line in at_summits.stderr.splitlines()}
 
 
@@ -392,12 +392,10 @@ def test_units_that_contradict_are_refused(before, spacing, said, maps):
 
 
 @pytest.mark.parametrize("before, spacing, said", [
-    ("x y z [um]\n", None, "units of its header: z um; not used"),
-    ("# Value units: um\n", SPACING, "units of its header: z um; not used"),
-    ("# z (um)\n", SPACING, "units of its header: z um; not used"),
     ("# units: furlong\n", SPACING, "x furlong, y furlong, z furlong; not used"),
-    ("# heights in um\n", SPACING, "the unit in 'heights in um' is not understood"),
     ("# pixel 0.5 µm\n", SPACING, "the unit in 'pixel 0.5 µm' is not understood"),
+    ("# z in um or nm\n", SPACING, "the unit in 'z in um or nm' is not understood"),
+    ("# height range 20 nm\n", SPACING, "the unit in 'height range 20 nm' is not understood"),
 ])
 def test_units_that_are_not_used_are_noted(before, spacing, said, maps):
     text = POINTS if spacing is None else MATRIX
@@ -406,6 +404,37 @@ def test_units_that_are_not_used_are_noted(before, spacing, said, maps):
     assert done.found == maps.summits(text, spacing).found
     found = maps.scene(before + text, spacing)
     assert found.status == 0 and said in found.stderr
+
+
+@pytest.mark.parametrize("before, spacing, plan, height", [
+    ("x y z [nm]\n", None, 1, 1e-3),
+    ("x [mm] y [mm] z\n", None, 1e3, 1),
+    ("# Value units: nm\n", SPACING, 1, 1e-3),
+    ("# z [nm]\n", SPACING, 1, 1e-3),
+    ("# heights in nm\n", SPACING, 1, 1e-3),
+    ("# height values / nanometres\n", SPACING, 1, 1e-3),
+    ("# z-unit nm\n", SPACING, 1, 1e-3),
+    ("# z in um\n", SPACING, 1, 1),
+    ("# x, y in mm; z in nm\n", SPACING, 1e3, 1e-3),
+    ("# XY units: mm\n", SPACING, 1e3, 1),
+    ("# Width: 8 um\n# Height: 3 um\n", SPACING, 1, 1),
+])
+def test_a_unit_of_some_lengths_is_used(before, spacing, plan, height, maps):
+    """The named unit, um, is that of the other lengths. Without it the map is refused."""
+    text = before + (POINTS if spacing is None else MATRIX)
+    done = maps.summits(text, spacing, "--level=mean", "--unit=um")
+    assert number(done, "spacing along x") == (pytest.approx(.5 * plan, rel=1e-12), "um")
+    assert number(done, "rms height") == (pytest.approx(HEIGHTS.std() * height, rel=1e-12), "um")
+    found = maps.scene(text, spacing, map_unit="'um'", map_level="'mean'")
+    steps, heights = (.5 * plan, .25 * plan), rows_of(HEIGHTS * height, form="{:.17g}".format)
+    near(found, maps.scene(heights, steps, map_level="'mean'"))
+    if "z in nm" in before:
+        return
+    said = "units of its header: found"
+    done = maps.summits(text, spacing)
+    assert done.returncode == 2 and said in done.stderr and "x, y and z, or --unit" in done.stderr
+    found = maps.scene(text, spacing)
+    assert found.status == 2 and said in found.stderr and "or map_unit" in found.stderr
 
 
 def test_a_header_against_the_units_of_the_scene(maps):
