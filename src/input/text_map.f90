@@ -67,6 +67,7 @@ module asperity_text_map
 
 contains
 
+  ! Long: four arguments say how spacing and unit of the scene or command line are used.
   !> Reads a map. `failure` is allocated when there is no memory for it.
   subroutine read_text_map(file, pixel_spacing, unit, option, shared, progress, map, problems, &
     failure)

@@ -8,8 +8,8 @@ module asperity_map_shares
   use asperity_map_patches, only: map_patch
   use asperity_map_statistics, only: rms_slope_over
   use asperity_theory_warnings, only: add_warning, of_border, of_map_edge, of_map_slope, &
-                                      of_missing, of_no_summit, of_scan_lines, of_spikes, theory_warning, &
-                                      warning_kinds
+                                      of_missing, of_no_summit, of_scan_lines, of_spikes, &
+                                      theory_warning, warning_kinds
   implicit none
   private
 

@@ -33,7 +33,8 @@ module asperity_pixel_model
                                     theory_limits
   use asperity_theory_warnings, only: add_warning, of_attraction, of_cap, of_contact_radius, &
                                       of_cut_range, of_error, of_flat_map, of_held_gap, &
-                                      of_map_pressure, of_resolution, take_worse, theory_warning, warning_kinds
+                                      of_map_pressure, of_resolution, take_worse, &
+                                      theory_warning, warning_kinds
   implicit none
   private
 

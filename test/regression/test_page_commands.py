@@ -18,11 +18,11 @@ pytestmark = pytest.mark.pages
 
 # First line of each block that a test of this file runs: its page.
 RUN = {
-    "make report      # prints the report of the thesis": "README.md",
-    "fpm build": "README.md docs/how-to/ci.md",
+    "make report      # the report of the thesis, 2 minutes": "README.md",
+    ".venv/bin/fpm build": "README.md docs/how-to/ci.md",
     "steps:": "docs/how-to/ci.md",
-    "fpm install --profile release --no-prune --prefix FOLDER": "docs/how-to/c.md",
-    "fpm run --example read_a_scene -- data/examples/thesis.scene": "docs/reference/fortran.md",
+    ".venv/bin/fpm install --profile release --no-prune --prefix FOLDER": "docs/how-to/c.md",
+    ".venv/bin/fpm run --example read_a_scene -- data/examples/thesis.scene": "docs/reference/fortran.md",
     "#!/bin/bash": "docs/how-to/many-machines.md",
     "asperity solve SCENE --positions positions.csv $(printf -- '--keep part.%s ' {1..16})":
         "docs/how-to/many-machines.md",
@@ -122,8 +122,8 @@ def shell(asperity, tmp_path):
     for path in ROOT.iterdir():
         if not path.name.startswith(".") and path.name != "build":
             (tmp_path / path.name).symlink_to(path)
-    programs = tmp_path / "bin"
-    programs.mkdir()
+    programs = tmp_path / ".venv/bin"
+    programs.mkdir(parents=True)
     (programs / "asperity").symlink_to(asperity)
     for name, text in (("fpm", FPM), ("srun", '#!/bin/sh\nshift\nexec "$@"\n')):
         (programs / name).write_text(text)
@@ -148,10 +148,10 @@ def test_make_report(shell):
         (ROOT / "reference_output/thesis.ibm370.txt").read_text(encoding="utf-8"))
 
 
-@pytest.mark.parametrize("page", RUN["fpm build"].split())
+@pytest.mark.parametrize("page", RUN[".venv/bin/fpm build"].split())
 def test_fpm_against_the_report(shell, page):
     build("release")
-    shell(block_of(page, "fpm build"))
+    shell(block_of(page, ".venv/bin/fpm build"))
 
 
 def test_steps_of_a_job(shell):
@@ -176,7 +176,7 @@ def test_install_and_c(shell, tmp_path):
     """The library in a folder of its own, and a C program that is linked to it."""
     build("release")
     shutil.copy(ROOT / "example/press_two_surfaces.c", tmp_path / "press.c")
-    shell(block_named("fpm install").replace("FOLDER", str(tmp_path / "own")))
+    shell(block_named(".venv/bin/fpm install").replace("FOLDER", str(tmp_path / "own")))
     assert (tmp_path / "own/bin/asperity").exists() and len(shell("./a.out").split()) > 10
 
 

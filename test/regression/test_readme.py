@@ -27,8 +27,8 @@ def run(asperity, tmp_path):
     for path in ROOT.iterdir():
         if not path.name.startswith(".") and path.name != "build":
             (tmp_path / path.name).symlink_to(path)
-    words = tmp_path / "bin"
-    words.mkdir()
+    words = tmp_path / ".venv/bin"
+    words.mkdir(parents=True)
     (words / "asperity").symlink_to(asperity)
     (words / "fpm").write_text('#!/bin/sh\n[ "$1" = run ] || exit 0\nshift 2\nexec asperity "$@"\n')
     (words / "fpm").chmod(0o755)
