@@ -22,7 +22,8 @@ RUN = {
     ".venv/bin/fpm build": "README.md docs/how-to/ci.md",
     "steps:": "docs/how-to/ci.md",
     ".venv/bin/fpm install --profile release --no-prune --prefix FOLDER": "docs/how-to/c.md",
-    ".venv/bin/fpm run --example read_a_scene -- data/examples/thesis.scene": "docs/reference/fortran.md",
+    ".venv/bin/fpm run --example read_a_scene -- data/examples/thesis.scene":
+        "docs/reference/fortran.md",
     "#!/bin/bash": "docs/how-to/many-machines.md",
     "asperity solve SCENE --positions positions.csv $(printf -- '--keep part.%s ' {1..16})":
         "docs/how-to/many-machines.md",
