@@ -442,7 +442,7 @@ def test_progress_and_an_interruption(asperity, root, tmp_path):
 
 def test_the_csv_is_csv(pair, tmp_path):
     rows = pair[1] + pair[2]
-    assert all(None not in row and len(row) == 31 for row in rows)
+    assert all(None not in row and len(row) == 33 for row in rows)
     with open(tmp_path / "copy.csv", "w", newline="") as file:
         writer = csv.DictWriter(file, rows[0])
         writer.writerows(rows)

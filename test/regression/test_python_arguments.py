@@ -91,7 +91,7 @@ ARGUMENTS = [
     ("scene", "path", [], lambda asperity, value: asperity.solve(value)),
     ("arithmetic", "word", ["real128"], option("solve", SCENE, "arithmetic")),
     ("accuracy", "number", [-1.0, 1.0, 2.0, -1e-300], option("solve", SCENE, "accuracy")),
-    ("accuracy_of", "word", ["pressure"], option("solve", SCENE, "accuracy_of")),
+    ("accuracy_of", "word", ["volume"], option("solve", SCENE, "accuracy_of")),
     ("contacts", "flag", [], option("solve", SCENE, "contacts")),
     ("threads", "whole", [-1, 10000, 2**31 - 1], option("solve", SCENE, "threads")),
     ("progress", "flag", [], option("solve", SCENE, "progress")),
