@@ -41,8 +41,7 @@ module asperity_circle_correction
   use asperity_constants, only: pi
   use asperity_interruption, only: interruption
   use asperity_kinds, only: real64
-  use asperity_mutual_displacement, only: mutual_displacement, mutual_terms
-  use asperity_oval_field, only: oval_field
+  use asperity_mutual_displacement, only: mutual_displacement, mutual_terms, oval_field
   use asperity_source_tree, only: sum_sources
   implicit none
   private

@@ -21,7 +21,7 @@
 !> converged); no memory, interrupted (failure).
 module asperity_coupled_contacts
   use asperity_circle_field, only: large_set, least_curvature_share, linear_residual, &
-                                   sum_error
+                                   rounding_error, sum_error
   use asperity_circle_potential, only: potential_change, potential_state, remember_state, &
                                        restore_state
   use asperity_circle_step, only: circle_model, find_step, prepare_model, trust_step
@@ -42,8 +42,9 @@ module asperity_coupled_contacts
 
   public :: adopt_penetrations, coupled_solution, resolved_contacts, solve_coupled
 
-  ! Residual over the largest penetration [1] of a solution; chosen, ten times the rounding error.
-  real(real64), parameter :: target_residual = 1.0e-11_real64
+  ! Residual over the largest penetration [1] of a solution; derived: the displacements of hundreds
+  ! of circles are in error by so much.
+  real(real64), parameter :: target_residual = 100 * rounding_error
   ! The same where the residual stagnates, and of a large set [1]; derived from the error of sums.
   real(real64), parameter :: accepted_residual = sum_error / 10
   ! Ratio of successive residuals [1] above which the residual stagnates, below which open contacts

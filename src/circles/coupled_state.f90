@@ -18,7 +18,7 @@ module asperity_coupled_state
             penetration_without_load, plan_radius, raise_to_load, resolved_contacts, &
             solve_state, update_circles
 
-  !> Penetration of a contact that touches nowhere [length]: no step raises it above 0; chosen.
+  !> Penetration of a contact that touches nowhere [length]: derived: no step raises it above 0.
   real(real64), parameter, public :: open_penetration = -1.0e-3_real64 * huge(1.0_real64)
 
   !> Contacts that boundary elements resolve, as the Hertzian contacts see them; arrays by pair.
@@ -58,10 +58,10 @@ module asperity_coupled_state
   end type solve_state
 
   ! Growth of a circle [1] from which on it has other near neighbours, as has one that has moved by
-  ! its radius; chosen: near pairs reach to 5 sums of radii. Until then near pairs are kept: if they
-  ! were found at each field, the potential would jump by the error of the sums where a pair is on
-  ! the border.
-  real(real64), parameter :: list_growth = 1.2_real64
+  ! its radius; derived: the error of sums, of the fourth power, at most doubles. Until then near
+  ! pairs are kept: if they were found at each field, the potential would jump by the error of the
+  ! sums where a pair is on the border.
+  real(real64), parameter :: list_growth = 2.0_real64**0.25_real64
   ! Share of the height between centres [1] below which a penetration stays; chosen, eps**(1/3);
   ! test: coupled_suite.f90.
   real(real64), parameter, public :: level_share = 0.999999_real64

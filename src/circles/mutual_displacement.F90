@@ -20,7 +20,7 @@ module asperity_mutual_displacement
   implicit none
   private
 
-  public :: mutual_terms, mutual_displacement
+  public :: mutual_terms, mutual_displacement, oval_field
 
   !> The terms between a first circle and a second. All are for a modulus of 1 and are to be
   !> divided by the combined modulus; per unit load.
@@ -152,5 +152,77 @@ contains
     means(:, 2, 1) = -1.5_real64 / (pi * b**3) * (r * arc - b * root / max(r, b))
     bend = -1.5_real64 / (pi * b**3) * (arc - b * outside * (1.0_real64 + (b / max(r, b))**2))
   end subroutine with_a_point
+
+  !> Oval field on a circle, by a unit load over the modulus on another one: with Hertz' pressure,
+  !> and with that of a flat punch.
+  !>
+  !> It is the mean of G'' - G'/r with the weight (1 - rho**2/a**2)**(3/2), G the displacement: the
+  !> part of the field that makes a contact oval. The weight is the row
+  !> 15 (a**2 - t**2)**2/(16 a**5), and as the root is harmonic in r and i tau its second derivative
+  !> by r is that by tau less its derivative by r over r. The closed form is in error by 4e-7 of it
+  !> for radii to 1:10, by 3e-5 at 1:25. Of other radii it is the series, in error where the rims
+  !> nearly touch; within the rim of the other circle the field is left out.
+  pure function oval_field(distance, averaged, loaded) result(field)
+    real(real64), intent(in) :: distance   !! distance of the centres [length]
+    real(real64), intent(in) :: averaged   !! radius of the circle with the mean, more than 0
+    real(real64), intent(in) :: loaded     !! radius of the loaded circle, more than 0
+    integer, parameter :: kind_of_real = real64
+    real(real64) :: field(2), a, b, factor, r, unit
+    real(real64), dimension(8, 0:1) :: far, near, plus, minus
+
+    ! A power of two as unit of length changes no digit; fifth powers of a radius would underflow.
+    unit = scale(1.0_real64, exponent(averaged + loaded))
+    r = distance / unit
+    a = averaged / unit
+    b = loaded / unit
+    field = 0.0_real64
+    if (r > series_distance * (a + b) .or. min(a, b) < small_ratio * max(a, b)) then
+      if (r > a + b) field = oval_by_series(r, a, b) / unit**3
+      return
+    end if
+    if (.not. r > 0.0_real64) return
+    call integrate(a + b, far)
+    call integrate(a - b, near)
+    plus = far + near
+    minus = far - near
+    factor = 15.0_real64 / (16 * a**5 * pi)
+    factor = factor / unit**3
+    field(1) = 1.5_real64 * factor / b**3 * ( &
+      over_row([b * plus(3:5, 0) - minus(4:6, 0)]) - &
+      2 / r * over_row([b * plus(5:7, 1) - minus(6:8, 1)]))
+    field(2) = 0.5_real64 * factor / b * (over_row(minus(2:4, 0)) - &
+                                          2 / r * over_row(minus(4:6, 1)))
+
+  contains
+
+    ! Three times by parts over the row (a**2 - t**2)**2, by antiderivatives at its end.
+    pure real(real64) function over_row(values)
+      real(real64), intent(in) :: values(3)
+
+      over_row = 16 * (a**2 * values(1) - 3 * a * values(2) + 3 * values(3))
+    end function over_row
+
+#include "antiderivatives.inc"
+  end function oval_field
+
+  ! The oval field of circles apart, as in `by_series`.
+  pure function oval_by_series(r, a, b) result(field)
+    real(real64), intent(in) :: r, a, b
+    real(real64) :: field(2), averaged(0:terms_kept), loaded(2, 0:terms_kept)
+    integer :: k, m
+
+    do k = 0, terms_kept
+      averaged(k) = 15.0_real64 / ((2 * k + 1) * (2 * k + 3) * (2 * k + 5)) * (a / r)**(2 * k)
+      loaded(:, k) = row_means([2, 1], k) * (b / r)**(2 * k)
+    end do
+    field = 0.0_real64
+    do k = 0, terms_kept
+      do m = 0, k
+        field = field + root_terms(k) * (2 * k + 1) * (2 * k + 3) * binomial(m, k) * averaged(m) * &
+                loaded(:, k - m)
+      end do
+    end do
+    field = field / (pi * r**3)
+  end function oval_by_series
 
 end module asperity_mutual_displacement

@@ -18,7 +18,7 @@ module asperity_element_influence
   ! the closed form and the truncation error of the series are both 1.4e-10 of it (derived; test:
   ! influence by quadrature in test/unit/elements_suite.f90).
   integer, parameter :: far_offset = 20
-  ! Periods of a strip on each side that are summed (chosen: the next correction of Euler and
+  ! Periods of a strip on each side that are summed (derived: the next correction of Euler and
   ! Maclaurin is 7 (6/5760) (images_along + 1/2)**-4 = 1.4e-6 of a period).
   integer, parameter :: images_along = 8
 

@@ -184,10 +184,12 @@ contains
     type(joint_task), intent(inout) :: task
     type(joint_solution), intent(inout) :: solution
     type(cluster), allocatable :: previous_clusters(:)
-    real(real64) :: load, previous_load, tolerance
+    real(real64) :: area_tolerance, load, previous_load, tolerance
     logical :: has_grown
 
     tolerance = elements_share * task%elements_tolerance
+    area_tolerance = max(task%area_tolerance, merge(task%elements_tolerance, task%tolerance, &
+                                                    task%choice == resolve_all))
     has_grown = .true.
     associate (pairs => task%pairs, coupled => solution%coupled, &
                is_resolved => solution%is_resolved)
@@ -203,7 +205,7 @@ contains
           end if
         end if
         solution%iterations = solution%iterations + 1
-        call solve_clusters(pairs, coupled, task%elements_tolerance, task%area_tolerance, &
+        call solve_clusters(pairs, coupled, task%elements_tolerance, area_tolerance, &
                             task%clusters, solution%failure)
         if (allocated(solution%failure)) return
         call add_close_contacts(pairs, task%clusters, is_resolved, has_grown)

@@ -42,11 +42,6 @@ module asperity_resolved_clusters
   ! Chebyshev nodes along an axis of the interpolated field: its error is (3 + sqrt(8))**-8 = 1e-6
   ! of it (derived).
   integer, parameter :: nodes = 8
-  !> Relative error of an area over that of its load, for error estimates and tolerances. The
-  !! ellipticity of a contact increases its area by 4/3 of the relative increase of the load, and an
-  !! error of the load changes the area by 2/3 of it: twice their sum, as the ratio is larger for
-  !! contacts that nearly touch (measured: 3.3 at most in 97 of 100 dense scenes).
-  real(real64), parameter, public :: area_per_load = 4.0_real64
 
 contains
 
@@ -87,7 +82,7 @@ contains
     type(contact_pairs), intent(in) :: pairs              !! pairs of the position
     type(coupled_solution), intent(in) :: coupled         !! solution of Hertzian contacts
     real(real64), intent(in) :: tolerance                 !! relative error of the load of a cluster
-    real(real64), intent(in) :: area_tolerance            !! least relative error of its area
+    real(real64), intent(in) :: area_tolerance            !! relative error of its area
     type(cluster), intent(inout) :: clusters(:)           !! lattices, answers, fields are set
     character(len=:), allocatable, intent(inout) :: failure  !! error message if it did not converge
     integer, allocatable :: cluster_of(:)
@@ -121,9 +116,8 @@ contains
         if (this_cluster%is_solved) cycle
         call solve_elements(pairs, this_cluster%members, &
                             coupled%compression - this_cluster%displacement, this_cluster%outside, &
-                            reshape([tolerance, max(area_per_load * tolerance, area_tolerance), &
-                                     reference], [2, 2]), this_cluster%lattice, &
-                            this_cluster%answer)
+                            reshape([tolerance, area_tolerance, reference], [2, 2]), &
+                            this_cluster%lattice, this_cluster%answer)
       end associate
     end do
     !$omp end parallel do

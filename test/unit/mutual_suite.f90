@@ -4,7 +4,7 @@
 !> and its mean by brute force; derivatives by differences.
 module asperity_mutual_suite
   use asperity_kinds, only: real64
-  use asperity_mutual_displacement, only: mutual_displacement, mutual_terms
+  use asperity_mutual_displacement, only: mutual_displacement, mutual_terms, oval_field
   use asperity_testing, only: check, error_type, new_unittest, unittest_type
   implicit none
   private
@@ -23,6 +23,7 @@ contains
     suite = [ &
       new_unittest('the field at a point is that of Johnson, in and out', field_of_johnson), &
       new_unittest('means over a circle are those of that field', means_by_force), &
+      new_unittest('oval fields are means of second derivatives', ovals_by_force), &
       new_unittest('closed forms, series, four times the digits and points meet', forms_meet), &
       new_unittest('derivatives are those of the means, through both rims', derivatives), &
       new_unittest('what a growing load does makes one potential', one_potential)]
@@ -57,6 +58,39 @@ contains
       call check(error, terms%on_second / truth, 1.0_real64, 1.0e-11_real64, 'exchanged')
     end do
   end subroutine field_of_johnson
+
+  ! Outside the other circle, whose field is Johnson's and for a flat punch asin(b/r)/(pi b).
+  subroutine ovals_by_force(error)
+    type(error_type), allocatable, intent(out) :: error
+    real(real64), parameter :: cases(3, 6) = reshape(real([ &
+      27, 10, 10, 30, 5, 10, 140, 100, 10, 125, 10, 100, 90, 10, 10, 450, 10, 100], real64) / 10, &
+      [3, 6])
+    integer, parameter :: rings = 300, spokes = 200
+    type(mutual_terms) :: terms
+    real(real64) :: a, azimuth, b, d, offset(2), rho, truth(2)
+    integer :: i, j, k
+
+    do k = 1, size(cases, 2)
+      a = cases(2, k)
+      b = cases(3, k)
+      truth = 0.0_real64
+      do i = 1, rings
+        ! Equal steps of the fifth power of the root of 1 - (rho/a)**2 have equal weights.
+        rho = a * sqrt(1 - ((i - 0.5_real64) / rings)**0.4_real64)
+        do j = 1, spokes
+          azimuth = 2 * pi * (j - 0.5_real64) / spokes
+          offset = [cases(1, k) + rho * cos(azimuth), rho * sin(azimuth)]
+          d = norm2(offset)
+          call mutual_displacement(d, 0.0_real64, b, terms)
+          truth = truth + [terms%bend - terms%slope / d, &
+                           (3 * d**2 - 2 * b**2) / (pi * d**2 * sqrt(d**2 - b**2)**3)] * &
+                  (offset(1)**2 - offset(2)**2) / d**2
+        end do
+      end do
+      truth = oval_field(cases(1, k), a, b) / (truth / (rings * spokes))
+      call check(error, maxval(abs(truth - 1)), 0.0_real64, 1.0e-4_real64, 'oval')
+    end do
+  end subroutine ovals_by_force
 
   subroutine means_by_force(error)
     type(error_type), allocatable, intent(out) :: error
