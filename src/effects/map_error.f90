@@ -36,7 +36,7 @@ module asperity_map_error
   implicit none
   private
 
-  public :: estimate_pixel_errors, is_rough_at_pixels, pixel_errors, doubled_map, every_pixel
+  public :: estimate_pixel_errors, growth_of_slope, pixel_errors, doubled_map, every_pixel
 
   !> Estimated errors; `not_computed`: unknown.
   type :: pixel_errors
@@ -211,18 +211,10 @@ contains
     error = 0.5_real64 * sqrt(error) * product(map%pixel_spacing)
   end function error_of_rims
 
-  !> Whether a map is rough at the size of its pixels: its slope by differences over 1, 2 and 4
-  !> pixels does not converge.
-  pure logical function is_rough_at_pixels(map)
-    type(height_map), intent(in) :: map  !! levelled height map
-
-    is_rough_at_pixels = growth_of_slope(map) > 0.0_real64
-  end function is_rough_at_pixels
-
-  ! Relative growth of the slope of a map that is rough at the size of its pixels, by differences
-  ! over 1, 2 and 4 of them, to pixels a quarter as wide; 0: it is not rough.
+  !> Relative growth of the slope of a map that is rough at the size of its pixels, by differences
+  !> over 1, 2 and 4 of them, to pixels a quarter as wide; 0: it is not rough.
   pure real(real64) function growth_of_slope(map) result(growth)
-    type(height_map), intent(in) :: map
+    type(height_map), intent(in) :: map  !! levelled height map
     real(real64) :: ratio, slope(0:2)
     integer :: k
 

@@ -13,7 +13,7 @@ module asperity_pixel_model
   use asperity_height_map, only: height_map
   use asperity_kinds, only: int64, not_computed, real64
   use asperity_map_contact, only: map_answer, most_load, room_to_press
-  use asperity_map_error, only: estimate_pixel_errors, is_rough_at_pixels, pixel_errors
+  use asperity_map_error, only: estimate_pixel_errors, growth_of_slope, pixel_errors
   use asperity_map_fields, only: measure_fields, take_field
   use asperity_map_form, only: find_form_contact
   use asperity_contact_stiffness, only: interface_columns, measure_interface
@@ -442,7 +442,7 @@ contains
     area_error = max(0.5_real64 * sum(self%patches%rim) / sum(self%patches%area), other_errors(1))
     if (.not. area_error > warning_kinds(of_resolution)%limit) return
     whose = ''
-    if (is_rough_at_pixels(self%map)) whose = 'it is rough at their size'
+    if (growth_of_slope(self%map) > 0.0_real64) whose = 'it is rough at their size'
     call add_warning(warnings, of_resolution, area_error, whose=whose)
   end subroutine estimate_errors
 
