@@ -6,8 +6,8 @@
 !> level: its cost is that of its contacts, not of the surfaces.
 module asperity_pair_search_levels
   use asperity_cell_grid, only: build_grid, cell_grid, take_high_part
-  use asperity_cell_layer, only: any_height, margin_of_arithmetic, squared_reach
-  use asperity_kinds, only: int32, real64
+  use asperity_cell_layer, only: any_height, margin_of_arithmetic
+  use asperity_kinds, only: real64
   use asperity_number_span, only: number_span, span_of
   use asperity_pair_search_layers, only: found_pairs, search_pairs
   implicit none
@@ -22,9 +22,6 @@ module asperity_pair_search_levels
   integer, parameter :: thread_threshold = 100000
   ! Number of steps of the histogram of drops.
   integer, parameter :: steps = 4096
-  ! A search for all pairs whose spheres can touch gets strips of its own when those of the level
-  ! are lower than the reach by more than this.
-  real(real64), parameter :: most_strips = 8.0_real64
 
   !> Input of the search, one surface: lengths in one unit near the radii.
   type :: surface_points
@@ -47,8 +44,6 @@ module asperity_pair_search_levels
     real(real64), private :: height = 0.0_real64   ! of `squared_reach`
     real(real64), private :: unit = 0.0_real64     ! spacing of the arithmetic at 1
     real(real64), private :: extent = 0.0_real64   ! largest |x| + |y| + sum of radii
-    real(real64), private :: tall = 0.0_real64     ! extent along y of the highest strips
-    real(real64), private :: widest = 0.0_real64   ! largest sum of radii
   end type pair_levels
 
 contains
@@ -70,9 +65,7 @@ contains
     radii = [span_of(upper%radius), span_of(lower%radius)]
     levels%height = height
     levels%unit = unit
-    levels%widest = sum(radii%largest)
-    levels%tall = sqrt(squared_reach(height, levels%widest))
-    levels%extent = extent_of(upper) + extent_of(lower) + levels%widest
+    levels%extent = extent_of(upper) + extent_of(lower) + sum(radii%largest)
     top = above%largest + below%largest
     call choose_drops(upper, lower, above, below, drops)
     n = size(drops)
@@ -114,21 +107,14 @@ contains
     real(real64), intent(in) :: least_touch  !! least touch, less the bound of its rounding
     type(found_pairs), intent(out) :: found  !! pairs with their indices in the surfaces
     logical, intent(out) :: failed           !! whether memory is short
-    type(cell_grid) :: upper, lower
     real(real64) :: height, margin
 
     margin = margin_of_arithmetic(levels%unit, levels%extent + abs(dx) + abs(dy))
     height = levels%height
     if (all_pairs) height = any_height
     associate (level => levels%level(k))
-      if (all_pairs .and. levels%widest > most_strips * levels%tall) then
-        call rebuild_grid(level%upper, upper)
-        call rebuild_grid(level%lower, lower)
-        call search_pairs(upper, lower, dx, dy, height, margin, least_touch, found, failed)
-      else
-        call search_pairs(level%upper, level%lower, dx, dy, height, margin, least_touch, found, &
-                          failed)
-      end if
+      call search_pairs(level%upper, level%lower, dx, dy, height, margin, least_touch, found, &
+                        failed)
     end associate
   end subroutine search_level
 
@@ -180,40 +166,6 @@ contains
       counts(step) = counts(step) + 1
     end do
   end subroutine count_drops
-
-  ! Sorts a surface into strips for all pairs whose spheres can touch.
-  subroutine rebuild_grid(from, grid)
-    type(cell_grid), intent(in) :: from
-    type(cell_grid), intent(out) :: grid
-    real(real64), allocatable :: x(:), y(:), height(:), radius(:)
-    integer(int32), allocatable :: asperities(:)
-    integer :: i, k
-
-    allocate (x(0), y(0), height(0), radius(0), asperities(0))
-    do k = 1, size(from%layers)
-      associate (layer => from%layers(k))
-        associate (points => layer%points(1:layer%first(layer%strips + 1) - 1))
-          x = [x, points%x]
-          y = [y, points%y]
-          height = [height, points%height]
-          asperities = [asperities, points%asperity]
-          if (allocated(layer%radius)) then
-            radius = [radius, layer%radius]
-          else
-            radius = [radius, spread(layer%largest, 1, size(points))]
-          end if
-        end associate
-      end associate
-    end do
-    call build_grid(grid, x, y, height, radius, any_height)
-    do k = 1, size(grid%layers)
-      associate (layer => grid%layers(k))
-        do i = 1, layer%first(layer%strips + 1) - 1
-          layer%points(i)%asperity = asperities(layer%points(i)%asperity)
-        end do
-      end associate
-    end do
-  end subroutine rebuild_grid
 
   ! Upper bound of |x| + |y|.
   pure real(real64) function extent_of(surface) result(extent)
