@@ -233,8 +233,8 @@ class Results:
                              "solve(..., fields='all') keeps all")
         if (position, step) not in self._fields:
             if self._outcome is None:
-                raise ComputeError("no fields: expected a height map solved on its pixels, or "
-                                   "field_spacing in surfaces, with fields requested")
+                raise ComputeError("no fields: expected solve(..., fields=True) of a height map "
+                                   "on its pixels, or of a scene with field_spacing in surfaces")
             found = _c.call("fields", self._outcome, int(position), step).checked()
             self._fields[position, step] = _fields.Fields(found, int(position), step)
         return self._fields[position, step]

@@ -119,7 +119,8 @@ contains
                                                   answer, carried, load, laws%hardness)
     if (allocated(answer%failure)) return
     answer%failure = 'the pull is larger than the contacts carry: ' // real_text(-carried) // &
-                     ' at most'
+                     ' at most, a nominal pressure of ' // real_text(-carried / &
+                     (count(is_measured(map%height)) * product(map%pixel_spacing)))
     if (begins_open) answer%failure = answer%failure // ' from first contact; after loading ' // &
                      'they may carry more: expected a path, value = LOAD, PULL'
   end subroutine solve_adhesion

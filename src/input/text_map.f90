@@ -528,7 +528,7 @@ contains
     if (cells%cell_count == 0) return
     if (cells%cell_count /= layout%cell_count .or. cells%missing > 0) then
       good = .false.
-      expected = 'x,y,z; a matrix of heights needs its ' // option // ' along x and y'
+      expected = option // ' along x and y for a matrix of heights, or three: x,y,z'
       if (layout%names_line > 0) expected = decimal_text(layout%cell_count) // ' as there are names'
       call problems%add_at(cells%line, column_of(cells, 1), 'found ' // &
                            decimal_text(cells%cell_count) // &

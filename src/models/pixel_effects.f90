@@ -41,7 +41,8 @@ contains
         if (steepness > steepest) &
           failure = 'the pixels are too wide for the range of adhesion: found a spacing of ' // &
                     real_text(pixel) // ', expected at most ' // &
-                    real_text(pixel * resolved_steepness / steepness)
+                    real_text(pixel * resolved_steepness / steepness) // &
+                    ', or a larger equilibrium_distance'
       end if
       if (effects%mode('creep') /= effect_off) laws%solid = solid_of_scene(scene_in)
     end associate

@@ -19,9 +19,19 @@ import time
 from pathlib import Path
 
 from run_bench import ROOT, machine, release_build, save
-from run_tamaas import its_python
+from run_tamaas import VERSION, its_python
 
 SLOPE, PRESSURE = 0.01, 0.05
+# What the columns of the record are.
+ABOUT = f"""\
+command   python test/bench/map_beside_tamaas.py --save
+programs  asperity solve; {VERSION}, PolonskyKeerRey
+map       periodic self-affine, Hurst 0.8, roll-off a fifth of the side, cut-off 8 pixels, rms
+          slope {SLOPE}; nominal pressure {PRESSURE} of contact modulus times rms slope
+seconds   of the whole command of asperity with reading and writing; of the solve of tamaas alone
+residual  largest gap of pixels under pressure over the range of heights; of tamaas at the first
+          tolerance 1e-6, 1e-7, ... whose residual is at most that of asperity
+ratio     seconds of tamaas over those of asperity; two threads on a busy machine can be slower"""
 
 
 def ours(exe, folder, threads):
@@ -58,7 +68,7 @@ def main():
     if python is None:
         print("tamaas cannot be installed here")
         return
-    lines = [*machine(flags), "",
+    lines = [*machine(flags), *ABOUT.splitlines(), "",
              "pixels threads  asperity s  residual   tamaas s  residual   ratio"]
     print(lines[-1], flush=True)
     with tempfile.TemporaryDirectory() as name:
