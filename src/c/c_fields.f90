@@ -110,7 +110,7 @@ contains
     else if (.not. allocated(from%fields)) then
       new%failure = 'no fields: expected a height map solved on its pixels, for instance ' // &
                     'with interaction = ''boundary'', or field_spacing in &surfaces for one ' // &
-                    'position of asperities, and fields requested'
+                    'position of asperities, and fields requested (fields=True in Python)'
     else
       which = field_of(from%fields, position, state)
       if (which > 0) return

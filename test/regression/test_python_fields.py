@@ -227,8 +227,7 @@ def test_refusals(package, solved, path):
     with pytest.raises(package.InputError, match="fields: no grid for the fields of asperities"):
         package.solve(ROOT / "data/examples/one_pair.scene", fields=True)
     for results in (package.solve(path), pickle.loads(pickle.dumps(package.solve(path)))):
-        with pytest.raises(package.ComputeError,
-                           match=r"no fields: expected solve\(\.\.\., fields=True"):
+        with pytest.raises(package.ComputeError, match="no fields: expected .*fields=True"):
             results.fields()
     with pytest.raises(IndexError, match="position: found 2, expected one of the results"):
         solved.fields(2)
