@@ -100,7 +100,7 @@ def advice(text):
         if row["scene"] in scenes and row["seconds"]}
     unit = [cells["`'coupled'`", scene][0] for scene in scenes]
     yield "| goal | `interaction =` | error of the load, area | time, `'coupled'` = 1 |"
-    yield "| --- | --- | ---: | ---: |"
+    yield "|---|---|---:|---:|"
     rows = {}
     for goal, load, area in GOALS:
         found = []
