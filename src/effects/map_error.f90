@@ -107,8 +107,8 @@ contains
     growth = growth_of_slope(map)
     is_known = .not. allocated(laws%attraction)
     if (is_known) call compare_halves(half, its_laws, by_load, quarter, before, is_known)
-    if (is_known) difference = hypot(difference, before * &
-                                     merge(1.0_real64, second_order, growth > 0.0_real64))
+    if (is_known) difference = sqrt(difference**2 + (before * &
+                                    merge(1.0_real64, second_order, growth > 0.0_real64))**2)
     errors%area = max(difference(3), 0.5_real64 * sum(patches%rim), growth * state%area)
     if (allocated(laws%attraction)) then
       errors%area = max(errors%area, error_of_rims(map, history%adhesion%contact_pressure))
@@ -169,7 +169,8 @@ contains
       call measure_fields(one%map, one%answer, state)
       one%totals = [one%answer%level, one%answer%load, sum(patches%area), state%mean_gap, &
                     maxval(one%answer%pressure)]
-      difference = hypot(difference, one%totals - full%totals)
+      ! No hypot: on vectors its last digit changes with the unit.
+      difference = sqrt(difference**2 + (one%totals - full%totals)**2)
     end do
     difference = difference / sqrt(2.0_real64)
     half = one

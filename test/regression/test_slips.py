@@ -37,7 +37,7 @@ SLIPS = {
 }
 ROWS = [[cell.strip() for cell in line.strip("|").split(" | ")]
         for line in PAGE.read_text(encoding="utf-8").split("\n## ")[0].splitlines()
-        if line.startswith("| ")][2:]
+        if line.startswith("| ")][1:]
 
 
 def typed(asperity, words, folder):

@@ -414,7 +414,7 @@ BINARY = (b"bISO-1.0sdfio     010120261200010120261200" + bytes([3, 0, 3, 0]) +
     ("0 0\n0 1\n", ["--spacing=1,1"], r" found 2 x 2 pixels, expected at least 3 x 3"),
     ("nan nan nan\n" * 3, ["--spacing=1,1"], r" all pixels are missing"),
     ("0 0 0 0\n" * 3, [],
-     r"1:1: found 4 cells .* a matrix of heights needs its --spacing along x and y$"),
+     r"1:1: found 4 cells .*, expected --spacing along x and y for a matrix of heights"),
     ("0 0 0\n0 0 0\n0 1\n", [], r"3:1: found 2 cells"),
     ("0 0 0\n1 0 0\n0 1 0\n", [], r"4:1: found 3 lines x,y,z"),
     ("0 0 0\n1 0 0\n0 1 0\n0 1 5\n", [], r"5:1: found 4 lines"),

@@ -24,7 +24,7 @@ def report_of(asperity, arithmetic, *options):
 def table_of_cells(asperity):
     """Lines of a Markdown table."""
     lines = ["| table | values | " + " | ".join(ARITHMETICS) + " |",
-             "| --- | ---: |" + " ---: |" * len(ARITHMETICS)]
+             "|---|---:|" + "---:|" * len(ARITHMETICS)]
     compared = [Comparison(report_of(asperity, name), name) for name in ARITHMETICS]
     totals = [0] * (1 + len(ARITHMETICS))
     for table in TABLES:

@@ -15,7 +15,7 @@ from nbclient import NotebookClient
 
 
 def executed(path):
-    """The notebook with the outputs of a fresh run.
+    """The notebook with the outputs of a fresh run, without warnings: they have a path.
 
     Sockets are files: a free TCP port may be taken by another program before the kernel binds it.
     """
@@ -26,14 +26,15 @@ def executed(path):
                        resources={"metadata": {"path": str(Path(path).parent)}}).execute()
     for cell in book.cells:
         cell.metadata.pop("execution", None)
+        if cell.cell_type == "code":
+            cell.outputs = [output for output in cell.outputs if output.get("name") != "stderr"]
     return book
 
 
 def printed(book):
     """What each code cell prints, and the text of its last value."""
     return [[output.get("text") or output.get("data", {}).get("text/plain", "")
-             for output in cell.outputs if "image/png" not in output.get("data", {})
-             and not output.get("name") == "stderr"]
+             for output in cell.outputs if "image/png" not in output.get("data", {})]
             for cell in book.cells if cell.cell_type == "code"]
 
 
