@@ -276,7 +276,7 @@ contains
       do i = 1, size(tree%order)
         call set_point(tree, i, charge, second_moment, shift, dipole)
       end do
-      source = tree%points(:tree%sources, :columns)
+      allocate (source, source=tree%points(:tree%sources, :columns))
       do i = tree%target_offset + 1, size(tree%order)
         k = tree%order(i) - tree%target_offset
         if (present(dipole)) value(:, k) = dipole_sum(source, tree%points(i, :))

@@ -138,9 +138,9 @@ def test_rough_maps_against_tamaas(asperity, tmp_path, tally, n, share):
     assert np.abs(found - gap).max() < 1e-5 * rms
     assert abs(rows[0]["mean_gap"] / (1.5 * rms) - 1) < 1e-9
     # No warning but those of the size of the pixels, whose own error is not that of tamaas, and of
-    # the slope, which is small in the theory of both.
-    assert all("estimated error" in line or "is its rms slope" in line
-               for line in lines.splitlines())
+    # the slope and the pressures, beyond the theory of both.
+    expected = "estimated error", "is its rms slope", "pressures are near"
+    assert all(any(words in line for words in expected) for line in lines.splitlines()), lines
     tally.add("adhesion on pixels: tamaas", 3, 3)
 
 
