@@ -35,7 +35,7 @@ RUN = {
         "docs/theory/summits-or-pixels.md"}
 # Blocks, or lines of blocks above, that no test of this kind runs, and why.
 NOT_RUN = {
-    "make test        # the tests, 20 minutes": "this test is a part of it",
+    "make test        # the tests, 4 minutes": "this test is a part of it",
     "[dependencies]": "test_library.py builds a project with this dependency",
     "apt-get install libcoarrays-openmpi-dev libopenmpi-dev":
         "installs as root; `make images` builds with these flags and runs the images over MPI",
