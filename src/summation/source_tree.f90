@@ -274,7 +274,9 @@ contains
     ! Few points: a team of threads, and boxes, take longer than the sums.
     subroutine sum_one_box()
       do i = 1, size(tree%order)
-        call set_point(tree, i, charge, second_moment, shift, dipole)
+        if (present(dipole)) call set_point(tree, i, charge, second_moment, shift, dipole)
+        ! An absent array of the host that is passed on has bounds that nothing has set.
+        if (.not. present(dipole)) call set_point(tree, i, charge, second_moment, shift)
       end do
       allocate (source, source=tree%points(:tree%sources, :columns))
       do i = tree%target_offset + 1, size(tree%order)
