@@ -1,8 +1,9 @@
 !> Words of the command line, sorted into options and operand by what a command accepts.
 module asperity_arguments
-  use asperity_input_text, only: did_you_mean, in_quotes, nearest_word
+  use asperity_input_text, only: in_quotes
   use asperity_kinds, only: real64
   use asperity_problems, only: problem_list
+  use asperity_word_hint, only: did_you_mean, nearest_word
   implicit none
   private
 

@@ -2,7 +2,7 @@
 module asperity_command_line
   use asperity_arguments, only: word_at, argument_list, given_option, read_arguments
   use asperity_contact_field, only: fields_all
-  use asperity_input_text, only: any_of, did_you_mean, in_quotes, lower_case, nearest_word
+  use asperity_input_text, only: lower_case, in_quotes
   use asperity_kept_records, only: kept_file
   use asperity_kinds, only: real64
   use asperity_option_values, only: read_count, read_depths, read_positive, read_share, &
@@ -14,6 +14,7 @@ module asperity_command_line
   use asperity_problems, only: decimal_text, problem_list
   use asperity_system_calls, only: canonical_path
   use asperity_text_buffer, only: text_buffer
+  use asperity_word_hint, only: any_of, did_you_mean, nearest_word
   implicit none
   private
 

@@ -4,8 +4,9 @@ module asperity_command_outcome
   use asperity_files, only: write_standard_error, write_standard_output
   use asperity_images, only: image_number
   use asperity_output_files, only: commit_files, discard_files, stage_file
+  use asperity_printable, only: printable_text
   use asperity_problems, only: not_enough_memory, problem_list
-  use asperity_text_buffer, only: printable_text, text_buffer
+  use asperity_text_buffer, only: text_buffer
   implicit none
   private
 

@@ -11,7 +11,7 @@ module asperity_help
   use asperity_spec_names, only: spec_table
   use asperity_text_buffer, only: text_buffer
   use asperity_version, only: version
-  use asperity_input_text, only: one_of
+  use asperity_word_hint, only: one_of
   use, intrinsic :: iso_fortran_env, only: compiler_options, compiler_version
   implicit none
   private

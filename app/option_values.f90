@@ -2,10 +2,11 @@
 module asperity_option_values
   use asperity_decimal, only: decimal_to_real64, decimal_value
   use asperity_height_map, only: expected_length, is_length, plain_unit
-  use asperity_input_text, only: any_of, did_you_mean, in_quotes
+  use asperity_input_text, only: in_quotes
   use asperity_kinds, only: real64
   use asperity_numeral, only: read_numeral
   use asperity_problems, only: decimal_text, problem_list
+  use asperity_word_hint, only: any_of, did_you_mean
   implicit none
   private
 

@@ -18,11 +18,13 @@ module asperity_run_solve
   use asperity_output_files, only: note_kept
   use asperity_position_packet, only: pack_position
   use asperity_number_format, only: count_text, number_text
+  use asperity_printable, only: printable_text
   use asperity_problems, only: decimal_text, problem_list
   use asperity_result_table, only: array_table, make_arrays, of_contacts
   use asperity_results_html, only: write_html
   use asperity_results_json, only: write_json
-  use asperity_results_vtk, only: write_vti, write_vtk
+  use asperity_results_vti, only: write_vti
+  use asperity_results_vtk, only: write_vtk
   use asperity_run_options, only: run_options, totals_of_accuracy
   use asperity_scene_inputs, only: input_file, list_inputs
   use asperity_scene_reader, only: read_scene
@@ -31,11 +33,11 @@ module asperity_run_solve
   use asperity_solve, only: solve
   use asperity_surface_fields, only: check_field_request, may_have_fields
   use asperity_summary, only: write_choice, write_summary
-  use asperity_text_buffer, only: printable_text, text_buffer
+  use asperity_text_buffer, only: text_buffer
   use asperity_unit_names, only: has_units, is_length, is_pressure, unit_of, units_in_words, &
                                  with_unit
   use asperity_warning_lines, only: list_warnings
-  use asperity_progress, only: pieces_tried, tell_cost, work_cost
+  use asperity_work_cost, only: pieces_tried, tell_cost, work_cost
   implicit none
   private
 

@@ -13,7 +13,7 @@ module asperity_run_study
   use asperity_run_options, only: run_options
   use asperity_study_spec, only: read_study_spec, study_spec
   use asperity_text_buffer, only: text_buffer
-  use asperity_progress, only: pieces_tried, tell_cost, work_cost
+  use asperity_work_cost, only: pieces_tried, tell_cost, work_cost
   implicit none
   private
 

@@ -5,10 +5,11 @@
 module asperity_contact_pairs
   use, intrinsic :: ieee_arithmetic, only: ieee_positive_inf, ieee_value
   use asperity_element_pressures, only: element_pressures
-  use asperity_interruption, only: interruption, work_count
+  use asperity_interruption, only: interruption
   use asperity_kinds, only: real64
   use asperity_solution_start, only: solution_start
   use asperity_theory_limits, only: theory_limits
+  use asperity_work_count, only: work_count
   implicit none
   private
 

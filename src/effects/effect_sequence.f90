@@ -6,7 +6,7 @@ module asperity_effect_sequence
   use asperity_contact_state, only: contact_state, interaction_solution, start_state, &
                                     total_vertical_load
   use asperity_effect_names, only: go_together
-  use asperity_contact_law, only: hertz_law
+  use asperity_hertz_law, only: hertz_law
   use asperity_kinds, only: not_computed, real64
   use asperity_scene_values, only: effect_auto, effect_boundary
   use asperity_theory_warnings, only: add_warning, of_together

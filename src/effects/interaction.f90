@@ -6,10 +6,11 @@ module asperity_interaction
   use asperity_constants, only: pi
   use asperity_contact_effect, only: contact_effect, effect_column, effect_outcome, force, &
                                      length, plain
-  use asperity_contact_law, only: contact_law, hertz_law
+  use asperity_contact_law, only: contact_law
   use asperity_contact_pairs, only: contact_pairs
   use asperity_contact_state, only: answer_all, contact_state, interaction_solution
   use asperity_earlier_solutions, only: start_from_earlier
+  use asperity_hertz_law, only: hertz_law
   use asperity_interaction_estimate, only: estimate_of_interaction
   use asperity_joint_contacts, only: joint_solution, resolve_all, resolve_called_for, &
                                      resolve_none, solve_joint

@@ -18,9 +18,10 @@
 !> is implicit: p and the area at its end are those of the solution. Its error is of second order in
 !> the step; it is exact for a constant area in a hold of the load or the separation.
 module asperity_map_state
+  use asperity_attraction_law, only: attraction_law
   use asperity_height_map, only: height_map, is_measured
   use asperity_kinds, only: real64
-  use asperity_map_adhesion, only: adhere_map, adhesion_history, attraction_law, find_pull_off
+  use asperity_map_adhesion, only: adhere_map, adhesion_history, find_pull_off
   use asperity_map_contact, only: displacement_by, map_answer, press_map
   use asperity_problems, only: real_text
   use asperity_viscoelastic_solid, only: history_of, keep_load, relaxing_solid, solid_step, &

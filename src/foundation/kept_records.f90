@@ -13,7 +13,7 @@ module asperity_kept_records
                              set_mark, wait_for_images
   use asperity_kinds, only: int64
   use asperity_output_files, only: commit_files, note_kept, stage_file
-  use asperity_text_buffer, only: printable_text
+  use asperity_printable, only: printable_text
   use asperity_problems, only: decimal_text
   use asperity_system_calls, only: posix_close, posix_getpid, posix_lseek, posix_open, &
                                    posix_unlink, system_error, system_reason

@@ -1,7 +1,8 @@
 !> Problems found in a file or a command line, as values that the program prints at its end.
 module asperity_problems
   use asperity_kinds, only: int64, real64
-  use asperity_text_buffer, only: printable_text, text_buffer
+  use asperity_printable, only: printable_text
+  use asperity_text_buffer, only: text_buffer
   implicit none
   private
 

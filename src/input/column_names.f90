@@ -2,7 +2,8 @@
 module asperity_column_names
   use asperity_delimited_text, only: line_cells, read_cells, separator_of
   use asperity_height_map, only: plain_unit, unit_number
-  use asperity_input_text, only: lower_case, nearest_word
+  use asperity_input_text, only: lower_case
+  use asperity_word_hint, only: nearest_word
   implicit none
   private
 

@@ -8,13 +8,13 @@ module asperity_scene_fields
   use asperity_decimal, only: decimal_to_real64, decimal_value
   use asperity_file_kind, only: other_kind
   use asperity_height_map, only: plain_unit
-  use asperity_input_text, only: any_of, check_text, did_you_mean, in_quotes, lower_case, &
-                                 nearest_word, one_of, plain_text
+  use asperity_input_text, only: check_text, lower_case, in_quotes, plain_text
   use asperity_kinds, only: int64, real64
   use asperity_namelist_text, only: a_group, a_name, namelist_text, parse_namelist
   use asperity_numeral, only: any_number, expected_numbers, in_range, read_double_numeral, &
                               without_kind
   use asperity_problems, only: decimal_text, problem_list
+  use asperity_word_hint, only: any_of, did_you_mean, nearest_word, one_of
   implicit none
   private
 

@@ -8,12 +8,12 @@ module asperity_surface_csv
   use asperity_decimal, only: decimal_to_real64, decimal_value
   use asperity_delimited_text, only: column_of, line_cells, read_cells, separator_of
   use asperity_file_kind, only: a_surface, other_kind
-  use asperity_input_text, only: check_text, did_you_mean, in_quotes, line_end, nearest_word, &
-                                 read_text
+  use asperity_input_text, only: check_text, line_end, in_quotes, read_text
   use asperity_kinds, only: int64, real64
   use asperity_numeral, only: read_numeral
   use asperity_problems, only: decimal_text, not_enough_memory, problem_list
   use asperity_process, only: has_memory
+  use asperity_word_hint, only: did_you_mean, nearest_word
   implicit none
   private
 

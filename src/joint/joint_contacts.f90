@@ -24,12 +24,13 @@ module asperity_joint_contacts
   use asperity_element_solver, only: deviations, elements_allowed, solve_elements
   use asperity_circle_field, only: are_close, circle_set, inclination_factor, linear_residual
   use asperity_constants, only: pi
-  use asperity_contact_law, only: contact_law, contact_response, hertz_law
+  use asperity_contact_law, only: contact_law, contact_response
   use asperity_contact_pairs, only: contact_pairs
   use asperity_coupled_contacts, only: adopt_penetrations, coupled_solution, resolved_contacts, &
                                        solve_coupled
   use asperity_coupled_state, only: answer_at, find_carried_load, open_penetration, raise_to_load
   use asperity_element_pressures, only: join_elements
+  use asperity_hertz_law, only: hertz_law
   use asperity_index_groups, only: gather_groups
   use asperity_key_sort, only: sort_keys
   use asperity_kinds, only: real64

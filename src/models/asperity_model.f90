@@ -9,22 +9,24 @@ module asperity_asperity_model
                                        of_compression
   use asperity_contact_effect, only: effect_box
   use asperity_contact_field, only: fields_all, fields_none
-  use asperity_contact_law, only: contact_law, hertz_law
+  use asperity_contact_law, only: contact_law
   use asperity_contact_model, only: contact_model, path_step, placed_bodies
   use asperity_contact_pairs, only: contact_pairs
-  use asperity_contact_records, only: effect_header, position_result, solve_method
+  use asperity_contact_records, only: position_result, solve_method
   use asperity_contact_state, only: contact_state, start_state
   use asperity_earlier_solutions, only: expected_compression
   use asperity_effect_list, only: list_effects, list_left_out
   use asperity_effect_names, only: effect_on, effect_words, go_together, known_effects
   use asperity_effect_sequence, only: choose_effects, effect_choice
   use asperity_element_pressures, only: element_pressures
-  use asperity_theory_limits, only: yielding_body
+  use asperity_first_yield, only: yielding_body
+  use asperity_hertz_law, only: hertz_law
   use asperity_isolated_contacts, only: empty_state, list_pairs, solve_position
   use asperity_kinds, only: int64, real64
   use asperity_placed_scene, only: placed_scene
-  use asperity_plasticity, only: surface_index
+  use asperity_plastic_surface, only: surface_index
   use asperity_scene_placing, only: place_scene
+  use asperity_effect_header, only: effect_header
   use asperity_scene_values, only: effect_auto, is_load, is_vertical_load, scene
   use asperity_theory_warnings, only: add_warning, of_barred, of_excluded, of_off, take_worse, &
                                       theory_warning

@@ -3,7 +3,7 @@ module asperity_asperity_position
   use asperity_asperity_path, only: plan_states
   use asperity_asperity_records, only: add_contacts
   use asperity_contact_effect, only: effect_box
-  use asperity_contact_law, only: contact_law, hertz_law
+  use asperity_contact_law, only: contact_law
   use asperity_contact_model, only: at_distance, at_load, held_distance, held_load, no_load, &
                                     path_step, placed_bodies, plan_hold
   use asperity_contact_pairs, only: contact_pairs, in_scene_units
@@ -14,6 +14,7 @@ module asperity_asperity_position
   use asperity_earlier_solutions, only: keep_solution, mark_crowded
   use asperity_effect_sequence, only: choose_effects, drop_choice, first_failure, found_state, &
                                       simulate_effects
+  use asperity_hertz_law, only: hertz_law
   use asperity_kinds, only: real64
   use asperity_load_search, only: compress_to_load, search_load
   use asperity_problems, only: not_enough_memory

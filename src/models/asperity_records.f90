@@ -3,11 +3,12 @@ module asperity_asperity_records
   use asperity_constants, only: pi
   use asperity_contact_effect, only: column_name, effect_box, effect_outcome
   use asperity_contact_pairs, only: contact_pairs, in_scene_units
-  use asperity_contact_records, only: add_columns, add_effect, begin_header, effect_header, &
-                                      position_result
+  use asperity_contact_records, only: position_result
   use asperity_contact_state, only: contact_state, in_contact, start_state
-  use asperity_contact_law, only: contact_response, hertz_law
+  use asperity_contact_law, only: contact_response
+  use asperity_hertz_law, only: hertz_law
   use asperity_kinds, only: not_computed, real64
+  use asperity_effect_header, only: add_columns, add_effect, begin_header, effect_header
   use asperity_scene_values, only: criterion_load, criterion_none, is_load, scene
   use asperity_state_tally, only: add_contact, begin_tally, finish_tally, state_tally
   use asperity_theory_limits, only: seen_contact

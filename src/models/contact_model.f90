@@ -5,11 +5,12 @@
 !> other: each is the history of the next.
 module asperity_contact_model
   use asperity_contact_records, only: most_rows, position_result
-  use asperity_interruption, only: interruption, work_count
+  use asperity_interruption, only: interruption
   use asperity_kinds, only: int64, real64
   use asperity_scene_values, only: hold_load, scene
   use asperity_solution_start, only: solution_reuse
   use asperity_viscoelastic_solid, only: hold_times, relaxing_solid, solid_of_scene
+  use asperity_work_count, only: work_count
   implicit none
   private
 

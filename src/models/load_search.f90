@@ -7,7 +7,7 @@ module asperity_load_search
   use asperity_contact_state, only: contact_state, controlled_load, start_state
   use asperity_effect_sequence, only: choose_effects, first_failure, found_state, &
                                       simulate_effects
-  use asperity_contact_law, only: hertz_law
+  use asperity_hertz_law, only: hertz_law
   use asperity_interaction, only: interaction_effect
   use asperity_kinds, only: real64
   use asperity_problems, only: real_text

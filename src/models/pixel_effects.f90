@@ -1,11 +1,11 @@
 !> The effects of a scene on the pixels of a map: what acts on them, and their columns.
 module asperity_pixel_effects
-  use asperity_map_adhesion, only: attraction_law, new_attraction, pixel_steepness
-  use asperity_contact_records, only: add_columns, add_effect, begin_header, effect_header
+  use asperity_attraction_law, only: attraction_law, new_attraction, pixel_steepness
+  use asperity_effect_header, only: add_columns, add_effect, begin_header, effect_header
   use asperity_friction, only: slip_contact_columns, slip_contact_powers, slip_state_columns, &
                                slip_state_powers
   use asperity_kinds, only: int64, real64
-  use asperity_contact_stiffness, only: conductance_columns, interface_columns, interface_powers
+  use asperity_map_interface, only: conductance_columns, interface_columns, interface_powers
   use asperity_map_state, only: map_laws
   use asperity_problems, only: real_text
   use asperity_scene_values, only: combined_modulus, effect_off, has_hardness, scene

@@ -3,31 +3,34 @@
 !> Each state is the start of the next. With a hardness each state deforms the map: pixels at the
 !> hardness are lowered by the remaining overlap, at the same pressure.
 module asperity_pixel_model
+  use asperity_attraction_law, only: attraction_at
   use asperity_contact_field, only: fields_all, fields_none, room_of_fields
   use asperity_contact_model, only: at_distance, at_load, contact_model, held_load, no_load, &
                                     path_step, placed_bodies, plan_hold
-  use asperity_contact_records, only: add_rows, contact_row, effect_header, position_result, &
-                                      prescribed_normal, state_row
+  use asperity_contact_records, only: add_rows, contact_row, position_result, prescribed_normal, &
+                                      state_row
   use asperity_decimal, only: decimal_to_real64
   use asperity_friction, only: stiffness_ratio_of
   use asperity_height_map, only: height_map
   use asperity_kinds, only: int64, not_computed, real64
+  use asperity_map_caps, only: placed_caps
   use asperity_map_contact, only: map_answer, most_load, room_to_press
   use asperity_map_error, only: estimate_pixel_errors, growth_of_slope, pixel_errors
   use asperity_map_fields, only: measure_fields, take_field
   use asperity_map_form, only: find_form_contact
-  use asperity_contact_stiffness, only: interface_columns, measure_interface
+  use asperity_map_interface, only: interface_columns, measure_interface
   use asperity_map_levelling, only: is_flat
   use asperity_map_patches, only: find_patches, map_patch
-  use asperity_map_scene, only: area_of_map, displacement_of, join_maps, placed_caps, plan_map_path
+  use asperity_map_scene, only: area_of_map, displacement_of, join_maps, plan_map_path
   use asperity_map_shares, only: find_shares, map_shares, warn_of_map, warn_of_shares
-  use asperity_map_adhesion, only: attraction_at, work_at_edge
+  use asperity_map_adhesion, only: work_at_edge
   use asperity_map_state, only: map_history, map_laws, solve_map_state
   use asperity_partial_slip, only: slip_answer, slip_of_patches, slip_request, solve_partial_slip, &
                                    take_traction
   use asperity_pixel_effects, only: name_map_columns, resolved_steepness, set_map_laws, steepest
   use asperity_problems, only: decimal_text, not_enough_memory, real_text
   use asperity_process, only: has_memory
+  use asperity_effect_header, only: effect_header
   use asperity_scene_values, only: effect_off, is_load, scene
   use asperity_theory_limits, only: is_patch_at_limit, look_at_pressure, set_theory_limits, &
                                     theory_limits

@@ -1,10 +1,11 @@
 !> The effects in the summary of `asperity solve`: where each was simulated, why, and how it ended.
 module asperity_effects_summary
-  use asperity_contact_records, only: effect_header, effect_record
+  use asperity_contact_records, only: effect_record
   use asperity_effect_names, only: known_effects
   use asperity_kinds, only: not_computed, real64
   use asperity_number_format, only: count_text, percent_text, positions_text, number_text
   use asperity_problems, only: decimal_text, real_text
+  use asperity_effect_header, only: effect_header
   use asperity_scene_results, only: scene_results
   use asperity_scene_values, only: effect_auto, effect_words
   use asperity_text_buffer, only: text_buffer

@@ -1,7 +1,8 @@
 !> Pieces of a page of HTML that stands alone: head with its style, escaped text, tables. A page is
 !> well-formed XML, too; it loads nothing, and runs nothing but what stands in it.
 module asperity_html_page
-  use asperity_text_buffer, only: printable_text, text_buffer
+  use asperity_printable, only: printable_text
+  use asperity_text_buffer, only: text_buffer
   implicit none
   private
 

@@ -7,7 +7,7 @@ module asperity_result_table
   use asperity_contact_records, only: contact_radius, contact_row, position_result, state_row
   use asperity_effect_names, only: known_effects
   use asperity_kinds, only: int32, int64, not_computed, real64
-  use asperity_contact_stiffness, only: conductance_columns, conductance_units
+  use asperity_map_interface, only: conductance_columns, conductance_units
   use asperity_process, only: has_memory
   use asperity_scene_results, only: has_height_map, kinds_of_warnings, last_state, scene_results
   use asperity_scene_values, only: scene

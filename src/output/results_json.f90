@@ -1,12 +1,13 @@
 !> A run in one file of JSON: the scene, where it comes from, and its tables by column, under the
 !> names of the CSV files. `docs/results.schema.json` is its schema.
 module asperity_results_json
+  use asperity_printable, only: printable_text
   use asperity_problems, only: problem_list, real_text
   use asperity_result_table, only: array_table, of_contacts, put_cell, table_names
   use asperity_scene_inputs, only: input_file
   use asperity_scene_results, only: scene_results
   use asperity_scene_values, only: effect_words, scene
-  use asperity_text_buffer, only: printable_text, text_buffer
+  use asperity_text_buffer, only: text_buffer
   use asperity_unit_names, only: has_units
   use asperity_version, only: version
   implicit none

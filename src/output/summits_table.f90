@@ -7,11 +7,12 @@ module asperity_summits_table
   use asperity_map_statistics, only: map_statistics
   use asperity_map_summits, only: map_summits, rule_contact, rule_names
   use asperity_number_format, only: percent_text
+  use asperity_printable, only: printable_text
   use asperity_problems, only: decimal_text, real_text
   use asperity_result_table, only: add_reals, array_table
   use asperity_summit_spheres, only: radius_names
   use asperity_summits_of_file, only: summit_choices
-  use asperity_text_buffer, only: printable_text, text_buffer
+  use asperity_text_buffer, only: text_buffer
   use asperity_unit_names, only: length_power
   implicit none
   private

@@ -1,16 +1,14 @@
 !> Records of the results of the present-day solver, which the kernels fill and the writers read.
 !>
 !> Numbers are doubles in the units of the scene, for any arithmetic of the solver.
-!>
-!> The effects of a run and the columns of their results.
 module asperity_contact_records
   use asperity_constants, only: pi
   use asperity_contact_field, only: contact_field
   use asperity_effect_names, only: known_effects
   use asperity_element_pressures, only: element_pressures
   use asperity_kinds, only: not_computed, real64
-  use asperity_solution_start, only: solution_start
   use asperity_solve_ending, only: solve_ending
+  use asperity_solution_start, only: solution_start
   use asperity_theory_warnings, only: theory_warning
   implicit none
   private
@@ -18,8 +16,7 @@ module asperity_contact_records
   public :: contact_row, effect_record, no_contacts, position_result, solve_method, state_row, &
             prescribed_nothing, prescribed_normal, prescribed_vertical, by_events, by_marching, &
             overlap_stable, overlap_original, add_rows, all_finite, are_finite, contact_radius, &
-            cut_rows, drop_rows, most_rows, room_of_a_state, add_columns, add_effect, &
-            begin_header, effect_header
+            cut_rows, drop_rows, most_rows, room_of_a_state
 
   !> Largest number of contacts that is kept: a list in a file has up to 400 bytes a contact.
   integer, parameter :: most_rows = 5000000
@@ -147,20 +144,6 @@ module asperity_contact_records
     type(contact_field), allocatable :: fields(:)
   end type position_result
 
-  !> The effects of a scene that are not off, and their columns.
-  type :: effect_header
-    character(len=11), allocatable :: names(:)             !! names as in &effects
-    integer, allocatable :: modes(:)                       !! modes as in &effects
-    character(len=24), allocatable :: contact_columns(:)   !! columns of `contact_values`
-    character(len=24), allocatable :: state_columns(:)     !! columns of `state_values`
-    !> Powers of the modulus and of the length in the unit of each of these columns (2, column).
-    integer, allocatable :: contact_powers(:, :), state_powers(:, :)
-    real(real64) :: tolerance = 0.0_real64  !! tolerance of `auto`, relative to the load
-    real(real64) :: plasticity_index = -1.0_real64  !! index of the surfaces; < 0: not computed
-    character(len=5) :: plastic_body = ''                  !! body that yields: upper or lower
-    real(real64) :: hardness = 0.0_real64  !! hardness of the pixels of a map; 0: none
-  end type effect_header
-
 contains
 
   !> Adds the contacts of one state to those of its position.
@@ -248,34 +231,5 @@ contains
 
     all_finite = all(abs(numbers) <= huge(numbers))
   end function all_finite
-
-  !> Begins a header without effects.
-  pure subroutine begin_header(header)
-    type(effect_header), intent(out) :: header  !! header without columns
-
-    allocate (header%names(0), header%modes(0), header%contact_columns(0), &
-              header%state_columns(0), header%contact_powers(2, 0), header%state_powers(2, 0))
-  end subroutine begin_header
-
-  !> Adds an effect, before its columns.
-  pure subroutine add_effect(header, name, mode)
-    type(effect_header), intent(inout) :: header  !! gets the effect
-    character(len=*), intent(in) :: name          !! name as in &effects
-    integer, intent(in) :: mode                   !! mode as in &effects
-
-    header%names = [character(len=11) :: header%names, name]
-    header%modes = [header%modes, mode]
-  end subroutine add_effect
-
-  !> Adds columns of states or of contacts.
-  pure subroutine add_columns(columns, powers, names, powers_of_names)
-    character(len=24), allocatable, intent(inout) :: columns(:)  !! columns so far
-    integer, allocatable, intent(inout) :: powers(:, :)          !! powers in their units
-    character(len=*), intent(in) :: names(:)                     !! columns that are added
-    integer, intent(in) :: powers_of_names(2, size(names))       !! powers in their units
-
-    columns = [character(len=24) :: columns, names]
-    powers = reshape([powers, powers_of_names], [2, size(columns)])
-  end subroutine add_columns
 
 end module asperity_contact_records

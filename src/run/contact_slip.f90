@@ -6,8 +6,9 @@
 !> Dundurs' beta = 0; the slopes of the contacts are neglected. One path leads through both states:
 !> with plasticity the second one is elastic on the residual shape.
 module asperity_contact_slip
-  use asperity_contact_records, only: add_columns, contact_row, position_result
+  use asperity_contact_records, only: contact_row, position_result
   use asperity_decimal, only: decimal_to_real64, decimal_value
+  use asperity_effect_header, only: add_columns
   use asperity_friction, only: slip_contact_columns, slip_contact_powers, slip_state_columns, &
                                slip_state_powers, stiffness_ratio_of
   use asperity_kinds, only: not_computed, real64

@@ -1,11 +1,12 @@
 !> Options of a run that are not part of the scene.
 module asperity_run_options
   use asperity_contact_field, only: fields_all, fields_none
-  use asperity_interruption, only: interruption, work_count
+  use asperity_interruption, only: interruption
   use asperity_kept_records, only: kept_file
   use asperity_kinds, only: real64
   use asperity_problems, only: decimal_text, problem_list, real_text
   use asperity_solution_start, only: solution_reuse
+  use asperity_work_count, only: work_count
   implicit none
   private
 

@@ -1,6 +1,7 @@
 !> Results of a run: all positions of a scene. Numbers are doubles in the units of the scene.
 module asperity_scene_results
-  use asperity_contact_records, only: effect_header, position_result, state_row
+  use asperity_contact_records, only: position_result, state_row
+  use asperity_effect_header, only: effect_header
   use asperity_kinds, only: not_computed, real64
   use asperity_map_shares, only: map_shares
   implicit none

@@ -4,10 +4,11 @@ module asperity_surface_solve
   use asperity_accuracy_choice, only: add_proposal, check_left_out, influence_left_out
   use asperity_asperity_model, only: make_asperity_model
   use asperity_contact_model, only: contact_model
-  use asperity_contact_records, only: effect_header, solve_method
+  use asperity_contact_records, only: solve_method
   use asperity_kinds, only: real64
   use asperity_problems, only: real_text
   use asperity_run_options, only: run_options
+  use asperity_effect_header, only: effect_header
   use asperity_scene_results, only: scene_results
   use asperity_scene_values, only: effect_off, scene
   use asperity_sweep, only: sweep_scene

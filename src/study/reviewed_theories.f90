@@ -14,7 +14,7 @@ module asperity_reviewed_theories
   use asperity_kinds, only: not_computed, real128, real64
   use asperity_method_totals, only: method_totals
   use asperity_numeral, only: rounded_decimal
-  use asperity_plasticity, only: combined_radius, height_deviation, surface_hardness
+  use asperity_plastic_surface, only: combined_radius, height_deviation, surface_hardness
   use asperity_scene_values, only: combined_modulus, is_load, scene, scene_surface
   implicit none
   private

@@ -9,7 +9,7 @@ module asperity_study_methods
   use asperity_interruption, only: interruption
   use asperity_isolated_contacts, only: solve_position
   use asperity_kinds, only: int64, real64
-  use asperity_map_error, only: doubled_map, every_pixel
+  use asperity_map_resolution, only: doubled_map, every_pixel
   use asperity_map_scene, only: area_of_map, join_maps, summits_of_scene
   use asperity_map_summits, only: map_summits
   use asperity_numeral, only: rounded_decimal

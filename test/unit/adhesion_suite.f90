@@ -8,10 +8,11 @@ module asperity_adhesion_suite
                                    answer_along_centres, central_answer, model_dmt, model_hertz, &
                                    model_jkr, model_maugis, new_adhering_contact, new_adhesion_law
   use asperity_contact_effect, only: contact_effect, effect_outcome
-  use asperity_contact_law, only: contact_response, hertz_law
+  use asperity_contact_law, only: contact_response
   use asperity_contact_pairs, only: contact_pairs
   use asperity_contact_state, only: contact_state, start_state, total_load
   use asperity_effect_helpers, only: act, pair_of, same, set_number, values_of
+  use asperity_hertz_law, only: hertz_law
   use asperity_kinds, only: real64
   use asperity_scene_values, only: effect_on, scene
   use asperity_testing, only: check, error_type, new_unittest, unittest_type

@@ -5,7 +5,7 @@
 module asperity_coupled_scenes
   use asperity_contact_pairs, only: contact_pairs
   use asperity_coupled_contacts, only: coupled_solution, solve_coupled
-  use asperity_contact_law, only: hertz_law
+  use asperity_hertz_law, only: hertz_law
   use asperity_kinds, only: int64, real64
   implicit none
   private

@@ -13,7 +13,7 @@ module asperity_coupled_suite
                                      lay_contacts, share_of, solve_at
   use asperity_coupled_start, only: prepare_start
   use asperity_coupled_state, only: evaluate_state, raise_to_load, solve_state
-  use asperity_contact_law, only: hertz_law
+  use asperity_hertz_law, only: hertz_law
   use asperity_interaction_estimate, only: estimate_of_interaction
   use asperity_kinds, only: int64, real64
   use asperity_mutual_displacement, only: mutual_displacement, mutual_terms

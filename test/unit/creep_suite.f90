@@ -8,7 +8,7 @@ module asperity_creep_suite
   use asperity_contact_state, only: contact_state, start_state
   use asperity_creep, only: new_creep
   use asperity_effect_helpers, only: near, pair_of, set_number
-  use asperity_contact_law, only: hertz_law
+  use asperity_hertz_law, only: hertz_law
   use asperity_kinds, only: real64
   use asperity_scene_values, only: effect_on, scene
   use asperity_testing, only: check, error_type, new_unittest, unittest_type

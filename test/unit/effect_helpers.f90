@@ -1,14 +1,15 @@
 !> What the suites of effects share: pairs of spheres, a plastic law, and comparisons.
 module asperity_effect_helpers
   use asperity_contact_effect, only: contact_effect, effect_outcome
-  use asperity_contact_law, only: contact_response, hertz_law
+  use asperity_contact_law, only: contact_response
   use asperity_contact_pairs, only: contact_pair, contact_pairs
   use asperity_contact_state, only: contact_state
   use asperity_decimal, only: decimal_value
   use asperity_sphere_overlap, only: touching_height
+  use asperity_hertz_law, only: hertz_law
   use asperity_kinds, only: real64
   use asperity_numeral, only: read_numeral
-  use asperity_theory_limits, only: constraint_factor
+  use asperity_first_yield, only: constraint_factor
   use asperity_plastic_law, only: plastic_law
   use asperity_scene_values, only: scene
   use asperity_testing, only: check, error_type

@@ -2,10 +2,11 @@
 !>
 !> test/regression/test_friction.py compares forces and radii with test/truth/friction_truth.py.
 module asperity_friction_suite
-  use asperity_contact_law, only: contact_response, hertz_law
+  use asperity_contact_law, only: contact_response
   use asperity_contact_pairs, only: contact_pair
   use asperity_effect_helpers, only: pair_of
   use asperity_friction, only: rubbing, solve_friction, tangential_stiffness_ratio
+  use asperity_hertz_law, only: hertz_law
   use asperity_kinds, only: real64
   use asperity_testing, only: check, error_type, new_unittest, unittest_type
   implicit none

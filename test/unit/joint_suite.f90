@@ -9,7 +9,7 @@ module asperity_joint_suite
   use asperity_coupled_contacts, only: coupled_solution
   use asperity_coupled_scenes, only: depth, known_scene, known_scenes, lay_known, lay_contacts, &
                                      share_of, solve_at, truth_noise
-  use asperity_contact_law, only: hertz_law
+  use asperity_hertz_law, only: hertz_law
   use asperity_joint_contacts, only: joint_solution, resolve_all, resolve_called_for, &
                                      resolve_none, solve_joint
   use asperity_kinds, only: real64

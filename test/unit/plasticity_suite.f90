@@ -3,12 +3,13 @@
 !> test/regression/test_plasticity.py compares curves, unloading and onset with mpmath.
 module asperity_plasticity_suite
   use asperity_contact_effect, only: contact_effect, effect_outcome
-  use asperity_contact_law, only: contact_response, hertz_law
+  use asperity_contact_law, only: contact_response
   use asperity_contact_pairs, only: contact_pair, contact_pairs
   use asperity_contact_state, only: contact_state, start_state, total_vertical_load
   use asperity_effect_helpers, only: act, as_decimal, pair_of, penetration_of, plastic_law_with, &
                                      set_number
-  use asperity_theory_limits, only: constraint_factor
+  use asperity_first_yield, only: constraint_factor
+  use asperity_hertz_law, only: hertz_law
   use asperity_kinds, only: real64
   use asperity_plastic_curves, only: departure, loading_curve, plastic_scale, set_scale
   use asperity_plastic_law, only: past_of_contact, plastic_law, plastic_past

@@ -10,7 +10,7 @@ module asperity_potential_suite
   use asperity_coupled_contacts, only: coupled_solution
   use asperity_coupled_scenes, only: depth, known_scene, known_scenes, lay_known, random, &
                                      lay_contacts, solve_at
-  use asperity_contact_law, only: hertz_law
+  use asperity_hertz_law, only: hertz_law
   use asperity_interruption, only: interruption
   use asperity_kinds, only: int64, real64
   use asperity_testing, only: check, error_type, new_unittest, unittest_type

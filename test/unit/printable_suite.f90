@@ -2,7 +2,7 @@
 !> numbers of any size have room; names of units by powers.
 module asperity_printable_suite
   use, intrinsic :: iso_fortran_env, only: real64
-  use asperity_text_buffer, only: printable_text
+  use asperity_printable, only: printable_text
   use asperity_problems, only: real_text
   use asperity_scene_values, only: scene
   use asperity_testing, only: check, error_type, new_unittest, unittest_type

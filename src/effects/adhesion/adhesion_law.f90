@@ -30,8 +30,9 @@
 module asperity_adhesion_law
   use asperity_adhesion_maugis, only: central_answer, follow_maugis, maugis_curve, new_maugis
   use asperity_constants, only: pi
-  use asperity_contact_law, only: contact_law, contact_response, hertz_law, set_vertical_parts
+  use asperity_contact_law, only: contact_law, contact_response, set_vertical_parts
   use asperity_contact_pairs, only: contact_pair, contact_pairs
+  use asperity_hertz_law, only: hertz_law
   use asperity_kinds, only: real64
   use asperity_sphere_overlap, only: stable_overlap
   implicit none

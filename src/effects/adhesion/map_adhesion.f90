@@ -22,20 +22,8 @@
 !> prescribed level, where the mean gap is constant and pixels repel each other.
 !>
 !> Exits: solved; `is_separated`, where the load is more tensile than the surfaces carry; `failure`.
-!>
-!> Attraction of two surfaces across their gap, behind a hard wall: energy and traction.
-!>
-!> With the work of adhesion w and the distance z0 of surfaces in contact, per area,
-!>
-!>     exponential:    e(g) = -w exp(-g/rho),      s(g) = w/rho exp(-g/rho),   rho = 9 sqrt(3)/16 z0
-!>     van der Waals:  e(g) = -w (1 + g/z0)**-2,   s(g) = 2 w/z0 (1 + g/z0)**-3
-!>
-!> s = de/dg is positive and decreases with the gap: e is concave. The range rho = 0.974 z0 gives
-!> the exponential law the work and the greatest traction of the attraction between molecules, as
-!> the constant traction of Maugis (1992) has them. The second law is that of Hamaker (1937) with
-!> the constant 12 pi w z0**2.
 module asperity_map_adhesion
-  use asperity_effect_names, only: law_exponential
+  use asperity_attraction_law, only: attraction_at, attraction_law, share_of_work
   use asperity_element_forces, only: find_forces, force_bounds, missing_gap
   use asperity_height_map, only: height_map, is_measured
   use asperity_kinds, only: real64
@@ -46,18 +34,7 @@ module asperity_map_adhesion
   implicit none
   private
 
-  public :: adhere_map, adhesion_history, find_pull_off, work_at_edge, attraction_at, &
-            attraction_law, new_attraction, pixel_steepness, share_of_work
-
-  ! rho over z0 (derived: greatest attraction of the potential of Lennard and Jones, Maugis 1992).
-  real(real64), parameter :: exponential_range = 9.0_real64 * sqrt(3.0_real64) / 16.0_real64
-
-  !> Attraction of one pair of surfaces.
-  type :: attraction_law
-    integer :: form = law_exponential     !! `law_exponential` or `law_van_der_waals`
-    real(real64) :: work = 0.0_real64     !! work of adhesion w [force/length], > 0
-    real(real64) :: reach = 1.0_real64    !! rho or z0 [length], > 0
-  end type attraction_law
+  public :: adhere_map, adhesion_history, find_pull_off, work_at_edge
 
   !> State of the surfaces that the next state starts from; not allocated: open.
   type :: adhesion_history
@@ -271,50 +248,5 @@ contains
     if (-sum(above, at_edge) > count(at_edge) * sqrt(sum(above**2) / count(measured))) &
       share = sum(share_of_work(law, attraction), at_edge) / count(at_edge)
   end function work_at_edge
-
-  !> Makes the law of a work of adhesion and an equilibrium distance.
-  pure type(attraction_law) function new_attraction(form, work, distance) result(law)
-    integer, intent(in) :: form            !! `law_exponential` or `law_van_der_waals`
-    real(real64), intent(in) :: work       !! work of adhesion [force/length], > 0
-    real(real64), intent(in) :: distance   !! equilibrium distance z0 [length], > 0
-
-    law = attraction_law(form=form, work=work, reach=distance)
-    if (form == law_exponential) law%reach = exponential_range * distance
-  end function new_attraction
-
-  !> Attraction s [pressure] at a gap; at a gap below 0 that of contact.
-  elemental real(real64) function attraction_at(law, gap) result(traction)
-    type(attraction_law), intent(in) :: law  !! attraction of the surfaces
-    real(real64), intent(in) :: gap          !! gap of the surfaces [length]
-
-    associate (x => max(gap / law%reach, 0.0_real64))
-      if (law%form == law_exponential) then
-        traction = law%work / law%reach * exp(-min(x, 700.0_real64))
-      else
-        traction = 2.0_real64 * law%work / law%reach / (1.0_real64 + x)**3
-      end if
-    end associate
-  end function attraction_at
-
-  !> Work that is left to separate the surfaces from a gap, over the work of adhesion, from the
-  !> attraction there.
-  elemental real(real64) function share_of_work(law, traction) result(share)
-    type(attraction_law), intent(in) :: law   !! attraction of the surfaces
-    real(real64), intent(in) :: traction      !! attraction s at the gap [pressure]
-
-    share = traction / attraction_at(law, 0.0_real64)
-    if (law%form /= law_exponential) share = share**(2.0_real64 / 3.0_real64)
-  end function share_of_work
-
-  !> Greatest decrease of the attraction with the gap, times the pixel spacing over the modulus.
-  !> Where it exceeds about 1 neighbouring pixels jump into contact one by one.
-  pure real(real64) function pixel_steepness(law, pixel, modulus) result(steepness)
-    type(attraction_law), intent(in) :: law  !! attraction of the surfaces
-    real(real64), intent(in) :: pixel        !! spacing of the pixels [length]
-    real(real64), intent(in) :: modulus      !! combined modulus [pressure]
-
-    steepness = law%work / law%reach / modulus * (pixel / law%reach)
-    if (law%form /= law_exponential) steepness = 6.0_real64 * steepness
-  end function pixel_steepness
 
 end module asperity_map_adhesion

@@ -7,8 +7,9 @@
 !> that of the elastic one.
 module asperity_plastic_law
   use asperity_constants, only: pi
-  use asperity_contact_law, only: contact_law, contact_response, hertz_law, set_vertical_parts
+  use asperity_contact_law, only: contact_law, contact_response, set_vertical_parts
   use asperity_contact_pairs, only: contact_pair
+  use asperity_hertz_law, only: hertz_law
   use asperity_kinds, only: real64
   use asperity_plastic_curves, only: departure, loading_curve, loading_work, plastic_scale, &
                                      set_scale, unloading_shape
