@@ -1,18 +1,15 @@
 !> The contacts of a state: their totals, rows and warnings, in the unit of the scene.
 module asperity_state_tally
-  use asperity_cell_grid, only: build_grid, cell_grid
-  use asperity_cell_layer, only: any_height, margin_of_arithmetic
   use asperity_contact_pairs, only: scaled_to_real64
   use asperity_contact_records, only: add_rows, contact_row, no_contacts, position_result, state_row
   use asperity_kinds, only: real64
-  use asperity_pair_search_layers, only: found_pairs, search_pairs
+  use asperity_overlapping_circles, only: count_overlapping
   use asperity_theory_limits, only: look_at_contact, look_at_state, seen_contact, theory_limits
   use asperity_theory_warnings, only: take_worse, theory_warning
   implicit none
   private
 
-  public :: state_tally, add_contact, begin_tally, finish_tally, circles_overlap, &
-            count_overlapping
+  public :: state_tally, add_contact, begin_tally, finish_tally
 
   !> A state after some of its contacts, in the units of the solver.
   type :: state_tally
@@ -25,8 +22,6 @@ module asperity_state_tally
     real(real64), allocatable, private :: circles(:, :)  ! not allocated: not compared
     type(theory_warning), allocatable, private :: warnings(:)
   end type state_tally
-
-  integer, parameter :: few = 64  ! number of circles up to which all pairs are compared
 
 contains
 
@@ -101,72 +96,5 @@ contains
     call look_at_state(limits, projected_area, result%overlapping_circles, tally%warnings)
     call take_worse(result%warnings, tally%warnings, number)
   end subroutine finish_tally
-
-  !> Number of pairs of circles that overlap. Circles without radius are left out. In large sets
-  !> they are found by the search for pairs of asperities, at a cost proportional to the numbers of
-  !> circles and of pairs; in small sets, without memory for the search, or with centres too far
-  !> apart to be squared, all pairs are compared.
-  integer function count_overlapping(x, y, radius) result(number)
-    real(real64), intent(in) :: x(:), y(:)   !! centres of the circles
-    real(real64), intent(in) :: radius(:)    !! radius of each circle, 0 or more
-    type(found_pairs) :: near                ! each pair twice, as upper and lower
-    integer, allocatable :: members(:)
-    type(cell_grid) :: grid
-    real(real64) :: unit, margin
-    logical :: each_with_each
-    integer :: i, j, k
-
-    number = 0
-    members = pack([(i, i=1, size(x))], radius > 0.0_real64)
-    if (size(members) == 0) return
-    ! The search squares lengths over the largest radius.
-    unit = maxval(radius)
-    each_with_each = size(x) <= few .or. &
-                     max(maxval(abs(x(members))), maxval(abs(y(members)))) / sqrt(huge(unit)) > unit
-    if (.not. each_with_each) then
-      margin = margin_of_arithmetic(epsilon(unit), &
-                                    2 * maxval(abs(x(members)) + abs(y(members))) / unit + 2)
-      call build_grid(grid, x(members) / unit, y(members) / unit, &
-                      spread(0.0_real64, 1, size(members)), radius(members) / unit, any_height)
-      call search_pairs(grid, grid, 0.0_real64, 0.0_real64, any_height, margin, -huge(unit), near, &
-                        each_with_each)
-    end if
-    if (each_with_each) then
-      do i = 2, size(members)
-        do j = 1, i - 1
-          if (do_overlap(members(i), members(j))) number = number + 1
-        end do
-      end do
-      return
-    end if
-    do k = 1, near%blocks
-      associate (block => near%block(k))
-        do i = 1, block%used
-          if (block%upper(i) >= block%lower(i)) cycle
-          if (do_overlap(members(block%upper(i)), members(block%lower(i)))) number = number + 1
-        end do
-      end associate
-    end do
-
-  contains
-
-    pure logical function do_overlap(one, other)
-      integer, intent(in) :: one, other
-
-      do_overlap = circles_overlap(x(one) - x(other), y(one) - y(other), radius(one), radius(other))
-    end function do_overlap
-
-  end function count_overlapping
-
-  !> Whether two circles overlap.
-  pure logical function circles_overlap(dx, dy, first, second)
-    real(real64), intent(in) :: dx, dy           !! distance of the centres along x and y
-    real(real64), intent(in) :: first, second    !! radii of the circles
-
-    circles_overlap = abs(dx) < first + second .and. abs(dy) < first + second
-    if (.not. circles_overlap) return
-    circles_overlap = first > 0.0_real64 .and. second > 0.0_real64 .and. &
-                      dx * dx + dy * dy < (first + second)**2
-  end function circles_overlap
 
 end module asperity_state_tally

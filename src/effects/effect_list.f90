@@ -5,7 +5,7 @@ module asperity_effect_list
   use asperity_contact_effect, only: effect_box
   use asperity_creep, only: new_creep
   use asperity_effect_names, only: known_effects
-  use asperity_friction, only: new_friction
+  use asperity_friction_effect, only: new_friction
   use asperity_interaction, only: new_interaction
   use asperity_kinds, only: int64
   use asperity_plasticity, only: new_plasticity

@@ -1,12 +1,13 @@
 !> The sequence of states of a position: loading, a path of loads or separations, and a hold.
 module asperity_asperity_path
   use asperity_contact_effect, only: effect_box
-  use asperity_contact_model, only: at_load, path_step, plan_path
+  use asperity_contact_model, only: at_load, path_step
   use asperity_contact_pairs, only: contact_pairs
   use asperity_decimal, only: decimal_to_real64, decimal_value
   use asperity_effect_sequence, only: first_failure, found_state, simulate_effects
   use asperity_isolated_contacts, only: list_compressions
   use asperity_kinds, only: real64
+  use asperity_path_steps, only: plan_path
   use asperity_root_bracket, only: guess_by_secant, narrow_bracket, root_bracket
   use asperity_scene_values, only: control_compression, control_limit, control_pressure, &
                                    effect_off, is_load, scene

@@ -5,7 +5,7 @@ module asperity_asperity_position
   use asperity_contact_effect, only: effect_box
   use asperity_contact_law, only: contact_law
   use asperity_contact_model, only: at_distance, at_load, held_distance, held_load, no_load, &
-                                    path_step, placed_bodies, plan_hold
+                                    path_step, placed_bodies
   use asperity_contact_pairs, only: contact_pairs, in_scene_units
   use asperity_contact_records, only: effect_record, position_result, prescribed_normal, &
                                       prescribed_vertical
@@ -17,6 +17,7 @@ module asperity_asperity_position
   use asperity_hertz_law, only: hertz_law
   use asperity_kinds, only: real64
   use asperity_load_search, only: compress_to_load, search_load
+  use asperity_path_steps, only: plan_hold
   use asperity_problems, only: not_enough_memory
   use asperity_scene_values, only: is_load, scene
   implicit none

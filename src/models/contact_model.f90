@@ -4,18 +4,16 @@
 !> A model places the bodies at a position. A position solves the states of its path one after the
 !> other: each is the history of the next.
 module asperity_contact_model
-  use asperity_contact_records, only: most_rows, position_result
+  use asperity_contact_records, only: position_result
   use asperity_interruption, only: interruption
   use asperity_kinds, only: int64, real64
-  use asperity_scene_values, only: hold_load, scene
   use asperity_solution_start, only: solution_reuse
-  use asperity_viscoelastic_solid, only: hold_times, relaxing_solid, solid_of_scene
   use asperity_work_count, only: work_count
   implicit none
   private
 
   public :: contact_model, path_step, placed_bodies, at_distance, at_load, held_distance, &
-            held_load, no_load, follow_path, plan_hold, plan_path, solve_position
+            held_load, no_load
 
   integer, parameter :: at_distance = 1    !! at a given compression or separation
   integer, parameter :: at_load = 2        !! at a given load
@@ -112,108 +110,5 @@ module asperity_contact_model
       character(len=:), allocatable, intent(out) :: failure   !! reason, when it is not solved
     end subroutine add_totals
   end interface
-
-contains
-
-  !> Solves all states of a position. `failure` is allocated when its end cannot be reached.
-  subroutine solve_position(model, m, result, failure)
-    class(contact_model), intent(in), target :: model       !! bodies ready to be placed
-    integer, intent(in) :: m                                !! position, from 1
-    type(position_result), intent(out) :: result            !! states, ending with the last
-    character(len=:), allocatable, intent(out) :: failure   !! set where the end is not reached
-    class(placed_bodies), allocatable, target :: bodies
-    type(position_result) :: placed
-    logical :: must_repeat
-
-    call model%place(m, bodies, placed, failure)
-    result = placed
-    if (allocated(failure) .or. .not. allocated(bodies)) return
-    bodies%keep_rows = model%keep_rows
-    do
-      call follow_path(bodies, model%progress_count, result, must_repeat, failure)
-      if (.not. must_repeat) return
-      call model%progress_count%add_work(-result%counted)
-      if (allocated(failure)) return
-      result = placed
-    end do
-  end subroutine solve_position
-
-  !> Follows the path of placed bodies once.
-  subroutine follow_path(bodies, progress_count, result, must_repeat, failure)
-    class(placed_bodies), intent(inout), target :: bodies   !! bodies without contact
-    type(work_count), intent(in) :: progress_count          !! progress of the run, in states
-    type(position_result), intent(inout) :: result          !! without states; gets them
-    logical, intent(out) :: must_repeat                     !! whether the path has to be repeated
-    character(len=:), allocatable, intent(out) :: failure   !! set where the end is not reached
-    type(path_step), allocatable :: steps(:)
-    integer :: i
-
-    must_repeat = .false.
-    call bodies%list_steps(steps, failure)
-    if (allocated(failure)) return
-    allocate (result%states(size(steps)), result%rows(0))
-    do i = 1, size(steps)
-      call bodies%solve_step(steps(i), must_repeat, failure)
-      if (allocated(failure) .or. must_repeat) return
-      call bodies%add_state(steps(i), i, result)
-      call progress_count%count_state(result%counted)
-      ! The states end early when there are more contacts than can be kept.
-      if (result%rows_used > most_rows) return
-    end do
-    call bodies%add_totals(steps, result, failure)
-  end subroutine follow_path
-
-  !> Plans the states between values of a path: equal parts lie between two of them. The path begins
-  !> with its first contact where there are several parts. In time it has a constant rate.
-  pure subroutine plan_path(from, ends, points, by_load, duration, steps)
-    real(real64), intent(in) :: from       !! value of first contact
-    real(real64), intent(in) :: ends(:)    !! values of the path, in units of the model
-    integer, intent(in) :: points          !! parts between two values; 0: one, several in time
-    logical, intent(in) :: by_load         !! whether values are loads
-    real(real64), intent(in) :: duration   !! time of the path; 0: it is instantaneous
-    type(path_step), allocatable, intent(out) :: steps(:)
-    ! Parts of loading in time (chosen: those of a hold; test: Ting in test_creep_pixels.py).
-    integer, parameter :: parts_in_time = 20
-    real(real64) :: before, length
-    integer :: i, j, parts, used
-
-    parts = max(1, points)
-    if (duration > 0.0_real64 .and. points == 0) parts = parts_in_time
-    allocate (steps(merge(1, 0, parts > 1) + parts * size(ends)))
-    steps%control = merge(at_load, at_distance, by_load)
-    used = size(steps) - parts * size(ends)
-    if (used > 0) steps(1)%value = from
-    before = from
-    length = 0.0_real64
-    do i = 1, size(ends)
-      do j = 1, parts
-        used = used + 1
-        steps(used)%value = before + (ends(i) - before) * (real(j, real64) / real(parts, real64))
-        steps(used)%time = length + abs(ends(i) - before) * (real(j, real64) / real(parts, real64))
-      end do
-      steps(used)%value = ends(i)
-      length = length + abs(ends(i) - before)
-      before = ends(i)
-    end do
-    if (length > 0.0_real64) steps%time = duration * (steps%time / length)
-    if (by_load) steps%load = steps%value
-  end subroutine plan_path
-
-  !> Plans the states of a hold after the last state of loading.
-  subroutine plan_hold(scene_in, steps)
-    type(scene), intent(in) :: scene_in                     !! scene, checked for faults
-    type(path_step), allocatable, intent(out) :: steps(:)   !! states; without a hold none
-    type(relaxing_solid) :: solid
-
-    solid = solid_of_scene(scene_in)
-    associate (effects => scene_in%effects)
-      associate (times => hold_times(effects%number('hold_time'), solid%time(1), &
-                                     nint(effects%number('hold_points'))))
-        allocate (steps(size(times) - 1))
-        steps%time = solid%loading_time + times(2:)
-      end associate
-      steps%control = merge(held_load, held_distance, nint(effects%number('hold')) == hold_load)
-    end associate
-  end subroutine plan_hold
 
 end module asperity_contact_model

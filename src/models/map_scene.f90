@@ -1,6 +1,6 @@
 !> Preparation of a scene with a map: one levelled map, its summits as a surface, its loading.
 module asperity_map_scene
-  use asperity_contact_model, only: path_step, plan_path
+  use asperity_contact_model, only: path_step
   use asperity_decimal, only: decimal_to_real64, decimal_value
   use asperity_effect_names, only: effect_on, go_together, known_effects
   use asperity_height_map, only: height_map, is_measured, move_map
@@ -12,6 +12,7 @@ module asperity_map_scene
   use asperity_map_motion, only: overlay_maps
   use asperity_map_summits, only: find_summits, map_summits, rule_contact, usual_radius
   use asperity_numeral, only: rounded_decimal
+  use asperity_path_steps, only: plan_path
   use asperity_scene_values, only: control_compression, control_pressure, &
                                    effect_auto, effect_coupled, effect_off, is_load, scene, &
                                    scene_motion

@@ -6,7 +6,7 @@ module asperity_pixel_model
   use asperity_attraction_law, only: attraction_at
   use asperity_contact_field, only: fields_all, fields_none, room_of_fields
   use asperity_contact_model, only: at_distance, at_load, contact_model, held_load, no_load, &
-                                    path_step, placed_bodies, plan_hold
+                                    path_step, placed_bodies
   use asperity_contact_records, only: add_rows, contact_row, position_result, prescribed_normal, &
                                       state_row
   use asperity_decimal, only: decimal_to_real64
@@ -27,6 +27,7 @@ module asperity_pixel_model
   use asperity_map_state, only: map_history, map_laws, solve_map_state
   use asperity_partial_slip, only: slip_answer, slip_of_patches, slip_request, solve_partial_slip, &
                                    take_traction
+  use asperity_path_steps, only: plan_hold
   use asperity_pixel_effects, only: name_map_columns, resolved_steepness, set_map_laws, steepest
   use asperity_problems, only: decimal_text, not_enough_memory, real_text
   use asperity_process, only: has_memory

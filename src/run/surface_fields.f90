@@ -4,28 +4,26 @@
 !> pressure of Hertz on a circle of its area in plan. Both are means over the pixels of the
 !> grid. The displacement is that of a half-space of the combined modulus under these pressures
 !> (Love 1929, see element_influence), free of load beyond the grid.
-!>
-!> A surface between its summits is the highest of its spheres and, where all its summits are above
-!> it, its reference plane. Beside all spheres of a surface without that plane there is no surface.
 module asperity_surface_fields
-  use asperity_constants, only: pi
+  use asperity_lattice_convolution, only: lattice_convolution
+  use asperity_element_influence, only: centre_influence
   use asperity_contact_field, only: contact_field, fields_all, fields_none, room_of_fields
   use asperity_contact_records, only: drop_rows, position_result
-  use asperity_contact_slip, only: solve_with_slip
-  use asperity_decimal, only: decimal_to_real64, decimal_value
-  use asperity_element_influence, only: centre_influence
+  use asperity_decimal, only: decimal_to_real64
   use asperity_element_pressures, only: element_pressures
   use asperity_grid_pressures, only: add_circle, add_square, field_grid
+  use asperity_constants, only: pi
   use asperity_height_map, only: height_map, is_measured, no_height
   use asperity_kinds, only: int64, not_computed, real64
-  use asperity_lattice_convolution, only: lattice_convolution
   use asperity_map_contact, only: map_answer
   use asperity_map_fields, only: measure_fields, take_field
   use asperity_problems, only: decimal_text, not_enough_memory, problem_list
   use asperity_process, only: has_memory
   use asperity_run_options, only: run_options
   use asperity_scene_results, only: scene_results
-  use asperity_scene_values, only: combined_modulus, effect_off, scene, scene_surface, solves_pixels
+  use asperity_scene_values, only: combined_modulus, effect_off, scene, solves_pixels
+  use asperity_surface_elevations, only: elevation_of, place_surface, placed_surface
+  use asperity_contact_slip, only: solve_with_slip
   implicit none
   private
 
@@ -41,20 +39,6 @@ module asperity_surface_fields
   integer, parameter :: bytes_of_cell = 80
   ! Largest number of pixels along a side: their total is within 64 bits, and beyond any memory.
   integer, parameter :: most_cells = 100000000
-
-  ! Pixels along the side of a block. For each block the spheres that can be highest are selected.
-  integer, parameter :: block = 32
-
-  !> One surface at its position. Elevations are from its reference plane towards the other surface.
-  type :: placed_surface
-    logical :: has_base = .false.                    !! whether its reference plane is a part of it
-    real(real64), allocatable :: x(:), y(:)          !! positions of the summits
-    real(real64), allocatable :: level(:)            !! elevation of the summits, tilt included
-    real(real64), allocatable :: radius(:)           !! radius of the spheres
-    real(real64), allocatable :: reach(:)            !! radius in plan of the spherical cap
-    real(real64) :: slope(2) = 0.0_real64            !! slope of the reference plane
-    real(real64) :: displacement(2) = 0.0_real64     !! displacement in plan
-  end type placed_surface
 
 contains
 
@@ -335,107 +319,5 @@ contains
       end do
     end associate
   end subroutine add_loads
-
-  !> Places a surface in the order of a scene: rotation, mirror, slope, displacement.
-  type(placed_surface) function place_surface(surface, side, displacement, mirror) result(placed)
-    type(scene_surface), intent(in) :: surface  !! surface of the scene
-    integer, intent(in) :: side                 !! sign of the slope: 1 lower, -1 upper surface
-    type(decimal_value), intent(in), optional :: displacement(2)  !! displacement in plan [length]
-    real(real64), intent(in), optional :: mirror  !! y becomes this number less y [length]
-    real(real64) :: angle
-
-    angle = decimal_to_real64(surface%rotation)
-    allocate (placed%x, source=surface%x * cos(angle) - surface%y * sin(angle))
-    allocate (placed%y, source=surface%x * sin(angle) + surface%y * cos(angle))
-    if (present(mirror)) placed%y = mirror - placed%y
-    placed%slope = side * decimal_to_real64(surface%slope)
-    allocate (placed%level, source=surface%height + placed%slope(1) * placed%x + &
-                                   placed%slope(2) * placed%y)
-    allocate (placed%radius, source=surface%radius)
-    allocate (placed%reach, source=surface%radius)
-    placed%has_base = all(surface%height > 0.0_real64)
-    if (placed%has_base) then
-      associate (cap => min(surface%height, surface%radius))
-        placed%reach = sqrt(cap) * sqrt(surface%radius + (surface%radius - cap))
-      end associate
-    end if
-    if (present(displacement)) placed%displacement = decimal_to_real64(displacement)
-    placed%x = placed%x + placed%displacement(1)
-    placed%y = placed%y + placed%displacement(2)
-  end function place_surface
-
-  !> Elevation of a surface at the centres of the cells [length]; `not_computed` beside all of its
-  !> spheres.
-  function elevation_of(surface, grid) result(profile)
-    type(placed_surface), intent(in) :: surface  !! surface at its position
-    type(field_grid), intent(in) :: grid         !! grid of the pixels
-    real(real64), allocatable :: profile(:, :)   !! elevation by column and row
-    integer :: i, j
-
-    allocate (profile(grid%elements(1), grid%elements(2)))
-    !$omp parallel do schedule(dynamic) private(i)
-    do j = 1, grid%elements(2), block
-      do i = 1, grid%elements(1), block
-        call fill_block([i, j], min([i, j] + block - 1, grid%elements))
-      end do
-    end do
-    !$omp end parallel do
-
-  contains
-
-    ! Spheres that are everywhere below the lowest place of the others are left out.
-    subroutine fill_block(first, last)
-      integer, intent(in) :: first(2), last(2)
-      real(real64) :: middle(2), half, lowest, x, y
-      integer :: k, m, n
-
-      middle = grid%low + 0.5_real64 * grid%side * (first + last - 1)
-      half = 0.5_real64 * grid%side * norm2(real(last - first + 1, real64))
-      lowest = not_computed
-      do n = first(2), last(2)
-        y = grid%low(2) + (n - 0.5_real64) * grid%side - surface%displacement(2)
-        do m = first(1), last(1)
-          x = grid%low(1) + (m - 0.5_real64) * grid%side - surface%displacement(1)
-          profile(m, n) = not_computed
-          if (surface%has_base) profile(m, n) = dot_product(surface%slope, [x, y])
-        end do
-      end do
-      if (surface%has_base) lowest = minval(profile(first(1):last(1), first(2):last(2)))
-      do k = 1, size(surface%x)
-        lowest = max(lowest, sphere_elevation(k, plan_distance(k, middle) + half))
-      end do
-      do k = 1, size(surface%x)
-        if (plan_distance(k, middle) - half >= surface%radius(k)) cycle
-        if (sphere_elevation(k, max(0.0_real64, plan_distance(k, middle) - half)) < lowest) cycle
-        do n = first(2), last(2)
-          y = grid%low(2) + (n - 0.5_real64) * grid%side
-          do m = first(1), last(1)
-            x = grid%low(1) + (m - 0.5_real64) * grid%side
-            profile(m, n) = max(profile(m, n), sphere_elevation(k, plan_distance(k, [x, y])))
-          end do
-        end do
-      end do
-    end subroutine fill_block
-
-    pure real(real64) function plan_distance(k, place)
-      integer, intent(in) :: k
-      real(real64), intent(in) :: place(2)
-
-      plan_distance = hypot(place(1) - surface%x(k), place(2) - surface%y(k))
-    end function plan_distance
-
-    ! Elevation of sphere k at a distance in plan; `not_computed` beyond its radius.
-    pure real(real64) function sphere_elevation(k, from)
-      integer, intent(in) :: k
-      real(real64), intent(in) :: from
-
-      sphere_elevation = not_computed
-      associate (r => surface%radius(k))
-        if (from < r) &
-          sphere_elevation = surface%level(k) - from**2 / (r + sqrt((r - from) * (r + from)))
-      end associate
-    end function sphere_elevation
-
-  end function elevation_of
 
 end module asperity_surface_fields

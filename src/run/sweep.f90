@@ -4,30 +4,25 @@
 !> The reported failure does not depend on the number of threads: it is that of the first position
 !> in order that fails, or at which there are too many contacts. Later positions are left out.
 !> Without OpenMP there is one thread.
-!>
-!> It is checked for every solver, independently of the error that the solver reports, whether every
-!> state of a position carries the requested load and is physically valid.
 module asperity_sweep
-  use asperity_contact_model, only: contact_model, solve_position
-  use asperity_contact_records, only: are_finite, most_rows, position_result, &
-                                      prescribed_nothing, prescribed_vertical, room_of_a_state, &
-                                      state_row
+  use asperity_contact_model, only: contact_model
+  use asperity_contact_records, only: are_finite, most_rows, position_result, room_of_a_state
   use asperity_decimal, only: decimal_to_real64
   use asperity_images, only: image_count, image_number, mark_of_failure, read_mark, set_mark
   use asperity_interruption, only: interruption
   use asperity_kept_records, only: begin_work, close_work, is_due, keep_record, kept_work, &
                                    next_record, pieces_of_part, share_work, whole_number
   use asperity_kinds, only: int64, real64
+  use asperity_loads_met, only: check_loads, check_meaning, compare_loads
   use asperity_position_packet, only: pack_position, unpack_position
-  use asperity_problems, only: decimal_text, not_enough_memory, real_text
+  use asperity_position_path, only: solve_position
+  use asperity_problems, only: decimal_text, not_enough_memory
   use asperity_process, only: has_memory, threads_with_memory
   use asperity_progress, only: progress_line
   use asperity_run_options, only: run_options
   use asperity_scene_inputs, only: input_file, list_inputs
   use asperity_scene_results, only: scene_results
   use asperity_scene_values, only: scene
-  use asperity_theory_warnings, only: add_warning, of_contact_radius, of_load_direction, &
-                                      take_worse, theory_warning
   use asperity_version, only: version
   !$ use omp_lib, only: omp_get_max_threads
   implicit none
@@ -313,89 +308,5 @@ contains
     failure = 'more than ' // decimal_text(most_rows) // ' contacts to keep: expected fewer ' // &
               'positions or points, or no list of contacts'
   end subroutine refuse_rows
-
-  !> Checks the relative error of requested loads. That of a load of 0 is relative to the largest
-  !> requested load.
-  pure subroutine check_loads(position, tolerance, failure)
-    type(position_result), intent(in) :: position             !! result of the position
-    real(real64), intent(in) :: tolerance                     !! largest relative error
-    character(len=:), allocatable, intent(inout) :: failure   !! state, requested and found load
-    real(real64) :: found, largest, reference
-    integer :: i
-
-    largest = 0.0_real64
-    do i = 1, size(position%states)
-      if (position%states(i)%prescribed /= prescribed_nothing) &
-        largest = max(largest, abs(position%states(i)%prescribed_load))
-    end do
-    do i = 1, size(position%states)
-      associate (state => position%states(i))
-        if (state%prescribed == prescribed_nothing) cycle
-        found = merge(state%vertical_load, state%load, state%prescribed == prescribed_vertical)
-        reference = abs(state%prescribed_load)
-        if (.not. reference > 0.0_real64) reference = largest
-        if (abs(found - state%prescribed_load) <= tolerance * reference) cycle
-        ! All requested loads are 0.
-        if (.not. reference > 0.0_real64) cycle
-        failure = 'the load of state ' // decimal_text(i) // ' is missed: asked for ' // &
-                  real_text(state%prescribed_load) // ', found ' // real_text(found)
-        return
-      end associate
-    end do
-  end subroutine check_loads
-
-  !> Checks that states are possible: `failure` reports contacts on more than the nominal area, or
-  !> a plane below the bottom of a sphere: the overlap W exceeds its diameter 2 R, and the radius
-  !> sqrt(R W) of the contact is more than sqrt(2) R.
-  pure subroutine check_meaning(position, nominal_area, failure)
-    type(position_result), intent(in) :: position             !! result of the position
-    real(real64), intent(in) :: nominal_area                  !! nominal area; 0: not given
-    character(len=:), allocatable, intent(inout) :: failure  !! state and reason, unchanged when
-                                                             !! possible
-    real(real64), parameter :: rounding = 1.0e-9_real64
-    real(real64) :: ratio
-    integer :: i
-
-    ! The numerator is limited so that a tiny area does not overflow the ratio.
-    do i = 1, merge(size(position%states), 0, nominal_area > 0.0_real64)
-      ratio = min(position%states(i)%projected_area, huge(ratio) * min(nominal_area, 1.0_real64)) &
-              / nominal_area
-      if (ratio > 1.0_real64 + rounding) &
-        failure = 'the contact area of state ' // decimal_text(i) // ' is ' // &
-                  real_text(ratio) // ' times the nominal area: reduce the load or ' // &
-                  'check nominal_area'
-    end do
-    if (.not. allocated(position%warnings)) return
-    do i = 1, size(position%warnings)
-      associate (found => position%warnings(i))
-        if (found%number == of_contact_radius .and. &
-            found%magnitude > sqrt(2.0_real64) * (1.0_real64 + rounding)) &
-          failure = 'a contact circle of state ' // decimal_text(found%state) // ' has ' // &
-                    real_text(found%magnitude) // &
-                    ' times the radius of its sphere, which lies ' // &
-                    'beyond the sphere: reduce the load'
-      end associate
-    end do
-  end subroutine check_meaning
-
-  !> Warns where the sum of the normal forces and the vertical load differ by more than a share.
-  pure subroutine compare_loads(position, share)
-    type(position_result), intent(inout) :: position  !! result of the position; gets the warning
-    real(real64), intent(in) :: share  !! limit, relative to the sum of the normal forces
-    type(theory_warning), allocatable :: found(:)
-    real(real64) :: difference
-    integer :: i
-
-    do i = 1, size(position%states)
-      associate (state => position%states(i))
-        if (.not. state%load > 0.0_real64) cycle
-        difference = abs(state%load - state%vertical_load) / state%load
-        if (.not. difference > share) cycle
-        if (allocated(found)) deallocate (found)
-        call add_warning(found, of_load_direction, difference)
-        call take_worse(position%warnings, found, i)
-      end associate
-    end do
-  end subroutine compare_loads
 
 end module asperity_sweep

@@ -1,7 +1,7 @@
 !> Tests of the count of contact circles that overlap.
 module asperity_circles_suite
   use asperity_kinds, only: real64
-  use asperity_state_tally, only: circles_overlap, count_overlapping
+  use asperity_overlapping_circles, only: circles_overlap, count_overlapping
   use asperity_testing, only: check, error_type, new_unittest, unittest_type
   implicit none
   private

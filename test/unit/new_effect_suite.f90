@@ -13,7 +13,7 @@ module asperity_new_effect_suite
   use asperity_hertz_law, only: hertz_law
   use asperity_kinds, only: not_computed, real64
   use asperity_made_up_effect, only: made_up_effect, make_up
-  use asperity_contact_model, only: follow_path
+  use asperity_position_path, only: follow_path
   use asperity_scene_values, only: control_separation, control_load, effect_auto, effect_on, &
                                    hold_separation, hold_load, scene
   use asperity_testing, only: check, error_type, new_unittest, unittest_type

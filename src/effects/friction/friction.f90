@@ -17,11 +17,9 @@
 !> Within the assumptions of Hertz and Mindlin this is exact for the actual path. N is taken as
 !> proportional to W**1.5; for another law the shares of stick and slip are those of Hertz' law.
 module asperity_friction
-  use asperity_contact_effect, only: contact_effect, effect_column, effect_outcome, force, &
-                                     length, moment, plain
+  use asperity_contact_effect, only: force, length, plain
   use asperity_contact_law, only: contact_response
-  use asperity_contact_pairs, only: contact_pair, contact_pairs
-  use asperity_contact_state, only: contact_state
+  use asperity_contact_pairs, only: contact_pair
   use asperity_decimal, only: decimal_to_real64
   use asperity_gauss_rule, only: gauss_node, gauss_points, gauss_weight
   use asperity_kinds, only: real64
@@ -29,9 +27,8 @@ module asperity_friction
   implicit none
   private
 
-  public :: rubbing, solve_friction, stiffness_ratio_of, tangential_stiffness_ratio, &
-            slip_contact_columns, slip_contact_powers, slip_state_columns, slip_state_powers, &
-            new_friction
+  public :: rubbing, solve_friction, stiffness_ratio_of, tangential_stiffness_ratio
+  public :: slip_contact_columns, slip_contact_powers, slip_state_columns, slip_state_powers
 
   !> Friction of one contact. Zeros where it does not touch.
   type :: rubbing
@@ -63,16 +60,6 @@ module asperity_friction
   !> Powers of the modulus and of the length in the units of the columns of a state.
   integer, parameter :: slip_state_powers(2, 5) = &
     reshape([force, length, stiffness, area, plain], [2, 5])
-
-  !> Friction with one coefficient for all contacts.
-  type, extends(contact_effect) :: friction_effect
-    real(real64) :: coefficient = 0.0_real64  !! coefficient of friction, 0 or more
-    real(real64) :: kappa = 1.0_real64        !! tangential over normal stiffness
-  contains
-    procedure :: estimate => estimate_by_friction
-    procedure :: apply => apply_friction
-    procedure :: leave_out
-  end type friction_effect
 
 contains
 
@@ -245,131 +232,5 @@ contains
     rubbed%lateral_x = outward * ((pair%upper_x - pair%lower_x) / pair%d)
     rubbed%lateral_y = outward * ((pair%upper_y - pair%lower_y) / pair%d)
   end subroutine push_sideways
-
-  !> Makes the effect from its parameters in a scene.
-  subroutine new_friction(scene_in, effect)
-    type(scene), intent(in) :: scene_in                             !! scene with checked values
-    class(contact_effect), allocatable, intent(out) :: effect       !! effect of the scene
-    type(friction_effect) :: new
-
-    call new%call_as('friction', scene_in%effects)
-    new%coefficient = scene_in%effects%number('friction_coefficient')
-    new%kappa = stiffness_ratio_of(scene_in)
-    new%contact_columns = [ &
-      effect_column('tangential_load', force), &
-      effect_column('sliding', plain), &            ! 1: complete sliding
-      effect_column('slip_annulus', plain), &       ! its width over contact radius
-      effect_column('lateral_x', force), effect_column('lateral_y', force)]
-    new%state_columns = [ &
-      effect_column('frictionless_load', force), &  ! vertical load without friction
-      effect_column('sliding_contacts', plain), &   ! number of sliding contacts
-      effect_column('rig_force_x', force), effect_column('rig_force_y', force), &
-      effect_column('rig_moment_x', moment), effect_column('rig_moment_y', moment), &
-      effect_column('rig_moment_z', moment)]
-    allocate (effect, source=new)
-  end subroutine new_friction
-
-  !> Upper bound of the relative increase of the vertical load at the compression: the sum of T sin
-  !> over that of N cos, with T at most mu N and at most kappa d/z N.
-  function estimate_by_friction(self, pairs, state) result(share)
-    class(friction_effect), intent(in) :: self  !! friction with its parameters
-    type(contact_pairs), intent(in) :: pairs    !! pairs of the position
-    type(contact_state), intent(in) :: state    !! contacts without friction
-    real(real64) :: share
-    type(contact_response) :: response
-    real(real64) :: total, z
-    integer :: i
-
-    share = 0.0_real64
-    total = 0.0_real64
-    do i = 1, size(pairs%list)
-      associate (pair => pairs%list(i))
-        if (pair%gap >= state%compression) exit
-        call state%law%respond(pair, i, state%compression - pair%gap, response)
-        z = pair%zc - (state%compression - pair%gap)
-        total = total + response%vertical_load
-        share = share + min(self%coefficient, self%kappa * (pair%d / z)) * response%load * &
-                (pair%d / sqrt(pair%d**2 + z**2))
-      end associate
-    end do
-    if (total > 0.0_real64) share = share / total
-  end function estimate_by_friction
-
-  !> Adds the tangential force of each contact.
-  subroutine apply_friction(self, pairs, state, outcome)
-    class(friction_effect), intent(in) :: self      !! friction with its parameters
-    type(contact_pairs), intent(in) :: pairs        !! pairs of the position
-    type(contact_state), intent(inout) :: state     !! gets the vertical loads with friction
-    type(effect_outcome), intent(inout) :: outcome  !! gets the columns
-
-    call add_friction(self, pairs, state%penetration, state%answers, outcome)
-    outcome%simulated = 'on'
-  end subroutine apply_friction
-
-  !> Sets the columns where friction is left out of the vertical loads: forces in plan may be large.
-  subroutine leave_out(self, pairs, state, outcome)
-    class(friction_effect), intent(in) :: self      !! friction with its parameters
-    type(contact_pairs), intent(in) :: pairs        !! pairs of the position
-    type(contact_state), intent(in) :: state        !! contacts without friction
-    type(effect_outcome), intent(inout) :: outcome  !! gets the columns
-    type(contact_response) :: answers(size(pairs%list))
-
-    answers = state%answers
-    call add_friction(self, pairs, state%penetration, answers, outcome)
-  end subroutine leave_out
-
-  ! Adds friction to all responses and sets the columns. The forces and moments of the rig balance
-  ! those of the contacts on the upper body. Moments are about the origin of the plan; those about
-  ! x and y are of the vertical loads alone, with all contacts in one plane.
-  subroutine add_friction(self, pairs, penetration, answers, outcome)
-    class(friction_effect), intent(in) :: self
-    type(contact_pairs), intent(in) :: pairs
-    real(real64), intent(in) :: penetration(:)
-    type(contact_response), intent(inout) :: answers(:)
-    type(effect_outcome), intent(inout) :: outcome
-    type(rubbing) :: rubbed
-    type(contact_response) :: pressed
-    real(real64) :: frictionless, rig(5)
-    integer :: i, sliding
-
-    allocate (outcome%of_contacts(size(pairs%list), 5), source=0.0_real64)
-    frictionless = sum(answers%vertical_load)
-    rig = 0.0_real64
-    sliding = 0
-    do i = 1, size(pairs%list)
-      if (.not. penetration(i) > 0.0_real64) cycle
-      call along_normal(pairs%list(i), penetration(i), answers(i), pressed)
-      call solve_friction(pairs%list(i), penetration(i), pressed, self%kappa, self%coefficient, &
-                          rubbed)
-      associate (pair => pairs%list(i))
-        rig(:2) = rig(:2) + [rubbed%lateral_x, rubbed%lateral_y]
-        rig(3:4) = rig(3:4) + [pair%y, -pair%x] * rubbed%vertical_load
-        rig(5) = rig(5) + pair%x * rubbed%lateral_y - pair%y * rubbed%lateral_x
-      end associate
-      answers(i)%vertical_load = rubbed%vertical_load
-      answers(i)%stiffness = rubbed%stiffness
-      if (rubbed%sliding) sliding = sliding + 1
-      outcome%of_contacts(i, :) = [rubbed%tangential_load, &
-                                   merge(1.0_real64, 0.0_real64, rubbed%sliding), &
-                                   rubbed%slip_annulus, rubbed%lateral_x, rubbed%lateral_y]
-    end do
-    outcome%of_state = [frictionless, real(sliding, real64), -rig]
-  end subroutine add_friction
-
-  ! The response with the load normal to the contact. Boundary elements have vertical loads only.
-  pure subroutine along_normal(pair, penetration, answer, pressed)
-    type(contact_pair), intent(in) :: pair
-    real(real64), intent(in) :: penetration
-    type(contact_response), intent(in) :: answer
-    type(contact_response), intent(out) :: pressed
-    real(real64) :: centres, cosine
-
-    pressed = answer
-    if (answer%cosine < 1.0_real64) return
-    centres = sqrt(pair%d**2 + (pair%zc - penetration)**2)
-    cosine = (pair%zc - penetration) / centres
-    pressed%cosine = cosine
-    pressed%load = answer%vertical_load / cosine
-  end subroutine along_normal
 
 end module asperity_friction
