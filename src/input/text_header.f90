@@ -20,9 +20,9 @@ module asperity_text_header
   character(len=*), parameter :: comment_signs = '#%'
   integer, parameter :: unit_length = 16
   character(len=*), parameter :: axis(3) = ['x', 'y', 'z']
-  !> Beginnings of the words for `length_units`.
-  character(len=*), parameter :: unit_words(6) = [character(len=8) :: 'metre', 'millimet', &
-    'micromet', 'nanomet', 'centimet', 'inch']
+  !> Beginnings of the words for `length_units`, and of the first one once more.
+  character(len=*), parameter :: unit_words(7) = [character(len=8) :: 'metre', 'millimet', &
+    'micromet', 'nanomet', 'centimet', 'inch', 'meter']
   !> Surfer's height of a pixel that is missing, and all above it.
   real(real64), parameter :: surfer_blank = 1.70141e38_real64
   !> ESRI's where the header has none.
@@ -364,7 +364,7 @@ contains
       are_named = are_named .or. [any(word == ['x ', 'xy']), any(word == ['y ', 'xy']), &
                                   is_height_name(word)]
       at = findloc([(index(word, trim(unit_words(k))) == 1, k=1, size(unit_words))], .true., 1)
-      if (at > 0) word = trim(length_units(at))
+      if (at > 0) word = trim(length_units(mod(at - 1, size(length_units)) + 1))
       if (unit_number(word) == 0 .or. (words /= '' .and. (word == 'm' .or. word == 'in'))) cycle
       is_clear = is_clear .and. any(are_named) .and. all(unit == '' .or. .not. are_named)
       where (are_named) unit = word
@@ -386,7 +386,8 @@ contains
       if (verify(words(i:i), ',;:=/"''()') == 0) words(i:i) = ' '
     end do
     has_unit = has_unit .or. any([index(words, ' um '), index(words, ' nm '), &
-                                  index(words, ' mm '), index(words, ' cm ')] > 0)
+                                  index(words, ' mm '), index(words, ' cm ')] > 0) .or. &
+               any([(index(words, ' ' // trim(unit_words(i))) > 0, i=1, size(unit_words))])
   end function has_unit
 
 end module asperity_text_header

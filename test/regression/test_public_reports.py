@@ -396,6 +396,7 @@ def test_units_that_contradict_are_refused(before, spacing, said, maps):
     ("# pixel 0.5 µm\n", SPACING, "the unit in 'pixel 0.5 µm' is not understood"),
     ("# z in um or nm\n", SPACING, "the unit in 'z in um or nm' is not understood"),
     ("# height range 20 nm\n", SPACING, "the unit in 'height range 20 nm' is not understood"),
+    ("# sample 12, heights in nanometres\n", SPACING, "heights in nanometres' is not understood"),
 ])
 def test_units_that_are_not_used_are_noted(before, spacing, said, maps):
     text = POINTS if spacing is None else MATRIX
@@ -414,6 +415,7 @@ def test_units_that_are_not_used_are_noted(before, spacing, said, maps):
     ("# heights in nm\n", SPACING, 1, 1e-3),
     ("# height values / nanometres\n", SPACING, 1, 1e-3),
     ("# z-unit nm\n", SPACING, 1, 1e-3),
+    ("# heights in meters\n", SPACING, 1, 1e6),
     ("# z in um\n", SPACING, 1, 1),
     ("# x, y in mm; z in nm\n", SPACING, 1e3, 1e-3),
     ("# XY units: mm\n", SPACING, 1e3, 1),

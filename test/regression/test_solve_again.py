@@ -145,7 +145,9 @@ def compare(c, base, changes, threads=1):
 
 
 LOADS = np.linspace(2e4, 6e4, 12)
-ORDERS = {"up": LOADS, "down": LOADS[::-1], "random": np.random.default_rng(7).permutation(LOADS)}
+RANDOM = np.random.default_rng(7)
+ORDERS = {"up": LOADS, "down": LOADS[::-1],
+          "random": np.concatenate([RANDOM.permutation(LOADS) for _ in range(4)])}
 
 
 @pytest.mark.parametrize("order", ORDERS)
@@ -155,8 +157,8 @@ def test_loads(c, order):
     worst, (alone, again) = compare(c, base, [{"value": load} for load in ORDERS[order]])
     print(order, worst, alone, again)
     assert max(worst.values()) < NEAR and worst["load"] < 1e-11
-    # In random order the start is farther off: 46 of 54 iterations.
-    assert again <= (0.9 if order == "random" else 0.8) * alone
+    # In random order the start is farther off.
+    assert again <= (0.85 if order == "random" else 0.8) * alone
 
 
 @pytest.mark.long
