@@ -15,7 +15,7 @@ from surfaces_csv import solve, write_scene
 
 pytestmark = pytest.mark.truth
 
-# Every twentieth scene: all families are among them. All: dense_judge.py, in some minutes.
+# Every twentieth scene: all families are among them.
 FEW = dense_scenes()[::20]
 ROUGH = TRUTH.with_name("rough.csv")
 # The cells' own tolerance, of the load (boundary_tolerance).
