@@ -60,7 +60,7 @@ def theirs(python, folder, threads, residual):
 
 def main():
     parser = argparse.ArgumentParser()
-    parser.add_argument("--pixels", type=int, nargs="+", default=[256, 1024, 2048])
+    parser.add_argument("--pixels", type=int, nargs="+", default=[256, 512, 1024])
     parser.add_argument("--save", action="store_true")
     words = parser.parse_args()
     exe, flags = release_build()
