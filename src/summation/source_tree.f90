@@ -233,6 +233,10 @@ contains
     if (is_low_order) terms = tree%translation%low_order_terms
     columns = merge(dipole_y, point_moment, is_low_order .or. present(dipole))
     if (size(tree%boxes) == 1) then
+      ! Here, not in sum_one_box: an absent array of the host has no bounds to be passed on.
+      do i = 1, size(tree%order)
+        call set_point(tree, i, charge, second_moment, shift, dipole)
+      end do
       call sum_one_box()
       return
     end if
@@ -273,11 +277,6 @@ contains
 
     ! Few points: a team of threads, and boxes, take longer than the sums.
     subroutine sum_one_box()
-      do i = 1, size(tree%order)
-        if (present(dipole)) call set_point(tree, i, charge, second_moment, shift, dipole)
-        ! An absent array of the host that is passed on has bounds that nothing has set.
-        if (.not. present(dipole)) call set_point(tree, i, charge, second_moment, shift)
-      end do
       allocate (source, source=tree%points(:tree%sources, :columns))
       do i = tree%target_offset + 1, size(tree%order)
         k = tree%order(i) - tree%target_offset
