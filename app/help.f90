@@ -149,6 +149,7 @@ contains
         values = values_in_words(row)
         if (row%value_kind == any_number) values = 'a number'
         if (row%counts(2) > 1) values = values // ', ' // decimal_text(row%counts(1))
+        if (row%counts(2) == 4) values = values // ', 2'
         if (row%counts(2) > row%counts(1)) &
           values = values // merge(' or ', ' to ', row%counts(2) < 5) // decimal_text(row%counts(2))
         values = values // trim(merge(' values; ', ';        ', row%counts(2) > 1)) // ' '

@@ -156,7 +156,7 @@ module asperity_option_table
       words=[character(len=11) :: radius_names, none(:3)]), &
     option_entry('summits', '--despike', '', 'remove single outliers and print their number'), &
     option_entry('summits', '--spacing', 'X,Y', 'pixel spacing of a matrix or an array, in ' // &
-        'its unit of length'), &
+        'its unit of length; one number: X = Y'), &
     option_entry('summits', '--unit', 'NAME', &
       'unit of length of all outputs, and of a map without a unit: m, mm, um, nm, cm or in ' // &
       '(default: that of the file; m for a surface data file)', &

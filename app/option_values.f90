@@ -129,7 +129,7 @@ contains
                       any_of(words) // did_you_mean(value, words))
   end subroutine read_word
 
-  !> Two lengths with a comma between them.
+  !> A length, or two with a comma between them.
   subroutine read_spacing(value, pixel_spacing, problems)
     character(len=*), intent(in) :: value          !! value of the option, as given
     real(real64), intent(inout) :: pixel_spacing(2)  !! distance of pixels along x and y, length
@@ -139,16 +139,15 @@ contains
     integer :: comma
 
     comma = index(value, ',')
-    good = .false.
-    if (comma > 0) then
-      call read_numeral(value(:comma - 1), decimal(1), good(1))
-      call read_numeral(value(comma + 1:), decimal(2), good(2))
-    end if
+    call read_numeral(value(comma + 1:), decimal(2), good(2))
+    decimal(1) = decimal(2)
+    good(1) = good(2)
+    if (comma > 0) call read_numeral(value(:comma - 1), decimal(1), good(1))
     if (all(good)) good = is_length(decimal_to_real64(decimal))
     if (all(good)) then
       pixel_spacing = decimal_to_real64(decimal)
     else
-      call problems%add('--spacing: found ' // in_quotes(value) // ', expected X,Y, each ' // &
+      call problems%add('--spacing: found ' // in_quotes(value) // ', expected X or X,Y, each ' // &
                         expected_length)
     end if
   end subroutine read_spacing

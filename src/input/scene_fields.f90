@@ -50,6 +50,7 @@ module asperity_scene_fields
     !> of a number: with its effect and that number not 0.
     character(len=21) :: needed_with = ''
     character(len=12) :: instead = ''      !! in &effects: another number that does for it
+    character(len=24) :: synonyms = ''     !! other words for it, each between blanks
     character(len=18) :: in_words = ''     !! what exists when it is not 0, where others need that
   end type known_name
 
@@ -160,6 +161,8 @@ contains
         near = nearest_word(name, pack(names, groups == group))
         if (near > 0) near = near + findloc(groups == group, .true., 1) - 1
         if (near == 0) near = findloc(names == name, .true., 1)
+        if (near == 0) near = findloc(groups == group .and. &
+                                      index(self%known%synonyms, ' ' // name // ' ') > 0, .true., 1)
         call self%refuse_item(i, 'unknown name in &' // group // ': found ' // &
              in_quotes(name) // ', expected ' // &
              any_of(pack(names, groups == group)) // what_is_meant(near))
@@ -243,7 +246,7 @@ contains
     if (at == 0) return
     if (row%value_kind == one_word) values = decimal_value()
     wanted = size(values)
-    if (all(row%counts == [1, 2]) .and. self%value_count(group, name) == 1) wanted = 1
+    if (row%counts(1) == 1 .and. self%value_count(group, name) == 1) wanted = 1
     call self%find_values(group, name, wanted, items)
     if (size(items) == 0) return
     if (all(row%value_kind /= [one_word, whole_number])) then

@@ -137,7 +137,7 @@ contains
       end if
     end subroutine take_edge
 
-    ! A pair for all maps, or one for each.
+    ! One number or a pair for all maps, or a pair for each.
     subroutine take_spacing()
       type(decimal_value) :: values(4)
 
@@ -158,8 +158,8 @@ contains
       character(len=:), allocatable :: failure, fault
       logical :: shared
 
-      ! One pair beside two maps is that of the one that has no spacing.
-      shared = sides == 2 .and. fields%value_count('surfaces', 'map_spacing') == 2
+      ! One spacing beside two maps is that of the one that has none.
+      shared = sides == 2 .and. any(fields%value_count('surfaces', 'map_spacing') == [1, 2])
       if (fields%given(side)) then
         call give_spacing(map, decimal_to_real64(pixel_spacing(:, side)), 'map_spacing', shared, &
           fault)

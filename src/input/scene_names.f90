@@ -57,7 +57,7 @@ module asperity_scene_names
                [1, 2], otherwise='that of its file', &
                words=[character(len=word_length) :: length_units, '']), &
     known_name('surfaces', 'map_spacing', a_length, &
-               'of pixels along x and y; of two maps the upper pair first', [2, 4], &
+               'of pixels, one or along x and y; of two maps the upper pair first', [1, 4], &
                otherwise='that of its file', unit='length'), &
     known_name('surfaces', 'map_despike', one_word, 'whether spikes of a map are removed', &
                default=one, words=[character(len=word_length) :: 'off', 'on', none]), &
@@ -67,12 +67,12 @@ module asperity_scene_names
     known_name('surfaces', 'field_spacing', above_zero, &
                'side of the pixels for fields of asperities', unit='length', stored=.true.), &
     known_name('material', 'elastic_modulus', above_zero, 'Young''s moduli, upper and lower', 2, &
-               otherwise=of_deck, unit='force/length^2'), &
+               otherwise=of_deck, unit='force/length^2', synonyms=' e young youngs_modulus '), &
     known_name('material', 'poisson_ratio', poisson_range, 'Poisson''s ratios', 2, &
-               otherwise=of_deck), &
+               otherwise=of_deck, synonyms=' nu poisson '), &
     known_name('material', 'contact_modulus', above_zero, &
                'combined modulus, in place of the two above', otherwise='none', &
-               unit='force/length^2'), &
+               unit='force/length^2', synonyms=' e_star estar '), &
     known_name('material', 'electrical_conductivity', above_zero, &
                'of both bodies, for the conductance of pixels', 2, otherwise='none', &
                unit='siemens/length'), &

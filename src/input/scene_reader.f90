@@ -211,6 +211,7 @@ contains
   subroutine read_material(fields, checked)
     type(scene_fields), intent(inout) :: fields
     type(scene), intent(inout) :: checked
+    character(len=*), parameter :: both_or_one = 'one for upper and lower, or contact_modulus'
     character(len=*), parameter :: beside_modulus = 'found beside contact_modulus, which ' // &
       'stands for the moduli and ratios of both surfaces, expected one or the other'
     type(decimal_value) :: pair(2)
@@ -232,20 +233,8 @@ contains
       return
     end if
     if (.not. from_csv(fields)) return
-    call require_material('elastic_modulus')
-    call require_material('poisson_ratio')
-
-  contains
-
-    subroutine require_material(name)
-      character(len=*), intent(in) :: name
-
-      if (.not. fields%has_name('material', name)) &
-        call fields%complain_of_group('material', 'no ' // name // ': surfaces from CSV files ' // &
-                                      'bring none, expected ' // name // &
-                                      ' = upper, lower in &material')
-    end subroutine require_material
-
+    call fields%require_name('material', 'elastic_modulus', both_or_one)
+    call fields%require_name('material', 'poisson_ratio', both_or_one)
   end subroutine read_material
 
   ! Friction at the interface of unlike bodies raises the pressure by a share of the order of beta.

@@ -58,7 +58,8 @@ class Maps:
             done.head = done.stdout.partition("\n")[0]
         return done
 
-    def scene(self, content, spacing=None, upper="'plane'", lower="F", **surfaces):
+    def scene(self, content, spacing=None, upper="'plane'", lower="F", interaction="boundary",
+              **surfaces):
         if content is not None:
             self.write(content)
         more = "".join(f", {name} = {value}" for name, value in surfaces.items())
@@ -66,7 +67,7 @@ class Maps:
             more += f", map_spacing = {', '.join(map(repr, spacing))}"
         (self.folder / "a.scene").write_text(
             f"&surfaces upper = {upper}, lower = '{lower}'{more} /\n"
-            "&material contact_modulus = 1. /\n&effects interaction = 'boundary' /\n"
+            f"&material contact_modulus = 1. /\n&effects interaction = '{interaction}' /\n"
             "&loading control = 'pressure', value = 1e-4 /\n", encoding="utf-8")
         return solve(self.asperity, self.folder / "a.scene", contacts=False)
 
@@ -488,6 +489,19 @@ def test_two_maps_each_with_its_unit_and_spacing(maps):
             two(maps, "x y z\n" + POINTS, MATRIX, map_spacing="0.5, 0.25"),
             two(maps, POINTS, MATRIX, map_spacing="0.5, 0.25")):
         near(found, expected)
+
+
+def test_one_spacing_is_that_along_both_axes(maps):
+    """In scenes of one map or two, on pixels and on asperities, and in summits."""
+    one, pair = {"map_spacing": "0.5"}, {"map_spacing": "0.5, 0.5"}
+    near(maps.scene(MATRIX, **one), maps.scene(MATRIX, **pair))
+    near(two(maps, MATRIX, MATRIX, **one), two(maps, MATRIX, MATRIX, **pair))
+    square = sdf(spacing=(5e-7, 5e-7))
+    near(two(maps, square, MATRIX, map_unit="'um'", **one),
+         two(maps, square, square, map_unit="'um'"))
+    near(*[maps.scene(MATRIX, interaction="coupled", **spacing) for spacing in (one, pair)])
+    assert maps.summits(MATRIX, None, "--spacing", "0.5").found == \
+        maps.summits(MATRIX, (0.5, 0.5)).found
 
 
 @pytest.mark.parametrize("upper, lower, surfaces, said", [

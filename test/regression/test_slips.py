@@ -84,6 +84,23 @@ WRITTEN = {
 }
 
 
+@pytest.mark.parametrize("written, meant", [
+    ("E = 1e5", "elastic_modulus"), ("nu = .3, .3", "poisson_ratio"),
+    ("E_star = 1e5", "contact_modulus")])
+def test_symbol_in_place_of_a_name(asperity, tmp_path, written, meant):
+    """The names are listed, and the one that is meant."""
+    (tmp_path / "upper.csv").write_text(UPPER, encoding="utf-8")
+    (tmp_path / "my.scene").write_text(
+        f"&surfaces upper = 'upper.csv', lower = 'plane' /\n&material {written} /\n{LOADING}",
+        encoding="utf-8")
+    run = typed(asperity, SOLVE, tmp_path)
+    lines = run.stderr.splitlines()
+    assert run.returncode == 2 and "unknown name in &material" in lines[0]
+    assert "expected elastic_modulus, poisson_ratio, contact_modulus, " in lines[0]
+    assert lines[0].endswith(f"; did you mean '{meant}'?")
+    assert not any(f"needs {meant}" in line or "CSV" in line for line in lines)
+
+
 @pytest.mark.parametrize("how", WRITTEN)
 def test_written_as_others_do(asperity, tmp_path, how):
     (tmp_path / "lower.csv").write_text(LOWER, encoding="utf-8")

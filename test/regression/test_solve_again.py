@@ -294,7 +294,7 @@ def test_rebuilt_scenes(c, tmp_path):
     assert table(c, solved, CONTACTS)["slope"][0] == 0.0
     bad = c.asperity_rebuild_scene(scene, b"&loading control = 'load', value = -1. /")
     assert c.asperity_status(bad) == 2
-    assert "no elastic_modulus" in text(c, bad, PROBLEMS) and ":1:" in text(c, bad, PROBLEMS)
+    assert "needs elastic_modulus" in text(c, bad, PROBLEMS) and ":1:" in text(c, bad, PROBLEMS)
     for wrong in (c.asperity_rebuild_scene(None, b""), c.asperity_rebuild_scene(scene, None),
                   c.asperity_rebuild_scene(solved, b"")):
         assert c.asperity_status(wrong) == 2 and "expected" in text(c, wrong, PROBLEMS)

@@ -466,8 +466,8 @@ def test_a_matrix_without_spacing_is_one_mistake(summits, tmp_path):
     (["--level=x"], "--level: found 'x', expected plane, mean or none"),
     (["--radius=x"], "--radius: found 'x', expected neighbours, geometric or paraboloid"),
     (["--unit=ft"], "--unit: found 'ft', expected m, mm, um, nm, cm or in"),
-    (["--spacing=1"], "--spacing: found '1', expected X,Y"),
-    (["--spacing=1,0"], "--spacing: found '1,0', expected X,Y"),
+    (["--spacing=1mm"], "--spacing: found '1mm', expected X or X,Y"),
+    (["--spacing=1,0"], "--spacing: found '1,0', expected X or X,Y"),
     (["--picture=smooth.sdf"], "--picture names the input"),
     (["--threads=2"], "unknown option '--threads'"),
 ])

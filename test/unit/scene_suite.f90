@@ -446,7 +446,7 @@ contains
                 'upper: found beside deck')
     call refuse(error, deck(:len(deck) - 2) // '|radius=1,1 /', '2:1', 'radius: found beside deck')
     call refuse(error, limit // files // '&material elastic_modulus=1,1 /', '1:65', &
-                'no poisson_ratio')
+                '&material needs poisson_ratio')
     call refuse(error, files // '|' // material, '1:1', &
                 'no &loading, so control is ''limit'', which needs value in &limit')
     call refuse(error, files // '|' // material // '&limit /', '2:52', 'no &loading, so control')
@@ -475,10 +475,10 @@ contains
          place // ':4:1: group ''&limit'' has no end: found another group, expected ''/''|' // &
          place // ':4:7: unknown name in &tilt: found ''slope'', ' // &
          'expected upper_slope, lower_slope or rotation|' // &
-         place // ':1:1: no elastic_modulus: surfaces from CSV files bring none, ' // &
-         'expected elastic_modulus = upper, lower in &material|' // &
-         place // ':1:1: no poisson_ratio: surfaces from CSV files bring none, ' // &
-         'expected poisson_ratio = upper, lower in &material|' // &
+         place // ':1:1: &material needs elastic_modulus: found none, ' // &
+         'expected one for upper and lower, or contact_modulus|' // &
+         place // ':1:1: &material needs poisson_ratio: found none, ' // &
+         'expected one for upper and lower, or contact_modulus|' // &
          place // ':2:17: x_first: found ''a'', ' // &
          'expected a finite number within the range of a double|' // &
          place // ':2:30: positions: found ''b'', ' // &
