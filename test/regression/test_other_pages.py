@@ -1,10 +1,12 @@
 """Pages on other programs and on the thesis: their numbers, and rows without a gap."""
 
+import math
 import re
 import sys
 
 import pytest
 from builds import ROOT
+from programs import run_program
 
 PROGRAMS = (ROOT / "docs/how-to/other-programs.md").read_text(encoding="utf-8")
 THESIS = (ROOT / "docs/theory/thesis-table.md").read_text(encoding="utf-8")
@@ -52,7 +54,25 @@ def test_rows_of_the_thesis():
         ["I", "II", "IIIA", "IV", "V", "VI", "VIIA"]
     for row in (*tables, *figures, *rows(THESIS, "Theories")):
         assert len(row) == 3 and all(row), row
-        assert re.match(r"none: \w+", row[2]) or re.search(r"`|\]\(|Hertz", row[2]), row
+        # The tests run the commands, and the blocks of this page and of that on balls.
+        assert re.match(r"none: \w+|as Figures|`asperity |\[(below|ball on disc)\]\(", row[2]), row
+
+
+@pytest.mark.once
+@pytest.mark.parametrize("command", sorted(set(re.findall(r"`asperity ([^`]+)`", THESIS))))
+def test_commands_of_the_thesis(asperity, tmp_path, command):
+    """Each command of the table runs without a problem and prints what its row names."""
+    for path in ROOT.glob("[!.]*"):
+        (tmp_path / path.name).symlink_to(path)
+    done = run_program(asperity, *command.split(), cwd=tmp_path)
+    assert done.stdout
+    if "--depths" in command:
+        # Under a sphere: 0.31 of the greatest pressure, at 0.48 of the radius for nu = 0.3.
+        pressure = float(re.search(r"greatest pressure +(\S+)", done.stdout)[1])
+        area = float(re.search(r"contact area +(\S+)", done.stdout)[1])
+        shear, depth = re.search(r"shear stress (\S+) at depth ([\d.]+)", done.stdout).groups()
+        assert float(shear) == pytest.approx(0.31 * pressure, rel=0.005)
+        assert float(depth) == pytest.approx(0.48 * (area / math.pi)**0.5, abs=0.005)
 
 
 @pytest.mark.once
