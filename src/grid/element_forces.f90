@@ -350,45 +350,62 @@ contains
     end if
   end function free_level
 
-  ! Scales forces from 0 to the limit to the prescribed sum, if any: only the free ones change, by a
-  ! factor of their values or of their differences from the limit.
-  recursive subroutine scale_to_load(gap, bounds, force, total)
+  ! Scales forces from 0 to the limit to the prescribed sum, if any, or projects them on it if the
+  ! free forces alone cannot have it.
+  subroutine scale_to_load(gap, bounds, force, total)
     real(real64), intent(in) :: gap(:, :)
     type(force_bounds), intent(in) :: bounds
     real(real64), intent(inout) :: force(:, :)
     real(real64), intent(in) :: total  ! sum of the forces
+    logical :: is_scaled
+
+    if (.not. bounds%load > 0.0_real64) return
+    call scale_free_forces(bounds, total, force, is_scaled)
+    if (.not. is_scaled) call project_forces(gap, bounds, force)
+  end subroutine scale_to_load
+
+  ! Scales the free forces, if they can have the prescribed sum: by a factor of their values or of
+  ! their differences from the limit.
+  subroutine scale_free_forces(bounds, total, force, is_scaled)
+    type(force_bounds), intent(in) :: bounds
+    real(real64), intent(in) :: total  ! sum of the forces
+    real(real64), intent(inout) :: force(:, :)
+    logical, intent(out) :: is_scaled
     logical, allocatable :: free(:, :)
     real(real64) :: capacity, free_sum, free_load
 
-    if (.not. bounds%load > 0.0_real64) return
     if (.not. bounds%limit < huge(1.0_real64)) then
-      force = force * (bounds%load / total)
+      is_scaled = total > 0.0_real64
+      if (is_scaled) force = force * (bounds%load / total)
       return
     end if
     allocate (free(size(force, 1), size(force, 2)), source=is_free(force, bounds%limit))
     free_sum = sum(force, mask=free)
     free_load = bounds%load - bounds%limit * count(.not. force < bounds%limit)
     capacity = count(free) * bounds%limit
-    if (.not. (any(free) .and. free_load > 0.0_real64 .and. free_load < capacity)) then
-      call project_forces(gap, bounds, force)
-    else if (free_load < free_sum) then
+    is_scaled = any(free) .and. free_load > 0.0_real64 .and. free_load < capacity
+    if (.not. is_scaled) return
+    if (free_load < free_sum) then
       where (free) force = force * (free_load / free_sum)
     else
       where (free) force = bounds%limit - (bounds%limit - force) * &
         ((capacity - free_load) / (capacity - free_sum))
     end if
-  end subroutine scale_to_load
+  end subroutine scale_free_forces
 
   ! Projects forces on those from 0 to the limit of the prescribed sum. All are reduced by the same
   ! level, the root of a piecewise linear function that does not increase: Newton's method (without
   ! a limit: Michelot 1986) in a bracket of the root, with bisection where a step leaves it.
-  recursive subroutine project_forces(gap, bounds, force)
+  subroutine project_forces(gap, bounds, force)
     real(real64), intent(in) :: gap(:, :)
     type(force_bounds), intent(in) :: bounds
     real(real64), intent(inout) :: force(:, :)
     real(real64) :: excess, high, level, low
+    logical :: is_scaled
     integer :: moving_count
 
+    ! A missing pixel has no force at any level.
+    where (.not. is_element(gap)) force = -missing_gap
     if (bounds%load > 0.0_real64) then
       high = maxval(force)
       low = high - bounds%load
@@ -409,8 +426,7 @@ contains
     end if
     force = max(0.0_real64, min(bounds%limit, force))
     ! The sum is restored where the load is small against the level, whose rounding it has.
-    if (.not. bounds%limit < huge(high) .and. any(force > 0.0_real64)) &
-      call scale_to_load(gap, bounds, force, sum(force))
+    if (bounds%load > 0.0_real64) call scale_free_forces(bounds, sum(force), force, is_scaled)
   end subroutine project_forces
 
   ! Whether a force is neither 0 nor at the limit.

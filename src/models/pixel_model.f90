@@ -361,7 +361,7 @@ contains
         result%state_values = [result%state_values, last%plastic_area, last%dissipated_work]
       if (self%model%has_adhesion) result%state_values = [result%state_values, &
         real(size(patches), real64), real(count(patches%load < 0.0_real64), real64), &
-        sum(patches%load) - answer%load]
+        max(0.0_real64, sum(patches%load) - answer%load)]
       if (allocated(laws%solid)) result%state_values = [result%state_values, last%time, &
         product(map%pixel_spacing) * sum(self%history%creep%elastic)]
       allocate (result%effects(1 + count([allocated(self%model%slip), allocated(laws%hardness), &

@@ -1,6 +1,7 @@
 """Pressures limited by a hardness on the pixels of a height map (`plastic_hardness`): closed
 forms, the conditions of the one solution, projected gradients in numpy, cycles, refused scenes."""
 
+import itertools
 import re
 
 import numpy as np
@@ -21,7 +22,8 @@ AREA = SIDES[0] * SIDES[1]
 def run(asperity, folder, height, hardness, name="map", edge="free",
         **groups):
     """States as dicts of numbers, the position, fields of every state."""
-    scene = map_scene(folder, height, SIDES, name=name, surfaces={"map_edge": edge}, **groups)
+    surfaces = {"map_edge": edge} | groups.pop("surfaces", {})
+    scene = map_scene(folder, height, SIDES, name=name, surfaces=surfaces, **groups)
     text = scene.read_text()
     text = text.replace("plasticity = 'off'", f"plastic_hardness = {hardness!r}, "
                         "plasticity = 'on'")
@@ -294,6 +296,26 @@ def test_full_saturation(asperity, tmp_path, edge):
     scene.write_text(scene.read_text().replace("plasticity = 'off'", "plastic_hardness = 0.01"))
     found = solve(asperity, scene)
     assert found.status == 1 and "plastic_hardness times the measured area" in found.stderr
+
+
+@pytest.mark.parametrize("edge, shape, seeds", [("free", (23, 4), (10, 14)),
+                                                ("periodic", (12, 12), (3, 9, 10))])
+def test_missing_pixels_carry_nothing(asperity, tmp_path, edge, shape, seeds):
+    """As pixels that are too deep for a contact: the load is carried by the others. Projections on
+    the load put forces on missing pixels: loads were refused as too small, or not met."""
+    for seed, share in itertools.product(seeds, (0.3, 0.7)):
+        height = 1e-3 * rough(*shape, shortest=3, seed=seed)
+        at = np.random.default_rng(seed).integers(0, shape, (5, 2))
+        fields = []
+        for depth in (np.nan, -0.02):
+            height[tuple(at.T)] = depth
+            load = share * 0.0015 * float((height > -0.02).sum() * AREA)
+            _, _, (field,) = run(asperity, tmp_path, height, 0.0015, edge=edge,
+                                 surfaces={"map_level": "none"},
+                                 loading={"control": "load", "value": load})
+            fields.append(np.nan_to_num(field["pressure"]))
+            assert fields[-1].sum() * AREA == pytest.approx(load, rel=1e-9)
+        assert fields[0] == pytest.approx(fields[1], abs=1e-6 * 0.0015), seed
 
 
 def test_a_soft_ridge(asperity, tmp_path):
