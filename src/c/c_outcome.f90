@@ -181,13 +181,8 @@ contains
   subroutine set_letters(letters, text)
     type(c_letters), intent(inout) :: letters
     character(len=*), intent(in) :: text
-    integer :: i
 
-    allocate (letters%letters(len(text) + 1))
-    do i = 1, len(text)
-      letters%letters(i) = text(i:i)
-    end do
-    letters%letters(len(text) + 1) = c_null_char
+    letters%letters = transfer(text // c_null_char, [c_null_char])
   end subroutine set_letters
 
 end module asperity_c_outcome

@@ -87,6 +87,7 @@ contains
       end associate
     end do
     arrays%rows = table%rows
+    allocate (table%columns(columns))
     if (.not. has_memory(8_int64 * columns * table%rows)) then
       failure = 'not enough memory for the ' // trim(table_names(which)) // ' as arrays'
       if (which == of_contacts) failure = failure // ', expected fewer, or none kept'
@@ -332,9 +333,8 @@ contains
     type(unit_powers), intent(in), optional :: dimension  ! absent: a plain number
     logical, intent(in), optional :: is_count             ! present: they are whole numbers
 
-    self%at = self%at + 1
+    call begin_column(self, name)
     if (.not. self%is_named) then
-      call add_column(self, name)
       if (present(dimension)) self%columns(self%at)%dimension = dimension
       self%columns(self%at)%is_count = present(is_count)
       allocate (self%columns(self%at)%reals(self%rows))
@@ -350,11 +350,8 @@ contains
     character(len=*), intent(in) :: name
     integer, intent(in) :: values(:)
 
-    self%at = self%at + 1
-    if (.not. self%is_named) then
-      call add_column(self, name)
-      allocate (self%columns(self%at)%wholes(self%rows))
-    end if
+    call begin_column(self, name)
+    if (.not. self%is_named) allocate (self%columns(self%at)%wholes(self%rows))
     self%columns(self%at)%wholes(self%before + 1:self%before + size(values)) = int(values, int32)
   end subroutine put_wholes
 
@@ -362,22 +359,29 @@ contains
     class(growing_table), intent(inout) :: self
     character(len=*), intent(in) :: name
     character(len=word_length), intent(in) :: values(:)
-    integer :: i
+
+    call begin_column(self, name)
+    if (.not. self%is_named) allocate (self%columns(self%at)%letters(word_length, self%rows))
+    self%columns(self%at)%letters(:, self%before + 1:self%before + size(values)) = &
+      reshape(transfer(values, ['a']), [word_length, size(values)])
+  end subroutine put_words
+
+  ! Goes on to the next column of a block; in the first block it gets its name.
+  subroutine begin_column(self, name)
+    class(growing_table), intent(inout) :: self
+    character(len=*), intent(in) :: name
 
     self%at = self%at + 1
-    if (.not. self%is_named) then
-      call add_column(self, name)
-      allocate (self%columns(self%at)%letters(word_length, self%rows))
-    end if
-    do i = 1, size(values)
-      self%columns(self%at)%letters(:, self%before + i) = transfer(values(i), 'a', word_length)
-    end do
-  end subroutine put_words
+    if (self%is_named) return
+    if (self%at > size(self%columns)) call resize_columns(self, 2 * self%at)
+    self%columns(self%at)%name = name
+  end subroutine begin_column
 
   subroutine end_block(self, rows)
     class(growing_table), intent(inout) :: self
     integer, intent(in) :: rows  ! rows of the block
 
+    if (.not. self%is_named) call resize_columns(self, self%at)
     self%is_named = .true.
     self%before = self%before + rows
     self%at = 0
@@ -488,28 +492,32 @@ contains
     type(array_table), intent(inout) :: table  !! without columns, or with some as long
     character(len=*), intent(in) :: name       !! of the column
     character(len=*), intent(in) :: words(:)   !! cells of the column
-    integer :: i
 
     call add_column(table, name)
     table%rows = size(words)
-    associate (new => table%columns(size(table%columns)))
-      allocate (new%letters(len(words), size(words)))
-      do i = 1, size(words)
-        new%letters(:, i) = transfer(words(i), 'a', len(words))
-      end do
-    end associate
+    table%columns(size(table%columns))%letters = &
+      reshape(transfer(words, ['a']), [len(words), size(words)])
   end subroutine add_words
 
   ! Adds a column without cells.
   subroutine add_column(table, name)
-    class(array_table), intent(inout) :: table
+    type(array_table), intent(inout) :: table
     character(len=*), intent(in) :: name
+
+    if (.not. allocated(table%columns)) allocate (table%columns(0))
+    call resize_columns(table, size(table%columns) + 1)
+    table%columns(size(table%columns))%name = name
+  end subroutine add_column
+
+  ! Gives a table `number` columns: those that it has, without cells where they are new.
+  subroutine resize_columns(table, number)
+    class(array_table), intent(inout) :: table
+    integer, intent(in) :: number
     type(array_column), allocatable :: more(:)
     integer :: i
 
-    if (.not. allocated(table%columns)) allocate (table%columns(0))
-    allocate (more(size(table%columns) + 1))
-    do i = 1, size(table%columns)
+    allocate (more(number))
+    do i = 1, min(number, size(table%columns))
       more(i)%dimension = table%columns(i)%dimension
       more(i)%is_count = table%columns(i)%is_count
       call move_alloc(table%columns(i)%name, more(i)%name)
@@ -518,8 +526,7 @@ contains
       call move_alloc(table%columns(i)%wholes, more(i)%wholes)
       call move_alloc(table%columns(i)%letters, more(i)%letters)
     end do
-    more(i)%name = name
     call move_alloc(more, table%columns)
-  end subroutine add_column
+  end subroutine resize_columns
 
 end module asperity_result_table

@@ -81,8 +81,8 @@ contains
     character(len=:), allocatable :: unit, below
 
     unit = trim(powers%word)
-    if (unit /= '' .or. powers%time /= 0 .or. (powers%length /= 0 .and. length == '') .or. &
-        (powers%force /= 0 .and. force == '')) return
+    if (unit /= '' .or. powers%time /= 0 .or. all([powers%length, powers%force] == 0) .or. &
+        (powers%length /= 0 .and. length == '') .or. (powers%force /= 0 .and. force == '')) return
     unit = trim(adjustl(power_text(force, powers%force) // ' ' // &
                         power_text(length, powers%length)))
     below = trim(adjustl(power_text(force, -powers%force) // ' ' // &
