@@ -1,10 +1,10 @@
 """One solve by tamaas, run by the Python of its own venv: a map under a flat.
 
-    python tamaas_map.py HEIGHTS.npy SPACING MODULUS PRESSURE TOLERANCE [periodic [THREADS]]
+    python tamaas_map.py HEIGHTS.npy SPACING MODULUS PRESSURE[,...] TOLERANCE [periodic [THREADS]]
 
-The edge is free, or periodic. Prints processor seconds of the solve, peak memory of the process
-in bytes, the flat's level, seconds of the solve, and the largest distance of pixels under
-pressure from the flat over the range of heights.
+The edge is free, or periodic. Each pressure is solved from the one before. Prints processor seconds
+of the solves, peak memory of the process in bytes, the flat's last level, seconds of the solves,
+and the largest distance of pixels under pressure from the flat over the range of heights.
 """
 
 import resource
@@ -17,12 +17,14 @@ import tamaas
 
 def main():
     heights = np.load(sys.argv[1])
-    spacing, modulus, pressure, tolerance = map(float, sys.argv[2:6])
+    spacing, modulus, tolerance = (float(sys.argv[i]) for i in (2, 3, 5))
+    pressures = [float(word) for word in sys.argv[4].split(",")]
     is_free = sys.argv[6:7] != ["periodic"]
     n = heights.shape
     sides = [spacing * m for m in n]
     tamaas.set_log_level(tamaas.LogLevel.error)
     tamaas.initialize(int(sys.argv[7]) if sys.argv[7:] else 1)
+    seconds = wall = residual = 0
     begin, started = time.process_time(), time.perf_counter()
     model = tamaas.ModelFactory.createModel(tamaas.model_type.basic_2d, sides, list(n))
     model.E, model.nu = modulus, 0.0
@@ -32,15 +34,17 @@ def main():
     if is_free:
         solver.setIntegralOperator("dcfft")
     solver.max_iter = 3000
-    solver.solve(pressure)
-    seconds, wall = time.process_time() - begin, time.perf_counter() - started
-    displacement = np.array(model.displacement)
-    if is_free:
-        model.operators["dcfft"](model.traction, displacement)
-    touching = model.traction > 0
-    flat = (heights - displacement)[touching]
+    for pressure in pressures:
+        solver.solve(pressure)
+        seconds, wall = seconds + time.process_time() - begin, wall + time.perf_counter() - started
+        displacement = np.array(model.displacement)
+        if is_free:
+            model.operators["dcfft"](model.traction, displacement)
+        flat = (heights - displacement)[model.traction > 0]
+        residual = max(residual, abs(flat - flat.mean()).max() / np.ptp(heights))
+        begin, started = time.process_time(), time.perf_counter()
     print(seconds, 1024 * resource.getrusage(resource.RUSAGE_SELF).ru_maxrss, flat.mean(), wall,
-          abs(flat - flat.mean()).max() / (heights.max() - heights.min()))
+          residual)
 
 
 if __name__ == "__main__":
