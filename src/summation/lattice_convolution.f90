@@ -74,7 +74,7 @@ contains
       call self%column_forward%apply(c_loc(column), c_loc(other))
       self%spectrum(:, i, of_influence) = real(other(:self%rows / 2), c_double)
     end do
-    call scale_spectrum(self)
+    call scale_spectrum(self, .false.)
   end subroutine prepare_plane
 
   !> Prepares the convolution for displacements times the modulus by pressures on a periodic
@@ -94,21 +94,28 @@ contains
           (pi * hypot(i / (columns * side_x), j / (rows * side_y)))
       end do
     end do
-    call scale_spectrum(self)
+    call scale_spectrum(self, .true.)
   end subroutine prepare_periodic
 
   ! Sets the norm and the spectrum of the approximate inverse, and divides both spectra by the
   ! number of padded elements, by which the transforms forward and back multiply.
-  subroutine scale_spectrum(self)
+  subroutine scale_spectrum(self, is_periodic)
     class(lattice_convolution), intent(inout) :: self
+    logical, intent(in) :: is_periodic  ! the lattice, in both directions
+    real(c_double) :: square_x(0:self%columns / 2), square_y(0:self%rows / 2)
+    integer :: i
 
     ! The spectrum holds the eigenvalues of the padded matrix, of which that of the lattice is a
     ! principal submatrix.
-    associate (values => self%spectrum(:, :, of_influence))
-      self%norm = maxval(abs(values))
-      self%spectrum(:, :, of_inverse) = 1.0_real64 / &
-        merge(abs(values), self%norm, abs(values) > epsilon(self%norm) * self%norm)
-    end associate
+    self%norm = maxval(abs(self%spectrum(:, :, of_influence)))
+    square_x = [(sin(i * pi / self%columns)**2, i=0, self%columns / 2)]
+    square_y = [(sin(i * pi / self%rows)**2 + sin(pi / self%columns)**2 + sin(pi / self%rows)**2, &
+              i=0, self%rows / 2)]
+    do i = 0, self%columns / 2
+      self%spectrum(:, i, of_inverse) = sqrt(square_x(i) + square_y)
+    end do
+    if (is_periodic) self%spectrum(:, :, of_inverse) = 1.0_real64 / merge( &
+      self%spectrum(:, :, of_influence), self%norm, self%spectrum(:, :, of_influence) > 0.0_real64)
     self%spectrum = self%spectrum / (real(self%columns, c_double) * self%rows)
   end subroutine scale_spectrum
 
@@ -131,10 +138,12 @@ contains
   !> Convolves forces with the influence, or displacements with its approximate inverse, on the
   !> lattice of the preparation.
   !>
-  !> The approximate inverse is that of the padded matrix, restricted to the lattice: exact where
-  !> the lattice is periodic and all elements are free. It is positive definite, also on a part of
-  !> the elements: negative eigenvalues change their sign, and those of 0, as of the mean on a
-  !> periodic lattice, become the largest.
+  !> The transform of an influence like 1/r is proportional to 1/k, with the wave number k. Up to a
+  !> factor the inverse is therefore k, for the second difference on a lattice of n points the root
+  !> of the sum of sin(pi i/n)**2 over both directions. The square of the lowest k is added, which
+  !> makes the inverse symmetric and positive definite, also on a part of the elements. On a periodic
+  !> lattice the inverse is exact, but for the mean, which has no displacement. Elsewhere that of the
+  !> padded matrix is none: a few of its eigenvalues are small or negative.
   subroutine apply_influence(self, force, displacement, inverse)
     class(lattice_convolution), intent(inout), target :: self  !! convolution with its plans
     real(real64), intent(in) :: force(:, :)                !! forces; if inverse, displacements
