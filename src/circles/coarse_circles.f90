@@ -48,7 +48,7 @@ contains
     coarse%columns = int(extent(1) / side) + 1
     coarse%rows = int(extent(2) / side) + 1
     coarse%square = int((x - low(1)) / side) + coarse%columns * int((y - low(2)) / side) + 1
-    call coarse%lattice%prepare(mean_influence(coarse%columns, coarse%rows) / side)
+    call coarse%lattice%prepare(mean_influence(coarse%columns, coarse%rows) / side, 1.0_real64)
   end subroutine gather_squares
 
   !> Displacement of squares by loads on squares.

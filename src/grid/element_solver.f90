@@ -465,7 +465,7 @@ contains
     type(force_bounds) :: bounds
 
     if (.not. task%pairs%interrupt%is_asked()) &
-      call influence%prepare(mean_influence(size(next%gap, 1), size(next%gap, 2)))
+      call influence%prepare(mean_influence(size(next%gap, 1), size(next%gap, 2)), 1.0_real64)
     if (task%pairs%interrupt%is_asked()) answer%failure = 'interrupted'
     if (allocated(answer%failure)) return
     bounds%tolerance = residual

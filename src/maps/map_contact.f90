@@ -201,12 +201,12 @@ contains
 
     associate (gap => map%height, side_ratio => map%pixel_spacing(2) / map%pixel_spacing(1))
       if (map%periodic) then
-        call influence%prepare_periodic(size(gap, 1), size(gap, 2), 1.0_real64, side_ratio)
+        call influence%prepare_periodic(size(gap, 1), size(gap, 2), side_ratio)
       else if (map%strip_axis > 0) then
         call influence%prepare(strip_influence(shape(gap), side_ratio, map%strip_axis), &
-                               map%strip_axis)
+                               side_ratio, map%strip_axis)
       else
-        call influence%prepare(centre_influence(size(gap, 1), size(gap, 2), side_ratio))
+        call influence%prepare(centre_influence(size(gap, 1), size(gap, 2), side_ratio), side_ratio)
       end if
     end associate
   end subroutine prepare_influence

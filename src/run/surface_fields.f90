@@ -256,7 +256,7 @@ contains
     allocate (answer%displacement, mold=answer%pressure)
     call add_loads(position, number, grid, answer%pressure, field)
     answer%pressure = answer%pressure / grid%side**2
-    call influence%prepare(centre_influence(map%columns, map%rows, 1.0_real64))
+    call influence%prepare(centre_influence(map%columns, map%rows, 1.0_real64), 1.0_real64)
     call influence%apply(answer%pressure, answer%displacement)
     answer%displacement = answer%displacement * (grid%side / modulus)
     ! Beside a small sphere the centre of a loaded pixel may have no surface.

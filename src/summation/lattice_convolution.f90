@@ -46,10 +46,11 @@ module asperity_lattice_convolution
 contains
 
   !> Prepares the convolution with an influence that is the same at mirrored offsets.
-  subroutine prepare_plane(self, influence, strip_axis)
+  subroutine prepare_plane(self, influence, side_ratio, strip_axis)
     class(lattice_convolution), intent(inout), target :: self  !! convolution without plans
     !> (columns, rows): displacement at an offset by a unit force; of the size of the lattice
     real(real64), intent(in) :: influence(0:, 0:)
+    real(real64), intent(in) :: side_ratio  !! side of an element along y over that along x
     !> axis along which the lattice is periodic, with the influence of a whole period; absent: none
     integer, intent(in), optional :: strip_axis
     real(c_double), allocatable, target :: row(:)
@@ -59,7 +60,7 @@ contains
     n = shape(influence)
     padded = padded_length(2 * n - 1)
     if (present(strip_axis)) padded(strip_axis) = n(strip_axis)
-    call make_plans(self, padded(1), padded(2), n(2))
+    call make_plans(self, padded(1), padded(2), n(2), side_ratio)
     allocate (row(0:self%columns - 1), column(0:self%rows - 1), other(0:self%rows - 1))
     row = 0.0_c_double
     do j = 0, ubound(influence, 2)
@@ -74,56 +75,41 @@ contains
       call self%column_forward%apply(c_loc(column), c_loc(other))
       self%spectrum(:, i, of_influence) = real(other(:self%rows / 2), c_double)
     end do
-    call scale_spectrum(self, .false.)
+    call scale_spectrum(self)
   end subroutine prepare_plane
 
   !> Prepares the convolution for displacements times the modulus by pressures on a periodic
   !> half-space: 2/q for a wave of number q (Johnson, Contact Mechanics, 1985, section 13.2), 0 for
   !> the mean pressure.
-  subroutine prepare_periodic(self, columns, rows, side_x, side_y)
+  subroutine prepare_periodic(self, columns, rows, side_ratio)
     class(lattice_convolution), intent(inout), target :: self  !! convolution without plans
-    integer, intent(in) :: columns, rows                   !! numbers of columns and rows
-    real(real64), intent(in) :: side_x, side_y             !! sides of an element [length]
-    integer :: i, j
+    integer, intent(in) :: columns, rows     !! numbers of columns and rows
+    real(real64), intent(in) :: side_ratio   !! side of an element along y over that along x
 
-    call make_plans(self, columns, rows, rows)
-    do i = 0, columns / 2
-      do j = 0, rows / 2
-        self%spectrum(j, i, of_influence) = 0.0_real64
-        if (i + j > 0) self%spectrum(j, i, of_influence) = 1.0_real64 / &
-          (pi * hypot(i / (columns * side_x), j / (rows * side_y)))
-      end do
-    end do
-    call scale_spectrum(self, .true.)
+    call make_plans(self, columns, rows, rows, side_ratio)
+    self%spectrum(:, :, of_influence) = 1.0_real64 / self%spectrum(:, :, of_inverse)
+    self%spectrum(0, 0, of_influence) = 0.0_real64
+    call scale_spectrum(self)
   end subroutine prepare_periodic
 
-  ! Sets the norm and the spectrum of the approximate inverse, and divides both spectra by the
-  ! number of padded elements, by which the transforms forward and back multiply.
-  subroutine scale_spectrum(self, is_periodic)
+  ! Sets the norm, and divides both spectra by the number of padded elements, by which the
+  ! transforms forward and back multiply.
+  subroutine scale_spectrum(self)
     class(lattice_convolution), intent(inout) :: self
-    logical, intent(in) :: is_periodic  ! the lattice, in both directions
-    real(c_double) :: square_x(0:self%columns / 2), square_y(0:self%rows / 2)
-    integer :: i
 
     ! The spectrum holds the eigenvalues of the padded matrix, of which that of the lattice is a
     ! principal submatrix.
     self%norm = maxval(abs(self%spectrum(:, :, of_influence)))
-    square_x = [(sin(i * pi / self%columns)**2, i=0, self%columns / 2)]
-    square_y = [(sin(i * pi / self%rows)**2 + sin(pi / self%columns)**2 + sin(pi / self%rows)**2, &
-              i=0, self%rows / 2)]
-    do i = 0, self%columns / 2
-      self%spectrum(:, i, of_inverse) = sqrt(square_x(i) + square_y)
-    end do
-    if (is_periodic) self%spectrum(:, :, of_inverse) = 1.0_real64 / merge( &
-      self%spectrum(:, :, of_influence), self%norm, self%spectrum(:, :, of_influence) > 0.0_real64)
     self%spectrum = self%spectrum / (real(self%columns, c_double) * self%rows)
   end subroutine scale_spectrum
 
-  ! Allocates the arrays and makes the plans for a lattice of `rows` rows that is padded to
-  ! `padded_columns` by `padded_rows`.
-  subroutine make_plans(self, padded_columns, padded_rows, rows)
+  ! Allocates the arrays, makes the plans and sets the spectrum of the approximate inverse for a
+  ! lattice of `rows` rows that is padded to `padded_columns` by `padded_rows`.
+  subroutine make_plans(self, padded_columns, padded_rows, rows, side_ratio)
     class(lattice_convolution), intent(inout), target :: self
     integer, intent(in) :: padded_columns, padded_rows, rows
+    real(real64), intent(in) :: side_ratio
+    integer :: i, j
 
     self%columns = padded_columns
     self%rows = padded_rows
@@ -133,17 +119,23 @@ contains
     call self%column_forward%prepare(waves_forward, padded_rows)
     call self%column_back%prepare(waves_back, padded_rows)
     call self%row_back%prepare(waves_to_real, padded_columns)
+    associate (side_x => real(padded_columns, real64), side_y => padded_rows * side_ratio)
+      do i = 0, padded_columns / 2
+        do j = 0, padded_rows / 2
+          self%spectrum(j, i, of_inverse) = pi * hypot(i / side_x, j / side_y)
+        end do
+      end do
+      self%spectrum(0, 0, of_inverse) = pi / max(side_x, side_y)
+    end associate
   end subroutine make_plans
 
   !> Convolves forces with the influence, or displacements with its approximate inverse, on the
   !> lattice of the preparation.
   !>
-  !> The transform of an influence like 1/r is proportional to 1/k, with the wave number k. Up to a
-  !> factor the inverse is therefore k, for the second difference on a lattice of n points the root
-  !> of the sum of sin(pi i/n)**2 over both directions. The square of the lowest k is added, which
-  !> makes the inverse symmetric and positive definite, also on a part of the elements. On a periodic
-  !> lattice the inverse is exact, but for the mean, which has no displacement. Elsewhere that of the
-  !> padded matrix is none: a few of its eigenvalues are small or negative.
+  !> The displacement times the modulus by a pressure wave of number q is 2/q: the inverse is q/2,
+  !> exact on a periodic lattice, but for the mean, which has the lowest q in place of 0. That makes
+  !> the inverse positive definite, also on a part of the elements. The inverse of the padded matrix
+  !> is not: a few of its eigenvalues are negative.
   subroutine apply_influence(self, force, displacement, inverse)
     class(lattice_convolution), intent(inout), target :: self  !! convolution with its plans
     real(real64), intent(in) :: force(:, :)                !! forces; if inverse, displacements

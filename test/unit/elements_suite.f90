@@ -539,7 +539,7 @@ contains
         end do
       end do
       allocate (cells)
-      call cells%prepare(influence)
+      call cells%prepare(influence, 1.0_real64)
       call cells%apply(force, found)
       worst = 0.0_real64
       do j = 1, sides(2, n)
