@@ -9,7 +9,7 @@ import pytest
 
 from map_press_truth import rough
 from programs import run_program
-from surfaces_csv import write_plane_scene, write_scene
+from surfaces_csv import solve, write_plane_scene, write_scene
 
 rng = np.random.default_rng(5)
 CAPS = [(3 * i + rng.uniform(-0.5, 0.5), 3 * j + rng.uniform(-0.5, 0.5),
@@ -112,6 +112,23 @@ def test_pixels(effects, positions, solved_more, choices, value, points, states,
     if effects.get("work_of_adhesion") == 1e-12 and states == 1:
         solved_more = 0
     assert solves == found + solved_more
+
+
+@pytest.mark.parametrize("edge", ["periodic", "free"])
+@pytest.mark.parametrize("sides", [(0.1, 1.0), (4.0, 1.0)], ids=str)
+def test_iterations_on_long_pixels(sides, edge, asperity, tmp_path):
+    """They need about as many iterations as square ones: the approximate inverse has their sides;
+    one for squares needs twice as many."""
+    np.save(tmp_path / "map.npy", 0.1 * rough(128, seed=3, stretched=sides[1] / sides[0]))
+    iterations = []
+    for spacing in ((1.0, 1.0), sides):
+        scene = write_scene(
+            tmp_path / "map.scene", surfaces={
+                "upper": "plane", "lower": "map.npy", "map_spacing": spacing, "map_edge": edge},
+            material={"contact_modulus": 1.0}, effects=BOUNDARY,
+            loading={"control": "pressure", "value": 0.002})
+        iterations.append(int(solve(asperity, scene).positions[0]["interaction_iterations"]))
+    assert iterations[1] <= 1.5 * iterations[0], iterations
 
 
 def test_accuracy_lists_pixels_once(asperity, tmp_path):
