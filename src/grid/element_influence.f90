@@ -51,7 +51,9 @@ contains
   !> repeats itself along one axis with the period L: Love's rectangles of `images_along` periods on
   !> both sides, and the integral of 1/r beyond them by the midpoint rule with its first correction
   !> (Euler and Maclaurin: L**2/24 times the change of the slope). The sum grows as the logarithm of
-  !> the number of periods. The displacement at the distance L of a line of pressure is 0.
+  !> the number of periods. The displacement by a line of pressure is 0 at the distance of a period
+  !> or of the width, whichever is larger: the energy of pressures is then positive, as -log(r/w) is
+  !> positive definite on a width below 4 w (logarithmic capacity, Ransford 1995, corollary 5.2.4).
   pure function strip_influence(elements, side_ratio, strip_axis) result(table)
     integer, intent(in) :: elements(2)      !! numbers of columns and rows of the lattice
     real(real64), intent(in) :: side_ratio  !! side of an element along y, over that along x
@@ -81,7 +83,8 @@ contains
       do i = 0, half
         displacement = (corner(i + 1, j) - corner(i, j)) - &
           (corner(i + 1, j - 1) - corner(i, j - 1)) + side_ratio / (pi * length) * &
-          far_periods(i * side(strip_axis), (j - 1) * side(across), length)
+          far_periods(i * side(strip_axis), (j - 1) * side(across), length, &
+                      max(length, elements(across) * side(across)))
         do k = i, mod(n - i, n), max(1, mod(n - i, n) - i)
           if (strip_axis == 1) table(1 + k, j) = displacement
           if (strip_axis == 2) table(j, 1 + k) = displacement
@@ -90,14 +93,16 @@ contains
     end do
   end function strip_influence
 
-  ! Sum of L/r over the periods beyond those of `images_along`, less its value of a line at L.
-  pure real(real64) function far_periods(x, y, length)
+  ! Sum of L/r over the periods beyond those of `images_along`, less its value of a line at the
+  ! distance without displacement.
+  pure real(real64) function far_periods(x, y, length, reference)
     real(real64), intent(in) :: x, y    ! offset along the strip, at most half of L, and across it
     real(real64), intent(in) :: length  ! period L
+    real(real64), intent(in) :: reference  ! distance without displacement
     real(real64) :: r, z
     integer :: side
 
-    far_periods = 2.0_real64 * log(length)
+    far_periods = 2.0_real64 * log(reference)
     do side = -1, 1, 2
       z = (images_along + 0.5_real64) * length + side * x
       r = hypot(z, y)

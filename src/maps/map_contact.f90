@@ -57,6 +57,9 @@ module asperity_map_contact
   ! maps in test/regression/test_map_scene.py).
   integer, parameter :: worth_halving = 64 * 64
 
+  ! Bound of the displacement by a load, over the load, modulus and side of a pixel (chosen: 1.1 on
+  ! one pixel, more on a strip; test: a flat with missing pixels in test_creep_pixels.py).
+  real(real64), parameter :: displacement_reach = 64.0_real64
   ! Bytes of the two spectra for a padded pixel, of the transform for one in the rows of the map,
   ! and of a plain one: pressures, gaps and the vectors of the method (derived; test: memory in
   ! test/regression/test_cost.py).
@@ -88,6 +91,9 @@ contains
     top = maxval(map%height)
     heights = top - minval(map%height, mask=is_measured(map%height))
     if (.not. heights > 0.0_real64) heights = maxval(map%pixel_spacing)
+    ! Heights of rounding alone must not make displacements reach the gap of missing pixels.
+    if (present(load)) heights = max(heights, displacement_reach * epsilon(heights) * load / &
+                                              (modulus * map%pixel_spacing(1)))
     if (.not. present(load)) then
       if (.not. answer%level < top) then
         answer%pressure = 0.0_real64 * map%height

@@ -78,6 +78,34 @@ def test_held_separation(asperity, tmp_path):
         assert np.abs(fields["pressure"] - relaxation(HOLD) * elastic).max() < 1e-7 * elastic.max()
 
 
+@pytest.mark.parametrize("edge", [("periodic", "free"), ("free", "periodic")])
+def test_held_separation_of_a_strip(asperity, tmp_path, edge):
+    """All pressures relax as the modulus does on strips much wider than their period, where they
+    opened: displacements from one period beside a line have no least energy there."""
+    height = 1e-3 * np.random.default_rng(9).random((4, 48))
+    if edge[1] == "periodic":
+        height = height.T
+    for share in (0.1, 0.5, 20.0):
+        load = load_for(height, SIDES, share)
+        rows, _, _ = run(asperity, tmp_path, height, {"control": "load", "value": load}, edge,
+                         hold="separation", hold_points=3)
+        for row in rows:
+            assert row["load"] == pytest.approx(load * relaxation(row["time"]), rel=1e-8)
+            assert row["area"] == pytest.approx(rows[0]["area"], rel=1e-12)
+
+
+@pytest.mark.parametrize("edge", ["free", ("periodic", "free")])
+def test_flat_with_missing_pixels(asperity, tmp_path, edge):
+    """The heights that remain are those of rounding: missing pixels came into contact."""
+    height = np.full((5, 3), 2.5e-6)
+    height[[1, 1, 2, 3, 3], [0, 2, 2, 1, 2]] = np.nan
+    for load in (1e-3, 40.0, 4e4):
+        rows, _, fields = run(asperity, tmp_path, height, {"control": "load", "value": load}, edge)
+        assert all(row["load"] == load for row in rows)
+        assert all(row["area"] == pytest.approx(10 * SIDES[0] * SIDES[1]) for row in rows)
+        assert np.nansum(fields["pressure"]) * SIDES[0] * SIDES[1] == pytest.approx(load)
+
+
 def test_beside_other_effects(asperity, tmp_path):
     """A work of adhesion next to 0 and a hardness above all pressures change nothing; adhesion
     makes the area grow, a hardness limits the pressures."""
