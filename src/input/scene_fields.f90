@@ -50,7 +50,7 @@ module asperity_scene_fields
     !> of a number: with its effect and that number not 0.
     character(len=21) :: needed_with = ''
     character(len=12) :: instead = ''      !! in &effects: another number that does for it
-    character(len=24) :: synonyms = ''     !! other words for it, each between blanks
+    character(len=48) :: synonyms = ''     !! other words for it, each between blanks
     character(len=18) :: in_words = ''     !! what exists when it is not 0, where others need that
   end type known_name
 

@@ -67,12 +67,14 @@ module asperity_scene_names
     known_name('surfaces', 'field_spacing', above_zero, &
                'side of the pixels for fields of asperities', unit='length', stored=.true.), &
     known_name('material', 'elastic_modulus', above_zero, 'Young''s moduli, upper and lower', 2, &
-               otherwise=of_deck, unit='force/length^2', synonyms=' e young youngs_modulus '), &
+               otherwise=of_deck, unit='force/length^2', &
+               synonyms=' e young youngs young_modulus youngs_modulus '), &
     known_name('material', 'poisson_ratio', poisson_range, 'Poisson''s ratios', 2, &
                otherwise=of_deck, synonyms=' nu poisson '), &
     known_name('material', 'contact_modulus', above_zero, &
                'combined modulus, in place of the two above', otherwise='none', &
-               unit='force/length^2', synonyms=' e_star estar '), &
+               unit='force/length^2', &
+               synonyms=' e_star estar reduced_modulus effective_modulus '), &
     known_name('material', 'electrical_conductivity', above_zero, &
                'of both bodies, for the conductance of pixels', 2, otherwise='none', &
                unit='siemens/length'), &

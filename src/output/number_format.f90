@@ -12,6 +12,8 @@ module asperity_number_format
 
   ! Significant digits of a number in tables and sentences.
   integer, parameter :: usual_digits = 6
+  character(len=*), parameter :: usual_format = &
+    '(es32.' // achar(iachar('0') + usual_digits - 1) // 'e3)'
 
 contains
 
@@ -87,9 +89,12 @@ contains
     if (.not. value > not_computed) return
     number_of_digits = usual_digits
     if (present(most_digits)) number_of_digits = most_digits
-    write (format, '("(es32.", i0, "e3)")') number_of_digits - 1
+    format = usual_format
+    if (present(most_digits)) write (format, '("(es32.", i0, "e3)")') number_of_digits - 1
     write (cell, format) value
-    read (cell(29:), '(i4)') power  ! after rounding
+    ! After rounding. Digits are decoded here: `read` takes as long as `write`.
+    power = sum((iachar([cell(30:30), cell(31:31), cell(32:32)]) - iachar('0')) * [100, 10, 1])
+    if (cell(29:29) == '-') power = -power
     if (power >= number_of_digits .and. power < 6) then
       write (cell, '(f32.0)') value
       cell = adjustl(cell)

@@ -85,8 +85,8 @@ WRITTEN = {
 
 
 @pytest.mark.parametrize("written, meant", [
-    ("E = 1e5", "elastic_modulus"), ("nu = .3, .3", "poisson_ratio"),
-    ("E_star = 1e5", "contact_modulus")])
+    ("E = 1e5", "elastic_modulus"), ("youngs = 1e5", "elastic_modulus"),
+    ("nu = .3, .3", "poisson_ratio"), ("E_star = 1e5", "contact_modulus")])
 def test_symbol_in_place_of_a_name(asperity, tmp_path, written, meant):
     """The names are listed, and the one that is meant."""
     (tmp_path / "upper.csv").write_text(UPPER, encoding="utf-8")
