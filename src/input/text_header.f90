@@ -341,34 +341,46 @@ contains
   end function bare_unit
 
   ! The units of x, y and z in a comment without numbers: `heights in nm`, `x, y in um, z in nm`.
-  ! Each is that of the names before it. `m` and `in` are units as the last word. Empty: none.
+  ! Each is that of the names before it. `m` and `in` are units behind `in` or at the end of a
+  ! clause. Empty: none, or names with two `in` before a unit: the first unit is not known.
   pure function units_in_words(text) result(unit)
     character(len=*), intent(in) :: text
     character(len=unit_length) :: unit(3)
-    character(len=:), allocatable :: words, word
-    integer :: at, k
-    logical :: are_named(3), is_clear
+    character(len=:), allocatable :: before, words, word
+    integer :: at, k, prepositions
+    logical :: are_named(3), is_clear, is_unit
 
     unit = ''
     words = plain_unit(lower_case(text))
     do at = 1, len(words)
-      if (scan(words(at:at), ',;:=/"''()[]-_') == 1) words(at:at) = ' '
+      if (scan(words(at:at), '=/"''([-_') == 1) words(at:at) = ' '
+      if (scan(words(at:at), ',;:)]') == 1) words(at:at) = ';'
     end do
-    words = without_blanks(words)
+    words = words(verify(words // '.', blanks // ';'):)
+    word = ''
     are_named = .false.
     is_clear = .true.
+    prepositions = 0
     do while (words /= '' .and. scan(text, '0123456789') == 0)
-      at = scan(words // ' ', blanks)
+      before = word
+      at = scan(words // ' ', blanks // ';')
       word = words(:at - 1)
       words = without_blanks(words(at:))
       are_named = are_named .or. [any(word == ['x ', 'xy']), any(word == ['y ', 'xy']), &
                                   is_height_name(word)]
+      is_unit = unit_number(word) > 0
+      if (word == 'm' .or. word == 'in') is_unit = any(are_named) .and. &
+        (before == 'in' .or. verify(words(:min(1, len(words))), ';') == 0)
+      words = words(verify(words // '.', blanks // ';'):)
       at = findloc([(index(word, trim(unit_words(k))) == 1, k=1, size(unit_words))], .true., 1)
       if (at > 0) word = trim(length_units(mod(at - 1, size(length_units)) + 1))
-      if (unit_number(word) == 0 .or. (words /= '' .and. (word == 'm' .or. word == 'in'))) cycle
-      is_clear = is_clear .and. any(are_named) .and. all(unit == '' .or. .not. are_named)
+      if (word == 'in' .and. .not. is_unit) prepositions = prepositions + 1
+      if (.not. (is_unit .or. at > 0)) cycle
+      is_clear = is_clear .and. any(are_named) .and. all(unit == '' .or. .not. are_named) .and. &
+                 prepositions < 2
       where (are_named) unit = word
       are_named = .false.
+      prepositions = 0
     end do
     if (any(are_named) .or. .not. is_clear) unit = ''
   end function units_in_words
@@ -386,7 +398,8 @@ contains
       if (verify(words(i:i), ',;:=/"''()') == 0) words(i:i) = ' '
     end do
     has_unit = has_unit .or. any([index(words, ' um '), index(words, ' nm '), &
-                                  index(words, ' mm '), index(words, ' cm ')] > 0) .or. &
+                                  index(words, ' mm '), index(words, ' cm '), &
+                                  index(words, ' in m '), index(words, ' in in ')] > 0) .or. &
                any([(index(words, ' ' // trim(unit_words(i))) > 0, i=1, size(unit_words))])
   end function has_unit
 
