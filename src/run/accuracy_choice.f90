@@ -269,12 +269,13 @@ contains
   end subroutine report_method
 
   !> Adds the errors of the most accurate run and an option that is met.
-  pure subroutine add_possible_accuracy(errors, on_pixels, accuracy, total, text)
+  subroutine add_possible_accuracy(errors, on_pixels, accuracy, total, text)
     type(run_errors), intent(in) :: errors     !! errors of the run
     logical, intent(in) :: on_pixels           !! whether the pixels of a map are solved
     real(real64), intent(in) :: accuracy       !! requested relative error
     character(len=*), intent(in) :: total      !! of which, as `totals_of_accuracy`
     character(len=:), allocatable, intent(inout) :: text  !! begin of the sentence
+    integer :: first  ! length of the sentence without advice
 
     text = text // &
            trim(merge('the pixels of the map have', 'the most accurate one has ', on_pixels)) // &
@@ -284,10 +285,22 @@ contains
       text = text // ', of areas of ' // real_text(total_error(errors, 'area'))
     if (total == 'pressure') text = text // ', of the greatest pressure of ' // &
                                     real_text(total_error(errors, 'pressure'))
+    first = len(text)
     call add_proposal(total_error(errors, total), total, text)
-    if (on_pixels) text = text // ', or take a map of finer pixels'
+    if (on_pixels) call add_advice('take a map of finer pixels')
     if (total == 'all' .and. total_error(errors, 'load') <= accuracy) &
-      text = text // ', or for --of load where areas do not matter'
+      call add_advice('for --of load where areas do not matter')
+
+  contains
+
+    ! Adds an advice, the first one behind a colon.
+    subroutine add_advice(advice)
+      character(len=*), intent(in) :: advice
+
+      if (len(text) == first) text = text // ': ' // advice
+      if (index(text, advice) == 0) text = text // ', or ' // advice
+    end subroutine add_advice
+
   end subroutine add_possible_accuracy
 
   !> Adds the option for an error, where one is possible.

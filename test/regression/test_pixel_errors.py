@@ -158,6 +158,10 @@ def test_a_coarse_ball(asperity, tmp_path):
     assert "not resolved by the pixels of the map" in done.stderr
     done = run_program(asperity, "solve", tmp_path / "m.scene", "--accuracy", "1e-3", status=1)
     assert "no method has this accuracy" in done.stderr
+    assert re.search(r"areas of \S+: take a map of finer pixels", done.stderr)
+    done = run_program(asperity, "solve", tmp_path / "m.scene", "--accuracy", "1e-3", "--of",
+                       "load", status=1)
+    assert re.search(": set --accuracy .* --of load, or take a map of finer pixels", done.stderr)
 
 
 @pytest.mark.parametrize("kind, is_rough", [("noise", True), (2, True), (4, False), (8, False),
