@@ -404,11 +404,8 @@ contains
     real(real64), allocatable :: numbers(:)
 
     associate (column => table%columns(place_of(table, name)))
-      if (allocated(column%reals)) then
-        numbers = column%reals
-      else
-        numbers = column%wholes
-      end if
+      if (allocated(column%reals)) numbers = column%reals
+      if (allocated(column%wholes)) numbers = column%wholes
     end associate
   end function numbers_of
 
