@@ -206,7 +206,10 @@ contains
     must_repeat = .false.
     if (allocated(self%load)) deallocate (self%load)
     if (step%control == at_load) self%load = step%value
-    if (step%control == held_load) self%load = self%held
+    ! Without a load open surfaces stay where they are.
+    if (step%control == held_load .and. .not. (self%answer%level > &
+        maxval(self%history%deformed%height) .and. abs(self%held) <= 0.0_real64)) &
+      self%load = self%held
     if (step%control == at_distance) self%answer%level = step%value
     self%solves = self%solves + 1
     call solve_map_state(self%model%laws, step%time, self%history, self%answer, self%load)

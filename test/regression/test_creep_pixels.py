@@ -78,6 +78,17 @@ def test_held_separation(asperity, tmp_path):
         assert np.abs(fields["pressure"] - relaxation(HOLD) * elastic).max() < 1e-7 * elastic.max()
 
 
+def test_open_surfaces_stay_open(asperity, tmp_path):
+    """A hold of no load beyond first contact jumped to first contact."""
+    height = 1e-3 * np.random.default_rng(9).random((8, 6))
+    flat = 1.5 * float(level(height).max())
+    for hold in ("load", "separation"):
+        rows, _, fields = run(asperity, tmp_path, height,
+                              {"control": "separation", "value": flat}, hold=hold)
+        assert all(row["separation"] == flat and row["load"] == 0 for row in rows)
+        assert fields["gap"] == pytest.approx(flat - level(height), rel=1e-9)
+
+
 @pytest.mark.parametrize("edge", [("periodic", "free"), ("free", "periodic")])
 def test_held_separation_of_a_strip(asperity, tmp_path, edge):
     """All pressures relax as the modulus does on strips much wider than their period, where they
