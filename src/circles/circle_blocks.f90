@@ -93,7 +93,7 @@ contains
     is_definite = .false.
     call fill_block(set, member, block_of, convex, m, h, isolated)
     do j = 1, m
-      if (.not. h(j, j) > least_curvature_share * isolated(j)) then
+      if (.not. h(j, j) > sqrt(epsilon(h)) * isolated(j)) then
         if (.not. convex) return
         h(j, j) = isolated(j)
         h(j + 1:, j) = 0.0_real64

@@ -63,13 +63,14 @@ module asperity_circle_correction
   end type circle_correction
 
   ! Sums of radii [1] below which circles are close, and factor of the error of their loads over
-  ! those of others; measured on 306 scenes against boundary elements, kept by 155 of 156 others.
+  ! those of others; measured on 306 scenes against boundary elements, kept by 155 of 156 others;
+  ! test: test_dense.py.
   real(real64), parameter :: close_share = 0.9_real64, close_factor = 3.0_real64
   ! Error of the area of a circle over its change by curvature [1]; measured on the 401 scenes of
-  ! reference_output/interaction/dense.csv, of which 99 % keep the estimate.
+  ! reference_output/interaction/dense.csv, of which 99 % keep the estimate; test: test_dense.py.
   real(real64), parameter :: curvature_share = 0.25_real64
   ! The same of all circles in common over their change by overlap [1]; measured, up to 0.145 on the
-  ! caps of reference_output/interaction/rough.csv.
+  ! caps of reference_output/interaction/rough.csv; test: test_dense.py.
   real(real64), parameter :: common_share = 0.15_real64
 
 contains

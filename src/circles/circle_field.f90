@@ -24,18 +24,12 @@ module asperity_circle_field
   implicit none
   private
 
-  public :: are_close, circle_set, find_field, inclination_factor, list_near_circles, &
-            pair_hessian, relative_position
+  public :: are_close, circle_set, find_field, flat_spread, hertz_spread, inclination_factor, &
+            list_near_circles, pair_hessian, relative_position
 
   !> Sums of radii [1] below which a pair is near: farther off sums are by a tree; derived, the
   !> error of the Laplacian of 1/r there is 1e-4; test: coupled_suite.f90.
   real(real64), parameter, public :: near_factor = 5.0_real64
-
-  !> Mean square of a Hertz row, halved [1]: what widens 1/r by its Laplacian; derived; test:
-  !> potential_suite.f90.
-  real(real64), parameter, public :: hertz_spread = 0.1_real64
-  !> The same of a flat row [1]; derived; test: test_effect_contacts.py.
-  real(real64), parameter, public :: flat_spread = 1.0_real64 / 6
 
   !> Sums of radii [1] up to which circles are in one block or group; chosen: farther off a field
   !> bends little; with 1.5 dense caps take as many steps.
@@ -146,6 +140,20 @@ contains
     inclination_factor = 1.0_real64 / (cosine * sqrt(cosine))
   end function inclination_factor
 
+  !> Half of the mean square of a row with Hertz' weight: what widens 1/r by its Laplacian.
+  elemental real(real64) function hertz_spread(radius)
+    real(real64), intent(in) :: radius  !! of the circle [length]
+
+    hertz_spread = radius**2 / 10
+  end function hertz_spread
+
+  !> Half of the mean square of a flat row: what widens 1/r by its Laplacian.
+  elemental real(real64) function flat_spread(radius)
+    real(real64), intent(in) :: radius  !! of the circle [length]
+
+    flat_spread = radius**2 / 6
+  end function flat_spread
+
   !> Builds the tree and the neighbour lists. They are valid for these circles as long as radii and
   !> shifts change little.
   subroutine list_near_circles(set)
@@ -196,13 +204,13 @@ contains
     set%shift_since = set%shift - set%listed(2:, :)
     ! The terms of as many pairs at a time as there are circles.
     allocate (far(6, n), batch(min(n, size(set%one))))
-    call sum_sources(set%tree, set%load, hertz_spread * set%radius**2, far, set%shift_since)
+    call sum_sources(set%tree, set%load, hertz_spread(set%radius), far, set%shift_since)
     !$omp parallel do schedule(static) if(n > large_set)
     do k = 1, n
       call set_far_field(set, k, far(:, k))
     end do
     !$omp end parallel do
-    set%energy = 0.5_real64 * sum(set%load * (far(1, :) + hertz_spread * set%radius**2 * far(2, :)))
+    set%energy = 0.5_real64 * sum(set%load * (far(1, :) + hertz_spread(set%radius) * far(2, :)))
     do from = 1, size(set%one), n
       to = min(from + n - 1, size(set%one))
       if (to - from <= large_set) then
@@ -237,10 +245,10 @@ contains
     integer, intent(in) :: k
     real(real64), intent(inout) :: far_field(6)
 
-    associate (square => set%radius(k)**2)
-      far_field = far_field / pi
-      set%displacement(k) = far_field(1) + flat_spread * square * far_field(2)
-      set%growth(k) = 2 * flat_spread * square * far_field(2)
+    far_field = far_field / pi
+    associate (spread_term => flat_spread(set%radius(k)) * far_field(2))
+      set%displacement(k) = far_field(1) + spread_term
+      set%growth(k) = 2 * spread_term
       set%slope(:, k) = far_field(3:4)
       set%far_hessian(:, k) = [set%curvature(k) + 0.5_real64 * far_field(2) + far_field(5), &
                                far_field(6), &

@@ -58,10 +58,10 @@ contains
     n = size(set%x)
     allocate (far(6, n))
     if (convex) then
-      call sum_sources(set%tree, change(1, :), flat_spread * set%radius**2, far, set%shift_since, &
+      call sum_sources(set%tree, change(1, :), flat_spread(set%radius), far, set%shift_since, &
                        low_order=.true.)
     else
-      call sum_sources(set%tree, change(1, :), flat_spread * set%radius**2, far, set%shift_since, &
+      call sum_sources(set%tree, change(1, :), flat_spread(set%radius), far, set%shift_since, &
                        low_order=.true., dipole=spread(set%load, 1, 2) * change(2:, :))
     end if
     !$omp parallel do schedule(static) if(n > large_set) &

@@ -15,7 +15,8 @@ module asperity_hidden_contacts
   public :: is_hidden, release_hidden, find_protrusion
 
   ! Height by which a cap stands out of the surface of a loaded one, over the penetration of that
-  ! [1], up to which it stays open; chosen: its own load is below its 3/2th power, 0.3 %.
+  ! [1], up to which it stays open; chosen: its own load is below its 3/2th power, 0.3 %; test:
+  ! coupled_suite.f90.
   real(real64), parameter :: hidden_share = 0.05_real64
 
 contains

@@ -37,20 +37,20 @@ module asperity_mutual_displacement
     real(real64) :: bend = 0.0_real64        !! d2/dr2 of the same
   end type mutual_terms
 
-  ! Ratios of radii [1]: the closed forms lose digits with its third power, and are found with twice
-  ! the digits below the first; below the second the smaller circle is a point, and a share of the
-  ! ratio of the displacement is left out; derived.
-  real(real64), parameter :: small_ratio = 0.04_real64, vanishing_ratio = 1.0e-7_real64
+  ! Ratio of radii [1] below which the closed forms, which lose digits with its third power, are
+  ! found with twice the digits: 3e-12 are left of 2e-16; derived. Below the root of the rounding
+  ! error the smaller circle is a point.
+  real(real64), parameter :: small_ratio = 0.04_real64
   ! Distance over the sum of radii [1] from which on the closed forms, made of differences of r**4,
   ! lose digits: seven terms of the series leave 1e-12 there; derived; test: mutual_suite.f90.
   real(real64), parameter :: series_distance = 4.0_real64
-  !> Terms of the series behind the first [1]; derived.
-  integer, parameter :: terms_kept = 6
-  integer :: loop
   !> 1/sqrt(1 - z) in powers of z.
-  real(real64), parameter :: root_terms(0:terms_kept) = &
+  real(real64), parameter :: root_terms(0:*) = &
     [1.0_real64, 0.5_real64, 0.375_real64, 0.3125_real64, 0.2734375_real64, 0.24609375_real64, &
      0.2255859375_real64]
+  !> Terms of the series behind the first.
+  integer, parameter :: terms_kept = ubound(root_terms, 1)
+  integer :: loop
   !> Means of t**(2 k) over a row of radius 1: of a flat punch, with Hertz' weight; derived.
   real(real64), parameter :: row_means(2, 0:terms_kept) = reshape( &
     [(1.0_real64 / (2 * loop + 1), 3.0_real64 / ((2 * loop + 1) * (2 * loop + 3)), &
@@ -74,7 +74,7 @@ contains
     ratio = min(first, second) / max(first, second)
     if (r > series_distance * (first + second)) then
       call by_series(r, first, second, means, bend)
-    else if (ratio < vanishing_ratio) then
+    else if (ratio < sqrt(epsilon(ratio))) then
       call with_a_point(r, max(first, second), means, bend)
       ! The field of the larger alone, by its own pressure.
       if (first > second) means = reshape(means, shape(means), order=[2, 1, 3])
@@ -145,7 +145,7 @@ contains
     ! Inside there is no root; just outside some slopes have no bound.
     root = sqrt(max(0.0_real64, (r - b) * (r + b)))
     arc = atan2(b, root)
-    outside = merge(1.0_real64 / max(root, vanishing_ratio * b), 0.0_real64, r > b)
+    outside = merge(1.0_real64 / max(root, sqrt(epsilon(b)) * b), 0.0_real64, r > b)
     means(:, 1, 0) = arc / (pi * b)
     means(:, 2, 0) = 0.75_real64 / (pi * b**3) * ((2 * b**2 - r**2) * arc + b * root)
     means(:, 1, 1) = -outside / (pi * max(r, b))

@@ -109,7 +109,7 @@ contains
   pure subroutine keep_elements(lattice, pair, pressures)
     type(element_lattice), intent(in) :: lattice        !! elements with their forces
     integer, intent(in) :: pair(:)                      !! index in the list of pairs, by owner
-    type(element_pressures), intent(inout) :: pressures  !! loaded elements, unit of the pairs
+    type(element_pressures), intent(out) :: pressures   !! loaded elements, unit of the pairs
     integer :: i, j, number
 
     number = count(lattice%force > 0.0_real64)

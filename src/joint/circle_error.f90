@@ -33,7 +33,7 @@ module asperity_circle_error
   end type circle_errors
 
   ! Factor of the load of a hidden cap by the pressure of the contact that covers it (measured: 1.33
-  ! at most in the four scenes where no other error is larger).
+  ! at most in the four scenes where no other error is larger; test: test_dense.py).
   real(real64), parameter :: hidden_factor = 4.0_real64 / 3.0_real64
   ! Least ratio of the radii of two overlapping contacts for which the sharper one is nested
   ! (chosen; test: nested contacts in test/regression/test_warnings_at_limits.py).

@@ -152,7 +152,7 @@ contains
         failure = tree%failure
         return
       end if
-      call sum_sources(tree, set%load / pi, hertz_spread * set%radius**2, field)
+      call sum_sources(tree, set%load / pi, hertz_spread(set%radius), field)
     end associate
     do k = 1, size(clusters)
       call set_outside_field(pairs, coupled%set, cluster_of, tree, x, y, field(1, :), k, &

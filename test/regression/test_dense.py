@@ -62,6 +62,17 @@ def test_auto(asperity, tally, tolerance):
 
 
 @pytest.mark.once
+def test_estimates_of_circles(asperity):
+    """Estimates of all scenes: how many are below the error, and how many above ten times it.
+    A constant of theirs that is 30 % smaller, or for three of them larger, breaks a bound."""
+    results = solved(asperity, dense_scenes(), "coupled")
+    loads, areas = estimates(results), estimates(results, area=True)
+    assert loads.known == areas.known == 802
+    assert round(802 * loads.below) <= 6 and loads.above <= 0.41
+    assert round(802 * areas.below) <= 5 and areas.above <= 0.115
+
+
+@pytest.mark.once
 @pytest.mark.parametrize("shear, apart, count", [(0, 0.7, 4), (0.5, 0.6, 5)])
 def test_areas_of_contacts_that_merge(asperity, tmp_path, shear, apart, count):
     """Lattices whose creases hold slits narrower than a cell: .01 had 1.6 and 1.7 % too much."""

@@ -56,8 +56,9 @@ def shown(value):
 
 
 def is_number(value):
-    """Whether a value is one number, or few: no name, no table of coefficients, no implied loop."""
-    return bool(re.search(r"\d", value)) and len(value) < 40 and not re.match(r"[a-z]\w*$", value)
+    """Whether a value is one number, or few: no name, no size or table, no implied loop."""
+    return bool(re.search(r"\d", value)) and len(value) < 40 and \
+        not re.match(r"[a-z]\w*$|ubound\(", value)
 
 
 def are_codes(items):

@@ -168,8 +168,8 @@ contains
       before = row_of(0.11_real64 * i, 0.04_real64 * (1 - step), 1.0_real64)
       after = row_of(0.11_real64 * i, 0.04_real64 * (1 + step), 1.0_real64)
       call check(error, maxval(abs(after - before)), 0.0_real64, 2.0e-8_real64, 'twice the digits')
-      before = row_of(0.11_real64 * i, 0.9e-7_real64, 1.0_real64)
-      after = row_of(0.11_real64 * i, 1.1e-7_real64, 1.0_real64)
+      before = row_of(0.11_real64 * i, 1.3e-8_real64, 1.0_real64)
+      after = row_of(0.11_real64 * i, 1.7e-8_real64, 1.0_real64)
       size_of = max(abs(after), 1.0_real64)
       call check(error, maxval(abs(after - before) / size_of), 0.0_real64, 1.0e-6_real64, 'a point')
     end do
