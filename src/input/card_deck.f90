@@ -274,6 +274,12 @@ contains
             ' asperities, expected ' // &
             decimal_text(expected) // ' (NU ' // decimal_text(deck%upper%number) // ' and NL ' // &
             decimal_text(deck%lower%number) // ')'
+    do line = header_cards + 1, header_cards + min(cards, expected)
+      if (reader%has_text(line)) cycle
+      wrong_count = wrong_count // '; line ' // decimal_text(line) // &
+                    ' is blank: an asperity of zeros'
+      exit
+    end do
     if (cards < expected) then
       call reader%problems%add_at(header_cards + cards + 1, 1, wrong_count)
       return

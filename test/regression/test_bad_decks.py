@@ -185,6 +185,7 @@ def test_just_within_range(line, first, text, runner, cards):
     ("NU one more", LAST + 1, 1, (112, 113, 38, 75)),
     ("NL one less", LAST, 2, (112, 111, 37, 74)),
     ("NL one more", LAST + 1, 1, (112, 113, 37, 76)),
+    ("blank card", LAST + 1, 2, (113, 112, 37, 75)),
     ("NU to the left", LAST + 1, 1, (112, 37075, 37000, 75)),
     ("NL to the left", LAST + 1, 1, (112, 75037, 37, 75000)),
 ])
@@ -195,6 +196,7 @@ def test_wrong_count_of_cards(change, line, column, count, runner, cards):
         "last card blank": cards[:-1] + ["   ", ""],
         "no cards": cards[:4],
         "one card more": cards + [" 1.000 1.000 0.0500"],
+        "blank card": cards[:60] + [""] + cards[60:],
         "NU one less": punch(cards, 2, 1, "   36"),
         "NU one more": punch(cards, 2, 1, "   38"),
         "NL one less": punch(cards, 3, 1, "   74"),
@@ -208,6 +210,7 @@ def test_wrong_count_of_cards(change, line, column, count, runner, cards):
     assert (f"wrong count of cards: found {found} asperities, expected {expected} "
             f"(NU {upper} and NL {lower})") in message
     assert ("text after the last card" in message) == (found > expected)
+    assert ("line 61 is blank: an asperity of zeros" in message) == (change == "blank card")
 
 
 @pytest.mark.parametrize("line", (2, 3))
