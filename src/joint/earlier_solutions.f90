@@ -19,7 +19,8 @@ module asperity_earlier_solutions
   ! test/regression/test_solve_again.py).
   integer, parameter :: most_kept = 3
   ! Largest ratio of load**(2/3), or of compression, between a solve and the earlier solution it
-  ! starts from, or its inverse (measured: beyond it a solve takes longer than one without a start).
+  ! starts from, or its inverse (measured: beyond it a solve takes longer than one without a start;
+  ! test: test_solve_again.py).
   real(real64), parameter :: farthest_ratio = 1.5_real64
 
 contains

@@ -220,6 +220,17 @@ def test_outcomes_of_other_scenes(c):
         assert all(np.array_equal(alone[name], again[name], equal_nan=True) for name in alone)
 
 
+@pytest.mark.parametrize("ratio, begins_anew", [(1.45, False), (1.55, True)])
+def test_a_far_load_begins_anew(c, ratio, begins_anew):
+    """Above 1.5 times the load**(2/3) of the earlier outcome a solve begins as one alone."""
+    base = random_scene(c, APART, 5, value=2e4)
+    first = done(c, c.asperity_solve_scene(base, None))
+    scene = done(c, c.asperity_rebuild_scene(base, groups(value=2e4 * ratio ** 1.5)))
+    alone = table(c, done(c, c.asperity_solve_scene(scene, None)), CONTACTS)
+    again = table(c, done(c, c.asperity_solve_again(scene, None, first, None)), CONTACTS)
+    assert begins_anew == all(np.array_equal(alone[name], again[name]) for name in alone)
+
+
 def test_two_threads_share_an_outcome(c):
     """Solves at once with the same earlier outcome give what one gives after the other."""
     base = random_scene(c, APART, 8, value=3e4)
