@@ -13,10 +13,11 @@
 !> proportion to its overlap, and a force of H in proportion to its gap. The forces are then cut at
 !> 0 and H, and the free ones are scaled to the load. Such a step alone need not converge. It is
 !> accepted if it decreases the energy by at least the decrease that the projected gradient step to
-!> P(f - r/|A|) guarantees; else the latter is taken. P projects on the set of allowed forces. Each
-!> accepted step reduces the distance of the energy from its minimum at least by the factor
-!> 1 - (least eigenvalue)/(2 |A|) (after Dostal and Schoeberl, Comput. Optim. Appl. 30 (2005) 23-43,
-!> theorem 4.1): the solve converges.
+!> P(f - r/|A|) guarantees; else P(f - t r) is taken, with the length t of steepest descent, halved
+!> until it guarantees as much (More and Toraldo, SIAM J. Optim. 1 (1991) 93-113). P projects on the
+!> set of allowed forces. Each accepted step reduces the distance of the energy from its minimum at
+!> least by the factor 1 - (least eigenvalue)/(2 |A|) (after Dostal and Schoeberl, Comput. Optim.
+!> Appl. 30 (2005) 23-43, theorem 4.1): the solve converges.
 !>
 !> Residual: the largest gap where f > 0 or overlap where f < H. Exits: converged, at a residual of
 !> at most the tolerance or the rounding error, `rounding` times the largest displacement; not
@@ -115,9 +116,7 @@ contains
       projected = state%force - state%gradient / influence%norm
       call project_forces(gap, bounds, projected)
       if (state%decrease >= 0.5_real64 * sum(state%gradient * (state%force - projected))) cycle
-      call move_alloc(projected, state%next_force)
-      state%gradient_product = 0.0_real64
-      call find_gradient(influence, gap, bounds, state)
+      call take_projected_step(influence, gap, bounds, state)
     end do
     if (present(level) .or. present(displacement)) call influence%apply(state%force, state%gradient)
     if (present(level)) then
@@ -210,6 +209,37 @@ contains
       call update_gradient(influence%norm, bounds, step, state)
     end if
   end subroutine take_conjugate_step
+
+  ! Takes a projected gradient step P(f - t r), after which conjugate gradients begin again: t is
+  ! that of steepest descent in the forces that can move, halved until the energy decreases by half
+  ! of r.(f - P(f - t r)). That grows with t, and t = 1/|A| has it.
+  subroutine take_projected_step(influence, gap, bounds, state)
+    type(lattice_convolution), intent(inout) :: influence
+    real(real64), intent(in) :: gap(:, :)
+    type(force_bounds), intent(in) :: bounds
+    type(force_iterate), intent(inout) :: state
+    real(real64) :: curvature, enough, least, length, squares
+
+    associate (f => state%force, r => state%gradient)
+      state%direction = merge(r, 0.0_real64, (f > 0.0_real64 .or. r < 0.0_real64) .and. &
+                                             (f < bounds%limit .or. r > 0.0_real64))
+      call influence%apply(state%direction, state%image)
+      squares = sum(state%direction**2)
+      curvature = sum(state%direction * state%image)
+      least = 1.0_real64 / influence%norm
+      length = least
+      if (curvature > epsilon(least) * influence%norm * squares) length = squares / curvature
+      do
+        state%next_force = f - length * r
+        call project_forces(gap, bounds, state%next_force)
+        enough = 0.5_real64 * sum(r * (f - state%next_force))
+        call find_gradient(influence, gap, bounds, state)
+        if (state%decrease >= enough .or. .not. length > least) exit
+        length = max(least, 0.5_real64 * length)
+      end do
+    end associate
+    state%gradient_product = 0.0_real64
+  end subroutine take_projected_step
 
   ! Updates the gradient by a step in a fixed set of free forces.
   subroutine update_gradient(norm, bounds, step, state)
