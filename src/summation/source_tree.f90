@@ -233,11 +233,10 @@ contains
     if (is_low_order) terms = tree%translation%low_order_terms
     columns = merge(dipole_y, point_moment, is_low_order .or. present(dipole))
     if (size(tree%boxes) == 1) then
-      ! Here, not in sum_one_box: an absent array of the host has no bounds to be passed on.
       do i = 1, size(tree%order)
         call set_point(tree, i, charge, second_moment, shift, dipole)
       end do
-      call sum_one_box()
+      call sum_one_box(tree, columns, present(dipole), value)
       return
     end if
     !$omp parallel private(source, a, i, k) if(size(tree%order) > thread_threshold)
@@ -273,19 +272,28 @@ contains
     !$omp end do
     !$omp end parallel
 
-  contains
-
-    ! Few points: a team of threads, and boxes, take longer than the sums.
-    subroutine sum_one_box()
-      allocate (source, source=tree%points(:tree%sources, :columns))
-      do i = tree%target_offset + 1, size(tree%order)
-        k = tree%order(i) - tree%target_offset
-        if (present(dipole)) value(:, k) = dipole_sum(source, tree%points(i, :))
-        if (.not. present(dipole)) value(:, k) = direct_sum(source, tree%points(i, :))
-      end do
-    end subroutine sum_one_box
-
   end subroutine sum_sources
+
+  ! Sums over the points of one box, for which a team of threads, and boxes, take longer. No internal
+  ! procedure of sum_sources: an absent array that such a one names has no bounds in its host.
+  subroutine sum_one_box(tree, columns, has_dipoles, value)
+    type(source_tree), intent(in) :: tree  ! its points are set
+    integer, intent(in) :: columns         ! of a source
+    logical, intent(in) :: has_dipoles
+    real(real64), intent(inout) :: value(:, :)
+    real(real64), allocatable :: source(:, :)
+    integer :: i, k
+
+    allocate (source, source=tree%points(:tree%sources, :columns))
+    do i = tree%target_offset + 1, size(tree%order)
+      k = tree%order(i) - tree%target_offset
+      if (has_dipoles) then
+        value(:, k) = dipole_sum(source, tree%points(i, :))
+      else
+        value(:, k) = direct_sum(source, tree%points(i, :))
+      end if
+    end do
+  end subroutine sum_one_box
 
   ! Sets the position, charge, second moment and dipole of a point in the sum; targets have none.
   subroutine set_point(tree, i, charge, second_moment, shift, dipole)

@@ -208,8 +208,12 @@ def penetration(scene, row):
     if row["upper"] > 0:
         return row["penetration"] is not EMPTY
     lowered = row.get("lowered") or 0.0
-    return close(row["penetration"] + lowered, row["compression"] - scene.pair(row)[2],
-                 row["compression"])
+    expected = row["compression"] - scene.pair(row)[2]
+    # On elements it is that of Hertz at their load: deeper by what their residual leaves at most.
+    left = row["penetration"] - expected
+    if scene.effects.get("interaction") in ("boundary", "auto") and lowered == 0 < left:
+        return left <= 1e-3 * scene.effects.get("tolerance", 0.01) * row["compression"]
+    return close(row["penetration"] + lowered, expected, row["compression"])
 
 
 def overlap(scene, row):
