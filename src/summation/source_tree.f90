@@ -274,8 +274,8 @@ contains
 
   end subroutine sum_sources
 
-  ! Sums over the points of one box, for which a team of threads, and boxes, take longer. No internal
-  ! procedure of sum_sources: an absent array that such a one names has no bounds in its host.
+  ! Sums over the points of one box, for which a team of threads, and boxes, take longer. It is no
+  ! internal procedure: an absent array that such a one names has no bounds in its host.
   subroutine sum_one_box(tree, columns, has_dipoles, value)
     type(source_tree), intent(in) :: tree  ! its points are set
     integer, intent(in) :: columns         ! of a source
