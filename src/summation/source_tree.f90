@@ -234,7 +234,14 @@ contains
     columns = merge(dipole_y, point_moment, is_low_order .or. present(dipole))
     if (size(tree%boxes) == 1) then
       do i = 1, size(tree%order)
-        call set_point(tree, i, charge, second_moment, shift, dipole)
+        ! An absent array that is passed on here has bounds that nothing has set.
+        call set_point(tree, i, charge, second_moment)
+        k = tree%order(i)
+        if (k > tree%sources) cycle
+        associate (point => tree%points(i, :))
+          if (present(shift)) point(shifted_x:shifted_y) = point(shifted_x:shifted_y) + shift(:, k)
+          if (present(dipole)) point(dipole_x:dipole_y) = dipole(:, k)
+        end associate
       end do
       call sum_one_box(tree, columns, present(dipole), value)
       return
