@@ -281,17 +281,18 @@ contains
   subroutine check_ending(line, option, format, problems)
     type(command_line), intent(in) :: line          !! the user's choices
     character(len=*), intent(in) :: option          !! that names the output
-    character(len=*), intent(in) :: format          !! ending of the output's format
+    character(len=*), intent(in) :: format          !! endings of the output's formats
     type(problem_list), intent(inout) :: problems   !! what is wrong
     character(len=*), parameter :: known(*) = [character(len=4) :: 'csv', 'json', 'html', 'htm', &
       'svg', 'png', 'pdf', 'jpg', 'jpeg', 'gif', 'tif', 'tiff', 'eps', 'vtp', 'vtk', 'vtu', 'xls', &
-      'xlsx', 'npy', 'h5', 'vti']
+      'xlsx', 'npy', 'h5', 'vti', 'vts']
     character(len=:), allocatable :: ending, path
 
     path = line%output_path(option)
     ending = lower_case(path(index(path, '.', back=.true.) + 1:))
     if (len(ending) == len(path)) return
-    if (all(known /= ending) .or. index(format, ending(:min(3, len(ending)))) == 1) return
+    if (all(known /= ending) .or. &
+        index('.' // format, '.' // ending(:min(3, len(ending)))) > 0) return
     call problems%add(option // ': found ' // in_quotes(path) // &
                       ', expected a name that ends with .' &
                       // trim(format) // ', as that is what is written')

@@ -26,7 +26,7 @@ module asperity_option_table
     character(len=18) :: name     !! with its two dashes
     character(len=5) :: value     !! what stands behind it; FILE: an output; blank: nothing
     character(len=240) :: text    !! what it does
-    character(len=4) :: format = 'csv'  !! ending of the output's name; blank: any
+    character(len=19) :: format = 'csv'  !! endings of the output's name; blank: any
     integer :: most = 0           !! largest number of N
     character(len=11) :: words(6) = ''  !! values of WORD and NAME, in the order of their numbers
   end type option_entry
@@ -92,7 +92,8 @@ module asperity_option_table
       'print the largest stresses below these pixels at the last state: depths separated by ' // &
       'commas, or FIRST:LAST:NUMBER'), &
     option_entry('solve', '--stress', 'FILE', &
-      'write all stresses at the depths of --depths as CSV'), &
+      'write all stresses at the depths of --depths as CSV, JSON (.json) or a grid for ' // &
+      'ParaView (.vts)', 'csv, .json or .vts'), &
     option_entry('solve', '--accuracy', 'ERROR', &
       'choose the fastest method with an estimated relative error below ERROR, for instance ' // &
       '1e-3, including the estimated influence of effects that are off'), &

@@ -7,12 +7,14 @@ module asperity_run_solve
                                     room_of_fields
   use asperity_corrected_table, only: correct_table
   use asperity_corrected_table_text, only: write_corrected_table
-  use asperity_csv_tables, only: begin_stress_csv, write_histogram, write_stress_csv, write_table
+  use asperity_csv_tables, only: stress_cells, stress_columns, stress_table, write_histogram, &
+                                 write_table
   use asperity_decimal, only: decimal_to_real64
   use asperity_error_budget, only: error_budget, measure_budget
   use asperity_field_picture, only: draw_plan, plan_of_pressure
   use asperity_files, only: same_name, write_standard_error
   use asperity_images, only: image_number
+  use asperity_input_text, only: lower_case
   use asperity_kinds, only: int64, real64
   use asperity_map_stress, only: largest_stress, look_for_largest, stress_solver
   use asperity_output_files, only: note_kept
@@ -22,7 +24,7 @@ module asperity_run_solve
   use asperity_problems, only: decimal_text, problem_list
   use asperity_result_table, only: array_table, make_arrays, of_contacts
   use asperity_results_html, only: write_html
-  use asperity_results_json, only: write_json
+  use asperity_results_json, only: write_json, write_json_table
   use asperity_results_vti, only: write_vti
   use asperity_results_vtk, only: write_vtk
   use asperity_run_options, only: run_options, totals_of_accuracy
@@ -191,27 +193,39 @@ contains
       call stage_output('--picture', picture)
     end subroutine stage_field
 
-    ! The largest stresses of the last state in the lower body as text, all of them as a table.
+    ! The largest stresses of the last state in the lower body as text, all of them as a file.
     subroutine stage_stress()
       character(len=*), parameter :: names(2) = [character(len=20) :: 'von Mises stress', &
         'largest shear stress']
       type(stress_solver) :: solver
       type(largest_stress) :: largest(2)
-      type(text_buffer) :: table
-      real(real64), allocatable :: stress(:, :, :)
-      character(len=:), allocatable :: text
+      type(text_buffer) :: file
+      real(real64), allocatable :: cells(:, :), stress(:, :, :)
+      character(len=:), allocatable :: path, text
 
-      associate (field => results%positions(1)%fields(size(results%positions(1)%fields)))
+      path = lower_case(line%output_path('--stress'))
+      associate (field => results%positions(1)%fields(size(results%positions(1)%fields)), &
+                 depths => size(line%depths))
         call solver%prepare(field, decimal_to_real64(scene_in%lower%poisson_ratio))
-        call begin_stress_csv(table, units)
-        do i = 1, size(line%depths)
-          call solver%solve(line%depths(i), stress)
-          call look_for_largest(field, line%depths(i), stress, largest)
-          if (line%output_path('--stress') /= '') &
-            call write_stress_csv(field, line%depths(i), stress, table)
-        end do
+        associate (pixels => field%columns * field%rows)
+          allocate (cells(merge(0, pixels * depths, path == ''), stress_columns))
+          do i = 1, depths
+            call solver%solve(line%depths(i), stress)
+            call look_for_largest(field, line%depths(i), stress, largest)
+            if (path /= '') cells((i - 1) * pixels + 1:i * pixels, :) = &
+              stress_cells(field, line%depths(i), stress)
+          end do
+        end associate
+        select case (path(max(1, index(path, '.', back=.true.)):))
+        case ('.json')
+          call write_json_table(scene_in, 'stress', stress_table(cells), file)
+        case ('.vts')
+          call write_vtk(stress_table(cells), file, [field%columns, field%rows, depths])
+        case default
+          call write_table(stress_table(cells), file, units)
+        end select
       end associate
-      call stage_output('--stress', table)
+      call stage_output('--stress', file)
       if (line%has('--quiet')) return
       call outcome%text%line('')
       call outcome%text%line('Stress in the lower body under the normal pressures, largest of ' // &

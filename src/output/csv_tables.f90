@@ -1,4 +1,5 @@
-!> Tables as CSV: results of a run, distribution of the pressure, summits and spectra of a map.
+!> Tables as CSV: results of a run, distribution of the pressure, stresses, summits and spectra of a
+!> map.
 module asperity_csv_tables
   use asperity_contact_field, only: contact_field, pressure_histogram
   use asperity_kinds, only: not_computed, real64
@@ -9,8 +10,10 @@ module asperity_csv_tables
   implicit none
   private
 
-  public :: begin_stress_csv, write_histogram, write_spectrum_csv, write_stress_csv, &
-            write_table
+  public :: stress_cells, stress_table, write_histogram, write_spectrum_csv, write_table
+
+  !> Columns of the table of stresses.
+  integer, parameter, public :: stress_columns = 5 + size(component_names)
 
   ! Bins of the pressure between 0 and the greatest one.
   integer, parameter :: bins = 100
@@ -68,40 +71,38 @@ contains
     call write_table(table, buffer)
   end subroutine write_spectrum_csv
 
-  !> Writes the names of the columns of stresses.
-  subroutine begin_stress_csv(buffer, comment)
-    type(text_buffer), intent(inout) :: buffer  !! gets the text
-    character(len=*), intent(in), optional :: comment  !! a line before the names
+  !> Table of stresses: a row a pixel at a depth.
+  function stress_table(cells) result(table)
+    real(real64), intent(in) :: cells(:, :)  !! (row, column) by `stress_cells`, of all depths
+    type(array_table) :: table
+    character(len=*), parameter :: names(3) = [character(len=5) :: 'depth', 'x', 'y']
     integer :: k
 
-    if (present(comment)) call buffer%line('# ' // comment)
-    call buffer%append('depth,x,y')
-    do k = 1, size(component_names)
-      call buffer%append(',stress_' // component_names(k))
+    do k = 1, size(names)
+      call add_reals(table, trim(names(k)), cells(:, k))
     end do
-    call buffer%line(',von_mises,largest_shear')
-  end subroutine begin_stress_csv
+    do k = 1, size(component_names)
+      call add_reals(table, 'stress_' // component_names(k), cells(:, size(names) + k))
+    end do
+    call add_reals(table, 'von_mises', cells(:, stress_columns - 1))
+    call add_reals(table, 'largest_shear', cells(:, stress_columns))
+  end function stress_table
 
-  !> Writes one line a pixel: the stresses below it at one depth.
-  subroutine write_stress_csv(field, depth, stress, buffer)
+  !> Cells of the table of stresses at one depth.
+  pure function stress_cells(field, depth, stress) result(cells)
     type(contact_field), intent(in) :: field     !! with the places of its pixels
     real(real64), intent(in) :: depth            !! depth below the surface [length]
     real(real64), intent(in) :: stress(:, :, :)  !! (column, row, component)
-    type(text_buffer), intent(inout) :: buffer   !! gets the text
-    character(len=25) :: cells(5 + size(stress, 3))
-    integer :: i, j, k
+    real(real64) :: cells(field%columns * field%rows, stress_columns)
+    integer :: i, j
 
     do j = 1, field%rows
       do i = 1, field%columns
-        write (cells, '(es25.16e3)') depth, field%origin + ([i, j] - 1) * field%pixel_spacing, &
-          stress(i, j, :), von_mises(stress(i, j, :)), largest_shear(stress(i, j, :))
-        call buffer%append(trim(adjustl(cells(1))))
-        do k = 2, size(cells)
-          call buffer%append(',' // trim(adjustl(cells(k))))
-        end do
-        call buffer%line('')
+        cells((j - 1) * field%columns + i, :) = &
+          [depth, field%origin + ([i, j] - 1) * field%pixel_spacing, stress(i, j, :), &
+           von_mises(stress(i, j, :)), largest_shear(stress(i, j, :))]
       end do
     end do
-  end subroutine write_stress_csv
+  end function stress_cells
 
 end module asperity_csv_tables

@@ -13,7 +13,7 @@ module asperity_results_json
   implicit none
   private
 
-  public :: write_json
+  public :: write_json, write_json_table
 
 contains
 
@@ -29,9 +29,7 @@ contains
 
     call buffer%line('{')
     call buffer%line('"scene": {"file": ' // json_text(scene_in%file) // ',')
-    if (has_units(scene_in)) &
-      call buffer%line('"units": {"length": ' // json_text(trim(scene_in%units(1))) // &
-                       ', "force": ' // json_text(trim(scene_in%units(2))) // '},')
+    call put_units(scene_in, buffer)
     call buffer%line('"text": ' // json_text(scene_in%text) // '},')
     call buffer%line('"provenance": {"version": "' // version // '",')
     call buffer%line('"arithmetic": "' // trim(results%arithmetic) // '",')
@@ -62,6 +60,29 @@ contains
     end do
     call buffer%line('}')
   end subroutine write_json
+
+  !> A table alone, with the units of the scene.
+  subroutine write_json_table(scene_in, name, table, buffer)
+    type(scene), intent(in) :: scene_in         !! what was solved
+    character(len=*), intent(in) :: name        !! name of the table
+    type(array_table), intent(in) :: table      !! table with columns
+    type(text_buffer), intent(inout) :: buffer  !! gets the text
+
+    call buffer%line('{')
+    call put_units(scene_in, buffer)
+    call put_table(name, table, buffer)
+    call buffer%line('}')
+  end subroutine write_json_table
+
+  ! The units, where they are known.
+  subroutine put_units(scene_in, buffer)
+    type(scene), intent(in) :: scene_in
+    type(text_buffer), intent(inout) :: buffer
+
+    if (has_units(scene_in)) &
+      call buffer%line('"units": {"length": ' // json_text(trim(scene_in%units(1))) // &
+                       ', "force": ' // json_text(trim(scene_in%units(2))) // '},')
+  end subroutine put_units
 
   ! Lines as a list of texts.
   subroutine put_lines(name, lines, buffer)

@@ -1,7 +1,10 @@
 """Stress below the pixels (`--depths`, `--stress`): Hertz' largest stresses, waves of pressure in
-closed form, one pixel by quadrature of Boussinesq's point loads, asperities, refused options."""
+closed form, one pixel by quadrature of Boussinesq's point loads, asperities, files in all formats,
+refused options."""
 
+import json
 import re
+from xml.etree import ElementTree
 
 import numpy as np
 import pytest
@@ -204,8 +207,32 @@ def test_asperities_on_their_grid(asperity, tmp_path):
     assert float(value) / (2 * COMBINED * contact / np.pi) == pytest.approx(0.620, rel=5e-3)
 
 
+def test_formats(asperity, tmp_path):
+    """JSON and a grid for ParaView have the numbers of the table."""
+    numbers, _, _ = below(asperity, tmp_path, np.eye(5, 4), (1.0, 2.0), "0.5,2",
+                          {"control": "load", "value": 10.0})
+    for name in ("s.json", "s.vts"):
+        run_program(asperity, "solve", tmp_path / "s.scene", "--quiet", "--depths", "0.5,2",
+                    "--stress", tmp_path / name)
+    lines = {name: values.transpose(0, 2, 1).ravel().tolist() for name, values in numbers.items()}
+    assert json.loads((tmp_path / "s.json").read_text()) == {"stress": lines}
+    root = ElementTree.parse(tmp_path / "s.vts").getroot()
+    assert (root.tag, root.get("type")) == ("VTKFile", "StructuredGrid")
+    grid, = root.findall("StructuredGrid")
+    piece, = grid.findall("Piece")
+    assert grid.get("WholeExtent") == piece.get("Extent") == "0 4 0 3 0 1"
+    points, = piece.findall("Points/DataArray")
+    assert points.get("NumberOfComponents") == "3"
+    found = np.array(points.text.split(), float).reshape(-1, 3)
+    assert (found == np.transpose([lines.pop(name) for name in ("x", "y", "depth")])).all()
+    assert {array.get("Name"): [float(word) for word in array.text.split()]
+            for array in piece.findall("PointData/DataArray")} == lines
+    assert piece.find("Verts") is None
+
+
 @pytest.mark.parametrize("words, text", [
     (("--stress", "s.csv"), "--stress: expected --depths LIST beside it"),
+    (("--stress", "s.vtk"), "expected a name that ends with .csv, .json or .vts"),
     (("--depths", "0.1,0"), "expected depths more than 0"),
     (("--depths", "0.2:0.1:4"), "expected depths more than 0"),
     (("--depths", "0.1:0.2:1"), "expected depths more than 0"),
