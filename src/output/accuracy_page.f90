@@ -3,6 +3,7 @@
 !> script is a few lines that read the data of the page.
 module asperity_accuracy_page
   use asperity_html_page, only: begin_page, begin_section, end_page, put_table
+  use asperity_key_sort, only: sort_keys
   use asperity_kinds, only: not_computed, real64
   use asperity_method_study, only: method_table
   use asperity_method_totals, only: error_of_area
@@ -103,15 +104,10 @@ contains
     ! The methods of the Pareto front, from the fastest on.
     subroutine put_front(time, level)
       real(real64), intent(in) :: time(:), level(:)
-      real(real64) :: x(size(time)), y(size(time))
-      integer :: i, place
+      integer :: order(size(time))
 
-      do i = 1, size(time)
-        place = 1 + count(time < time(i)) + count(.not. abs(time(:i - 1) - time(i)) > 0.0_real64)
-        x(place) = max(time(i), 1.0e-9_real64)
-        y(place) = level(i)
-      end do
-      call plot%add_curve(x, y, buffer)
+      call sort_keys(time, order)
+      call plot%add_curve(max(time(order), 1.0e-9_real64), level(order), buffer)
     end subroutine put_front
 
   end subroutine put_plot

@@ -62,7 +62,12 @@ contains
       if (last%last_row < last%first_row) cycle
       plans = plans + 1
       if (plans > most_plans .or. frame%circles == 0) cycle
-      if (plans == 1) call put_legend(scene_in, frame, buffer)
+      if (plans == 1) call buffer%line('<p>' // trim(merge( &
+        'Dots: centres of the pressure of contact patches.                 ', &
+        'Circles: contacts, each with its area, or a dot for a smaller one.', &
+        frame%has_patches)) // ' Solid outline, dots: lower surface and its summits; dashed, ' // &
+        'crosses: the upper ones. Summits are drawn where a surface has at most ' // &
+        decimal_text(most_summits) // '.</p>')
       call put_plan(results, m, frame, buffer)
     end do
     if (plans == 0) call buffer%line('<p>No contact.</p>')
@@ -206,38 +211,6 @@ contains
 
     shift = [results%positions(m)%x_displacement, results%positions(m)%y_displacement]
   end function displacement_of
-
-  ! The legend of a plan.
-  subroutine put_legend(scene_in, frame, buffer)
-    type(scene), intent(in) :: scene_in
-    type(plan_frame), intent(in) :: frame
-    type(text_buffer), intent(inout) :: buffer
-
-    if (frame%has_patches) then
-      call buffer%append('<p>Dots: centres of the pressure of contact patches.')
-    else
-      call buffer%append('<p>Circles: contacts, each with its area, or a dot for a smaller one.')
-    end if
-    if (allocated(scene_in%map)) then
-      call buffer%append(' Line: outline of the map.')
-    else
-      call put_surface(size(frame%lower, 2), 'Lower surface: solid outline', ', dots')
-      call put_surface(size(frame%upper, 2), 'Upper surface: dashed outline', ', crosses')
-    end if
-    call buffer%line('</p>')
-
-  contains
-
-    subroutine put_surface(points, outline, marks)
-      integer, intent(in) :: points
-      character(len=*), intent(in) :: outline, marks
-
-      if (points > 4) call buffer%append(' ' // outline // marks // ' for the summits.')
-      if (points == 4) call buffer%append(' ' // outline // '; more than ' // &
-                                          decimal_text(most_summits) // ' summits, not drawn.')
-    end subroutine put_surface
-
-  end subroutine put_legend
 
   subroutine put_plan(results, m, frame, buffer)
     type(scene_results), intent(in) :: results
