@@ -139,16 +139,20 @@ contains
                 (limit%criterion == criterion_load .and. (from_csv(fields) .or. has_value)), &
                 for_what)
       call check_need(fields, 'limit', 'hardness', &
-                limit%criterion == criterion_greenwood_williamson, for_what)
-      call check_need(fields, 'limit', 'yield_stress', limit%criterion == criterion_hardy, for_what)
+                limit%criterion == criterion_greenwood_williamson, for_what, &
+                ', or criterion = ''greenwood_williamson''')
+      call check_need(fields, 'limit', 'yield_stress', limit%criterion == criterion_hardy, &
+                for_what, ', or criterion = ''hardy''')
     end associate
   end subroutine read_limit
 
   !> A name that something needs must stand there; one that nothing needs must not.
-  subroutine check_need(fields, group, name, is_needed, for_what)
+  subroutine check_need(fields, group, name, is_needed, for_what, or_else)
     type(scene_fields), intent(inout) :: fields
     character(len=*), intent(in) :: group, name, for_what
     logical, intent(in) :: is_needed
+    character(len=*), intent(in), optional :: or_else  ! what would use the name
+    character(len=:), allocatable :: expected
 
     if (is_needed .and. .not. fields%has_name(group, name)) then
       if (fields%has_group('loading') .or. fields%has_name('limit', 'criterion')) then
@@ -160,7 +164,9 @@ contains
                                       'expected one')
       end if
     else if (fields%has_name(group, name) .and. .not. is_needed) then
-      call fields%complain_of(group, name, 'not used with ' // for_what // ', expected none')
+      expected = ', expected none'
+      if (present(or_else)) expected = expected // or_else
+      call fields%complain_of(group, name, 'not used with ' // for_what // expected)
     end if
   end subroutine check_need
 

@@ -458,6 +458,8 @@ contains
                 'needs hardness')
     call refuse(error, deck // '|&limit criterion="hardy", yield_stress=1, value=2 /', '2:43', &
                 'value: not used with criterion = ''hardy''')
+    call refuse(error, deck // '|&limit hardness=2 /', '2:8', &
+                'expected none, or criterion = ''greenwood_williamson''')
     call refuse(error, deck // '|&loading control="load" /', '2:1', &
                 'control = ''load'' needs value in &loading')
     call refuse(error, deck // '|&loading value=3 /', '2:10', 'value: not used with control')
