@@ -58,9 +58,9 @@ module asperity_map_contact
   integer, parameter :: worth_halving = 64 * 64
 
   ! Bound of the displacement by a load, over the load, modulus and side of a pixel. Derived: at the
-  ! centre of one pixel of a x b it is (2/pi) (1 + ln(2 a/b)) at most, on a strip of the period l and
-  ! the width w (2/pi) ln(2 w/l) more: 28 where both ratios are 1e9 (test: a flat with missing pixels
-  ! in test_creep_pixels.py).
+  ! centre of one pixel of a x b it is (2/pi) (1 + ln(2 a/b)) at most, and on a strip of period l
+  ! and width w (2/pi) ln(2 w/l) more: 28 where both ratios are 1e9 (test: a flat with missing
+  ! pixels in test_creep_pixels.py).
   real(real64), parameter :: displacement_reach = 64.0_real64
   ! Bytes of the two spectra for a padded pixel, of the transform for one in the rows of the map,
   ! and of a plain one: pressures, gaps and the vectors of the method (derived; test: memory in
