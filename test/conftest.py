@@ -34,6 +34,10 @@ MARKS = ("fast: what `make test` runs: all tests of no other kind",
          "trouble: runs in these builds although it is not fast")
 
 
+# Cases of a test that a build runs, by the option --cases.
+CASES = {"first": (0,), "last": (-1,), "ends": (0, -1)}
+
+
 class Tally:
     """Counts of printed cells, table by table."""
 
@@ -67,13 +71,13 @@ def pytest_configure(config):
 
 
 def pytest_addoption(parser):
-    parser.addoption("--ends", action="store_true", help="of the cases of a test the first and the "
-                     "last alone, but for those marked trouble")
+    parser.addoption("--cases", choices=CASES, help="of the cases of a test the first, the last or "
+                     "both alone, but for those marked trouble")
 
 
 @pytest.hookimpl(wrapper=True)
 def pytest_collection_modifyitems(config, items):
-    """A test without a kind is `fast`; pages do not depend on the build. `--ends` comes last."""
+    """A test without a kind is `fast`; pages do not depend on the build. `--cases` comes last."""
     for item in items:
         marks = {mark.name for mark in item.iter_markers()}
         if marks.isdisjoint(KINDS):
@@ -81,13 +85,12 @@ def pytest_collection_modifyitems(config, items):
         if "pages" in marks:
             item.add_marker(pytest.mark.once)
     result = yield
-    if config.getoption("ends"):
-        ends = {}
+    if config.getoption("cases"):
+        cases = {}
         for item in items:
             many = item.get_closest_marker("trouble")
-            name = item if many else item.nodeid.partition("[")[0]
-            ends[name] = (*ends.get(name, ())[:1], item)
-        kept = {item for cases in ends.values() for item in cases}
+            cases.setdefault(item if many else item.nodeid.partition("[")[0], []).append(item)
+        kept = {of_test[i] for of_test in cases.values() for i in CASES[config.getoption("cases")]}
         config.hook.pytest_deselected(items=[item for item in items if item not in kept])
         items[:] = [item for item in items if item in kept]
     return result

@@ -59,6 +59,12 @@ static void map(const char *text, const char *path, double along_x, double along
   refused(text, asperity_summits(path, &options));
 }
 
+static void map_beside_plane(const char *text, asperity_height_map bad)
+{
+  const asperity_side side = {NULL, &bad};
+  refused(text, asperity_build_scene_of(GROUPS " &surfaces upper = 'plane' /", NULL, &side));
+}
+
 int main(int words, char **word)
 {
   const double x[] = {0., 1.}, y[] = {0., 0.}, z[] = {.1, .1}, r[] = {1., 1.};
@@ -167,7 +173,17 @@ int main(int words, char **word)
     asperity_free(pressed);
   }
   asperity_free(pixels);
-  asperity_free(expect(ASPERITY_DONE, "", asperity_summits_of_map(&area, NULL)));
+  made = expect(ASPERITY_DONE, "", asperity_summits_of_map(&area, NULL));
+  for (int i = 0; i < asperity_columns(made, ASPERITY_STATISTICS); i++) {
+    const char *unit = asperity_column_unit(made, ASPERITY_STATISTICS, i);
+    const char *name = asperity_column_name(made, ASPERITY_STATISTICS, i);
+    if ((!strcmp(name, "density") && strcmp(unit, "1/um2")) ||
+        (!strcmp(name, "m0") && strcmp(unit, "um2")) ||
+        (!strcmp(name, "mean_curvature") && strcmp(unit, "1/um")) ||
+        (!strcmp(name, "alpha") && *unit) || (!strcmp(name, "m2_x") && *unit))
+      wrong++;
+  }
+  asperity_free(made);
   asperity_free(expect(ASPERITY_DONE, "", asperity_read_map(word[2], area.spacing, "mm")));
   asperity_free(expect(ASPERITY_DONE, "", asperity_write_map(&area, "a.npy")));
   refused("surfaces.upper: found asperities and a map",
@@ -179,8 +195,25 @@ int main(int words, char **word)
   refused("map: found NULL, expected a path", asperity_read_map(NULL, NULL, NULL));
   refused("unit: found ell, expected one of m", asperity_read_map(word[2], area.spacing, "ell"));
   refused("path: found NULL, expected a path", asperity_write_map(&area, NULL));
+  bad.columns = 0;
+  map_beside_plane("surfaces.lower.columns: found 0, expected 3 or more", bad);
+  bad.columns = 2147483647;
+  bad.rows = 2;
+  map_beside_plane("surfaces.lower: found 2147483647 x 2", bad);
+  bad = area;
+  bad.periodic = 2;
+  map_beside_plane("surfaces.lower.periodic: found 2, expected 1, 0, or -1", bad);
+  bad = area;
+  bad.unit = "furlong";
+  map_beside_plane("surfaces.lower.unit: found furlong, expected one of m, mm, um", bad);
+  bad = area;
+  bad.spacing[0] = NAN;
+  map_beside_plane("surfaces.lower.spacing: found NaN, ", bad);
+  bad = area;
   bad.height = NULL;
+  map_beside_plane("surfaces.lower.height: found NULL", bad);
   refused("map.height: found NULL, expected numbers", asperity_write_map(&bad, "a.npy"));
+  refused("map: found NULL", asperity_write_map(NULL, NULL));
   bad = area;
   bad.rows = -1;
   refused("map.rows: found -1, expected 3 or more", asperity_summits_of_map(&bad, NULL));
@@ -219,6 +252,7 @@ int main(int words, char **word)
   if (!problem.file || !problem.text || *problem.file || *problem.text) wrong++;
   for (int which = -1; which < 15; which++) {
     if (!asperity_text(NULL, which) || !asperity_text(solved, which)) wrong++;
+    if (*asperity_column_unit(NULL, which, 0)) wrong++;
     if (asperity_rows(NULL, which) || asperity_columns(NULL, which)) wrong++;
     if (asperity_column(NULL, which, 0) || asperity_column(solved, which, -1)) wrong++;
     if (asperity_column_name(solved, which, 1000) || asperity_column(solved, which, 1000)) wrong++;

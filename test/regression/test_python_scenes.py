@@ -3,7 +3,6 @@
 import concurrent.futures
 import copy
 import pickle
-import random
 import re
 import signal
 import subprocess
@@ -34,17 +33,6 @@ def assert_near(found, expected):
     for name in ("load", "separation", "compression", "area", "vertical_load"):
         assert np.allclose(found[name], expected[name], rtol=1e-6, atol=0), name
     assert np.array_equal(found["contacts"], expected["contacts"])
-
-
-@pytest.mark.parametrize("interaction", ["off", "coupled", "auto"])
-def test_as_separate_solves(package, interaction):
-    """Loads up, down and in any order give what separate solves give."""
-    base = groups(package, effects={"interaction": interaction})
-    scene = package.Scene(base)
-    loads = [5.0 * i for i in range(1, 9)]
-    for load in (*loads, *reversed(loads), *random.Random(1).sample(loads, 8)):
-        base["loading"]["value"] = load
-        assert_near(scene.solve(loading={"value": load}).states, package.solve(base).states)
 
 
 def test_changes(package):
@@ -126,20 +114,6 @@ def test_copies_of_scenes(package):
     expected = scene.solve().states
     for one in (copy.copy(scene), copy.deepcopy(scene), pickle.loads(pickle.dumps(scene))):
         assert_near(one.solve().states, expected)
-
-
-def test_threads(package):
-    """Two threads solve one scene at once, each with results of its own."""
-    scene = package.Scene(groups(package, effects={"interaction": "coupled"}))
-    loads = [1.0 + i for i in range(40)]
-
-    def closed(load):
-        return scene.solve(loading={"value": load}, threads=1).states["compression"][-1]
-    with concurrent.futures.ThreadPoolExecutor(2) as pool:
-        found = list(pool.map(closed, loads))
-    fresh = package.Scene(groups(package, effects={"interaction": "coupled"}))
-    expected = [fresh.solve(loading={"value": load}).states["compression"][-1] for load in loads]
-    assert np.allclose(found, expected, rtol=1e-6)
 
 
 def test_messages_in_threads(package):
