@@ -145,6 +145,15 @@ def root():
     return ROOT
 
 
+@pytest.fixture
+def checkout(tmp_path):
+    """A folder that looks like the root to what only reads."""
+    for path in ROOT.iterdir():
+        if not path.name.startswith(".") and path.name != "build":
+            (tmp_path / path.name).symlink_to(path)
+    return tmp_path
+
+
 @pytest.fixture(scope="session")
 def tally(request):
     """Where a test counts the cells it compared; printed at the end of the run."""

@@ -104,6 +104,16 @@ def nearest_pair(x, y, least):
     return best
 
 
+@pytest.mark.parametrize("counter, key, words", [
+    ((0, 0, 0, 0), (0, 0), (0x6627E8D5, 0xE169C58D, 0xBC57AC4C, 0x9B00DBD8)),
+    ((2**32 - 1,) * 4, (2**32 - 1,) * 2, (0x408F276D, 0x41C83B0E, 0xA20BC7C6, 0x6D5451FD)),
+    ((0x243F6A88, 0x85A308D3, 0x13198A2E, 0x03707344), (0xA4093822, 0x299F31D0),
+     (0xD16CFE09, 0x94FDCCEB, 0x5001E420, 0x24126EA1))])
+def test_words_of_the_generator(counter, key, words):
+    """The definition that draws and places are compared with has the published vectors."""
+    assert tuple(philox(counter, key).ravel()) == words
+
+
 def test_positions_are_those_of_the_definition(generate, tally):
     """Random sequential addition anew, with all earlier asperities asked, in whole numbers."""
     x, y, _, _ = rows(generate(PLAIN.format(number=400, least=1, seed=77, more="")).stdout)

@@ -7,6 +7,8 @@ tests compare pairs within the margin of the search, also of shorter numbers.
 """
 
 
+import math
+
 import numpy as np
 import pytest
 
@@ -149,17 +151,23 @@ def test_contacts(name, asperity, tmp_path, tally):
     level = float(max(np.sort(touch)[-5000] - 1e-3, least))
     write_surface(tmp_path / "upper.csv", upper)
     write_surface(tmp_path / "lower.csv", lower)
-    scene = tmp_path / "pairs.scene"
-    scene.write_text(
-        "&surfaces upper = 'upper.csv', lower = 'lower.csv' /\n"
-        "&material elastic_modulus = 2*1.0, poisson_ratio = 2*0.3 /\n"
-        f"&motion x_first = {shift[0]}, y_first = {shift[1]}, positions = 1 /\n"
-        f"&loading control = 'separation', value = {level!r} /\n"
-        "&effects interaction = 'off' /\n", encoding="ascii")
-    run_program(asperity, "solve", scene, "--quiet", "--contacts", tmp_path / "c.csv")
-    rows = records(tmp_path / "c.csv")
-    up, low = (np.array([int(row[key]) - 1 for row in rows]) for key in ("upper", "lower"))
-    penetration = np.array([float(row["penetration"]) for row in rows])
+
+    def solved(control, value):
+        """Indices of the contacts, penetrations, and the load."""
+        scene = tmp_path / "pairs.scene"
+        scene.write_text(
+            "&surfaces upper = 'upper.csv', lower = 'lower.csv' /\n"
+            "&material elastic_modulus = 2*1.0, poisson_ratio = 2*0.3 /\n"
+            f"&motion x_first = {shift[0]}, y_first = {shift[1]}, positions = 1 /\n"
+            f"&loading control = '{control}', value = {value!r} /\n"
+            "&effects interaction = 'off' /\n", encoding="ascii")
+        run_program(asperity, "solve", scene, "--quiet", "--contacts", tmp_path / "c.csv")
+        rows = records(tmp_path / "c.csv")
+        return (*(np.array([int(row[key]) - 1 for row in rows]) for key in ("upper", "lower")),
+                np.array([float(row["penetration"]) for row in rows]),
+                math.fsum(float(row["load"]) for row in rows))
+
+    up, low, penetration, load = solved("separation", level)
 
     # s - sqrt(s*s - d*d) loses at most a few units of s; where d is near s its root magnifies
     # them by s/zc.
@@ -180,3 +188,8 @@ def test_contacts(name, asperity, tmp_path, tally):
     combined = upper.radius[up] * lower.radius[low] / s
     wanted = np.lexsort((low, up, combined, s, d, exact.max() - exact))
     assert np.array_equal(wanted, np.arange(len(up)))
+    # Under their load, whose compression bounds the search from above, the same contacts are found.
+    again = solved("load", load)
+    deep = penetration > 1e-6 * penetration.max()
+    assert np.isin(key[deep], again[0] * len(lower) + again[1]).all()
+    assert np.isin(again[0] * len(lower) + again[1], key).all()

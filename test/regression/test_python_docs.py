@@ -59,14 +59,12 @@ def test_examples_of_docstrings(package, monkeypatch):
         assert f"asperity.{name}" in with_example, name
 
 
-def test_page_examples(package, venv, tmp_path):
+def test_page_examples(package, venv, checkout):
     """The examples of the pages run, each by itself, in a folder that looks like the checkout."""
-    for path in ROOT.glob("[!.]*"):
-        (tmp_path / path.name).symlink_to(path)
     environment = {**os.environ, "PYTHONPATH": str(next(venv.glob("lib/python*/site-packages"))),
                    "MPLBACKEND": "Agg"}
     for name, text in page_examples().items():
-        run_program(sys.executable, "-W", "ignore", "-c", text, cwd=tmp_path, env=environment)
+        run_program(sys.executable, "-W", "ignore", "-c", text, cwd=checkout, env=environment)
 
 
 @pytest.mark.parametrize("name", NOTEBOOKS)

@@ -1,10 +1,8 @@
 """The README: its length, and its blocks, each run as it stands in a folder that looks like the
 checkout."""
 
-import importlib
 import os
 import re
-import sys
 
 import pytest
 from builds import ROOT
@@ -21,20 +19,17 @@ EXAMPLES = {
 
 
 @pytest.fixture
-def run(asperity, tmp_path):
+def run(asperity, checkout):
     """Runs the commands of a block in a shell. `fpm` is a stand-in: it builds nothing and runs the
     executable under test."""
-    for path in ROOT.iterdir():
-        if not path.name.startswith(".") and path.name != "build":
-            (tmp_path / path.name).symlink_to(path)
-    words = tmp_path / ".venv/bin"
+    words = checkout / ".venv/bin"
     words.mkdir(parents=True)
     (words / "asperity").symlink_to(asperity)
     (words / "fpm").write_text('#!/bin/sh\n[ "$1" = run ] || exit 0\nshift 2\nexec asperity "$@"\n')
     (words / "fpm").chmod(0o755)
 
     def run(commands):
-        return run_program("bash", "-ec", commands, cwd=tmp_path,
+        return run_program("bash", "-ec", commands, cwd=checkout,
                            variables={"PATH": f"{words}:{os.environ['PATH']}"}).stdout
     return run
 
@@ -105,21 +100,3 @@ def test_gallery_has_every_example():
     assert len(pictures) == len(set(pictures)) >= 12
     for picture in pictures:
         assert (ROOT / "docs" / picture).exists()
-
-
-# What the table says that other programs have, and the names of it in them.
-PEERS = {
-    "tamaas": ["PolonskyKeerRey", "EPICSolver", "KatoSaturated", "MaugisAdhesionFunctional",
-               "PolonskyKeerTan", "MaxwellViscoelastic", "Isopowerlaw2D"],
-    "tamaas.compute": ["von_mises"],
-    "ContactMechanics": ["FreeFFTElasticHalfSpace", "PeriodicFFTElasticHalfSpace",
-                         "SemiPeriodicFFTElasticHalfSpace", "PlasticSubstrate"]}
-
-
-@pytest.mark.once
-@pytest.mark.skipif(sys.version_info < (3, 11), reason="the versions that are compared need 3.11")
-@pytest.mark.parametrize("name", PEERS)
-def test_other_programs_have_it(name):
-    """Each cell of the comparison that is not a plain no has its name in the installed version."""
-    module = importlib.import_module(name)
-    assert not [one for one in PEERS[name] if not hasattr(module, one)]

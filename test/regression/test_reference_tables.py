@@ -1,14 +1,13 @@
 """The tables of docs/reference that are made from the source: current, and complete."""
 
-import csv
-
+import accuracy_costs
 import pytest
 from builds import ROOT
-from constants_table import ROOMS, constants
 from reference_tables import MADE, begin, inside, made
-import accuracy_costs
 
 pytestmark = pytest.mark.pages
+
+
 @pytest.mark.parametrize("name", MADE)
 def test_a_table_is_current(name, asperity):
     """After a change of an option or a default in the source: make tables."""
@@ -31,16 +30,3 @@ def test_costs_of_accuracy():
                   if row["scene"] == scene and row["seconds"]]
         assert errors.count(min(errors)) > 1, scene
     assert len([word for word in page.split() if word.strip("|-:")]) <= 600
-
-
-def test_tests_of_constants():
-    """A test that a comment names was seen to fail with the constant changed."""
-    path = ROOT / "reference_output/interaction/constants.csv"
-    with open(path, encoding="utf-8", newline="") as file:
-        rows = {row["constant"]: row for row in csv.DictReader(file)}
-    found = [one for room in ROOMS for one in constants(room) if one.test]
-    assert len(found) > 8
-    for one in found:
-        row = rows.get(f"{one.file}:{one.name}", {})
-        assert row.get("test") == one.test and "seen" in (row["up"], row["down"]), \
-            f"run tools/mutate.py --constants {one.file}:{one.name}"

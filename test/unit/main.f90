@@ -12,12 +12,9 @@ program unit_tests
   use asperity_friction_suite, only: collect_friction
   use asperity_generation_suite, only: collect_generation
   use asperity_joint_suite, only: collect_joint
-  use asperity_kernel_search_suite, only: collect_kernel_search
   use asperity_map_suite, only: collect_maps
   use asperity_mutual_suite, only: collect_mutual
   use asperity_new_effect_suite, only: collect_new_effect
-  use asperity_packet_suite, only: collect_packets
-  use asperity_philox_suite, only: collect_philox
   use asperity_plasticity_suite, only: collect_plasticity
   use asperity_potential_suite, only: collect_potential
   use asperity_pair_search_suite, only: collect_pair_search
@@ -55,11 +52,8 @@ program unit_tests
   call run_suite('creep', collect_creep, tally)
   call run_suite('plastic flow', collect_plasticity, tally)
   call run_suite('an effect made up', collect_new_effect, tally)
-  call run_suite('generator', collect_philox, tally)
   call run_suite('generation', collect_generation, tally)
   call run_suite('pair search', collect_pair_search, tally)
-  call run_suite('search of the solver', collect_kernel_search, tally)
   call run_suite('representative area', collect_study, tally)
-  call run_suite('packets', collect_packets, tally)
   call finish(tally)
 end program unit_tests
