@@ -18,6 +18,7 @@ sys.path[:0] = [str(Path(__file__).resolve().parent / name) for name in
 
 from builds import ROOT, build  # noqa: E402
 
+os.environ.setdefault("MPLBACKEND", "Agg")
 
 # Tests that share what takes long to make: all of such a file run in one process.
 TOGETHER = ("test_accuracy.py", "test_effects.py", "test_python.py", "test_python_arguments.py",
@@ -143,6 +144,14 @@ def pytest_testnodedown(node):
 def root():
     """The root folder of the project."""
     return ROOT
+
+
+@pytest.fixture(autouse=True)
+def closed_figures():
+    """Figures of matplotlib are closed after the test that has drawn them."""
+    yield
+    if "matplotlib.pyplot" in sys.modules:
+        sys.modules["matplotlib.pyplot"].close("all")
 
 
 @pytest.fixture

@@ -10,7 +10,6 @@ import pytest
 
 from ball_scenes import balls, column, compare, off, solved
 from effect_runs import DECK, ROOT, TOLD
-from programs import run_program
 from surfaces_csv import records, solve, write_scene
 
 EXAMPLES = ROOT / "data" / "examples" / "effects"
@@ -178,17 +177,6 @@ def test_bad_input(asperity, tmp_path, tally):
         assert line.startswith(f"{scene}:2:") and words in line, line
         assert name in line and not done.positions
     tally.add("effects: bad values refused", len(BAD), len(BAD))
-
-
-def test_a_message_has_the_values_of_the_help(asperity, tmp_path):
-    """Each name of &effects: what its message expects is what the help lists."""
-    text = run_program(asperity, "solve", "--help").stdout.split("Names of group &effects")[1]
-    listed = re.findall(r"(?m)^ {2,4}(\w+) +(.+); (?:default )?.+$", text.split("\n\n")[1])
-    assert len(listed) > 10
-    for name, values in listed:
-        scene = tmp_path / "refused.scene"
-        scene.write_text(f"&surfaces deck = '{DECK}' /\n&effects {name} = '?' /\n")
-        assert f"{name}: found the text '?', expected {values}" in solve(asperity, scene).stderr
 
 
 MISSING = [

@@ -102,12 +102,6 @@ def test_contacts_lowered(sweeps, tally):
     report(tally, "effects: load of a lowered contact", load, 1e-12)
 
 
-def test_factor_of_boundary(sweeps, truth, tally):
-    run = sweeps.solve(interaction="boundary")
-    errors = np.abs(column(run.positions, "factor") - factors(truth))
-    report(tally, "effects: factor, boundary", errors, FACTOR_ON_CELLS)
-
-
 def test_load_of_boundary_is_converged(sweeps, truth, tally):
     """Within 0.1 % of the truth at every position, together and alone."""
     run = sweeps.solve(interaction="boundary")

@@ -140,22 +140,6 @@ def test_generate(package, tmp_path):
 
 # ---------------------------------------------------------------- arrays
 
-def test_surfaces_of_all_kinds(package):
-    """Lists, strided and read-only arrays, other types, one radius for all: the same results."""
-    x, y, height, radius = np.array(BUMPS).T
-    ball = {name: [value] for name, value in zip(("x", "y", "height", "radius"), BALL[0])}
-    fixed = height.copy()
-    fixed.flags.writeable = False
-    kinds = [(x.copy(), y.copy(), height.copy(), radius.copy()),
-             (x.tolist(), tuple(y), memoryview(height.copy()), 2.0),
-             (x, y, fixed, np.array([2.0])), (x, y, height, np.float32(2.0)),
-             (x, y, height, np.full(9, 2, dtype=int))]
-    loads = [package.solve({"surfaces": {"upper": ball, "lower": dict(
-        zip(("x", "y", "height", "radius"), kind))}, "material": STEEL, "loading": CURVE}
-        ).states["load"].tolist() for kind in kinds]
-    assert all(load == loads[0] for load in loads) and loads[0][-1] == pytest.approx(25, 1e-6)
-
-
 def test_plane_and_files(package, tmp_path, monkeypatch):
     """A ball on a plane under Hertz' load; the same scene with a file."""
     ball = dict(zip(("x", "y", "height", "radius"), ([0.0], [0.0], [0.1], [10.0])))
@@ -190,30 +174,10 @@ def test_problems(package, tmp_path):
     assert issubclass(package.InputError, ValueError)
 
 
-@pytest.mark.parametrize("change, told", [
-    ({"upper": {"x": [0.0]}}, "surfaces.upper: found no y, height, radius"),
-    ({"upper": {**dict.fromkeys("xy", [0.0]), "height": [0.0, 1.0], "radius": 1.0}},
-     "surfaces.upper: found 1 x, 1 y, 2 heights and 1 radii"),
-    ({"upper": {**dict.fromkeys("xy", []), "height": [], "radius": 1.0}}, "at least one asperity"),
-    ({"upper": {**dict.fromkeys("xy", [0.0]), "height": [math.nan], "radius": 1.0}},
-     "surfaces.upper.height: found NaN as number 1 of 1, expected a finite number"),
-    ({"upper": "u.csv"}, "u.csv:1:1: cannot be opened"),
-    ({"lower": "plane", "upper": "plane"}, "two planes")])
-def test_bad_surfaces(package, change, told):
-    scene = scene_as_dict(BALL, BUMPS, loading=CURVE)
-    scene["surfaces"].update(change)
-    with pytest.raises(package.InputError, match=re.escape(told)):
-        package.solve(scene)
-
-
 def test_failures(package):
     scene = scene_as_dict(BALL, BUMPS, loading={"control": "load", "value": 1e30})
     with pytest.raises(package.ComputeError, match="^scene: position 1: the load is larger than"):
         package.solve(scene)
-    with pytest.raises(package.InputError, match="arithmetic: found real32, expected real64"):
-        package.solve(scene, arithmetic="real32")
-    with pytest.raises(TypeError):
-        package.solve(scene_as_dict(BALL, BUMPS, material={"elastic_modulus": object()}))
 
 
 def test_warnings_and_nan(package):

@@ -5,13 +5,10 @@ import os
 import re
 import sys
 
-import matplotlib
 import notebooks
 import pytest
 from builds import ROOT
 from programs import run_program
-
-matplotlib.use("Agg")
 
 pytestmark = [pytest.mark.pages, pytest.mark.filterwarnings("ignore::UserWarning")]
 
@@ -71,6 +68,7 @@ def test_page_examples(package, venv, checkout):
 def test_notebook(venv, name, monkeypatch):
     """A notebook runs, draws, and prints what it shows."""
     monkeypatch.setenv("PYTHONPATH", str(next(venv.glob("lib/python*/site-packages"))))
+    monkeypatch.delenv("MPLBACKEND")
     path = ROOT / f"python/notebooks/{name}.ipynb"
     kept, made = notebooks.nbformat.read(path, 4), notebooks.executed(path)
     assert notebooks.printed(made) == notebooks.printed(kept), \

@@ -5,7 +5,6 @@ import copy
 import math
 import pickle
 
-import matplotlib
 import numpy as np
 import pytest
 from builds import ROOT
@@ -13,18 +12,9 @@ from image_data import read_vti
 from programs import run_program
 from surfaces_csv import write_scene
 
-matplotlib.use("Agg")
-import matplotlib.pyplot as plt  # noqa: E402
-
 pytestmark = [pytest.mark.once, pytest.mark.filterwarnings("ignore::UserWarning")]
 
 NAMES = ("pressure", "gap", "displacement")
-
-
-@pytest.fixture(autouse=True)
-def closed_figures():
-    yield
-    plt.close("all")
 
 
 def heights():
@@ -160,17 +150,6 @@ def test_histogram_has_the_greatest_pressure(package, bins):
         assert counts[-1] == pytest.approx((pressure > pressure.max() * (1 - 1 / bins)).sum())
 
 
-@pytest.mark.parametrize("way", ["pickle", "copy", "deepcopy"])
-def test_copies_keep_the_fields(package, path, way):
-    results = package.solve(path, fields="all")
-    same = {"pickle": lambda it: pickle.loads(pickle.dumps(it)), "copy": copy.copy,
-            "deepcopy": copy.deepcopy}[way](results)
-    for step in range(1, 5):
-        for name in NAMES:
-            assert np.array_equal(same.fields(step=step)[name], results.fields(step=step)[name],
-                                  equal_nan=True)
-
-
 def test_plots(solved):
     fields = solved.fields()
     for name, blank in (("pressure", ~fields.contact), ("gap", fields.contact),
@@ -236,28 +215,6 @@ def test_refusals(package, solved, path):
             solved.fields(step=step)
     with pytest.raises(ValueError, match="bins: found 0, expected a number from 1"):
         solved.pressure_histogram(bins=0)
-
-
-def test_without_numpy(venv, path, solved):
-    """Sequences of rows with the same values."""
-    program = f"""
-import asperity, warnings
-warnings.simplefilter("ignore")
-results = asperity.solve({str(path)!r}, fields=True)
-fields = results.fields()
-print(fields.shape, len(fields.gap), len(fields.gap[0]))
-print(repr(fields.gap[2][3]), fields.contact[2][3] is False or fields.contact[2][3] is True)
-pressure, density = results.pressure_histogram(bins=5)
-print(sum(density) * pressure[0] * 2)
-print(fields)
-"""
-    done = run_program(venv / "bin/python", "-c", program)
-    lines = done.stdout.splitlines()
-    assert lines[0] == "(13, 18) 13 18"
-    assert lines[1] == f"{float(solved.fields().gap[2, 3])!r} True"
-    measured = (~np.isnan(heights())).sum()
-    assert float(lines[2]) == pytest.approx(solved.fields().contact.sum() / measured)
-    assert lines[3] == repr(solved.fields())
 
 
 def test_traction_and_stick(package, path, asperity, tmp_path):

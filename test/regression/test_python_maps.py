@@ -5,16 +5,12 @@ import pickle
 import struct
 from types import SimpleNamespace
 
-import matplotlib
+import matplotlib.pyplot as plt
 import numpy as np
 import pandas as pd
 import pytest
 from builds import ROOT
 from programs import run_program
-from SurfaceTopography import Topography
-
-matplotlib.use("Agg")
-import matplotlib.pyplot as plt  # noqa: E402
 
 pytestmark = [pytest.mark.once, pytest.mark.filterwarnings("ignore::UserWarning"),
               pytest.mark.filterwarnings("ignore::DeprecationWarning")]
@@ -36,16 +32,16 @@ def made(rows=24, columns=32, seed=5):
 HEIGHTS = made()
 
 
+def Topography(*arguments, **options):
+    """A map of SurfaceTopography, which takes a second to import."""
+    from SurfaceTopography import Topography as made_topography
+    return made_topography(*arguments, **options)
+
+
 def scene(lower, **more):
     return {"surfaces": {"upper": "plane", "lower": lower, **more},
             "material": {"contact_modulus": 10.0},
             "loading": {"control": "pressure", "value": 0.04, "points": 3}}
-
-
-@pytest.fixture(autouse=True)
-def closed_figures():
-    yield
-    plt.close("all")
 
 
 @pytest.mark.parametrize("interaction, periodic", [

@@ -6,15 +6,12 @@ import json
 import pickle
 import warnings
 
-import matplotlib
+import matplotlib.pyplot as plt
 import numpy as np
 import pandas as pd
 import pytest
 from builds import ROOT
 from programs import run_program
-
-matplotlib.use("Agg")
-import matplotlib.pyplot as plt  # noqa: E402
 
 pytestmark = [pytest.mark.once, pytest.mark.filterwarnings("ignore::UserWarning")]
 
@@ -30,12 +27,6 @@ LOAD = 4 / 3 * 1000.0 * np.sqrt(10.0) * COMPRESSION**1.5
 @pytest.fixture
 def results(package):
     return package.solve(CURVE)
-
-
-@pytest.fixture(autouse=True)
-def closed_figures():
-    yield
-    plt.close("all")
 
 
 def test_columns_compute(results):
@@ -231,6 +222,12 @@ pressed = asperity.solve({"surfaces": {"upper": "plane", "lower": pixels, "map_s
     "material": {"contact_modulus": 100.0}, "loading": {"control": "vertical_load", "value": 1.0},
     "effects": {"interaction": "boundary"}})
 assert abs(pressed.states["load"][-1] - 1) < 1e-6
+fields = asperity.solve({"surfaces": {"upper": "plane", "lower": surface},
+    "material": {"contact_modulus": 100.0}, "loading": {"control": "load", "value": 1.0},
+    "effects": {"interaction": "boundary"}}, fields=True).fields()
+assert fields.shape == (len(fields.gap), len(fields.gap[0])) == (3, 4)
+assert fields.contact[1][2] is True and fields.contact[1][1] is False
+assert sum(value * 0.25 for row in fields.pressure for value in row if value > 0) > 0.999
 for call in (states.to_pandas, results.plot, surface.plot, lambda: states.__array__()):
     try:
         call()
