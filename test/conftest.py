@@ -72,8 +72,8 @@ def pytest_configure(config):
 
 
 def pytest_addoption(parser):
-    parser.addoption("--cases", choices=CASES, help="of the cases of a test the first, the last or "
-                     "both alone, but for those marked trouble")
+    parser.addoption("--cases", choices=CASES,
+                     help="of the cases of a test the first, the last or both alone")
 
 
 @pytest.hookimpl(wrapper=True)
@@ -89,8 +89,7 @@ def pytest_collection_modifyitems(config, items):
     if config.getoption("cases"):
         cases = {}
         for item in items:
-            many = item.get_closest_marker("trouble")
-            cases.setdefault(item if many else item.nodeid.partition("[")[0], []).append(item)
+            cases.setdefault(item.nodeid.partition("[")[0], []).append(item)
         kept = {of_test[i] for of_test in cases.values() for i in CASES[config.getoption("cases")]}
         config.hook.pytest_deselected(items=[item for item in items if item not in kept])
         items[:] = [item for item in items if item in kept]

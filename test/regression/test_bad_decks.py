@@ -3,7 +3,6 @@
 The columns below are the deck's as the original reads it, written down a second time.
 """
 
-import os
 import re
 
 import pytest
@@ -298,22 +297,6 @@ NUMERIC = {
 @pytest.mark.parametrize("kind", NUMERIC)
 def test_numbers_of_another_kind_of_file_are_one_mistake(kind, runner):
     assert 1 <= len(runner.problems(NUMERIC[kind].encode())) <= 3
-
-
-def test_missing_file(runner):
-    assert "No such file" in runner.problem(None)[2]
-
-
-def test_folder_instead_of_a_file(runner):
-    (runner.folder / NAME).mkdir()
-    assert "directory" in runner.problem(None)[2]
-
-
-@pytest.mark.skipif(os.geteuid() == 0, reason="root may read everything")
-def test_file_that_may_not_be_read(runner, cards):
-    (runner.folder / NAME).write_bytes(deck(cards))
-    (runner.folder / NAME).chmod(0)
-    assert "denied" in runner.problem(None)[2]
 
 
 @pytest.mark.parametrize("content", [b"", b"\n", b" ", b"  \n \t\n\n", b"\r\n\r\n", b"\n" * 200])

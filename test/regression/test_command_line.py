@@ -4,7 +4,6 @@ import csv
 import itertools
 import os
 import re
-import resource
 import subprocess
 from decimal import ROUND_HALF_UP, Decimal
 
@@ -350,45 +349,6 @@ def test_heights_above_the_stated_maximum_are_only_noted(run, thesis, tmp_path):
     (tmp_path / "high.deck").write_text("\n".join(cards) + "\n")
     done = run("high.deck")
     assert (done.returncode, done.stderr) == (0, "")
-
-
-def test_reports_need_no_file(asperity, thesis, plain):
-    done = run_program("bash", "-c", 'cat "$1" | exec "$0" /dev/stdin', asperity, thesis)
-    assert done.stdout == plain
-
-
-WORDS = pytest.mark.parametrize("words", [["DECK"], ["--help"], ["--version"], []],
-                                ids=lambda words: "_".join(words) or "nothing")
-
-
-OPTION = pytest.mark.parametrize("option", ("--contacts", "--positions"))
-
-
-def small_files_only():
-    resource.setrlimit(resource.RLIMIT_FSIZE, (4096, 4096))
-
-
-@OPTION
-def test_csv_is_never_half_there(option, run, thesis, tmp_path):
-    """The system ends the program at the 4097th byte of a file; the name keeps what it had.
-
-    Not tried with a full device: a faulty build, run by root, would put a file in its place.
-    """
-    (tmp_path / "out.csv").write_text("from another run")
-    done = run(thesis, option, "out.csv", preexec_fn=small_files_only)
-    assert done.returncode != 0 and done.stdout == ""
-    assert (tmp_path / "out.csv").read_text() == "from another run"
-
-
-@OPTION
-def test_csv_replaces_a_file_whole(option, run, thesis, tmp_path):
-    run(thesis, option, "fresh.csv")
-    (tmp_path / "old.csv").write_text("x" * 2_000_000)
-    (tmp_path / "link.csv").symlink_to("old.csv")
-    assert run(thesis, option, "link.csv").returncode == 0
-    assert (tmp_path / "link.csv").is_symlink()
-    assert (tmp_path / "old.csv").read_bytes() == (tmp_path / "fresh.csv").read_bytes()
-    assert sorted(os.listdir(tmp_path)) == ["fresh.csv", "link.csv", "old.csv"]
 
 
 @pytest.mark.parametrize("upper, lower, pages", [(38, 39, (1, 2)), (39, 77, (2, 2)),

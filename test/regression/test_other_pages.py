@@ -48,6 +48,7 @@ def test_commands_of_the_thesis(asperity, checkout, command):
         assert float(depth) == pytest.approx(0.48 * (area / math.pi)**0.5, abs=0.005)
 
 
+@pytest.mark.once
 @pytest.mark.parametrize("scale, load", [(100.0, 300.0), (0.01, 1e-4), (1e4, 7.0), (3.0, 9.0)])
 def test_similitude(package, scale, load):
     """Table II of the thesis: factors of lengths, areas and limits by those of radii and loads."""

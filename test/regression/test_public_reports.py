@@ -198,46 +198,6 @@ def test_a_first_sample_that_is_missing(word, maps):
     assert found.status == 0, found.stderr
 
 
-def matrix_files():
-    """Sixty files of either fate: name, bytes, spacing."""
-    rng = np.random.default_rng(5)
-    holes = HEIGHTS.copy()
-    holes[rng.random(holes.shape) < 0.1] = np.nan
-
-    def text_of(z):
-        return "NaN" if np.isnan(z) else f"{z:.6f}"
-    for separator in (" ", "\t", ",", ";", "; ", ", "):
-        for before in ("", "# a\n", "% a\n\n", "\ufeff", "a b c\n"):
-            yield before + rows_of(holes, separator, form=text_of), SPACING
-    for text in (POINTS, "x y z\n" + POINTS, "x,y,z\n" + POINTS.replace(" ", ","), POINTS[:-9],
-                 "x [mm] y [mm] z [um]\n" + POINTS, "x [mm] y [um] z\n" + POINTS,
-                 "# Width: 8.00 µm\n# Height: 3.00 µm\n# Value units: m\n" + MATRIX,
-                 POINTS.replace(".", ","), "\n\n" + POINTS, "X Y value\n" + POINTS):
-        yield text, None
-        yield text, SPACING
-    yield from ((text, SPACING) for text in (
-        "", "\n", "inf 1 2\n" + MATRIX, MATRIX.replace(".", ","), MATRIX + "\n" + MATRIX,
-        MATRIX + "1 2\n", MATRIX.replace(" ", "\t", 9), "16 12\n" + MATRIX, "-" + MATRIX,
-        "z\n" + MATRIX))
-
-
-FILES = list(matrix_files())
-
-
-@pytest.mark.parametrize("first", range(0, len(FILES), 10))
-def test_both_doors_take_and_refuse_the_same(first, maps):
-    for content, spacing in FILES[first:first + 10]:
-        at_summits, in_scene = maps.summits(content, spacing), maps.scene(content, spacing)
-        assert (at_summits.returncode == 2) == (in_scene.status == 2), \
-            (content[:60], spacing, at_summits.stderr, in_scene.stderr)
-        assert in_scene.status in (0, 2), in_scene.stderr
-        if in_scene.status == 2 and content.strip():
-            assert {line.partition("F:")[2].replace("map_", "--")
-                    for line in in_scene.stderr.splitlines()} == \
-                {line.partition("F:")[2].replace("map_", "--")
-                 for line in at_summits.stderr.splitlines()}
-
-
 def test_a_surface_is_no_map(maps):
     caps = "x,y,height\n" + POINTS.replace(" ", ",")
     done = maps.summits(caps)

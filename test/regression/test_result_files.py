@@ -85,19 +85,6 @@ def test_json(name, asperity, tmp_path, tally):
         assert met == len(rows) * len(rows[0])
 
 
-def test_schema_can_refuse(asperity):
-    """The check of the schema sees what it should."""
-    good = json.loads(run(asperity, "solve", "data/examples/one_pair.scene", "--json", "-").stdout)
-    assert list(faults(good, SCHEMA)) == []
-    for change in ({"more": 1}, {"notes": "none"}, {"positions": {"position": [1]}},
-                   {"states": {**good["states"], "load": [[1.0]]}},
-                   {"provenance": {**good["provenance"], "arithmetic": "real16"}},
-                   {"provenance": {**good["provenance"], "inputs": []}}):
-        assert list(faults({**good, **change}, SCHEMA)) != []
-    del good["scene"]
-    assert list(faults(good, SCHEMA)) == [": no scene"]
-
-
 def test_json_of_any_text(asperity, tmp_path):
     """What a scene says in its comments is in the file: quotes, tabs, letters of all kinds; a byte
     that is no letter becomes a question mark."""
