@@ -203,14 +203,3 @@ def test_pressure_needs_area(asperity, tmp_path):
     solved = run(asperity, tmp_path, BALLS, {"control": "pressure", "value": 1.0})
     assert solved.status == 2
     assert "a pressure needs an area" in solved.stderr
-
-
-@pytest.mark.parametrize("control", ["load", "vertical_load", "pressure"])
-def test_load_without_effects(asperity, tmp_path, control):
-    """To 16 units of the last place."""
-    path = write_csv_scene(tmp_path, *STEEP, **SOFT, loading={"control": control, "value": 0.0375})
-    path.write_text(path.read_text().replace("&surfaces ", "&surfaces nominal_area = 8., "))
-    row = solve(asperity, path).positions[0]
-    asked = 0.3 if control == "pressure" else 0.0375
-    found = float(row["load" if control == "load" else "vertical_load"])
-    assert abs(found / asked - 1) <= 16 * 2.0 ** -52

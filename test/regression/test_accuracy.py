@@ -440,8 +440,11 @@ def test_progress_and_an_interruption(asperity, root, tmp_path):
     assert said.rstrip().endswith(b"interrupted by signal  2, no output written"), said
 
 
-def test_the_csv_is_csv(pair, tmp_path):
-    rows = pair[1] + pair[2]
+def test_the_csv_is_csv(asperity, root, tmp_path):
+    _, methods, neighbours = run_study(asperity, root / "data/hard/deck_one_pair.deck", tmp_path,
+                                       "--seconds", "1")
+    rows = methods + neighbours
+    assert len(rows) > 20
     assert all(None not in row and len(row) == 33 for row in rows)
     with open(tmp_path / "copy.csv", "w", newline="") as file:
         writer = csv.DictWriter(file, rows[0])

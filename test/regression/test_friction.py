@@ -184,27 +184,6 @@ def test_coefficient_without_bound(sweeps, tally):
     assert (ratio < KAPPA * slope).all()
 
 
-@pytest.mark.parametrize("ratio", (-0.9, 0.0, 0.3, 0.5))
-def test_ratio_of_walton(ratio, asperity, tmp_path, tally):
-    """A small penetration, where the slope is that of first touch."""
-    distance, radius = 0.4, 1.0
-    touch = np.sqrt(4 * radius ** 2 - distance ** 2)
-    scene = write_csv_scene(
-        tmp_path, [(0.0, 0.0, 0.5, radius)], [(distance, 0.0, 0.5, radius)],
-        modulus=(2e5, 2e5), ratio=(ratio, ratio),
-        loading={"control": "load", "value": 1e-6},
-        effects={"friction": "on", "friction_coefficient": 5.0})
-    run = solve(asperity, scene)
-    assert run.status == 0, run.stderr
-    along, load = numbers(run.contacts[0], "tangential_load", "load")
-    want = 2 * (1 - ratio) / (2 - ratio) * distance / touch
-    report(tally, "friction: ratio of Walton", [abs(along / load / want - 1)], 1e-6)
-    # The upper sphere is pushed back up the slope by N, and held by T.
-    x, y = numbers(run.contacts[0], "lateral_x", "lateral_y")
-    sine, cosine = distance / (2 * radius), touch / (2 * radius)
-    assert y == 0.0 and x == pytest.approx(along * cosine - load * sine, abs=1e-6 * load)
-
-
 def test_positions_are_sums_of_contacts(sweeps, tally):
     """The rig holds the upper body with the opposite of all lateral forces and moments."""
     run = sweeps.solve(friction="on", friction_coefficient=0.1)
