@@ -28,7 +28,8 @@ def content(thing):
     """All numbers and texts of a result, as text."""
     if hasattr(thing, "keys"):
         extra = [thing.statistics, thing.summary] if hasattr(thing, "statistics") else []
-        return repr([getattr(thing, "rows", 0), *extra, *((name, list(thing[name])) for name in thing)])
+        return repr([getattr(thing, "rows", 0), *extra,
+                     *((name, list(thing[name])) for name in thing)])
     return repr([content(thing.positions), content(thing.states), content(thing.contacts),
                  thing.summary, thing.warnings, thing.notes])
 
