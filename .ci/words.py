@@ -9,83 +9,23 @@ Prints FILE:LINE: WORD: REASON, one line a finding; exit status 1 where there is
 Own, as a list of codespell has neither patterns of several words nor strings of Fortran alone.
 """
 
+import csv
 import pathlib
 import re
 import subprocess
 import sys
 
 ROOT = pathlib.Path(__file__).resolve().parents[1]
-# File, words and reason of findings that are right as they are.
-EXCEPTIONS = (
-    (r"src/input/surface_csv[.]f90",
-     r"cells?", "values of a row of a table"),
-    (r"src/input/text_(layout|map)[.]f90",
-     r"cells?", "values of a row of a table"),
-    (r"app/option_table[.]f90",
-     r"approach", "option of asperity DECK, whose files keep the name"),
-    (r"src/study/corrected_table[.]f90",
-     r"approaches", "Table VI of the historic program"),
-    (r"docs/(theory/(original|faults)|reference/(columns|commands))[.]md",
-     r"approach(es)?", "word of the historic program"),
-    (r"docs/reference/commands[.]md",
-     r"unit of length of all outputs,", "made from the help of the program"),
-)
+# Rows with a file: findings that are right as they are. The others: refused words, as patterns, and
+# their replacements; case is ignored.
+with open(pathlib.Path(__file__).with_suffix(".csv"), encoding="utf-8", newline="") as table:
+    ROWS = list(csv.DictReader(table))
+EXCEPTIONS = tuple((row["file"], row["words"], row["reason"]) for row in ROWS if row["file"])
+WORDS = tuple((row["words"], row["reason"]) for row in ROWS if not row["file"])
 MOST_WORDS = 30        # of a sentence of a page
 LONGEST_LINE = 200     # of a page; rows of tables, pictures and code are longer
 MOST_CHARACTERS = 160  # of an entry of the changelog
 
-# Refused words, as patterns, and their replacements. Case is ignored.
-WORDS = (
-    (r"\b(who|whom|whoever|nobody|somebody)\b", "contacts and programs are things"),
-    (r"\b(tells?|told|telling|foretells?|foretold)\b", "report, print, estimate, return"),
-    (r"\b(says?|said)\b", "report, print, state"),
-    (r"\b(knows?|knew)\b", "report, estimate, is given"),
-    (r"\b(wants?|wanted)\b", "a program needs or takes; a user sets"),
-    (r"\b(waits?|waited)\b", "stays open, is suspended"),
-    (r"\bas the scene asks\b|\basks? for\b", "request, set, need"),
-    (r"\bpress(es|ed|ing)?\b", "load; reduce or increase the load; bring into contact"),
-    (r"\b(bears?|bore|borne)\b", "carry"),
-    (r"\blower(s|ed)? (each other|the others?)\b|\bpressed? down\b", "displacement by neighbours"),
-    (r"\b(each alone|alone load|contacts? alone|load alone|than alone|by itself alone)\b",
-     "isolated contact, non-interacting"),
-    (r"\bcells?\b", "boundary elements, grid element"),
-    (r"\b(on|as|of|by|with|neighbours as|if|what) circles\b|\bcircles (and|may|come|would|of)\b",
-     "Hertzian contacts"),
-    (r"\bways?\b", "method"),
-    (r"\bfront\b(?<!Pareto front)", "Pareto front"),
-    (r"\b(rungs?|ladder)\b", "level"),
-    (r"\btips?\b", "asperity, summit"),
-    (r"\b(closing|closings|closes? by|surfaces close)\b", "compression"),
-    (r"\bapproach(es)?\b", "separation (the historic program keeps approach)"),
-    (r"\bsamples?\b", "pixels"),
-    (r"\bspots?\b", "contact patch"),
-    (r"\boff (by|in)\b|% off\b|heights off\b|\b(may|could) be off\b|\bleaves all around off\b|"
-     r"\b(load|shift|sums?) that (is|are) off\b|\ball are off\b|\bhas the area off\b",
-     "in error by, error"),
-    (r"\b(joins?|joined|joining)\b", "activate"),
-    (r"\b(stands?|stood) (elsewhere|out)\b|\bstands? twice\b", "moves; occurs twice"),
-    (r"\b(plants?|planted)\b", "build"),
-    (r"\b(creep around|crept|would creep|its rise|hold(s|ing)? (all|them) back|held at last)"
-     r"\b", "stagnate, restrict, slope"),
-    (r"\b(speaks? for|the whole)\b", "representative; all parts"),
-    (r"\bgive or take\b", "uncertainty"),
-    (r"\b(next to nothing|no numbers?|is no solution|no few|very much|what is left)\b|"
-     r"\bleaves much more\b", "name the quantity and its size"),
-    (r"\b(of|by|to) now\b|\bno more\b|\bat once\b|\banew\b|\bof this state\b",
-     "history belongs to git"),
-    (r"\bfew that\b", "name the quantity"),
-    (r"\b(its own gain|feel nothing|a decade more|beats?|beaten|shallow for|next one takes)\b",
-     "the field's word"),
-    (r"\b(go|goes|went|gone) (on|down|far|back)\b|\bwent that\b", "continue, descend"),
-    (r"\b(mended|mends?)\b", "correct, corrected"),
-    (r"\b(what it comes to|put back|takes? out|taken out)\b", "remove"),
-    (r"\b(bends:|touch by less|touch more|touch each)\b", "the field's word"),
-    (r"\bnot good enough\b|\bgood to\b|\b(come|comes) no nearer\b", "error of, accurate to"),
-    (r"\b(are|is|be) right\b|\bright where\b", "solved to the stated tolerance"),
-    (r"\bwith holes\b", "percolates"),
-    (r"\b(what they|than that|from nothing that|in any case|as many as \w+ gives|than sleeping)\b",
-     "name the quantity"),
-)
 # First words of a sentence, unless it is a question.
 FIRST = re.compile(r"(?:^|(?<=[.:;!?] ))(Of|Nor|Or|What|So who)\b (?![^.!?]*\?)")
 
