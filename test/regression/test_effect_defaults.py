@@ -145,10 +145,9 @@ def test_what_cannot_be_computed_is_left_out_with_a_note(given, why, asperity, t
     assert effect not in row_of(done)
 
 
-def map_scene(folder, pressure, edge="periodic", **effects):
+def map_scene(folder, pressure, edge="periodic", n=128, **effects):
     """A self-affine map of the newcomer's kind, rms height 0.1."""
-    rng = np.random.default_rng(1)
-    n, step = 128, 0.5
+    rng, step = np.random.default_rng(1), 0.5
     q = np.fft.fftfreq(n, step) * 2 * np.pi
     wave = np.hypot(*np.meshgrid(q, q))
     wave[0, 0] = 1
@@ -254,7 +253,7 @@ def test_an_effect_of_a_map_is_simulated_or_left_out(edge, asperity, tmp_path):
         if "adhesion" in chosen:
             given["work_of_adhesion"] = 10 ** rng.uniform(-4, 1)
             given["equilibrium_distance"] = 10 ** rng.uniform(-3, -1)
-        done = solve(asperity, map_scene(tmp_path, 90.0, edge, **given), contacts=False)
+        done = solve(asperity, map_scene(tmp_path, 90.0, edge, 64, **given), contacts=False)
         assert done.status == 0, done.stderr
         rows = re.findall(r"^  ([a-z]+) +(?:auto|off|on)", done.stdout.split("Effects")[-1], re.M)
         assert len(rows) == len(set(rows)), (given, done.stdout)

@@ -1,9 +1,10 @@
 !> Tests of text that is shown on a terminal: which bytes of UTF-8 (RFC 3629) are kept, and whether
-!> numbers of any size have room; names of units by powers.
+!> numbers of any size have room; names of units by powers; progress in words.
 module asperity_printable_suite
   use, intrinsic :: iso_fortran_env, only: real64
   use asperity_printable, only: printable_text
   use asperity_problems, only: real_text
+  use asperity_progress, only: progress_text
   use asperity_scene_values, only: scene
   use asperity_testing, only: check, error_type, new_unittest, unittest_type
   use asperity_unit_names, only: axis_unit, is_length, is_moment, is_number, is_pressure, &
@@ -29,9 +30,22 @@ contains
             new_unittest('a letter in more bytes than it needs is not kept', test_too_long), &
             new_unittest('broken letters are not kept, those beside them are', test_broken), &
             new_unittest('a number of any size has room in any form', test_sizes), &
-            new_unittest('a unit follows from powers, or is a word', test_units) &
+            new_unittest('a unit follows from powers, or is a word', test_units), &
+            new_unittest('progress in words', test_progress) &
             ]
   end subroutine collect_printable
+
+  subroutine test_progress(error)
+    type(error_type), allocatable, intent(out) :: error
+
+    call check(error, progress_text('positions', 50, 100, 0, 2.0_real64), &
+               '50 of 100 positions, 25 a second, 2 s left', 'from the beginning')
+    ! Half of it was done before: 25 in 2.5 s.
+    call check(error, progress_text('positions', 75, 100, 50, 2.5_real64), &
+               '75 of 100 positions, 10 a second, 3 s left', 'continued')
+    call check(error, progress_text('surfaces', 3, 1003, 0, 90.0_real64), &
+               '3 of 1003 surfaces, 2 a minute, 9 h left', 'hours')
+  end subroutine test_progress
 
   subroutine test_units(error)
     type(error_type), allocatable, intent(out) :: error
