@@ -1,22 +1,19 @@
 !> Estimated error of the contact of a height map by the size of its pixels.
 !>
-!> The map is solved again on every second pixel along both sides: on the odd ones, and on the even
-!> ones, with adhesion from the attraction of its pixels; the odd ones again likewise, without
-!> adhesion. Let d and D be the root mean squares of both differences of a result, by this and by
-!> the next halving. At second order d and D/4 are each three times the error, and either may be
-!> small by chance. With e the root of the sum of their squares, the errors are e/2 of the
-!> separation at a load, of the load at a separation and of the mean gap. That of the area is the
-!> largest of e, half of the correction of the rim, and that of straight rims: each straight piece
-!> of a rim along the pixels lies up to half a pixel from its sides, and the errors of pieces are
-!> independent. The relative error of the greatest pressure is that of e, or that of the area where
-!> it is larger, as peaks lie between the pixels of all grids (measured:
+!> The map is solved again on every second pixel along both sides, from each of the first four
+!> pixels, with adhesion from the attraction of its pixels. Let d be the root mean square of the
+!> four differences of a result. With the safety factor 3 of two grids (Roache, J. Fluids Eng. 116
+!> (1994) 405) its error is 3 d/(2**p - 1), where p is the order: 2 on a surface that is smooth
+!> between the pixels, so that it is d. That of the area is at least half of the correction of the
+!> rim, and at least that of straight rims: each straight piece of a rim along the pixels lies up to
+!> half a pixel from its sides. The errors of pieces are independent, but those of grooves, which
+!> have no ends, add up. The relative error of the greatest pressure is at least that of the area,
+!> as peaks lie between the pixels of all grids (measured:
 !> reference_output/bench/pixel_estimates.csv; test: test/regression/test_pixel_errors.py).
-!> Without D, with adhesion or below 8 pixels, all errors are e.
 !>
-!> They are errors of a surface that is smooth between the pixels. Of a map that is rough at their
-!> size they are those of pixels a quarter as wide: no order is assumed, e has D in place of D/4,
-!> and all errors are e. Its slope grows on by the observed ratio, and the area is inverse to the
-!> slope (Persson, J. Chem. Phys. 115 (2001) 3840): its error is at least the growth. The greatest
+!> On a map that is rough at the size of its pixels p is 1, and the errors are those of pixels a
+!> quarter as wide. Its slope grows on by the observed ratio, and the area is inverse to the slope
+!> (Persson, J. Chem. Phys. 115 (2001) 3840): its error is at least the growth. The greatest
 !> pressure has no estimate, as it grows with the slope and with the number of peaks.
 !>
 !> With creep they are those of the elastic state of the same displacements, with its own load (Lee
@@ -46,9 +43,9 @@ module asperity_map_error
     real(real64) :: pressure = not_computed  !! of the greatest pressure
   end type pixel_errors
 
-  ! Error over the difference by half the pixels: 1/3 at second order, with a safety factor of 1.5
-  ! (chosen); and that difference over the one before.
-  real(real64), parameter :: share_of_difference = 0.5_real64, second_order = 0.25_real64
+  ! Error over the difference by half the pixels at first order, with the factor 3 of Roache (1994);
+  ! 1 at second order (derived; test: rough maps in test/regression/test_pixel_errors.py).
+  real(real64), parameter :: first_order = 3.0_real64
   ! Tolerance of the gaps over the range of heights (chosen: the differences are larger by far).
   real(real64), parameter :: closed_halves = 1.0e-6_real64
   ! Growth of the slope by the last halving of the pixel over that by the one before, above which a
@@ -60,14 +57,6 @@ module asperity_map_error
   real(real64), parameter :: fastest_growth = 2.0_real64
   ! Least number of pixels along a side (chosen: halves of two are no maps).
   integer, parameter :: least_side = 4
-
-  ! A solution on all pixels of a map, or on every second one.
-  type :: solved_map
-    type(height_map) :: map
-    type(adhesion_history) :: adhesion
-    type(map_answer) :: answer
-    real(real64) :: totals(5) = 0.0_real64  ! level, load, area, mean gap, greatest pressure
-  end type solved_map
 
 contains
 
@@ -82,32 +71,26 @@ contains
     type(state_row), intent(in) :: state        !! totals of this solution
     logical, intent(in) :: by_load              !! the load is prescribed, else the separation
     type(pixel_errors), intent(out) :: errors   !! errors of this solution
-    type(solved_map) :: elastic, half, quarter
+    type(map_answer) :: elastic
     type(map_laws) :: its_laws
-    real(real64) :: before(5), difference(5), growth
+    real(real64) :: difference(5), growth
     logical :: is_known
 
-    elastic%map = map
-    elastic%adhesion = history%adhesion
-    elastic%answer = answer
+    elastic = answer
     its_laws = laws
     if (allocated(laws%solid)) then
       deallocate (its_laws%solid)
-      elastic%answer%pressure = history%creep%elastic
-      elastic%answer%load = sum(history%creep%elastic) * product(map%pixel_spacing)
+      elastic%pressure = history%creep%elastic
+      elastic%load = sum(history%creep%elastic) * product(map%pixel_spacing)
       ! Where a pixel has left the contact the surface has not recovered.
       if (.not. sum(abs(history%creep%elastic), mask=.not. answer%pressure > 0.0_real64) <= &
           closed_halves * sum(abs(history%creep%elastic))) return
     end if
-    elastic%totals = [answer%level, elastic%answer%load, state%area, state%mean_gap, &
-                      maxval(elastic%answer%pressure)]
-    call compare_halves(elastic, its_laws, by_load, half, difference, is_known)
+    call compare_halves(map, elastic, history%adhesion, its_laws, by_load, [answer%level, &
+      elastic%load, state%area, state%mean_gap, maxval(elastic%pressure)], difference, is_known)
     if (.not. is_known) return
     growth = growth_of_slope(map)
-    is_known = .not. allocated(laws%attraction)
-    if (is_known) call compare_halves(half, its_laws, by_load, quarter, before, is_known)
-    if (is_known) difference = sqrt(difference**2 + (before * &
-                                    merge(1.0_real64, second_order, growth > 0.0_real64))**2)
+    if (growth > 0.0_real64) difference = first_order * difference
     errors%area = max(difference(3), 0.5_real64 * sum(patches%rim), growth * state%area)
     if (allocated(laws%attraction)) then
       errors%area = max(errors%area, error_of_rims(map, history%adhesion%contact_pressure))
@@ -115,76 +98,79 @@ contains
       errors%area = max(errors%area, error_of_rims(map, answer%pressure))
     end if
     if (.not. growth > 0.0_real64) errors%pressure = state%greatest_pressure * max( &
-      errors%area / state%area, difference(5) / max(elastic%totals(5), tiny(difference)))
-    ! One difference alone has no order.
-    if (is_known .and. .not. growth > 0.0_real64) difference = share_of_difference * difference
+      errors%area / state%area, difference(5) / max(maxval(elastic%pressure), tiny(difference)))
     errors%gap = difference(4)
     if (by_load) errors%level = difference(1)
-    if (.not. by_load) errors%load = difference(2) * answer%load / elastic%answer%load
+    if (.not. by_load) errors%load = difference(2) * answer%load / elastic%load
   end subroutine estimate_pixel_errors
 
-  ! Solves every second pixel of a map, the odd and the even ones, and compares the totals.
-  subroutine compare_halves(full, laws, by_load, half, difference, is_known)
-    type(solved_map), intent(in) :: full
+  ! Solves the four maps of every second pixel of a map, and compares the totals: level, load, area,
+  ! mean gap, greatest pressure.
+  subroutine compare_halves(map, full, adhesion, laws, by_load, totals, difference, is_known)
+    type(height_map), intent(in) :: map
+    type(map_answer), intent(in) :: full           ! solution on all pixels
+    type(adhesion_history), intent(in) :: adhesion
     type(map_laws), intent(in) :: laws
     logical, intent(in) :: by_load
-    type(solved_map), intent(out) :: half          ! of the odd pixels
-    real(real64), intent(out) :: difference(5)     ! of both, root mean square
-    logical, intent(out) :: is_known               ! the map has so many pixels; both are solved
-    type(solved_map) :: one, unsolved
+    real(real64), intent(in) :: totals(5)          ! of the solution
+    real(real64), intent(out) :: difference(5)     ! of all four, root mean square
+    logical, intent(out) :: is_known               ! the map has so many pixels; all are solved
+    type(height_map) :: half
+    type(map_answer) :: answer, unsolved
     type(map_history) :: history, no_history
     type(map_patch), allocatable :: patches(:)
     real(real64), allocatable :: load
     type(state_row) :: state
-    integer :: first
+    integer :: first(2), k
 
     is_known = .false.
     difference = 0.0_real64
-    if (any(shape(full%map%height) < least_side)) return
-    do first = 2, 1, -1
-      one = unsolved
-      one%map = every_pixel(full%map, 2, first)
-      if (.not. any(is_measured(one%map%height))) return
-      one%answer%level = full%answer%level
-      one%answer%interrupt = full%answer%interrupt
-      one%answer%pressure = full%answer%pressure(first::2, first::2)
-      if (by_load) load = full%answer%load
-      if (by_load .and. allocated(laws%hardness)) &
-        load = min(load, most_load(one%map, laws%hardness))
+    if (any(shape(map%height) < least_side)) return
+    do k = 1, 4
+      first = [1 + mod(k, 2), 1 + k / 3]
+      half = every_pixel(map, 2, first)
+      if (.not. any(is_measured(half%height))) return
+      answer = unsolved
+      answer%level = full%level
+      answer%interrupt = full%interrupt
+      answer%pressure = full%pressure(first(1)::2, first(2)::2)
+      if (by_load) load = full%load
+      if (by_load .and. allocated(laws%hardness)) load = min(load, most_load(half, laws%hardness))
       history = no_history
-      history%deformed = one%map
+      history%deformed = half
       if (allocated(laws%attraction)) then
-        history%adhesion%attraction = full%adhesion%attraction(first::2, first::2)
-        history%adhesion%contact_pressure = full%adhesion%contact_pressure(first::2, first::2)
+        history%adhesion%attraction = adhesion%attraction(first(1)::2, first(2)::2)
+        history%adhesion%contact_pressure = &
+          adhesion%contact_pressure(first(1)::2, first(2)::2)
       end if
-      call solve_map_state(laws, 0.0_real64, history, one%answer, load, closed_halves)
-      if (allocated(one%answer%failure)) return
-      one%adhesion = history%adhesion
+      call solve_map_state(laws, 0.0_real64, history, answer, load, closed_halves)
+      if (allocated(answer%failure)) return
       if (allocated(laws%attraction)) then
-        call find_patches(one%map, one%adhesion%contact_pressure, patches)
+        call find_patches(half, history%adhesion%contact_pressure, patches)
       else
-        call find_patches(one%map, one%answer%pressure, patches, hardness=laws%hardness)
+        call find_patches(half, answer%pressure, patches, hardness=laws%hardness)
       end if
-      call measure_fields(one%map, one%answer, state)
-      one%totals = [one%answer%level, one%answer%load, sum(patches%area), state%mean_gap, &
-                    maxval(one%answer%pressure)]
+      call measure_fields(half, answer, state)
       ! No hypot: on vectors its last digit changes with the unit.
-      difference = sqrt(difference**2 + (one%totals - full%totals)**2)
+      difference = sqrt(difference**2 + ([answer%level, answer%load, sum(patches%area), &
+                                          state%mean_gap, maxval(answer%pressure)] - totals)**2)
     end do
-    difference = difference / sqrt(2.0_real64)
-    half = one
+    difference = 0.5_real64 * difference
     is_known = .true.
   end subroutine compare_halves
 
   ! Error of the area by the straight pieces of rims: of each half a pixel over its length; the
-  ! root of the sum of squares. Where the body ends, at an edge or a missing pixel, is no rim.
+  ! root of the sum of squares, and the sum of those from end to end of the map, as grooves at
+  ! equal distances have the same error. Where the body ends, at an edge or a missing pixel, is no
+  ! rim.
   pure real(real64) function error_of_rims(map, pressure) result(error)
     type(height_map), intent(in) :: map
     real(real64), intent(in) :: pressure(:, :)
     logical, allocatable :: beyond(:, :), rim(:, :), line(:)
-    integer :: along, i, length, side
+    integer :: along, grooves, i, length, side
 
     error = 0.0_real64
+    grooves = 0
     do side = -2, 2
       if (side == 0) cycle
       beyond = pressure > 0.0_real64 .or. .not. is_measured(map%height)
@@ -197,9 +183,12 @@ contains
       if (abs(side) == 1) rim = transpose(rim)
       do i = 1, size(rim, 2)
         line = rim(:, i)
+        if (all(line)) then
+          grooves = grooves + size(line)
+          cycle
+        end if
         ! A piece that goes on beyond the end of a periodic map is in one piece.
-        if (map%repeats(3 - abs(side)) .and. .not. all(line)) &
-          line = cshift(line, findloc(line, .false., 1))
+        if (map%repeats(3 - abs(side))) line = cshift(line, findloc(line, .false., 1))
         length = 0
         do along = 1, size(line)
           length = merge(length + 1, 0, line(along))
@@ -208,7 +197,7 @@ contains
         end do
       end do
     end do
-    error = 0.5_real64 * sqrt(error) * product(map%pixel_spacing)
+    error = 0.5_real64 * (sqrt(error) + grooves) * product(map%pixel_spacing)
   end function error_of_rims
 
   !> Relative growth of the slope of a map that is rough at the size of its pixels, by differences

@@ -287,6 +287,8 @@ contains
                                     real_text(total_error(errors, 'pressure'))
     first = len(text)
     call add_proposal(total_error(errors, total), total, text)
+    if (len(text) == first .and. total == 'all') &
+      call add_proposal(total_error(errors, 'load'), 'load', text)
     if (on_pixels) call add_advice('take a map of finer pixels')
     if (total == 'all' .and. total_error(errors, 'load') <= accuracy) &
       call add_advice('for --of load where areas do not matter')

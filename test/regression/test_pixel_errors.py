@@ -75,15 +75,23 @@ def test_estimates_cover_the_errors(asperity, tmp_path, tally, kind):
         assert found["interaction_residual"] < 1e-9 or kind == "adhesive"
     ratios = np.array(ratios)
     assert ((ratios > 1).sum(axis=0) <= 1).all() and ratios.max() < 2.5, ratios
-    assert (np.median(1 / ratios, axis=0) < 15).all(), ratios
+    assert np.median(1 / ratios) < 15, ratios
     tally.add("errors of pixels", ratios.size, ratios.size)
 
 
+def test_estimates_do_not_depend_on_the_first_pixel(asperity, tmp_path):
+    """A periodic map that begins one column or one row later has the same estimates."""
+    height = rough(32, shortest=2, seed=2)
+    first, *others = (solve(asperity, tmp_path, np.roll(height, shift, (0, 1)), 1.0, control="load",
+                            value=0.5) for shift in ((0, 0), (0, 1), (1, 0)))
+    for name in ("error_estimate", "area_error_estimate", "gap_error_estimate"):
+        assert [other[name] for other in others] == pytest.approx(2 * [first[name]], 1e-4), name
+
+
 def test_errors_of_straight_rims(asperity, tmp_path):
-    """Waves with crests along the rows, whose rims all err by the same part of a pixel: at most two
-    errors of the area are above the estimate, none 1.5 times (2.1 times without the straight
-    pieces). Westergaard: under a pressure p the share 2/pi asin(sqrt(p l/(pi E g))) of the length l
-    of a height g."""
+    """Waves with crests along the rows, whose rims all err by the same part of a pixel: no error of
+    the area is above the estimate. Westergaard: under a pressure p the share
+    2/pi asin(sqrt(p l/(pi E g))) of the length l of a height g."""
     length, height = 10.0, 0.05
     wave = height * np.cos(2 * np.pi * (np.arange(N) + 0.3) / length)[:, None] + np.zeros((N, N))
     ratios = []
@@ -92,7 +100,7 @@ def test_errors_of_straight_rims(asperity, tmp_path):
                       value=float(share * np.pi * E * height / length * N**2))
         area = 2 / np.pi * np.arcsin(np.sqrt(share)) * N**2
         ratios.append(abs(found["area"] / area - 1) / found["area_error_estimate"])
-    assert (np.array(ratios) > 1).sum() <= 2 and max(ratios) < 1.5, ratios
+    assert max(ratios) < 1, ratios
 
 
 def test_a_separation_has_an_error_of_the_load(asperity, tmp_path):
@@ -158,10 +166,22 @@ def test_a_coarse_ball(asperity, tmp_path):
     assert "not resolved by the pixels of the map" in done.stderr
     done = run_program(asperity, "solve", tmp_path / "m.scene", "--accuracy", "1e-3", status=1)
     assert "no method has this accuracy" in done.stderr
-    assert re.search(r"areas of \S+: take a map of finer pixels", done.stderr)
+    assert re.search(r"areas of \S+: set --accuracy \S+, or take a map of finer pixels",
+                     done.stderr)
     done = run_program(asperity, "solve", tmp_path / "m.scene", "--accuracy", "1e-3", "--of",
                        "load", status=1)
     assert re.search(": set --accuracy .* --of load, or take a map of finer pixels", done.stderr)
+
+
+def test_an_accuracy_of_the_load_where_areas_have_none(asperity, tmp_path):
+    """Noise, with an error of the area of more than 100 %: the refusal names an option for the load
+    alone, which is met."""
+    found = solve(asperity, tmp_path, np.random.default_rng(0).standard_normal((N, N)), 1.0,
+                  control="load", value=2.0 * N**2)
+    assert found["area_error_estimate"] > 1
+    told = run_program(asperity, "solve", tmp_path / "m.scene", "--accuracy", "1e-3", status=1)
+    option = re.search("set (--accuracy .* --of load), or take a map of finer pixels", told.stderr)
+    run_program(asperity, "solve", tmp_path / "m.scene", *option[1].split())
 
 
 @pytest.mark.parametrize("kind, is_rough", [("noise", True), (2, True), (4, False), (8, False),
@@ -217,11 +237,14 @@ def test_mean_gap_and_greatest_pressure(asperity, tmp_path):
 
 def test_record_of_other_kinds(root, tally):
     """The kept record of test/bench/pixel_estimates.py: 95 % of the errors of each quantity are
-    below their estimate, on maps that the estimates were not fitted on."""
+    below their estimate, on maps that the estimates were not fitted on. The median estimate of
+    separation, load and area is at most 6 times the error, with many smooth maps among them."""
     kept = (root / "reference_output/bench/pixel_estimates.csv").read_text().partition("\n")[2]
     rows = [row for row in csv.DictReader(io.StringIO(kept)) if row["kind"] == "all"]
     assert {row["quantity"] for row in rows} == {"separation", "area", "mean_gap", "pressure",
                                                  "load"}
     assert all(float(row["below_estimate_percent"]) >= 95 and int(row["errors"]) > 250
                for row in rows)
+    assert all(float(row["median_estimate_over_error"]) <= 6 for row in rows
+               if row["quantity"] in ("separation", "load", "area"))
     tally.add("errors of pixels", len(rows), len(rows))
