@@ -66,7 +66,7 @@ def part(asperity, root, tmp_path_factory):
 def pair(asperity, root, tmp_path_factory):
     """The study on a deck of one pair."""
     return run_study(asperity, root / "data/hard/deck_one_pair.deck",
-                     tmp_path_factory.mktemp("pair"))
+                     tmp_path_factory.mktemp("pair"), "--seconds", "4")
 
 
 @pytest.fixture(scope="module")
