@@ -61,6 +61,8 @@ module asperity_element_forces
     real(real64), allocatable, dimension(:, :) :: next_force, next_gradient  ! f, r after the step
     real(real64), allocatable, dimension(:, :) :: preconditioned  ! approximate inverse of A times r
     real(real64), allocatable, dimension(:, :) :: direction, image  ! d; r where f is free, then A d
+    real(real64), allocatable, dimension(:, :) :: displacement  ! A f, where it was computed last
+    real(real64), allocatable, dimension(:, :) :: free  ! 1 where f after the step is free, else 0
     real(real64) :: level = 0.0_real64             ! still to be subtracted from the next gradient
     real(real64) :: gradient_product = 0.0_real64  ! r times its preconditioned r; 0: restart
     real(real64) :: displacement_scale = 0.0_real64
@@ -81,8 +83,9 @@ contains
     real(real64), allocatable, intent(inout) :: force(:, :)
     type(solve_ending), intent(out) :: ending           !! exit, residual, number of steps
     type(interruption), intent(in) :: interrupt         !! request to stop the iteration
-    real(real64), intent(out), optional :: level        !! mean of A f + g over the free forces
-    real(real64), allocatable, intent(out), optional :: displacement(:, :)  !! A f at the end
+    !> where converged: mean of A f + g over the free forces under a load, else 0; A f
+    real(real64), intent(out), optional :: level
+    real(real64), allocatable, intent(out), optional :: displacement(:, :)
     type(force_iterate) :: state
     real(real64), allocatable :: projected(:, :)
     real(real64) :: enough
@@ -90,7 +93,7 @@ contains
     call move_alloc(force, state%next_force)
     if (bounds%limit < huge(1.0_real64)) call project_forces(gap, bounds, state%next_force)
     allocate (state%force, source=state%next_force)
-    allocate (state%next_gradient, state%image, mold=gap)
+    allocate (state%next_gradient, state%image, state%displacement, state%free, mold=gap)
     allocate (state%gradient(size(gap, 1), size(gap, 2)), source=0.0_real64)
     allocate (state%direction, state%preconditioned, source=state%gradient)
     call find_gradient(influence, gap, bounds, state)
@@ -118,13 +121,9 @@ contains
       if (state%decrease >= 0.5_real64 * sum(state%gradient * (state%force - projected))) cycle
       call take_projected_step(influence, gap, bounds, state)
     end do
-    if (present(level) .or. present(displacement)) call influence%apply(state%force, state%gradient)
-    if (present(level)) then
-      state%next_gradient = state%gradient + gap
-      level = free_level(gap, bounds, state%force, state%next_gradient)
-    end if
+    if (present(level)) level = state%level
     call move_alloc(state%force, force)
-    if (present(displacement)) call move_alloc(state%gradient, displacement)
+    if (present(displacement)) call move_alloc(state%displacement, displacement)
   end subroutine find_forces
 
   ! Takes a step of conjugate gradients in the free forces: sets the forces and the gradient after
@@ -134,8 +133,8 @@ contains
     real(real64), intent(in) :: gap(:, :)
     type(force_bounds), intent(in) :: bounds
     type(force_iterate), intent(inout) :: state
-    real(real64) :: curvature, mean, new_product, old_product, step, total
-    integer :: changes, i, j
+    real(real64) :: changes, curvature, mean, new_product, old_product, step, total
+    integer :: i, j
 
     call influence%apply(state%image, state%next_gradient, inverse=.true.)
     ! The set of free forces changes at nearly every step: the formula of Polak and Ribiere (1969)
@@ -155,24 +154,23 @@ contains
     state%gradient_product = new_product
     call swap_arrays(state%preconditioned, state%next_gradient)
     mean = 0.0_real64
-    changes = 0
+    total = 0.0_real64
     do j = 1, size(gap, 2)
-      !$omp simd reduction(+:mean, changes)
+      !$omp simd reduction(+:mean, total)
       do i = 1, size(gap, 1)
-        state%direction(i, j) = merge(state%preconditioned(i, j) + step * state%direction(i, j), &
-                                      0.0_real64, is_free(state%force(i, j), bounds%limit))
+        state%direction(i, j) = state%free(i, j) * (state%preconditioned(i, j) + &
+                                                    step * state%direction(i, j))
         mean = mean + state%direction(i, j)
-        changes = changes + merge(1, 0, is_free(state%force(i, j), bounds%limit))
+        total = total + state%free(i, j)
       end do
     end do
     ! The sum of the forces does not change.
-    mean = merge(mean / max(1, changes), 0.0_real64, bounds%load > 0.0_real64)
+    mean = merge(mean / max(1.0_real64, total), 0.0_real64, bounds%load > 0.0_real64)
     step = 0.0_real64
     do j = 1, size(gap, 2)
       !$omp simd reduction(+:step)
       do i = 1, size(gap, 1)
-        state%direction(i, j) = merge(state%direction(i, j) - mean, 0.0_real64, &
-                                      is_free(state%force(i, j), bounds%limit))
+        state%direction(i, j) = state%direction(i, j) - state%free(i, j) * mean
         step = step + state%direction(i, j) * state%image(i, j)
       end do
     end do
@@ -189,20 +187,21 @@ contains
     step = step / curvature
     ! Forces that would be negative become 0; a force of 0 with an overlap becomes positive.
     total = 0.0_real64
-    changes = 0
+    changes = 0.0_real64
     do j = 1, size(gap, 2)
       !$omp simd reduction(+:total, changes)
       do i = 1, size(gap, 1)
         associate (old => state%force(i, j), new => state%next_force(i, j))
-          new = min(bounds%limit, max(0.0_real64, old - step * merge( &
-                state%direction(i, j), state%gradient(i, j), is_free(old, bounds%limit))))
+          new = old - step * (state%direction(i, j) + &
+                              (1.0_real64 - state%free(i, j)) * state%gradient(i, j))
+          new = min(bounds%limit, max(0.0_real64, new))
           total = total + new
-          changes = changes + merge(1, 0, (new > 0.0_real64 .neqv. old > 0.0_real64) .or. &
-                                          (new < bounds%limit .neqv. old < bounds%limit))
+          changes = changes + abs(one_where(new > 0.0_real64) - one_where(old > 0.0_real64)) + &
+                    abs(one_where(new < bounds%limit) - one_where(old < bounds%limit))
         end associate
       end do
     end do
-    if (changes > 0) then
+    if (changes > 0.0_real64) then
       call scale_to_load(gap, bounds, state%next_force, total)
       call find_gradient(influence, gap, bounds, state)
     else
@@ -247,22 +246,21 @@ contains
     type(force_bounds), intent(in) :: bounds
     real(real64), intent(in) :: step  ! length of the step along the direction
     type(force_iterate), intent(inout) :: state
-    real(real64) :: total
-    integer :: free, i, j
+    real(real64) :: free, total
+    integer :: i, j
 
     total = 0.0_real64
-    free = 0
+    free = 0.0_real64
     do j = 1, size(state%force, 2)
       !$omp simd reduction(+:total, free)
       do i = 1, size(state%force, 1)
         state%next_gradient(i, j) = state%gradient(i, j) - step * state%image(i, j)
-        total = total + merge(state%next_gradient(i, j), 0.0_real64, &
-                              is_free(state%next_force(i, j), bounds%limit))
-        free = free + merge(1, 0, is_free(state%next_force(i, j), bounds%limit))
+        total = total + state%free(i, j) * state%next_gradient(i, j)
+        free = free + state%free(i, j)
       end do
     end do
     state%is_recomputed = .false.
-    state%level = merge(total / max(1, free), 0.0_real64, bounds%load > 0.0_real64)
+    state%level = merge(total / max(1.0_real64, free), 0.0_real64, bounds%load > 0.0_real64)
     call finish_step(norm, bounds, state)
   end subroutine update_gradient
 
@@ -273,31 +271,34 @@ contains
     real(real64), intent(in) :: gap(:, :)
     type(force_bounds), intent(in) :: bounds
     type(force_iterate), intent(inout) :: state
-    real(real64) :: largest, squares, total
-    integer :: free, i, j
+    real(real64) :: free, largest, squares, total
+    integer :: i, j
 
-    call influence%apply(state%next_force, state%next_gradient)
+    call influence%apply(state%next_force, state%displacement)
     largest = 0.0_real64
     squares = 0.0_real64
     total = 0.0_real64
-    free = 0
+    free = 0.0_real64
     do j = 1, size(gap, 2)
       !$omp simd reduction(+:squares, total, free) reduction(max:largest)
       do i = 1, size(gap, 1)
-        largest = max(largest, abs(state%next_gradient(i, j)))
-        squares = squares + state%next_force(i, j)**2
-        state%next_gradient(i, j) = state%next_gradient(i, j) + gap(i, j)
-        total = total + merge(state%next_gradient(i, j), 0.0_real64, &
-                              is_free(state%next_force(i, j), bounds%limit))
-        free = free + merge(1, 0, is_free(state%next_force(i, j), bounds%limit))
+        associate (f => state%next_force(i, j))
+          largest = max(largest, abs(state%displacement(i, j)))
+          squares = squares + f**2
+          state%next_gradient(i, j) = state%displacement(i, j) + gap(i, j)
+          state%free(i, j) = one_where(f > 0.0_real64) * one_where(f < bounds%limit)
+          total = total + state%free(i, j) * state%next_gradient(i, j)
+          free = free + state%free(i, j)
+        end associate
       end do
     end do
     state%displacement_scale = max(largest, influence%norm * sqrt(squares / size(gap)))
     state%is_recomputed = .true.
     state%level = 0.0_real64
     if (bounds%load > 0.0_real64) then
-      state%level = total / max(1, free)
-      if (free == 0) state%level = free_level(gap, bounds, state%next_force, state%next_gradient)
+      state%level = total / max(1.0_real64, free)
+      if (.not. free > 0.0_real64) &
+        state%level = free_level(gap, bounds, state%next_force, state%next_gradient)
     end if
     call finish_step(influence%norm, bounds, state)
   end subroutine find_gradient
@@ -311,9 +312,10 @@ contains
     real(real64), intent(in) :: norm  ! |A|
     type(force_bounds), intent(in) :: bounds
     type(force_iterate), intent(inout) :: state
-    real(real64) :: change, decrease, enough, r, residual
+    real(real64) :: change, decrease, enough, inverse, r, residual
     integer :: i, j
 
+    inverse = 1.0_real64 / norm
     decrease = 0.0_real64
     enough = 0.0_real64
     residual = 0.0_real64
@@ -324,10 +326,10 @@ contains
           r = state%next_gradient(i, j) - state%level
           state%next_gradient(i, j) = r
           decrease = decrease + (state%force(i, j) - f) * (state%gradient(i, j) + r)
-          residual = max(residual, merge(r, 0.0_real64, f > 0.0_real64), &
-                         merge(-r, 0.0_real64, f < bounds%limit))
-          state%image(i, j) = merge(r, 0.0_real64, is_free(f, bounds%limit))
-          change = f - min(bounds%limit, max(0.0_real64, f - r / norm))
+          residual = max(residual, one_where(f > 0.0_real64) * r, &
+                         -one_where(f < bounds%limit) * r)
+          state%image(i, j) = state%free(i, j) * r
+          change = f - min(bounds%limit, max(0.0_real64, f - inverse * r))
           enough = enough + change * (r - 0.5_real64 * norm * change)
         end associate
       end do
@@ -458,6 +460,13 @@ contains
     ! The sum is restored where the load is small against the level, whose rounding it has.
     if (bounds%load > 0.0_real64) call scale_free_forces(bounds, sum(force), force, is_scaled)
   end subroutine project_forces
+
+  ! 1 or 0, by which loops multiply: they have no branches.
+  elemental real(real64) function one_where(is_true) result(one)
+    logical, intent(in) :: is_true
+
+    one = merge(1.0_real64, 0.0_real64, is_true)
+  end function one_where
 
   ! Whether a force is neither 0 nor at the limit.
   elemental logical function is_free(force, limit)
