@@ -13,7 +13,7 @@
 module asperity_map_statistics
   use, intrinsic :: ieee_arithmetic, only: ieee_is_nan, ieee_quiet_nan, ieee_value
   use asperity_constants, only: pi
-  use asperity_height_map, only: height_map, index_beside, is_measured
+  use asperity_height_map, only: height_map, index_beside, is_measured, no_height
   use asperity_kinds, only: int64, real64
   use asperity_map_summits, only: map_summits
   implicit none
@@ -165,23 +165,27 @@ contains
   pure real(real64) function rms_slope_over(map, distance) result(slope)
     type(height_map), intent(in) :: map  !! levelled height map
     integer, intent(in) :: distance      !! of two pixels, in pixels
-    integer :: axis, i, j, number, other(2)
-    real(real64) :: square
+    integer :: axis, i, j, k, n, number
+    real(real64) :: line(map%columns), square
 
     slope = 0.0_real64
     do axis = 1, 2
       square = 0.0_real64
       number = 0
       do j = 1, map%rows
-        do i = 1, map%columns
-          other = [i, j]
-          other(axis) = index_beside(other(axis) + distance, size(map%height, axis), &
-                                     map%repeats(axis))
-          if (other(axis) == 0) cycle
-          if (.not. (is_measured(map%height(i, j)) .and. &
-                     is_measured(map%height(other(1), other(2))))) cycle
+        n = map%columns
+        if (axis == 1) then
+          if (.not. map%repeats(1)) n = max(0, n - distance)
+          line = cshift(map%height(:, j), distance)
+        else
+          k = index_beside(j + distance, map%rows, map%repeats(2))
+          if (k == 0) exit
+          line = map%height(:, k)
+        end if
+        do i = 1, n
+          if (.not. min(map%height(i, j), line(i)) > 0.5_real64 * no_height) cycle
           number = number + 1
-          square = square + (map%height(other(1), other(2)) - map%height(i, j))**2
+          square = square + (line(i) - map%height(i, j))**2
         end do
       end do
       slope = hypot(slope, sqrt(square / max(1, number)) / (distance * map%pixel_spacing(axis)))
