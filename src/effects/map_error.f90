@@ -46,7 +46,8 @@ module asperity_map_error
   ! Error over the difference by half the pixels at first order, with the factor 3 of Roache (1994);
   ! 1 at second order (derived; test: rough maps in test/regression/test_pixel_errors.py).
   real(real64), parameter :: first_order = 3.0_real64
-  ! Tolerance of the gaps over the range of heights (chosen: the differences are larger by far).
+  ! Tolerance of the gaps over the range of heights, or of the attraction (chosen: the differences
+  ! are larger by far).
   real(real64), parameter :: closed_halves = 1.0e-6_real64
   ! Growth of the slope by the last halving of the pixel over that by the one before, above which a
   ! map is rough at the size of its pixels: 1/4 where it is smooth, 1/2 with kinks, 2**(1 - H) of a

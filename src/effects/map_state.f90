@@ -44,7 +44,7 @@ contains
     type(map_history), intent(inout) :: history     !! state before; becomes this state
     type(map_answer), intent(inout) :: answer       !! solution of the state before; of this one
     real(real64), intent(in), optional :: load      !! normal load; absent: the level is given
-    real(real64), intent(in), optional :: tolerance  !! as of `press_map`, without adhesion
+    real(real64), intent(in), optional :: tolerance  !! as of `press_map` or `adhere_map`
     type(height_map) :: map
     real(real64) :: modulus
     logical :: is_loaded
@@ -57,7 +57,7 @@ contains
       call begin_creep_step(history%deformed, laws%modulus, laws%solid, time, history%creep, map, &
                             modulus)
     if (allocated(laws%attraction)) then
-      call solve_adhesion(map, modulus, laws, history%adhesion, answer, load)
+      call solve_adhesion(map, modulus, laws, history%adhesion, answer, load, tolerance)
     else if (is_loaded) then
       call press_map(map, modulus, answer, load, tolerance, laws%hardness)
     else
@@ -71,13 +71,13 @@ contains
   end subroutine solve_map_state
 
   ! Solves a state with adhesion. A load that is not carried is a failure with the largest one.
-  subroutine solve_adhesion(map, modulus, laws, history, answer, load)
+  subroutine solve_adhesion(map, modulus, laws, history, answer, load, tolerance)
     type(height_map), intent(in) :: map
     real(real64), intent(in) :: modulus
     type(map_laws), intent(in) :: laws
     type(adhesion_history), intent(inout) :: history
     type(map_answer), intent(inout) :: answer
-    real(real64), intent(in), optional :: load
+    real(real64), intent(in), optional :: load, tolerance
     type(adhesion_history) :: before
     real(real64) :: carried
     logical :: begins_open
@@ -85,7 +85,8 @@ contains
     begins_open = .not. allocated(history%attraction)
     carried = answer%load
     before = history
-    call adhere_map(map, modulus, laws%attraction, history, answer, load, laws%hardness)
+    call adhere_map(map, modulus, laws%attraction, history, answer, load, laws%hardness, &
+                    tolerance)
     if (allocated(answer%failure) .or. .not. (present(load) .and. history%is_separated)) return
     ! From open surfaces the first state is that at first touch.
     if (begins_open) then
