@@ -16,6 +16,7 @@ import csv
 import itertools
 import os
 import subprocess
+import sys
 import tempfile
 import time
 from pathlib import Path
@@ -29,7 +30,7 @@ PRESSURES = ((0.05,), (0.002, 0.01, 0.05, 0.15, 0.4))
 RESIDUAL = 1e-10
 # What the columns of the record are.
 ABOUT = f"""\
-command   python test/bench/map_beside_tamaas.py --save
+command   python test/bench/map_beside_tamaas.py {" ".join(sys.argv[1:])}
 programs  asperity solve; {VERSION}, PolonskyKeerRey
 map       periodic self-affine, Hurst 0.8, roll-off a fifth of the side, cut-off 8 pixels, rms
           slope {SLOPE}
