@@ -54,8 +54,13 @@ contains
     character(len=*), intent(in) :: path     !! path of the file; `-` is standard input
     character(len=:), allocatable :: name
     integer(c_long) :: known, place
+    integer :: status
 
-    allocate (character(len=block_size) :: self%block)
+    allocate (character(len=block_size) :: self%block, stat=status)
+    if (status /= 0) then
+      self%failure = 'cannot be opened: ' // not_enough_memory
+      return
+    end if
     name = path
     if (path == '-') name = '/dev/stdin'
     self%descriptor = posix_open(name // c_null_char, read_only)

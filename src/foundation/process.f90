@@ -129,8 +129,9 @@ contains
     if (bytes >= large_request) has_memory = bytes <= available_memory()
     limit = limit_of(address_limit)
     if (.not. has_memory .or. limit == huge(limit)) return
-    has_memory = bytes + spare_room <= &
-                 limit - 1024_int64 * number_in_file('/proc/self/status', 'VmSize:')
+    ! Without memory the file cannot be read: the number is the largest one.
+    has_memory = number_in_file('/proc/self/status', 'VmSize:') <= &
+                 (limit - spare_room - bytes) / 1024_int64
   end function has_memory
 
   ! Available memory of the machine and the control groups of this process [bytes]. Cached files

@@ -25,6 +25,7 @@ module asperity_element_solver
   use asperity_contact_pairs, only: contact_pair, contact_pairs
   use asperity_element_forces, only: find_forces, force_bounds
   use asperity_kinds, only: int64, real64
+  use asperity_line_transform, only: bytes_of_plans
   use asperity_problems, only: not_enough_memory
   use asperity_process, only: has_memory
   use asperity_solve_ending, only: solve_ending
@@ -428,7 +429,7 @@ contains
     share = product((lattice%window(3:) - lattice%window(:2)) / side + 2) / elements_allowed
     if (.not. share < 1.0_real64) then
       answer%failure = 'the boundary elements would need more than 2 GiB of memory'
-    else if (.not. has_memory(nint(share * 2.0_real64**31, int64))) then
+    else if (.not. has_memory(nint(share * 2.0_real64**31, int64) + bytes_of_plans)) then
       answer%failure = not_enough_memory // ' for the boundary elements of a group of contacts'
     end if
   end subroutine check_memory

@@ -12,6 +12,7 @@ module asperity_map_contact
   use asperity_height_map, only: height_map, is_measured, no_height
   use asperity_interruption, only: interruption
   use asperity_kinds, only: int64, real64
+  use asperity_line_transform, only: bytes_of_plans
   use asperity_problems, only: not_enough_memory
   use asperity_process, only: has_memory
   use asperity_solve_ending, only: solve_ending
@@ -249,7 +250,7 @@ contains
     padded = shape(map%height)
     where (.not. [map%repeats(1), map%repeats(2)]) padded = padded_length(2 * shape(map%height) - 1)
     bytes = nint(bytes_padded * product(padded) + bytes_across * padded(1) * &
-                 size(map%height, 2) + bytes_plain * size(map%height), int64)
+                 size(map%height, 2) + bytes_plain * size(map%height), int64) + bytes_of_plans
   end function room_to_press
 
   !> The map at half its resolution: of four pixels the mean of their mean and the highest, which

@@ -6,15 +6,20 @@
 module asperity_line_transform
   use, intrinsic :: iso_c_binding, only: c_associated, c_double, c_double_complex, c_int, c_loc, &
                                          c_null_ptr, c_ptr
+  use asperity_kinds, only: int64
   implicit none
   private
 
-  public :: line_transform, real_to_waves, waves_to_real, waves_forward, waves_back, back_in_place
+  public :: line_transform, real_to_waves, waves_to_real, waves_forward, waves_back, &
+            back_in_place, bytes_of_plans
 
   !> Directions: of `length` doubles to length/2 + 1 waves; the inverse, which overwrites the waves
   !> and multiplies by the length; of complex numbers to another place, and their inverse.
   integer, parameter :: real_to_waves = 1, waves_to_real = 2, waves_forward = 3, waves_back = 4
   integer, parameter :: back_in_place = 5  !! inverse in the place of the waves
+  !> Bytes besides the values, to be available before plans are made (chosen, a small plan takes
+  !> some kilobytes): FFTW ends the process where it gets none.
+  integer(int64), parameter :: bytes_of_plans = 131072_int64
 
   !> Transform of lines of one length. It owns its plan: it must not be copied.
   type :: line_transform
