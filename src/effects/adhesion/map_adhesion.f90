@@ -67,8 +67,8 @@ module asperity_map_adhesion
   real(real64), parameter :: first_tolerance = 1.0e-2_real64, start_tolerance = 1.0e-3_real64
   ! Error of displacements by rounding over the largest one (derived: see element_forces).
   real(real64), parameter :: rounding = 1.0e-11_real64
-  ! Largest change of gaps with an extrapolation over the range of the attraction (chosen; test:
-  ! states of one and of eight steps in test/regression/test_adhesive_pixels.py).
+  ! Largest change of gaps with an extrapolation over the range of the attraction (chosen; no test
+  ! fails without it).
   real(real64), parameter :: largest_extrapolation = 0.1_real64
   ! Largest number of contact problems for a state (chosen: near the largest tensile load it grows
   ! without bound).
