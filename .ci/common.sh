@@ -15,13 +15,12 @@ unset PYTHONDONTWRITEBYTECODE
 # -fPIC: Python loads the same objects.
 strict_flags="-std=f2008 -Wall -Wextra -Werror -O0 -g -fbacktrace -fcheck=all,no-array-temps \
 -finit-real=snan -finit-derived --coverage -fprofile-update=single -fPIC"
-# Archived IEEE output must not depend on what the processor offers: no contraction to fused
-# multiply-add, no -march=native, no -ffast-math. -g is for valgrind, and changes no instruction.
-archive_flags="-O2 -ffp-contract=off -g"
-# fpm's own, for objects that a shared library can be made of: the Python package has one.
-release_flags="-fPIC -fno-semantic-interposition"
-sanitize_flags="-O1 -g -fbacktrace -fno-omit-frame-pointer -fsanitize=address,undefined \
--fno-sanitize-recover=all -DASPERITY_SANITIZED"
+# fpm's own, for objects that a shared library can be made of: the Python package has one. Archived
+# IEEE output must not depend on what the processor offers: no contraction to fused multiply-add, no
+# -march=native, no -ffast-math.
+release_flags="-fPIC -fno-semantic-interposition -ffp-contract=off"
+sanitize_flags="-O0 -g -fbacktrace -fno-omit-frame-pointer -fsanitize=address,undefined \
+-fno-sanitize-recover=all"
 # What flang-19 warns of is what it cannot fold in REAL(16).
 second_flags="-O2 -ffp-contract=off -w"
 second_compiler=flang-new-19
@@ -43,18 +42,17 @@ drop_stale_builds() {
   fi
 }
 
-kinds="release|archive|strict|sanitize|images|second"
+kinds="release|strict|sanitize|images|second"
 # Sets fpm_options to those of a build, and fpm_tests to what builds the unit tests with it.
 # Without --no-prune fpm leaves out modules that nothing uses yet.
 options_of() {
   fpm_tests=()
   case $1 in
     release) fpm_options=(--profile release --no-prune --flag "$release_flags") ;;
-    archive) fpm_options=(--flag "$archive_flags") ;;
     strict) fpm_options=(--no-prune --flag "$strict_flags") ;;
     sanitize) fpm_options=(--no-prune --flag "$sanitize_flags") ;;
     images)
-      fpm_options=(--flag "$archive_flags -DASPERITY_COARRAYS -fcoarray=lib"
+      fpm_options=(--profile release --flag "$release_flags -DASPERITY_COARRAYS -fcoarray=lib"
         --link-flag "-Wl,--no-as-needed -lcaf_openmpi")
       ;;
     second)
@@ -97,11 +95,16 @@ add() {
 }
 
 # Starts the unit tests beside what comes next. Usage: start_units EXECUTABLE, of the same build.
-# Counts of lines of earlier sources go: libgcov complains of them.
 start_units() {
-  find build -name '*.gcda' -delete
-  "${1%/app/*}/test/unit" >build/unit.log 2>&1 &
+  unit_log=${1%/app/*}/unit.log
+  "${1%/app/*}/test/unit" >"$unit_log" 2>&1 &
   units=$!
+}
+
+# The same on counted lines. Counts of earlier sources go: libgcov complains of them.
+start_counted_units() {
+  find build -name '*.gcda' -delete
+  start_units "$1"
 }
 
 # Waits for them, shows what they said, and counts them.
@@ -109,8 +112,8 @@ end_units() {
   local status tally
   wait "$units"
   status=$?
-  cat build/unit.log
-  tally=$(last_tally build/unit.log)
+  cat "$unit_log"
+  tally=$(last_tally "$unit_log")
   [ "$status" -ne 0 ] || [ -n "$tally" ] || status=1
   add "$status" "unit tests" "$tally"
 }

@@ -29,7 +29,7 @@ PACKAGE = Path(__file__).resolve().parent
 ROOT = PACKAGE.parent
 FPM = "fpm==0.12.0"
 # As .ci/common.sh has them for the release build: objects that a shared library can be made of.
-FLAGS = "-fPIC -fno-semantic-interposition"
+FLAGS = "-fPIC -fno-semantic-interposition -ffp-contract=off"
 # What the library shows: the names of include/asperity.h.
 SHOWN = "{ global: asperity_*; local: *; };\n"
 

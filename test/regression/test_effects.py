@@ -304,7 +304,8 @@ def test_a_path_of_pressures_in_any_units(asperity, tmp_path, modulus, length):
                                1 - column(plain.curve, "separation"), rtol=1e-9)
 
 
-@pytest.mark.parametrize("seed", [0, pytest.param(3, marks=pytest.mark.once), 8])
+@pytest.mark.parametrize("seed", [0] + [pytest.param(seed, marks=pytest.mark.long)
+                                        for seed in (3, 8)])
 def test_a_load_beyond_the_centres_is_named(asperity, tmp_path, seed):
     """Thirty caps of radii 0.5 to 30 under a sphere, far beyond what they carry: coupled contacts
     are solved up to the largest compression, where isolated ones would penetrate many times."""

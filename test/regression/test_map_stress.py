@@ -57,7 +57,7 @@ def test_largest_stresses_of_hertz(asperity, tmp_path):
     place = (np.arange(pixels) - pixels // 2) * side
     height = -(place[:, None] ** 2 + place[None, :] ** 2) / 2
     peak = 2 * COMBINED * contact / np.pi
-    numbers, text, _ = below(asperity, tmp_path, height, (side, side), "0.04:0.056:17",
+    numbers, text, _ = below(asperity, tmp_path, height, (side, side), "0.045:0.051:7",
                              {"control": "load", "value": 4 / 3 * COMBINED * contact**3})
     mises, shear = principal(numbers)
     assert np.abs(numbers["von_mises"] - mises).max() < 1e-12 * peak

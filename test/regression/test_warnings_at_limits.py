@@ -368,8 +368,7 @@ def test_error_of_nested_contacts(asperity, tmp_path):
 # Results without a meaning.
 
 @pytest.mark.parametrize("interaction", ["off", "auto", "coupled", "boundary"])
-@pytest.mark.parametrize("nominal, load, count", [
-    pytest.param(1.44, 10000.0, 12, marks=pytest.mark.once), (1e-6, 30.0, 1)])
+@pytest.mark.parametrize("nominal, load, count", [(0.25, 1700.0, 5), (1e-6, 30.0, 1)])
 def test_area_above_the_nominal_area(nominal, load, count, interaction, asperity, tmp_path):
     """No file and one sentence."""
     run = solve(asperity, write_plane_scene(
