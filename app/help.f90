@@ -3,12 +3,12 @@
 module asperity_help
   use asperity_arguments, only: joined_words
   use asperity_effect_names, only: needed_for
+  use asperity_input_text, only: replaced_text
   use asperity_numeral, only: any_number, in_range
   use asperity_option_table, only: call_of, command_at, commands, options
   use asperity_problems, only: decimal_text
   use asperity_scene_fields, only: known_name, one_word, values_in_words, whole_number
-  use asperity_scene_names, only: scene_table
-  use asperity_spec_names, only: spec_table
+  use asperity_scene_names, only: scene_table, spec_table
   use asperity_text_buffer, only: text_buffer
   use asperity_version, only: version
   use asperity_word_hint, only: one_of
@@ -192,22 +192,24 @@ contains
     type(text_buffer), intent(inout) :: text  !! text to which the lines are added
     integer :: i, k
 
+    ! In troff a bare minus becomes a hyphen.
     call text%line('.TH ASPERITY 1 "" "asperity ' // version // '" "User Commands"')
     call text%line('.SH NAME')
     call text%line('asperity \- contact between rough surfaces of spherical asperities')
     call text%line('.SH SYNOPSIS')
     do k = 1, size(commands)
-      call text%line('.B ' // troff_text(call_of(k)))
+      call text%line('.B ' // replaced_text(call_of(k), '-', '\-'))
       call text%line('.br')
     end do
     do k = 1, size(commands)
       call text%line('.SH ' // merge('REPORT  ', commands(k)%name, k == 1))
-      call text%line(troff_text(trim(commands(k)%text)))
+      call text%line(replaced_text(trim(commands(k)%text), '-', '\-'))
       do i = 1, size(options)
         if (options(i)%command /= commands(k)%name) cycle
         call text%line('.TP')
-        call text%line('.B ' // troff_text(trim(options(i)%name) // ' ' // trim(options(i)%value)))
-        call text%line(troff_text(trim(options(i)%text)))
+        call text%line('.B ' // replaced_text(trim(options(i)%name) // ' ' // &
+                                              trim(options(i)%value), '-', '\-'))
+        call text%line(replaced_text(trim(options(i)%text), '-', '\-'))
       end do
     end do
     call text%line('.SH EXIT STATUS')
@@ -243,18 +245,5 @@ contains
     call text%line('}')
     call text%line('complete -o filenames -F _asperity asperity')
   end subroutine write_completion
-
-  ! Text for troff, where a bare minus becomes a hyphen.
-  pure function troff_text(words) result(text)
-    character(len=*), intent(in) :: words
-    character(len=:), allocatable :: text
-    integer :: i
-
-    text = ''
-    do i = 1, len(words)
-      if (words(i:i) == '-') text = text // '\'
-      text = text // words(i:i)
-    end do
-  end function troff_text
 
 end module asperity_help

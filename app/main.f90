@@ -5,14 +5,16 @@ program asperity_main
   use asperity_help, only: write_help, write_completion, write_manual_page
   use asperity_images, only: image_number, wait_for_images
   use asperity_output_files, only: guard_files
-  use asperity_process, only: end_process, prepare_process
+  use asperity_process, only: prepare_process
   use asperity_run_accuracy, only: run_accuracy_command
   use asperity_run_generate, only: run_generate_command
   use asperity_run_original, only: run_original_command
   use asperity_run_solve, only: run_solve_command
   use asperity_run_study, only: run_study_command
   use asperity_run_summits, only: run_summits_command
+  use asperity_system_calls, only: posix_exit
   !$ use omp_lib, only: omp_set_num_threads
+  use, intrinsic :: iso_c_binding, only: c_int
   implicit none
   type(command_line) :: line
   type(command_outcome) :: outcome
@@ -51,5 +53,5 @@ program asperity_main
   call finish_command(outcome, status)
   call wait_for_images()
   ! Images that have all ended well end together, by the end of the program.
-  if (status /= 0) call end_process(status)
+  if (status /= 0) call posix_exit(int(status, c_int))
 end program asperity_main

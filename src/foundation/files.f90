@@ -21,8 +21,7 @@ contains
 
   !> Whether two paths have the same spelling. Blanks at the end, which == ignores, count.
   pure logical function same_name(a, b)
-    character(len=*), intent(in) :: a  !! path of a file
-    character(len=*), intent(in) :: b  !! path of another file
+    character(len=*), intent(in) :: a, b  !! paths of two files
 
     same_name = len(a) == len(b) .and. a == b
   end function same_name

@@ -189,8 +189,7 @@ contains
   !> Number of pieces of a part of the work.
   elemental integer function pieces_of_part(pieces, part, parts) result(number)
     integer, intent(in) :: pieces  !! number of all pieces
-    integer, intent(in) :: part    !! number of the part, from 1
-    integer, intent(in) :: parts   !! number of all parts
+    integer, intent(in) :: part, parts  !! number of the part, from 1, and of all parts
 
     number = (pieces - part + parts) / parts
   end function pieces_of_part
@@ -198,8 +197,7 @@ contains
   !> Number in the whole work of a piece of a part.
   elemental integer function whole_number(piece, part, parts) result(number)
     integer, intent(in) :: piece   !! number in the part
-    integer, intent(in) :: part    !! number of the part, from 1
-    integer, intent(in) :: parts   !! number of all parts
+    integer, intent(in) :: part, parts  !! number of the part, from 1, and of all parts
 
     number = part + (piece - 1) * parts
   end function whole_number
@@ -253,18 +251,11 @@ contains
       call open_file(work, work%file + 1, failure)
       if (allocated(failure)) return
     end do files
-    call mark_done(work, piece)
+    work%is_done(piece) = .true.
+    work%done = work%done + 1
     allocate (words(len(body) / word_digits))
     read (body, '(*(z16))') words
   end subroutine next_record
-
-  pure subroutine mark_done(work, piece)
-    type(kept_work), intent(inout) :: work
-    integer, intent(in) :: piece
-
-    work%is_done(piece) = .true.
-    work%done = work%done + 1
-  end subroutine mark_done
 
   !> Whether this image is to do a piece. Pieces are distributed in turn.
   elemental logical function is_due(work, piece)
@@ -292,7 +283,8 @@ contains
     if (allocated(failure)) then
       failure = work%path // ': cannot be written: ' // failure
     else
-      call mark_done(work, piece)
+      work%is_done(piece) = .true.
+      work%done = work%done + 1
       call note_progress(work)
     end if
   end subroutine keep_record

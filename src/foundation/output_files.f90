@@ -154,8 +154,7 @@ contains
   !> Whether two paths lead to one file, or will. Devices and pipes may be shared. Hard links are
   !> not detected: renaming does not change the file of the other name.
   logical function same_file(a, b)
-    character(len=*), intent(in) :: a  !! path of a file, or empty
-    character(len=*), intent(in) :: b  !! path of a file, or empty
+    character(len=*), intent(in) :: a, b  !! paths of files, or empty
     character(len=:), allocatable :: name
 
     same_file = .false.

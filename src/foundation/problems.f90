@@ -28,8 +28,7 @@ module asperity_problems
 
   !> Place of a problem.
   type :: problem_place
-    integer :: line = 0         !! line of the file, from 1; 0: none
-    integer :: column = 0       !! column of the line, from 1; 0: none
+    integer :: line = 0, column = 0  !! of the file, from 1; 0: none
     integer :: file_length = 0  !! length of the file's name at its beginning; 0: none
     integer :: prefix = 0       !! number of characters before the message
   end type problem_place

@@ -1,15 +1,15 @@
-!> The running process: its memory, its stacks and its end.
+!> The running process: its memory and its stacks.
 module asperity_process
   use, intrinsic :: iso_c_binding, only: c_int, c_long
   use asperity_files, only: read_whole_file
   use asperity_kinds, only: int64
   use asperity_problems, only: decimal_text
-  use asperity_system_calls, only: posix_exit, posix_getrlimit
+  use asperity_system_calls, only: posix_getrlimit
   !$ use omp_lib, only: omp_get_max_threads, omp_set_num_threads
   implicit none
   private
 
-  public :: end_process, has_memory, number_in_file, prepare_process, threads_with_memory
+  public :: has_memory, number_in_file, prepare_process, threads_with_memory
 
   ! RLIMIT_STACK and RLIMIT_AS of Linux.
   integer(c_int), parameter :: stack_limit = 3_c_int, address_limit = 9_c_int
@@ -110,13 +110,6 @@ contains
 
     text = decimal_text(int(bytes / 1024_int64)) // ' kB'
   end function kilobyte_text
-
-  !> Ends the process with an exit status and, unlike STOP, without a message.
-  subroutine end_process(status)
-    integer, intent(in) :: status  !! 0 success, 1 not computed, 2 faulty input
-
-    call posix_exit(int(status, c_int))
-  end subroutine end_process
 
   !> Whether memory is available within the limit of the shell (`ulimit -v`), the free memory of the
   !> machine and the limit of its control group. To be called before a large array is allocated.

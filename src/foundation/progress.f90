@@ -66,11 +66,13 @@ contains
     class(progress_line), intent(inout) :: self  !! line of the work
     integer, intent(in) :: by_now                !! pieces done, including earlier ones
     character(len=:), allocatable :: line
+    integer(int64) :: now, rate
     real(real64) :: seconds
 
     self%done = by_now
     if (.not. self%requested) return
-    seconds = seconds_since(self%began)
+    call system_clock(now, rate)
+    seconds = real(now - self%began, real64) / real(rate, real64)
     if (seconds < self%shown + pause .or. self%done >= self%total .or. &
         self%done <= self%done_before) return
     self%shown = seconds
@@ -130,14 +132,5 @@ contains
       text = decimal_text((whole + 3599) / 3600) // ' h'
     end if
   end function duration_text
-
-  ! Seconds since a reading of the clock.
-  real(real64) function seconds_since(reading) result(seconds)
-    integer(int64), intent(in) :: reading
-    integer(int64) :: now, rate
-
-    call system_clock(now, rate)
-    seconds = real(now - reading, real64) / real(rate, real64)
-  end function seconds_since
 
 end module asperity_progress

@@ -114,15 +114,12 @@ contains
   ! Whether three quarters of the signs behind the first card are those of numbers.
   pure logical function has_numbers(text)
     character(len=*), intent(in) :: text
-    integer :: i, signs(2)
+    integer :: i
 
-    signs = 0
-    do i = min(len(text), line_end(text, 1)) + 1, len(text)
-      if (scan(text(i:i), blanks) == 1) cycle
-      signs(merge(1, 2, scan(text(i:i), '+-.0123456789') == 1)) = &
-        signs(merge(1, 2, scan(text(i:i), '+-.0123456789') == 1)) + 1
-    end do
-    has_numbers = signs(1) >= 3 * signs(2)
+    associate (rest => text(min(len(text), line_end(text, 1)) + 1:))
+      has_numbers = count([(scan(rest(i:i), '+-.0123456789') == 1, i=1, len(rest))]) >= &
+                    3 * count([(scan(rest(i:i), blanks // '+-.0123456789') == 0, i=1, len(rest))])
+    end associate
   end function has_numbers
 
   ! Whether cards 2, 3 and 4 cannot be those of a deck, which have 6, 7 and 4 numbers, or fewer

@@ -2,7 +2,7 @@
 module asperity_column_names
   use asperity_delimited_text, only: line_cells, read_cells, separator_of
   use asperity_height_map, only: plain_unit, unit_number
-  use asperity_input_text, only: lower_case
+  use asperity_input_text, only: lower_case, replaced_text
   use asperity_word_hint, only: nearest_word
   implicit none
   private
@@ -61,14 +61,7 @@ contains
     character(len=len(cell)) :: word
     integer :: at, i, used
 
-    word = ''
-    used = 0
-    do i = 1, len(cell)
-      if (scan(cell(i:i), '"''') > 0) cycle
-      used = used + 1
-      word(used:used) = cell(i:i)
-    end do
-    word = adjustl(word)
+    word = adjustl(replaced_text(replaced_text(cell, '"', ''), '''', ''))
     used = len_trim(word)
     unit = ''
     at = scan(word, '[(/')

@@ -170,10 +170,8 @@ contains
 
   !> Why two effects are not computed together; empty when they are.
   pure function why_not_together(first, first_way, second, second_way, on_pixels) result(why)
-    character(len=*), intent(in) :: first       !! an effect, as in &effects
-    character(len=*), intent(in) :: first_way   !! how it is simulated
-    character(len=*), intent(in) :: second      !! another effect, as in &effects
-    character(len=*), intent(in) :: second_way  !! how it is simulated
+    character(len=*), intent(in) :: first, second          !! two effects, as in &effects
+    character(len=*), intent(in) :: first_way, second_way  !! how each is simulated
     logical, intent(in) :: on_pixels            !! on the pixels of a map; .false.: on asperities
     character(len=:), allocatable :: why        !! sentence for a message
     integer :: i
@@ -186,10 +184,8 @@ contains
 
   !> Whether two effects are computed together.
   pure logical function go_together(first, first_way, second, second_way, on_pixels)
-    character(len=*), intent(in) :: first       !! an effect, as in &effects
-    character(len=*), intent(in) :: first_way   !! how it is simulated
-    character(len=*), intent(in) :: second      !! another effect, as in &effects
-    character(len=*), intent(in) :: second_way  !! how it is simulated
+    character(len=*), intent(in) :: first, second          !! two effects, as in &effects
+    character(len=*), intent(in) :: first_way, second_way  !! how each is simulated
     logical, intent(in), optional :: on_pixels  !! on the pixels of a map; absent: on asperities
     logical :: of_map
 

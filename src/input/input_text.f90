@@ -8,7 +8,8 @@ module asperity_input_text
   implicit none
   private
 
-  public :: blanks, read_text, check_text, line_end, lower_case, in_quotes, without_blanks
+  public :: blanks, read_text, check_text, line_end, lower_case, in_quotes, replaced_text, &
+            without_blanks
   public :: begin_file, first_control, plain_text, skip_mark
 
   !> Characters that only separate.
@@ -159,6 +160,21 @@ contains
     inner = ''
     if (first > 0) inner = text(first:verify(text, blanks, back=.true.))
   end function without_blanks
+
+  !> A text with other letters in the place of each of one kind.
+  pure function replaced_text(text, letter, by) result(other)
+    character(len=*), intent(in) :: text     !! text of any bytes
+    character(len=1), intent(in) :: letter   !! letter that is replaced
+    character(len=*), intent(in) :: by       !! letters in its place
+    character(len=:), allocatable :: other   !! the other text
+    integer :: i
+
+    other = ''
+    do i = 1, len(text)
+      if (text(i:i) == letter) other = other // by
+      if (text(i:i) /= letter) other = other // text(i:i)
+    end do
+  end function replaced_text
 
   !> A piece of the file for a message: between quotes, cut when long.
   pure function in_quotes(piece) result(text)

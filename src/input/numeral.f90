@@ -36,6 +36,12 @@ module asperity_numeral
     'a number more than 0 and less than 1', 'a number more than -1 and at most 0.5', &
     'a number of 0 or more', 'a number more than 0 and at most 1', 'a length from 1e-30 to 1e30', &
     'a number more than 1']
+  ! The least and the largest double of each range.
+  real(real64), parameter :: largest = huge(1.0_real64), above_0 = nearest(0.0_real64, 1.0_real64)
+  real(real64), parameter :: limits(2, 8) = reshape([-largest, largest, above_0, largest, &
+    above_0, nearest(1.0_real64, -1.0_real64), nearest(-1.0_real64, 1.0_real64), 0.5_real64, &
+    0.0_real64, largest, above_0, 1.0_real64, least_length, most_length, &
+    nearest(1.0_real64, 2.0_real64), largest], [2, 8])
 
 contains
 
@@ -186,24 +192,7 @@ contains
     real(real64) :: number
 
     number = decimal_to_real64(value)
-    select case (number_range)
-    case (above_zero)
-      in_range = value%all_digits > 0_int64
-    case (share)
-      in_range = value%all_digits > 0_int64 .and. number < 1.0_real64
-    case (share_or_all)
-      in_range = value%all_digits > 0_int64 .and. number <= 1.0_real64
-    case (poisson_range)
-      in_range = number > -1.0_real64 .and. number <= 0.5_real64
-    case (a_length)
-      in_range = number >= least_length .and. number <= most_length
-    case (above_one)
-      in_range = number > 1.0_real64
-    case (not_negative)
-      in_range = value%all_digits >= 0_int64
-    case default
-      in_range = .true.
-    end select
+    in_range = number >= limits(1, number_range) .and. number <= limits(2, number_range)
   end function in_range
 
 end module asperity_numeral

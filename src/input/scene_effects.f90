@@ -33,6 +33,7 @@ contains
   subroutine read_effects(fields, checked)
     type(scene_fields), intent(inout) :: fields  !! the scene's text
     type(scene), intent(inout) :: checked        !! with material and limit; gets the effects
+    character(len=:), allocatable :: why
     integer :: written(size(known_effects)), i
 
     associate (effects => checked%effects)
@@ -58,9 +59,15 @@ contains
         effects%given(i) = by_word
         if (written(i) > 0) effects%modes(i) = written(i)
       end do
+      ! An effect that cannot be computed with the rest of the scene is left out with a note.
       ! Interaction comes last: it yields to what is asked for.
       do i = size(known_effects), 1, -1
-        if (default_mode(effects, i) == effect_auto) call take_default(fields, checked, i)
+        if (default_mode(effects, i) /= effect_auto) cycle
+        why = why_not(fields, checked, trim(known_effects(i)%name))
+        if (why == '') effects%modes(i) = effect_auto
+        if (why /= '') &
+          call checked%notes%add(checked%file // ': note: ' // trim(known_effects(i)%name) // &
+                                 ' is left out: ' // why)
       end do
       call check_hardness(fields, checked)
       call require_numbers(fields, checked)
@@ -74,7 +81,13 @@ contains
       if (has_tangential(checked%loading)) call check_tangential(fields, checked)
       if (effects%mode('adhesion') == effect_off) call refuse_pulls(fields, checked%loading)
       call check_together(fields, checked)
-      if (checked%contact_modulus%all_digits > 0_int64) call refuse_combined(fields, checked)
+      ! A combined modulus says nothing of the two bodies that it stands for.
+      do i = 1, merge(size(known_effects), 0, checked%contact_modulus%all_digits > 0_int64)
+        if (effects%modes(i) == effect_off .or. known_effects(i)%needs == '') cycle
+        if (known_effects(i)%name == 'plasticity' .and. flows_on_pixels(checked)) cycle
+        call fields%complain_of('effects', trim(known_effects(i)%name), &
+                                needs_both(known_effects(i)))
+      end do
     end associate
   end subroutine read_effects
 
@@ -86,23 +99,6 @@ contains
     mode = merge(effect_auto, effect_off, effects%given(i) == by_numbers .or. &
                  (effects%given(i) == by_default .and. known_effects(i)%name == 'interaction'))
   end function default_mode
-
-  ! An effect that is `auto` by default. One that cannot be computed with the rest of the scene is
-  ! left out with a note.
-  subroutine take_default(fields, checked, i)
-    type(scene_fields), intent(in) :: fields
-    type(scene), intent(inout) :: checked
-    integer, intent(in) :: i
-    character(len=:), allocatable :: why
-
-    why = why_not(fields, checked, trim(known_effects(i)%name))
-    if (why == '') then
-      checked%effects%modes(i) = effect_auto
-    else
-      call checked%notes%add(checked%file // ': note: ' // trim(known_effects(i)%name) // &
-                             ' is left out: ' // why)
-    end if
-  end subroutine take_default
 
   ! Why an effect that is not written cannot be computed with the rest of the scene; empty: it can.
   function why_not(fields, checked, name) result(why)
@@ -261,21 +257,6 @@ contains
       call fields%complain_of('loading', 'value', 'a load of 0 or less needs adhesion: found ' // &
                               'adhesion = ''off'', expected loads above 0, or ''on'' or ''auto''')
   end subroutine refuse_pulls
-
-  ! A combined modulus says nothing of the two bodies that it stands for.
-  subroutine refuse_combined(fields, checked)
-    type(scene_fields), intent(inout) :: fields
-    type(scene), intent(in) :: checked
-    integer :: i
-
-    do i = 1, size(known_effects)
-      associate (effect => known_effects(i))
-        if (checked%effects%modes(i) == effect_off .or. effect%needs == '') cycle
-        if (effect%name == 'plasticity' .and. flows_on_pixels(checked)) cycle
-        call fields%complain_of('effects', trim(effect%name), needs_both(effect))
-      end associate
-    end do
-  end subroutine refuse_combined
 
   ! `friction needs shear moduli ... of both surfaces`.
   pure function needs_both(effect) result(text)

@@ -120,7 +120,7 @@ contains
   pure subroutine find_names(self)
     class(scene_fields), intent(inout) :: self
     character(len=len(self%known%name)) :: names(size(self%known)), groups(size(self%known))
-    character(len=:), allocatable :: group, name
+    character(len=:), allocatable :: group, hint, name
     integer :: i, k, near
 
     names = self%known%name
@@ -163,9 +163,13 @@ contains
         if (near == 0) near = findloc(names == name, .true., 1)
         if (near == 0) near = findloc(groups == group .and. &
                                       index(self%known%synonyms, ' ' // name // ' ') > 0, .true., 1)
+        hint = ''
+        if (near > 0) then
+          hint = '; did you mean ''' // trim(names(near)) // '''?'
+          if (names(near) == name) hint = '; it is a name of &' // trim(groups(near))
+        end if
         call self%refuse_item(i, 'unknown name in &' // group // ': found ' // &
-             in_quotes(name) // ', expected ' // &
-             any_of(pack(names, groups == group)) // what_is_meant(near))
+             in_quotes(name) // ', expected ' // any_of(pack(names, groups == group)) // hint)
         if (near == 0) cycle
         if (self%at(near) == 0) self%at(near) = i
       else if (self%group_at(k) /= self%list%items(i)%group) then
@@ -176,19 +180,6 @@ contains
         self%at(k) = i
       end if
     end do
-
-  contains
-
-    ! Meaning of an unknown name, for a message: one like it of this group, or one of another group.
-    pure function what_is_meant(k) result(text)
-      integer, intent(in) :: k
-      character(len=:), allocatable :: text
-
-      text = ''
-      if (k == 0) return
-      text = '; did you mean ''' // trim(names(k)) // '''?'
-      if (names(k) == name) text = '; it is a name of &' // trim(groups(k))
-    end function what_is_meant
 
   end subroutine find_names
 

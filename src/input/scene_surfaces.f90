@@ -5,7 +5,7 @@ module asperity_scene_surfaces
   use asperity_files, only: same_name
   use asperity_height_map, only: height_map, plain_unit
   use asperity_input_text, only: in_quotes
-  use asperity_kinds, only: int64, real64
+  use asperity_kinds, only: real64
   use asperity_problems, only: decimal_text, problem_list, real_text
   use asperity_scene_deck, only: surfaces_from_deck
   use asperity_scene_fields, only: scene_fields
@@ -211,12 +211,8 @@ contains
         call other_files%add_at(1, 1, files(side)%failure // ', expected a map')
         return
       end if
-      if (radius(side)%all_digits > 0_int64) then
-        call read_surface_csv(surface%file, table, found, decimal_to_real64(radius(side)), &
-                              opened=files(side))
-      else
-        call read_surface_csv(surface%file, table, found, opened=files(side))
-      end if
+      call read_surface_csv(surface%file, table, found, decimal_to_real64(radius(side)), &
+                            opened=files(side))
       surface%checksum = checksum_of_pipe(files(side))
       call other_files%append(found)
       ! A file that could not be read is not reported for a missing radius too.

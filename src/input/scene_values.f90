@@ -116,8 +116,7 @@ module asperity_scene_values
 
   !> Height maps in the place of surfaces: one beside a plane or asperities, or two.
   type :: scene_map
-    type(height_map) :: upper      !! as it was read; without columns: there is none
-    type(height_map) :: lower      !! as it was read; without columns: there is none
+    type(height_map) :: upper, lower  !! as they were read; without columns: there is none
     logical :: periodic = .false.  !! they repeat themselves along an axis or both
     integer :: level = level_plane !! from which heights are measured
     logical :: despike = .false.   !! single outliers are taken out of them
@@ -145,8 +144,7 @@ module asperity_scene_values
     character(len=:), allocatable :: text         !! all that it says, as it was written
     logical :: from_deck = .false.                !! surfaces from a deck: cm, N, N/cm2
     type(card_deck), allocatable :: deck          !! the deck itself; not allocated without one
-    type(scene_surface) :: upper                  !! the upper surface
-    type(scene_surface) :: lower                  !! the lower surface
+    type(scene_surface) :: upper, lower           !! both surfaces
     !> Maps in the place of the surfaces; not allocated: none. Summits are found when it is solved.
     type(scene_map), allocatable :: map
     logical :: lower_is_mirrored = .false.        !! a deck's lower surface is

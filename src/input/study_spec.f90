@@ -11,7 +11,7 @@ module asperity_study_spec
   use asperity_kinds, only: real64
   use asperity_problems, only: problem_list
   use asperity_scene_fields, only: read_fields, scene_fields
-  use asperity_spec_names, only: most_sizes, spec_table
+  use asperity_scene_names, only: most_sizes, spec_table
   implicit none
   private
 
@@ -96,6 +96,7 @@ contains
     type(scene_fields), intent(inout) :: fields
     type(study_spec), intent(inout) :: spec
     type(decimal_value), allocatable :: sizes(:)
+    type(decimal_value) :: confidence, factor, tolerance
     integer :: number
 
     number = fields%value_count('study', 'sizes')
@@ -107,24 +108,16 @@ contains
         call fields%complain_of('study', 'sizes', 'found sizes in another order, expected ' // &
                                 'each to be smaller than the one before')
     end if
-    call take_real(fields, 'factor', spec%factor)
+    call fields%take('study', 'factor', factor)
     call fields%take('study', 'steps', spec%steps)
     call fields%take('study', 'sections', spec%sections)
     call fields%take('study', 'places', spec%places)
     call fields%take('study', 'reference', spec%reference)
-    call take_real(fields, 'tolerance', spec%tolerance)
-    call take_real(fields, 'confidence', spec%confidence)
+    call fields%take('study', 'tolerance', tolerance)
+    call fields%take('study', 'confidence', confidence)
+    spec%factor = decimal_to_real64(factor)
+    spec%tolerance = decimal_to_real64(tolerance)
+    spec%confidence = decimal_to_real64(confidence)
   end subroutine take_sections
-
-  !> A number of &study as a double; it stays as it is when it is not there or not good.
-  subroutine take_real(fields, name, number)
-    type(scene_fields), intent(inout) :: fields
-    character(len=*), intent(in) :: name
-    real(real64), intent(inout) :: number
-    type(decimal_value) :: value
-
-    call fields%take('study', name, value)
-    if (value%all_digits /= 0) number = decimal_to_real64(value)
-  end subroutine take_real
 
 end module asperity_study_spec

@@ -27,16 +27,6 @@ module asperity_surface_csv
   ! Unread columns that a note names; the rest is counted. Chosen: one line of a terminal.
   integer, parameter :: most_named = 5
 
-  !> Columns of a file.
-  type :: surface_columns
-    integer :: cell_of(4) = 0                 !! cell of each of `column_names`; 0: there is none
-    integer :: column_count = 0               !! columns of the file
-    character(len=1) :: separator = ','       !! what stands between them
-    character(len=:), allocatable :: unit     !! of all lengths; empty: not given in the file
-    !> Names of columns that are not read, the first five, and how many there are; or empty.
-    character(len=:), allocatable :: others
-  end type surface_columns
-
   !> The asperities of a surface; lengths in the unit of the file.
   type :: surface_table
     real(real64), allocatable :: x(:), y(:)    !! summits on the reference plane
@@ -44,7 +34,11 @@ module asperity_surface_csv
     real(real64), allocatable :: radius(:)     !! more than 0; not allocated: not given
     logical :: has_radius = .false.            !! the file has a radius column
     character(len=:), allocatable :: unit      !! of its lengths; empty: not given
-    character(len=:), allocatable :: others    !! names of columns that are not read; or empty
+    !> Names of columns that are not read, the first five, and how many there are; or empty.
+    character(len=:), allocatable :: others
+    integer, private :: cell_of(4) = 0         ! cell of each of `column_names`; 0: there is none
+    integer, private :: column_count = 0       ! columns of the file
+    character(len=1), private :: separator = ','  ! what stands between them
   end type surface_table
 
 contains
@@ -54,7 +48,7 @@ contains
     character(len=*), intent(in) :: path                !! path of the surface
     type(surface_table), intent(out) :: table           !! numbers of the asperities
     type(problem_list), intent(out) :: problems         !! all that is wrong
-    real(real64), intent(in), optional :: common_radius !! radius of all, when no column gives it
+    real(real64), intent(in), optional :: common_radius !! where no column gives radii; 0: none
     class(byte_reader), intent(inout), optional :: opened !! the file, at its first byte
     character(len=:), allocatable :: text
 
@@ -68,9 +62,8 @@ contains
     character(len=*), intent(in) :: text                !! the whole file
     type(surface_table), intent(out) :: table           !! numbers of the asperities
     type(problem_list), intent(out) :: problems         !! all that is wrong
-    real(real64), intent(in), optional :: common_radius !! radius of all, when no column gives it
+    real(real64), intent(in), optional :: common_radius !! where no column gives radii; 0: none
     type(problem_list) :: strange
-    type(surface_columns) :: columns
     type(line_cells) :: cells
     character(len=:), allocatable :: other
     integer :: first, line
@@ -87,12 +80,10 @@ contains
     else
       first = cells%start
       line = cells%line
-      call read_header(text, first, line, columns, problems)
-      table%has_radius = columns%cell_of(radius_column) > 0
-      table%unit = columns%unit
-      table%others = columns%others
+      call read_header(text, first, line, table, problems)
+      table%has_radius = table%cell_of(radius_column) > 0
       if (problems%count() == 0) &
-        call read_rows(text(first:), line, columns, table, problems, common_radius)
+        call read_rows(text(first:), line, table, problems, common_radius)
     end if
     if (problems%count() == 0) return
     ! Where every cell is a number there is no byte that no text has. Such a byte says enough.
@@ -103,10 +94,9 @@ contains
 
   ! Long: a row shares its cells with the messages. Reads all rows of a text, whose first line has
   ! the number `first_line`.
-  subroutine read_rows(text, first_line, columns, table, problems, common_radius)
+  subroutine read_rows(text, first_line, table, problems, common_radius)
     character(len=*), intent(in) :: text
     integer, intent(in) :: first_line
-    type(surface_columns), intent(in) :: columns
     type(surface_table), intent(inout) :: table
     type(problem_list), intent(inout) :: problems
     real(real64), intent(in), optional :: common_radius
@@ -128,28 +118,29 @@ contains
       return
     end if
     allocate (table%x(lines), table%y(lines), table%height(lines))
-    if (table%has_radius .or. present(common_radius)) allocate (table%radius(lines))
+    numbers(radius_column) = 0.0_real64
     if (present(common_radius)) numbers(radius_column) = common_radius
+    if (table%has_radius .or. numbers(radius_column) > 0.0_real64) allocate (table%radius(lines))
     at = 1
     line = first_line
     rows = 0
-    cells%separator = columns%separator
+    cells%separator = table%separator
     do
       call read_cells(text, at, line, cells)
       if (cells%cell_count == 0) exit
       rows = rows + 1
-      if (cells%cell_count /= columns%column_count) then
+      if (cells%cell_count /= table%column_count) then
         call problems%add_at(cells%line, 1, 'found ' // decimal_text(cells%cell_count) // &
-                             ' cells, expected ' // decimal_text(columns%column_count) // &
+                             ' cells, expected ' // decimal_text(table%column_count) // &
                              ' as in the header' // &
-                             point_hint(cells%cell_count > columns%column_count .and. &
+                             point_hint(cells%cell_count > table%column_count .and. &
                              cells%separator == ','))
         cycle
       end if
       all_good = .true.
       do i = 1, size(column_names)
-        if (columns%cell_of(i) == 0) cycle
-        call read_numeral(text(cells%first(columns%cell_of(i)):cells%last(columns%cell_of(i))), &
+        if (table%cell_of(i) == 0) cycle
+        call read_numeral(text(cells%first(table%cell_of(i)):cells%last(table%cell_of(i))), &
                           decimal, good)
         numbers(i) = decimal_to_real64(decimal)
         if (good) cycle
@@ -184,7 +175,7 @@ contains
       integer, intent(in) :: column
       character(len=*), intent(in) :: expected
 
-      associate (cell => columns%cell_of(column))
+      associate (cell => table%cell_of(column))
         associate (found => text(cells%first(cell):cells%last(cell)))
           call problems%add_at(cells%line, column_of(cells, cell), trim(column_names(column)) // &
                                ': found ' // in_quotes(found) // ', expected ' // expected // &
@@ -205,11 +196,11 @@ contains
   end function point_hint
 
   !> Reads the header at `first`.
-  pure subroutine read_header(text, first, line, columns, problems)
+  pure subroutine read_header(text, first, line, table, problems)
     character(len=*), intent(in) :: text            !! the whole file
     integer, intent(inout) :: first                 !! byte where it begins; left at the next line's
     integer, intent(inout) :: line                  !! its number; left at the next line's
-    type(surface_columns), intent(out) :: columns   !! what stands where
+    type(surface_table), intent(inout) :: table     !! gets what stands where
     type(problem_list), intent(inout) :: problems   !! what is wrong
     type(line_cells) :: cells
     character(len=:), allocatable :: name, unit
@@ -222,10 +213,10 @@ contains
     if (cells%separator == ' ') cells%separator = achar(9)
     call read_cells(text, first, line, cells)
     line = cells%line + 1
-    columns%column_count = cells%cell_count
-    columns%separator = cells%separator
-    columns%unit = ''
-    columns%others = ''
+    table%column_count = cells%cell_count
+    table%separator = cells%separator
+    table%unit = ''
+    table%others = ''
     unread = 0
     if (all_numbers(text, cells)) then
       call problems%add_at(cells%line, 1, 'no header: found numbers in the first line, ' // &
@@ -238,16 +229,16 @@ contains
       if (name == '') name = 'column ' // decimal_text(i)
       if (role == 0) then
         unread = unread + 1
-        if (unread <= most_named) columns%others = columns%others // ', ' // name
-      else if (columns%cell_of(role) > 0) then
+        if (unread <= most_named) table%others = table%others // ', ' // name
+      else if (table%cell_of(role) > 0) then
         call refuse_cell(i, 'column ' // name // ' occurs twice, expected once', problems)
       else
-        columns%cell_of(role) = i
-        if (all(columns%cell_of == 0 .or. columns%cell_of == i)) columns%unit = unit
-        if (columns%unit == unit .or. is_mixed) cycle
+        table%cell_of(role) = i
+        if (all(table%cell_of == 0 .or. table%cell_of == i)) table%unit = unit
+        if (table%unit == unit .or. is_mixed) cycle
         is_mixed = .true.
         call refuse_cell(i, name // ': found ' // unit_in_words(unit) // ' beside ' // &
-                    unit_in_words(columns%unit) // ', expected one unit for all lengths, in ' // &
+                    unit_in_words(table%unit) // ', expected one unit for all lengths, in ' // &
                     'each column or in none', problems)
       end if
     end do
@@ -257,17 +248,17 @@ contains
       if (any(column_names == name)) cycle
       role = nearest_word(name, column_names)
       if (role == 0) cycle
-      if (columns%cell_of(role) > 0) cycle
-      columns%cell_of(role) = i
+      if (table%cell_of(role) > 0) cycle
+      table%cell_of(role) = i
       call refuse_cell(i, 'unknown column: found ' // in_quotes(name) // &
                        did_you_mean(name, column_names), problems)
     end do
-    if (unread > 0) columns%others = columns%others(3:)
+    if (unread > 0) table%others = table%others(3:)
     if (unread > most_named) &
-      columns%others = columns%others // ' and ' // decimal_text(unread - most_named) // ' more'
+      table%others = table%others // ' and ' // decimal_text(unread - most_named) // ' more'
     name = ''
     do i = 1, height_column
-      if (columns%cell_of(i) == 0) name = name // ', ' // trim(column_names(i))
+      if (table%cell_of(i) == 0) name = name // ', ' // trim(column_names(i))
     end do
     if (name /= '') &
       call problems%add_at(cells%line, 1, 'no column ' // name(3:) // ': found ' // &

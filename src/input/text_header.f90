@@ -225,30 +225,30 @@ contains
     integer, intent(in) :: line
     type(text_header), intent(inout) :: header
     type(problem_list), intent(inout) :: problems
-    integer :: i
 
     header%names_line = line
     header%place = found%of_points()
     header%cell_count = size(found%name)
-    do i = 1, 3
-      call set_unit(i, trim(found%unit(header%place(i))), line, header, problems)
-    end do
+    call set_units(found%unit(header%place), line, header, problems)
   end subroutine take_names
 
-  ! A unit of x, y or z. It must not differ from one that the header has already.
-  subroutine set_unit(i, unit, line, header, problems)
-    integer, intent(in) :: i, line
-    character(len=*), intent(in) :: unit
+  ! Units of x, y and z, or blanks. None must differ from one that the header has already.
+  subroutine set_units(units, line, header, problems)
+    character(len=*), intent(in) :: units(3)
+    integer, intent(in) :: line
     type(text_header), intent(inout) :: header
     type(problem_list), intent(inout) :: problems
+    integer :: i
 
-    if (unit == '') return
-    if (header%unit(i) /= '' .and. header%unit(i) /= unit) &
-      call problems%add_at(line, 1, 'found ' // in_quotes(trim(unit)) // ' as the unit of ' // &
-                           axis(i) // ' beside ' // in_quotes(trim(header%unit(i))) // &
-                           ' in a line before, expected one')
-    header%unit(i) = unit
-  end subroutine set_unit
+    do i = 1, 3
+      if (units(i) == '') cycle
+      if (header%unit(i) /= '' .and. header%unit(i) /= units(i)) &
+        call problems%add_at(line, 1, 'found ' // in_quotes(trim(units(i))) // &
+                             ' as the unit of ' // axis(i) // ' beside ' // &
+                             in_quotes(trim(header%unit(i))) // ' in a line before, expected one')
+      header%unit(i) = units(i)
+    end do
+  end subroutine set_units
 
   ! A comment before the numbers: names of columns, or a statement `name: value`.
   subroutine read_comment(text, line, header, problems, notes)
@@ -265,6 +265,7 @@ contains
 
     found = columns_named(text)
     place = found%of_points()
+    units = ''
     if (place(3) > 0) then
       if (is_height_name(trim(found%name(place(3)))) .and. .not. is_surface_header(text)) then
         call take_names(found, line, header, problems)
@@ -272,7 +273,8 @@ contains
       end if
     else if (size(found%name) == 1) then
       if (found%unit(1) /= '' .and. is_height_name(trim(found%name(1)))) then
-        call set_unit(3, trim(found%unit(1)), line, header, problems)
+        units(3) = found%unit(1)
+        call set_units(units, line, header, problems)
         return
       end if
     end if
@@ -315,18 +317,14 @@ contains
     end select
     if (last > 0) then
       if (.not. allocated(unit)) unit = bare_unit(value)
-      do i = first, last
-        call set_unit(i, unit, line, header, problems)
-      end do
-    else if (any(units_in_words(text) /= '')) then
+      units(first:last) = unit
+    else
       units = units_in_words(text)
-      do i = 1, 3
-        call set_unit(i, trim(units(i)), line, header, problems)
-      end do
-    else if (has_unit(text) .or. name == 'width' .or. name == 'height') then
-      call notes%add_at(line, 1, 'note: the unit in ' // in_quotes(text) // &
-                        ' is not understood and not used')
+      if (all(units == '') .and. (has_unit(text) .or. name == 'width' .or. name == 'height')) &
+        call notes%add_at(line, 1, 'note: the unit in ' // in_quotes(text) // &
+                          ' is not understood and not used')
     end if
+    call set_units(units, line, header, problems)
   end subroutine read_comment
 
   ! The name of a unit without brackets.
