@@ -1,14 +1,13 @@
 !> The command line: words in, checked choices or a list of problems out.
 module asperity_command_line
-  use asperity_arguments, only: word_at, argument_list, given_option, read_arguments
+  use asperity_arguments, only: count_of, given_option, positive_number, read_arguments, &
+                                read_depths, read_share, read_spacing, read_tables, word_at
   use asperity_contact_field, only: fields_all
+  use asperity_height_map, only: expected_length, plain_unit
   use asperity_input_text, only: lower_case, in_quotes
   use asperity_kept_records, only: kept_file
   use asperity_kinds, only: real64
-  use asperity_option_values, only: read_count, read_depths, read_positive, read_share, &
-                                    read_spacing, read_tables, read_word
-  use asperity_option_table, only: call_of, command_at, commands, entry_of, known_options, &
-                                   option_entry, options
+  use asperity_option_table, only: call_of, command_at, commands, options
   use asperity_original_records, only: original_positions, thesis_tables
   use asperity_output_files, only: same_file
   use asperity_problems, only: decimal_text, problem_list
@@ -18,8 +17,8 @@ module asperity_command_line
   implicit none
   private
 
-  public :: check_ending, command_line, is_shared, output_place, parse_command_line, &
-            refuse_input, tell_part
+  public :: check_ending, command_line, is_shared, parse_command_line, refuse_input, &
+            tell_part
 
   character(len=*), parameter :: letters = 'abcdefghijklmnopqrstuvwxyz'
 
@@ -48,7 +47,10 @@ contains
     type(command_line), intent(out) :: line      !! choices of the user, with defaults where none is
                                                  !! made
     type(problem_list), intent(out) :: problems  !! what is wrong
-    type(argument_list) :: list
+    ! Options that need another one.
+    character(len=*), parameter :: needs(2, 3) = reshape([character(len=16) :: &
+      '--of', '--accuracy ERROR', '--stress', '--depths LIST', '--fields-of', '--fields FILE'], &
+      [2, 3])
     integer, allocatable :: keeps(:)
     integer :: i, k
 
@@ -80,15 +82,12 @@ contains
       line%command = 'original'
       if (is_no_command(word_at(1), problems)) return
     end if
-    call read_arguments(min(k, 2), known_options(commands(k)%name), trim(commands(k)%called), &
-                        list, problems)
-    if (list%operand == '' .and. line%command == 'accuracy') list%operand = 'data/thesis.deck'
-    if (list%operand == '' .and. (k > 1 .or. problems%count() == 0)) &
+    call read_arguments(min(k, 2), k, line%input, line%given, problems)
+    if (line%input == '' .and. line%command == 'accuracy') line%input = 'data/thesis.deck'
+    if (line%input == '' .and. (k > 1 .or. problems%count() == 0)) &
       call problems%add('no ' // trim(commands(k)%called) // ' named, expected: ' // call_of(k))
-    line%input = list%operand
-    line%given = list%options
-    do i = 1, size(list%options)
-      call take_option(line, command_at(line%command), i, problems)
+    do i = 1, size(line%given)
+      call take_option(line, i, problems)
     end do
     k = size(line%given)
     keeps = pack([(i, i=1, k)], [(line%given(i)%name == '--keep', i=1, k)])
@@ -99,22 +98,25 @@ contains
     if (line%has('--accuracy') .and. line%output_path('--keep') /= '') &
       call problems%add('--accuracy solves a sweep by several methods, --keep saves one: ' // &
                         'expected one of both')
-    if (line%has('--of') .and. .not. line%has('--accuracy')) &
-      call problems%add('--of: expected --accuracy ERROR beside it')
     if (line%output_path('--output') /= '' .and. line%output_path('--upper') /= '') &
       call problems%add('--output and --upper both name the upper surface, expected one of them')
     if (line%has('--cost') .and. line%has('--budget')) &
       call problems%add('--cost does not estimate --budget, expected one of both')
-    if (line%output_path('--stress') /= '' .and. .not. line%has('--depths')) &
-      call problems%add('--stress: expected --depths LIST beside it')
-    if (line%has('--fields-of') .and. line%output_path('--fields') == '') &
-      call problems%add('--fields-of: expected --fields FILE beside it')
+    do i = 1, size(needs, 2)
+      if (line%has(trim(needs(1, i))) .and. &
+          .not. line%has(needs(2, i)(:index(needs(2, i), ' ') - 1))) &
+        call problems%add(trim(needs(1, i)) // ': expected ' // trim(needs(2, i)) // ' beside it')
+    end do
     if (line%choice('--fields-of') == fields_all .and. &
         line%output_path('--fields') == '/dev/stdout') &
       call problems%add('--fields-of all writes a file a state, expected no - after --fields')
     call check_share(line, problems)
     call check_files(line, problems)
-    call check_endings(line, problems)
+    do i = 1, size(options)
+      if (options(i)%command == commands(command_at(line%command))%name .and. &
+          options(i)%value == 'FILE' .and. options(i)%format /= '') &
+        call check_ending(line, trim(options(i)%name), trim(options(i)%format), problems)
+    end do
   end subroutine parse_command_line
 
   ! Whether the first word was meant for a command: letters alone, no file's name, and like one of
@@ -136,37 +138,60 @@ contains
   end function is_no_command
 
   ! Takes the value of an option, by its kind in the table of options.
-  subroutine take_option(line, command, number, problems)
+  subroutine take_option(line, number, problems)
     type(command_line), intent(inout) :: line
-    integer, intent(in) :: command  ! place in `commands`
-    integer, intent(in) :: number   ! place among those given
+    integer, intent(in) :: number  ! place among those given
     type(problem_list), intent(inout) :: problems
-    type(option_entry) :: entry
+    character(len=11), allocatable :: words(:)
+    character(len=:), allocatable :: expected
+    integer :: i
+    logical :: good
 
-    associate (given => line%given(number))
-      entry = entry_of(command, given%name)
+    good = .true.
+    associate (given => line%given(number), entry => line%given(number)%entry)
       select case (entry%value)
       case ('NAME', 'WORD')
-        call read_word(given%name, given%value, pack(entry%words, entry%words /= ''), &
-                       given%number, problems)
+        words = pack(entry%words, entry%words /= '')
+        given%number = real(findloc(words == plain_unit(given%value), .true., 1), real64)
+        good = given%number > 0.0_real64
+        expected = any_of(words) // did_you_mean(given%value, words)
       case ('N')
-        call read_count(given%name, given%value, entry%most, given%number, problems)
+        given%number = real(count_of(given%value, len(decimal_text(entry%most))), real64)
+        good = given%number > 0.0_real64
+        expected = 'a number from 1'
+        if (entry%most < 1000000) expected = expected // ' to ' // decimal_text(entry%most)
       case ('S')
-        call read_positive(given%name, given%value, huge(given%number), 'a number more than 0', &
-                           given%number, problems)
+        given%number = positive_number(given%value, huge(given%number))
+        good = given%number > 0.0_real64
+        expected = 'a number more than 0'
       case ('ERROR')
-        call read_positive(given%name, given%value, 1.0_real64, 'a relative error between 0 ' // &
-                           'and 1, for instance 1e-3', given%number, problems)
+        given%number = positive_number(given%value, 1.0_real64)
+        good = given%number > 0.0_real64
+        expected = 'a relative error between 0 and 1, for instance 1e-3'
       case ('I/N')
-        call read_share(given%value, line%share, problems)
+        call read_share(given%value, line%share, good)
+        expected = 'I/N, part I of N, for instance 3/16'
       case ('X,Y')
-        call read_spacing(given%value, line%pixel_spacing, problems)
+        call read_spacing(given%value, line%pixel_spacing, good)
+        expected = 'X or X,Y, each ' // expected_length
       case ('LIST')
         if (given%name == '--tables') call read_tables(given%value, line%printed, problems)
-        if (given%name == '--depths') call read_depths(given%value, line%depths, problems)
+        if (given%name == '--depths') call read_depths(given%value, line%depths, good)
+        expected = 'depths more than 0 with commas, as 0.1,0.2, or FIRST:LAST:NUMBER, as 0.1:2:20'
       case default
-        if (given%value == '-') call take_standard_output(line, number, problems)
+        if (given%value /= '-') return
+        ! Standard output holds one output, and no summary. What is kept needs a file.
+        line%given(number)%value = '/dev/stdout'
+        if (given%name == '--keep') &
+          call problems%add('--keep: found -, expected a file, as a rerun reads it')
+        do i = 1, merge(0, number - 1, given%name == '--keep')
+          if (line%given(i)%value == '/dev/stdout') &
+            call problems%add(line%given(i)%name // ' and ' // given%name // ' both go to ' // &
+                              'standard output, expected one')
+        end do
       end select
+      if (.not. good) call problems%add(given%name // ': found ' // in_quotes(given%value) // &
+                                        ', expected ' // expected)
     end associate
   end subroutine take_option
 
@@ -183,25 +208,6 @@ contains
     if (line%has('--budget')) &
       call problems%add('--budget needs all positions, expected no --share beside it')
   end subroutine check_share
-
-  !> An output goes to standard output: it holds one, and no summary. What is kept needs a file.
-  subroutine take_standard_output(line, number, problems)
-    type(command_line), intent(inout) :: line
-    integer, intent(in) :: number
-    type(problem_list), intent(inout) :: problems
-    integer :: i
-
-    line%given(number)%value = '/dev/stdout'
-    if (line%given(number)%name == '--keep') then
-      call problems%add('--keep: found -, expected a file, as a rerun reads it')
-      return
-    end if
-    do i = 1, number - 1
-      if (line%given(i)%value == '/dev/stdout') &
-        call problems%add(line%given(i)%name // ' and ' // line%given(number)%name // ' both ' // &
-                          'go to standard output, expected one')
-    end do
-  end subroutine take_standard_output
 
   !> Says that a part of the work is kept.
   subroutine tell_part(line, pieces, number, buffer)
@@ -224,23 +230,6 @@ contains
                 (line%command == 'solve' .and. .not. line%has('--accuracy')))
   end function is_shared
 
-  !> The path of an output of a member of an ensemble: `%` stands for its number.
-  pure function output_place(pattern, member) result(path)
-    character(len=*), intent(in) :: pattern  !! as the user gave it
-    integer, intent(in) :: member            !! number in the ensemble
-    character(len=:), allocatable :: path    !! the file
-    integer :: i
-
-    path = ''
-    do i = 1, len(pattern)
-      if (pattern(i:i) == '%') then
-        path = path // decimal_text(member)
-      else
-        path = path // pattern(i:i)
-      end if
-    end do
-  end function output_place
-
   !> No output may take the place of another file that was named, in whatever spelling.
   subroutine check_files(line, problems)
     type(command_line), intent(in) :: line
@@ -251,31 +240,18 @@ contains
     report = canonical_path('/dev/stdout')
     call refuse_input(line, line%input, problems)
     do i = 1, size(line%given)
-      if (.not. is_output(line%given(i)%name)) cycle
+      if (line%given(i)%entry%value /= 'FILE') cycle
       option = line%given(i)%name
       path = line%given(i)%value
       if (same_file(path, report)) &
         call problems%add(option // ' names the file that standard output goes to, ' // path)
       do j = i + 1, size(line%given)
-        if (.not. is_output(line%given(j)%name)) cycle
+        if (line%given(j)%entry%value /= 'FILE') cycle
         if (same_file(path, line%given(j)%value)) call problems%add(option // ' and ' // &
             line%given(j)%name // ' both name ' // path)
       end do
     end do
   end subroutine check_files
-
-  ! The ending of an output's name must not be that of a format other than its own.
-  subroutine check_endings(line, problems)
-    type(command_line), intent(in) :: line
-    type(problem_list), intent(inout) :: problems
-    integer :: i
-
-    do i = 1, size(options)
-      if (options(i)%command /= commands(command_at(line%command))%name .or. &
-          options(i)%value /= 'FILE' .or. options(i)%format == '') cycle
-      call check_ending(line, trim(options(i)%name), trim(options(i)%format), problems)
-    end do
-  end subroutine check_endings
 
   !> The ending of an output's name must not be that of another format than its own.
   subroutine check_ending(line, option, format, problems)
@@ -309,19 +285,12 @@ contains
     if (input == '') return
     do i = 1, size(line%given)
       ! Further files of --keep are read, too.
-      if (.not. is_output(line%given(i)%name) .or. &
+      if (line%given(i)%entry%value /= 'FILE' .or. &
           line%output_path(line%given(i)%name) /= line%given(i)%value) cycle
       if (same_file(line%given(i)%value, input)) &
         call problems%add(line%given(i)%name // ' names the input, ' // input)
     end do
   end subroutine refuse_input
-
-  ! Whether an option names an output, with any command.
-  pure logical function is_output(name)
-    character(len=*), intent(in) :: name
-
-    is_output = any(options%name == name .and. options%value == 'FILE')
-  end function is_output
 
   !> Whether an option is given. An output on standard output stands for --quiet, too.
   pure logical function has_option(self, option)

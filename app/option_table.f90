@@ -10,7 +10,7 @@ module asperity_option_table
   private
 
   public :: command_entry, option_entry, commands, options
-  public :: call_of, command_at, entry_of, known_options
+  public :: call_of, command_at
 
   !> A command.
   type :: command_entry
@@ -178,15 +178,6 @@ contains
     command_at = max(1, findloc(commands%name == name, .true., 1))
   end function command_at
 
-  !> The entry of an option of a command.
-  pure type(option_entry) function entry_of(k, name)
-    integer, intent(in) :: k              !! place of the command in `commands`
-    character(len=*), intent(in) :: name  !! one of its options, with the dashes
-
-    entry_of = options(findloc(options%command == commands(k)%name .and. options%name == name, &
-                               .true., 1))
-  end function entry_of
-
   !> `asperity solve [OPTIONS] SCENE`.
   pure function call_of(k) result(text)
     integer, intent(in) :: k               !! place in `commands`
@@ -196,20 +187,5 @@ contains
     if (k > 1) text = 'asperity ' // trim(commands(k)%name) // ' [OPTIONS] ' // &
                       trim(commands(k)%operand)
   end function call_of
-
-  !> The options of a command; those with a value end with '='.
-  pure function known_options(command) result(names)
-    character(len=*), intent(in) :: command         !! name of the command, blank for the original
-                                                    !! program
-    character(len=18), allocatable :: names(:)      !! for instance `--contacts=`
-    integer :: i
-
-    names = pack(options%name, options%command == command)
-    associate (values => pack(options%value, options%command == command))
-      do i = 1, size(names)
-        if (values(i) /= '') names(i) = trim(names(i)) // '='
-      end do
-    end associate
-  end function known_options
 
 end module asperity_option_table

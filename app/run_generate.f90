@@ -1,7 +1,7 @@
 !> The command `asperity generate SPEC`: random surfaces as CSV files or as a card deck, or a random
 !> height map.
 module asperity_run_generate
-  use asperity_command_line, only: check_ending, command_line, output_place, refuse_input
+  use asperity_command_line, only: check_ending, command_line, refuse_input
   use asperity_command_outcome, only: command_outcome
   use asperity_files, only: write_standard_error, write_standard_output
   use asperity_generated_map, only: generate_map, try_map
@@ -10,6 +10,7 @@ module asperity_run_generate
   use asperity_generation_spec, only: read_generation_spec
   use asperity_generation_values, only: generation_spec
   use asperity_height_map, only: height_map, length_units
+  use asperity_input_text, only: replaced_text
   use asperity_kinds, only: int64, real64
   use asperity_map_file, only: check_map_path, note_of_file, stage_map_file
   use asperity_output_files, only: commit_files, discard_files, same_file, stage_file
@@ -148,7 +149,7 @@ contains
                           'their numbers, or --surface N')
       do member = 1, spec%ensemble
         if (index(pattern, '%') == 0) exit
-        if (same_file(output_place(pattern, member), spec%file)) &
+        if (same_file(replaced_text(pattern, '%', decimal_text(member)), spec%file)) &
           call problems%add(trim(options(i)) // ' names the input, ' // spec%file)
       end do
     end do
@@ -209,7 +210,7 @@ contains
     if (pattern == '') then
       call write_standard_output(text, failure)
     else
-      call stage_file(output_place(pattern, member), text, failure)
+      call stage_file(replaced_text(pattern, '%', decimal_text(member)), text, failure)
     end if
   end subroutine send_text
 
