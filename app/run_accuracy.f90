@@ -1,7 +1,6 @@
 !> The command `asperity accuracy [DECK or SCENE]`: the study of what accuracy costs in time.
 module asperity_run_accuracy
-  use asperity_accuracy_page, only: write_accuracy_page
-  use asperity_accuracy_table, only: write_accuracy_csv, write_accuracy_table
+  use asperity_accuracy_table, only: write_accuracy_csv, write_accuracy_page, write_accuracy_table
   use asperity_command_line, only: command_line, refuse_input
   use asperity_command_outcome, only: command_outcome
   use asperity_files, only: same_name

@@ -3,10 +3,10 @@ module asperity_run_original
   use asperity_card_deck, only: card_deck, read_card_deck
   use asperity_command_line, only: command_line
   use asperity_command_outcome, only: command_outcome
+  use asperity_csv_tables, only: write_original_contacts, write_original_positions, &
+                                 write_original_variance
   use asperity_files, only: write_standard_error
   use asperity_original, only: arithmetic_names, run_in_arithmetic
-  use asperity_original_csv, only: write_original_contacts, write_original_positions, &
-                                   write_original_variance
   use asperity_original_records, only: original_records, original_request
   use asperity_report, only: write_report
   use asperity_text_buffer, only: text_buffer

@@ -1,12 +1,10 @@
 !> The command `asperity solve SCENE`: scene, present-day solver, summary and CSV files.
 module asperity_run_solve
-  use asperity_budget_table, only: write_budget
   use asperity_command_line, only: command_line, is_shared, refuse_input, tell_part
   use asperity_command_outcome, only: command_outcome
   use asperity_contact_field, only: contact_field, fields_all, fields_last, parts_in_words, &
                                     room_of_fields
   use asperity_corrected_table, only: correct_table
-  use asperity_corrected_table_text, only: write_corrected_table
   use asperity_csv_tables, only: stress_cells, stress_columns, stress_table, write_histogram, &
                                  write_table
   use asperity_decimal, only: decimal_to_real64
@@ -25,14 +23,14 @@ module asperity_run_solve
   use asperity_result_table, only: array_table, make_arrays, of_contacts
   use asperity_results_html, only: write_html
   use asperity_results_json, only: write_json, write_json_table
-  use asperity_results_vti, only: write_vti
-  use asperity_results_vtk, only: write_vtk
+  use asperity_results_vtk, only: write_vti, write_vtk
   use asperity_run_options, only: run_options, totals_of_accuracy
   use asperity_scene_inputs, only: input_file, list_inputs
   use asperity_scene_reader, only: read_scene
   use asperity_scene_results, only: scene_results
   use asperity_scene_values, only: is_thesis_sweep, scene, scene_effects
   use asperity_solve, only: solve
+  use asperity_study_tables, only: write_budget, write_corrected_table
   use asperity_surface_fields, only: check_field_request, may_have_fields
   use asperity_summary, only: write_choice, write_summary
   use asperity_text_buffer, only: text_buffer
@@ -168,14 +166,22 @@ contains
       type(contact_field), intent(in) :: field
       logical, intent(in) :: is_last
       type(text_buffer) :: histogram, picture, vti
-      character(len=:), allocatable :: title
+      character(len=:), allocatable :: path, title
       character(len=20) :: lengths(2)  ! units of length and pressure
+      character(len=5) :: number
+      integer :: dot
 
       if (line%output_path('--fields') /= '') then
         call write_vti(field, vti)
-        call stage_output('--fields', vti, numbered_path(line%output_path('--fields'), &
-                                                  field%state, &
-                          line%choice('--fields-of') == fields_all))
+        path = line%output_path('--fields')
+        if (line%choice('--fields-of') == fields_all) then
+          ! `NAME_0001.vti`.
+          write (number, '("_", i4.4)') field%state
+          dot = index(path, '.', back=.true.)
+          if (dot <= index(path, '/', back=.true.) + 1) dot = len(path) + 1
+          path = path(:dot - 1) // number // path(dot:)
+        end if
+        call stage_output('--fields', vti, path)
       end if
       if (.not. is_last) return
       if (line%output_path('--histogram') /= '') then
@@ -266,23 +272,6 @@ contains
       needs = needs .or. line%has(trim(field_options(i)))
     end do
   end function needs_fields
-
-  ! `NAME_0001.vti`, or the path as it is.
-  function numbered_path(path, number, is_numbered) result(numbered)
-    character(len=*), intent(in) :: path
-    integer, intent(in) :: number
-    logical, intent(in) :: is_numbered
-    character(len=:), allocatable :: numbered
-    character(len=5) :: number_part
-    integer :: dot
-
-    numbered = path
-    if (.not. is_numbered) return
-    write (number_part, '("_", i4.4)') number
-    dot = index(path, '.', back=.true.)
-    if (dot <= index(path, '/', back=.true.) + 1) dot = len(path) + 1
-    numbered = path(:dot - 1) // number_part // path(dot:)
-  end function numbered_path
 
   ! Bytes that the results of a position take.
   subroutine weigh_positions(scene_in, results, cost)

@@ -1,8 +1,6 @@
 !> The command `asperity study SPEC`: the study of the representative area.
 module asperity_run_study
-  use asperity_area_study, only: area_study, run_area_study
-  use asperity_area_study_plan, only: plan_study, study_plan
-  use asperity_area_study_table, only: write_area_csv, write_area_table
+  use asperity_area_study, only: area_study, plan_study, run_area_study, study_plan
   use asperity_command_line, only: command_line, tell_part
   use asperity_command_outcome, only: command_outcome
   use asperity_images, only: image_number
@@ -12,6 +10,7 @@ module asperity_run_study
   use asperity_problems, only: decimal_text
   use asperity_run_options, only: run_options
   use asperity_study_spec, only: read_study_spec, study_spec
+  use asperity_study_tables, only: write_area_csv, write_area_table
   use asperity_text_buffer, only: text_buffer
   use asperity_work_cost, only: pieces_tried, tell_cost, work_cost
   implicit none

@@ -14,8 +14,7 @@ module asperity_c_answers
   !> `asperity_problem` of the header.
   type, bind(c) :: c_problem
     type(c_ptr) :: file      !! empty: it has none
-    integer(c_int) :: line   !! 0: it has none
-    integer(c_int) :: column !! 0: it has none
+    integer(c_int) :: line, column  !! 0: it has none
     type(c_ptr) :: text      !! without file, line and column
   end type c_problem
 
@@ -116,8 +115,7 @@ contains
   type(c_ptr) function c_column_name(handle, table, column) bind(c, name='asperity_column_name') &
     result(name)
     type(c_ptr), value :: handle     !! outcome
-    integer(c_int), value :: table   !! one of the tables
-    integer(c_int), value :: column  !! from 0
+    integer(c_int), value :: table, column  !! one of the tables, and its column from 0
     type(outcome), pointer :: it
 
     call find_column(handle, table, column, it)
@@ -129,8 +127,7 @@ contains
   type(c_ptr) function c_column_unit(handle, table, column) bind(c, name='asperity_column_unit') &
     result(unit)
     type(c_ptr), value :: handle     !! outcome
-    integer(c_int), value :: table   !! one of the tables
-    integer(c_int), value :: column  !! from 0
+    integer(c_int), value :: table, column  !! one of the tables, and its column from 0
     type(outcome), pointer :: it
 
     call find_column(handle, table, column, it)
@@ -144,8 +141,7 @@ contains
   integer(c_int) function c_column_type(handle, table, column) &
     bind(c, name='asperity_column_type') result(kind)
     type(c_ptr), value :: handle     !! outcome
-    integer(c_int), value :: table   !! one of the tables
-    integer(c_int), value :: column  !! from 0
+    integer(c_int), value :: table, column  !! one of the tables, and its column from 0
     type(outcome), pointer :: it
 
     call find_column(handle, table, column, it)
@@ -162,8 +158,7 @@ contains
   type(c_ptr) function c_column(handle, table, column) bind(c, name='asperity_column') &
     result(cells)
     type(c_ptr), value :: handle     !! outcome
-    integer(c_int), value :: table   !! one of the tables
-    integer(c_int), value :: column  !! from 0
+    integer(c_int), value :: table, column  !! one of the tables, and its column from 0
     type(outcome), pointer :: it
 
     call find_column(handle, table, column, it)

@@ -6,7 +6,8 @@ module asperity_c_fields
                       of_contacts, of_positions, place_of
   use asperity_contact_field, only: contact_marks
   use asperity_kinds, only: real64
-  use asperity_map_stress, only: component_names, largest_shear, stress_solver, von_mises
+  use asperity_csv_tables, only: first_stress, stress_cells, stress_columns, stress_names
+  use asperity_map_stress, only: stress_solver
   use asperity_c_outcome, only: add_pixels, begin_outcome, finish_outcome, look_at, outcome, &
                                 set_text, table_fields, table_map, text_unit
   use asperity_problems, only: real_text
@@ -21,8 +22,7 @@ contains
   type(c_ptr) function c_fields(solved, position, state) bind(c, name='asperity_fields') &
     result(handle)
     type(c_ptr), value :: solved        !! outcome of a solve
-    integer(c_int), value :: position   !! from 1
-    integer(c_int), value :: state      !! from 1; -1: the last
+    integer(c_int), value :: position, state  !! from 1; -1: the last state
     type(outcome), pointer :: from, new
     integer :: which
 
@@ -41,13 +41,12 @@ contains
   type(c_ptr) function c_stress(solved, position, state, depth) bind(c, name='asperity_stress') &
     result(handle)
     type(c_ptr), value :: solved        !! outcome of a solve
-    integer(c_int), value :: position   !! from 1
-    integer(c_int), value :: state      !! from 1; -1: the last
+    integer(c_int), value :: position, state  !! from 1; -1: the last state
     real(c_double), value :: depth      !! below the surface, more than 0
     type(outcome), pointer :: from, new
     type(stress_solver) :: solver
-    real(real64), allocatable :: stress(:, :, :)
-    integer :: which
+    real(real64), allocatable :: cells(:, :), stress(:, :, :)
+    integer :: i, which
 
     call begin_outcome(new, handle)
     if (.not. associated(new)) return
@@ -66,34 +65,16 @@ contains
       call solver%solve(depth, stress)
     end if
     !$omp critical (library_texts)
-    if (allocated(stress)) call set_stress(new, stress, unit_of_column(from%tables(of_contacts), &
-                                                                     'average_pressure'))
+    if (allocated(stress)) then
+      cells = stress_cells(from%fields(which), depth, stress)
+      do i = first_stress, stress_columns
+        call add_reals(new%tables(table_fields), trim(stress_names(i)), cells(:, i), &
+                       unit_of_column(from%tables(of_contacts), 'average_pressure'))
+      end do
+    end if
     call finish_outcome(new)
     !$omp end critical (library_texts)
   end function c_stress
-
-  ! Table of the stresses at one depth.
-  subroutine set_stress(new, stress, unit)
-    type(outcome), intent(inout) :: new
-    real(real64), intent(in) :: stress(:, :, :)  ! (column, row, component)
-    character(len=*), intent(in) :: unit
-    real(real64), allocatable :: derived(:, :, :)
-    integer :: i, j
-
-    allocate (derived(size(stress, 1), size(stress, 2), 2))
-    associate (table => new%tables(table_fields))
-      do i = 1, size(component_names)
-        call add_pixels(table, 'stress_' // component_names(i), stress(:, :, i), unit, new%failure)
-      end do
-      do j = 1, size(stress, 2)
-        do i = 1, size(stress, 1)
-          derived(i, j, :) = [von_mises(stress(i, j, :)), largest_shear(stress(i, j, :))]
-        end do
-      end do
-      call add_pixels(table, 'von_mises', derived(:, :, 1), unit, new%failure)
-      call add_pixels(table, 'largest_shear', derived(:, :, 2), unit, new%failure)
-    end associate
-  end subroutine set_stress
 
   ! Finds the fields of a state of an outcome; 0: there are none, and `new` has the reason.
   subroutine choose_field(solved, position, state, from, new, which)
@@ -102,6 +83,7 @@ contains
     type(outcome), pointer, intent(out) :: from
     type(outcome), intent(inout) :: new
     integer, intent(out) :: which
+    character(len=:), allocatable :: states
 
     which = 0
     call look_at(solved, from)
@@ -112,39 +94,22 @@ contains
                     'with interaction = ''boundary'', or field_spacing in &surfaces for one ' // &
                     'position of asperities, and fields requested (fields=True in Python)'
     else
-      which = field_of(from%fields, position, state)
-      if (which > 0) return
+      do which = size(from%fields), 1, -1
+        if (from%fields(which)%position == position .and. &
+            (from%fields(which)%state == state .or. state == -1)) return
+      end do
       if (position /= from%fields(1)%position) then
         call new%problems%add('position: found ' // decimal_text(position) // ', expected ' // &
                               decimal_text(from%fields(1)%position))
       else
-        call new%problems%add('state: found ' // decimal_text(state) // ', expected ' // &
-                              states_in_words(from%fields) // ', or -1 for the last')
+        states = decimal_text(from%fields(1)%state)
+        if (size(from%fields) > 1) states = 'a number from ' // states // ' to ' // &
+                                            decimal_text(from%fields(size(from%fields))%state)
+        call new%problems%add('state: found ' // decimal_text(state) // ', expected ' // states // &
+                              ', or -1 for the last')
       end if
     end if
   end subroutine choose_field
-
-  ! The fields of a state; 0: there are none.
-  pure integer function field_of(fields, position, state) result(which)
-    type(contact_field), intent(in) :: fields(:)
-    integer, intent(in) :: position, state
-
-    which = size(fields)
-    if (state == -1 .and. fields(which)%position == position) return
-    do which = size(fields), 1, -1
-      if (fields(which)%position == position .and. fields(which)%state == state) return
-    end do
-  end function field_of
-
-  ! The numbers of the states.
-  function states_in_words(fields) result(text)
-    type(contact_field), intent(in) :: fields(:)
-    character(len=:), allocatable :: text
-
-    text = decimal_text(fields(1)%state)
-    if (size(fields) > 1) text = 'a number from ' // text // ' to ' // &
-                                 decimal_text(fields(size(fields))%state)
-  end function states_in_words
 
   ! Tables and unit of one state.
   subroutine set_field(new, field, length, pressure)

@@ -62,8 +62,7 @@ contains
   type(c_ptr) function c_build_scene(groups, upper, lower) bind(c, name='asperity_build_scene') &
     result(handle)
     type(c_ptr), value :: groups   !! text of the scene
-    type(c_ptr), value :: upper    !! `c_surface`; null for both: the text names files
-    type(c_ptr), value :: lower    !! `c_surface`
+    type(c_ptr), value :: upper, lower  !! `c_surface`; null for both: the text names files
     type(outcome), pointer :: new
     type(scene_surface) :: surfaces(2)
 
@@ -89,8 +88,7 @@ contains
   type(c_ptr) function c_build_scene_of(groups, upper, lower) &
     bind(c, name='asperity_build_scene_of') result(handle)
     type(c_ptr), value :: groups  !! text of the scene
-    type(c_ptr), value :: upper   !! `c_side`; null: the text names it
-    type(c_ptr), value :: lower   !! `c_side`; null: the text names it
+    type(c_ptr), value :: upper, lower  !! `c_side`; null: the text names it
     type(outcome), pointer :: new
     type(scene_side) :: sides(2)
 

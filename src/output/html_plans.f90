@@ -107,8 +107,7 @@ contains
   ! Corners of the rectangle around the spherical caps, and the summits, rotated.
   function surface_in_plan(surface) result(points)
     type(scene_surface), intent(in) :: surface
-    real(real64), allocatable :: points(:, :)
-    real(real64), allocatable :: base(:)
+    real(real64), allocatable :: base(:), points(:, :)
     real(real64) :: angle
 
     allocate (points(2, 0))

@@ -106,6 +106,9 @@ contains
     type(height_map), intent(in) :: map
     character(len=:), allocatable, intent(out) :: head
     type(problem_list), intent(inout) :: problems
+    integer, parameter :: binary64 = 7
+    real(real64) :: metres
+    integer :: wide
 
     select case (ending)
     case ('sdf')
@@ -115,10 +118,21 @@ contains
       else if (.not. all(map%pixel_spacing > 0.0_real64)) then
         call problems%add(path // ': found a map without a spacing, expected one')
       else
-        head = surface_data_header(map)
+        ! ISO 25178-71, binary, heights in the unit of the map, whose metres are the scale.
+        metres = unit_ratio(map%unit, 1)
+        wide = merge(2, 4, max(map%columns, map%rows) <= most_of_iso_1)
+        head = 'bISO-' // merge('1.0', '2.0', wide == 2) // 'asperity  ' // repeat('0', 24) // &
+               bytes_of(int(map%columns, int64), wide) // bytes_of(int(map%rows, int64), wide) // &
+               double_bytes(map%pixel_spacing(1) * metres) // &
+               double_bytes(map%pixel_spacing(2) * metres) // double_bytes(metres) // &
+               double_bytes(-1.0_real64) // char(0) // char(binary64) // char(0)
       end if
     case ('npy')
-      head = array_header(map)
+      ! Version 1 of the format; the pixels begin at a multiple of 64 bytes.
+      head = '{''descr'': ''<f8'', ''fortran_order'': False, ''shape'': (' // &
+             decimal_text(map%rows) // ', ' // decimal_text(map%columns) // '), }'
+      head = head // repeat(' ', modulo(-(len(head) + 11), 64)) // new_line('a')
+      head = npy_magic // char(1) // char(0) // bytes_of(len(head, int64), 2) // head
     case ('txt')
       head = text_header(map)
     case default
@@ -167,35 +181,6 @@ contains
     end function pixel_bytes
 
   end subroutine write_map
-
-  ! ISO 25178-71, binary, heights in the unit of the map, whose metres are the scale.
-  function surface_data_header(map) result(head)
-    type(height_map), intent(in) :: map
-    character(len=:), allocatable :: head
-    integer, parameter :: binary64 = 7
-    real(real64) :: metres
-    integer :: wide
-
-    metres = unit_ratio(map%unit, 1)
-    wide = merge(2, 4, max(map%columns, map%rows) <= most_of_iso_1)
-    head = 'bISO-' // merge('1.0', '2.0', wide == 2) // 'asperity  ' // repeat('0', 24) // &
-           bytes_of(int(map%columns, int64), wide) // bytes_of(int(map%rows, int64), wide) // &
-           double_bytes(map%pixel_spacing(1) * metres) // &
-           double_bytes(map%pixel_spacing(2) * metres) // double_bytes(metres) // &
-           double_bytes(-1.0_real64) // char(0) // char(binary64) // char(0)
-  end function surface_data_header
-
-  ! Version 1 of the format; the pixels begin at a multiple of 64 bytes.
-  function array_header(map) result(head)
-    type(height_map), intent(in) :: map
-    character(len=:), allocatable :: head
-    character(len=:), allocatable :: text
-
-    text = '{''descr'': ''<f8'', ''fortran_order'': False, ''shape'': (' // &
-           decimal_text(map%rows) // ', ' // decimal_text(map%columns) // '), }'
-    text = text // repeat(' ', modulo(-(len(text) + 11), 64)) // new_line('a')
-    head = npy_magic // char(1) // char(0) // bytes_of(len(text, int64), 2) // text
-  end function array_header
 
   ! The comments of a matrix that `asperity_text_header` reads.
   function text_header(map) result(head)

@@ -4,7 +4,8 @@
 !> Tables: a row a position (its last state), a row a state, a row a contact.
 module asperity_result_table
   use, intrinsic :: ieee_arithmetic, only: ieee_is_nan, ieee_quiet_nan, ieee_value
-  use asperity_contact_records, only: contact_radius, contact_row, position_result, state_row
+  use asperity_contact_records, only: contact_radius, contact_row, effect_record, &
+                                      position_result, state_row
   use asperity_effect_names, only: known_effects
   use asperity_kinds, only: int32, int64, not_computed, real64
   use asperity_map_interface, only: conductance_columns, conductance_units
@@ -87,7 +88,6 @@ contains
       end associate
     end do
     arrays%rows = table%rows
-    allocate (table%columns(columns))
     if (.not. has_memory(8_int64 * columns * table%rows)) then
       failure = 'not enough memory for the ' // trim(table_names(which)) // ' as arrays'
       if (which == of_contacts) failure = failure // ', expected fewer, or none kept'
@@ -201,27 +201,18 @@ contains
     character(len=*), intent(in) :: name
     type(position_result), intent(in) :: positions(:)
     integer, intent(in) :: i
-    character(len=word_length) :: simulated(size(positions))
-    real(real64), dimension(size(positions)) :: estimate, influence, residual, iterations
+    type(effect_record) :: effects(size(positions))
+    logical :: has_ended(size(positions))
     integer :: m
 
-    residual = not_computed
-    iterations = not_computed
-    do m = 1, size(positions)
-      associate (effect => positions(m)%effects(i))
-        simulated(m) = effect%simulated
-        estimate(m) = effect%estimate
-        influence(m) = effect%influence
-        if (effect%simulated == 'off' .or. .not. effect%ending%residual > not_computed) cycle
-        residual(m) = effect%ending%residual
-        iterations(m) = real(effect%ending%iterations, real64)
-      end associate
-    end do
-    call table%put(name, simulated)
-    call table%put(name // '_estimate', estimate)
-    call table%put(name // '_influence', influence)
-    call table%put(name // '_residual', residual)
-    call table%put(name // '_iterations', iterations, is_count=.true.)
+    effects = [(positions(m)%effects(i), m=1, size(positions))]
+    has_ended = effects%simulated /= 'off' .and. effects%ending%residual > not_computed
+    call table%put(name, [character(len=word_length) :: effects%simulated])
+    call table%put(name // '_estimate', effects%estimate)
+    call table%put(name // '_influence', effects%influence)
+    call table%put(name // '_residual', merge(effects%ending%residual, not_computed, has_ended))
+    call table%put(name // '_iterations', merge(real(effects%ending%iterations, real64), &
+                                                not_computed, has_ended), is_count=.true.)
   end subroutine fill_effect
 
   ! States of a position: the totals on the way to the end.
@@ -333,12 +324,10 @@ contains
     type(unit_powers), intent(in), optional :: dimension  ! absent: a plain number
     logical, intent(in), optional :: is_count             ! present: they are whole numbers
 
-    call begin_column(self, name)
-    if (.not. self%is_named) then
-      if (present(dimension)) self%columns(self%at)%dimension = dimension
-      self%columns(self%at)%is_count = present(is_count)
-      allocate (self%columns(self%at)%reals(self%rows))
-    end if
+    self%at = self%at + 1
+    if (.not. self%is_named) &
+      call add_reals(self, name, spread(0.0_real64, 1, self%rows), is_count=is_count)
+    if (present(dimension)) self%columns(self%at)%dimension = dimension
     associate (cells => self%columns(self%at)%reals(self%before + 1:self%before + size(values)))
       cells = values
       where (.not. cells > not_computed) cells = ieee_value(1.0_real64, ieee_quiet_nan)
@@ -350,8 +339,8 @@ contains
     character(len=*), intent(in) :: name
     integer, intent(in) :: values(:)
 
-    call begin_column(self, name)
-    if (.not. self%is_named) allocate (self%columns(self%at)%wholes(self%rows))
+    self%at = self%at + 1
+    if (.not. self%is_named) call add_wholes(self, name, spread(0_int32, 1, self%rows))
     self%columns(self%at)%wholes(self%before + 1:self%before + size(values)) = int(values, int32)
   end subroutine put_wholes
 
@@ -360,28 +349,17 @@ contains
     character(len=*), intent(in) :: name
     character(len=word_length), intent(in) :: values(:)
 
-    call begin_column(self, name)
-    if (.not. self%is_named) allocate (self%columns(self%at)%letters(word_length, self%rows))
+    self%at = self%at + 1
+    if (.not. self%is_named) &
+      call add_words(self, name, spread(repeat(' ', word_length), 1, self%rows))
     self%columns(self%at)%letters(:, self%before + 1:self%before + size(values)) = &
       reshape(transfer(values, ['a']), [word_length, size(values)])
   end subroutine put_words
-
-  ! Goes on to the next column of a block; in the first block it gets its name.
-  subroutine begin_column(self, name)
-    class(growing_table), intent(inout) :: self
-    character(len=*), intent(in) :: name
-
-    self%at = self%at + 1
-    if (self%is_named) return
-    if (self%at > size(self%columns)) call resize_columns(self, 2 * self%at)
-    self%columns(self%at)%name = name
-  end subroutine begin_column
 
   subroutine end_block(self, rows)
     class(growing_table), intent(inout) :: self
     integer, intent(in) :: rows  ! rows of the block
 
-    if (.not. self%is_named) call resize_columns(self, self%at)
     self%is_named = .true.
     self%before = self%before + rows
     self%at = 0
@@ -444,7 +422,7 @@ contains
 
   !> Adds a column of doubles to a table; one that was not computed is an empty cell.
   subroutine add_reals(table, name, values, unit, is_count)
-    type(array_table), intent(inout) :: table  !! without columns, or with some as long
+    class(array_table), intent(inout) :: table  !! without columns, or with some as long
     character(len=*), intent(in) :: name       !! of the column
     real(real64), intent(in) :: values(:)      !! cells of the column
     character(len=*), intent(in), optional :: unit  !! its unit; absent: not known
@@ -475,7 +453,7 @@ contains
 
   !> Adds a column of whole numbers to a table.
   subroutine add_wholes(table, name, values)
-    type(array_table), intent(inout) :: table  !! without columns, or with some as long
+    class(array_table), intent(inout) :: table  !! without columns, or with some as long
     character(len=*), intent(in) :: name       !! of the column
     integer(int32), intent(in) :: values(:)    !! cells of the column
 
@@ -486,7 +464,7 @@ contains
 
   !> Adds a column of words to a table.
   subroutine add_words(table, name, words)
-    type(array_table), intent(inout) :: table  !! without columns, or with some as long
+    class(array_table), intent(inout) :: table  !! without columns, or with some as long
     character(len=*), intent(in) :: name       !! of the column
     character(len=*), intent(in) :: words(:)   !! cells of the column
 
@@ -498,23 +476,14 @@ contains
 
   ! Adds a column without cells.
   subroutine add_column(table, name)
-    type(array_table), intent(inout) :: table
-    character(len=*), intent(in) :: name
-
-    if (.not. allocated(table%columns)) allocate (table%columns(0))
-    call resize_columns(table, size(table%columns) + 1)
-    table%columns(size(table%columns))%name = name
-  end subroutine add_column
-
-  ! Gives a table `number` columns: those that it has, without cells where they are new.
-  subroutine resize_columns(table, number)
     class(array_table), intent(inout) :: table
-    integer, intent(in) :: number
+    character(len=*), intent(in) :: name
     type(array_column), allocatable :: more(:)
     integer :: i
 
-    allocate (more(number))
-    do i = 1, min(number, size(table%columns))
+    if (.not. allocated(table%columns)) allocate (table%columns(0))
+    allocate (more(size(table%columns) + 1))
+    do i = 1, size(table%columns)
       more(i)%dimension = table%columns(i)%dimension
       more(i)%is_count = table%columns(i)%is_count
       call move_alloc(table%columns(i)%name, more(i)%name)
@@ -523,7 +492,8 @@ contains
       call move_alloc(table%columns(i)%wholes, more(i)%wholes)
       call move_alloc(table%columns(i)%letters, more(i)%letters)
     end do
+    more(size(more))%name = name
     call move_alloc(more, table%columns)
-  end subroutine resize_columns
+  end subroutine add_column
 
 end module asperity_result_table

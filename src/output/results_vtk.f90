@@ -1,13 +1,22 @@
-!> Points with their values, for ParaView: VTK's XML files of poly data (.vtp) for contacts, and of
-!> a structured grid (.vts) for stresses, ASCII.
+!> Files for ParaView, in the XML of VTK. Points with their values, ASCII: poly data (.vtp) for
+!> contacts, a structured grid (.vts) for stresses. A contact field: image data (.vti), values of
+!> cells, appended as raw bytes.
 module asperity_results_vtk
+  use, intrinsic :: ieee_arithmetic, only: ieee_quiet_nan, ieee_value
+  use asperity_contact_field, only: contact_field, contact_marks
+  use asperity_kinds, only: int64, int8, not_computed, real64
   use asperity_problems, only: decimal_text
   use asperity_result_table, only: array_table, place_of, put_cell
   use asperity_text_buffer, only: text_buffer
   implicit none
   private
 
-  public :: write_vtk
+  public :: write_vti, write_vtk
+
+  ! Bytes before the values of an array, which count them; of a number.
+  integer(int64), parameter :: count_bytes = 8_int64, real_bytes = 8_int64
+  ! Bytes of the head and the end of a file, at most.
+  integer(int64), parameter :: head_bytes = 2048_int64
 
 contains
 
@@ -91,5 +100,118 @@ contains
     end subroutine put_counts
 
   end subroutine write_vtk
+
+  !> One cell a pixel, x along a row; the centre of the first pixel of a map is at 0, 0. Arrays:
+  !> pressure, gap, displacement (NaN where a pixel was not measured) and contact (1 or 0); with a
+  !> tangential load traction and stick (1 or 0). On the grid of asperities two numbers
+  !> state how many contacts have the pressure of boundary elements and of Hertz.
+  subroutine write_vti(field, buffer)
+    type(contact_field), intent(in) :: field    !! of one state
+    type(text_buffer), intent(inout) :: buffer  !! gets the bytes
+    character(len=*), parameter :: names(4) = [character(len=12) :: 'pressure', 'gap', &
+      'displacement', 'traction']
+    integer(int64) :: offset, pixels
+    character(len=80) :: numbers
+    character(len=:), allocatable :: extent
+    integer :: i, kinds, status
+
+    pixels = int(field%columns, int64) * field%rows
+    kinds = merge(4, 3, allocated(field%traction))
+    ! The whole file at once: a text that grows is there twice.
+    if (.not. allocated(buffer%store)) then
+      allocate (character(len=pixels * (real_bytes * kinds + 2) + head_bytes) :: &
+                buffer%store, stat=status)
+      if (status /= 0) then
+        buffer%failed = .true.
+        return
+      end if
+    end if
+    extent = '"0 ' // decimal_text(field%columns) // ' 0 ' // decimal_text(field%rows) // ' 0 0"'
+    call buffer%line('<?xml version="1.0"?>')
+    call buffer%line('<VTKFile type="ImageData" version="1.0" byte_order="' // &
+                     trim(merge('LittleEndian', 'BigEndian   ', &
+                                transfer(1, 'a') == achar(1))) // '" header_type="UInt64">')
+    write (numbers, '(2es25.16e3)') field%origin - 0.5_real64 * field%pixel_spacing
+    call buffer%append('<ImageData WholeExtent=' // extent // ' Origin="' // &
+                       trim(adjustl(numbers)) // ' 0"')
+    write (numbers, '(2es25.16e3)') field%pixel_spacing
+    call buffer%line(' Spacing="' // trim(adjustl(numbers)) // ' 1">')
+    if (field%hertz_contacts >= 0) then
+      call buffer%line('<FieldData>')
+      call put_number('boundary_element_contacts', field%boundary_contacts)
+      call put_number('hertz_contacts', field%hertz_contacts)
+      call buffer%line('</FieldData>')
+    end if
+    call buffer%line('<Piece Extent=' // extent // '>')
+    call buffer%line('<CellData Scalars="pressure">')
+    offset = 0_int64
+    do i = 1, kinds
+      call put_head('Float64', trim(names(i)))
+      offset = offset + count_bytes + real_bytes * pixels
+    end do
+    call put_head('UInt8', 'contact')
+    offset = offset + count_bytes + pixels
+    if (kinds == 4) call put_head('UInt8', 'stick')
+    call buffer%append('</CellData>' // new_line('a') // '</Piece>' // new_line('a'))
+    call buffer%line('</ImageData>')
+    call buffer%append('<AppendedData encoding="raw">_')
+    call put_reals(field%pressure, buffer)
+    call put_reals(field%gap, buffer)
+    call put_reals(field%displacement, buffer)
+    if (kinds == 4) call put_reals(field%traction, buffer)
+    call put_marks(contact_marks(field), buffer)
+    if (kinds == 4) call put_marks(field%sticks, buffer)
+    call buffer%append(new_line('a'))
+    call buffer%line('</AppendedData>')
+    call buffer%line('</VTKFile>')
+
+  contains
+
+    subroutine put_head(type_name, name)
+      character(len=*), intent(in) :: type_name, name
+      character(len=20) :: offset_text
+
+      write (offset_text, '(i0)') offset
+      call buffer%line('<DataArray type="' // type_name // '" Name="' // name // &
+                       '" format="appended" offset="' // trim(offset_text) // '"/>')
+    end subroutine put_head
+
+    subroutine put_number(name, number)
+      character(len=*), intent(in) :: name
+      integer, intent(in) :: number
+
+      call buffer%line('<DataArray type="Int32" Name="' // name // '" NumberOfTuples="1" ' // &
+                       'format="ascii">' // decimal_text(number) // '</DataArray>')
+    end subroutine put_number
+
+  end subroutine write_vti
+
+  ! Numbers of all pixels with the count of their bytes; NaN where one was not computed.
+  subroutine put_reals(values, buffer)
+    real(real64), intent(in) :: values(:, :)
+    type(text_buffer), intent(inout) :: buffer
+    integer :: j
+
+    call buffer%append(transfer(real_bytes * size(values, kind=int64), &
+                                repeat('a', int(count_bytes))))
+    do j = 1, size(values, 2)
+      associate (row => values(:, j))
+        call buffer%append(transfer(merge(row, ieee_value(row(1), ieee_quiet_nan), &
+                                          row > not_computed), repeat('a', 8 * size(row))))
+      end associate
+    end do
+  end subroutine put_reals
+
+  ! A byte a pixel, 1 where it is marked, with the count of the bytes.
+  subroutine put_marks(marks, buffer)
+    logical, intent(in) :: marks(:, :)
+    type(text_buffer), intent(inout) :: buffer
+    integer :: j
+
+    call buffer%append(transfer(size(marks, kind=int64), repeat('a', int(count_bytes))))
+    do j = 1, size(marks, 2)
+      call buffer%append(transfer(int(merge(1, 0, marks(:, j)), int8), repeat('a', size(marks, 1))))
+    end do
+  end subroutine put_marks
 
 end module asperity_results_vtk

@@ -41,11 +41,44 @@ contains
     call list_warnings('', results, warnings)
     call buffer%append(warnings%text())
     call write_remarks(scene_in, results, buffer)
-    call write_form(scene_in, results, buffer)
-    call write_grid(scene_in, results, buffer)
+    call write_form()
+    call write_grid()
     call write_path(scene_in, results, buffer)
     call write_effects(results, buffer)
     if (allocated(results%map)) call write_map_table(results%map, buffer)
+
+  contains
+
+    ! Hertz' contact of the smooth form under the roughness of a map.
+    subroutine write_form()
+      integer :: at
+
+      if (.not. allocated(results%effects)) return
+      at = findloc(results%effects%state_columns, 'hertz_pressure', 1)
+      if (at == 0) return
+      associate (smooth => results%positions(1)%state_values(at:at + 1))
+        if (any(smooth <= not_computed)) return
+        call buffer%line('smooth form (Hertz): greatest pressure ' // &
+                         trim(number_text(smooth(1)) // ' ' // unit_of(scene_in, is_pressure)) // &
+                         ', contact area ' // &
+                         trim(number_text(smooth(2)) // ' ' // unit_of(scene_in, is_area)))
+      end associate
+    end subroutine write_form
+
+    ! Grid of the fields, and where the pressures on it come from.
+    subroutine write_grid()
+
+      if (.not. allocated(results%positions(1)%fields)) return
+      associate (field => results%positions(1)%fields(size(results%positions(1)%fields)))
+        if (parts_in_words(field) /= '') &
+          call buffer%line('fields on ' // decimal_text(field%columns) // ' x ' // &
+                           decimal_text(field%rows) // ' pixels of ' // &
+                           trim(number_text(field%pixel_spacing(1)) // ' ' // &
+                                unit_of(scene_in, is_length)) // &
+                           '; pressures of contacts: ' // parts_in_words(field))
+      end associate
+    end subroutine write_grid
+
   end subroutine write_summary
 
   !> Surfaces, model and control, in two lines.
@@ -104,6 +137,7 @@ contains
     type(scene_results), intent(in) :: results  !! results of a run
     type(text_buffer), intent(inout) :: buffer  !! gets the lines
     type(state_row) :: last
+    character(len=:), allocatable :: text
     integer :: m, without
 
     without = 0
@@ -116,46 +150,18 @@ contains
                        decimal_text(count(results%positions%limit_reached)) // ' of ' // &
                        count_text(size(results%positions), 'position'))
     if (without > 0) call buffer%line('no contact at ' // count_text(without, 'position'))
-    if (any(results%positions%overlapping_circles > 0)) &
-      call buffer%line(overlap_text(results%positions%overlapping_circles, &
-                                    scene_in%effects%mode('interaction') == effect_off))
+    associate (circles => results%positions%overlapping_circles)
+      if (.not. any(circles > 0)) return
+      text = count_text(sum(circles), 'pair') // ' of contact circles overlap'
+      if (sum(circles) == 1) text = text // 's'
+      if (size(circles) > 1) text = text // ', at ' // &
+        trim(merge('position ', 'positions', count(circles > 0) == 1)) // ' ' // &
+        positions_listed(circles > 0)
+      if (scene_in%effects%mode('interaction') == effect_off) &
+        text = text // ': their interaction is off'
+      call buffer%line(text)
+    end associate
   end subroutine write_remarks
-
-  ! Hertz' contact of the smooth form under the roughness of a map.
-  subroutine write_form(scene_in, results, buffer)
-    type(scene), intent(in) :: scene_in
-    type(scene_results), intent(in) :: results
-    type(text_buffer), intent(inout) :: buffer
-    integer :: at
-
-    if (.not. allocated(results%effects)) return
-    at = findloc(results%effects%state_columns, 'hertz_pressure', 1)
-    if (at == 0) return
-    associate (smooth => results%positions(1)%state_values(at:at + 1))
-      if (any(smooth <= not_computed)) return
-      call buffer%line('smooth form (Hertz): greatest pressure ' // &
-                       trim(number_text(smooth(1)) // ' ' // unit_of(scene_in, is_pressure)) // &
-                       ', contact area ' // &
-                       trim(number_text(smooth(2)) // ' ' // unit_of(scene_in, is_area)))
-    end associate
-  end subroutine write_form
-
-  ! Grid of the fields, and where the pressures on it come from.
-  subroutine write_grid(scene_in, results, buffer)
-    type(scene), intent(in) :: scene_in
-    type(scene_results), intent(in) :: results
-    type(text_buffer), intent(inout) :: buffer
-
-    if (.not. allocated(results%positions(1)%fields)) return
-    associate (field => results%positions(1)%fields(size(results%positions(1)%fields)))
-      if (parts_in_words(field) /= '') &
-        call buffer%line('fields on ' // decimal_text(field%columns) // ' x ' // &
-                         decimal_text(field%rows) // ' pixels of ' // &
-                         trim(number_text(field%pixel_spacing(1)) // ' ' // &
-                              unit_of(scene_in, is_length)) // &
-                         '; pressures of contacts: ' // parts_in_words(field))
-    end associate
-  end subroutine write_grid
 
   !> The state at each value of a load path, and the state of the largest load.
   subroutine write_path(scene_in, results, buffer)
@@ -311,20 +317,6 @@ contains
                                 allocated(results%effects))) // promised // deviation)
     call buffer%line(results%way_told)
   end subroutine write_choice
-
-  !> Where contact circles overlap, as a warning.
-  pure function overlap_text(circles, independent) result(text)
-    integer, intent(in) :: circles(:)
-    logical, intent(in) :: independent  !! neighbours were not counted
-    character(len=:), allocatable :: text
-
-    text = count_text(sum(circles), 'pair') // ' of contact circles overlap'
-    if (sum(circles) == 1) text = text // 's'
-    if (size(circles) > 1) text = text // ', at ' // &
-      trim(merge('position ', 'positions', count(circles > 0) == 1)) // ' ' // &
-      positions_listed(circles > 0)
-    if (independent) text = text // ': their interaction is off'
-  end function overlap_text
 
   ! Whether the scene names a limit or goes to one. A deck brings one that may not be meant.
   pure logical function asks_for_limit(scene_in) result(asks)

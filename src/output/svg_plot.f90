@@ -333,8 +333,7 @@ contains
   !> Points joined by straight lines.
   subroutine add_curve(self, x, y, buffer)
     class(svg_plot), intent(in) :: self          !! plot that has axes
-    real(real64), intent(in) :: x(:)             !! values across, any number
-    real(real64), intent(in) :: y(:)             !! up, as many
+    real(real64), intent(in) :: x(:), y(:)       !! values across, and as many up
     type(text_buffer), intent(inout) :: buffer   !! gets the page
     integer :: i
 
@@ -349,8 +348,7 @@ contains
   !> Arrows along the curve of a path that turns back, one between two reversals.
   subroutine add_arrows(self, x, y, path, buffer)
     class(svg_plot), intent(in) :: self          !! plot that has axes
-    real(real64), intent(in) :: x(:)             !! values across, any number
-    real(real64), intent(in) :: y(:)             !! up, as many
+    real(real64), intent(in) :: x(:), y(:)       !! values across, and as many up
     real(real64), intent(in) :: path(:)          !! rises and falls between the reversals, as many
     type(text_buffer), intent(inout) :: buffer   !! gets the page
     real(real64) :: at(2, size(x)), length(size(x)), move(2), step
@@ -396,8 +394,7 @@ contains
   !> One point.
   subroutine add_dot(self, x, y, text, buffer)
     class(svg_plot), intent(in) :: self         !! plot that has axes
-    real(real64), intent(in) :: x               !! value across, unit of the axis
-    real(real64), intent(in) :: y               !! value upwards, unit of the axis
+    real(real64), intent(in) :: x, y            !! values across and up, units of the axes
     character(len=*), intent(in) :: text        !! text that names it
     type(text_buffer), intent(inout) :: buffer  !! gets the page
 
@@ -411,8 +408,7 @@ contains
   !> mouse alone.
   subroutine add_circle(self, x, y, radius, text, stops, buffer)
     class(svg_plot), intent(in) :: self         !! plot with equal scales
-    real(real64), intent(in) :: x               !! value across, unit of the axis
-    real(real64), intent(in) :: y               !! value upwards, unit of the axis
+    real(real64), intent(in) :: x, y            !! values across and up, units of the axes
     real(real64), intent(in) :: radius          !! in the unit of the axes
     character(len=*), intent(in) :: text        !! text that names it
     logical, intent(in) :: stops                !! with the keyboard, too
@@ -493,8 +489,7 @@ contains
   !> Small dots of one path.
   subroutine add_marks(self, x, y, diameter, buffer)
     class(svg_plot), intent(in) :: self         !! plot that has axes
-    real(real64), intent(in) :: x(:)            !! values across, unit of the axis
-    real(real64), intent(in) :: y(:)            !! values upwards, as many
+    real(real64), intent(in) :: x(:), y(:)      !! values across, and as many up
     integer, intent(in) :: diameter             !! of a dot, points
     type(text_buffer), intent(inout) :: buffer  !! gets the drawing
     integer :: i

@@ -17,18 +17,12 @@ module asperity_unit_names
     character(len=8) :: word = ''    !! the unit; blank: of the powers
   end type unit_powers
 
-  !> A plain number.
-  type(unit_powers), parameter :: is_number = unit_powers()
-  !> A length.
-  type(unit_powers), parameter :: is_length = unit_powers(length=1)
-  !> A force.
-  type(unit_powers), parameter :: is_force = unit_powers(force=1)
-  !> An area.
-  type(unit_powers), parameter :: is_area = unit_powers(length=2)
-  !> A pressure.
-  type(unit_powers), parameter :: is_pressure = unit_powers(length=-2, force=1)
-  !> A moment, or an energy.
-  type(unit_powers), parameter :: is_moment = unit_powers(length=1, force=1)
+  type(unit_powers), parameter :: is_number = unit_powers()          !! a plain number
+  type(unit_powers), parameter :: is_length = unit_powers(length=1)  !! a length
+  type(unit_powers), parameter :: is_force = unit_powers(force=1)    !! a force
+  type(unit_powers), parameter :: is_area = unit_powers(length=2)    !! an area
+  type(unit_powers), parameter :: is_pressure = unit_powers(length=-2, force=1)  !! a pressure
+  type(unit_powers), parameter :: is_moment = unit_powers(length=1, force=1)  !! moment, or energy
 
 contains
 

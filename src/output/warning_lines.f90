@@ -22,10 +22,23 @@ contains
     type(problem_list), intent(inout), optional :: kinds  !! gets their names
     type(theory_warning) :: worst
     character(len=:), allocatable :: more, prefix
-    integer :: which, at, positions
+    integer :: which, at, i, m, positions
 
     do which = 1, size(warning_kinds)
-      call find_worst(results, which, worst, at, positions)
+      at = 0
+      positions = 0
+      do m = 1, size(results%positions)
+        if (.not. allocated(results%positions(m)%warnings)) cycle
+        associate (found => results%positions(m)%warnings)
+          do i = 1, size(found)
+            if (found(i)%number /= which) cycle
+            positions = positions + 1
+            if (at > 0 .and. found(i)%magnitude <= worst%magnitude) cycle
+            at = m
+            worst = found(i)
+          end do
+        end associate
+      end do
       if (positions == 0) cycle
       more = ''
       if (positions > 1) more = ' and ' // decimal_text(positions - 1) // ' more'
@@ -36,30 +49,6 @@ contains
                                          trim(class_names(warning_kinds(which)%class)))
     end do
   end subroutine list_warnings
-
-  ! The worst warning of a kind, its position, and at how many there is one.
-  pure subroutine find_worst(results, which, worst, at, positions)
-    type(scene_results), intent(in) :: results
-    integer, intent(in) :: which
-    type(theory_warning), intent(out) :: worst
-    integer, intent(out) :: at, positions
-    integer :: i, m
-
-    at = 0
-    positions = 0
-    do m = 1, size(results%positions)
-      if (.not. allocated(results%positions(m)%warnings)) cycle
-      associate (found => results%positions(m)%warnings)
-        do i = 1, size(found)
-          if (found(i)%number /= which) cycle
-          positions = positions + 1
-          if (at > 0 .and. found(i)%magnitude <= worst%magnitude) cycle
-          at = m
-          worst = found(i)
-        end do
-      end associate
-    end do
-  end subroutine find_worst
 
   ! `what, how much, what to do`.
   pure function in_words(warning) result(text)

@@ -1,31 +1,55 @@
 !> The study of the representative area: the surfaces of an ensemble, shared out over the images;
 !> means and standard deviations over their sections, and the size that represents the whole.
 module asperity_area_study
-  use asperity_area_study_plan, only: leading_numbers, section_corner, study_plan
-  use asperity_contact_records, only: contact_row
-  use asperity_decimal, only: decimal_to_real64
+  use asperity_decimal, only: decimal_to_real64, decimal_value
   use asperity_generated_surface, only: generate_surface, generated_surface, plan_surface, &
                                         surface_plan
+  use asperity_generation_values, only: exact_value
   use asperity_greenwood_integrals, only: area_per_area, contacts_per_area, densities_at, &
-                                          greenwood_law, load_per_area, quantities, &
-                                          vertical_per_area
+                                          greenwood_law, greenwood_law_of, load_per_area, &
+                                          quantities, separation_at_pressure, vertical_per_area
   use asperity_images, only: image_number, mark_of_failure, read_mark, set_mark
   use asperity_kept_records, only: begin_work, checksum, close_work, is_due, keep_record, &
                                    kept_work, next_record, pieces_of_part, share_work, whole_number
   use asperity_kinds, only: int64, real64
+  use asperity_numeral, only: rounded_decimal
   use asperity_problems, only: decimal_text, real_text
   use asperity_progress, only: progress_line
+  use asperity_random_philox, only: philox_block
   use asperity_run_options, only: run_options
   use asperity_scene_results, only: scene_results
   use asperity_scene_surfaces, only: plane_surface
   use asperity_scene_values, only: control_separation, criterion_none, scene, scene_surface
   use asperity_solve, only: solve
-  use asperity_study_spec, only: against_plane, reference_largest, study_spec
+  use asperity_study_spec, only: against_plane, places_grid, reference_largest, study_spec
   use asperity_version, only: version
   implicit none
   private
 
-  public :: area_study, size_result, evaluate_study, run_area_study
+  public :: area_study, size_result, study_plan, plan_study, run_area_study
+
+  ! The studied numbers of a surface before those of its sections: asperities of the upper and of
+  ! the lower surface in the studied region, on an area.
+  integer, parameter :: leading_numbers = 2
+
+  !> The plan: all that the surfaces of the ensemble share.
+  type :: study_plan
+    type(greenwood_law) :: law                       !! the design's statistics
+    type(decimal_value) :: separation                !! of the reference planes
+    real(real64) :: corner(2) = 0.0_real64           !! lower left corner of the studied region
+    real(real64) :: extent(2) = 0.0_real64           !! its sides
+    real(real64), allocatable :: sizes(:)            !! sides of the sections, descending
+    integer, allocatable :: sections(:)              !! how many of each on a surface
+    integer, allocatable :: first(:)                 !! numbers of a surface before those of a size
+    integer :: numbers = leading_numbers             !! then `quantities` for every section
+  end type study_plan
+
+  ! Stream of the generator for the places of sections: 1 to 6 make the surfaces.
+  integer(int64), parameter :: place_stream = 7_int64
+  ! A number in a message.
+  character(len=*), parameter :: shown = 'g14.6'
+  ! The whole may be so many times as long as the least section.
+  real(real64), parameter :: most_along = 1.0e4_real64
 
   !> The sections of one size.
   type :: size_result
@@ -43,10 +67,8 @@ module asperity_area_study
     type(size_result), allocatable :: sizes(:)         !! from the largest down
     integer :: surfaces = 0                            !! of the ensemble
     real(real64) :: separation = 0.0_real64            !! of the reference planes
-    real(real64) :: corner(2) = 0.0_real64             !! of the studied region
-    real(real64) :: extent(2) = 0.0_real64             !! of the studied region
-    real(real64) :: design_density(2) = 0.0_real64     !! asperities on an area, as specified
-    real(real64) :: density(2) = 0.0_real64            !! the same, in the studied region
+    type(study_plan) :: plan                           !! what the surfaces share
+    real(real64) :: density(2) = 0.0_real64            !! asperities on an area, as found
     real(real64) :: integral(quantities) = 0.0_real64  !! large surfaces with these densities
     real(real64) :: shallow(quantities) = 0.0_real64   !! the same by Greenwood and Tripp's terms
     real(real64) :: reference(quantities) = 0.0_real64 !! what sections are compared with
@@ -144,6 +166,8 @@ contains
     character(len=:), allocatable, intent(out) :: failure
     type(scene) :: pressed
     type(scene_results) :: results
+    real(real64) :: corner(2)
+    logical, allocatable :: inside(:)
     integer :: i, k, at
 
     numbers = 0.0_real64
@@ -161,8 +185,16 @@ contains
     do i = 1, size(plan%sizes)
       do k = 1, plan%sections(i)
         at = plan%first(i) + quantities * (k - 1)
-        numbers(at + 1:at + quantities) = add_section(results%positions(1)%rows, &
-          section_corner(spec, plan, i, member, k), plan%sizes(i))
+        corner = section_corner(spec, plan, i, member, k)
+        associate (contacts => results%positions(1)%rows)
+          inside = contacts%x >= corner(1) .and. contacts%x < corner(1) + plan%sizes(i) .and. &
+                   contacts%y >= corner(2) .and. contacts%y < corner(2) + plan%sizes(i)
+          numbers(at + contacts_per_area) = count(inside)
+          numbers(at + area_per_area) = sum(contacts%area, inside)
+          numbers(at + load_per_area) = sum(contacts%load, inside)
+          numbers(at + vertical_per_area) = sum(contacts%vertical_load, inside)
+        end associate
+        numbers(at + 1:at + quantities) = numbers(at + 1:at + quantities) / plan%sizes(i)**2
       end do
     end do
     if (.not. all(abs(numbers) <= huge(numbers)) .or. &
@@ -200,22 +232,6 @@ contains
 
   end subroutine study_surface
 
-  ! Sums over the contacts of a section, over its area.
-  pure function add_section(contacts, corner, side) result(sums)
-    type(contact_row), intent(in) :: contacts(:)
-    real(real64), intent(in) :: corner(2), side
-    real(real64) :: sums(quantities)
-    logical :: inside(size(contacts))
-
-    inside = contacts%x >= corner(1) .and. contacts%x < corner(1) + side .and. &
-             contacts%y >= corner(2) .and. contacts%y < corner(2) + side
-    sums(contacts_per_area) = count(inside)
-    sums(area_per_area) = sum(contacts%area, inside)
-    sums(load_per_area) = sum(contacts%load, inside)
-    sums(vertical_per_area) = sum(contacts%vertical_load, inside)
-    sums = sums / side**2
-  end function add_section
-
   ! Takes the surfaces of the file.
   subroutine take_records(kept, numbers, failure)
     type(kept_work), intent(inout) :: kept
@@ -238,13 +254,13 @@ contains
     real(real64), intent(in) :: numbers(:, :)   !! a column a surface, from study_surface
     type(area_study), intent(out) :: study      !! results of the study
     type(greenwood_law) :: law
-    integer :: i
+    real(real64), allocatable :: values(:, :, :)
+    logical, allocatable :: within(:, :, :)
+    integer :: i, q
 
     study%surfaces = size(numbers, 2)
     study%separation = decimal_to_real64(plan%separation)
-    study%corner = plan%corner
-    study%extent = plan%extent
-    study%design_density = plan%law%density
+    study%plan = plan
     study%density = sum(numbers(:leading_numbers, :), 2) / study%surfaces
     law = plan%law
     law%density = study%density
@@ -258,7 +274,16 @@ contains
     study%reference = study%integral
     if (spec%reference == reference_largest) study%reference = study%sizes(1)%mean
     do i = 1, size(plan%sizes)
-      call count_within(sections_of(i), study%reference, spec%tolerance, study%sizes(i))
+      ! Shares of the sections that are as near to the reference as wanted.
+      values = sections_of(i)
+      associate (reference => spread(spread(study%reference, 2, size(values, 2)), 3, &
+                                     size(values, 3)), found => study%sizes(i))
+        within = abs(values - reference) <= spec%tolerance * reference
+        do q = 1, quantities
+          found%within(q) = real(count(within(q, :, :)), real64) / found%sections
+        end do
+        found%all_within = real(count(all(within, 1)), real64) / found%sections
+      end associate
     end do
     ! The least size from which on up all are good.
     do i = 1, size(plan%sizes)
@@ -303,21 +328,6 @@ contains
     end do
   end subroutine take_means
 
-  ! Shares of the sections that are as near to the reference as wanted.
-  pure subroutine count_within(values, reference, tolerance, result)
-    real(real64), intent(in) :: values(:, :, :), reference(quantities), tolerance
-    type(size_result), intent(inout) :: result
-    logical, allocatable :: within(:, :, :)
-    integer :: q
-
-    allocate (within(quantities, size(values, 2), size(values, 3)))
-    do q = 1, quantities
-      within(q, :, :) = abs(values(q, :, :) - reference(q)) <= tolerance * reference(q)
-      result%within(q) = real(count(within(q, :, :)), real64) / result%sections
-    end do
-    result%all_within = real(count(all(within, 1)), real64) / result%sections
-  end subroutine count_within
-
   !> The side at which the quantity that spreads most would be within the tolerance: its deviation
   !> times the side is nearly the same for all sizes, as contacts far apart do not influence each
   !> other. Averaged over the sizes by their number of sections; errors taken as normal.
@@ -358,5 +368,128 @@ contains
       end if
     end do
   end function two_sided
+
+  !> Makes the plan. `failure` is allocated when the specification cannot be studied.
+  subroutine plan_study(spec, plan, failure)
+    type(study_spec), intent(in) :: spec                   !! checked specification of the study
+    type(study_plan), intent(out) :: plan                  !! plan of the study
+    character(len=:), allocatable, intent(out) :: failure  !! reason of a failure
+    real(real64) :: separation, margin, depth
+
+    plan%law = greenwood_law_of(spec%surfaces, spec%elastic_modulus, spec%poisson_ratio, &
+                                spec%against == against_plane)
+    if (spec%at_pressure) then
+      call separation_at_pressure(plan%law, decimal_to_real64(spec%pressure), separation, failure)
+      if (allocated(failure)) return
+      plan%separation = rounded_decimal(separation, 15)
+    else
+      plan%separation = spec%separation
+    end if
+    depth = plan%law%highest - decimal_to_real64(plan%separation)
+    if (.not. depth > 0.0_real64) then
+      failure = 'no asperities can touch at the separation, expected less than ' // &
+                real_text(plan%law%highest, shown)
+    else if (depth >= plan%law%least_sum) then
+      failure = 'the centres of two asperities may come level at the separation, expected ' // &
+                'more than ' // real_text(plan%law%highest - plan%law%least_sum, shown)
+    end if
+    if (allocated(failure)) return
+    margin = margin_at(spec, depth)
+    plan%corner = margin
+    associate (rough => spec%surfaces%sides(:merge(1, 2, spec%against == against_plane)))
+      plan%extent = real([minval(exact_value(rough%length)), minval(exact_value(rough%width))], &
+                         real64) - 2 * margin
+    end associate
+    if (minval(plan%extent) <= 0.0_real64) then
+      failure = 'the surfaces are too small: expected length and width of more than ' // &
+                real_text(2 * margin, shown) // ', as a margin of ' // real_text(margin, shown) // &
+                ' is left out'
+      return
+    end if
+    call plan_sizes(spec, plan, failure)
+  end subroutine plan_study
+
+  !> Sizes and numbers of sections.
+  subroutine plan_sizes(spec, plan, failure)
+    type(study_spec), intent(in) :: spec
+    type(study_plan), intent(inout) :: plan
+    character(len=:), allocatable, intent(out) :: failure
+    real(real64) :: whole, along(2)
+    integer :: i
+
+    whole = minval(plan%extent)
+    if (size(spec%sizes) > 0) then
+      plan%sizes = spec%sizes
+    else
+      plan%sizes = [(whole / spec%factor**(i - 1), i=1, spec%steps)]
+    end if
+    if (plan%sizes(1) > whole) then
+      failure = 'sizes: found ' // real_text(plan%sizes(1), shown) // ', expected at most ' // &
+                real_text(whole, shown) // ', what the margin of ' // &
+                real_text(plan%corner(1), shown) // ' leaves'
+    else if (.not. plan%sizes(size(plan%sizes)) * most_along >= whole) then
+      failure = 'sizes: found ' // real_text(plan%sizes(size(plan%sizes)), shown) // &
+                ', expected at least ' // real_text(whole / most_along, shown)
+    end if
+    if (allocated(failure)) return
+    allocate (plan%sections(size(plan%sizes)), plan%first(size(plan%sizes)))
+    do i = 1, size(plan%sizes)
+      plan%sections(i) = spec%sections
+      if (spec%places == places_grid) then
+        along = squares_along(plan, i)
+        plan%sections(i) = int(min(real(spec%sections, real64), along(1) * along(2)))
+      end if
+      plan%first(i) = plan%numbers
+      plan%numbers = plan%numbers + quantities * plan%sections(i)
+    end do
+  end subroutine plan_sizes
+
+  !> Lower left corner of a section on a surface.
+  pure function section_corner(spec, plan, size_number, member, k) result(corner)
+    type(study_spec), intent(in) :: spec  !! checked specification of the study
+    type(study_plan), intent(in) :: plan  !! plan of the study
+    integer, intent(in) :: size_number    !! number of a size
+    integer, intent(in) :: member         !! number of a surface
+    integer, intent(in) :: k              !! number of the section, of this size
+    real(real64) :: corner(2)
+    integer(int64) :: words(4), cells(2), cell
+
+    if (spec%places == places_grid) then
+      ! When not all are taken, those that are lie all over the region.
+      cells = int(squares_along(plan, size_number), int64)
+      cell = (int(k - 1, int64) * product(cells)) / plan%sections(size_number)
+      corner = [modulo(cell, cells(1)), cell / cells(1)] * plan%sizes(size_number)
+    else
+      words = philox_block([int(k, int64), int(size_number, int64), int(member, int64), &
+                            place_stream], [int(spec%surfaces%seed, int64), 0_int64])
+      corner = (plan%extent - plan%sizes(size_number)) * (real(words(:2), real64) / 2.0_real64**32)
+    end if
+    corner = corner + plan%corner
+  end function section_corner
+
+  !> How many squares of a size stand side by side in the region, along x and y.
+  pure function squares_along(plan, size_number) result(along)
+    type(study_plan), intent(in) :: plan
+    integer, intent(in) :: size_number
+    real(real64) :: along(2)
+
+    ! A size that is a part of the whole must not lose a square to rounding.
+    along = aint(plan%extent / plan%sizes(size_number) * (1 + 1.0e-12_real64))
+  end function squares_along
+
+  !> Width of the border that is left out. A contact needs both its asperities, so its reach; and
+  !> near the border asperities that keep a distance stand denser, which twice the distance leaves
+  !> out.
+  pure real(real64) function margin_at(spec, depth)
+    type(study_spec), intent(in) :: spec
+    real(real64), intent(in) :: depth
+    real(real64) :: largest_sum
+
+    margin_at = 2 * decimal_to_real64(spec%surfaces%sides(1)%least_distance)
+    if (spec%against == against_plane) return
+    largest_sum = real(sum(spec%surfaces%sides%radius%highest), real64)
+    margin_at = max(margin_at, 2 * decimal_to_real64(spec%surfaces%sides(2)%least_distance)) + &
+                sqrt(depth * (2 * largest_sum - depth))
+  end function margin_at
 
 end module asperity_area_study

@@ -60,7 +60,17 @@ contains
     do number = 1, vertical
       table%change(:, :, number) = stage(:, :, number) - stage(:, :, number - 1)
     end do
-    table%marching = marching_name(exact_arithmetic)
+    ! The last step of a position passes the limit, or the approaches run out before it.
+    associate (positions => exact_arithmetic%positions)
+      table%marching = 'overshoot'
+      if (.not. all(positions%limit_reached)) &
+        table%marching = table%marching // ' or approaches run out'
+      if (.not. any(positions%limit_reached)) table%marching = 'approaches run out'
+      ! A displacement of the deck before the first step is in the present-day solver alone.
+      if (max(abs(2 * positions(1)%x_displacement - positions(2)%x_displacement), &
+              abs(2 * positions(1)%y_displacement - positions(2)%y_displacement)) > &
+          1.0e-9_real64) table%marching = table%marching // ' and displacement of the deck'
+    end associate
   end function correct_table
 
   !> Name of a stage in print, for a row of the table.
@@ -86,23 +96,6 @@ contains
       name = 'vertical load'
     end select
   end function stage_name
-
-  !> The last step of a position passes the limit, or the approaches run out before it. A
-  !> displacement on the deck moves the surfaces only in the present-day solver.
-  function marching_name(records) result(name)
-    type(original_records), intent(in) :: records
-    character(len=:), allocatable :: name
-
-    associate (first => records%positions(1), next => records%positions(2))
-      name = 'overshoot'
-      if (.not. all(records%positions%limit_reached)) name = name // ' or approaches run out'
-      if (.not. any(records%positions%limit_reached)) name = 'approaches run out'
-      ! The deck's displacement before the first step.
-      if (max(abs(2 * first%x_displacement - next%x_displacement), &
-              abs(2 * first%y_displacement - next%y_displacement)) > 1.0e-9_real64) &
-        name = name // ' and displacement of the deck'
-    end associate
-  end function marching_name
 
   !> The original's table with true maxima and minima where it prints their start values.
   function without_start_values(records) result(table)

@@ -76,7 +76,8 @@ contains
     type(error_budget), intent(out) :: budget              !! plus-or-minus of the totals
     character(len=:), allocatable, intent(out) :: failure  !! reason of a failure
     type(scene_results) :: plain
-    real(real64) :: bound
+    type(state_row) :: last
+    real(real64) :: bound, totals(4)
     type(run_options) :: beside
     integer :: m
 
@@ -91,22 +92,13 @@ contains
     budget%lines%name = [character(len=14) :: 'total load', 'vertical load', 'contact area', &
                          'separation']
     do m = 1, size(results%positions)
-      budget%lines%value = budget%lines%value + last_totals(results, m) / size(results%positions)
-      budget%lines%arithmetic = max(budget%lines%arithmetic, bound * abs(last_totals(results, m)))
+      last = last_state(results%positions(m))
+      totals = [last%load, last%vertical_load, last%area, last%approach]
+      budget%lines%value = budget%lines%value + totals / size(results%positions)
+      budget%lines%arithmetic = max(budget%lines%arithmetic, bound * abs(totals))
     end do
     call measure_model(scene_in, beside, results, budget%model)
   end subroutine measure_budget
-
-  !> Load, vertical load, area and approach of the last state.
-  pure function last_totals(results, m) result(row)
-    type(scene_results), intent(in) :: results
-    integer, intent(in) :: m
-    real(real64) :: row(4)
-    type(state_row) :: last
-
-    last = last_state(results%positions(m))
-    row = [last%load, last%vertical_load, last%area, last%approach]
-  end function last_totals
 
   !> Measures the model's share. What cannot be measured stays unknown: that is no failure.
   subroutine measure_model(scene_in, options, results, model)

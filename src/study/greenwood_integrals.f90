@@ -88,25 +88,19 @@ contains
        2.0_real128, 3.0_real128, 3.5_real128, 2.5_real128], [quantities, 2])
 
     if (law%with_plane) then
-      found = law%density(1) * law%radii(:, 1) * find_moments([0, 2, 3, 3])
+      found = law%density(1) * law%radii(:, 1) * &
+              excess_moments(law%heights, real(separation, real128), [0, 2, 3, 3])
     else
       ! Loads differ by the cosine of the slope, (s - t)/(s - W).
-      terms = law%radii / divisors * reshape(find_moments([2, 4, 5, 5, 4, 6, 7, 7]), shape(terms))
+      terms = law%radii / divisors * reshape( &
+        excess_moments(law%heights, real(separation, real128), [2, 4, 5, 5, 4, 6, 7, 7]), &
+        shape(terms))
       if (present(shallow)) terms(:, 2) = merge(0.0_real128, terms(:, 2), shallow)
       found = 2 * pi * law%density(1) * law%density(2) * (terms(:, 1) - terms(:, 2))
     end if
     found = found * [1.0_real128, pi, 4 * law%modulus / 3, 4 * law%modulus / 3]
     ! Beyond the doubles, as with a modulus of 1E308: the largest of them, without an overflow.
     values = real(min(found, real(huge(values), real128)), real64)
-
-  contains
-
-    pure function find_moments(doubled_powers) result(moments)
-      integer, intent(in) :: doubled_powers(:)
-      real(real128) :: moments(size(doubled_powers))
-
-      moments = excess_moments(law%heights, real(separation, real128), doubled_powers)
-    end function find_moments
 
   end function densities_at
 

@@ -3,10 +3,9 @@
 module asperity_method_study
   use asperity_kinds, only: int64, not_computed, real64
   use asperity_method_totals, only: error_of_area, error_of_pressure, errors_of, mean_of_ends, &
-                                    original_totals, totals_of, method_errors, method_totals
+                                    method_errors, method_totals, original_totals, totals_of
   use asperity_original, only: run_in_arithmetic
   use asperity_original_records, only: original_records
-  use asperity_pareto_front, only: on_front
   use asperity_problems, only: real_text
   use asperity_progress, only: progress_line
   use asperity_reviewed_theories, only: elastic_criterion
@@ -14,14 +13,14 @@ module asperity_method_study
   use asperity_scene_results, only: scene_results
   use asperity_scene_values, only: effect_auto, effect_boundary, effect_coupled, effect_off, &
                                    scene, solves_pixels
-  use asperity_study_methods, only: method_of_scene, list_methods, of_arithmetic, of_effects, &
-                                    of_neighbours, of_steps, request_of, run_method, study_method, &
-                                    simulated_effects
+  use asperity_study_methods, only: list_methods, of_arithmetic, of_effects, of_neighbours, &
+                                    of_steps, request_of, run_method, simulated_effects, &
+                                    study_method
   use asperity_timing, only: add_sample, are_enough, sample_quantile, time_allowance
   implicit none
   private
 
-  public :: run_method_study, method_row, method_table
+  public :: on_front, run_method_study, method_row, method_table
 
   ! Run times over those of simpler methods, the middles of the scenes in
   ! reference_output/bench/accuracy_costs.csv: coupled over isolated contacts, 7 to 31; boundary
@@ -77,6 +76,10 @@ module asperity_method_study
     character(len=:), allocatable :: no_theories   !! why there are none; empty: there are
   end type method_table
 
+  ! Two methods cost the same, or err the same, when they differ by less than this factor. It is
+  ! wide so that the front does not depend on the noise of the clock.
+  real(real64), parameter :: same_time = 1.5_real64, same_error = 1.1_real64
+
 contains
 
   !> Runs the study. `failure` is allocated when the scene as it asks cannot be solved in the time.
@@ -97,7 +100,7 @@ contains
     integer :: i, pass
 
     most = allowance%left()
-    row%method = method_of_scene()
+    row%method = study_method(name='as in the scene')
     allocate (totals(1))
     call time_method(scene_in, least_seconds, share_of_scene * most, row, totals(1), results)
     ! A scene that takes more than its share, as it cannot be interrupted everywhere, takes nothing
@@ -116,7 +119,7 @@ contains
       results = scene_results()
       allocate (results%positions(0))
     else
-      compression = maxval(totals(1)%compression)
+      compression = maxval(totals(1)%states%compression)
     end if
     call list_methods(scene_in, simulated_effects(scene_in, results), compression, finest, &
                       methods, table%no_neighbours)
@@ -361,7 +364,7 @@ contains
           if (row%method%step > 0.0_real64) call find_pressures(row%method%step)
           if (plain > 0 .and. plain /= i) row%own = errors_of(totals(i), exact)
         case (of_effects)
-          if (allocated(totals(1)%load)) row%own = errors_of(totals(i), totals(1))
+          if (allocated(totals(1)%states)) row%own = errors_of(totals(i), totals(1))
         case default
           row%own = row%total
         end select
@@ -442,5 +445,56 @@ contains
     text = real_text(seconds, 'es9.1e3')
     if (seconds < 1.0e5_real64) text = real_text(seconds, 'f9.2')
   end function seconds_text
+
+  !> The methods that no other method of the front excels; each of the rest is excelled by one of
+  !> the front. A method excels another that is clearly less accurate at no clearly higher cost, or
+  !> as accurate at a clearly higher cost; of two that are equal in both, the one whose gain,
+  !> relative to what counts as equal, is larger. So no method of the front excels another through a
+  !> third. Methods of one error and equal times have the least of these times, and the first of
+  !> them is taken: the clock does not choose between methods that are the same.
+  pure function on_front(seconds, error) result(front)
+    real(real64), intent(in) :: seconds(:)  !! run times [s], more than 0
+    real(real64), intent(in) :: error(:)    !! relative errors, 0 or more; as many
+    logical :: front(size(seconds))
+    logical, dimension(size(seconds)) :: rest, new
+    real(real64) :: least(size(seconds))
+    integer :: i, j
+
+    do i = 1, size(seconds)
+      least(i) = minval(seconds, abs(error - error(i)) <= 0.0_real64 .and. &
+                                 seconds(i) <= same_time * seconds)
+    end do
+    front = .false.
+    rest = .true.
+    do while (any(rest))
+      do i = 1, size(rest)
+        new(i) = rest(i) .and. .not. any([(rest(j) .and. is_better(j, i), j=1, size(rest))])
+      end do
+      front = front .or. new
+      do i = 1, size(rest)
+        rest(i) = rest(i) .and. .not. new(i) .and. &
+                  .not. any([(new(j) .and. is_better(j, i), j=1, size(new))])
+      end do
+    end do
+
+  contains
+
+    pure logical function is_better(one, other)
+      integer, intent(in) :: one, other
+      real(real64) :: more(2)  ! error and time, of what counts as equal: up to 1
+
+      if (min(error(one), error(other)) > 0.0_real64) then
+        more(1) = log(error(one) / error(other)) / log(same_error)
+      else
+        more(1) = sign(2.0_real64, error(one) - error(other))
+        if (max(error(one), error(other)) <= 0.0_real64) more(1) = 0.0_real64
+      end if
+      more(2) = log(least(one) / least(other)) / log(same_time)
+      is_better = any(more < -1.0_real64) .and. all(more < 1.0_real64)
+      if (all(abs(more) <= 1.0_real64)) &
+        is_better = sum(more) < 0.0_real64 .or. (.not. sum(more) > 0.0_real64 .and. one < other)
+    end function is_better
+
+  end function on_front
 
 end module asperity_method_study

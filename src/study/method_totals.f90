@@ -1,5 +1,6 @@
 !> Totals of all positions by some method, and their errors against another method.
 module asperity_method_totals
+  use asperity_contact_records, only: state_row
   use asperity_kinds, only: not_computed, real64
   use asperity_original_records, only: original_positions, original_records
   use asperity_scene_results, only: scene_results
@@ -24,12 +25,7 @@ module asperity_method_totals
   !> Totals of the states of all positions.
   type :: method_totals
     integer, allocatable :: first(:)             !! state of a position; one more: past the last
-    real(real64), allocatable :: load(:)         !! sum of the normal forces
-    real(real64), allocatable :: vertical(:)     !! sum of their vertical parts
-    real(real64), allocatable :: approach(:)     !! separation of the reference planes
-    real(real64), allocatable :: compression(:)      !! past first touch
-    real(real64), allocatable :: area(:)         !! real
-    real(real64), allocatable :: contacts(:)     !! number of contacts
+    type(state_row), allocatable :: states(:)    !! states of all positions
     !> Average pressure of the first contact one step past first touch, by position; 0 or less where
     !> it is not known.
     real(real64), allocatable :: pressure(:)
@@ -59,35 +55,25 @@ contains
   !> The totals of results.
   pure type(method_totals) function totals_of(results) result(totals)
     type(scene_results), intent(in) :: results  !! of a method
-    integer :: i, k, m, number
+    integer :: i, k, m
 
-    number = 0
-    do m = 1, size(results%positions)
-      number = number + size(results%positions(m)%states)
-    end do
-    call allocate_totals(totals, size(results%positions), number)
+    associate (positions => results%positions)
+      allocate (totals%first(size(positions) + 1), totals%pressure(size(positions)), &
+                totals%states(sum([(size(positions(m)%states), m=1, size(positions))])))
+    end associate
     k = 0
     do m = 1, size(results%positions)
       totals%first(m) = k + 1
       associate (position => results%positions(m))
-        do i = 1, size(position%states)
-          k = k + 1
-          associate (state => position%states(i))
-            totals%load(k) = state%load
-            totals%vertical(k) = state%vertical_load
-            totals%approach(k) = state%approach
-            totals%compression(k) = state%compression
-            totals%area(k) = state%area
-            totals%contacts(k) = state%contacts
-            totals%is_held = totals%is_held .or. state%time > 0.0_real64
-          end associate
-        end do
+        k = k + size(position%states)
+        totals%states(totals%first(m):k) = position%states
+        totals%is_held = totals%is_held .or. any(position%states%time > 0.0_real64)
         totals%pressure(m) = position%first_step_pressure
         totals%greatest_pressure = max(totals%greatest_pressure, &
                                        position%states(size(position%states))%greatest_pressure)
         ! The estimate is that of the last state, not of a path that came back.
         if (totals%is_held .or. &
-            maxval(totals%compression(totals%first(m):k)) <= totals%compression(k)) &
+            maxval(position%states%compression) <= totals%states(k)%compression) &
           totals%own_estimate = max(totals%own_estimate, position%error_estimate)
       end associate
     end do
@@ -105,15 +91,15 @@ contains
     real(real64), intent(in) :: step               !! its step of the separation [length]
     integer :: i, m
 
-    call allocate_totals(totals, original_positions, original_positions)
-    totals%first = [(m, m=1, original_positions + 1)]
-    totals%load = records%positions%load
-    totals%vertical = not_computed
-    totals%approach = records%positions%approach
-    totals%compression = 0.0_real64
-    totals%area = records%positions%area
-    totals%contacts = records%positions%contacts
-    totals%pressure = not_computed
+    allocate (totals%first(original_positions + 1), totals%states(original_positions), &
+              totals%pressure(original_positions))
+    totals%first(:) = [(m, m=1, original_positions + 1)]
+    totals%states%load = records%positions%load
+    totals%states%approach = records%positions%approach
+    totals%states%compression = 0.0_real64
+    totals%states%area = records%positions%area
+    totals%states%contacts = records%positions%contacts
+    totals%pressure(:) = not_computed
     do m = 1, original_positions
       associate (first => records%positions(m)%first_contact, &
                  last => records%positions(m)%last_contact)
@@ -125,15 +111,6 @@ contains
       end associate
     end do
   end function original_totals
-
-  pure subroutine allocate_totals(totals, positions, states)
-    type(method_totals), intent(inout) :: totals
-    integer, intent(in) :: positions, states
-
-    allocate (totals%first(positions + 1), totals%load(states), totals%vertical(states), &
-              totals%approach(states), totals%compression(states), totals%area(states), &
-              totals%contacts(states), totals%pressure(positions))
-  end subroutine allocate_totals
 
   !> Errors of a method against another one: at every state of a position where both have as many,
   !> else at the last one of a hold, else at the deepest. The error of a load, of the normal forces
@@ -154,13 +131,16 @@ contains
       last = reference%first(m + 1) - 1
       have = totals%first(m)
       if (totals%first(m + 1) - have == last - want + 1) then
-        call compare_states([(have + k, k=0, last - want)], [(k, k=want, last)])
-      else if (reference%is_held) then
-        call compare_states([totals%first(m + 1) - 1], [last])
+        call compare_states(totals%states(have:have + last - want), reference%states(want:last))
       else
-        call compare_states([have - 1 + &
-                             maxloc(totals%compression(have:totals%first(m + 1) - 1), 1)], &
-                     [want - 1 + maxloc(reference%compression(want:last), 1)])
+        if (reference%is_held) then
+          have = totals%first(m + 1) - 1
+          want = last
+        else
+          have = have - 1 + maxloc(totals%states(have:totals%first(m + 1) - 1)%compression, 1)
+          want = want - 1 + maxloc(reference%states(want:last)%compression, 1)
+        end if
+        call compare_states(totals%states(have:have), reference%states(want:want))
       end if
       by_quantity(error_of_pressure) = 0.0_real64
       if (min(totals%pressure(m), reference%pressure(m)) > 0.0_real64) then
@@ -188,24 +168,21 @@ contains
 
     ! States of the one against states of the other.
     subroutine compare_states(one, other)
-      integer, intent(in) :: one(:), other(:)
+      type(state_row), intent(in) :: one(:), other(:)
 
-      by_quantity(error_of_load) = relative_to(maxval(abs(totals%load(one) - &
-                                                          reference%load(other))), &
-                                         maxval(abs(reference%load(other))))
-      by_quantity(error_of_area) = relative_to(maxval(abs(totals%area(one) - &
-                                                          reference%area(other))), &
-                                         maxval(reference%area(other)))
+      by_quantity(error_of_load) = relative_to(maxval(abs(one%load - other%load)), &
+                                               maxval(abs(other%load)))
+      by_quantity(error_of_area) = relative_to(maxval(abs(one%area - other%area)), &
+                                               maxval(other%area))
       by_quantity(error_of_separation) = &
-        relative_to(maxval(abs(totals%approach(one) - reference%approach(other))), &
-              maxval(reference%compression(other)))
+        relative_to(maxval(abs(one%approach - other%approach)), maxval(other%compression))
       by_quantity(error_of_contacts) = &
-        relative_to(maxval(abs(totals%contacts(one) - reference%contacts(other))), &
-              maxval(reference%contacts(other)))
+        relative_to(real(maxval(abs(one%contacts - other%contacts)), real64), &
+                    real(maxval(other%contacts), real64))
       error = max(by_quantity(error_of_load), by_quantity(error_of_separation), &
-                  relative_to(maxval(abs(totals%vertical(one) - reference%vertical(other)), &
-                               totals%vertical(one) > not_computed), &
-                        maxval(abs(reference%vertical(other)))))
+                  relative_to(maxval(abs(one%vertical_load - other%vertical_load), &
+                                     one%vertical_load > not_computed), &
+                              maxval(abs(other%vertical_load))))
     end subroutine compare_states
 
   end function errors_of
@@ -216,7 +193,8 @@ contains
     real(real64) :: means(3)
 
     associate (ends => totals%first(2:) - 1)
-      means = [sum(totals%load(ends)), sum(totals%approach(ends)), sum(totals%area(ends))] / &
+      means = [sum(totals%states(ends)%load), sum(totals%states(ends)%approach), &
+               sum(totals%states(ends)%area)] / &
               size(ends)
     end associate
   end function mean_of_ends

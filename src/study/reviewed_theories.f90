@@ -6,6 +6,7 @@
 !> elastic limit are brought to one number: the least hardness with which contact stays elastic.
 module asperity_reviewed_theories
   use asperity_constants, only: pi
+  use asperity_contact_records, only: state_row
   use asperity_decimal, only: decimal_to_real64, decimal_value
   use asperity_generation_values, only: generation_spec
   use asperity_greenwood_integrals, only: area_per_area, densities_at, greenwood_law, &
@@ -69,8 +70,9 @@ contains
       'Kragelskii, hemispheres', 'Greenwood and Tripp, elastic']
     character(len=*), parameter :: lacks = 'the thesis'' equation lacks a constant: ', &
       no_hardness = 'needs a hardness: expected &limit hardness, or plastic_yield_stress'
-    integer :: ends(size(truth%first) - 1)
+    type(state_row) :: deepest(size(truth%first) - 1)
     real(real64) :: hardness, modulus
+    integer :: m
 
     allocate (theories(0), criteria(0))
     call measure_surfaces(scene_in, summits, why_not)
@@ -83,17 +85,21 @@ contains
     theories(2)%left_out = lacks // 'alpha, "related to mean height", has no value'
     theories(4)%left_out = lacks // 'those of the height distribution have no value'
     theories(5)%left_out = lacks // 'K2, b and nu have no values'
-    ends = deepest_states(truth)
+    do m = 1, size(deepest)
+      associate (states => truth%states(truth%first(m):truth%first(m + 1) - 1))
+        deepest(m) = states(maxloc(states%compression, 1))
+      end associate
+    end do
     if (hardness > 0.0_real64) then
       ! Bowden and Tabor, A = W/p_m (II B 1): the mean yield pressure is the hardness.
-      theories(1)%area = relative_error(sum(truth%vertical(ends)) / hardness, sum(truth%area(ends)))
-      call apply_plastic_theory(summits, hardness, is_load(scene_in%loading%control), truth, &
+      theories(1)%area = relative_error(sum(deepest%vertical_load) / hardness, sum(deepest%area))
+      call apply_plastic_theory(summits, hardness, is_load(scene_in%loading%control), deepest, &
                                 theories(3))
     else
       theories(1)%left_out = no_hardness
       theories(3)%left_out = no_hardness
     end if
-    call apply_elastic_theory(scene_in, summits, truth, theories(6))
+    call apply_elastic_theory(scene_in, summits, deepest, theories(6))
     ! Blok: h/(2 l) < H/(pi E), h from peak to valley, l from peak to peak. Halliday: tan theta <
     ! 0.84 (1 - nu^2) H/E, for caps of one material, whose E/(1 - nu^2) is twice the combined
     ! modulus. Greenwood and Williamson: an index of 0.6. What was simulated: the greatest pressure
@@ -180,81 +186,63 @@ contains
 
   ! A = pi^2 (eta beta sigma)^2 A_nom F2(h), P = 2 H A, as the thesis has them (II B 1), with F2 of
   ! the Gaussian in closed form.
-  pure subroutine apply_plastic_theory(summits, hardness, by_load, truth, theory)
+  pure subroutine apply_plastic_theory(summits, hardness, by_load, deepest, theory)
     type(summit_statistics), intent(in) :: summits
     real(real64), intent(in) :: hardness
     logical, intent(in) :: by_load
-    type(method_totals), intent(in) :: truth
+    type(state_row), intent(in) :: deepest(:)
     type(reviewed_theory), intent(inout) :: theory
-    integer :: ends(size(truth%first) - 1), i
-    real(real64) :: area, factor, u
+    real(real64) :: area, factor, u(size(deepest))
 
-    ends = deepest_states(truth)
     if (by_load) then
-      theory%area = relative_error(sum(truth%vertical(ends)) / (2 * hardness), &
-                                   sum(truth%area(ends)))
+      theory%area = relative_error(sum(deepest%vertical_load) / (2 * hardness), sum(deepest%area))
       return
     end if
     factor = (pi * summits%density * summits%radius * summits%deviation)**2 * summits%area
-    area = 0.0_real64
-    do i = 1, size(ends)
-      u = (truth%approach(ends(i)) - summits%mean) / summits%deviation
-      area = area + factor * ((1 + u**2) * erfc(u / sqrt(2.0_real64)) / 2 - &
-                              u * exp(-u**2 / 2) / sqrt(2 * pi))
-    end do
-    theory%area = relative_error(area, sum(truth%area(ends)))
-    theory%load = relative_error(2 * hardness * area, sum(truth%vertical(ends)))
+    u = (deepest%approach - summits%mean) / summits%deviation
+    area = sum(factor * ((1 + u**2) * erfc(u / sqrt(2.0_real64)) / 2 - &
+                         u * exp(-u**2 / 2) / sqrt(2 * pi)))
+    theory%area = relative_error(area, sum(deepest%area))
+    theory%load = relative_error(2 * hardness * area, sum(deepest%vertical_load))
   end subroutine apply_plastic_theory
 
   ! Greenwood and Tripp, or Greenwood and Williamson on a plane: A = pi^2 (eta beta sigma)^2 A_nom
   ! F2(h) (II B 2). The thesis has no equation of the load; it is that of their paper.
-  subroutine apply_elastic_theory(scene_in, summits, truth, theory)
+  subroutine apply_elastic_theory(scene_in, summits, deepest, theory)
     type(scene), intent(in) :: scene_in
     type(summit_statistics), intent(in) :: summits
-    type(method_totals), intent(in) :: truth
+    type(state_row), intent(in) :: deepest(:)
     type(reviewed_theory), intent(inout) :: theory
-    integer :: ends(size(truth%first) - 1), i
+    integer :: i
     real(real64) :: area, load, missed, separation, values(4)
 
     if (scene_in%upper%is_plane .or. scene_in%lower%is_plane) &
       theory%name = 'Greenwood and Williamson'
-    ends = deepest_states(truth)
     area = 0.0_real64
     load = 0.0_real64
     missed = 0.0_real64
-    do i = 1, size(ends)
-      separation = truth%approach(ends(i))
+    do i = 1, size(deepest)
+      separation = deepest(i)%approach
       if (is_load(scene_in%loading%control)) then
-        if (.not. truth%vertical(ends(i)) > 0.0_real64) cycle
-        call separation_at_pressure(summits%law, truth%vertical(ends(i)) / summits%area, &
+        if (.not. deepest(i)%vertical_load > 0.0_real64) cycle
+        call separation_at_pressure(summits%law, deepest(i)%vertical_load / summits%area, &
                                     separation, theory%left_out)
         if (allocated(theory%left_out)) return
-        missed = missed + abs(separation - truth%approach(ends(i)))
+        missed = missed + abs(separation - deepest(i)%approach)
       end if
       values = densities_at(summits%law, separation, shallow=.true.)
       area = area + values(area_per_area) * summits%area
       load = load + values(vertical_per_area) * summits%area
     end do
-    theory%area = relative_error(area, sum(truth%area(ends)))
+    theory%area = relative_error(area, sum(deepest%area))
     if (is_load(scene_in%loading%control)) then
       theory%load = relative_error(missed, 0.0_real64)
-      if (sum(truth%compression(ends)) > 0.0_real64) &
-        theory%load = missed / sum(truth%compression(ends))
+      if (sum(deepest%compression) > 0.0_real64) &
+        theory%load = missed / sum(deepest%compression)
     else
-      theory%load = relative_error(load, sum(truth%vertical(ends)))
+      theory%load = relative_error(load, sum(deepest%vertical_load))
     end if
   end subroutine apply_elastic_theory
-
-  ! The deepest state of each position.
-  pure function deepest_states(truth) result(ends)
-    type(method_totals), intent(in) :: truth
-    integer :: ends(size(truth%first) - 1), m
-
-    do m = 1, size(ends)
-      ends(m) = truth%first(m) - 1 + &
-                maxloc(truth%compression(truth%first(m):truth%first(m + 1) - 1), 1)
-    end do
-  end function deepest_states
 
   ! A relative error; none is known of nothing.
   pure real(real64) function relative_error(have, want)

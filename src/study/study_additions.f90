@@ -2,6 +2,7 @@
 !> form, the exponent of the area over the load. Heights and radii are given within half a unit of
 !> the last digit that any of them has.
 module asperity_study_additions
+  use asperity_contact_records, only: state_row
   use asperity_decimal, only: decimal_to_real64, decimal_value
   use asperity_height_map, only: height_map, is_measured
   use asperity_kinds, only: int64, real64
@@ -136,29 +137,29 @@ contains
     type(method_totals) :: less
     type(scene_results) :: results
     character(len=:), allocatable :: failure
-    integer :: m, last
+    type(state_row) :: last
+    integer :: m
 
     if (.not. allocated(table%plain%first)) return
     call replace_map(scene_in, one, failure)
     if (allocated(failure)) return
     associate (plain => table%plain)
-      m = maxloc(plain%load(plain%first(2:) - 1), 1)
-      last = plain%first(m + 1) - 1
-      if (.not. (plain%compression(last) > 0.0_real64 .and. plain%area(last) > 0.0_real64)) return
+      m = maxloc(plain%states(plain%first(2:) - 1)%load, 1)
+      last = plain%states(plain%first(m + 1) - 1)
+      if (.not. min(last%compression, last%area) > 0.0_real64) return
       one%motion%x_first = position_value(one%motion%x_first, one%motion%x_step)
       one%motion%y_first = position_value(one%motion%y_first, one%motion%y_step)
       one%motion%positions = 1
       one%loading%control = control_separation
       if (allocated(one%loading%path)) deallocate (one%loading%path)
-      one%loading%value = rounded_decimal(plain%approach(last) + &
-                                          0.01_real64 * plain%compression(last), 17)
+      one%loading%value = rounded_decimal(last%approach + 0.01_real64 * last%compression, 17)
       call run_method(one, study_method(family=of_arithmetic), &
                    run_options(keep_contacts=.false., threads=1), results, failure)
       if (allocated(failure)) return
       less = totals_of(results)
-      if (less%load(1) < plain%load(last) .and. less%area(1) > 0.0_real64) &
-        table%area_exponent = log(less%area(1) / plain%area(last)) / log(less%load(1) / &
-                                                                         plain%load(last))
+      if (less%states(1)%load < last%load .and. less%states(1)%area > 0.0_real64) &
+        table%area_exponent = log(less%states(1)%area / last%area) / &
+                              log(less%states(1)%load / last%load)
     end associate
 
   contains

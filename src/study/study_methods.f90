@@ -29,8 +29,8 @@ module asperity_study_methods
   implicit none
   private
 
-  public :: method_of_scene, list_methods, most_methods, run_method, study_method, &
-            simulated_effects, replace_map, request_of
+  public :: list_methods, most_methods, run_method, study_method, simulated_effects, &
+            replace_map, request_of
   public :: of_scene, of_arithmetic, of_steps, of_neighbours, of_effects, of_input, of_theory, &
             family_words
 
@@ -77,12 +77,6 @@ module asperity_study_methods
   end type study_method
 
 contains
-
-  !> The scene as it asks.
-  pure type(study_method) function method_of_scene() result(method)
-
-    method%name = 'as in the scene'
-  end function method_of_scene
 
   ! Whether a scene goes to a limit load: all its methods without effects are compared.
   pure logical function is_sweep(scene_in)
@@ -170,9 +164,10 @@ contains
     first_step = merge(0, 1, sweep)
     do k = order - first_step, order - 3, -1
       if (is_thesis_sweep(scene_in) .and. k /= original_order) &
-        call add_original(k, ', original program, steps ' // step_text(k))
+        call add_original(k, ', original program, steps ' // real_text(10.0_real64**k, 'es7.1e2'))
       call add_overlaps(study_method(family=of_steps, path=by_marching, step=10.0_real64**k, &
-                                     name='real64, steps ' // step_text(k)))
+                                     name='real64, steps ' // &
+                                     real_text(10.0_real64**k, 'es7.1e2')))
     end do
 
   contains
@@ -203,13 +198,6 @@ contains
           is_original=.true.)]
       end do
     end subroutine add_original
-
-    pure function step_text(order) result(text)
-      integer, intent(in) :: order
-      character(len=:), allocatable :: text
-
-      text = real_text(10.0_real64**order, 'es7.1e2')
-    end function step_text
 
   end subroutine add_arithmetics
 

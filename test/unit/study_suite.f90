@@ -10,7 +10,7 @@ module asperity_study_suite
   use asperity_greenwood_integrals, only: densities_at, excess_moments, greenwood_law, &
                                           greenwood_law_of, means_over_radii, quantities
   use asperity_kinds, only: int64, real128, real64
-  use asperity_pareto_front, only: on_front
+  use asperity_method_study, only: on_front
   use asperity_study_spec, only: places_grid, study_spec
   use asperity_testing, only: check, error_type, new_unittest, unittest_type
   implicit none
