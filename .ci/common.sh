@@ -52,7 +52,8 @@ options_of() {
     strict) fpm_options=(--no-prune --flag "$strict_flags") ;;
     sanitize) fpm_options=(--no-prune --flag "$sanitize_flags") ;;
     images)
-      fpm_options=(--profile release --flag "$release_flags -DASPERITY_COARRAYS -fcoarray=lib"
+      # The optimisation of fpm's release profile, which has -fcoarray=single.
+      fpm_options=(--flag "-O3 -funroll-loops $release_flags -DASPERITY_COARRAYS -fcoarray=lib"
         --link-flag "-Wl,--no-as-needed -lcaf_openmpi")
       ;;
     second)
