@@ -28,19 +28,12 @@ contains
   end subroutine refine_heights
 
   !> Sets all gaps, relative to the pair that touches first.
-  subroutine set_gaps(found, number, first_touch)
+  subroutine set_gaps(found, first_touch)
     type(candidate), intent(inout) :: found(:)  !! pairs of a position
-    integer, intent(in) :: number  !! number of pairs
     real(real64), intent(out) :: first_touch  !! separation at which the first pair touches
-    integer :: i
 
-    first_touch = found(1)%touch
-    do i = 2, number
-      if (found(i)%touch > first_touch) first_touch = found(i)%touch
-    end do
-    do i = 1, number
-      found(i)%gap = first_touch - found(i)%touch
-    end do
+    first_touch = maxval(found%touch)
+    found%gap = first_touch - found%touch
   end subroutine set_gaps
 
   !> Sorts pairs in the order of touch.
@@ -57,11 +50,20 @@ contains
     type(candidate), contiguous, intent(inout) :: found(:)  !! pairs of a position
     integer, intent(inout) :: number  !! number of pairs
     real(real64), intent(in) :: compression  !! compression at the end
+    real(real64) :: centres, reach, rise
     integer :: i, kept
 
+    reach = scale(method%reach, -4 * placed%length_power)
     kept = 0
     do i = 1, number
-      if (found(i)%gap - rise_of_range(placed, method, found(i)) > compression .and. .not. &
+      rise = reach
+      ! From attraction along the line of centres to first touch: sqrt((s + reach)**2 - d**2) - zc.
+      if (reach > 0.0_real64 .and. .not. is_on_plane(found(i))) then
+        centres = found(i)%s + reach
+        rise = reach * ((found(i)%s + centres) / &
+          (found(i)%zc + sqrt((centres - found(i)%d) * (centres + found(i)%d))))
+      end if
+      if (found(i)%gap - rise > compression .and. .not. &
           (method%keeps_first .and. .not. found(i)%gap > 0.0_real64)) cycle
       kept = kept + 1
       if (kept < i) found(kept) = found(i)
@@ -69,21 +71,6 @@ contains
     number = kept
     call merge_sort(found(:number))
   end subroutine keep_within
-
-  ! Compression from the beginning of attraction, at the gap h = `method%reach` along the line of
-  ! centres, to first touch: sqrt((s + h)**2 - d**2) - zc.
-  pure real(real64) function rise_of_range(placed, method, pair) result(rise)
-    type(placed_scene), intent(in) :: placed
-    type(solve_method), intent(in) :: method
-    type(candidate), intent(in) :: pair
-    real(real64) :: centres
-
-    rise = scale(method%reach, -4 * placed%length_power)
-    if (is_on_plane(pair) .or. .not. rise > 0.0_real64) return
-    centres = pair%s + rise
-    rise = rise * ((pair%s + centres) / &
-                   (pair%zc + sqrt((centres - pair%d) * (centres + pair%d))))
-  end function rise_of_range
 
   !> The largest compression, over all pairs of a scene, from attraction to first touch.
   pure real(real64) function largest_rise(placed, method) result(rise)
@@ -146,22 +133,6 @@ contains
     load = four_thirds * (lifted * sqrt(lifted * radius))
   end function load_of_overlap
 
-  ! Overlap at which a pair reaches the limit.
-  pure function limit_overlap(placed, pair) result(w)
-    type(placed_scene), intent(in) :: placed
-    type(candidate), intent(in) :: pair
-    real(real64) :: w, c
-
-    if (placed%criterion == criterion_load) then
-      ! W/R = (3 P/(4 E R**2))**(2/3): the ratio has no unit, so its root stays in range.
-      c = cube_root(placed%limit / (placed%modulus * four_thirds) / &
-                    (pair%radius * pair%radius))
-      w = scale(pair%radius * (c * c), -8 * placed%load_lift)
-    else
-      w = pair%radius * placed%limit
-    end if
-  end function limit_overlap
-
   !> Penetration at which a pair reaches the limit; `reachable` is false when its centres are level
   !> first.
   pure subroutine limit_penetration(placed, pair, p, reachable)
@@ -169,9 +140,16 @@ contains
     type(candidate), intent(in) :: pair  !! pair of asperities
     real(real64), intent(out) :: p  !! penetration of the pair
     logical, intent(out) :: reachable  !! false when the centres are level first
-    real(real64) :: w, left, beyond
+    real(real64) :: root, w, left, beyond
 
-    w = limit_overlap(placed, pair)
+    if (placed%criterion == criterion_load) then
+      ! W/R = (3 P/(4 E R**2))**(2/3): the ratio has no unit, so its root stays in range.
+      root = cube_root(placed%limit / (placed%modulus * four_thirds) / &
+                       (pair%radius * pair%radius))
+      w = scale(pair%radius * (root * root), -8 * placed%load_lift)
+    else
+      w = pair%radius * placed%limit
+    end if
     p = 0.0_real64
     left = pair%s - w
     ! This order avoids the rounding of `left` in a small difference.

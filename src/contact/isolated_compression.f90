@@ -11,28 +11,12 @@ module asperity_isolated_compression
   implicit none
   private
 
-  public :: check_level, compression_at_limit, compression_at_load, first_at_limit, &
-            march_compression
+  public :: check_level, compression_at_load, first_at_limit, march_compression
 
 contains
 
-  !> The least compression at which a pair reaches its limit.
-  subroutine compression_at_limit(placed, found, compression, failure)
-    type(placed_scene), intent(in) :: placed  !! scene in solver units
-    type(candidate), intent(in) :: found(:)  !! pairs of a position
-    real(real64), intent(out) :: compression  !! compression at the end
-    character(len=:), allocatable, intent(inout) :: failure  !! set where the end is not reached
-    logical :: reachable
-
-    call first_at_limit(placed, found, compression, reachable)
-    if (reachable) then
-      call check_level(placed, found, compression, failure)
-    else
-      failure = 'no pair of asperities reaches the limit before its centres are level'
-    end if
-  end subroutine compression_at_limit
-
-  !> The same in closed form; `any_reachable` is false when no pair can reach it.
+  !> The least compression at which a pair reaches its limit; `any_reachable` is false when no pair
+  !> can reach it.
   subroutine first_at_limit(placed, found, compression, any_reachable)
     type(placed_scene), intent(in) :: placed  !! scene in solver units
     type(candidate), intent(in) :: found(:)  !! pairs of a position
@@ -110,10 +94,7 @@ contains
     compression = found(1)%gap
     ! Without a compressive target: first touch, from which effects begin.
     if (.not. target > 0.0_real64) return
-    most = found(1)%gap + found(1)%zc
-    do i = 2, size(found)
-      if (found(i)%gap + found(i)%zc < most) most = found(i)%gap + found(i)%zc
-    end do
+    most = minval(found%gap + found%zc)
     most_load = load_at(placed, found, most, overlap)
     if (most_load < target .and. placed%vertical) &
       call find_greatest(placed, found, overlap, most, most_load)
@@ -233,7 +214,7 @@ contains
     real(real64), intent(in) :: step  !! step of the compression
     integer, intent(in) :: overlap  !! `overlap_stable` or `overlap_original`
     real(real64), intent(out) :: compression  !! compression at the end
-    real(real64) :: next
+    real(real64) :: next, w
     integer :: contacts, i
     logical :: at_limit
 
@@ -253,24 +234,15 @@ contains
       if (placed%control == control_load) then
         at_limit = load_at(placed, found, compression, overlap) * placed%modulus >= placed%target
       else
+        ! The load of each contact at each step, as in the original.
         do i = 1, contacts
-          if (march_load(i) >= placed%limit) at_limit = .true.
+          w = overlap_of(found(i), compression - found(i)%gap, overlap)
+          if (placed%modulus * load_of_overlap(placed, found(i)%radius, w) >= placed%limit) &
+            at_limit = .true.
         end do
       end if
       if (.not. compression < found(1)%zc) exit
     end do
-
-  contains
-
-    ! The load of each contact at each step, as in the original.
-    real(real64) function march_load(i) result(load)
-      integer, intent(in) :: i
-
-      load = placed%modulus * &
-             load_of_overlap(placed, found(i)%radius, &
-                             overlap_of(found(i), compression - found(i)%gap, overlap))
-    end function march_load
-
   end subroutine march_compression
 
 end module asperity_isolated_compression

@@ -8,7 +8,7 @@ module asperity_isolated_contacts
   use asperity_contact_records, only: by_marching, cut_rows, most_rows, no_contacts, &
                                       position_result, prescribed_normal, prescribed_vertical, &
                                       solve_method
-  use asperity_isolated_compression, only: check_level, compression_at_limit, compression_at_load, &
+  use asperity_isolated_compression, only: check_level, compression_at_load, first_at_limit, &
                                            march_compression
   use asperity_kinds, only: int64, real64
   use asperity_pair_finding, only: find_pairs
@@ -37,12 +37,13 @@ contains
     character(len=:), allocatable, intent(out) :: failure  !! set where the end is not reached
     type(contact_pairs), intent(out), optional :: pairs    !! those in contact at the end
     type(position_pairs) :: position
+    real(real64) :: w
     logical :: all_pairs
 
-    call displace_upper(placed, m, position)
+    all_pairs = .false.
+    call end_position(placed, m, method, position, all_pairs, failure)
     result%x_displacement = scaled_to_real64(position%dx, placed%length_power)
     result%y_displacement = scaled_to_real64(position%dy, placed%length_power)
-    call end_position(placed, method, position, all_pairs, failure)
     if (allocated(failure)) return
     if (present(pairs)) then
       do while (position%number > 0)
@@ -56,33 +57,32 @@ contains
       return
     end if
     call compute_states(placed, position, method%overlap, keep_rows, result)
-    if (method%step > 0.0_real64) result%first_step_pressure = &
-      first_pressure(placed, position%found(1), scale(method%step, -4 * placed%length_power), &
-                     method%overlap)
+    if (.not. method%step > 0.0_real64) return
+    ! Pressure of the first contact one step past first touch, where cancellation is largest. It is
+    ! load over area, as in the original.
+    associate (pair => position%found(1))
+      w = overlap_of(pair, scale(method%step, -4 * placed%length_power), method%overlap)
+      if (w > 0.0_real64) result%first_step_pressure = scaled_to_real64( &
+        placed%modulus * load_of_overlap(placed, pair%radius, w) / (pi * w * pair%radius), &
+        placed%modulus_power - 3 * placed%load_lift)
+    end associate
   end subroutine solve_position
 
-  ! Sets the displacement of the upper surface at position m.
-  subroutine displace_upper(placed, m, position)
+  ! Finds the pairs that matter at a position, and its last compression. `all_pairs` is true when
+  ! all were wanted or the candidate distance did not suffice.
+  subroutine end_position(placed, m, method, position, all_pairs, failure)
     type(placed_scene), intent(in) :: placed
     integer, intent(in) :: m
-    type(position_pairs), intent(inout) :: position
-
-    position%dx = placed%x_first + real(m - 1, real64) * placed%x_step
-    position%dy = placed%y_first + real(m - 1, real64) * placed%y_step
-  end subroutine displace_upper
-
-  ! Finds the pairs that matter at a position, and its last compression. `all_pairs` is true when
-  ! the candidate distance did not suffice.
-  subroutine end_position(placed, method, position, all_pairs, failure)
-    type(placed_scene), intent(in) :: placed
     type(solve_method), intent(in) :: method
     type(position_pairs), intent(inout) :: position
-    logical, intent(out) :: all_pairs
+    logical, intent(inout) :: all_pairs
     character(len=:), allocatable, intent(out) :: failure
     logical :: complete
 
+    position%dx = placed%x_first + real(m - 1, real64) * placed%x_step
+    position%dy = placed%y_first + real(m - 1, real64) * placed%y_step
     ! On a plane no distance in plan is too large.
-    all_pairs = placed%on_plane
+    all_pairs = all_pairs .or. placed%on_plane
     call close_position(placed, all_pairs, method, position, complete, failure)
     if (complete) return
     ! Pairs outside the candidate distance can matter: take all pairs whose spheres can touch.
@@ -99,6 +99,7 @@ contains
     type(position_pairs), intent(inout) :: position
     logical, intent(out) :: complete
     character(len=:), allocatable, intent(out) :: failure
+    logical :: is_reachable
 
     call find_pairs(placed, all_pairs, method, position, failure)
     complete = .true.
@@ -112,7 +113,7 @@ contains
                                  placed%height_max > 0.0_real64)
       return
     end if
-    call set_gaps(position%found, position%number, position%first_touch)
+    call set_gaps(position%found(:position%number), position%first_touch)
     associate (found => position%found(:position%number), compression => position%compression)
       if (method%path == by_marching) then
         call sort_by_gap(found)
@@ -122,7 +123,10 @@ contains
       else
         select case (placed%control)
         case (control_limit)
-          call compression_at_limit(placed, found, compression, failure)
+          call first_at_limit(placed, found, compression, is_reachable)
+          if (is_reachable) call check_level(placed, found, compression, failure)
+          if (.not. is_reachable) &
+            failure = 'no pair of asperities reaches the limit before its centres are level'
         case (control_separation)
           compression = position%first_touch - placed%target
           call check_level(placed, found, compression, failure)
@@ -173,14 +177,24 @@ contains
     logical, intent(in) :: keep_rows
     type(position_result), intent(inout) :: result
     real(real64), allocatable :: compressions(:), gaps(:)
-    integer :: i
+    type(state_tally) :: tally
+    type(seen_contact) :: contact
+    integer :: i, k
 
     allocate (gaps(merge(position%number, 0, placed%events)))
     if (placed%events) gaps = position%found(:position%number)%gap
     call list_compressions(placed%points, gaps, position%compression, compressions)
     allocate (result%states(size(compressions)), result%rows(0))
     do i = 1, size(compressions)
-      call compute_state(placed, position, compressions(i), overlap, keep_rows, i, result)
+      tally = state_tally(placed%length_power, placed%modulus_power, load_unit(placed))
+      call begin_tally(tally, position%number, keep_rows, i == size(compressions))
+      do k = 1, position%number
+        if (position%found(k)%gap > compressions(i)) exit
+        call solve_contact(placed, position, k, compressions(i), overlap, contact)
+        call add_contact(tally, placed%limits, contact)
+      end do
+      call finish_tally(tally, placed%limits, position%first_touch - compressions(i), &
+                        compressions(i), i, result)
       if (result%rows_used > most_rows) exit
     end do
     call cut_rows(result)
@@ -232,29 +246,6 @@ contains
 
   end subroutine list_compressions
 
-  ! All contacts at one compression, and their totals.
-  subroutine compute_state(placed, position, compression, overlap, keep_rows, number, result)
-    type(placed_scene), intent(in) :: placed
-    type(position_pairs), intent(in) :: position
-    real(real64), intent(in) :: compression
-    integer, intent(in) :: overlap, number
-    logical, intent(in) :: keep_rows
-    type(position_result), intent(inout) :: result
-    type(state_tally) :: tally
-    type(seen_contact) :: contact
-    integer :: i
-
-    tally = state_tally(placed%length_power, placed%modulus_power, load_unit(placed))
-    call begin_tally(tally, position%number, keep_rows, number == size(result%states))
-    do i = 1, position%number
-      if (position%found(i)%gap > compression) exit
-      call solve_contact(placed, position, i, compression, overlap, contact)
-      call add_contact(tally, placed%limits, contact)
-    end do
-    call finish_tally(tally, placed%limits, position%first_touch - compression, compression, &
-                      number, result)
-  end subroutine compute_state
-
   ! Solves one contact at a compression, by Hertz' law.
   pure subroutine solve_contact(placed, position, i, compression, overlap, contact)
     type(placed_scene), intent(in) :: placed
@@ -267,7 +258,7 @@ contains
     logical :: reachable
 
     associate (pair => position%found(i))
-      contact%number = i
+      contact%area_no = i
       contact%upper = pair%upper
       contact%lower = pair%lower
       call place_of_touch(placed, pair, position%dx, position%dy, contact%x, contact%y)
@@ -281,8 +272,9 @@ contains
       contact%cosine = contact%z / (pair%s - contact%overlap)
       contact%vertical_load = contact%load * contact%cosine
       ! Average pressure 4 E sqrt(W/R)/(3 pi).
-      contact%pressure = placed%modulus * four_thirds * sqrt(contact%overlap / pair%radius) / pi
-      contact%maximum_pressure = 1.5_real64 * contact%pressure
+      contact%average_pressure = &
+        placed%modulus * four_thirds * sqrt(contact%overlap / pair%radius) / pi
+      contact%maximum_pressure = 1.5_real64 * contact%average_pressure
       if (pair%upper > 0) then
         contact%upper_radius = placed%ru(pair%upper)
         contact%upper_height = placed%cap_u(pair%upper)
@@ -293,26 +285,9 @@ contains
       end if
       if (placed%criterion == criterion_none) return
       call limit_penetration(placed, pair, limit, reachable)
-      if (reachable) contact%at_limit = pair%gap + limit <= compression
+      if (reachable) contact%limit_exceeded = pair%gap + limit <= compression
     end associate
   end subroutine solve_contact
-
-  ! Pressure of the first contact one step past first touch, where cancellation is largest. It is
-  ! load over area, as in the original.
-  real(real64) function first_pressure(placed, pair, step, overlap) result(pressure)
-    type(placed_scene), intent(in) :: placed
-    type(candidate), intent(in) :: pair
-    real(real64), intent(in) :: step
-    integer, intent(in) :: overlap
-    real(real64) :: w, load, area
-
-    w = overlap_of(pair, step, overlap)
-    pressure = 0.0_real64
-    if (.not. w > 0.0_real64) return
-    load = placed%modulus * load_of_overlap(placed, pair%radius, w)
-    area = pi * w * pair%radius
-    pressure = scaled_to_real64(load / area, placed%modulus_power - 3 * placed%load_lift)
-  end function first_pressure
 
   !> Lists the pairs of a position, with the compression at which non-interacting elastic
   !> contacts end. Under load control these are all pairs that may touch, as effects may increase
@@ -334,18 +309,14 @@ contains
 
     if (present(wanted)) method = wanted
     method%past_the_end = .true.
-    call displace_upper(placed, m, position)
     ! A load that is 0 in the solver's units would be reached at first touch.
     if ((placed%target > 0.0_real64 .or. placed%target < 0.0_real64) .and. &
         placed%control == control_load .and. .not. abs(target_of(placed)) > 0.0_real64) then
       failure = 'the load is too small beside the moduli and lengths to be met with effects'
       return
     end if
-    if (all_pairs) then
-      call close_position(placed, .true., method, position, are_all, failure)
-    else
-      call end_position(placed, method, position, are_all, failure)
-    end if
+    are_all = all_pairs
+    call end_position(placed, m, method, position, are_all, failure)
     if (allocated(failure)) return
     ! The list is also complete when it has every combination of asperities.
     if (real(position%number, real64) >= real(size(placed%xu), real64) * size(placed%xl)) &

@@ -3,12 +3,11 @@ module asperity_overlapping_circles
   use asperity_cell_grid, only: build_grid, cell_grid
   use asperity_cell_layer, only: any_height, margin_of_arithmetic
   use asperity_kinds, only: real64
-  use asperity_pair_search_layers, only: found_pairs
-  use asperity_pair_search_layers, only: search_pairs
+  use asperity_pair_search_layers, only: found_pairs, search_pairs
   implicit none
   private
 
-  public :: count_overlapping, circles_overlap
+  public :: count_overlapping
 
   integer, parameter :: few = 64  ! number of circles up to which all pairs are compared
 
@@ -65,20 +64,13 @@ contains
     pure logical function do_overlap(one, other)
       integer, intent(in) :: one, other
 
-      do_overlap = circles_overlap(x(one) - x(other), y(one) - y(other), radius(one), radius(other))
+      associate (dx => x(one) - x(other), dy => y(one) - y(other), &
+                 reach => radius(one) + radius(other))
+        do_overlap = abs(dx) < reach .and. abs(dy) < reach
+        if (do_overlap) do_overlap = dx * dx + dy * dy < reach**2
+      end associate
     end function do_overlap
 
   end function count_overlapping
-
-  !> Whether two circles overlap.
-  pure logical function circles_overlap(dx, dy, first, second)
-    real(real64), intent(in) :: dx, dy           !! distance of the centres along x and y
-    real(real64), intent(in) :: first, second    !! radii of the circles
-
-    circles_overlap = abs(dx) < first + second .and. abs(dy) < first + second
-    if (.not. circles_overlap) return
-    circles_overlap = first > 0.0_real64 .and. second > 0.0_real64 .and. &
-                      dx * dx + dy * dy < (first + second)**2
-  end function circles_overlap
 
 end module asperity_overlapping_circles

@@ -108,34 +108,26 @@ contains
     type(solve_method), intent(in) :: method
     type(position_pairs), intent(inout) :: position
     real(real64), intent(inout) :: least_touch
+    real(real64) :: first_touch, compression
+    logical :: is_reachable
 
     if (position%number == 0) return
     associate (found => position%found(:position%number))
-      if (any(placed%control == [control_limit, control_compression])) &
-        call raise_by_first(placed, method, found, least_touch)
-      if (placed%control == control_load) &
+      if (placed%control == control_load) then
         call raise_by_load(placed, method%overlap, found, least_touch)
+      else if (placed%control /= control_separation) then
+        ! Under limit control the compression at which the first of some pairs reaches its limit
+        ! bounds that of all pairs; under compression control their first touch does. Pairs that
+        ! touch only beyond this bound, and attract only beyond it, are not needed.
+        call set_gaps(found, first_touch)
+        compression = placed%target
+        is_reachable = placed%control == control_compression
+        if (.not. is_reachable) call first_at_limit(placed, found, compression, is_reachable)
+        if (is_reachable) least_touch = max(least_touch, below_with_rounding( &
+          placed, first_touch - compression) - largest_rise(placed, method))
+      end if
     end associate
   end subroutine raise_least_touch
-
-  ! Under limit control the compression at which the first of some pairs reaches its limit bounds
-  ! that of all pairs; under compression control their first touch does. Pairs that touch only
-  ! beyond this bound, and attract only beyond it, are not needed.
-  subroutine raise_by_first(placed, method, found, least_touch)
-    type(placed_scene), intent(in) :: placed
-    type(solve_method), intent(in) :: method
-    type(candidate), intent(inout) :: found(:)
-    real(real64), intent(inout) :: least_touch
-    real(real64) :: first_touch, compression
-    logical :: reachable
-
-    call set_gaps(found, size(found), first_touch)
-    compression = placed%target
-    reachable = placed%control == control_compression
-    if (.not. reachable) call first_at_limit(placed, found, compression, reachable)
-    if (reachable) least_touch = max(least_touch, below_with_rounding(placed, first_touch - &
-                                     compression) - largest_rise(placed, method))
-  end subroutine raise_by_first
 
   ! Load control. The compression at which some pairs carry the load is an upper bound of that of
   ! all pairs; only pairs that touch before it are needed. The next pair to touch is needed as well,
@@ -146,23 +138,18 @@ contains
     type(candidate), contiguous, intent(inout) :: found(:)
     real(real64), intent(inout) :: least_touch
     character(len=:), allocatable :: failure
-    real(real64) :: first_touch, compression, level
-    integer :: i, next
+    real(real64) :: first_touch, compression
+    integer :: next
 
-    call set_gaps(found, size(found), first_touch)
+    call set_gaps(found, first_touch)
     call sort_by_gap(found)
     call refine_heights(found)
     call compression_at_load(placed, found, overlap, compression, failure)
     if (allocated(failure)) return
-    level = found(1)%gap + found(1)%zc
-    next = 0
-    do i = size(found), 1, -1
-      if (found(i)%gap > compression) next = i
-      if (found(i)%gap + found(i)%zc < level) level = found(i)%gap + found(i)%zc
-    end do
+    next = findloc(found%gap > compression, .true., 1)
     if (next == 0) return
     ! The search for the compression ends where centres are level.
-    if (found(next)%gap < level) &
+    if (found(next)%gap < minval(found%gap + found%zc)) &
       least_touch = max(least_touch, below_with_rounding(placed, first_touch - found(next)%gap))
   end subroutine raise_by_load
 

@@ -44,7 +44,7 @@ module asperity_placed_scene
     integer :: points = 0                          !! equal parts of the compression; 0, 1: its end
     logical :: events = .false.                    !! a state at each first touch as well
     integer :: criterion = criterion_none
-    real(real64) :: limit                          !! load, or overlap over radius: limit_overlap
+    real(real64) :: limit                          !! load, or overlap over radius
     ! Search for pairs: all with all in small scenes, else level by level.
     type(pair_levels) :: levels                    !! both surfaces; empty in a small scene
     real(real64) :: far_reach = 0.0_real64         !! largest distance in plan of spheres that touch

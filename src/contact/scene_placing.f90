@@ -90,6 +90,7 @@ contains
   subroutine place_loading(scene_in, placed)
     type(scene), intent(in) :: scene_in
     type(placed_scene), intent(inout) :: placed
+    integer :: power  ! exponent of the load
 
     placed%x_first = length_of(scene_in%motion%x_first, placed)
     placed%x_step = length_of(scene_in%motion%x_step, placed)
@@ -102,7 +103,12 @@ contains
     placed%points = scene_in%loading%points
     placed%events = scene_in%loading%events
     placed%target = 0.0_real64
-    if (placed%control == control_load) call lift_loads(load_power(scene_in, placed), placed)
+    if (placed%control == control_load) then
+      power = exponent_of_16(decimal_to_real64(scene_in%loading%value))
+      if (scene_in%loading%control == control_pressure) &
+        power = power + exponent_of_16(decimal_to_real64(scene_in%nominal_area))
+      call lift_loads(power, placed)
+    end if
     if (scene_in%limit%criterion == criterion_load) &
       call lift_loads(exponent_of_16(decimal_to_real64(scene_in%limit%value)), placed)
     if (any(placed%control == [control_separation, control_compression])) then
@@ -188,16 +194,6 @@ contains
     placed%load_lift = max(placed%load_lift, &
                            -(power - placed%modulus_power - 2 * placed%length_power) / 6)
   end subroutine lift_loads
-
-  ! The exponent of the target load.
-  integer function load_power(scene_in, placed) result(power)
-    type(scene), intent(in) :: scene_in
-    type(placed_scene), intent(in) :: placed
-
-    power = exponent_of_16(decimal_to_real64(scene_in%loading%value))
-    if (.not. placed%vertical .or. scene_in%loading%control /= control_pressure) return
-    power = power + exponent_of_16(decimal_to_real64(scene_in%nominal_area))
-  end function load_power
 
   ! A force of the scene in the unit of modulus times length squared, scaled by the lift.
   real(real64) function load_of(value, placed) result(load)

@@ -49,20 +49,20 @@ contains
       totals%area = totals%area + contact%area
       totals%projected_area = totals%projected_area + contact%area * contact%cosine
       totals%greatest_pressure = max(totals%greatest_pressure, contact%maximum_pressure)
-      tally%limit_reached = tally%limit_reached .or. contact%at_limit
+      tally%limit_reached = tally%limit_reached .or. contact%limit_exceeded
       call look_at_contact(limits, contact, tally%warnings)
       if (allocated(tally%circles)) &
         tally%circles(totals%contacts, :) = [contact%x, contact%y, contact%contact_radius]
       if (.not. allocated(tally%rows)) return
       tally%rows(totals%contacts) = contact_row( &
-        contact%number, contact%upper, contact%lower, contact%at_limit, &
+        contact%area_no, contact%upper, contact%lower, contact%limit_exceeded, &
         scaled_to_real64(contact%x, length), scaled_to_real64(contact%y, length), &
         scaled_to_real64(contact%penetration, length), scaled_to_real64(contact%overlap, length), &
         scaled_to_real64(contact%area, 2 * length), &
         scaled_to_real64(contact%area * contact%cosine, 2 * length), contact%d / contact%z, &
         scaled_to_real64(contact%load, tally%load_power), &
         scaled_to_real64(contact%vertical_load, tally%load_power), &
-        scaled_to_real64(contact%pressure, tally%modulus_power), &
+        scaled_to_real64(contact%average_pressure, tally%modulus_power), &
         scaled_to_real64(contact%maximum_pressure, tally%modulus_power))
     end associate
   end subroutine add_contact

@@ -12,7 +12,8 @@ module asperity_contact_effect
   use asperity_contact_pairs, only: contact_pairs
   use asperity_contact_records, only: effect_record
   use asperity_contact_state, only: contact_state
-  use asperity_kinds, only: real64
+  use asperity_effect_header, only: column_name, effect_column, force, length, moment, plain
+  use asperity_kinds, only: not_computed, real64
   use asperity_scene_values, only: effect_off, scene_effects
   use asperity_theory_warnings, only: theory_warning
   implicit none
@@ -22,21 +23,11 @@ module asperity_contact_effect
   public :: relative_influence
   public :: column_name, effect_column, plain, length, force, moment
 
-  !> Powers of the modulus and of the length in the unit of a column, derived from the dimension: a
-  !> plain number, a length, a force, a moment or an energy.
-  integer, parameter :: plain(2) = [0, 0], length(2) = [0, 1], force(2) = [1, 2], moment(2) = [1, 3]
-
-  !> The name of a column of a CSV file, and its unit.
-  type :: column_name
-    character(len=20) :: text = ''            !! name of the column in the header of the file
-    integer :: modulus_power = 0              !! power of the modulus in its unit
-    integer :: length_power = 0               !! power of the length in its unit
-  end type column_name
-
   !> Outcome of one effect in one state: its change of the state, and the values of its columns.
   type, extends(effect_record) :: effect_outcome
     character(len=:), allocatable :: failure      !! error message; not allocated: simulated
     real(real64) :: load_jump = 0.0_real64   !! jumps of the load with the compression, relative
+    real(real64) :: dissipated_work = not_computed  !! since first touch, in the unit of the pairs
     real(real64), allocatable :: of_contacts(:, :)  !! (pair, column), in the unit of the pairs
     real(real64), allocatable :: of_state(:)        !! (column), in the unit of the pairs
     type(theory_warning), allocatable :: warnings(:)  !! where it is outside its theory
@@ -92,14 +83,6 @@ module asperity_contact_effect
   end interface
 
 contains
-
-  !> Column with a name and a unit.
-  pure type(column_name) function effect_column(name, unit) result(column)
-    character(len=*), intent(in) :: name  !! name in the header of the file
-    integer, intent(in) :: unit(2)        !! `plain`, `length`, `force` or `moment`
-
-    column = column_name(name, unit(1), unit(2))
-  end function effect_column
 
   !> Change of a total by an effect relative to the total with the effect, as the tolerance bounds
   !> the error of a result without it. Where the total falls below half, half of it is the

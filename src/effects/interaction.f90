@@ -17,7 +17,7 @@ module asperity_interaction
   use asperity_kinds, only: not_computed, real64
   use asperity_open_contacts, only: are_separate
   use asperity_scene_values, only: effect_auto, effect_boundary, scene
-  use asperity_theory_warnings, only: of_area, of_nested, add_warning, warning_kinds
+  use asperity_theory_warnings, only: add_warning, of_area, of_nested, warn_above
   implicit none
   private
 
@@ -115,10 +115,9 @@ contains
                                real64), solution%area_error]
       if (isolated_load > 0.0_real64) outcome%of_state(2) = coupled_load / isolated_load
       outcome%error = solution%error
-      if (solution%nested > warning_kinds(of_nested)%limit) &
-        call add_warning(outcome%warnings, of_nested, solution%nested, &
-                  whose=merge('other laws than Hertz', '                     ', &
-                              .not. same_type_as(state%law, hertz_law())))
+      call warn_above(outcome%warnings, of_nested, solution%nested, &
+                      whose=merge('other laws than Hertz', '                     ', &
+                                  .not. same_type_as(state%law, hertz_law())))
     end associate
     outcome%influence = outcome%of_state(2) - 1.0_real64
     if (self%mode == effect_auto .and. outcome%of_state(5) > self%tolerance) &

@@ -143,7 +143,12 @@ contains
     !$omp do schedule(static)
     do i = 0, waves%most(1)
       call draw_waves(waves, i, components(:, i))
-      if (which > of_heights) call derive_slope(components(:, i), i, which)
+      ! The components a of heights become those of a slope, i k a.
+      if (which == 1) components(:, i) = cmplx(0, i, real64) * components(:, i)
+      do j = 0, merge(waves%period(2), 0, which == 2) - 1
+        components(j, i) = components(j, i) * &
+          cmplx(0, merge(j, j - waves%period(2), 2 * j < waves%period(2)), real64)
+      end do
       call columns%apply(c_loc(components(0, i)), c_loc(components(0, i)))
     end do
     !$omp end do
@@ -169,18 +174,5 @@ contains
     mean = sum(row_means) / map%rows
     square = sum(row_squares) / map%rows
   end subroutine sum_waves
-
-  ! Turns the components a of heights into those of a slope, i k a.
-  pure subroutine derive_slope(components, wave, which)
-    complex(c_double_complex), intent(inout) :: components(0:)  ! by wave number along y
-    integer, intent(in) :: wave, which  ! wave number along x; slope along x or y
-    integer :: j, number
-
-    do j = 0, ubound(components, 1)
-      number = wave
-      if (which == 2) number = merge(j, j - size(components), 2 * j < size(components))
-      components(j) = cmplx(0, number, real64) * components(j)
-    end do
-  end subroutine derive_slope
 
 end module asperity_generated_map

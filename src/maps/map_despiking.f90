@@ -56,7 +56,11 @@ contains
       limit = limit_of(deviation)
       do j = 1, map%rows
         do i = 1, map%columns
-          if (abs(deviation(i, j)) > limit) call clear_steep_pixel(i, j)
+          if (.not. (is_measured(deviation(i, j)) .and. abs(deviation(i, j)) > limit)) cycle
+          ! A pixel whose surroundings deviate as much is no outlier.
+          if (abs(deviation(i, j)) <= most_deviations * &
+              median_near(map, i, j, map%height(i, j) - deviation(i, j))) &
+            deviation(i, j) = 0.0_real64
         end do
       end do
       found = count(is_measured(deviation) .and. abs(deviation) > limit, kind=int64)
@@ -66,19 +70,6 @@ contains
       spikes = spikes + found
       call level_map(map, level)
     end do
-
-  contains
-
-    ! Clears the deviation of a pixel whose surroundings deviate as much.
-    subroutine clear_steep_pixel(i, j)
-      integer, intent(in) :: i, j
-      real(real64) :: near
-
-      if (.not. is_measured(deviation(i, j))) return
-      near = median_near(map, i, j, map%height(i, j) - deviation(i, j))
-      if (abs(deviation(i, j)) <= most_deviations * near) deviation(i, j) = 0.0_real64
-    end subroutine clear_steep_pixel
-
   end subroutine despike_map
 
   !> Deviation from the median around it above which a pixel of a map is an outlier.

@@ -28,25 +28,19 @@ contains
   pure subroutine add_form(map, radius)
     type(height_map), intent(inout) :: map   !! levelled height map
     real(real64), intent(in) :: radius(2)    !! along x and y [length]; 0: straight
-    real(real64) :: curvature(2), square
-    integer :: j
+    real(real64) :: curvature(2), square, x(map%columns)
+    integer :: i, j
 
     if (.not. any(radius > 0.0_real64)) return
     curvature = curvatures_of(radius)
+    x = [(from_middle(1, i), i=1, map%columns)]
     do j = 1, map%rows
       square = curvature(2) * from_middle(2, j)**2
       where (is_measured(map%height(:, j))) &
-        map%height(:, j) = map%height(:, j) - (curvature(1) * row_from_middle()**2 + square)
+        map%height(:, j) = map%height(:, j) - (curvature(1) * x**2 + square)
     end do
 
   contains
-
-    pure function row_from_middle() result(x)
-      real(real64) :: x(map%columns)
-      integer :: i
-
-      x = [(from_middle(1, i), i=1, map%columns)]
-    end function row_from_middle
 
     ! Distance of a column or row from the middle of the map.
     pure real(real64) function from_middle(axis, number)

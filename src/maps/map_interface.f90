@@ -7,21 +7,22 @@
 !> it is 4 a of a circle of the radius a.
 module asperity_map_interface
   use asperity_contact_stiffness, only: find_stiffness
+  use asperity_effect_header, only: column_name, length, plain, stiffness
   use asperity_height_map, only: height_map, is_measured
   use asperity_kinds, only: not_computed, real64
   use asperity_map_patches, only: find_patches, map_patch
   implicit none
   private
 
-  public :: conductance_columns, conductance_units, interface_columns, interface_powers, &
-            measure_interface
+  public :: conductance_columns, conductance_units, interface_columns, measure_interface
 
   !> Columns of a state: the stiffness by the compression and by the mean gap, the conductance over
   !> the conductivity, and whether the open area percolates along x and y.
-  character(len=*), parameter :: interface_columns(5) = [character(len=24) :: &
-    'contact_stiffness', 'interface_stiffness', 'conductance_length', 'open_path_x', 'open_path_y']
-  !> Powers of the modulus and of the length in their units.
-  integer, parameter :: interface_powers(2, 5) = reshape([1, 1, 1, 1, 0, 1, 0, 0, 0, 0], [2, 5])
+  type(column_name), parameter :: interface_columns(5) = [ &
+    column_name('contact_stiffness', stiffness(1), stiffness(2)), &
+    column_name('interface_stiffness', stiffness(1), stiffness(2)), &
+    column_name('conductance_length', length(1), length(2)), &
+    column_name('open_path_x', plain(1), plain(2)), column_name('open_path_y', plain(1), plain(2))]
   !> Columns of the conductances where both bodies have a conductivity.
   character(len=*), parameter :: conductance_columns(2) = &
     [character(len=24) :: 'electrical_conductance', 'thermal_conductance']

@@ -9,7 +9,7 @@ module asperity_map_shares
   use asperity_map_statistics, only: rms_slope_over
   use asperity_theory_warnings, only: add_warning, of_border, of_map_edge, of_map_slope, &
                                       of_missing, of_no_summit, of_scan_lines, of_spikes, &
-                                      theory_warning, warning_kinds
+                                      theory_warning, warn_above
   implicit none
   private
 
@@ -41,7 +41,7 @@ contains
     real(real64), intent(inout) :: spike_limit  !! `limit_of_spikes` of the map; below 0: unknown
     type(map_shares), intent(out) :: shares     !! shares except `without_summit`
     real(real64) :: inner, total
-    integer :: coarser, first(2), i, j
+    integer :: coarser, first(2)
 
     total = sum(pressure)
     if (.not. total > 0.0_real64) return
@@ -73,27 +73,20 @@ contains
     ! Share of the load on outliers by more than a limit.
     real(real64) function share_on_spikes(limit) result(share)
       real(real64), intent(in) :: limit
+      integer :: i, j, place(2)
 
       share = 0.0_real64
       do j = 1, size(pressure, 2)
         do i = 1, size(pressure, 1)
           if (.not. pressure(i, j) > 0.0_real64) cycle
-          if (on_spike(i, j, limit)) share = share + pressure(i, j) / total
+          ! The highest pixel of a coarser one.
+          place = coarser * ([i, j] - 1)
+          place = place + maxloc(map%height(place(1) + 1:min(place(1) + coarser, map%columns), &
+                                            place(2) + 1:min(place(2) + coarser, map%rows)))
+          if (is_spike(map, place(1), place(2), limit)) share = share + pressure(i, j) / total
         end do
       end do
     end function share_on_spikes
-
-    ! Whether the highest pixel of a coarser one is an outlier.
-    logical function on_spike(across, along, limit)
-      integer, intent(in) :: across, along
-      real(real64), intent(in) :: limit
-      integer :: first(2), place(2)
-
-      first = coarser * ([across, along] - 1)
-      place = first + maxloc(map%height(first(1) + 1:min(first(1) + coarser, map%columns), &
-                                        first(2) + 1:min(first(2) + coarser, map%rows)))
-      on_spike = is_spike(map, place(1), place(2), limit)
-    end function on_spike
 
   end subroutine find_shares
 
@@ -121,23 +114,16 @@ contains
     logical, intent(in) :: has_form         !! its form has slopes, and a bend at the border
     logical, intent(in) :: has_caps         !! spheres of a table are part of it
     type(theory_warning), allocatable, intent(inout) :: warnings(:)  !! warnings of the state
-    real(real64), parameter :: rounding = 1.0e-9_real64  ! tolerance at a limit
-    real(real64) :: missing, ratio, slope
+    real(real64) :: missing
     integer :: axis
 
     missing = count(.not. is_measured(map%height)) / real(size(map%height), real64)
     if (missing > tolerance) call add_warning(warnings, of_missing, missing)
     if (has_form) return
-    slope = 0.0_real64
-    if (.not. has_caps) slope = rms_slope_over(map, 1)
-    if (slope > warning_kinds(of_map_slope)%limit * (1.0_real64 + rounding)) &
-      call add_warning(warnings, of_map_slope, slope)
-    ratio = 0.0_real64
+    if (.not. has_caps) call warn_above(warnings, of_map_slope, rms_slope_over(map, 1))
     do axis = 1, 2
-      if (map%repeats(axis)) ratio = max(ratio, border_ratio(map%height, axis))
+      if (map%repeats(axis)) call warn_above(warnings, of_border, border_ratio(map%height, axis))
     end do
-    if (ratio > warning_kinds(of_border)%limit * (1.0_real64 + rounding)) &
-      call add_warning(warnings, of_border, ratio)
   end subroutine warn_of_map
 
   ! Second differences across the border lines of a periodic map, root of their mean square along a

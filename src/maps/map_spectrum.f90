@@ -76,20 +76,7 @@ contains
     call measure_lines(map, 2, spectra(3))
   end subroutine measure_spectra
 
-  ! The window of lines: 1, or Hann's with the mean square 1.
-  pure function line_window(n, periodic) result(window)
-    integer, intent(in) :: n
-    logical, intent(in) :: periodic
-    real(real64) :: window(0:n - 1)
-    integer :: i
-
-    window = 1.0_real64
-    if (periodic) return
-    window = [(1.0_real64 - cos(2 * pi * i / n), i=0, n - 1)]
-    window = window * sqrt(n / sum(window**2))
-  end function line_window
-
-  ! Spectrum of lines along x or y.
+  ! Spectrum of lines along x or y, with the window 1 or Hann's with the mean square 1.
   subroutine measure_lines(map, along, spectrum)
     type(height_map), intent(in) :: map
     integer, intent(in) :: along
@@ -105,7 +92,11 @@ contains
     last = (n - 1) / 2
     allocate (line(n), waves(0:n / 2), window(n))
     allocate (spectrum%q(last), spectrum%c(last), spectrum%number(last))
-    window(:) = line_window(n, map%periodic)
+    window(:) = 1.0_real64
+    if (.not. map%periodic) then
+      window(:) = [(1.0_real64 - cos(2 * pi * i / n), i=0, n - 1)]
+      window(:) = window * sqrt(n / sum(window**2))
+    end if
     call transform%prepare(real_to_waves, n)
     spectrum%q(:) = [(2 * pi * k / (n * map%pixel_spacing(along)), k=1, last)]
     spectrum%c(:) = 0.0_real64

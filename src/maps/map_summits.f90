@@ -14,9 +14,9 @@ module asperity_map_summits
   use asperity_height_map, only: height_map, index_beside, is_measured
   use asperity_key_sort, only: sort_keys
   use asperity_kinds, only: int32, int64, real64
-  use asperity_map_neighbours, only: heights_around
   use asperity_process, only: has_memory
-  use asperity_summit_spheres, only: mean_curvature, radius_geometric, radius_neighbours, find_top
+  use asperity_summit_spheres, only: find_top, heights_around, mean_curvature, radius_geometric, &
+                                     radius_neighbours
   implicit none
   private
 
@@ -83,7 +83,8 @@ contains
     integer(int64), intent(out) :: possible
     character(len=:), allocatable, intent(out) :: failure
     logical(c_bool), allocatable :: seen(:, :)
-    integer :: i, j, higher, equal
+    real(real64) :: near(-1:1, -1:1)
+    integer :: i, j
     logical :: inner, good
 
     possible = 0_int64
@@ -93,25 +94,18 @@ contains
         inner = .true.
         if (rule == rule_eight) inner = is_inner(map, i, j)
         if (inner) possible = possible + 1_int64
-        if (is_lower(map, i, j)) cycle
-        call compare_neighbours(map, i, j, higher, equal)
-        if (higher > 0) cycle
+        ! One of two neighbours is higher: it excludes most pixels.
+        if (max(map%height(max(1, i - 1), j), map%height(min(map%columns, i + 1), j)) > &
+            map%height(i, j)) cycle
+        near = heights_around(map, i, j)
+        if (any(near > near(0, 0))) cycle
         good = inner
-        if (equal > 0) call visit_plateau(map, rule, i, j, seen, good, failure)
+        if (count(near >= near(0, 0)) > 1) call visit_plateau(map, rule, i, j, seen, good, failure)
         if (good) call add_place(map, i, j, places, failure)
         if (allocated(failure)) return
       end do
     end do
   end subroutine find_places
-
-  ! Whether one of two neighbours is higher: it excludes most pixels.
-  pure logical function is_lower(map, i, j)
-    type(height_map), intent(in) :: map
-    integer, intent(in) :: i, j
-
-    is_lower = map%height(max(1, i - 1), j) > map%height(i, j)
-    if (.not. is_lower) is_lower = map%height(min(map%columns, i + 1), j) > map%height(i, j)
-  end function is_lower
 
   ! Columns and rows of the pixels beside one: eight, fewer at the edge of a free map.
   pure subroutine list_neighbours(map, i, j, columns, rows, number)
@@ -149,28 +143,6 @@ contains
     end do
   end function is_inner
 
-  ! Counts the neighbours that are higher than a pixel, and those just as high. A mirror image is
-  ! one of them.
-  pure subroutine compare_neighbours(map, i, j, higher, equal)
-    type(height_map), intent(in) :: map
-    integer, intent(in) :: i, j
-    integer, intent(out) :: higher, equal
-    integer :: columns(8), rows(8), k, number
-
-    call list_neighbours(map, i, j, columns, rows, number)
-    higher = 0
-    equal = 0
-    do k = 1, number
-      associate (beside => map%height(columns(k), rows(k)))
-        if (beside > map%height(i, j)) then
-          higher = higher + 1
-        else if (beside >= map%height(i, j)) then
-          equal = equal + 1
-        end if
-      end associate
-    end do
-  end subroutine compare_neighbours
-
   ! Visits the plateau of a pixel, once. It is a summit when no pixel beside it is higher and, by
   ! rule eight, all its pixels are inner.
   subroutine visit_plateau(map, rule, column, row, seen, is_summit, failure)
@@ -180,7 +152,8 @@ contains
     logical, intent(out) :: is_summit
     character(len=:), allocatable, intent(out) :: failure
     type(place_list) :: pending
-    integer :: columns(8), rows(8), equal, higher, i, j, k, number
+    real(real64) :: near(-1:1, -1:1)
+    integer :: columns(8), rows(8), i, j, k, number
 
     is_summit = .false.
     if (.not. allocated(seen)) then
@@ -198,8 +171,8 @@ contains
     do while (pending%number > 0 .and. .not. allocated(failure))
       call place_of(map, pending%place(pending%number), i, j)
       pending%number = pending%number - 1
-      call compare_neighbours(map, i, j, higher, equal)
-      if (higher > 0) is_summit = .false.
+      near = heights_around(map, i, j)
+      if (any(near > near(0, 0))) is_summit = .false.
       if (rule == rule_eight) is_summit = is_summit .and. is_inner(map, i, j)
       call list_neighbours(map, i, j, columns, rows, number)
       do k = 1, number

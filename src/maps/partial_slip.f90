@@ -39,7 +39,6 @@ module asperity_partial_slip
     real(real64) :: stick_area = 0.0_real64     !! area that sticks [length**2]
     real(real64), allocatable :: traction(:, :) !! tangential traction q of each pixel, 0 or more
     type(map_answer) :: stuck                   !! solution p*; no pressures: nothing sticks
-    character(len=:), allocatable :: failure    !! why there is none
   end type slip_answer
 
   ! Ratio T/(mu P), or of the displacement to that of sliding at p* = 0, below which q is
@@ -51,12 +50,13 @@ module asperity_partial_slip
 contains
 
   !> Solves partial slip of a map that is in contact.
-  subroutine solve_partial_slip(map, modulus, request, loaded, slip)
+  subroutine solve_partial_slip(map, modulus, request, loaded, slip, failure)
     type(height_map), intent(in) :: map        !! shape; with a hardness the deformed one
     real(real64), intent(in) :: modulus        !! combined modulus, more than 0
     type(slip_request), intent(in) :: request  !! friction, and load or displacement
     type(map_answer), intent(in) :: loaded     !! elastic solution of this map at the normal load
     type(slip_answer), intent(out) :: slip     !! tractions, displacement, area that sticks
+    character(len=:), allocatable, intent(out) :: failure  !! reason, when it is not solved
     type(map_patch), allocatable :: patches(:)
     real(real64) :: most, ratio, solved
 
@@ -81,7 +81,7 @@ contains
         call press_map(map, modulus, slip%stuck)
       end if
       if (allocated(slip%stuck%failure)) then
-        slip%failure = 'partial slip: ' // slip%stuck%failure
+        failure = 'partial slip: ' // slip%stuck%failure
         return
       end if
       ratio = ratio / solved

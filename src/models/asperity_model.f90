@@ -57,7 +57,6 @@ module asperity_asperity_model
     integer :: m = 0                                         ! position
     type(element_pressures), pointer :: pressures => null()  ! on boundary elements, where kept
   contains
-    procedure :: solve_step => solve_with_all_pairs
     procedure :: add_totals => add_left_out
     final :: free_pressures
   end type placed_asperities
@@ -114,9 +113,10 @@ contains
   end subroutine make_asperity_model
 
   ! Places the asperities at a position. Where no effect is simulated the results are complete.
-  subroutine place_asperities(self, m, bodies, result, failure)
+  subroutine place_asperities(self, m, is_wide, bodies, result, failure)
     class(asperity_model), intent(in), target :: self
     integer, intent(in) :: m
+    logical, intent(in) :: is_wide
     class(placed_bodies), allocatable, intent(out) :: bodies
     type(position_result), intent(out) :: result
     character(len=:), allocatable, intent(out) :: failure
@@ -128,7 +128,7 @@ contains
       call solve_position(self%placed, m, self%method, self%keep_rows, result, failure)
       return
     end if
-    if (self%by_estimate) then
+    if (self%by_estimate .and. .not. is_wide) then
       call solve_without(self, m, result, is_needed, failure)
       if (allocated(failure) .or. .not. is_needed) return
     end if
@@ -138,24 +138,30 @@ contains
     placed%model => self
     placed%m = m
     placed%scene_in => self%scene_in
-    call list_candidates(self, m, .false., placed%pairs, failure)
+    call list_candidates(self, m, is_wide, placed%pairs, failure)
     if (allocated(failure)) return
     if (expected_compression(placed%pairs) > placed%pairs%complete_to) then
       call list_candidates(self, m, .true., placed%pairs, failure)
       if (allocated(failure)) return
     end if
-    if (size(placed%pairs%list) == 0) then
-      call copy_effects(self%effects, placed%effects)
-      call add_nothing(placed%pairs, placed%effects, result)
-      result%x_displacement = placed%pairs%x_displacement
-      result%y_displacement = placed%pairs%y_displacement
-      call empty_state(self%placed, result, failure)
-      if (.not. allocated(failure)) call estimate_left_out(self, placed%pairs, law, result)
-      return
-    end if
+    call copy_effects(self%effects, placed%effects)
     result%x_displacement = placed%pairs%x_displacement
     result%y_displacement = placed%pairs%y_displacement
-    call begin_path(placed)
+    if (size(placed%pairs%list) == 0) then
+      call empty_state(self%placed, result, failure)
+      if (allocated(failure)) return
+      call add_nothing(self%scene_in, placed%pairs, placed%effects, result)
+      call estimate_left_out(self, placed%pairs, law, result)
+      return
+    end if
+    placed%pairs%interrupt = self%interrupt
+    placed%pairs%progress_count = self%progress_count
+    if (self%fields /= fields_none) then
+      allocate (placed%pressures)
+      placed%pressures%of_all_states = self%fields == fields_all
+      placed%pairs%pressures => placed%pressures
+    end if
+    call begin_asperities(placed)
     call move_alloc(placed, bodies)
   end subroutine place_asperities
 
@@ -174,37 +180,6 @@ contains
     if (.not. associated(model%reuse%earlier)) return
     if (m <= size(model%reuse%earlier)) pairs%start => model%reuse%earlier(m)
   end subroutine list_candidates
-
-  ! Begins the path with a copy of the effects.
-  subroutine begin_path(bodies)
-    class(placed_asperities), intent(inout) :: bodies
-
-    associate (model => bodies%model)
-      call copy_effects(model%effects, bodies%effects)
-      bodies%pairs%interrupt = model%interrupt
-      bodies%pairs%progress_count = model%progress_count
-      if (model%fields /= fields_none) then
-        if (.not. associated(bodies%pressures)) allocate (bodies%pressures)
-        bodies%pressures%of_all_states = model%fields == fields_all
-        bodies%pairs%pressures => bodies%pressures
-      end if
-    end associate
-    call begin_asperities(bodies)
-  end subroutine begin_path
-
-  ! Solves a state. Where pairs beyond the candidate distance may touch, all that can touch are
-  ! listed, and the path is repeated.
-  subroutine solve_with_all_pairs(self, step, must_repeat, failure)
-    class(placed_asperities), intent(inout), target :: self
-    type(path_step), intent(in) :: step
-    logical, intent(out) :: must_repeat
-    character(len=:), allocatable, intent(out) :: failure
-
-    call self%asperity_bodies%solve_step(step, must_repeat, failure)
-    if (.not. must_repeat) return
-    call list_candidates(self%model, self%m, .true., self%pairs, failure)
-    if (.not. allocated(failure)) call begin_path(self)
-  end subroutine solve_with_all_pairs
 
   ! Completes the results: by the solver without effects where none was simulated.
   subroutine add_left_out(self, steps, result, failure)
@@ -255,7 +230,7 @@ contains
       call copy_effects(self%effects, effects)
       number = size(result%states)
       allocate (columns%states(number), choices(merge(number, 0, size(pairs%list) > 0)))
-      if (size(pairs%list) == 0) call add_nothing(pairs, effects, columns)
+      if (size(pairs%list) == 0) call add_nothing(self%scene_in, pairs, effects, columns)
       ! The last state comes first: most effects are simulated there.
       do i = size(choices), 1, -1
         call start_at(i)
@@ -309,7 +284,7 @@ contains
     type(contact_state) :: state
     type(theory_warning), allocatable :: warnings(:)
     real(real64) :: share
-    integer :: deepest, i, warned
+    integer :: deepest, i, k, warned
 
     if (size(self%left_out) == 0) return
     result%error_estimate = max(result%error_estimate, 0.0_real64)
@@ -327,28 +302,20 @@ contains
         result%error_estimate = result%error_estimate + &
           merge(of_compression, 1.0_real64, is_load(self%scene_in%loading%control)) * share
         if (.not. share > effect%tolerance) cycle
-        warned = merge(of_excluded, of_off, is_ruled_out(self, effect%name))
+        warned = of_off
+        ! It has no common theory with an effect that is on, or `auto`.
+        do k = 1, size(self%effects)
+          associate (other => self%effects(k)%effect)
+            if (.not. go_together(effect%name, 'on', other%name, effect_words( &
+                merge(effect_on, other%mode, other%mode == effect_auto)))) warned = of_excluded
+          end associate
+        end do
         if (effects_of_scene%is_barred(effect%name)) warned = of_barred
         call add_warning(warnings, warned, share, whose=effect%name)
       end associate
     end do
     call take_worse(result%warnings, warnings, deepest)
   end subroutine estimate_left_out
-
-  ! Whether an effect has no common theory with one that is on, or `auto`.
-  logical function is_ruled_out(self, name)
-    class(asperity_model), intent(in) :: self
-    character(len=*), intent(in) :: name
-    integer :: i
-
-    is_ruled_out = .false.
-    do i = 1, size(self%effects)
-      associate (effect => self%effects(i)%effect)
-        is_ruled_out = is_ruled_out .or. .not. go_together(name, 'on', effect%name, &
-          effect_words(merge(effect_on, effect%mode, effect%mode == effect_auto)))
-      end associate
-    end do
-  end function is_ruled_out
 
   ! Copies effects, which keep a memory during a position.
   subroutine copy_effects(from, effects)

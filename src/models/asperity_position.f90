@@ -1,6 +1,5 @@
 !> Asperities of two bodies at one position, with their effects, state by state.
 module asperity_asperity_position
-  use asperity_asperity_path, only: plan_states
   use asperity_asperity_records, only: add_contacts
   use asperity_contact_effect, only: effect_box
   use asperity_contact_law, only: contact_law
@@ -11,15 +10,19 @@ module asperity_asperity_position
                                       prescribed_vertical
   use asperity_contact_state, only: contact_state, controlled_load, start_state, total_load, &
                                     total_vertical_load
+  use asperity_decimal, only: decimal_to_real64, decimal_value
   use asperity_earlier_solutions, only: keep_solution, mark_crowded
   use asperity_effect_sequence, only: choose_effects, drop_choice, first_failure, found_state, &
                                       simulate_effects
   use asperity_hertz_law, only: hertz_law
+  use asperity_isolated_contacts, only: list_compressions
   use asperity_kinds, only: real64
   use asperity_load_search, only: compress_to_load, search_load
-  use asperity_path_steps, only: plan_hold
+  use asperity_path_steps, only: plan_hold, plan_path
   use asperity_problems, only: not_enough_memory
-  use asperity_scene_values, only: is_load, scene
+  use asperity_root_bracket, only: guess_by_secant, narrow_bracket, root_bracket
+  use asperity_scene_values, only: control_compression, control_limit, control_pressure, &
+                                   effect_off, is_load, scene
   implicit none
   private
 
@@ -40,7 +43,6 @@ module asperity_asperity_position
   contains
     procedure :: list_steps => list_asperity_steps
     procedure :: solve_step => solve_asperity_step
-    procedure :: add_state => add_asperity_state
     procedure :: add_totals => compare_effects
   end type asperity_bodies
 
@@ -49,16 +51,9 @@ contains
   !> Begins the path of a position, without any contact so far.
   subroutine begin_asperities(bodies)
     class(asperity_bodies), intent(inout) :: bodies  !! with scene, pairs and effects
-    type(found_state) :: nothing
     integer :: i
 
     bodies%simulated = allocated(bodies%scene_in%loading%path)
-    nothing%solves = bodies%found%solves
-    nothing%choice%number = bodies%found%choice%number
-    bodies%found = nothing
-    bodies%deepest = -1.0_real64
-    bodies%held = 0.0_real64
-    if (allocated(bodies%law)) deallocate (bodies%law)
     do i = 1, size(bodies%effects)
       call bodies%effects(i)%effect%begin(bodies%pairs)
     end do
@@ -70,8 +65,10 @@ contains
     type(path_step), allocatable, intent(out) :: steps(:)
     character(len=:), allocatable, intent(out) :: failure
     type(path_step), allocatable :: hold(:)
+    type(contact_state) :: state
     real(real64) :: duration
     logical :: creeps
+    integer :: i
 
     self%found%compression = self%pairs%compression
     if (is_load(self%scene_in%loading%control) .and. .not. self%simulated) then
@@ -79,7 +76,14 @@ contains
                          failure)
       if (allocated(failure)) return
     end if
-    creeps = acts_in_time(self%pairs, self%effects, self%found)
+    creeps = .false.
+    if (any([(self%effects(i)%effect%acts_in_time, i=1, size(self%effects))])) then
+      call start_state(self%pairs, hertz_law(modulus=self%pairs%modulus), self%found%compression, &
+                       state)
+      call choose_effects(self%pairs, self%effects, state, self%found%choice)
+      creeps = any([(self%found%choice%is_simulated(i) .and. &
+                     self%effects(i)%effect%acts_in_time, i=1, size(self%effects))])
+    end if
     duration = merge(self%scene_in%effects%number('loading_time'), 0.0_real64, creeps)
     call plan_states(self%scene_in, self%pairs, self%effects, self%found, duration, steps, failure)
     if (allocated(failure)) return
@@ -90,10 +94,174 @@ contains
     self%found%compression = 0.0_real64
   end subroutine list_asperity_steps
 
-  ! Solves a state. One that the search for a load has left is not simulated again.
-  subroutine solve_asperity_step(self, step, must_repeat, failure)
+  ! Plans the states of loading. `points` equal parts lie between two values of a path.
+  subroutine plan_states(scene_in, pairs, effects, found, duration, steps, failure)
+    type(scene), intent(in) :: scene_in
+    type(contact_pairs), intent(in) :: pairs
+    type(effect_box), intent(in) :: effects(:)
+    type(found_state), intent(inout) :: found  ! with the last compression; counts solves
+    real(real64), intent(in) :: duration  ! time of loading, 0 or more
+    type(path_step), allocatable, intent(out) :: steps(:)  ! at least one
+    character(len=:), allocatable, intent(out) :: failure
+    type(decimal_value), allocatable :: given(:)
+    real(real64), allocatable :: compressions(:), ends(:), gaps(:)
+    integer :: i
+
+    if (.not. (allocated(scene_in%loading%path) .or. duration > 0.0_real64)) then
+      allocate (gaps(0))
+      if (scene_in%loading%events) then
+        gaps = pairs%list%gap
+        if (scene_in%effects%mode('interaction') /= effect_off) &
+          call find_first_contacts(pairs, effects, found, gaps, failure)
+        if (allocated(failure)) return
+      end if
+      call list_compressions(scene_in%loading%points, gaps, found%compression, compressions)
+      allocate (steps(size(compressions)))
+      steps%value = compressions
+      if (.not. is_load(scene_in%loading%control)) return
+      associate (last => steps(size(steps)))
+        last%load = pairs%target
+        ! After other states that of the load is searched again, as effects may have a memory.
+        if (size(steps) > 1) last%control = at_load
+      end associate
+      return
+    end if
+    if (allocated(scene_in%loading%path)) then
+      allocate (given, source=scene_in%loading%path)
+    else
+      allocate (given(1), source=scene_in%loading%value)
+    end if
+    allocate (ends(size(given)))
+    do i = 1, size(ends)
+      ends(i) = value_of(scene_in, pairs, given(i))
+      if (is_load(scene_in%loading%control) .and. given(i)%all_digits /= 0 .and. &
+          .not. abs(ends(i)) / max(1, scene_in%loading%points) > 0.0_real64) then
+        failure = 'a load of the path is too small beside the moduli and lengths to be met'
+        return
+      end if
+    end do
+    if (scene_in%loading%control == control_limit) ends = found%compression
+    call plan_path(0.0_real64, ends, scene_in%loading%points, is_load(scene_in%loading%control), &
+                   duration, steps)
+  end subroutine plan_states
+
+  ! Finds the compressions, up to the last, of the first contact of each pair, with displacements by
+  ! neighbours: zeros of the largest penetration of the pairs that have not been in contact, by a
+  ! bracketed secant method. Computed states serve the later contacts.
+  ! The displacement by neighbours jumps as their load does where the number of boundary elements
+  ! changes with the compression, and so does the place of a first contact.
+  subroutine find_first_contacts(pairs, effects, end_state, contacts_begin, failure)
+    ! Long: one search, whose states serve the next one.
+    type(contact_pairs), intent(in) :: pairs
+    type(effect_box), intent(in) :: effects(:)
+    type(found_state), intent(inout) :: end_state  ! with the last compression; counts solves
+    real(real64), allocatable, intent(out) :: contacts_begin(:)  ! ascending, from first contact
+    character(len=:), allocatable, intent(inout) :: failure
+    ! Least tolerance over the last compression (chosen: the accuracy of the solution at one), and
+    ! the penetration of an open contact without a value over the last one (chosen).
+    real(real64), parameter :: least_tolerance = 1.0e-10_real64, share_open = 0.05_real64
+    type(found_state) :: found
+    type(root_bracket) :: bracket
+    logical :: begun(size(pairs%list)), inside
+    real(real64) :: at, below(size(pairs%list)), new, tolerance
+    ! Known states with further contacts in descending compression [length].
+    real(real64), allocatable :: compressions(:), penetrations(:, :)
+    integer :: lead, used
+
+    contacts_begin = [0.0_real64]
+    begun = .not. pairs%list%gap > 0.0_real64
+    below = -pairs%list%gap
+    allocate (compressions(0), penetrations(size(begun), 0))
+    call solve_at(end_state%compression)
+    if (allocated(failure)) return
+    do while (used > 0)
+      bracket = root_bracket(low=contacts_begin(size(contacts_begin)), high=compressions(used), &
+                             low_miss=-1.0_real64, high_miss=-1.0_real64, halving=4)
+      lead = maxloc(penetrations(:, used), 1, .not. begun)
+      if (below(lead) < -tiny(new)) call narrow_bracket(bracket, bracket%low, below(lead), .true.)
+      call narrow_bracket(bracket, bracket%high, penetrations(lead, used), .false.)
+      do
+        lead = maxloc(penetrations(:, used), 1, .not. begun)
+        new = penetrations(lead, used)
+        tolerance = max(least_tolerance * end_state%compression, maxval(found%outcomes%load_jump) &
+                        * (compressions(used) - pairs%list(lead)%gap - new))
+        if (min(new, compressions(used) - bracket%low) <= tolerance) exit
+        ! The compression since the first contact is larger than the penetration.
+        call guess_by_secant(bracket, 1.0_real64, at, inside)
+        if (.not. inside) exit
+        ! A contact begins at the upper end.
+        call solve_at(min(at + 0.5_real64 * tolerance, 0.5_real64 * (at + compressions(used))))
+        if (allocated(failure)) return
+        at = found%compression
+        below = found%state%penetration
+        if (any(.not. (begun .or. below < 0.0_real64))) then
+          call narrow_bracket(bracket, at, maxval(below, .not. begun), .false.)
+        else
+          call narrow_bracket(bracket, at, merge(below(lead), -share_open * new, &
+                                                 below(lead) < -tiny(new)), .true.)
+        end if
+      end do
+      contacts_begin = [contacts_begin, compressions(used)]
+      below = penetrations(:, used)
+      begun = begun .or. .not. below < 0.0_real64
+      ! The state of the least compression at which a contact is still new.
+      do while (used > 0)
+        if (any(.not. (begun .or. penetrations(:, used) < 0.0_real64))) exit
+        used = used - 1
+      end do
+      compressions = compressions(:used)
+      penetrations = penetrations(:, :used)
+    end do
+
+  contains
+
+    ! Solves a state, and keeps it where a contact is new.
+    subroutine solve_at(compression)
+      real(real64), intent(in) :: compression
+
+      found%compression = compression
+      found%solves = end_state%solves
+      call simulate_effects(pairs, effects, 0.0_real64, found, .true.)
+      end_state%solves = found%solves
+      call first_failure(effects, found%outcomes, failure)
+      if (.not. allocated(failure)) then
+        if (any(.not. (begun .or. found%state%penetration < 0.0_real64))) then
+          compressions = [compressions, compression]
+          penetrations = reshape([penetrations, found%state%penetration], &
+                                 [size(begun), size(compressions)])
+        end if
+      end if
+      used = size(compressions)
+    end subroutine solve_at
+
+  end subroutine find_first_contacts
+
+  ! A value of the path in the unit of the pairs: a load, or the compression of a separation.
+  real(real64) function value_of(scene_in, pairs, value)
+    type(scene), intent(in) :: scene_in
+    type(contact_pairs), intent(in) :: pairs
+    type(decimal_value), intent(in) :: value
+
+    if (scene_in%loading%control == control_pressure) then
+      value_of = scale(decimal_to_real64(value), -4 * pairs%modulus_power) * &
+                 scale(decimal_to_real64(scene_in%nominal_area), -8 * pairs%length_power)
+    else if (is_load(scene_in%loading%control)) then
+      value_of = scale(decimal_to_real64(value), &
+                       -4 * (pairs%modulus_power + 2 * pairs%length_power))
+    else if (scene_in%loading%control == control_compression) then
+      value_of = scale(decimal_to_real64(value), -4 * pairs%length_power)
+    else
+      value_of = pairs%first_touch - scale(decimal_to_real64(value), -4 * pairs%length_power)
+    end if
+  end function value_of
+
+  ! Solves a state and adds it to the results. One that the search for a load has left is not
+  ! simulated again.
+  subroutine solve_asperity_step(self, step, number, result, must_repeat, failure)
     class(asperity_bodies), intent(inout), target :: self
     type(path_step), intent(in) :: step
+    integer, intent(in) :: number
+    type(position_result), intent(inout) :: result
     logical, intent(out) :: must_repeat
     character(len=:), allocatable, intent(out) :: failure
     integer :: e
@@ -115,6 +283,8 @@ contains
       end select
       ! Pairs that are not listed may touch.
       must_repeat = found%compression > pairs%complete_to
+      result%solves = found%solves
+      result%choices = found%choice%number
       if (allocated(failure) .or. must_repeat) return
       if (.not. is_known(found, effects, step%time)) then
         ! Results of a search belong to its load.
@@ -124,6 +294,8 @@ contains
         end if
         call simulate_effects(pairs, effects, step%time, found)
       end if
+      result%solves = found%solves
+      result%choices = found%choice%number
       call first_failure(effects, found%outcomes, failure)
       if (allocated(failure)) return
       self%simulated = self%simulated .or. any(found%outcomes%simulated /= 'off')
@@ -131,18 +303,7 @@ contains
         call effects(e)%effect%keep(pairs, found%state)
       end do
       call drop_choice(found%choice)
-    end associate
-  end subroutine solve_asperity_step
-
-  ! Adds the last state to the results.
-  subroutine add_asperity_state(self, step, number, result)
-    class(asperity_bodies), intent(inout), target :: self
-    type(path_step), intent(in) :: step
-    integer, intent(in) :: number
-    type(position_result), intent(inout) :: result
-
-    associate (found => self%found, pairs => self%pairs)
-      call add_contacts(self%scene_in, pairs, self%effects, found%state, found%outcomes, number, &
+      call add_contacts(self%scene_in, pairs, effects, found%state, found%outcomes, number, &
                         self%keep_rows, result)
       if (found%compression > self%deepest) then
         self%deepest = found%compression
@@ -159,7 +320,7 @@ contains
       if (allocated(found%outcomes)) deallocate (found%outcomes)
       if (step%control /= held_load) self%held = controlled_load(pairs, found%state)
     end associate
-  end subroutine add_asperity_state
+  end subroutine solve_asperity_step
 
   ! Keeps the solution for further runs, and compares the last state with those of fewer effects.
   subroutine compare_effects(self, steps, result, failure)
@@ -181,8 +342,6 @@ contains
       if (only_grows(steps)) call compare_at_load(pairs, self%effects, self%found, &
                                                   result%effects, failure)
     end associate
-    result%solves = self%found%solves
-    result%choices = self%found%choice%number
     ! Without a state of fewer effects under the load there is no comparison.
     if (allocated(failure)) then
       if (index(failure, not_enough_memory) == 0) deallocate (failure)
@@ -220,24 +379,6 @@ contains
     end do
     if (is_known) is_known = .not. abs(found%state%compression - found%compression) > 0.0_real64
   end function is_known
-
-  ! Whether an effect that acts in time is simulated.
-  logical function acts_in_time(pairs, effects, found)
-    type(contact_pairs), intent(in) :: pairs
-    type(effect_box), intent(in) :: effects(:)
-    type(found_state), intent(inout) :: found
-    type(contact_state) :: state
-    integer :: i
-
-    acts_in_time = .false.
-    if (.not. any([(effects(i)%effect%acts_in_time, i=1, size(effects))])) return
-    call start_state(pairs, hertz_law(modulus=pairs%modulus), found%compression, state)
-    call choose_effects(pairs, effects, state, found%choice)
-    do i = 1, size(effects)
-      acts_in_time = acts_in_time .or. (found%choice%is_simulated(i) .and. &
-                                        effects(i)%effect%acts_in_time)
-    end do
-  end function acts_in_time
 
   ! Compares the last state with those of fewer effects under the same load: of Hertz, then with
   ! the first effect that was simulated, with the first two and so on. The change by an effect is

@@ -1,7 +1,7 @@
 !> Records of the states and contacts of a position with effects, in the units of the scene.
 module asperity_asperity_records
   use asperity_constants, only: pi
-  use asperity_contact_effect, only: column_name, effect_box, effect_outcome
+  use asperity_contact_effect, only: column_name, effect_box, effect_outcome, moment
   use asperity_contact_pairs, only: contact_pairs, in_scene_units
   use asperity_contact_records, only: position_result
   use asperity_contact_state, only: contact_state, in_contact, start_state
@@ -34,24 +34,10 @@ contains
     do i = 1, size(effects)
       associate (effect => effects(i)%effect)
         call add_effect(header, effect%name, effect%mode)
-        call add_columns(header%contact_columns, header%contact_powers, &
-                         effect%contact_columns%text, powers_of(effect%contact_columns))
-        call add_columns(header%state_columns, header%state_powers, effect%state_columns%text, &
-                         powers_of(effect%state_columns))
+        call add_columns(header%contact_columns, header%contact_powers, effect%contact_columns)
+        call add_columns(header%state_columns, header%state_powers, effect%state_columns)
       end associate
     end do
-
-  contains
-
-    ! Powers of the modulus and of the length.
-    pure function powers_of(columns) result(powers)
-      type(column_name), intent(in) :: columns(:)
-      integer :: powers(2, size(columns))
-
-      powers(1, :) = columns%modulus_power
-      powers(2, :) = columns%length_power
-    end function powers_of
-
   end subroutine name_columns
 
   !> Adds a state to its position: totals, and the rows of contacts when they are kept.
@@ -77,11 +63,12 @@ contains
     call finish_tally(tally, pairs%limits, pairs%first_touch - state%compression, &
                       state%compression, number, result)
     result%states(number)%time = state%time
-    result%states(number)%dissipated_work = state_value('dissipated_work', pairs, effects, outcomes)
     if (keep_rows) call add_contact_values(pairs, effects, state, outcomes, result)
     if (associated(pairs%pressures)) call keep_pressures(pairs, state, number, result)
     do i = 1, size(outcomes)
       call take_worse(result%warnings, outcomes(i)%warnings, number)
+      if (outcomes(i)%dissipated_work > not_computed) result%states(number)%dissipated_work = &
+        in_scene_units(pairs, outcomes(i)%dissipated_work, moment(1), moment(2))
     end do
     if (number == size(result%states)) &
       call close_position(scene_in, pairs, effects, outcomes, result)
@@ -147,33 +134,37 @@ contains
     do i = 1, size(outcomes)
       result%effects(i) = outcomes(i)%effect_record
     end do
-    result%error_estimate = max(total_error(scene_in, outcomes), left_out_beside(scene_in, result))
+    result%error_estimate = total_error(scene_in, outcomes)
+    ! The largest estimate, over the states, of an effect that is left out because it has no common
+    ! theory with another one.
+    if (allocated(result%warnings)) then
+      do i = 1, size(result%warnings)
+        if (result%warnings(i)%number == of_together) result%error_estimate = max( &
+          result%error_estimate, result%warnings(i)%magnitude * &
+          merge(of_compression, 1.0_real64, is_load(scene_in%loading%control)))
+      end do
+    end if
     if (result%error_estimate > scene_in%effects%number('tolerance')) &
       call add_warning(warnings, of_error, result%error_estimate)
     call take_worse(result%warnings, warnings, size(result%states))
   end subroutine close_position
 
-  !> Sets the results of the effects at a position at which no pair can touch.
-  subroutine add_nothing(pairs, effects, result)
+  !> Adds the results of the effects at a position at which no pair can touch.
+  subroutine add_nothing(scene_in, pairs, effects, result)
+    type(scene), intent(in) :: scene_in              !! scene that is solved
     type(contact_pairs), intent(in) :: pairs         !! position without pairs
     type(effect_box), intent(inout) :: effects(:)    !! effects of the scene
-    type(position_result), intent(inout) :: result   !! result of the position
+    type(position_result), intent(inout) :: result   !! result with allocated states
     type(contact_state) :: state
     type(effect_outcome) :: outcomes(size(effects))
-    integer :: columns, i
+    integer :: i
 
     call start_state(pairs, hertz_law(modulus=pairs%modulus), 0.0_real64, state)
-    columns = 0
     do i = 1, size(effects)
-      associate (effect => effects(i)%effect)
-        call effect%begin(pairs)
-        call effect%leave_out(pairs, state, outcomes(i))
-        call effect%finish(pairs, state, outcomes(i))
-        columns = columns + size(effect%contact_columns)
-      end associate
+      call effects(i)%effect%begin(pairs)
     end do
-    call set_state_values(pairs, effects, outcomes, result)
-    allocate (result%effects(size(effects)), result%contact_values(0, columns))
+    call add_without_effects(scene_in, pairs, effects, state, outcomes, size(result%states), &
+                             .true., result)
   end subroutine add_nothing
 
   ! Estimated relative error of a state: estimates of the effects that `auto` left out, and errors
@@ -189,7 +180,7 @@ contains
     if (is_load(scene_in%loading%control)) per_load = of_compression
     do i = 1, size(outcomes)
       associate (outcome => outcomes(i))
-        if (outcome%simulated == 'off') then
+        if (outcome%simulated == 'off' .and. outcome%estimate > not_computed) then
           total = max(total, 0.0_real64) + per_load * outcome%estimate
         else if (outcome%error > not_computed) then
           total = max(total, 0.0_real64) + outcome%error
@@ -197,21 +188,6 @@ contains
       end associate
     end do
   end function total_error
-
-  ! Largest estimate, over the states, of an effect that is left out because it has no common theory
-  ! with another one; `not_computed` without such an effect.
-  pure real(real64) function left_out_beside(scene_in, result) result(share)
-    type(scene), intent(in) :: scene_in
-    type(position_result), intent(in) :: result
-    integer :: i
-
-    share = not_computed
-    if (.not. allocated(result%warnings)) return
-    do i = 1, size(result%warnings)
-      if (result%warnings(i)%number == of_together) share = result%warnings(i)%magnitude * &
-        merge(of_compression, 1.0_real64, is_load(scene_in%loading%control))
-    end do
-  end function left_out_beside
 
   ! One contact of a state.
   type(seen_contact) function contact_of(scene_in, pairs, state, i) result(contact)
@@ -222,8 +198,9 @@ contains
 
     associate (pair => pairs%list(i), answer => state%answers(i))
       contact = seen_contact( &
-        number=i, upper=pair%upper, lower=pair%lower, x=pair%x, y=pair%y, &
-        at_limit=is_at_limit(scene_in, pairs, state, i), penetration=state%penetration(i), &
+        area_no=i, upper=pair%upper, lower=pair%lower, x=pair%x, y=pair%y, &
+        limit_exceeded=is_at_limit(scene_in, pairs, state, i), average_pressure=0.0_real64, &
+        penetration=state%penetration(i), &
         upper_radius=pair%upper_radius, lower_radius=pair%lower_radius, &
         upper_height=pair%upper_height, lower_height=pair%lower_height, &
         contact_radius=answer%contact_radius, overlap=answer%overlap, d=pair%d, &
@@ -231,7 +208,7 @@ contains
         vertical_load=answer%vertical_load, cosine=answer%cosine, &
         maximum_pressure=answer%maximum_pressure)
     end associate
-    if (contact%area > 0.0_real64) contact%pressure = contact%load / contact%area
+    if (contact%area > 0.0_real64) contact%average_pressure = contact%load / contact%area
   end function contact_of
 
   ! Whether a contact is at its limit: its load or greatest pressure is that of the contact law at
@@ -293,24 +270,6 @@ contains
     end do
     call move_alloc(values, result%contact_values)
   end subroutine add_contact_values
-
-  ! A column of the effects in a state, in the units of the scene; `not_computed` where none has it.
-  real(real64) function state_value(name, pairs, effects, outcomes) result(value)
-    character(len=*), intent(in) :: name
-    type(contact_pairs), intent(in) :: pairs
-    type(effect_box), intent(in) :: effects(:)
-    type(effect_outcome), intent(in) :: outcomes(:)
-    integer :: column, e, i
-
-    value = not_computed
-    do e = 1, size(effects)
-      associate (columns => effects(e)%effect%state_columns)
-        column = findloc([(columns(i)%text == name, i=1, size(columns))], .true., 1)
-        if (column > 0 .and. allocated(outcomes(e)%of_state)) &
-          value = in_units(columns(column), pairs, outcomes(e)%of_state(column))
-      end associate
-    end do
-  end function state_value
 
   ! Sets the columns of the effects in the last state.
   subroutine set_state_values(pairs, effects, outcomes, result)

@@ -53,19 +53,19 @@ module asperity_contact_model
     logical :: keep_rows = .true.  !! keep the contacts of every state
   contains
     procedure(list_steps), deferred :: list_steps  !! lists the states of the position
-    procedure(solve_step), deferred :: solve_step  !! solves the next state
-    procedure(add_state), deferred :: add_state    !! adds the last state to the results
+    procedure(solve_step), deferred :: solve_step  !! solves the next state and adds it
     procedure(add_totals), deferred :: add_totals  !! adds what the last of all states completes
   end type placed_bodies
 
   abstract interface
     !> Places the bodies at a position. Where its result needs no path it is complete, and `bodies`
     !> is not allocated.
-    subroutine place_bodies(self, m, bodies, result, failure)
+    subroutine place_bodies(self, m, is_wide, bodies, result, failure)
       import :: contact_model, placed_bodies, position_result
       implicit none
       class(contact_model), intent(in), target :: self        !! bodies ready to be placed
       integer, intent(in) :: m                                !! position, from 1
+      logical, intent(in) :: is_wide                          !! with all pairs, not only near ones
       class(placed_bodies), allocatable, intent(out) :: bodies  !! the bodies there
       type(position_result), intent(out) :: result            !! displacement, or all results
       character(len=:), allocatable, intent(out) :: failure   !! reason, when it is not solved
@@ -80,25 +80,18 @@ module asperity_contact_model
       character(len=:), allocatable, intent(out) :: failure   !! reason, when there are none
     end subroutine list_steps
 
-    !> Solves the next state of the path. `must_repeat` is set where more pairs turn out to matter.
-    subroutine solve_step(self, step, must_repeat, failure)
-      import :: path_step, placed_bodies
+    !> Solves the next state of the path and adds it to the results, with its contacts when they are
+    !> kept. `must_repeat` is set where more pairs turn out to matter.
+    subroutine solve_step(self, step, number, result, must_repeat, failure)
+      import :: path_step, placed_bodies, position_result
       implicit none
       class(placed_bodies), intent(inout), target :: self             !! in the state before
       type(path_step), intent(in) :: step                     !! control of the state
+      integer, intent(in) :: number                           !! number of the state, from 1
+      type(position_result), intent(inout) :: result          !! with allocated states
       logical, intent(out) :: must_repeat                     !! whether the path has to be repeated
       character(len=:), allocatable, intent(out) :: failure   !! reason, when it is not solved
     end subroutine solve_step
-
-    !> Adds the last state to the results, with its contacts when they are kept.
-    subroutine add_state(self, step, number, result)
-      import :: path_step, placed_bodies, position_result
-      implicit none
-      class(placed_bodies), intent(inout), target :: self      !! in the state
-      type(path_step), intent(in) :: step              !! control of the state
-      integer, intent(in) :: number                    !! number of the state, from 1
-      type(position_result), intent(inout) :: result   !! with allocated states
-    end subroutine add_state
 
     !> Completes the results of a position after its last state.
     subroutine add_totals(self, steps, result, failure)

@@ -171,8 +171,9 @@ contains
     type(found_state) :: elastic
     type(effect_box) :: none(0)
     character(len=:), allocatable :: why
-    real(real64) :: guessed, load, residual, slope
+    real(real64) :: guessed, load, residual, share, slope
     logical :: jumps
+    integer :: i
 
     if (allocated(found%solution)) deallocate (found%solution)
     if (target > 0.0_real64) then
@@ -192,9 +193,13 @@ contains
         found%compression = max(found%compression, elastic%compression)
       end if
     end if
+    ! Ratio of the load at a time to that at the same compression on loading.
+    share = 1.0_real64
+    do i = 1, merge(size(effects), 0, time > 0.0_real64)
+      share = share * effects(i)%effect%held_share(time)
+    end do
     if (target > 0.0_real64) &
-      call estimate_compression(pairs, effects, target / share_held(effects, time), time, found, &
-                                failure)
+      call estimate_compression(pairs, effects, target / share, time, found, failure)
     if (allocated(failure)) then
       if (pairs%interrupt%is_asked()) return
       ! The bracketed search finds the load, or the largest one, from compressions.
@@ -269,18 +274,5 @@ contains
     end function is_simulated
 
   end subroutine estimate_compression
-
-  ! Ratio of the load at a time to that at the same compression on loading.
-  real(real64) function share_held(effects, time) result(share)
-    type(effect_box), intent(in) :: effects(:)
-    real(real64), intent(in) :: time
-    integer :: i
-
-    share = 1.0_real64
-    if (.not. time > 0.0_real64) return
-    do i = 1, size(effects)
-      share = share * effects(i)%effect%held_share(time)
-    end do
-  end function share_held
 
 end module asperity_load_search

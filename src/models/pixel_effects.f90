@@ -1,11 +1,11 @@
 !> The effects of a scene on the pixels of a map: what acts on them, and their columns.
 module asperity_pixel_effects
   use asperity_attraction_law, only: attraction_law, new_attraction, pixel_steepness
-  use asperity_effect_header, only: add_columns, add_effect, begin_header, effect_header
-  use asperity_friction, only: slip_contact_columns, slip_contact_powers, slip_state_columns, &
-                               slip_state_powers
+  use asperity_effect_header, only: add_columns, add_effect, area, begin_header, column_name, &
+                                    effect_column, effect_header, force, moment, plain
+  use asperity_friction, only: slip_contact_columns, slip_state_columns
   use asperity_kinds, only: int64, real64
-  use asperity_map_interface, only: conductance_columns, interface_columns, interface_powers
+  use asperity_map_interface, only: conductance_columns, interface_columns
   use asperity_map_state, only: map_laws
   use asperity_problems, only: real_text
   use asperity_scene_values, only: combined_modulus, effect_off, has_hardness, scene
@@ -77,32 +77,37 @@ contains
 
     call begin_header(header)
     call add_effect(header, 'interaction', scene_in%effects%mode('interaction'))
-    call add_columns(header%contact_columns, header%contact_powers, ['samples'], [0, 0])
-    call add_of_state([character(len=24) :: 'samples_in_contact', 'sample_area', &
-                       'area_error_estimate', 'gap_error_estimate', 'pressure_error_estimate'], &
-                      [0, 0, 0, 2, 0, 0, 0, 0, 0, 0])
+    call add_columns(header%contact_columns, header%contact_powers, &
+                     [effect_column('samples', plain)])
+    call add_of_state([effect_column('samples_in_contact', plain), &
+                       effect_column('sample_area', area), &
+                       effect_column('area_error_estimate', plain), &
+                       effect_column('gap_error_estimate', plain), &
+                       effect_column('pressure_error_estimate', plain)])
     if (is_on('friction')) then
-      call add_columns(header%contact_columns, header%contact_powers, slip_contact_columns, &
-                       slip_contact_powers)
-      call add_of_state(slip_state_columns, slip_state_powers)
+      call add_columns(header%contact_columns, header%contact_powers, slip_contact_columns)
+      call add_of_state(slip_state_columns)
     end if
-    call add_of_state(interface_columns, interface_powers)
+    call add_of_state(interface_columns)
     do i = 1, 2
       if (scene_in%conductivity(1, i)%all_digits /= 0_int64) &
-        call add_of_state(conductance_columns(i:i), [0, 0])
+        call add_of_state([effect_column(conductance_columns(i), plain)])
     end do
     if (any(scene_in%map%form_radius > 0.0_real64)) &
-      call add_of_state([character(len=24) :: 'hertz_pressure', 'hertz_area'], [1, 0, 0, 2])
+      call add_of_state([effect_column('hertz_pressure', [1, 0]), &
+                         effect_column('hertz_area', area)])
     if (has_hardness(scene_in)) then
       call add_effect(header, 'plasticity', scene_in%effects%mode('plasticity'))
-      call add_of_state([character(len=24) :: 'plastic_area', 'dissipated_work'], [0, 2, 1, 3])
+      call add_of_state([effect_column('plastic_area', area), &
+                         effect_column('dissipated_work', moment)])
       header%hardness = scene_in%effects%number('plastic_hardness')
     end if
     if (is_on('adhesion')) &
-      call add_of_state([character(len=24) :: 'adhering_contacts', 'pulling_contacts', &
-                         'gap_attraction'], [0, 0, 0, 0, 1, 2])
+      call add_of_state([effect_column('adhering_contacts', plain), &
+                         effect_column('pulling_contacts', plain), &
+                         effect_column('gap_attraction', force)])
     if (is_on('creep')) &
-      call add_of_state([character(len=24) :: 'time', 'elastic_load'], [0, 0, 1, 2])
+      call add_of_state([effect_column('time', plain), effect_column('elastic_load', force)])
 
   contains
 
@@ -114,11 +119,10 @@ contains
       if (is_on) call add_effect(header, name, scene_in%effects%mode(name))
     end function is_on
 
-    subroutine add_of_state(names, powers)
-      character(len=*), intent(in) :: names(:)
-      integer, intent(in) :: powers(2, size(names))
+    subroutine add_of_state(columns)
+      type(column_name), intent(in) :: columns(:)
 
-      call add_columns(header%state_columns, header%state_powers, names, powers)
+      call add_columns(header%state_columns, header%state_powers, columns)
     end subroutine add_of_state
 
   end subroutine name_map_columns

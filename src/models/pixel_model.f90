@@ -38,7 +38,7 @@ module asperity_pixel_model
   use asperity_theory_warnings, only: add_warning, of_attraction, of_cap, of_contact_radius, &
                                       of_cut_range, of_error, of_flat_map, of_held_gap, &
                                       of_map_pressure, of_resolution, take_worse, &
-                                      theory_warning, warning_kinds
+                                      theory_warning, warn_above
   implicit none
   private
 
@@ -81,11 +81,9 @@ module asperity_pixel_model
     real(real64), allocatable :: load            ! prescribed; not allocated: the separation is
     real(real64) :: held = 0.0_real64            ! load of the last state of loading
     integer :: states = 0                        ! number of states
-    integer :: solves = 0                        ! number of states solved so far
   contains
     procedure :: list_steps => list_pixel_steps
     procedure :: solve_step => solve_pixel_step
-    procedure :: add_state => add_pixel_state
     procedure :: add_totals => add_pixel_totals
   end type pixel_bodies
 
@@ -139,15 +137,18 @@ contains
   end subroutine make_pixel_model
 
   ! Places the map at a position.
-  subroutine place_map(self, m, bodies, result, failure)
+  subroutine place_map(self, m, is_wide, bodies, result, failure)
     class(pixel_model), intent(in), target :: self
     integer, intent(in) :: m
+    logical, intent(in) :: is_wide
     class(placed_bodies), allocatable, intent(out) :: bodies
     type(position_result), intent(out) :: result
     character(len=:), allocatable, intent(out) :: failure
     type(pixel_bodies), allocatable :: placed
     real(real64) :: displacement(2)
 
+    associate (unused => is_wide)
+    end associate
     displacement = displacement_of(self%scene_in%motion, m)
     result%x_displacement = displacement(1)
     result%y_displacement = displacement(2)
@@ -196,12 +197,18 @@ contains
     end associate
   end subroutine list_pixel_steps
 
-  ! Solves a state.
-  subroutine solve_pixel_step(self, step, must_repeat, failure)
+  ! Solves a state and adds it to the results, with the warnings of its patches and its fields.
+  subroutine solve_pixel_step(self, step, number, result, must_repeat, failure)
     class(pixel_bodies), intent(inout), target :: self
     type(path_step), intent(in) :: step
+    integer, intent(in) :: number
+    type(position_result), intent(inout) :: result
     logical, intent(out) :: must_repeat
     character(len=:), allocatable, intent(out) :: failure
+    type(map_shares) :: shares
+    type(theory_warning), allocatable :: warnings(:)
+    real(real64) :: cut
+    integer :: i
 
     must_repeat = .false.
     if (allocated(self%load)) deallocate (self%load)
@@ -211,25 +218,13 @@ contains
         maxval(self%history%deformed%height) .and. abs(self%held) <= 0.0_real64)) &
       self%load = self%held
     if (step%control == at_distance) self%answer%level = step%value
-    self%solves = self%solves + 1
+    result%solves = result%solves + 1
     call solve_map_state(self%model%laws, step%time, self%history, self%answer, self%load)
     if (allocated(self%answer%failure)) then
       failure = self%answer%failure
       return
     end if
     if (step%control /= held_load) self%held = self%answer%load
-  end subroutine solve_pixel_step
-
-  ! Adds the last state, with the warnings of its patches and its fields.
-  subroutine add_pixel_state(self, step, number, result)
-    class(pixel_bodies), intent(inout), target :: self
-    type(path_step), intent(in) :: step
-    integer, intent(in) :: number
-    type(position_result), intent(inout) :: result
-    type(map_shares) :: shares
-    type(theory_warning), allocatable :: warnings(:)
-    real(real64) :: cut
-
     associate (model => self%model, map => self%map, answer => self%answer)
       call list_patches(self, shares)
       call warn_of_shares(shares, model%tolerance, warnings)
@@ -247,28 +242,18 @@ contains
       call take_worse(result%warnings, warnings, number)
       call fill_state(self, step, result, number)
       if (self%keep_rows) self%samples = [self%samples, real(self%patches%samples, real64)]
-      if (model%fields == fields_none) return
-      if (model%fields == fields_all .or. number == self%states) &
-        call add_field(self, number, result)
+      if (model%fields == fields_none .or. &
+          (model%fields /= fields_all .and. number < self%states)) return
+      if (.not. allocated(result%fields)) then
+        allocate (result%fields(merge(self%states, 1, model%fields == fields_all)))
+        do i = 1, size(result%fields)
+          result%fields(i)%unit = model%unit
+        end do
+      end if
+      call take_field(self%history%deformed, answer, number, &
+                      result%fields(number - self%states + size(result%fields)))
     end associate
-  end subroutine add_pixel_state
-
-  ! Adds pressure, gap and displacement of the last state.
-  subroutine add_field(self, number, result)
-    class(pixel_bodies), intent(in), target :: self
-    integer, intent(in) :: number
-    type(position_result), intent(inout) :: result
-    integer :: i
-
-    if (.not. allocated(result%fields)) then
-      allocate (result%fields(merge(self%states, 1, self%model%fields == fields_all)))
-      do i = 1, size(result%fields)
-        result%fields(i)%unit = self%model%unit
-      end do
-    end if
-    call take_field(self%history%deformed, self%answer, number, &
-                    result%fields(number - self%states + size(result%fields)))
-  end subroutine add_field
+  end subroutine solve_pixel_step
 
   ! Adds the columns of the last state, its estimated errors, and the warnings of the map itself.
   subroutine add_pixel_totals(self, steps, result, failure)
@@ -297,7 +282,6 @@ contains
       end if
       call fill_effects(self, result)
     end associate
-    result%solves = self%solves
   end subroutine add_pixel_totals
 
   ! Finds the patches and shares of the contact pressure. Loads and pressures of the patches are
@@ -385,11 +369,8 @@ contains
     real(real64), allocatable :: load(:), stick_area(:), values(:, :)
 
     call solve_partial_slip(self%history%deformed, self%model%laws%modulus, self%model%slip, &
-                            self%answer, slip)
-    if (allocated(slip%failure)) then
-      failure = slip%failure
-      return
-    end if
+                            self%answer, slip, failure)
+    if (allocated(failure)) return
     result%state_values = [result%state_values, slip%load, slip%displacement, slip%stiffness, &
                            slip%stick_area, merge(1.0_real64, 0.0_real64, slip%slides)]
     associate (samples => self%samples)
@@ -447,10 +428,9 @@ contains
     if (result%error_estimate > self%model%tolerance) &
       call add_warning(warnings, of_error, result%error_estimate)
     area_error = max(0.5_real64 * sum(self%patches%rim) / sum(self%patches%area), other_errors(1))
-    if (.not. area_error > warning_kinds(of_resolution)%limit) return
     whose = ''
     if (growth_of_slope(self%map) > 0.0_real64) whose = 'it is rough at their size'
-    call add_warning(warnings, of_resolution, area_error, whose=whose)
+    call warn_above(warnings, of_resolution, area_error, whose=whose)
   end subroutine estimate_errors
 
   ! Reports fields for which there is no memory beside that of the solver.
@@ -475,13 +455,11 @@ contains
     class(pixel_bodies), intent(in), target :: self
     type(theory_warning), allocatable, intent(inout) :: warnings(:)
     real(real64), parameter :: peak = 1.5_real64  ! greatest over average pressure of Hertz
-    real(real64) :: greatest
     integer :: i
 
     associate (patches => self%patches)
-      greatest = maxval([0.0_real64, patches%highest]) / self%model%laws%modulus
-      if (greatest > warning_kinds(of_map_pressure)%limit) &
-        call add_warning(warnings, of_map_pressure, greatest)
+      call warn_above(warnings, of_map_pressure, &
+                      maxval([0.0_real64, patches%highest]) / self%model%laws%modulus)
       do i = 1, size(patches)
         call look_at_pressure(self%model%limits, patches(i)%mean, patches(i)%highest / peak, &
                               patches(i)%load, warnings)
@@ -493,15 +471,14 @@ contains
   subroutine warn_of_caps(self, warnings)
     class(pixel_bodies), intent(in) :: self
     type(theory_warning), allocatable, intent(inout) :: warnings(:)
-    real(real64) :: below, steepest_slope
+    real(real64) :: below
 
     associate (caps => self%caps, is_loaded => self%answer%pressure > 0.0_real64)
-      steepest_slope = maxval([0.0_real64, pack(caps%slope, is_loaded)])
+      call warn_above(warnings, of_contact_radius, &
+                      maxval([0.0_real64, pack(caps%slope, is_loaded)]))
       below = maxval([0.0_real64, pack(self%map%height - caps%rise, is_loaded) - &
                       self%answer%level]) / caps%radius
     end associate
-    if (steepest_slope > warning_kinds(of_contact_radius)%limit) &
-      call add_warning(warnings, of_contact_radius, steepest_slope)
     if (below > 0.0_real64) call add_warning(warnings, of_cap, below)
   end subroutine warn_of_caps
 

@@ -96,10 +96,14 @@ contains
     ! target, or the least load so far.
     recursive subroutine search_group(first, last)
       integer, intent(in) :: first, last
-      integer :: middle
+      integer :: i, middle
 
       if (is_met .or. first > last) return
-      if (exceeds_level(adhesion%least_load(pairs, ends(last), ends(first - 1)))) return
+      ! Contacts are independent, so the sum of their least loads is a lower bound of the load;
+      ! without adhesion the load is larger.
+      if (exceeds_level(sum([(adhesion%law%least_load( &
+        pairs%list(i), i, ends(last) - pairs%list(i)%gap, ends(first - 1) - pairs%list(i)%gap, &
+        pairs%vertical), i=1, size(pairs%list))]))) return
       if (first < last) then
         middle = (first + last) / 2
         call search_group(first, middle)

@@ -4,7 +4,23 @@ module asperity_effect_header
   implicit none
   private
 
-  public :: add_columns, add_effect, begin_header, effect_header
+  public :: add_columns, add_effect, begin_header, column_name, effect_column, effect_header
+  public :: plain, length, force, moment, area, stiffness
+
+  ! Powers of the modulus and of the length in the unit of a column, derived from the dimension.
+  integer, parameter :: plain(2) = [0, 0]      !! of a number
+  integer, parameter :: length(2) = [0, 1]     !! of a length
+  integer, parameter :: area(2) = [0, 2]       !! of an area
+  integer, parameter :: stiffness(2) = [1, 1]  !! of a force over a length
+  integer, parameter :: force(2) = [1, 2]      !! of a force
+  integer, parameter :: moment(2) = [1, 3]     !! of a moment or an energy
+
+  !> The name of a column of a CSV file, and its unit.
+  type :: column_name
+    character(len=24) :: text = ''            !! name of the column in the header of the file
+    integer :: modulus_power = 0              !! power of the modulus in its unit
+    integer :: length_power = 0               !! power of the length in its unit
+  end type column_name
 
   !> The effects of a scene that are not off, and their columns.
   type :: effect_header
@@ -40,15 +56,24 @@ contains
     header%modes = [header%modes, mode]
   end subroutine add_effect
 
+  !> Column with a name and a unit.
+  pure type(column_name) function effect_column(name, unit) result(column)
+    character(len=*), intent(in) :: name  !! name in the header of the file
+    integer, intent(in) :: unit(2)        !! `plain`, `length`, `force` ...
+
+    column = column_name(name, unit(1), unit(2))
+  end function effect_column
+
   !> Adds columns of states or of contacts.
-  pure subroutine add_columns(columns, powers, names, powers_of_names)
+  pure subroutine add_columns(columns, powers, added)
     character(len=24), allocatable, intent(inout) :: columns(:)  !! columns so far
     integer, allocatable, intent(inout) :: powers(:, :)          !! powers in their units
-    character(len=*), intent(in) :: names(:)                     !! columns that are added
-    integer, intent(in) :: powers_of_names(2, size(names))       !! powers in their units
+    type(column_name), intent(in) :: added(:)                    !! columns that are added
+    integer :: i
 
-    columns = [character(len=24) :: columns, names]
-    powers = reshape([powers, powers_of_names], [2, size(columns)])
+    powers = reshape([powers, [(added(i)%modulus_power, added(i)%length_power, &
+                                i=1, size(added))]], [2, size(columns) + size(added)])
+    columns = [character(len=24) :: columns, added%text]
   end subroutine add_columns
 
 end module asperity_effect_header

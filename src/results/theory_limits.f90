@@ -4,6 +4,7 @@
 !> docs/reference/warnings.md.
 module asperity_theory_limits
   use asperity_constants, only: pi
+  use asperity_contact_records, only: contact_row
   use asperity_decimal, only: decimal_to_real64
   use asperity_effect_names, only: effect_words, go_together, known_effects
   use asperity_first_yield, only: yield_pressure
@@ -13,7 +14,7 @@ module asperity_theory_limits
                                    effect_boundary, effect_off, scene, scene_limit
   use asperity_theory_warnings, only: add_warning, of_cap, of_contact_radius, of_crowding, &
                                       of_limit, of_overlapping, of_slope, of_yield, &
-                                      theory_warning, warning_kinds
+                                      theory_warning, warn_above
   implicit none
   private
 
@@ -37,28 +38,15 @@ module asperity_theory_limits
   end type theory_limits
 
   !> One contact of a solution.
-  type :: seen_contact
-    integer :: number = 0                         !! place in the order of first touch
-    integer :: upper = 0                          !! index of the upper asperity; 0: a plane
-    integer :: lower = 0                          !! index of the lower asperity; 0: a plane
-    logical :: at_limit = .false.                 !! at or over its limit
-    real(real64) :: x = 0.0_real64                !! place in plan
-    real(real64) :: y = 0.0_real64                !! place in plan
-    real(real64) :: penetration = 0.0_real64      !! vertical, past first touch
-    real(real64) :: area = 0.0_real64             !! contact area
-    real(real64) :: load = 0.0_real64             !! force normal to the contact
-    real(real64) :: vertical_load = 0.0_real64    !! its vertical part
+  type, extends(contact_row) :: seen_contact
     real(real64) :: cosine = 1.0_real64           !! of its inclination
-    real(real64) :: maximum_pressure = 0.0_real64  !! greatest pressure
     real(real64) :: upper_radius = 0.0_real64     !! of the sphere; 0: a plane
     real(real64) :: lower_radius = 0.0_real64     !! of the sphere; 0: a plane
     real(real64) :: upper_height = 0.0_real64     !! of the summit above its plane
     real(real64) :: lower_height = 0.0_real64     !! of the summit above its plane
     real(real64) :: contact_radius = 0.0_real64   !! of the contact circle
-    real(real64) :: overlap = 0.0_real64          !! decrease of the distance of the centres
     real(real64) :: d = 0.0_real64                !! distance of the centres in plan
     real(real64) :: z = 0.0_real64                !! height between the centres
-    real(real64) :: pressure = 0.0_real64         !! average pressure
   end type seen_contact
 
 contains
@@ -119,14 +107,16 @@ contains
 
     smaller = min(contact%upper_radius, contact%lower_radius)
     if (.not. smaller > 0.0_real64) smaller = max(contact%upper_radius, contact%lower_radius)
-    call hold_against(warnings, of_contact_radius, contact%contact_radius / smaller)
+    call warn_above(warnings, of_contact_radius, contact%contact_radius / smaller, 1)
     beyond = max(beyond_cap(contact, contact%upper_radius, contact%upper_height), &
                  beyond_cap(contact, contact%lower_radius, contact%lower_height), &
                  contact%overlap - max(contact%upper_height + contact%lower_height, 0.0_real64))
-    if (beyond > 0.0_real64) call hold_against(warnings, of_cap, beyond / smaller)
-    call hold_against(warnings, of_slope, max(contact%d / contact%z, limits%slope))
-    call look_at_pressure(limits, contact%pressure, contact%pressure, &
-                          contact%pressure * pi * contact%contact_radius**2, warnings)
+    if (beyond > 0.0_real64) call warn_above(warnings, of_cap, beyond / smaller, 1)
+    call warn_above(warnings, of_slope, max(contact%d / contact%z, limits%slope), 1)
+    associate (pressure => contact%average_pressure)
+      call look_at_pressure(limits, pressure, pressure, pressure * pi * contact%contact_radius**2, &
+                            warnings)
+    end associate
   end subroutine look_at_contact
 
   !> Adds a contact beyond yield or beyond the limit of the scene to the warnings of a state.
@@ -138,10 +128,10 @@ contains
     real(real64), intent(in) :: load           !! load of the contact
     type(theory_warning), allocatable, intent(inout) :: warnings(:)  !! warnings of a state
 
-    call hold_against(warnings, of_yield, max(average, greatest) / limits%yield_pressure, &
-                      limits%forbids_plasticity)
-    call hold_against(warnings, of_limit, max(average / limits%pressure, load / limits%load), &
-                      limits%forbids_plasticity)
+    call warn_above(warnings, of_yield, max(average, greatest) / limits%yield_pressure, 1, &
+                    limits%forbids_plasticity)
+    call warn_above(warnings, of_limit, max(average / limits%pressure, load / limits%load), 1, &
+                    limits%forbids_plasticity)
   end subroutine look_at_pressure
 
   !> Whether a contact patch is at its limit: its load or average pressure is that of the limit, or
@@ -169,17 +159,6 @@ contains
     at_limit = share >= 1.0_real64 - rounding
   end function is_patch_at_limit
 
-  ! Warns of a contact beyond the limit of a warning.
-  pure subroutine hold_against(warnings, warning, found, whose)
-    type(theory_warning), allocatable, intent(inout) :: warnings(:)
-    integer, intent(in) :: warning
-    real(real64), intent(in) :: found
-    character(len=*), intent(in), optional :: whose
-
-    if (found > warning_kinds(warning)%limit + rounding) &
-      call add_warning(warnings, warning, found, contacts=1, whose=whose)
-  end subroutine hold_against
-
   !> Adds crowded or overlapping contacts of a state to its warnings.
   pure subroutine look_at_state(limits, projected_area, overlapping, warnings)
     type(theory_limits), intent(in) :: limits            !! limits of the scene
@@ -189,9 +168,8 @@ contains
 
     if (.not. limits%independent) return
     if (overlapping > 0) call add_warning(warnings, of_overlapping, real(overlapping, real64))
-    if (.not. limits%area > 0.0_real64) return
-    if (projected_area / limits%area > warning_kinds(of_crowding)%limit + rounding) &
-      call add_warning(warnings, of_crowding, projected_area / limits%area)
+    if (limits%area > 0.0_real64) &
+      call warn_above(warnings, of_crowding, projected_area / limits%area)
   end subroutine look_at_state
 
   ! Distance of the lowest point of the edge of a contact circle below the base plane of a cap; not

@@ -7,7 +7,8 @@ module asperity_theory_warnings
   implicit none
   private
 
-  public :: theory_warning, warning_kind, warning_kinds, class_names, add_warning, take_worse
+  public :: theory_warning, warning_kind, warning_kinds, class_names, add_warning, take_worse, &
+            warn_above
   public :: of_contact_radius, of_cap, of_slope, of_yield, of_overlapping, of_crowding, of_tabor, &
             of_creep_strain, of_relaxing, of_together, of_load_direction, of_map_edge, &
             of_no_summit, of_scan_lines, of_spikes, of_area, of_limit, of_range, &
@@ -209,6 +210,21 @@ contains
     list(at)%magnitude = min(size_found, huge(size_found))
     if (present(whose)) list(at)%whose = whose
   end subroutine add_warning
+
+  !> Adds a warning where a size exceeds the limit of its kind by more than rounding.
+  pure subroutine warn_above(list, number, size_found, contacts, whose)
+    type(theory_warning), allocatable, intent(inout) :: list(:)  !! warnings of a state, by kind
+    integer, intent(in) :: number                                !! one of the `of_` numbers
+    real(real64), intent(in) :: size_found                       !! size in the measure of the kind
+    integer, intent(in), optional :: contacts                    !! number; absent: of the state
+    character(len=*), intent(in), optional :: whose              !! effects of the warning
+    real(real64), parameter :: rounding = 1.0e-9_real64
+
+    associate (limit => warning_kinds(number)%limit)
+      if (size_found > limit + rounding * max(1.0_real64, limit)) &
+        call add_warning(list, number, size_found, contacts, whose)
+    end associate
+  end subroutine warn_above
 
   !> Adds the warnings of a state to those of its position: of each kind that with the largest size,
   !> the first of equal ones.

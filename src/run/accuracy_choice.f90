@@ -4,21 +4,24 @@
 !> accurate enough, else resolved on boundary elements. The accuracy sets the tolerance. Effects
 !> that are off count with their estimated influence.
 module asperity_accuracy_choice
-  use asperity_accuracy_bound, only: error_bound
-  use asperity_contact_records, only: prescribed_nothing, prescribed_vertical, state_row
+  use asperity_constants, only: pi
+  use asperity_contact_records, only: position_result, prescribed_nothing, prescribed_vertical, &
+                                      state_row
   use asperity_decimal, only: decimal_to_real64
   use asperity_effect_names, only: known_effects
   use asperity_kinds, only: not_computed, real64
   use asperity_numeral, only: rounded_decimal
   use asperity_problems, only: real_text
-  use asperity_scene_results, only: scene_results
-  use asperity_scene_values, only: effect_auto, effect_boundary, effect_coupled, effect_off, scene
+  use asperity_scene_results, only: last_state, scene_results
+  use asperity_scene_values, only: combined_modulus, effect_auto, effect_boundary, effect_coupled, &
+                                   effect_off, is_load, scene
+  use asperity_theory_warnings, only: of_slope, warning_kinds
   implicit none
   private
 
-  public :: run_errors, add_possible_accuracy, add_proposal, check_left_out, &
-            choose_model, errors_of_run, first_tolerance, &
-            influence_left_out, may_use_elements, next_tolerance, report_method, total_error
+  public :: run_errors, add_possible_accuracy, check_accuracy, check_left_out, choose_model, &
+            error_bound, errors_of_run, first_tolerance, next_tolerance, report_method, &
+            total_error
 
   ! Smallest relative error of an area by boundary elements that is relied on.
   ! With finer elements the estimates 1.9e-3 and 9.3e-4 in two scenes of steep pairs were less than
@@ -34,6 +37,13 @@ module asperity_accuracy_choice
   ! Safety factor of a new tolerance; a tolerance below this share of the accuracy is not reduced,
   ! as other errors prevail.
   real(real64), parameter :: tolerance_factor = 0.95_real64, least_share = 0.25_real64
+
+  ! Smallest error bound: results are stored as doubles.
+  real(real64), parameter :: finest_accuracy = 4 * epsilon(1.0_real64)
+
+  ! Rounding errors of a position's coordinates and separations, in units of roundoff: placing (3),
+  ! the difference in plan, its square and root, the separation and the gap, each at most 1.
+  real(real64), parameter :: roundings = 12.0_real64
 
   ! A proposed accuracy is rounded to two digits, by less than 5 %.
   real(real64), parameter :: possible_share = 0.95_real64
@@ -78,14 +88,28 @@ contains
       call chosen%effects%set('boundary_tolerance', rounded_decimal(tolerance, 3))
   end subroutine choose_model
 
-  !> Sum over the effects that are off of the largest estimated influence on the load.
-  pure real(real64) function influence_left_out(results) result(influence)
-    type(scene_results), intent(in) :: results  !! results with positions
+  !> Reports the error of a scene without effects; `failure` is allocated where it exceeds the
+  !> accuracy.
+  subroutine check_accuracy(scene_in, accuracy, results, failure)
+    type(scene), intent(in) :: scene_in                    !! scene that was solved
+    real(real64), intent(in) :: accuracy                   !! requested relative error
+    type(scene_results), intent(inout) :: results          !! results; get error and text
+    character(len=:), allocatable, intent(out) :: failure  !! reason and the accuracy possible
     integer :: e
 
-    influence = sum([(max(0.0_real64, maxval(results%positions%left_out(e))), &
-                      e=1, size(known_effects))])
-  end function influence_left_out
+    call check_left_out(scene_in, accuracy, results, failure)
+    if (allocated(failure)) return
+    results%error_bound = error_bound(scene_in, results%positions) + sum([( &
+      max(0.0_real64, maxval(results%positions%left_out(e))), e=1, size(known_effects))])
+    results%way_taken = 'real64, exact events'
+    results%way_told = 'ten times better: reached by this run'
+    if (results%error_bound > 0.1_real64 * accuracy) &
+      results%way_told = 'ten times better: not possible'
+    if (results%error_bound <= accuracy) return
+    failure = 'no method has this accuracy; the most accurate one, real64, has an error of ' // &
+              real_text(results%error_bound, 'es7.1')
+    call add_proposal(results%error_bound, 'all', failure)
+  end subroutine check_accuracy
 
   !> Checks that no effect that is off has an estimated influence on the load above the accuracy;
   !> `failure` names the one with the largest.
@@ -111,13 +135,64 @@ contains
     end if
   end subroutine check_left_out
 
-  !> Whether boundary elements are a method for a scene: with interaction.
-  pure logical function may_use_elements(scene_in)
-    type(scene), intent(in) :: scene_in  !! scene, checked, with effects
+  !> Bound of the relative error of every total of the last state: load, vertical load, area,
+  !> separation.
+  !>
+  !> Rounded heights e_z and plan coordinates e_d move an overlap by e_z + e_d sin(theta) and the
+  !> separation of first touch by e_z + e_d tan(theta), tan(theta) the slope of the contact. The
+  !> stiffness of N contacts of Hertz of total area A is 2 E sum(a) <= 2 E sqrt(N A/pi), and an area
+  !> grows by pi R per overlap. The slope of every contact is below the limit of its warning, or
+  !> that of the warning.
+  real(real64) function error_bound(scene_in, positions) result(bound)
+    type(scene), intent(in) :: scene_in                !! scene that was solved
+    type(position_result), intent(in) :: positions(:)  !! results of all positions
+    real(real64) :: roundoff, in_plan, in_height, tilt, least, widest, distance, slope, of_overlap
+    real(real64) :: of_touch, per_overlap, modulus
+    type(state_row) :: last
+    integer :: m
 
-    may_use_elements = scene_in%effects%mode('interaction') /= effect_off .and. &
-                       .not. allocated(scene_in%map)
-  end function may_use_elements
+    bound = finest_accuracy
+    ! A map has no asperities to be rounded.
+    if (allocated(scene_in%map)) return
+    roundoff = 0.5_real64 * epsilon(1.0_real64)
+    modulus = combined_modulus(scene_in)
+    associate (upper => scene_in%upper, lower => scene_in%lower, motion => scene_in%motion)
+      least = min(minval(upper%radius), minval(lower%radius))
+      ! The effective radius of a pair is at most the smaller radius.
+      widest = min(maxval(upper%radius), maxval(lower%radius))
+      tilt = max(norm2(decimal_to_real64(upper%slope)), norm2(decimal_to_real64(lower%slope)))
+      in_plan = max(maxval(abs(upper%x)), maxval(abs(upper%y)), maxval(abs(lower%x)), &
+                    maxval(abs(lower%y)), abs(decimal_to_real64(scene_in%lower_mirror_width)), &
+                    maxval(abs(decimal_to_real64([motion%x_first, motion%y_first]))) + &
+                    (motion%positions - 1) * &
+                    maxval(abs(decimal_to_real64([motion%x_step, motion%y_step]))))
+      in_height = max(maxval(abs(upper%height)), maxval(abs(lower%height))) + 2 * tilt * in_plan
+    end associate
+    ! The distance of the summits of a pair in plan is less than the sum of their radii, and less
+    ! than twice the largest coordinate along x and along y.
+    distance = min(maxval(scene_in%upper%radius) + maxval(scene_in%lower%radius), 3 * in_plan)
+    do m = 1, size(positions)
+      last = last_state(positions(m))
+      if (.not. (last%compression > 0.0_real64 .and. last%load > 0.0_real64)) cycle
+      ! The offset in plan of a contact reduces its height by less than the summits exceed.
+      slope = min(warning_kinds(of_slope)%limit, &
+                  sqrt(4 * max(2 * in_height - last%approach, last%compression) / least))
+      if (allocated(positions(m)%warnings)) &
+        slope = max(slope, maxval(positions(m)%warnings%magnitude, &
+                                  positions(m)%warnings%number == of_slope))
+      of_overlap = roundings * roundoff * (in_height + min(slope, 1.0_real64) * &
+                                           (in_plan + distance))
+      of_touch = roundings * roundoff * (in_height + slope * (in_plan + distance))
+      per_overlap = max(2 * modulus * sqrt(last%contacts / pi) * sqrt(last%area) / last%load, &
+                        pi * last%contacts * widest / last%area)
+      ! Under a load the error of the overlaps is added to the separation.
+      if (is_load(scene_in%loading%control)) per_overlap = 2 * per_overlap
+      bound = max(bound, finest_accuracy + of_overlap * per_overlap + of_touch * &
+                         max(1.0_real64 / last%compression, 2 * hypot(1.0_real64, slope) / least))
+      if (abs(last%approach) > 0.0_real64) &
+        bound = max(bound, of_touch / abs(last%approach) + finest_accuracy)
+    end do
+  end function error_bound
 
   !> Estimated errors of a run. That of a path is at least its tolerance, as estimates are those of
   !> its last state.
@@ -305,11 +380,11 @@ contains
 
   end subroutine add_possible_accuracy
 
-  !> Adds the option for an error, where one is possible.
+  ! Adds the option for an error, where one is possible.
   pure subroutine add_proposal(error, total, text)
-    real(real64), intent(in) :: error        !! relative error that a run had
-    character(len=*), intent(in) :: total    !! of which, as `totals_of_accuracy`
-    character(len=:), allocatable, intent(inout) :: text  !! begin of the sentence
+    real(real64), intent(in) :: error        ! relative error that a run had
+    character(len=*), intent(in) :: total    ! of which, as `totals_of_accuracy`
+    character(len=:), allocatable, intent(inout) :: text  ! begin of the sentence
 
     if (.not. error < possible_share) return
     text = text // ': set --accuracy ' // real_text(error / possible_share, 'es7.1')

@@ -9,15 +9,14 @@ module asperity_contact_slip
   use asperity_contact_records, only: contact_row, position_result
   use asperity_decimal, only: decimal_to_real64, decimal_value
   use asperity_effect_header, only: add_columns
-  use asperity_friction, only: slip_contact_columns, slip_contact_powers, slip_state_columns, &
-                               slip_state_powers, stiffness_ratio_of
+  use asperity_friction, only: slip_contact_columns, slip_state_columns, stiffness_ratio_of
   use asperity_kinds, only: not_computed, real64
   use asperity_numeral, only: rounded_decimal
   use asperity_run_options, only: run_options
   use asperity_scene_results, only: scene_results
   use asperity_scene_values, only: control_load, control_separation, effect_off, has_tangential, &
                                    scene
-  use asperity_surface_solve, only: solve_surfaces
+  use asperity_surface_solve, only: solve_effects
   implicit none
   private
 
@@ -44,13 +43,11 @@ contains
     character(len=:), allocatable, intent(out) :: failure  !! reason, when it is not solved
     integer :: m
 
-    call solve_surfaces(scene_in, options, results, failure)
+    call solve_effects(scene_in, options, results, failure)
     if (allocated(failure) .or. .not. has_tangential(scene_in%loading)) return
     associate (header => results%effects)
-      call add_columns(header%contact_columns, header%contact_powers, slip_contact_columns, &
-                       slip_contact_powers)
-      call add_columns(header%state_columns, header%state_powers, slip_state_columns, &
-                       slip_state_powers)
+      call add_columns(header%contact_columns, header%contact_powers, slip_contact_columns)
+      call add_columns(header%state_columns, header%state_powers, slip_state_columns)
     end associate
     do m = 1, size(results%positions)
       ! Positions of other images have no states here.
@@ -151,7 +148,7 @@ contains
     other%loading%events = .false.
     of_path%threads = options%threads
     of_path%interrupt = options%interrupt
-    call solve_surfaces(other, of_path, slip, failure)
+    call solve_effects(other, of_path, slip, failure)
   end subroutine solve_path
 
   ! Adds the tangential load and the area that sticks of each contact of the last state.

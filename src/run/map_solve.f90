@@ -23,7 +23,7 @@ module asperity_map_solve
                                    control_separation, effect_auto, effect_off, effect_on, &
                                    has_hardness, is_load, scene, scene_loading, solves_pixels
   use asperity_surface_fields, only: solve_with_fields
-  use asperity_surface_solve, only: solve_surfaces
+  use asperity_surface_solve, only: solve_effects
   use asperity_sweep, only: sweep_scene
   use asperity_theory_warnings, only: of_barred, of_cap, of_error, of_off, &
                                       of_together, take_worse, theory_warning, add_warning
@@ -43,7 +43,12 @@ contains
     logical :: needs_summits
 
     results%nominal_area = decimal_to_real64(scene_in%nominal_area)
-    needs_summits = .not. (solves_pixels(scene_in) .or. may_be_pixels(scene_in))
+    ! Pixels may suffice where the effects that only asperities have turn out negligible.
+    needs_summits = .not. (solves_pixels(scene_in) .or. &
+                           (scene_in%effects%mode('interaction') == effect_auto .and. &
+                            scene_in%loading%control /= control_limit .and. &
+                            .not. any(scene_in%effects%modes == effect_on .and. &
+                                      known_effects%not_on_pixels /= '')))
     if (.not. needs_summits) call solve_chosen(scene_in, options, results, needs_summits, failure)
     if (allocated(failure)) return
     if (needs_summits) call solve_summits(scene_in, options, results, failure)
@@ -62,6 +67,7 @@ contains
     type(map_summits) :: summits
     type(scene) :: plain
     type(scene_results) :: of_summits
+    type(theory_warning), allocatable :: warnings(:)
 
     call join_maps(scene_in, 1, map, origin, failure)
     if (allocated(failure)) return
@@ -90,32 +96,16 @@ contains
     if (allocated(failure)) return
     of_summits%nominal_area = results%nominal_area
     results = of_summits
-    call add_map_warnings(scene_in, map, results)
+    ! The height of a summit above the base of its cap is that of the map.
+    if (allocated(results%positions(1)%warnings)) then
+      associate (found => results%positions(1)%warnings)
+        where (found%number == of_cap) found%whose = 'summits of the map'
+      end associate
+    end if
+    call warn_of_map(map, scene_in%effects%number('tolerance'), &
+                     any(scene_in%map%form_radius > 0.0_real64), .false., warnings)
+    call take_worse(results%positions(1)%warnings, warnings, size(results%positions(1)%states))
   end subroutine solve_summits
-
-  ! Whether the pixels suffice where the effects that only asperities have turn out negligible.
-  pure logical function may_be_pixels(scene_in)
-    type(scene), intent(in) :: scene_in
-
-    may_be_pixels = scene_in%effects%mode('interaction') == effect_auto .and. &
-                    scene_in%loading%control /= control_limit .and. &
-                    .not. any(scene_in%effects%modes == effect_on .and. &
-                              known_effects%not_on_pixels /= '')
-  end function may_be_pixels
-
-  ! Whether `auto` simulates an effect that only asperities have, beside interaction, by its
-  ! estimated influence.
-  pure logical function calls_for_asperities(scene_in, influence)
-    type(scene), intent(in) :: scene_in
-    real(real64), intent(in) :: influence(:)  ! of each known effect
-    integer :: e
-
-    calls_for_asperities = any([( &
-      scene_in%effects%modes(e) == effect_auto .and. known_effects(e)%not_on_pixels /= '' .and. &
-      influence(e) > scene_in%effects%number('tolerance') .and. &
-      go_together(known_effects(e)%name, 'on', 'interaction', 'coupled'), &
-      e=1, size(known_effects))])
-  end function calls_for_asperities
 
   ! Solves a map on its pixels with the effects of `auto` whose estimated influence is above the
   ! tolerance. The estimate is that of the last state without them; under a tensile load all are
@@ -131,7 +121,7 @@ contains
     type(scene_results) :: without
     real(real64) :: influence(size(known_effects))
     logical :: is_called(size(known_effects)), is_final
-    integer :: at, e, m
+    integer :: at, e, k, m
 
     needs_summits = .false.
     chosen = scene_in
@@ -150,7 +140,12 @@ contains
       call solve_trial(chosen, options, without, is_final, failure)
       if (allocated(failure)) return
       influence = [(maxval(without%positions%left_out(e)), e=1, size(influence))]
-      needs_summits = .not. solves_pixels(scene_in) .and. calls_for_asperities(scene_in, influence)
+      ! An effect that only asperities have is simulated beside interaction.
+      needs_summits = .not. solves_pixels(scene_in) .and. any([( &
+        scene_in%effects%modes(e) == effect_auto .and. known_effects(e)%not_on_pixels /= '' .and. &
+        influence(e) > scene_in%effects%number('tolerance') .and. &
+        go_together(known_effects(e)%name, 'on', 'interaction', 'coupled'), &
+        e=1, size(known_effects))])
       if (needs_summits) return
       if (.not. is_tensile(scene_in%loading)) then
         is_called = is_called .and. influence > scene_in%effects%number('tolerance') .and. &
@@ -167,24 +162,21 @@ contains
     end if
     do m = 1, size(results%positions)
       if (.not. allocated(results%positions(m)%effects)) cycle
-      if (allocated(without%positions)) then
-        associate (trial => without%positions(whole_number(m, options%part, options%parts)), &
-                   position => results%positions(m))
+      k = whole_number(m, options%part, options%parts)
+      associate (position => results%positions(m))
+        if (allocated(without%positions)) then
           position%choices = 1
-          if (.not. is_final) position%solves = position%solves + trial%solves
-          do e = 1, size(known_effects)
-            if (.not. is_called(e)) cycle
-            at = findloc(results%effects%names, known_effects(e)%name, 1)
-            position%effects(at)%estimate = trial%left_out(e)
-          end do
-        end associate
-      end if
-      do e = 1, size(known_effects)
-        if (.not. is_called(e)) cycle
-        at = findloc(results%effects%names, known_effects(e)%name, 1)
-        results%effects%modes(at) = effect_auto
-        results%positions(m)%effects(at)%why = 'estimate above tolerance'
-      end do
+          if (.not. is_final) position%solves = position%solves + without%positions(k)%solves
+        end if
+        do e = 1, size(known_effects)
+          if (.not. is_called(e)) cycle
+          at = findloc(results%effects%names, known_effects(e)%name, 1)
+          if (allocated(without%positions)) &
+            position%effects(at)%estimate = without%positions(k)%left_out(e)
+          position%effects(at)%why = 'estimate above tolerance'
+          results%effects%modes(at) = effect_auto
+        end do
+      end associate
     end do
   end subroutine solve_chosen
 
@@ -318,7 +310,7 @@ contains
     spheres%upper%y = rows(:0)%x
     spheres%upper%height = rows(:0)%x
     spheres%upper%radius = rows(:0)%x
-    call solve_surfaces(spheres, run_options(), of_spheres, failure)
+    call solve_effects(spheres, run_options(), of_spheres, failure)
     if (allocated(failure)) return
     associate (found => of_spheres%positions(1))
       position%left_out = merge(found%left_out, not_computed, is_left)
@@ -341,24 +333,6 @@ contains
       call add_warning(warnings, of_error, position%error_estimate)
     call take_worse(position%warnings, warnings, at)
   end subroutine estimate_left_out
-
-  ! Adds the warnings of the map itself to those of its last state.
-  subroutine add_map_warnings(scene_in, map, results)
-    type(scene), intent(in) :: scene_in
-    type(height_map), intent(in) :: map
-    type(scene_results), intent(inout) :: results
-    type(theory_warning), allocatable :: warnings(:)
-
-    ! The height of a summit above the base of its cap is that of the map.
-    if (allocated(results%positions(1)%warnings)) then
-      associate (found => results%positions(1)%warnings)
-        where (found%number == of_cap) found%whose = 'summits of the map'
-      end associate
-    end if
-    call warn_of_map(map, scene_in%effects%number('tolerance'), &
-                     any(scene_in%map%form_radius > 0.0_real64), .false., warnings)
-    call take_worse(results%positions(1)%warnings, warnings, size(results%positions(1)%states))
-  end subroutine add_map_warnings
 
   ! Estimates the error of the summit model by the comparison with the map.
   subroutine check_summits(scene_in, plain, map, reference, summits, results, failure)
@@ -391,7 +365,7 @@ contains
       other%loading = load_again
       other%loading%control = control_load
       other%loading%value = rounded_decimal((1.0_real64 + stiffness_step) * last%load, 17)
-      call solve_surfaces(other, run_options(interrupt=reference%answer%interrupt), more, why)
+      call solve_effects(other, run_options(interrupt=reference%answer%interrupt), more, why)
       if (.not. allocated(why)) then
         increased = last_state(more%positions(1))
         if (increased%compression > last%compression) &
@@ -403,27 +377,26 @@ contains
     call compare_with_map(map, reference, combined_modulus(scene_in), summits, last, stiffness, &
                           results%map, failure)
     if (allocated(failure)) return
-    call warn_of_shares(results%map%shares, scene_in%effects%number('tolerance'), warnings, &
-                        forbids_boundary(scene_in))
-    if (.not. is_load(scene_in%loading%control)) then
-      ! A map without load at this separation: the error is the load of the summits.
-      results%positions(1)%error_estimate = 1.0_real64
-      if (results%map%load_difference < huge(1.0_real64)) results%positions(1)%error_estimate = &
-        abs(results%map%load_difference) + results%map%load_uncertain
-    else if (results%map%compression > 0.0_real64) then
-      results%positions(1)%error_estimate = &
-        (abs(results%map%difference) + results%map%uncertain) * results%map%rms_height / &
-        results%map%compression
-    else
-      ! The compression is below the rounding of the heights: its error is unknown.
-      results%positions(1)%error_estimate = 1.0_real64
-    end if
-    ! The estimate of the contacts among themselves is replaced by the comparison with the map.
-    if (allocated(results%positions(1)%warnings)) results%positions(1)%warnings = &
-      pack(results%positions(1)%warnings, results%positions(1)%warnings%number /= of_error)
-    if (results%positions(1)%error_estimate > scene_in%effects%number('tolerance')) &
-      call add_warning(warnings, of_error, results%positions(1)%error_estimate)
-    call take_worse(results%positions(1)%warnings, warnings, size(results%positions(1)%states))
+    associate (position => results%positions(1), check => results%map, &
+               tolerance => scene_in%effects%number('tolerance'))
+      call warn_of_shares(check%shares, tolerance, warnings, forbids_boundary(scene_in))
+      ! Unknown where the compression is below the rounding of the heights, and of the order of the
+      ! load of the summits where the map has none at this separation.
+      position%error_estimate = 1.0_real64
+      if (.not. is_load(scene_in%loading%control)) then
+        if (check%load_difference < huge(1.0_real64)) &
+          position%error_estimate = abs(check%load_difference) + check%load_uncertain
+      else if (check%compression > 0.0_real64) then
+        position%error_estimate = (abs(check%difference) + check%uncertain) * check%rms_height / &
+                                  check%compression
+      end if
+      ! The estimate of the contacts among themselves is replaced by the comparison with the map.
+      if (allocated(position%warnings)) position%warnings = &
+        pack(position%warnings, position%warnings%number /= of_error)
+      if (position%error_estimate > tolerance) &
+        call add_warning(warnings, of_error, position%error_estimate)
+      call take_worse(position%warnings, warnings, size(position%states))
+    end associate
   end subroutine check_summits
 
   ! The name that rules out interaction = 'boundary': another effect, or the control; '': none.

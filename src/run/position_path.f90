@@ -18,20 +18,25 @@ contains
     type(position_result), intent(out) :: result            !! states, ending with the last
     character(len=:), allocatable, intent(out) :: failure   !! set where the end is not reached
     class(placed_bodies), allocatable, target :: bodies
-    type(position_result) :: placed
-    logical :: must_repeat
+    integer :: choices, solves
+    logical :: is_wide, must_repeat
 
-    call model%place(m, bodies, placed, failure)
-    result = placed
-    if (allocated(failure) .or. .not. allocated(bodies)) return
-    bodies%keep_rows = model%keep_rows
+    is_wide = .false.
+    solves = 0
+    choices = 0
     do
+      call model%place(m, is_wide, bodies, result, failure)
+      if (allocated(failure) .or. .not. allocated(bodies)) return
+      bodies%keep_rows = model%keep_rows
       call follow_path(bodies, model%progress_count, result, must_repeat, failure)
-      if (.not. must_repeat) return
+      solves = solves + result%solves
+      choices = choices + result%choices
+      if (.not. must_repeat) exit
       call model%progress_count%add_work(-result%counted)
-      if (allocated(failure)) return
-      result = placed
+      is_wide = .true.
     end do
+    result%solves = solves
+    result%choices = choices
   end subroutine solve_position
 
   !> Follows the path of placed bodies once.
@@ -49,9 +54,8 @@ contains
     if (allocated(failure)) return
     allocate (result%states(size(steps)), result%rows(0))
     do i = 1, size(steps)
-      call bodies%solve_step(steps(i), must_repeat, failure)
+      call bodies%solve_step(steps(i), i, result, must_repeat, failure)
       if (allocated(failure) .or. must_repeat) return
-      call bodies%add_state(steps(i), i, result)
       call progress_count%count_state(result%counted)
       ! The states end early when there are more contacts than can be kept.
       if (result%rows_used > most_rows) return

@@ -1,8 +1,8 @@
 !> Solution of a scene, with its own settings or to a requested accuracy.
 module asperity_solve
-  use asperity_accuracy_choice, only: add_possible_accuracy, check_left_out, &
+  use asperity_accuracy_choice, only: add_possible_accuracy, check_accuracy, check_left_out, &
                                       choose_model, errors_of_run, first_tolerance, &
-                                      may_use_elements, next_tolerance, report_method, &
+                                      next_tolerance, report_method, &
                                       run_errors, total_error
   use asperity_decimal, only: decimal_to_real64
   use asperity_kinds, only: real64
@@ -70,6 +70,8 @@ contains
       call solve_map(scene_in, chosen, results, failure)
     else
       call solve_with_fields(scene_in, chosen, results, failure)
+      if (chosen%accuracy > 0 .and. .not. allocated(failure)) &
+        call check_accuracy(scene_in, chosen%accuracy, results, failure)
     end if
     !$ call omp_set_num_threads(usual)
     if (allocated(failure)) results = scene_results()
@@ -114,7 +116,9 @@ contains
       if (on_elements) then
         tolerance = next_tolerance(errors, options%accuracy, options%accuracy_of, tolerance)
       else
-        on_elements = may_use_elements(scene_in)
+        ! Boundary elements are a method with interaction.
+        on_elements = scene_in%effects%mode('interaction') /= effect_off .and. &
+                      .not. allocated(scene_in%map)
         if (.not. on_elements) exit
         tolerance = first_tolerance(options%accuracy, options%accuracy_of)
       end if

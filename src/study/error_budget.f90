@@ -7,7 +7,7 @@
 !> the factor is compared, the load of the contacts together over the load of the same contacts
 !> each alone, and the area in plan.
 module asperity_error_budget
-  use asperity_accuracy_bound, only: error_bound
+  use asperity_accuracy_choice, only: error_bound
   use asperity_contact_records, only: solve_method, state_row
   use asperity_decimal, only: decimal_to_real64
   use asperity_kinds, only: real64

@@ -12,7 +12,7 @@ module asperity_adhesion
   use asperity_contact_state, only: answer_all, contact_state
   use asperity_kinds, only: real64
   use asperity_scene_values, only: scene
-  use asperity_theory_warnings, only: of_range, of_tabor, add_warning, warning_kinds
+  use asperity_theory_warnings, only: of_range, of_tabor, warn_above
   implicit none
   private
 
@@ -30,7 +30,6 @@ module asperity_adhesion
     procedure :: begin => begin_adhesion
     procedure :: keep => keep_adhesion
     procedure :: pull_off_compressions
-    procedure :: least_load
   end type adhesion_effect
 
 contains
@@ -143,14 +142,10 @@ contains
       associate (known => self%law%known(i), pair => pairs%list(i))
         smaller = min(pair%upper_radius, pair%lower_radius)
         if (.not. smaller > 0.0_real64) smaller = max(pair%upper_radius, pair%lower_radius)
-        if (outcome%of_contacts(i, 1) > 0.0_real64 .and. &
-            scale(self%distance, -4 * pairs%length_power) > &
-            smaller * (warning_kinds(of_range)%limit + 1.0e-9_real64)) &
-          call add_warning(outcome%warnings, of_range, &
-                    scale(self%distance, -4 * pairs%length_power) / smaller, contacts=1)
-        if (known%model /= model_dmt .or. .not. outcome%of_contacts(i, 1) > 0.0_real64) cycle
-        if (known%tabor > warning_kinds(of_tabor)%limit) &
-          call add_warning(outcome%warnings, of_tabor, known%tabor, contacts=1)
+        if (.not. outcome%of_contacts(i, 1) > 0.0_real64) cycle
+        call warn_above(outcome%warnings, of_range, &
+                        scale(self%distance, -4 * pairs%length_power) / smaller, 1)
+        if (known%model == model_dmt) call warn_above(outcome%warnings, of_tabor, known%tabor, 1)
       end associate
     end do
   end subroutine warn_of_limits
@@ -200,21 +195,5 @@ contains
       end associate
     end do
   end subroutine pull_off_compressions
-
-  !> Sum of the least loads of the contacts between two compressions, on unloading. Contacts are
-  !> independent, so it is a lower bound of the load; without adhesion the load is larger.
-  function least_load(self, pairs, low, high) result(load)
-    class(adhesion_effect), intent(in) :: self  !! adhesion with its history
-    type(contact_pairs), intent(in) :: pairs    !! pairs of the position
-    real(real64), intent(in) :: low, high       !! compressions, low <= high
-    real(real64) :: load
-    integer :: i
-
-    load = 0.0_real64
-    do i = 1, size(pairs%list)
-      load = load + self%law%least_load(pairs%list(i), i, low - pairs%list(i)%gap, &
-                                        high - pairs%list(i)%gap, pairs%vertical)
-    end do
-  end function least_load
 
 end module asperity_adhesion

@@ -16,7 +16,7 @@ module asperity_creep
   use asperity_scene_values, only: body_compliance, effect_auto, effect_boundary, hold_load, &
                                    most_relaxations, scene
   use asperity_theory_warnings, only: add_warning, of_creep_strain, of_relaxing, of_shrinking, &
-                                      of_unlike_bodies, warning_kinds
+                                      of_unlike_bodies, warn_above
   use asperity_viscoelastic_solid, only: creep_compliance, history_of, keep_load, &
                                          relaxation_ratio, relaxing_solid, solid_of_scene, &
                                          solid_step, step_over
@@ -192,14 +192,12 @@ contains
     type(contact_pairs), intent(in) :: pairs
     type(contact_state), intent(in) :: state
     type(effect_outcome), intent(inout) :: outcome
-    real(real64) :: strain, to_come
+    real(real64) :: to_come
     integer :: i
 
     do i = 1, size(pairs%list)
-      strain = strain_per_radius * self%softer_share * &
-               state%answers(i)%contact_radius / pairs%list(i)%radius
-      if (strain > warning_kinds(of_creep_strain)%limit) &
-        call add_warning(outcome%warnings, of_creep_strain, strain, contacts=1)
+      call warn_above(outcome%warnings, of_creep_strain, strain_per_radius * self%softer_share * &
+                      state%answers(i)%contact_radius / pairs%list(i)%radius, 1)
     end do
     if (state%time > 0.0_real64 .and. self%unlike > self%tolerance) &
       call add_warning(outcome%warnings, of_unlike_bodies, self%unlike)

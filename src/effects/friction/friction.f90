@@ -17,10 +17,10 @@
 !> Within the assumptions of Hertz and Mindlin this is exact for the actual path. N is taken as
 !> proportional to W**1.5; for another law the shares of stick and slip are those of Hertz' law.
 module asperity_friction
-  use asperity_contact_effect, only: force, length, plain
   use asperity_contact_law, only: contact_response
   use asperity_contact_pairs, only: contact_pair
   use asperity_decimal, only: decimal_to_real64
+  use asperity_effect_header, only: area, column_name, force, length, plain, stiffness
   use asperity_gauss_rule, only: gauss_node, gauss_points, gauss_weight
   use asperity_kinds, only: real64
   use asperity_scene_values, only: scene
@@ -28,7 +28,7 @@ module asperity_friction
   private
 
   public :: rubbing, solve_friction, stiffness_ratio_of, tangential_stiffness_ratio
-  public :: slip_contact_columns, slip_contact_powers, slip_state_columns, slip_state_powers
+  public :: slip_contact_columns, slip_state_columns
 
   !> Friction of one contact. Zeros where it does not touch.
   type :: rubbing
@@ -48,18 +48,14 @@ module asperity_friction
 
   !> Columns of a contact under a tangential load, the same for asperities and pixels: its share of
   !> the load, the area that sticks.
-  character(len=*), parameter :: slip_contact_columns(2) = &
-    [character(len=20) :: 'shear_load', 'stick_area']
+  type(column_name), parameter :: slip_contact_columns(2) = [ &
+    column_name('shear_load', force(1), force(2)), column_name('stick_area', area(1), area(2))]
   !> Columns of the last state; `slides` is 1 in complete sliding.
-  character(len=*), parameter :: slip_state_columns(5) = [character(len=24) :: 'tangential_load', &
-    'tangential_displacement', 'tangential_stiffness', 'stick_area', 'slides']
-
-  integer, parameter :: stiffness(2) = [1, 1], area(2) = [0, 2]
-  !> Powers of the modulus and of the length in the units of the columns of a contact.
-  integer, parameter :: slip_contact_powers(2, 2) = reshape([force, area], [2, 2])
-  !> Powers of the modulus and of the length in the units of the columns of a state.
-  integer, parameter :: slip_state_powers(2, 5) = &
-    reshape([force, length, stiffness, area, plain], [2, 5])
+  type(column_name), parameter :: slip_state_columns(5) = [ &
+    column_name('tangential_load', force(1), force(2)), &
+    column_name('tangential_displacement', length(1), length(2)), &
+    column_name('tangential_stiffness', stiffness(1), stiffness(2)), &
+    column_name('stick_area', area(1), area(2)), column_name('slides', plain(1), plain(2))]
 
 contains
 
@@ -108,7 +104,7 @@ contains
     real(real64), intent(in) :: kappa               !! tangential over normal stiffness
     real(real64), intent(in) :: coefficient         !! coefficient of friction mu >= 0
     type(rubbing), intent(out) :: rubbed            !! friction of the contact
-    real(real64) :: mu, z, centres, sine, cosine, slope, share, stuck, load, rate
+    real(real64) :: mu, z, centres, sine, cosine, slope, share, stuck, load, outward, rate
 
     if (.not. (penetration > 0.0_real64 .and. response%load > 0.0_real64)) return
     mu = min(coefficient, largest_coefficient)
@@ -121,7 +117,10 @@ contains
     stuck = stuck_penetration(pair, penetration, kappa, mu)
     if (stuck > 0.0_real64) then
       share = 1.0_real64
-      if (stuck < penetration) share = min(share, overlap_ratio(pair, stuck, penetration))
+      ! Overlap at the stuck penetration over that at the whole one.
+      if (stuck < penetration) share = min(share, &
+        (stuck / penetration) * ((pair%zc + (pair%zc - stuck)) / (pair%zc + z)) * &
+        ((pair%s + centres) / (pair%s + sqrt(pair%d**2 + (pair%zc - stuck)**2))))
       load = response%load * share * sqrt(share)
       rubbed%tangential_load = kappa * mean_slope(pair, stuck) * load
       ! Complete stick has no term with mu, which may be huge.
@@ -137,7 +136,12 @@ contains
     rubbed%slip_annulus = 1.0_real64 - share
 
     rubbed%vertical_load = response%vertical_load + rubbed%tangential_load * sine
-    call push_sideways(pair, response%load * sine - rubbed%tangential_load * cosine, rubbed)
+    ! The force in plan is > 0 from the lower centre to the upper one.
+    outward = response%load * sine - rubbed%tangential_load * cosine
+    if (pair%d > 0.0_real64) then
+      rubbed%lateral_x = outward * ((pair%upper_x - pair%lower_x) / pair%d)
+      rubbed%lateral_y = outward * ((pair%upper_y - pair%lower_y) / pair%d)
+    end if
     ! Derivatives: dN/dp of the law, dT/dp = 8 G c dU/dp + mu (dN/dp - 2 E c dW/dp).
     rate = (response%stiffness + response%load * sine**2 / centres) / cosine
     rate = rate * share * kappa * slope + merge(rate * (1.0_real64 - share) * mu, 0.0_real64, &
@@ -193,18 +197,6 @@ contains
     end if
   end function atanh_ratio
 
-  ! Overlap at the penetration p1 over that at p2.
-  pure function overlap_ratio(pair, p1, p2) result(ratio)
-    type(contact_pair), intent(in) :: pair
-    real(real64), intent(in) :: p1, p2
-    real(real64) :: ratio, z1, z2
-
-    z1 = pair%zc - p1
-    z2 = pair%zc - p2
-    ratio = (p1 / p2) * ((pair%zc + z1) / (pair%zc + z2)) * &
-            ((pair%s + sqrt(pair%d**2 + z2**2)) / (pair%s + sqrt(pair%d**2 + z1**2)))
-  end function overlap_ratio
-
   ! Mean of d/z over the load, from first touch to P. With p = P t**2 and W = p (zc + z)/(s + D)
   ! the integrand is smooth. Error of ten points: 1e-14 for P up to zc/4, 2e-10 up to zc/2.
   pure function mean_slope(pair, p) result(mean)
@@ -221,16 +213,5 @@ contains
     last = (pair%s + sqrt(pair%d**2 + last**2)) / (pair%zc + last)
     mean = 3.0_real64 * pair%d * last * sqrt(last) * total
   end function mean_slope
-
-  ! Sets the force in plan, > 0 from the lower centre to the upper one.
-  pure subroutine push_sideways(pair, outward, rubbed)
-    type(contact_pair), intent(in) :: pair
-    real(real64), intent(in) :: outward
-    type(rubbing), intent(inout) :: rubbed
-
-    if (.not. pair%d > 0.0_real64) return
-    rubbed%lateral_x = outward * ((pair%upper_x - pair%lower_x) / pair%d)
-    rubbed%lateral_y = outward * ((pair%upper_y - pair%lower_y) / pair%d)
-  end subroutine push_sideways
 
 end module asperity_friction

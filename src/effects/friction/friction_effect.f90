@@ -3,7 +3,7 @@ module asperity_friction_effect
   use asperity_contact_effect, only: contact_effect, effect_column, effect_outcome, force, &
                                      moment, plain
   use asperity_contact_law, only: contact_response
-  use asperity_contact_pairs, only: contact_pair, contact_pairs
+  use asperity_contact_pairs, only: contact_pairs
   use asperity_contact_state, only: contact_state
   use asperity_friction, only: rubbing, solve_friction, stiffness_ratio_of
   use asperity_kinds, only: real64
@@ -117,7 +117,13 @@ contains
     sliding = 0
     do i = 1, size(pairs%list)
       if (.not. penetration(i) > 0.0_real64) cycle
-      call along_normal(pairs%list(i), penetration(i), answers(i), pressed)
+      pressed = answers(i)
+      ! Boundary elements have vertical loads only.
+      if (.not. pressed%cosine < 1.0_real64) then
+        pressed%cosine = (pairs%list(i)%zc - penetration(i)) / &
+                         sqrt(pairs%list(i)%d**2 + (pairs%list(i)%zc - penetration(i))**2)
+        pressed%load = pressed%vertical_load / pressed%cosine
+      end if
       call solve_friction(pairs%list(i), penetration(i), pressed, self%kappa, self%coefficient, &
                           rubbed)
       associate (pair => pairs%list(i))
@@ -134,21 +140,5 @@ contains
     end do
     outcome%of_state = [frictionless, real(sliding, real64), -rig]
   end subroutine add_friction
-
-  ! The response with the load normal to the contact. Boundary elements have vertical loads only.
-  pure subroutine along_normal(pair, penetration, answer, pressed)
-    type(contact_pair), intent(in) :: pair
-    real(real64), intent(in) :: penetration
-    type(contact_response), intent(in) :: answer
-    type(contact_response), intent(out) :: pressed
-    real(real64) :: centres, cosine
-
-    pressed = answer
-    if (answer%cosine < 1.0_real64) return
-    centres = sqrt(pair%d**2 + (pair%zc - penetration)**2)
-    cosine = (pair%zc - penetration) / centres
-    pressed%cosine = cosine
-    pressed%load = answer%vertical_load / cosine
-  end subroutine along_normal
 
 end module asperity_friction_effect

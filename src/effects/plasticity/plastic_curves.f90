@@ -64,7 +64,7 @@ contains
     real(real64), intent(out) :: slope        !! slope d ratio/dx
     real(real64), intent(out) :: widening     !! contact radius over that of Hertz
     real(real64), intent(out) :: peak         !! greatest over average pressure, estimated
-    real(real64) :: elastic, plastic, step, step_slope, factor
+    real(real64) :: elastic, plastic, step, step_slope, t, factor
 
     ratio = 1.0_real64
     slope = 0.0_real64
@@ -72,7 +72,10 @@ contains
     peak = 1.5_real64
     if (.not. x > departure) return
     call published_terms(curve, x, elastic, plastic, slope)
-    call smooth_step(x, step, step_slope)
+    ! Cubic step from 0 at the departure to 1 where the published fits begin.
+    t = min(1.0_real64, max(0.0_real64, (x - departure) / (joined - departure)))
+    step = t * t * (3.0_real64 - 2.0_real64 * t)
+    step_slope = 6.0_real64 * t * (1.0_real64 - t) / (joined - departure)
     factor = (1.0_real64 - step) / curve%start + step
     ratio = (elastic + plastic) * factor
     slope = slope * factor + &
@@ -159,17 +162,6 @@ contains
              hardness / x * (exp(-growth) * growth * (5.0_real64 / 9.0_real64) - &
                              0.5_real64 * grown))
   end subroutine published_terms
-
-  ! Cubic step from 0 at the departure to 1 where the published fits begin.
-  pure subroutine smooth_step(x, step, slope)
-    real(real64), intent(in) :: x
-    real(real64), intent(out) :: step, slope
-    real(real64) :: t
-
-    t = min(1.0_real64, max(0.0_real64, (x - departure) / (joined - departure)))
-    step = t * t * (3.0_real64 - 2.0_real64 * t)
-    slope = 6.0_real64 * t * (1.0_real64 - t) / (joined - departure)
-  end subroutine smooth_step
 
   ! Work between two logarithms of x, by Gauss' rule.
   pure real(real64) function panel_work(curve, low, high)

@@ -54,7 +54,7 @@ contains
     real(real64), intent(in) :: penetration         !! vertical, past first touch; less than zc
     type(contact_response), intent(out) :: response !! loads, radius, pressure, stiffness
     type(plastic_scale) :: curve
-    real(real64) :: critical, largest
+    real(real64) :: along, critical, largest, peak, ratio, slope, widening
 
     call self%elastic%respond(pair, number, penetration, response)
     if (.not. response%overlap > 0.0_real64) return
@@ -68,7 +68,13 @@ contains
       call unload_contact(self%elastic%modulus, pair, curve, critical, largest, penetration, &
                           response)
     else
-      call load_first(pair, curve, critical, penetration, response)
+      call loading_curve(curve, response%overlap / critical, ratio, slope, widening, peak)
+      along = response%load * (1.5_real64 * ratio / response%overlap + slope / critical)
+      response%load = response%load * ratio
+      response%contact_radius = response%contact_radius * widening
+      response%maximum_pressure = response%maximum_pressure * &
+                                  (peak / 1.5_real64) * ratio / widening**2
+      call set_vertical_parts(pair, penetration, along, response)
     end if
   end subroutine respond_plastic
 
@@ -98,23 +104,6 @@ contains
                                 (1.0_real64 - past%residual) / (load_power + 1.0_real64))
     past%residual = past%residual * largest
   end subroutine past_of_contact
-
-  ! Turns the response of Hertz' law into that of first loading beyond the onset.
-  pure subroutine load_first(pair, curve, critical, penetration, response)
-    type(contact_pair), intent(in) :: pair
-    type(plastic_scale), intent(in) :: curve
-    real(real64), intent(in) :: critical, penetration
-    type(contact_response), intent(inout) :: response
-    real(real64) :: ratio, slope, widening, peak, along
-
-    call loading_curve(curve, response%overlap / critical, ratio, slope, widening, peak)
-    along = response%load * (1.5_real64 * ratio / response%overlap + slope / critical)
-    response%load = response%load * ratio
-    response%contact_radius = response%contact_radius * widening
-    response%maximum_pressure = response%maximum_pressure * &
-                                (peak / 1.5_real64) * ratio / widening**2
-    call set_vertical_parts(pair, penetration, along, response)
-  end subroutine load_first
 
   ! Turns the response of Hertz' law into that of unloading from the largest overlap.
   pure subroutine unload_contact(modulus, pair, curve, critical, largest, penetration, response)

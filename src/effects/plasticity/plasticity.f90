@@ -16,8 +16,7 @@ module asperity_plasticity
   use asperity_plastic_curves, only: departure
   use asperity_plastic_law, only: past_of_contact, plastic_law, plastic_past
   use asperity_scene_values, only: criterion_hardy, scene
-  use asperity_theory_warnings, only: add_warning, of_flow_depth, of_unloading_depth, &
-                                      of_yield_strain, warning_kinds
+  use asperity_theory_warnings, only: of_flow_depth, of_unloading_depth, of_yield_strain, warn_above
   implicit none
   private
 
@@ -151,28 +150,18 @@ contains
       ! w_c/R = (pi C Sy/(2 E))**2.
       strain = sqrt(self%law%critical(i) / pairs%list(i)%radius) / (0.5_real64 * pi * &
                                                                     self%law%constraint)
-      call check_range(of_yield_strain, strain)
+      call warn_above(outcome%warnings, of_yield_strain, strain, 1)
       if (.not. past%flowed) cycle
       if (overlap >= self%law%largest(i)) then
         flowing = flowing + 1
-        call check_range(of_flow_depth, overlap / self%law%critical(i))
+        call warn_above(outcome%warnings, of_flow_depth, overlap / self%law%critical(i), 1)
       else
-        call check_range(of_unloading_depth, self%law%largest(i) / self%law%critical(i))
+        call warn_above(outcome%warnings, of_unloading_depth, &
+                        self%law%largest(i) / self%law%critical(i), 1)
       end if
     end do
     outcome%of_state = [elastic_load, real(flowing, real64), work, flattening]
-
-  contains
-
-    ! Warns of a contact beyond the range of the fits; rounding is no reason.
-    subroutine check_range(warning, found)
-      integer, intent(in) :: warning
-      real(real64), intent(in) :: found
-
-      if (found > warning_kinds(warning)%limit * (1.0_real64 + 1.0e-9_real64)) &
-        call add_warning(outcome%warnings, warning, found, contacts=1)
-    end subroutine check_range
-
+    outcome%dissipated_work = work
   end subroutine finish_plasticity
 
   ! Overlap at which the material of a contact first yields; huge: it never yields.
