@@ -32,16 +32,7 @@ module asperity_map_error
   implicit none
   private
 
-  public :: estimate_pixel_errors, growth_of_slope, pixel_errors
-
-  !> Estimated errors; `not_computed`: unknown.
-  type :: pixel_errors
-    real(real64) :: level = not_computed  !! of the separation at the load [length]
-    real(real64) :: load = not_computed   !! of the load at the separation
-    real(real64) :: area = not_computed   !! of the contact area
-    real(real64) :: gap = not_computed       !! of the mean gap [length]
-    real(real64) :: pressure = not_computed  !! of the greatest pressure
-  end type pixel_errors
+  public :: estimate_pixel_errors, growth_of_slope
 
   ! Error over the difference by half the pixels at first order, with the factor 3 of Roache (1994);
   ! 1 at second order (derived; test: rough maps in test/regression/test_pixel_errors.py).
@@ -61,9 +52,11 @@ module asperity_map_error
 
 contains
 
-  !> Estimates the errors of a solution. Nothing is known of a map that is too small, or whose
-  !> halves cannot be solved.
-  subroutine estimate_pixel_errors(map, laws, history, answer, patches, state, by_load, errors)
+  ! Long: the errors have one argument each.
+  !> Estimates the errors of a solution. Nothing is known, and both are unchanged, where a map is
+  !> too small, or its halves cannot be solved.
+  subroutine estimate_pixel_errors(map, laws, history, answer, patches, state, by_load, of_total, &
+                                   other_errors)
     type(height_map), intent(in) :: map         !! map without plastic deformation
     type(map_laws), intent(in) :: laws          !! what acts on the pixels
     type(map_history), intent(in) :: history    !! attraction or memory of this solution
@@ -71,10 +64,13 @@ contains
     type(map_patch), intent(in) :: patches(:)   !! patches of its pressures
     type(state_row), intent(in) :: state        !! totals of this solution
     logical, intent(in) :: by_load              !! the load is prescribed, else the separation
-    type(pixel_errors), intent(out) :: errors   !! errors of this solution
+    !> of the load over the load or, under a prescribed one, of the separation over the compression
+    real(real64), intent(inout) :: of_total
+    !> relative, of area, mean gap and greatest pressure; `not_computed`: unknown
+    real(real64), intent(inout) :: other_errors(3)
     type(map_answer) :: elastic
     type(map_laws) :: its_laws
-    real(real64) :: difference(5), growth
+    real(real64) :: area, difference(5), growth, pressure
     logical :: is_known
 
     elastic = answer
@@ -92,17 +88,23 @@ contains
     if (.not. is_known) return
     growth = growth_of_slope(map)
     if (growth > 0.0_real64) difference = first_order * difference
-    errors%area = max(difference(3), 0.5_real64 * sum(patches%rim), growth * state%area)
+    area = max(difference(3), 0.5_real64 * sum(patches%rim), growth * state%area)
     if (allocated(laws%attraction)) then
-      errors%area = max(errors%area, error_of_rims(map, history%adhesion%contact_pressure))
+      area = max(area, error_of_rims(map, history%adhesion%contact_pressure))
     else
-      errors%area = max(errors%area, error_of_rims(map, answer%pressure))
+      area = max(area, error_of_rims(map, answer%pressure))
     end if
-    if (.not. growth > 0.0_real64) errors%pressure = state%greatest_pressure * max( &
-      errors%area / state%area, difference(5) / max(maxval(elastic%pressure), tiny(difference)))
-    errors%gap = difference(4)
-    if (by_load) errors%level = difference(1)
-    if (.not. by_load) errors%load = difference(2) * answer%load / elastic%load
+    other_errors(1) = area / state%area
+    other_errors(2) = difference(4) / max(state%mean_gap, difference(4), tiny(area))
+    if (.not. growth > 0.0_real64) then
+      pressure = state%greatest_pressure * max( &
+        area / state%area, difference(5) / max(maxval(elastic%pressure), tiny(difference)))
+      other_errors(3) = max(0.0_real64, pressure) / &
+                        max(state%greatest_pressure, pressure, tiny(area))
+    end if
+    if (by_load .and. state%compression > 0.0_real64) of_total = difference(1) / state%compression
+    if (.not. by_load .and. abs(answer%load) > 0.0_real64) &
+      of_total = difference(2) * answer%load / elastic%load / abs(answer%load)
   end subroutine estimate_pixel_errors
 
   ! Solves the four maps of every second pixel of a map, and compares the totals: level, load, area,

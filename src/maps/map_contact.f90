@@ -13,6 +13,7 @@ module asperity_map_contact
   use asperity_interruption, only: interruption
   use asperity_kinds, only: int64, real64
   use asperity_line_transform, only: bytes_of_plans
+  use asperity_map_resolution, only: take_heights
   use asperity_problems, only: not_enough_memory
   use asperity_process, only: has_memory
   use asperity_solve_ending, only: solve_ending
@@ -259,26 +260,21 @@ contains
   !> a little less than twice as wide.
   pure type(height_map) function half_map(map) result(half)
     type(height_map), intent(in) :: map  !! any; a single row stays one
+    real(real64) :: height((map%columns + 1) / 2, (map%rows + 1) / 2)
     integer :: i, j, n
 
-    half%columns = (map%columns + 1) / 2
-    half%rows = (map%rows + 1) / 2
-    half%pixel_spacing = merge(2, 1, shape(map%height) > 1) * map%pixel_spacing
-    half%periodic = map%periodic
-    half%strip_axis = map%strip_axis
-    where ([map%repeats(1), map%repeats(2)]) half%pixel_spacing = map%pixel_spacing * &
-      shape(map%height) / [half%columns, half%rows]
-    allocate (half%height(half%columns, half%rows), source=no_height)
-    do j = 1, size(half%height, 2)
-      do i = 1, size(half%height, 1)
+    height = no_height
+    do j = 1, size(height, 2)
+      do i = 1, size(height, 1)
         associate (four => map%height(2 * i - 1:min(2 * i, size(map%height, 1)), &
                                       2 * j - 1:min(2 * j, size(map%height, 2))))
           n = count(is_measured(four))
-          if (n > 0) half%height(i, j) = &
+          if (n > 0) height(i, j) = &
             0.5_real64 * (sum(four, mask=is_measured(four)) / n + maxval(four))
         end associate
       end do
     end do
+    call take_heights(map, merge(2.0_real64, 1.0_real64, shape(map%height) > 1), height, half)
   end function half_map
 
 end module asperity_map_contact

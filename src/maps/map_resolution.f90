@@ -5,7 +5,7 @@ module asperity_map_resolution
   implicit none
   private
 
-  public :: doubled_map, every_pixel
+  public :: doubled_map, every_pixel, take_heights
 
 contains
 
@@ -19,7 +19,7 @@ contains
 
     begin = 1
     if (present(first)) begin = first
-    call take_heights(map, real(step, real64), map%height(begin(1)::step, begin(2)::step), &
+    call take_heights(map, real([step, step], real64), map%height(begin(1)::step, begin(2)::step), &
                       coarse)
   end function every_pixel
 
@@ -28,15 +28,16 @@ contains
   pure type(height_map) function doubled_map(map) result(fine)
     type(height_map), intent(in) :: map  !! map of any size
 
-    call take_heights(map, 0.5_real64, doubled_lines(transpose(doubled_lines( &
+    call take_heights(map, [0.5_real64, 0.5_real64], doubled_lines(transpose(doubled_lines( &
       transpose(map%height), map%repeats(2))), map%repeats(1)), fine)
   end function doubled_map
 
-  ! Makes a map with other heights, at a ratio of its spacing to that of the map they are from.
+  !> Makes a map with other heights. A periodic map keeps its lengths.
   pure subroutine take_heights(map, ratio, height, changed)
-    type(height_map), intent(in) :: map
-    real(real64), intent(in) :: ratio, height(:, :)
-    type(height_map), intent(out) :: changed
+    type(height_map), intent(in) :: map          !! map that the heights are from
+    real(real64), intent(in) :: ratio(2)         !! of its spacing to that of this map
+    real(real64), intent(in) :: height(:, :)     !! heights by column and row
+    type(height_map), intent(out) :: changed     !! map of these heights
 
     allocate (changed%height, source=height)
     changed%columns = size(height, 1)

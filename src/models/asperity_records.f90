@@ -195,43 +195,33 @@ contains
     type(contact_pairs), intent(in) :: pairs
     type(contact_state), intent(in) :: state
     integer, intent(in) :: i
+    type(contact_response) :: at_limit
+    real(real64), parameter :: rounding = 8 * epsilon(1.0_real64)
 
     associate (pair => pairs%list(i), answer => state%answers(i))
       contact = seen_contact( &
         area_no=i, upper=pair%upper, lower=pair%lower, x=pair%x, y=pair%y, &
-        limit_exceeded=is_at_limit(scene_in, pairs, state, i), average_pressure=0.0_real64, &
-        penetration=state%penetration(i), &
+        average_pressure=0.0_real64, penetration=state%penetration(i), &
         upper_radius=pair%upper_radius, lower_radius=pair%lower_radius, &
         upper_height=pair%upper_height, lower_height=pair%lower_height, &
         contact_radius=answer%contact_radius, overlap=answer%overlap, d=pair%d, &
         z=pair%zc - state%penetration(i), area=pi * answer%contact_radius**2, load=answer%load, &
         vertical_load=answer%vertical_load, cosine=answer%cosine, &
         maximum_pressure=answer%maximum_pressure)
+      if (contact%area > 0.0_real64) contact%average_pressure = contact%load / contact%area
+      if (scene_in%limit%criterion == criterion_none .or. &
+          pair%limit > 0.5_real64 * huge(1.0_real64)) return
+      ! A contact is at its limit where its load or greatest pressure is that of the contact law at
+      ! the penetration of the limit.
+      call state%law%respond(pair, i, pair%limit, at_limit)
+      if (scene_in%limit%criterion == criterion_load) then
+        contact%limit_exceeded = answer%load >= at_limit%load * (1.0_real64 - rounding)
+      else
+        contact%limit_exceeded = answer%maximum_pressure >= &
+                                 at_limit%maximum_pressure * (1.0_real64 - rounding)
+      end if
     end associate
-    if (contact%area > 0.0_real64) contact%average_pressure = contact%load / contact%area
   end function contact_of
-
-  ! Whether a contact is at its limit: its load or greatest pressure is that of the contact law at
-  ! the penetration of the limit.
-  logical function is_at_limit(scene_in, pairs, state, i)
-    type(scene), intent(in) :: scene_in
-    type(contact_pairs), intent(in) :: pairs
-    type(contact_state), intent(in) :: state
-    integer, intent(in) :: i
-    type(contact_response) :: at_limit
-    real(real64), parameter :: rounding = 8 * epsilon(1.0_real64)
-
-    is_at_limit = .false.
-    if (scene_in%limit%criterion == criterion_none) return
-    if (pairs%list(i)%limit > 0.5_real64 * huge(1.0_real64)) return
-    call state%law%respond(pairs%list(i), i, pairs%list(i)%limit, at_limit)
-    if (scene_in%limit%criterion == criterion_load) then
-      is_at_limit = state%answers(i)%load >= at_limit%load * (1.0_real64 - rounding)
-    else
-      is_at_limit = state%answers(i)%maximum_pressure >= &
-                    at_limit%maximum_pressure * (1.0_real64 - rounding)
-    end if
-  end function is_at_limit
 
   ! Appends the values of the effects for the contacts of a state to those of the former states.
   subroutine add_contact_values(pairs, effects, state, outcomes, result)

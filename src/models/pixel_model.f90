@@ -15,7 +15,7 @@ module asperity_pixel_model
   use asperity_kinds, only: int64, not_computed, real64
   use asperity_map_caps, only: placed_caps
   use asperity_map_contact, only: map_answer, most_load, room_to_press
-  use asperity_map_error, only: estimate_pixel_errors, growth_of_slope, pixel_errors
+  use asperity_map_error, only: estimate_pixel_errors, growth_of_slope
   use asperity_map_fields, only: measure_fields, take_field
   use asperity_map_form, only: find_form_contact
   use asperity_map_interface, only: interface_columns, measure_interface
@@ -174,6 +174,7 @@ contains
     character(len=:), allocatable, intent(out) :: failure
     type(path_step), allocatable :: hold(:)
     real(real64) :: most
+    integer :: kept
 
     self%map => self%model%first_map
     if (allocated(self%moved)) self%map => self%moved
@@ -193,7 +194,11 @@ contains
         steps = [steps, hold]
       end if
       self%states = size(steps)
-      call check_room(model, self%states, failure)
+      kept = merge(self%states, 1, model%fields == fields_all)
+      if (model%fields == fields_none .or. has_memory( &
+          room_to_press(model%first_map) + room_of_fields(model%work, kept))) return
+      failure = not_enough_memory // ' for the fields of ' // decimal_text(kept) // ' state'
+      if (kept > 1) failure = failure // 's, expected those of the last state alone'
     end associate
   end subroutine list_pixel_steps
 
@@ -398,7 +403,6 @@ contains
     ! Relative errors of area, mean gap and greatest pressure; `not_computed`: unknown.
     real(real64), intent(out) :: other_errors(3)
     type(theory_warning), allocatable, intent(inout) :: warnings(:)
-    type(pixel_errors) :: errors
     real(real64) :: area_error
     character(len=32) :: whose
 
@@ -414,16 +418,7 @@ contains
       if (.not. allocated(model%laws%hardness) .or. &
           answer%load >= maxval(result%states%load) * (1.0_real64 - load_rounding)) &
         call estimate_pixel_errors(self%map, model%laws, self%history, answer, self%patches, &
-                                   state, by_load, errors)
-      if (errors%area > not_computed) other_errors = &
-        [errors%area, errors%gap, max(0.0_real64, errors%pressure)] / &
-        [state%area, max(state%mean_gap, errors%gap, tiny(errors%gap)), &
-         max(state%greatest_pressure, errors%pressure, tiny(errors%gap))]
-      if (.not. errors%pressure > not_computed) other_errors(3) = not_computed
-      if (errors%load > not_computed .and. abs(answer%load) > 0.0_real64) &
-        result%error_estimate = errors%load / abs(answer%load)
-      if (errors%level > not_computed .and. state%compression > 0.0_real64) &
-        result%error_estimate = errors%level / state%compression
+                                   state, by_load, result%error_estimate, other_errors)
     end associate
     if (result%error_estimate > self%model%tolerance) &
       call add_warning(warnings, of_error, result%error_estimate)
@@ -432,23 +427,6 @@ contains
     if (growth_of_slope(self%map) > 0.0_real64) whose = 'it is rough at their size'
     call warn_above(warnings, of_resolution, area_error, whose=whose)
   end subroutine estimate_errors
-
-  ! Reports fields for which there is no memory beside that of the solver.
-  subroutine check_room(model, number, failure)
-    class(pixel_model), intent(in) :: model
-    integer, intent(in) :: number  ! of states
-    character(len=:), allocatable, intent(out) :: failure
-    integer :: states
-
-    if (model%fields == fields_none) return
-    states = merge(number, 1, model%fields == fields_all)
-    if (.not. has_memory(room_to_press(model%first_map) + &
-                         room_of_fields(model%work, states))) then
-      failure = not_enough_memory // ' for the fields of ' // decimal_text(states) // ' states'
-      if (states == 1) failure = failure(:len(failure) - 1)
-      if (states > 1) failure = failure // ', expected those of the last state alone'
-    end if
-  end subroutine check_room
 
   ! Warns of patches beyond yield or the limit, and of strains beyond the linear theory.
   subroutine warn_of_patches(self, warnings)

@@ -211,7 +211,13 @@ contains
         if (allocated(scene_in%map) .and. .not. position%error_estimate > not_computed) &
           errors%model = 1.0_real64
         do i = 1, size(position%states)
-          errors%load = max(errors%load, load_error(position%states(i)))
+          associate (state => position%states(i))
+            ! Relative difference of the load to the requested one.
+            if (state%prescribed /= prescribed_nothing .and. &
+                abs(state%prescribed_load) > 0.0_real64) errors%load = max(errors%load, &
+              abs(merge(state%vertical_load, state%load, state%prescribed == prescribed_vertical) &
+                  / state%prescribed_load - 1.0_real64))
+          end associate
         end do
         if (allocated(position%effects)) then
           do e = 1, size(position%effects)
@@ -247,18 +253,6 @@ contains
     end function largest_estimate
 
   end function errors_of_run
-
-  ! Relative difference of the load of a state to the requested one.
-  pure real(real64) function load_error(state)
-    type(state_row), intent(in) :: state
-
-    load_error = 0.0_real64
-    if (state%prescribed == prescribed_nothing .or. &
-        .not. abs(state%prescribed_load) > 0.0_real64) return
-    load_error = abs(merge(state%vertical_load, state%load, &
-                           state%prescribed == prescribed_vertical) / &
-                 state%prescribed_load - 1.0_real64)
-  end function load_error
 
   !> Total error of loads and separation, of the area, or the larger one.
   pure real(real64) function total_error(errors, total)

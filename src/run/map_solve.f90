@@ -348,7 +348,9 @@ contains
     type(state_row) :: increased, last
     type(theory_warning), allocatable :: warnings(:)
     real(real64) :: stiffness
+    character(len=32) :: forbids
     character(len=:), allocatable :: why
+    integer :: i
 
     last = last_state(results%positions(1))
     if (.not. last%vertical_load > 0.0_real64) then
@@ -379,7 +381,14 @@ contains
     if (allocated(failure)) return
     associate (position => results%positions(1), check => results%map, &
                tolerance => scene_in%effects%number('tolerance'))
-      call warn_of_shares(check%shares, tolerance, warnings, forbids_boundary(scene_in))
+      ! Another effect, or the control, excludes interaction = 'boundary'.
+      forbids = ''
+      if (scene_in%loading%control == control_limit) forbids = 'not with control = ''limit'''
+      do i = 1, size(known_effects)
+        if (scene_in%effects%modes(i) /= effect_off .and. known_effects(i)%name /= 'interaction') &
+          forbids = 'not with ' // known_effects(i)%name
+      end do
+      call warn_of_shares(check%shares, tolerance, warnings, forbids)
       ! Unknown where the compression is below the rounding of the heights, and of the order of the
       ! load of the summits where the map has none at this separation.
       position%error_estimate = 1.0_real64
@@ -398,19 +407,5 @@ contains
       call take_worse(position%warnings, warnings, size(position%states))
     end associate
   end subroutine check_summits
-
-  ! The name that rules out interaction = 'boundary': another effect, or the control; '': none.
-  pure function forbids_boundary(scene_in) result(name)
-    type(scene), intent(in) :: scene_in
-    character(len=32) :: name
-    integer :: i
-
-    name = ''
-    if (scene_in%loading%control == control_limit) name = 'not with control = ''limit'''
-    do i = 1, size(known_effects)
-      if (scene_in%effects%modes(i) /= effect_off .and. known_effects(i)%name /= 'interaction') &
-        name = 'not with ' // known_effects(i)%name
-    end do
-  end function forbids_boundary
 
 end module asperity_map_solve

@@ -95,13 +95,27 @@ contains
     type(contact_pairs), intent(in) :: pairs        !! pairs of the position
     type(contact_state), intent(inout) :: state     !! gets the law and the loads with adhesion
     type(effect_outcome), intent(inout) :: outcome  !! gets columns and warnings
+    real(real64) :: distance, smaller
+    integer :: i
 
     if (allocated(state%law)) deallocate (state%law)
     allocate (state%law, source=self%law)
     call answer_all(pairs, state)
     call self%leave_out(pairs, state, outcome)
     outcome%simulated = 'on'
-    call warn_of_limits(self, pairs, outcome)
+    ! The pull-off force of Derjaguin, Muller and Toporov exceeds that of Maugis near its limit.
+    ! Attraction over a gap of 0.045 R acts up to 0.3 R from the axis, where a sphere deviates from
+    ! a paraboloid.
+    distance = scale(self%distance, -4 * pairs%length_power)
+    do i = 1, size(pairs%list)
+      if (.not. outcome%of_contacts(i, 1) > 0.0_real64) cycle
+      associate (known => self%law%known(i), pair => pairs%list(i))
+        smaller = min(pair%upper_radius, pair%lower_radius)
+        if (.not. smaller > 0.0_real64) smaller = max(pair%upper_radius, pair%lower_radius)
+        call warn_above(outcome%warnings, of_range, distance / smaller, 1)
+        if (known%model == model_dmt) call warn_above(outcome%warnings, of_tabor, known%tabor, 1)
+      end associate
+    end do
   end subroutine apply_adhesion
 
   !> Sets the columns, also where adhesion is left out: they need the penetrations only.
@@ -127,28 +141,6 @@ contains
     outcome%of_state = [real(adhering, real64), &
                         real(count(state%answers%load < 0.0_real64), real64), pull]
   end subroutine leave_out
-
-  ! The pull-off force of Derjaguin, Muller and Toporov exceeds that of Maugis near its limit.
-  ! Attraction over a gap of 0.045 R acts up to 0.3 R from the axis, where a sphere deviates from a
-  ! paraboloid.
-  subroutine warn_of_limits(self, pairs, outcome)
-    class(adhesion_effect), intent(in) :: self
-    type(contact_pairs), intent(in) :: pairs
-    type(effect_outcome), intent(inout) :: outcome
-    real(real64) :: smaller
-    integer :: i
-
-    do i = 1, size(pairs%list)
-      associate (known => self%law%known(i), pair => pairs%list(i))
-        smaller = min(pair%upper_radius, pair%lower_radius)
-        if (.not. smaller > 0.0_real64) smaller = max(pair%upper_radius, pair%lower_radius)
-        if (.not. outcome%of_contacts(i, 1) > 0.0_real64) cycle
-        call warn_above(outcome%warnings, of_range, &
-                        scale(self%distance, -4 * pairs%length_power) / smaller, 1)
-        if (known%model == model_dmt) call warn_above(outcome%warnings, of_tabor, known%tabor, 1)
-      end associate
-    end do
-  end subroutine warn_of_limits
 
   !> Begins a position without adhering contacts.
   subroutine begin_adhesion(self, pairs)
