@@ -23,10 +23,12 @@ contains
     type(height_map), intent(in) :: map          !! at least one pixel measured
     type(map_answer), intent(in) :: answer       !! of this map, with its displacement
     type(state_row), intent(inout) :: state      !! gets the four numbers
+    logical :: touches(map%columns, map%rows)
     real(real64) :: energy, gap, perimeter, squares, total
     integer(int64) :: measured
     integer :: i, j
 
+    touches = touching_pixels(answer)
     measured = 0_int64
     total = 0.0_real64
     squares = 0.0_real64
@@ -35,8 +37,7 @@ contains
     do j = 1, map%rows
       do i = 1, map%columns
         if (.not. is_measured(map%height(i, j))) cycle
-        gap = local_gap(map%height(i, j), answer%displacement(i, j), is_touching(answer, i, j), &
-                        answer%level)
+        gap = local_gap(map%height(i, j), answer%displacement(i, j), touches(i, j), answer%level)
         measured = measured + 1_int64
         total = total + gap
         squares = squares + gap**2
@@ -62,7 +63,7 @@ contains
       is_rim = .false.
       if (beside == 0 .or. above == 0) return
       if (is_measured(map%height(beside, above))) &
-        is_rim = is_touching(answer, i, j) .neqv. is_touching(answer, beside, above)
+        is_rim = touches(i, j) .neqv. touches(beside, above)
     end function is_rim
 
   end subroutine measure_fields
@@ -73,7 +74,6 @@ contains
     type(map_answer), intent(in) :: answer     !! of this map, with its displacement
     integer, intent(in) :: number              !! of the state
     type(contact_field), intent(inout) :: field  !! its unit is set
-    integer :: i, j
 
     field%state = number
     field%columns = map%columns
@@ -85,27 +85,22 @@ contains
     field%pressure = merge(answer%pressure, not_computed, is_measured(map%height))
     field%displacement = merge(answer%displacement, not_computed, is_measured(map%height))
     field%gap = field%pressure
-    do j = 1, map%rows
-      do i = 1, map%columns
-        if (is_measured(map%height(i, j))) field%gap(i, j) = &
-          local_gap(map%height(i, j), answer%displacement(i, j), is_touching(answer, i, j), &
-                    answer%level)
-      end do
-    end do
+    where (is_measured(map%height)) field%gap = local_gap( &
+      map%height, answer%displacement, touching_pixels(answer), answer%level)
   end subroutine take_field
 
-  ! Whether a pixel is in contact.
-  pure logical function is_touching(answer, i, j)
+  ! Whether each pixel is in contact.
+  pure function touching_pixels(answer) result(touches)
     type(map_answer), intent(in) :: answer
-    integer, intent(in) :: i, j
+    logical :: touches(size(answer%pressure, 1), size(answer%pressure, 2))
 
-    is_touching = answer%pressure(i, j) > 0.0_real64
-    if (allocated(answer%touches)) is_touching = answer%touches(i, j)
-  end function is_touching
+    touches = answer%pressure > 0.0_real64
+    if (allocated(answer%touches)) touches = answer%touches
+  end function touching_pixels
 
   ! Gap of the deformed surfaces. The solver leaves at most its tolerance of it in contact, and at
   ! most that below 0: both are set to 0.
-  pure real(real64) function local_gap(height, displacement, is_closed, level) result(gap)
+  elemental real(real64) function local_gap(height, displacement, is_closed, level) result(gap)
     real(real64), intent(in) :: height, displacement, level
     logical, intent(in) :: is_closed
 

@@ -64,18 +64,13 @@ contains
     low = huge(low)
     high = -huge(high)
     do j = 1, map%rows
-      sums = 0.0_real64
-      do i = 1, map%columns
-        z = map%height(i, j)
-        if (.not. is_measured(z)) cycle
-        number = number + 1_int64
-        sums(1) = sums(1) + i
-        sums(2) = sums(2) + j
-        sums(3) = sums(3) + z
-        low = min(low, z)
-        high = max(high, z)
-      end do
-      mean = mean + sums(1:3)
+      associate (row => map%height(:, j), measured => is_measured(map%height(:, j)))
+        number = number + count(measured)
+        mean = mean + [sum([(real(i, real64), i=1, map%columns)], measured), &
+                       real(j, real64) * count(measured), sum(row, measured)]
+        low = min(low, minval(row, measured))
+        high = max(high, maxval(row, measured))
+      end associate
     end do
     mean = mean / real(number, real64)
     slope = 0.0_real64
@@ -99,11 +94,8 @@ contains
       where (abs(slope) * [map%columns, map%rows] < rounding * (high - low)) slope = 0.0_real64
     end if
     do j = 1, map%rows
-      do i = 1, map%columns
-        if (is_measured(map%height(i, j))) &
-          map%height(i, j) = map%height(i, j) - (mean(3) + slope(1) * (i - mean(1)) + &
-                                                 slope(2) * (j - mean(2)))
-      end do
+      where (is_measured(map%height(:, j))) map%height(:, j) = map%height(:, j) - &
+        (mean(3) + slope(1) * ([(i, i=1, map%columns)] - mean(1)) + slope(2) * (j - mean(2)))
     end do
   end subroutine take_plane
 

@@ -96,13 +96,8 @@ contains
     measured = 0_int64
     mean = 0.0_real64
     do j = 1, map%rows
-      row_sum = 0.0_real64
-      do i = 1, map%columns
-        if (.not. is_measured(map%height(i, j))) cycle
-        measured = measured + 1_int64
-        row_sum = row_sum + map%height(i, j)
-      end do
-      mean = mean + row_sum
+      measured = measured + count(is_measured(map%height(:, j)))
+      mean = mean + sum(map%height(:, j), is_measured(map%height(:, j)))
     end do
     mean = mean / real(measured, real64)
     found%missing = found%samples - measured

@@ -328,6 +328,7 @@ contains
     type(path_step), intent(in) :: steps(:)
     type(position_result), intent(inout) :: result
     character(len=:), allocatable, intent(out) :: failure
+    integer :: last
 
     associate (state => self%found%state, pairs => self%pairs)
       if (pairs%keeps_solution .and. allocated(state%solution)) then
@@ -339,30 +340,22 @@ contains
           call mark_crowded(pairs, state%compression, controlled_load(pairs, state), result%start)
         end if
       end if
-      if (only_grows(steps)) call compare_at_load(pairs, self%effects, self%found, &
-                                                  result%effects, failure)
+      last = size(steps)
+      do while (last > 1 .and. steps(last)%control == held_load)
+        last = last - 1
+      end do
+      ! The last state is under a requested load and follows no larger one: the memory of effects on
+      ! unloading is not that of fewer effects.
+      if (steps(last)%load > 0.0_real64 .and. steps(last)%load < no_load .and. &
+          steps(size(steps))%control /= held_distance .and. &
+          all(steps(:last)%load <= steps(last)%load .or. steps(:last)%load >= no_load)) &
+        call compare_at_load(pairs, self%effects, self%found, result%effects, failure)
     end associate
     ! Without a state of fewer effects under the load there is no comparison.
     if (allocated(failure)) then
       if (index(failure, not_enough_memory) == 0) deallocate (failure)
     end if
   end subroutine compare_effects
-
-  ! Whether the last state is under a requested load and follows no larger one: the memory of
-  ! effects on unloading is not that of fewer effects.
-  pure logical function only_grows(steps)
-    type(path_step), intent(in) :: steps(:)
-    integer :: last
-
-    last = size(steps)
-    do while (last > 1 .and. steps(last)%control == held_load)
-      last = last - 1
-    end do
-    only_grows = steps(last)%load > 0.0_real64 .and. steps(last)%load < no_load .and. &
-                 steps(size(steps))%control /= held_distance
-    if (only_grows) only_grows = all(steps(:last)%load <= steps(last)%load .or. &
-                                     steps(:last)%load >= no_load)
-  end function only_grows
 
   ! Whether the state is that of its compression and a time, with all effects. The search for a load
   ! on loading leaves out effects that act in time.

@@ -1,6 +1,6 @@
 !> The effects of a scene on the pixels of a map: what acts on them, and their columns.
 module asperity_pixel_effects
-  use asperity_attraction_law, only: attraction_law, new_attraction, pixel_steepness
+  use asperity_attraction_law, only: new_attraction, pixel_steepness
   use asperity_effect_header, only: add_columns, add_effect, area, begin_header, column_name, &
                                     effect_column, effect_header, force, moment, plain
   use asperity_friction, only: slip_contact_columns, slip_state_columns
@@ -36,7 +36,7 @@ contains
       if (has_hardness(scene_in)) laws%hardness = effects%number('plastic_hardness')
       if (effects%mode('adhesion') /= effect_off .and. &
           effects%number('work_of_adhesion') > 0.0_real64) then
-        laws%attraction = attraction_of(scene_in)
+        laws%attraction = new_attraction(scene_in)
         steepness = pixel_steepness(laws%attraction, pixel, laws%modulus)
         if (steepness > steepest) &
           failure = 'the pixels are too wide for the range of adhesion: found a spacing of ' // &
@@ -54,20 +54,11 @@ contains
 
     associate (maps => scene_in%map)
       is_resolved = pixel_steepness( &
-        attraction_of(scene_in), &
+        new_attraction(scene_in), &
         maxval([maps%lower%pixel_spacing, maps%upper%pixel_spacing]), &
         combined_modulus(scene_in)) <= steepest
     end associate
   end function is_attraction_resolved
-
-  ! Attraction of a scene.
-  type(attraction_law) function attraction_of(scene_in) result(law)
-    type(scene), intent(in) :: scene_in
-
-    law = new_attraction(nint(scene_in%effects%number('adhesion_law')), &
-                         scene_in%effects%number('work_of_adhesion'), &
-                         scene_in%effects%number('equilibrium_distance'))
-  end function attraction_of
 
   !> Names the columns of a map that is solved on its pixels, beside those of contacts.
   subroutine name_map_columns(scene_in, header)

@@ -75,11 +75,9 @@ contains
     type(scene), intent(in) :: scene_in  !! scene, checked for faults
     integer :: i
 
-    may_have_fields = has_field_grid(scene_in) .and. scene_in%motion%positions == 1
-    do i = 1, size(other_pressures)
-      may_have_fields = may_have_fields .and. &
-                        scene_in%effects%mode(trim(other_pressures(i))) == effect_off
-    end do
+    may_have_fields = has_field_grid(scene_in) .and. scene_in%motion%positions == 1 .and. &
+      all([(scene_in%effects%mode(trim(other_pressures(i))) == effect_off, &
+            i=1, size(other_pressures))])
   end function may_have_fields
 
   !> Solves the one position of a scene and adds its fields to the results, where they are kept.

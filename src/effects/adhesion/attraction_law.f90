@@ -12,6 +12,7 @@
 module asperity_attraction_law
   use asperity_effect_names, only: law_exponential
   use asperity_kinds, only: real64
+  use asperity_scene_values, only: scene
   implicit none
   private
 
@@ -29,14 +30,14 @@ module asperity_attraction_law
 
 contains
 
-  !> Makes the law of a work of adhesion and an equilibrium distance.
-  pure type(attraction_law) function new_attraction(form, work, distance) result(law)
-    integer, intent(in) :: form            !! `law_exponential` or `law_van_der_waals`
-    real(real64), intent(in) :: work       !! work of adhesion [force/length], > 0
-    real(real64), intent(in) :: distance   !! equilibrium distance z0 [length], > 0
+  !> Makes the law of a scene with a work of adhesion > 0.
+  type(attraction_law) function new_attraction(scene_in) result(law)
+    type(scene), intent(in) :: scene_in  !! scene with checked values
 
-    law = attraction_law(form=form, work=work, reach=distance)
-    if (form == law_exponential) law%reach = exponential_range * distance
+    law%form = nint(scene_in%effects%number('adhesion_law'))
+    law%work = scene_in%effects%number('work_of_adhesion')
+    law%reach = scene_in%effects%number('equilibrium_distance')
+    if (law%form == law_exponential) law%reach = exponential_range * law%reach
   end function new_attraction
 
   !> Attraction s [pressure] at a gap; at a gap below 0 that of contact.

@@ -32,8 +32,8 @@ module asperity_contact_rings
   !> Memory of the rings of one contact, from its centre to the largest rim.
   type :: contact_rings
     real(real64), allocatable :: overlap(:)      !! overlap w of first contact, ascending from 0
-    real(real64), allocatable :: displacement(:)  !! displacement without force that recovers
-    real(real64), allocatable :: relaxing(:, :)  !! (term, ring): parts of the force that relax
+    !> (1, ring): displacement without force that recovers; then parts of the force that relax
+    real(real64), allocatable :: memory(:, :)
     real(real64) :: last = 0.0_real64            !! overlap at the last state
   end type contact_rings
 
@@ -84,7 +84,7 @@ contains
 
     if (.not. allocated(rings%overlap)) then
       if (.not. overlap > 0.0_real64) return
-      allocate (rings%overlap(0), rings%displacement(0), rings%relaxing(step%terms, 0))
+      allocate (rings%overlap(0), rings%memory(1 + step%terms, 0))
       call add_ring(rings, 0, 0.0_real64)
     end if
     n = size(rings%overlap)
@@ -104,7 +104,7 @@ contains
     allocate (forces(size(rings%overlap)), source=0.0_real64)
     if (overlap > 0.0_real64) forces = max(0.0_real64, forces_of(rings, step, overlap))
     do j = 1, size(forces)
-      call keep_load(step, forces(j), rings%displacement(j), rings%relaxing(:, j))
+      call keep_load(step, forces(j), rings%memory(1, j), rings%memory(2:, j))
     end do
     rings%last = overlap
   end subroutine keep_rings
@@ -115,26 +115,22 @@ contains
     type(contact_rings), intent(inout) :: rings
     integer, intent(in) :: n
     real(real64), intent(in) :: overlap
-    real(real64) :: displacement, part, relaxing(size(rings%relaxing, 1))
+    real(real64) :: memory(size(rings%memory, 1)), part
     integer :: last
 
-    displacement = 0.0_real64
-    relaxing = 0.0_real64
+    memory = 0.0_real64
     last = size(rings%overlap)
     if (n < last) then
       if (overlap < rings%overlap(last)) then
         part = (overlap - rings%overlap(n)) / (rings%overlap(n + 1) - rings%overlap(n))
-        displacement = rings%displacement(n) + &
-                       part * (rings%displacement(n + 1) - rings%displacement(n))
-        relaxing = rings%relaxing(:, n) + part * (rings%relaxing(:, n + 1) - rings%relaxing(:, n))
+        memory = rings%memory(:, n) + part * (rings%memory(:, n + 1) - rings%memory(:, n))
       else
         last = n
       end if
     end if
     rings%overlap = [rings%overlap(:n), overlap, rings%overlap(n + 1:last)]
-    rings%displacement = [rings%displacement(:n), displacement, rings%displacement(n + 1:last)]
-    rings%relaxing = reshape([rings%relaxing(:, :n), relaxing, rings%relaxing(:, n + 1:last)], &
-                             [size(relaxing), last + 1])
+    rings%memory = reshape([rings%memory(:, :n), memory, rings%memory(:, n + 1:last)], &
+                           [size(memory), last + 1])
   end subroutine add_ring
 
   ! Forces of the rings at an overlap, below 0 where a ring has left contact.
@@ -147,7 +143,7 @@ contains
 
     do j = 1, size(forces)
       forces(j) = step%gain * (overlap - rings%overlap(j)) + &
-                  history_of(step, rings%displacement(j), rings%relaxing(:, j))
+                  history_of(step, rings%memory(1, j), rings%memory(2:, j))
     end do
   end function forces_of
 

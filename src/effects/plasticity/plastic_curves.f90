@@ -12,7 +12,7 @@ module asperity_plastic_curves
   private
 
   public :: plastic_scale, set_scale, loading_curve, unloading_shape
-  public :: loading_work, plasticity_index, departure
+  public :: loading_work, departure
 
   !> Overlap x up to which the load is that of Hertz (Jackson and Green 2005). Test:
   !> plasticity_suite.
@@ -125,18 +125,6 @@ contains
       low = high
     end do
   end function loading_work
-
-  !> The plasticity index (E/H) sqrt(sigma/R) of Greenwood and Williamson 1966 (Proc. R. Soc. A
-  !> 295, 300). Below 0.6 contacts are elastic but at very large pressures; above 1 some contacts
-  !> are plastic at any pressure.
-  elemental real(real64) function plasticity_index(deviation, radius, modulus, hardness)
-    real(real64), intent(in) :: deviation  !! standard deviation of the summit heights
-    real(real64), intent(in) :: radius     !! radius of the summits, unit of the deviation
-    real(real64), intent(in) :: modulus    !! combined modulus E
-    real(real64), intent(in) :: hardness   !! hardness H, unit of the modulus
-
-    plasticity_index = (modulus / hardness) * sqrt(deviation / radius)
-  end function plasticity_index
 
   ! The two terms of the published load over that of Hertz, and the slope of their sum. `radius` is
   ! the contact radius over R, `hardness` the limit H/Sy of the average pressure for it.

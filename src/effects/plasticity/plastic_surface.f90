@@ -1,10 +1,11 @@
 !> The plasticity index of the surfaces of a scene (Greenwood and Williamson 1966, Proc. R. Soc. A
-!> 295, 300): above 1 summits are plastic at practical loads.
+!> 295, 300): below 0.6 contacts are elastic but at very large pressures; above 1 some contacts are
+!> plastic at any pressure.
 module asperity_plastic_surface
   use asperity_constants, only: pi
   use asperity_decimal, only: decimal_to_real64
   use asperity_kinds, only: real64
-  use asperity_plastic_curves, only: departure, plasticity_index
+  use asperity_plastic_curves, only: departure
   use asperity_scene_values, only: combined_modulus, criterion_greenwood_williamson, &
                                    criterion_hardy, criterion_load, criterion_pressure, scene
   implicit none
@@ -29,7 +30,7 @@ contains
     radius = combined_radius(scene_in)
     hardness = surface_hardness(scene_in)
     if (.not. (hardness > 0.0_real64 .and. radius > 0.0_real64)) return
-    found = plasticity_index(deviation, radius, combined_modulus(scene_in), hardness)
+    found = (combined_modulus(scene_in) / hardness) * sqrt(deviation / radius)
     if (.not. found <= huge(found)) found = -1.0_real64
   end function surface_index
 
