@@ -33,6 +33,7 @@ contains
     ! Bytes of the numbers of each asperity, with temporary copies, and of those in the search,
     ! whose higher levels repeat an eighth of them.
     integer(int64), parameter :: bytes_each = 128
+    real(real64) :: moduli(2), nu(2)
     integer :: asperities
 
     asperities = size(scene_in%upper%x) + size(scene_in%lower%x)
@@ -41,8 +42,18 @@ contains
       return
     end if
     call place_surfaces(scene_in, placed)
-    call combine_moduli(scene_in, placed, failure)
-    if (allocated(failure)) return
+    ! The combined modulus: that of the scene, or from the moduli of both surfaces.
+    placed%modulus = decimal_to_real64(scene_in%contact_modulus)
+    if (.not. placed%modulus > 0.0_real64) then
+      moduli = decimal_to_real64([scene_in%upper%elastic_modulus, scene_in%lower%elastic_modulus])
+      nu = decimal_to_real64([scene_in%upper%poisson_ratio, scene_in%lower%poisson_ratio])
+      ! Smaller moduli have a compliance that overflows.
+      if (.not. all(moduli > 4 * tiny(nu))) failure = out_of_range
+      if (allocated(failure)) return
+      placed%modulus = 1.0_real64 / sum((1.0_real64 - nu) * (1.0_real64 + nu) / moduli)
+    end if
+    placed%modulus_power = exponent_of_16(placed%modulus)
+    placed%modulus = scale(placed%modulus, -4 * placed%modulus_power)
     call place_loading(scene_in, placed)
     call place_limit(scene_in%limit, placed)
     call check_range(placed, scene_in%loading%value%all_digits /= 0_int64, failure)
@@ -156,26 +167,6 @@ contains
     if (upper) slope = -slope
     h = h + (x * slope(1) + y * slope(2))
   end subroutine level_surface
-
-  ! The combined modulus: that of the scene, or from the moduli of both surfaces.
-  subroutine combine_moduli(scene_in, placed, failure)
-    type(scene), intent(in) :: scene_in
-    type(placed_scene), intent(inout) :: placed
-    character(len=:), allocatable, intent(inout) :: failure
-    real(real64) :: moduli(2), nu(2)
-
-    placed%modulus = decimal_to_real64(scene_in%contact_modulus)
-    if (.not. placed%modulus > 0.0_real64) then
-      moduli = decimal_to_real64([scene_in%upper%elastic_modulus, scene_in%lower%elastic_modulus])
-      nu = decimal_to_real64([scene_in%upper%poisson_ratio, scene_in%lower%poisson_ratio])
-      ! Smaller moduli have a compliance that overflows.
-      if (.not. all(moduli > 4 * tiny(nu))) failure = out_of_range
-      if (allocated(failure)) return
-      placed%modulus = 1.0_real64 / sum((1.0_real64 - nu) * (1.0_real64 + nu) / moduli)
-    end if
-    placed%modulus_power = exponent_of_16(placed%modulus)
-    placed%modulus = scale(placed%modulus, -4 * placed%modulus_power)
-  end subroutine combine_moduli
 
   ! A length of the scene in the unit of length.
   real(real64) function length_of(value, placed) result(length)

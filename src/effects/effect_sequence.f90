@@ -136,6 +136,10 @@ contains
     type(contact_state), intent(in) :: state       !! contacts without effects
     type(effect_choice), intent(inout) :: choice   !! last choice of these effects; the new one
 
+    integer :: order(size(effects)), i, number
+    logical :: is_open(size(effects))
+    real(real64) :: tolerance
+
     if (allocated(choice%is_simulated)) then
       if (.not. (abs(choice%compression - state%compression) > 0.0_real64 .or. &
                  abs(choice%time - state%time) > 0.0_real64)) return
@@ -143,72 +147,41 @@ contains
     call drop_choice(choice)
     choice%compression = state%compression
     choice%time = state%time
+    choice%tolerance = 1.0_real64
     if (size(effects) > 0) choice%number = choice%number + 1
     allocate (choice%is_simulated(size(effects)), choice%outcomes(size(effects)))
-    call choose_by_estimates(pairs, effects, state, choice%outcomes, choice%is_simulated, &
-                             choice%tolerance)
-  end subroutine choose_effects
-
-  !> Drops the last choice, as estimates depend on the states that effects keep.
-  subroutine drop_choice(choice)
-    type(effect_choice), intent(inout) :: choice  !! without a last choice; its number stays
-
-    if (allocated(choice%is_simulated)) deallocate (choice%is_simulated, choice%outcomes)
-  end subroutine drop_choice
-
-  ! Chooses effects by their estimates.
-  subroutine choose_by_estimates(pairs, effects, state, outcomes, is_chosen, left)
-    type(contact_pairs), intent(in) :: pairs
-    type(effect_box), intent(in) :: effects(:)
-    type(contact_state), intent(in) :: state
-    type(effect_outcome), intent(inout) :: outcomes(:)
-    logical, intent(out) :: is_chosen(:)  ! whether each effect is simulated
-    real(real64), intent(out) :: left     ! tolerance of the simulated effects
-    integer :: order(size(effects)), i, number
-    real(real64) :: tolerance
-
-    tolerance = 1.0_real64
-    left = 1.0_real64
-    number = 0
-    do i = 1, size(effects)
-      associate (effect => effects(i)%effect)
-        is_chosen(i) = effect%mode /= effect_auto
-        if (is_chosen(i)) cycle
-        tolerance = min(tolerance, effect%tolerance)
-        outcomes(i)%estimate = effect%estimate(pairs, state)
-        ! A hold has states because loading ended with an effect that acts in time.
-        is_chosen(i) = effect%acts_in_time .and. state%time > 0.0_real64
-        if (.not. is_chosen(i)) call insert_effect(i)
-      end associate
-    end do
-    if (number == 0) return
-    call drop_smallest(tolerance)
-    do i = 1, number
-      if (is_chosen(order(i)) .and. effects(order(i))%effect%approximates) then
+    associate (outcomes => choice%outcomes, is_chosen => choice%is_simulated)
+      tolerance = 1.0_real64
+      is_open = .false.
+      do i = 1, size(effects)
+        associate (effect => effects(i)%effect)
+          is_chosen(i) = effect%mode /= effect_auto
+          if (is_chosen(i)) cycle
+          tolerance = min(tolerance, effect%tolerance)
+          outcomes(i)%estimate = effect%estimate(pairs, state)
+          ! A hold has states because loading ended with an effect that acts in time.
+          is_chosen(i) = effect%acts_in_time .and. state%time > 0.0_real64
+          is_open(i) = .not. is_chosen(i)
+        end associate
+      end do
+      ! Descending estimates; equal ones keep their order.
+      number = 0
+      do while (any(is_open))
+        number = number + 1
+        order(number) = maxloc(outcomes%estimate, 1, is_open)
+        is_open(order(number)) = .false.
+      end do
+      if (number == 0) return
+      call drop_smallest(tolerance)
+      if (any([(is_chosen(order(i)) .and. effects(order(i))%effect%approximates, i=1, number)])) &
         call drop_smallest(0.5_real64 * tolerance)
-        exit
-      end if
-    end do
-    ! At least half of the tolerance: effects that are `on` may approximate, too.
-    left = max(0.5_real64 * tolerance, tolerance - sum(outcomes%estimate, .not. is_chosen))
-    call exclude_conflicts(effects, order(:number), outcomes, is_chosen)
+      ! At least half of the tolerance: effects that are `on` may approximate, too.
+      choice%tolerance = max(0.5_real64 * tolerance, &
+                             tolerance - sum(outcomes%estimate, .not. is_chosen))
+      call exclude_conflicts(effects, order(:number), outcomes, is_chosen)
+    end associate
 
   contains
-
-    ! Inserts an effect into the order of descending estimates; equal ones keep their order.
-    subroutine insert_effect(effect)
-      integer, intent(in) :: effect
-      integer :: at
-
-      at = number
-      do while (at > 0)
-        if (outcomes(order(at))%estimate >= outcomes(effect)%estimate) exit
-        order(at + 1) = order(at)
-        at = at - 1
-      end do
-      order(at + 1) = effect
-      number = number + 1
-    end subroutine insert_effect
 
     ! Leaves out the effects with the smallest estimates while their sum is within a share.
     subroutine drop_smallest(share)
@@ -218,13 +191,22 @@ contains
 
       total = 0.0_real64
       do k = number, 1, -1
-        ! An estimate may be huge: it is not added before the comparison.
-        is_chosen(order(k)) = outcomes(order(k))%estimate > share - total
-        if (.not. is_chosen(order(k))) total = total + outcomes(order(k))%estimate
+        associate (estimate => choice%outcomes(order(k))%estimate)
+          ! An estimate may be huge: it is not added before the comparison.
+          choice%is_simulated(order(k)) = estimate > share - total
+          if (.not. choice%is_simulated(order(k))) total = total + estimate
+        end associate
       end do
     end subroutine drop_smallest
 
-  end subroutine choose_by_estimates
+  end subroutine choose_effects
+
+  !> Drops the last choice, as estimates depend on the states that effects keep.
+  subroutine drop_choice(choice)
+    type(effect_choice), intent(inout) :: choice  !! without a last choice; its number stays
+
+    if (allocated(choice%is_simulated)) deallocate (choice%is_simulated, choice%outcomes)
+  end subroutine drop_choice
 
   ! Leaves out, with a warning, effects of `auto` without a common theory with one of precedence:
   ! one that is `on` or acts in the hold, then those of `auto` by descending estimate.

@@ -38,27 +38,18 @@ contains
     real(real64), intent(in) :: pressure(:, :)  !! pressures of the solution
     real(real64), intent(out) :: values(size(interface_columns))
     real(real64), intent(in), optional :: hardness  !! largest pressure; absent: elastic
+    type(map_patch), allocatable :: patches(:)
     logical, allocatable :: carries(:, :)
     logical :: is_open(2)
+    integer :: i
 
     allocate (carries(size(pressure, 1), size(pressure, 2)), source=pressure > 0.0_real64)
     if (present(hardness)) carries = carries .and. pressure < hardness
     call find_stiffness(map, modulus, carries, values(1), values(2))
     values(3) = not_computed
     if (values(1) > not_computed) values(3) = 2.0_real64 * values(1) / modulus
-    call find_open_paths(map, pressure, is_open)
-    values(4:) = merge(1.0_real64, 0.0_real64, is_open)
-  end subroutine measure_interface
-
-  ! Finds whether pixels out of contact form a path along each axis: between both edges of the map,
-  ! or closed around a period. Pixels of a path share sides; missing ones are no part of it.
-  subroutine find_open_paths(map, pressure, is_open)
-    type(height_map), intent(in) :: map
-    real(real64), intent(in) :: pressure(:, :)
-    logical, intent(out) :: is_open(2)
-    type(map_patch), allocatable :: patches(:)
-    integer :: i
-
+    ! Pixels out of contact form a path along an axis: between both edges of the map, or closed
+    ! around a period. Pixels of a path share sides; missing ones are no part of it.
     call find_patches(map, merge(1.0_real64, 0.0_real64, is_measured(map%height) .and. &
                                  .not. pressure > 0.0_real64), patches)
     is_open = .false.
@@ -70,6 +61,7 @@ contains
                      patch%along(1) == map%rows - 1, map%repeats(2))
       end associate
     end do
-  end subroutine find_open_paths
+    values(4:) = merge(1.0_real64, 0.0_real64, is_open)
+  end subroutine measure_interface
 
 end module asperity_map_interface

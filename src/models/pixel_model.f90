@@ -235,7 +235,6 @@ contains
       call warn_of_shares(shares, model%tolerance, warnings)
       if (is_flat(map)) call add_warning(warnings, of_flat_map, 0.0_real64)
       call warn_of_patches(self, warnings)
-      if (allocated(self%caps%rise)) call warn_of_caps(self, warnings)
       if (model%steepness > resolved_steepness) &
         call add_warning(warnings, of_attraction, model%steepness / resolved_steepness)
       if (allocated(model%laws%attraction)) then
@@ -428,11 +427,13 @@ contains
     call warn_above(warnings, of_resolution, area_error, whose=whose)
   end subroutine estimate_errors
 
-  ! Warns of patches beyond yield or the limit, and of strains beyond the linear theory.
+  ! Warns of patches beyond yield or the limit, of strains beyond the linear theory, and of contacts
+  ! that are wide for their asperity, or reach its base plane.
   subroutine warn_of_patches(self, warnings)
     class(pixel_bodies), intent(in), target :: self
     type(theory_warning), allocatable, intent(inout) :: warnings(:)
     real(real64), parameter :: peak = 1.5_real64  ! greatest over average pressure of Hertz
+    real(real64) :: below
     integer :: i
 
     associate (patches => self%patches)
@@ -443,14 +444,7 @@ contains
                               patches(i)%load, warnings)
       end do
     end associate
-  end subroutine warn_of_patches
-
-  ! Warns of contacts that are wide for their asperity, or reach its base plane.
-  subroutine warn_of_caps(self, warnings)
-    class(pixel_bodies), intent(in) :: self
-    type(theory_warning), allocatable, intent(inout) :: warnings(:)
-    real(real64) :: below
-
+    if (.not. allocated(self%caps%rise)) return
     associate (caps => self%caps, is_loaded => self%answer%pressure > 0.0_real64)
       call warn_above(warnings, of_contact_radius, &
                       maxval([0.0_real64, pack(caps%slope, is_loaded)]))
@@ -458,7 +452,7 @@ contains
                       self%answer%level]) / caps%radius
     end associate
     if (below > 0.0_real64) call add_warning(warnings, of_cap, below)
-  end subroutine warn_of_caps
+  end subroutine warn_of_patches
 
   ! Sets the results of one state and its contact patches.
   subroutine fill_state(self, step, result, number)
@@ -490,10 +484,13 @@ contains
           count(.not. answer%pressure < self%model%laws%hardness)
         state%dissipated_work = self%history%plastic_work
       end if
+      ! Places are from the first pixel of the lower map; a patch that spans the map has none.
       do i = 1, size(patches)
         associate (row => rows(i), patch => patches(i))
           row = contact_row( &
-            area_no=i, upper=0, lower=i, x=from_lower(patch%x, 1), y=from_lower(patch%y, 2), &
+            area_no=i, upper=0, lower=i, &
+            x=patch%x + merge(self%origin(1), 0.0_real64, patch%x > not_computed), &
+            y=patch%y + merge(self%origin(2), 0.0_real64, patch%y > not_computed), &
             area=patch%area, projected_area=patch%area, slope=0.0_real64, load=patch%load, &
             vertical_load=patch%load, average_pressure=patch%mean, &
             maximum_pressure=patch%highest, penetration=patch%top - answer%level)
@@ -505,18 +502,6 @@ contains
     result%limit_reached = any(rows%limit_exceeded)
     if (self%keep_rows) call add_rows(result, rows, state)
     result%states(number) = state
-
-  contains
-
-    ! A place from the first pixel of the lower map; a patch that spans the map has none.
-    real(real64) function from_lower(place, axis)
-      real(real64), intent(in) :: place
-      integer, intent(in) :: axis
-
-      from_lower = place
-      if (place > not_computed) from_lower = place + self%origin(axis)
-    end function from_lower
-
   end subroutine fill_state
 
 end module asperity_pixel_model

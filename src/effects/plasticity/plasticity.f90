@@ -7,7 +7,7 @@ module asperity_plasticity
   use asperity_contact_effect, only: contact_effect, effect_column, effect_outcome, force, &
                                      length, moment, plain, relative_influence
   use asperity_contact_law, only: contact_response
-  use asperity_contact_pairs, only: contact_pair, contact_pairs
+  use asperity_contact_pairs, only: contact_pairs
   use asperity_contact_state, only: answer_all, contact_state
   use asperity_first_yield, only: yielding_factor
   use asperity_hertz_law, only: hertz_law
@@ -164,29 +164,11 @@ contains
     outcome%dissipated_work = work
   end subroutine finish_plasticity
 
-  ! Overlap at which the material of a contact first yields; huge: it never yields.
-  pure real(real64) function critical_overlap(self, pairs, pair)
-    class(plasticity_effect), intent(in) :: self
-    type(contact_pairs), intent(in) :: pairs
-    type(contact_pair), intent(in) :: pair
-    real(real64) :: strain
-
-    critical_overlap = huge(1.0_real64)
-    if (self%yield_stress > 0.0_real64) then
-      strain = 0.5_real64 * pi * self%law%constraint * &
-               (scale(self%yield_stress, -4 * pairs%modulus_power) / pairs%modulus)
-      if (strain < 1.0e150_real64) critical_overlap = pair%radius * strain**2
-    else if (pair%limit < 0.5_real64 * huge(1.0_real64)) then
-      critical_overlap = stable_overlap(pair%s, pair%d, pair%zc, pair%rest, pair%limit)
-      if (.not. self%limit_is_yield) critical_overlap = critical_overlap / departure
-    end if
-    critical_overlap = max(critical_overlap, tiny(1.0_real64))
-  end function critical_overlap
-
   !> Begins a position, whose contacts have not been loaded.
   subroutine begin_plasticity(self, pairs)
     class(plasticity_effect), intent(inout) :: self  !! plasticity, gets the law
     type(contact_pairs), intent(in) :: pairs         !! pairs of the position
+    real(real64) :: critical, strain
     integer :: i
 
     if (allocated(self%law%largest)) deallocate (self%law%largest, self%law%critical)
@@ -195,7 +177,19 @@ contains
     self%law%largest = 0.0_real64
     self%before_hold = 0.0_real64
     do i = 1, size(pairs%list)
-      self%law%critical(i) = critical_overlap(self, pairs, pairs%list(i))
+      ! Overlap at which the material first yields; huge: it never yields.
+      critical = huge(critical)
+      associate (pair => pairs%list(i))
+        if (self%yield_stress > 0.0_real64) then
+          strain = 0.5_real64 * pi * self%law%constraint * &
+                   (scale(self%yield_stress, -4 * pairs%modulus_power) / pairs%modulus)
+          if (strain < 1.0e150_real64) critical = pair%radius * strain**2
+        else if (pair%limit < 0.5_real64 * huge(critical)) then
+          critical = stable_overlap(pair%s, pair%d, pair%zc, pair%rest, pair%limit)
+          if (.not. self%limit_is_yield) critical = critical / departure
+        end if
+      end associate
+      self%law%critical(i) = max(critical, tiny(critical))
     end do
   end subroutine begin_plasticity
 
