@@ -205,16 +205,12 @@ contains
       are_finite = are_finite .and. all_finite(result%state_values)
     if (allocated(result%contact_values)) &
       are_finite = are_finite .and. all(abs(result%contact_values) <= huge(1.0_real64))
-    do i = 1, size(result%states)
-      associate (state => result%states(i))
-        are_finite = are_finite .and. &
-                     all_finite([state%approach, state%compression, state%load, &
-                             state%vertical_load, state%area, state%projected_area, &
-                             state%greatest_pressure, &
-                             state%mean_gap, state%rms_gap, state%contact_perimeter, &
-                             state%elastic_energy])
-      end associate
-    end do
+    associate (states => result%states)
+      are_finite = are_finite .and. all_finite([ &
+        states%approach, states%compression, states%load, states%vertical_load, states%area, &
+        states%projected_area, states%greatest_pressure, states%mean_gap, states%rms_gap, &
+        states%contact_perimeter, states%elastic_energy])
+    end associate
     do i = 1, result%rows_used
       associate (row => result%rows(i))
         are_finite = are_finite .and. &

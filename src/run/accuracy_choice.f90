@@ -200,7 +200,7 @@ contains
     type(scene), intent(in) :: scene_in         !! scene that was solved
     logical, intent(in) :: on_elements          !! boundary elements where Hertz is inaccurate
     type(scene_results), intent(in) :: results  !! results of the scene
-    integer :: e, i, m
+    integer :: i, m
 
     if (on_elements) errors%area = element_error
     errors%arithmetic = error_bound(scene_in, results%positions)
@@ -220,10 +220,8 @@ contains
           end associate
         end do
         if (allocated(position%effects)) then
-          do e = 1, size(position%effects)
-            if (position%effects(e)%simulated /= 'off') &
-              errors%arithmetic = max(errors%arithmetic, effect_error)
-          end do
+          if (any(position%effects%simulated /= 'off')) &
+            errors%arithmetic = max(errors%arithmetic, effect_error)
         end if
       end associate
     end do

@@ -24,11 +24,8 @@ contains
     real(real64) :: found, largest, reference
     integer :: i
 
-    largest = 0.0_real64
-    do i = 1, size(position%states)
-      if (position%states(i)%prescribed /= prescribed_nothing) &
-        largest = max(largest, abs(position%states(i)%prescribed_load))
-    end do
+    largest = maxval(abs(position%states%prescribed_load), &
+                     position%states%prescribed /= prescribed_nothing)
     do i = 1, size(position%states)
       associate (state => position%states(i))
         if (state%prescribed == prescribed_nothing) cycle

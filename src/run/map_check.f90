@@ -89,7 +89,7 @@ contains
     type(map_record), intent(out) :: check      !! differences of the summits
     character(len=:), allocatable, intent(out) :: failure  !! reason, when the map is not solved
     type(map_answer) :: at_level
-    real(real64) :: beyond, load, level
+    real(real64) :: beyond, candidate(3), change(2), halvings, load, level
 
     check%summits = size(summits%x)
     check%coarser = reference%coarser
@@ -107,7 +107,21 @@ contains
         return
       end if
       beyond = 0.0_real64
-      if (reference%coarser > 1) call extrapolate_level(reference, beyond, check%uncertain)
+      ! The level is extrapolated from coarser pixels to those of the map. A halving of the pixel
+      ! changes it by half of the last change (smooth slopes), by the last change (the same
+      ! roughness at each scale), or by a linear extrapolation of the changes. The result is the
+      ! mean of the three, its uncertainty half of their range. On 36 generated maps of 512 x 512
+      ! pixels, solved at half resolution with 0.3 to 10 % contact, the median error was 0.002 rms
+      ! heights, the largest 0.009, and 34 errors were within the uncertainty (measured).
+      if (reference%coarser > 1) then
+        change = [answer%level, answer%coarser(1)] - answer%coarser
+        halvings = log(real(reference%coarser, real64)) / log(2.0_real64)
+        candidate = change(1) * [1.0_real64 - 1.0_real64 / reference%coarser, halvings, halvings]
+        candidate(3) = candidate(2) + &
+                       (change(1) - change(2)) * 0.5_real64 * halvings * (halvings + 1)
+        beyond = sum(candidate) / 3
+        check%uncertain = 0.5_real64 * (maxval(candidate) - minval(candidate))
+      end if
       level = answer%level + beyond
       check%difference = (state%approach - level) / check%rms_height
       check%compression = maxval(map%height) - level
@@ -142,26 +156,6 @@ contains
     end function load_at
 
   end subroutine compare_with_map
-
-  ! Extrapolates the level from coarser pixels to those of the map. A halving of the pixel changes
-  ! it by half of the last change (smooth slopes), by the last change (the same roughness at each
-  ! scale), or by a linear extrapolation of the changes. The result is the mean of the three, its
-  ! uncertainty half of their range. On 36 generated maps of 512 x 512 pixels, solved at half
-  ! resolution with 0.3 to 10 % contact, the median error was 0.002 rms heights, the largest 0.009,
-  ! and 34 errors were within the uncertainty (measured).
-  pure subroutine extrapolate_level(reference, beyond, uncertain)
-    type(map_reference), intent(in) :: reference            ! reference at the load
-    real(real64), intent(out) :: beyond, uncertain
-    real(real64) :: change(2), candidate(3), halvings
-
-    change = [reference%answer%level, reference%answer%coarser(1)] - reference%answer%coarser
-    halvings = log(real(reference%coarser, real64)) / log(2.0_real64)
-    candidate(1) = change(1) * (1.0_real64 - 1.0_real64 / reference%coarser)
-    candidate(2) = change(1) * halvings
-    candidate(3) = candidate(2) + (change(1) - change(2)) * 0.5_real64 * halvings * (halvings + 1)
-    beyond = sum(candidate) / 3
-    uncertain = 0.5_real64 * (maxval(candidate) - minval(candidate))
-  end subroutine extrapolate_level
 
   ! Finds the shares of the load without summits, and the difference of the area.
   subroutine find_load_shares(map, reference, summits, area, check)

@@ -125,7 +125,8 @@ contains
     call drop_rows(results%positions(1))
   end subroutine solve_with_fields
 
-  ! Computes the fields of the last state, or of all.
+  ! Computes the fields of the last state, or of all: a plane in contact with the sum of both
+  ! elevations, as a map.
   subroutine take_fields(scene_in, of_all, upper, lower, grid, position, failure)
     type(scene), intent(in) :: scene_in
     logical, intent(in) :: of_all
@@ -133,7 +134,9 @@ contains
     type(field_grid), intent(in) :: grid
     type(position_result), intent(inout) :: position
     character(len=:), allocatable, intent(inout) :: failure
-    type(height_map) :: surfaces
+    type(height_map) :: map, surfaces
+    type(lattice_convolution) :: influence
+    type(map_answer) :: answer
     integer :: i, first
 
     first = merge(1, size(position%states), of_all)
@@ -144,10 +147,25 @@ contains
     surfaces%pixel_spacing = grid%side
     surfaces%height = sum_of(elevation_of(upper, grid), elevation_of(lower, grid))
     allocate (position%fields(size(position%states) - first + 1))
+    allocate (answer%pressure, answer%displacement, mold=surfaces%height)
+    call influence%prepare(centre_influence(surfaces%columns, surfaces%rows, 1.0_real64), &
+                           1.0_real64)
     do i = first, size(position%states)
-      call fill_field(position, i, grid, combined_modulus(scene_in), surfaces, &
-                      position%fields(i - first + 1))
-      position%fields(i - first + 1)%unit = trim(scene_in%units(1))
+      associate (field => position%fields(i - first + 1), pressure => answer%pressure)
+        map = surfaces
+        answer%level = position%states(i)%approach
+        pressure = 0.0_real64
+        call add_loads(position, i, grid, pressure, field)
+        pressure = pressure / grid%side**2
+        call influence%apply(pressure, answer%displacement)
+        answer%displacement = answer%displacement * (grid%side / combined_modulus(scene_in))
+        ! Beside a small sphere the centre of a loaded pixel may have no surface.
+        where (pressure > 0.0_real64 .and. .not. is_measured(map%height)) map%height = answer%level
+        call take_field(map, answer, i, field)
+        call measure_fields(map, answer, position%states(i))
+        field%origin = grid%low + 0.5_real64 * grid%side
+        field%unit = trim(scene_in%units(1))
+      end associate
     end do
     if (allocated(position%pressures)) deallocate (position%pressures)
   end subroutine take_fields
@@ -235,35 +253,6 @@ contains
     sum_of = no_height
     if (first > not_computed .and. second > not_computed) sum_of = first + second
   end function sum_of
-
-  ! Computes the fields of one state: a plane in contact with the sum of both elevations, as a map.
-  subroutine fill_field(position, number, grid, modulus, surfaces, field)
-    type(position_result), intent(inout) :: position  ! its state gets the gap
-    integer, intent(in) :: number                     ! number of the state
-    type(field_grid), intent(in) :: grid
-    real(real64), intent(in) :: modulus               ! combined
-    type(height_map), intent(in) :: surfaces          ! sum of both elevations
-    type(contact_field), intent(inout) :: field
-    type(lattice_convolution) :: influence
-    type(map_answer) :: answer
-    type(height_map) :: map
-
-    map = surfaces
-    answer%level = position%states(number)%approach
-    allocate (answer%pressure(map%columns, map%rows), source=0.0_real64)
-    allocate (answer%displacement, mold=answer%pressure)
-    call add_loads(position, number, grid, answer%pressure, field)
-    answer%pressure = answer%pressure / grid%side**2
-    call influence%prepare(centre_influence(map%columns, map%rows, 1.0_real64), 1.0_real64)
-    call influence%apply(answer%pressure, answer%displacement)
-    answer%displacement = answer%displacement * (grid%side / modulus)
-    ! Beside a small sphere the centre of a loaded pixel may have no surface.
-    where (answer%pressure > 0.0_real64 .and. .not. is_measured(map%height)) &
-      map%height = answer%level
-    call take_field(map, answer, number, field)
-    call measure_fields(map, answer, position%states(number))
-    field%origin = grid%low + 0.5_real64 * grid%side
-  end subroutine fill_field
 
   ! Adds the loads of all contacts of a state to the pixels.
   subroutine add_loads(position, number, grid, force, field)
