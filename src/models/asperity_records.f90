@@ -127,6 +127,7 @@ contains
     type(effect_outcome), intent(in) :: outcomes(:)
     type(position_result), intent(inout) :: result
     type(theory_warning), allocatable :: warnings(:)
+    real(real64) :: per_load
     integer :: i
 
     call set_state_values(pairs, effects, outcomes, result)
@@ -134,14 +135,26 @@ contains
     do i = 1, size(outcomes)
       result%effects(i) = outcomes(i)%effect_record
     end do
-    result%error_estimate = total_error(scene_in, outcomes)
+    ! Estimates of the effects that `auto` left out, and errors of the simulated ones.
+    per_load = merge(of_compression, 1.0_real64, is_load(scene_in%loading%control))
+    associate (total => result%error_estimate)
+      total = not_computed
+      do i = 1, size(outcomes)
+        associate (outcome => outcomes(i))
+          if (outcome%simulated == 'off' .and. outcome%estimate > not_computed) then
+            total = max(total, 0.0_real64) + per_load * outcome%estimate
+          else if (outcome%error > not_computed) then
+            total = max(total, 0.0_real64) + outcome%error
+          end if
+        end associate
+      end do
+    end associate
     ! The largest estimate, over the states, of an effect that is left out because it has no common
     ! theory with another one.
     if (allocated(result%warnings)) then
       do i = 1, size(result%warnings)
         if (result%warnings(i)%number == of_together) result%error_estimate = max( &
-          result%error_estimate, result%warnings(i)%magnitude * &
-          merge(of_compression, 1.0_real64, is_load(scene_in%loading%control)))
+          result%error_estimate, per_load * result%warnings(i)%magnitude)
       end do
     end if
     if (result%error_estimate > scene_in%effects%number('tolerance')) &
@@ -166,28 +179,6 @@ contains
     call add_without_effects(scene_in, pairs, effects, state, outcomes, size(result%states), &
                              .true., result)
   end subroutine add_nothing
-
-  ! Estimated relative error of a state: estimates of the effects that `auto` left out, and errors
-  ! of the simulated ones.
-  pure real(real64) function total_error(scene_in, outcomes) result(total)
-    type(scene), intent(in) :: scene_in
-    type(effect_outcome), intent(in) :: outcomes(:)
-    real(real64) :: per_load
-    integer :: i
-
-    total = not_computed
-    per_load = 1.0_real64
-    if (is_load(scene_in%loading%control)) per_load = of_compression
-    do i = 1, size(outcomes)
-      associate (outcome => outcomes(i))
-        if (outcome%simulated == 'off' .and. outcome%estimate > not_computed) then
-          total = max(total, 0.0_real64) + per_load * outcome%estimate
-        else if (outcome%error > not_computed) then
-          total = max(total, 0.0_real64) + outcome%error
-        end if
-      end associate
-    end do
-  end function total_error
 
   ! One contact of a state.
   type(seen_contact) function contact_of(scene_in, pairs, state, i) result(contact)

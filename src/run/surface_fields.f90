@@ -92,6 +92,7 @@ contains
     type(placed_surface) :: upper, lower
     type(field_grid) :: grid
     real(real64), allocatable :: mirror  ! not allocated: the lower surface is not mirrored
+    integer :: i
 
     if (options%fields == fields_none .or. .not. has_field_grid(scene_in)) then
       with_contacts = options
@@ -116,7 +117,18 @@ contains
     if (allocated(failure)) return
     ! Positions of other images and from files have no contacts here.
     if (.not. allocated(results%positions(1)%states)) return
-    call check_effects(results, failure)
+    ! Some effects change the pressure of Hertz.
+    if (allocated(results%effects) .and. allocated(results%positions(1)%effects)) then
+      do i = 1, size(results%effects%names)
+        associate (name => results%effects%names(i))
+          if (results%positions(1)%effects(i)%simulated /= 'off' .and. &
+              any(name == other_pressures)) &
+            failure = 'fields: the pressure of contacts with ' // trim(name) // &
+                      ' is not Hertz''s: found it simulated, expected ' // trim(name) // &
+                      ' = ''off'' or no fields'
+        end associate
+      end do
+    end if
     if (allocated(failure)) return
     call take_fields(scene_in, options%fields == fields_all, upper, lower, grid, &
                      results%positions(1), failure)
@@ -169,24 +181,6 @@ contains
     end do
     if (allocated(position%pressures)) deallocate (position%pressures)
   end subroutine take_fields
-
-  ! Refuses effects that change the pressure of Hertz.
-  subroutine check_effects(results, failure)
-    type(scene_results), intent(in) :: results
-    character(len=:), allocatable, intent(inout) :: failure
-    integer :: i
-
-    if (.not. allocated(results%effects) .or. .not. allocated(results%positions(1)%effects)) return
-    do i = 1, size(results%effects%names)
-      associate (name => results%effects%names(i))
-        if (results%positions(1)%effects(i)%simulated /= 'off' .and. &
-            any(name == other_pressures)) &
-          failure = 'fields: the pressure of contacts with ' // trim(name) // &
-                    ' is not Hertz''s: found it simulated, expected ' // trim(name) // &
-                    ' = ''off'' or no fields'
-      end associate
-    end do
-  end subroutine check_effects
 
   ! Sets a grid of whole pixels around the common rectangle of both surfaces.
   subroutine lay_grid(upper, lower, side, grid, failure, corners)

@@ -61,6 +61,8 @@ contains
     type(scene_results), intent(inout) :: results          !! results with all positions
     character(len=:), allocatable, intent(out) :: failure  !! reason, when a position is not solved
     type(kept_work) :: kept
+    type(input_file) :: inputs(3)
+    integer :: i
 
     model%keep_rows = options%keep_contacts
     model%interrupt = options%interrupt
@@ -68,39 +70,29 @@ contains
     model%progress_count = options%counted_work
     model%progress_count%of_position = max(1, model%states)
     model%nominal_area = max(decimal_to_real64(scene_in%nominal_area), results%nominal_area)
-    call name_work(scene_in, options, kept, failure)
-    if (allocated(failure)) return
-    if (results%begun < 0.0_real64) call cpu_time(results%begun)
-    call run_sweep(model, options, kept, results%positions, failure)
-  end subroutine sweep_scene
-
-  ! Identifies the work of a file of kept positions: all input files of the scene, and all options
-  ! that change the results. Every image reads the files, so that a failure occurs on all images and
-  ! no image stays in a barrier.
-  subroutine name_work(scene_in, options, kept, failure)
-    type(scene), intent(in) :: scene_in
-    type(run_options), intent(in) :: options
-    type(kept_work), intent(out) :: kept
-    character(len=:), allocatable, intent(out) :: failure
-    type(input_file) :: inputs(3)
-    integer :: i
-
     kept%path = ''
     if (allocated(options%keep_file)) kept%path = options%keep_file
     kept%piece = 'position'
     kept%heading = 'asperity ' // version
-    if (kept%path == '') return
-    kept%part = options%part
-    kept%parts = options%parts
-    if (allocated(options%more_files)) kept%more = options%more_files
-    kept%of_what = 'this scene and list of contacts'
-    call list_inputs(scene_in, inputs, failure)
-    kept%heading = kept%heading // ' solve, contacts ' // &
-                   trim(merge('kept  ', 'summed', options%keep_contacts)) // ', input'
-    do i = 1, size(inputs)
-      kept%heading = kept%heading // ' ' // inputs(i)%checksum
-    end do
-  end subroutine name_work
+    if (kept%path /= '') then
+      ! A file of kept positions is identified by all input files of the scene, and all options that
+      ! change the results. Every image reads the files, so that a failure occurs on all images and
+      ! no image stays in a barrier.
+      kept%part = options%part
+      kept%parts = options%parts
+      if (allocated(options%more_files)) kept%more = options%more_files
+      kept%of_what = 'this scene and list of contacts'
+      call list_inputs(scene_in, inputs, failure)
+      if (allocated(failure)) return
+      kept%heading = kept%heading // ' solve, contacts ' // &
+                     trim(merge('kept  ', 'summed', options%keep_contacts)) // ', input'
+      do i = 1, size(inputs)
+        kept%heading = kept%heading // ' ' // inputs(i)%checksum
+      end do
+    end if
+    if (results%begun < 0.0_real64) call cpu_time(results%begun)
+    call run_sweep(model, options, kept, results%positions, failure)
+  end subroutine sweep_scene
 
   ! Solves every position. On image 1 `positions` has all of them, in order; on other images their
   ! own. `failure` is allocated, with the position, when one cannot be solved, or when an image
