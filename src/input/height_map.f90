@@ -115,33 +115,26 @@ contains
 
   !> Adds a note where the last column or row of a periodic map repeats its first, as a period then
   !> has it twice. Where all lines are alike along an axis none is repeated.
-  pure subroutine note_repeated_line(map)
+  subroutine note_repeated_line(map)
     type(height_map), intent(inout) :: map  !! with all heights; its notes are added to
     real(real64), parameter :: rounding = 1.0e-9_real64  ! of heights, over their range (chosen)
     real(real64) :: least
 
     if (.not. map%periodic) return
     least = rounding * (maxval(map%height) - minval(map%height, is_measured(map%height)))
-    if (repeats_line(map%height(1, :), map%height(map%columns, :), map%height(2, :))) &
-      call map%notes%add_in_file('note: ' // text_of('column'))
-    if (repeats_line(map%height(:, 1), map%height(:, map%rows), map%height(:, 2))) &
-      call map%notes%add_in_file('note: ' // text_of('row'))
+    call check_line('column', map%height(1, :), map%height(map%columns, :), map%height(2, :))
+    call check_line('row', map%height(:, 1), map%height(:, map%rows), map%height(:, 2))
 
   contains
 
-    pure logical function repeats_line(first, last, second)
+    subroutine check_line(name, first, last, second)
+      character(len=*), intent(in) :: name
       real(real64), intent(in) :: first(:), last(:), second(:)
 
-      repeats_line = all(abs(first - last) <= least) .and. .not. all(abs(first - second) <= least)
-    end function repeats_line
-
-    pure function text_of(line) result(text)
-      character(len=*), intent(in) :: line
-      character(len=:), allocatable :: text
-
-      text = 'the map is periodic and its last ' // line // ' repeats its first: a period has ' // &
-             'each ' // line // ' once'
-    end function text_of
+      if (all(abs(first - last) <= least) .and. .not. all(abs(first - second) <= least)) &
+        call map%notes%add_in_file('note: the map is periodic and its last ' // name // &
+                                   ' repeats its first: a period has each ' // name // ' once')
+    end subroutine check_line
 
   end subroutine note_repeated_line
 

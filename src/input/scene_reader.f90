@@ -10,12 +10,11 @@ module asperity_scene_reader
   use asperity_namelist_text, only: skip_blanks
   use asperity_numeral, only: above_zero, any_number, not_negative
   use asperity_problems, only: decimal_text, problem_list, real_text
-  use asperity_scene_deck, only: surfaces_from_deck
   use asperity_scene_effects, only: read_effects
   use asperity_scene_fields, only: read_fields, scene_fields
   use asperity_scene_maps, only: check_map_scene
   use asperity_scene_names, only: most_values, scene_rows, scene_table
-  use asperity_scene_surfaces, only: from_csv, read_surfaces
+  use asperity_scene_surfaces, only: from_csv, read_surfaces, surfaces_from_deck
   use asperity_scene_values, only: by_word, control_compression, control_limit, control_pressure, &
                                    control_separation, control_words, &
                                    criterion_greenwood_williamson, criterion_hardy, &

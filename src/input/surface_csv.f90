@@ -196,7 +196,7 @@ contains
   end function point_hint
 
   !> Reads the header at `first`.
-  pure subroutine read_header(text, first, line, table, problems)
+  subroutine read_header(text, first, line, table, problems)
     character(len=*), intent(in) :: text            !! the whole file
     integer, intent(inout) :: first                 !! byte where it begins; left at the next line's
     integer, intent(inout) :: line                  !! its number; left at the next line's
@@ -231,7 +231,7 @@ contains
         unread = unread + 1
         if (unread <= most_named) table%others = table%others // ', ' // name
       else if (table%cell_of(role) > 0) then
-        call refuse_cell(i, 'column ' // name // ' occurs twice, expected once', problems)
+        call refuse_cell(i, 'column ' // name // ' occurs twice, expected once')
       else
         table%cell_of(role) = i
         if (all(table%cell_of == 0 .or. table%cell_of == i)) table%unit = unit
@@ -239,7 +239,7 @@ contains
         is_mixed = .true.
         call refuse_cell(i, name // ': found ' // unit_in_words(unit) // ' beside ' // &
                     unit_in_words(table%unit) // ', expected one unit for all lengths, in ' // &
-                    'each column or in none', problems)
+                    'each column or in none')
       end if
     end do
     ! A name that is nearly one of those that are missing is no other column.
@@ -251,7 +251,7 @@ contains
       if (table%cell_of(role) > 0) cycle
       table%cell_of(role) = i
       call refuse_cell(i, 'unknown column: found ' // in_quotes(name) // &
-                       did_you_mean(name, column_names), problems)
+                       did_you_mean(name, column_names))
     end do
     if (unread > 0) table%others = table%others(3:)
     if (unread > most_named) &
@@ -267,10 +267,9 @@ contains
 
   contains
 
-    pure subroutine refuse_cell(named_cell, message, problems)
+    subroutine refuse_cell(named_cell, message)
       integer, intent(in) :: named_cell
       character(len=*), intent(in) :: message
-      type(problem_list), intent(inout) :: problems
 
       call problems%add_at(cells%line, column_of(cells, named_cell), message)
     end subroutine refuse_cell

@@ -226,6 +226,7 @@ contains
     integer, intent(in) :: positions
     type(total_line), allocatable, intent(inout) :: lines(:)
     type(total_line) :: new
+    real(real64) :: mean
 
     if (size(known) == 0) return
     new%name = name
@@ -235,20 +236,12 @@ contains
       new%numbers = known(1)
     else
       new%known = 3
-      new%numbers = [maxval(known), minval(known), mean_value(known)]
+      ! A sum beyond the range of a double is not needed for the average.
+      mean = sum(known / size(known))
+      if (maxval(abs(known)) <= huge(mean) / size(known)) mean = sum(known) / size(known)
+      new%numbers = [maxval(known), minval(known), mean]
     end if
     lines = [lines, new]
   end subroutine add_line
-
-  ! The average; a sum beyond the range of a double is not needed for it.
-  pure real(real64) function mean_value(column)
-    real(real64), intent(in) :: column(:)
-
-    if (maxval(abs(column)) > huge(column) / size(column)) then
-      mean_value = sum(column / size(column))
-    else
-      mean_value = sum(column) / size(column)
-    end if
-  end function mean_value
 
 end module asperity_totals_table
