@@ -134,6 +134,7 @@ contains
         solution%failure = state%open_tree%failure
         return
       end if
+      state%open_tree%translation = set%tree%translation
       call sum_sources(state%open_tree, set%load / pi, hertz_spread(set%radius), field)
       !$omp parallel do schedule(dynamic, 64) if(n > large_set) &
       !$omp   private(i, height_after, height_before, far, shift)

@@ -9,7 +9,8 @@
 !>
 !> The translation from a mirrored offset differs by the signs of the odd terms only. Source boxes
 !> at mirrored offsets are therefore combined by parity first and share one product with the matrix:
-!> 12 products in place of 27 for one target box in a full plane.
+!> 12 products in place of 27 for one target box in a full plane. Entries of the matrices with high
+!> degrees in both boxes are nearly zero and are left out.
 module asperity_box_expansions
   use asperity_chebyshev_basis, only: chebyshev_nodes
   use asperity_kinds, only: real64
@@ -30,17 +31,24 @@ module asperity_box_expansions
   !> over an offset of columns and rows, 0 to 3, at least one of both above 1, is 4 rows + columns.
   integer, parameter, public :: m2m = 0, l2l = 1
 
-  !> Translations of expansions between boxes.
+  ! Least entry of a matrix that is kept, over its largest one (measured on 2000 and 20000 places:
+  ! sums are in error by 6e-9 and 3e-9 in the root mean square, as without it; with 1e-7 by twice
+  ! that).
+  real(real64), parameter :: least_entry = 1.0e-8_real64
+
+  !> Translations of expansions between boxes, matrices without entries that are nearly zero.
   type :: translations
     !> number of terms of an expansion, and of the first ones that are used in sums of low order
     integer :: terms = 0, low_order_terms = 0
     !> degrees in x and y of each term, ordered by the sum of their squares
     integer, allocatable :: degree_x(:), degree_y(:)
-    !> axes in which each term is odd: 1 if in x, plus 2 if in y
-    integer, allocatable :: odd_axes(:)
-    !> (source term, target term, number of the translation), for the quadrant 0 of the parent and
-    !> for offsets of 0 or more
-    real(real64), allocatable :: matrix(:, :, :)
+    !> (target term from 0, number of the translation): index of the last entry of a row, of all and
+    !> of low order; for the quadrant 0 of the parent and for offsets of 0 or more
+    integer, allocatable :: last(:, :), last_of_low_order(:, :)
+    !> of each entry: 4 for each source term before its own, and the axes in which the parities of
+    !> its source and target term differ: 1 if in x, plus 2 if in y
+    integer, allocatable :: column(:)
+    real(real64), allocatable :: entry(:)
   end type translations
 
 contains
@@ -48,57 +56,92 @@ contains
   !> Computes the terms and all translation matrices.
   subroutine prepare_translations(translation)
     type(translations), intent(out) :: translation  !! translations between boxes
-    integer, parameter :: n = (order + 1)**2
-    real(real64) :: node(2, n), t(0:order, 2, 0:2), kernel(n, n)
-    real(real64), allocatable :: coefficients(:, :), parent_values(:, :)
-    integer :: term(0:order, 0:order), a, b, column, i, row
+    integer, parameter :: n = order + 1
+    real(real64) :: t(0:order, 2, 0:2), node(n), matrix(n, n, n, n)
+    real(real64), dimension(n, n) :: coefficients, parent_values, child_terms
+    integer :: a, b, column, entries, i, row
 
-    translation%degree_x = [integer ::]
-    translation%degree_y = [integer ::]
+    allocate (translation%degree_x(0), translation%degree_y(0))
     do i = 0, order**2
       do a = 0, order
         do b = 0, order
           if (a**2 + b**2 /= i) cycle
           translation%degree_x = [translation%degree_x, a]
           translation%degree_y = [translation%degree_y, b]
-          term(a, b) = size(translation%degree_x)
         end do
       end do
       if (i == low_order_square) translation%low_order_terms = size(translation%degree_x)
     end do
     translation%terms = size(translation%degree_x)
-    translation%odd_axes = mod(translation%degree_x, 2) + 2 * mod(translation%degree_y, 2)
-    allocate (translation%matrix(translation%terms, translation%terms, 0:15), source=0.0_real64)
-    allocate (coefficients(translation%terms, n), parent_values(translation%terms, n))
-    node(1, :) = [(chebyshev_nodes(order + 1), i=0, order)]
-    node(2, :) = reshape(transpose(reshape(node(1, :), [order + 1, order + 1])), [n])
-    ! The sum over the nodes of a function times `coefficients` is its expansion.
+    allocate (translation%last(0:translation%terms, 0:15), source=0)
+    allocate (translation%last_of_low_order(translation%terms, 0:15), source=0)
+    i = 14 * translation%terms**2
+    allocate (translation%column(i), translation%entry(i))
+    entries = 0
+    node = chebyshev_nodes(n)
     do i = 1, n
-      t = chebyshev_values(0.5_real64 * (node(:, i) - 1.0_real64))
-      parent_values(:, i) = t(translation%degree_x, 1, 0) * t(translation%degree_y, 2, 0)
-      t = chebyshev_values(node(:, i)) * 2.0_real64
-      t(0, :, 0) = 1.0_real64
-      coefficients(:, i) = t(translation%degree_x, 1, 0) * t(translation%degree_y, 2, 0) / n
+      t = chebyshev_values([node(i), 0.5_real64 * (node(i) - 1.0_real64)])
+      ! The sum over the nodes of a function times these is its expansion.
+      coefficients(:, i) = t(:, 1, 0) * [1, spread(2, 1, order)] / n
+      parent_values(:, i) = t(:, 2, 0)
     end do
-    translation%matrix(:, :, l2l) = product_with_transpose(parent_values, coefficients)
-    translation%matrix(:, :, m2m) = transpose(translation%matrix(:, :, l2l))
-    !$omp parallel do private(kernel, i, row)
+    child_terms = product_with_transpose(parent_values, coefficients)
+    do i = 1, n
+      do a = 1, n
+        matrix(:, :, a, i) = spread(child_terms(:, a), 2, n) * spread(child_terms(:, i), 1, n)
+      end do
+    end do
+    call add_matrix(translation, l2l, matrix, entries)
+    call add_matrix(translation, m2m, reshape(matrix, shape(matrix), order=[3, 4, 1, 2]), entries)
     do column = 2, 3
       do row = 0, column
         do i = 1, n
-          kernel(:, i) = 1.0_real64 / hypot(node(1, :) - node(1, i) - 2 * column, &
-                                            node(2, :) - node(2, i) - 2 * row)
+          do a = 1, n
+            do b = 1, n
+              matrix(:, b, a, i) = 1.0_real64 / hypot(node - node(a) + 2 * column, &
+                                                      node(b) - node(i) + 2 * row)
+            end do
+          end do
         end do
-        associate (m2l => translation%matrix(:, :, 4 * row + column), &
-                   exchanged => [(term(translation%degree_y(i), translation%degree_x(i)), &
-                                  i=1, translation%terms)])
-          m2l = product_with_transpose(product_with_transpose(coefficients, kernel), coefficients)
-          translation%matrix(:, :, 4 * column + row) = m2l(exchanged, exchanged)
-        end associate
+        ! From values at nodes to terms, axis by axis.
+        do i = 1, 4
+          matrix = reshape(product_with_transpose(coefficients, reshape(matrix, [n**3, n])), &
+                           shape(matrix))
+        end do
+        call add_matrix(translation, 4 * row + column, matrix, entries)
+        if (row < column) call add_matrix(translation, 4 * column + row, reshape( &
+                                          matrix, shape(matrix), order=[2, 1, 4, 3]), entries)
       end do
     end do
-    !$omp end parallel do
+    translation%column = translation%column(:entries)
+    translation%entry = translation%entry(:entries)
   end subroutine prepare_translations
+
+  ! Adds the entries of a matrix by the degrees of the source in x and in y, and of the target.
+  pure subroutine add_matrix(translation, number, matrix, entries)
+    type(translations), intent(inout) :: translation
+    integer, intent(in) :: number
+    real(real64), intent(in) :: matrix(0:, 0:, 0:, 0:)
+    integer, intent(inout) :: entries   ! of all matrices so far
+    real(real64) :: least
+    integer :: i, k
+
+    least = least_entry * maxval(abs(matrix))
+    translation%last(0, number) = entries
+    do i = 1, translation%terms
+      do k = 1, translation%terms
+        associate (x => translation%degree_x([k, i]), y => translation%degree_y([k, i]))
+          if (abs(matrix(x(1), y(1), x(2), y(2))) > least) then
+            entries = entries + 1
+            translation%entry(entries) = matrix(x(1), y(1), x(2), y(2))
+            translation%column(entries) = 4 * (k - 1) + mod(sum(x), 2) + 2 * mod(sum(y), 2)
+          end if
+        end associate
+        if (k == translation%low_order_terms) translation%last_of_low_order(i, number) = entries
+      end do
+      translation%last(i, number) = entries
+    end do
+  end subroutine add_matrix
 
   ! Product of a matrix and the transpose of another one. The order of the additions is fixed, which
   ! makes the result independent of the library and of the processor.
@@ -210,35 +253,41 @@ contains
     !> y and in both; 0: none
     integer, intent(in) :: source_box(0:3, lanes)
     real(real64), contiguous, intent(inout) :: sums(:, :)    !! target expansions by lane and term
-    real(real64) :: combined(lanes, size(sums, 2), 0:3), part(size(sums, 2), 0:3), total(lanes)
-    real(real64) :: even_x(2), odd_x(2)
-    integer :: i, k, lane, q
+    ! Signed sums of the four boxes by the axes in which the parity of the target term differs.
+    real(real64) :: combined(lanes, 0:4 * size(sums, 2) - 1), total(lanes)
+    real(real64) :: part(size(sums, 2), 0:3), even(2), odd(2)
+    integer :: i, k, l, lane, last, q
 
     do lane = 1, lanes
+      if (.not. any(source_box(:, lane) > 0)) then
+        combined(lane, :) = 0.0_real64
+        cycle
+      end if
       do q = 0, 3
         part(:, q) = 0.0_real64
         if (source_box(q, lane) > 0) part(:, q) = expansion(:size(part, 1), source_box(q, lane))
       end do
-      ! Signed sums of the four boxes by the parity of the target term.
       do k = 1, size(part, 1)
-        even_x = part(k, 0:2:2) + part(k, 1:3:2)
-        odd_x = part(k, 0:2:2) - part(k, 1:3:2)
-        combined(lane, k, translation%odd_axes(k)) = even_x(1) + even_x(2)
-        combined(lane, k, ieor(1, translation%odd_axes(k))) = odd_x(1) + odd_x(2)
-        combined(lane, k, ieor(2, translation%odd_axes(k))) = even_x(1) - even_x(2)
-        combined(lane, k, ieor(3, translation%odd_axes(k))) = odd_x(1) - odd_x(2)
+        even = part(k, 0:2:2) + part(k, 1:3:2)
+        odd = part(k, 0:2:2) - part(k, 1:3:2)
+        combined(lane, 4 * k - 4) = even(1) + even(2)
+        combined(lane, 4 * k - 3) = odd(1) + odd(2)
+        combined(lane, 4 * k - 2) = even(1) - even(2)
+        combined(lane, 4 * k - 1) = odd(1) - odd(2)
       end do
     end do
     do i = 1, size(sums, 2)
       total = sums(:, i)
-      associate (odd_axes => translation%odd_axes(i), &
-                 factor => translation%matrix(:, i, matrix_number))
-        ! The number of terms is even.
-        do k = 1, size(sums, 2), 2
-          total = total + (factor(k) * combined(:, k, odd_axes) + &
-                           factor(k + 1) * combined(:, k + 1, odd_axes))
-        end do
-      end associate
+      last = translation%last(i, matrix_number)
+      if (size(sums, 2) < translation%terms) last = translation%last_of_low_order(i, matrix_number)
+      do l = translation%last(i - 1, matrix_number) + 1, last
+        associate (factor => translation%entry(l), k => translation%column(l))
+          !$omp simd
+          do lane = 1, lanes
+            total(lane) = total(lane) + factor * combined(lane, k)
+          end do
+        end associate
+      end do
       sums(:, i) = total
     end do
   end subroutine add_translated

@@ -10,8 +10,7 @@ module asperity_box_tree
   implicit none
   private
 
-  public :: build_boxes, square_box, touching_boxes, as_source, as_target, first_point, &
-            last_own_point, last_point
+  public :: build_boxes, square_box, as_source, as_target, first_point, last_own_point, last_point
 
   !> Rows of `square_box%points`: first point, last point that belongs to no child, last point.
   integer, parameter :: first_point = 1, last_own_point = 2, last_point = 3
@@ -75,10 +74,10 @@ contains
     end do
   end subroutine build_boxes
 
-  !> Indices of the boxes of the same level that touch a box, itself included.
+  ! Indices of the boxes of the same level that touch a box, itself included.
   pure function touching_boxes(box) result(touching)
-    type(square_box), intent(in) :: box   !! box with its neighbours set
-    integer, allocatable :: touching(:)   !! indices among all boxes
+    type(square_box), intent(in) :: box
+    integer, allocatable :: touching(:)
 
     touching = pack(box%neighbour(-1:1, -1:1), box%neighbour(-1:1, -1:1) > 0)
   end function touching_boxes

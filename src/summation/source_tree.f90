@@ -9,7 +9,7 @@ module asperity_source_tree
   use asperity_box_expansions, only: add_dipole, add_field, add_moments, add_translated, l2l, &
                                      lanes, m2m, prepare_translations, translations
   use asperity_box_tree, only: as_source, as_target, build_boxes, first_point, last_own_point, &
-                               last_point, square_box, touching_boxes
+                               last_point, square_box
   use asperity_kinds, only: int64, real64
   use asperity_problems, only: not_enough_memory
   use asperity_process, only: has_memory
@@ -39,6 +39,8 @@ module asperity_source_tree
     integer, allocatable :: near(:)
     !> error message if there was no memory for the tree, else not allocated
     character(:), allocatable :: failure
+    !> of expansions: the same for all trees, kept once a sum has prepared them
+    type(translations) :: translation
     ! Number of sources, which are the first points; index of the point before the first target.
     integer, private :: sources = 0, target_offset = 0
     ! In the order of the boxes: the original indices, and the points (point, column).
@@ -47,7 +49,6 @@ module asperity_source_tree
     type(square_box), allocatable, private :: boxes(:)
     ! First box of each level, and the number of boxes plus 1.
     integer, allocatable, private :: level_start(:)
-    type(translations), private :: translation
     ! (term, box): moments of the sources of a box, and expansion of the far field in it.
     real(real64), allocatable, private :: moment(:, :), field(:, :)
   end type source_tree
@@ -56,8 +57,7 @@ contains
 
   !> Sorts points into boxes and lists the sources near each target.
   subroutine build_tree(tree, x, y, reach, near_factor, sources)
-    !> the tree; the translations of one that was built earlier are used again
-    type(source_tree), intent(inout) :: tree
+    type(source_tree), intent(inout) :: tree  !! the tree; translations are kept
     real(real64), intent(in) :: x(:)         !! positions x of all points [length]
     real(real64), intent(in) :: y(:)         !! positions y of all points [length]
     real(real64), intent(in) :: reach(:)     !! reaches of all points, 0 or more [length]
@@ -90,10 +90,6 @@ contains
     call build_boxes(tree%points(:, :listed_reach), tree%sources, size(x) - tree%target_offset, &
                      tree%order, tree%boxes, tree%level_start)
     call list_near(tree)
-    if (size(tree%level_start) < 4) return
-    if (.not. allocated(tree%translation%matrix)) call prepare_translations(tree%translation)
-    allocate (tree%moment(tree%translation%terms, size(tree%boxes)), &
-              tree%field(tree%translation%terms, size(tree%boxes)))
   end subroutine build_tree
 
   ! Sets `first` and `near`: counts the near sources of every target, then lists them.
@@ -135,34 +131,33 @@ contains
     subroutine list_box(a)
       integer, intent(in) :: a
       real(real64), allocatable :: source(:, :)
-      real(real64) :: point(3), distance_squared
-      integer, allocatable :: source_index(:), near(:)
+      integer, allocatable :: is_near(:)
       integer :: i, j, k, n
 
       allocate (source, source=touching_sources(tree, a, point_index))
       if (size(source) == 0) return
-      allocate (source_index, source=int(source(:, point_index)))
-      allocate (near, source=source_index)
+      allocate (is_near(size(source, 1)))
       do i = tree%boxes(a)%points(first_point, as_target), &
              tree%boxes(a)%points(last_own_point, as_target)
         k = tree%order(i) - tree%target_offset
-        point = tree%points(i, :listed_reach)
+        if (is_listing .and. tree%first(k + 1) == tree%first(k)) cycle
         n = 0
-        ! Without a branch, which would be mispredicted: an index that is not near is overwritten
-        ! by the next one.
-        do j = 1, size(source_index)
-          near(n + 1) = source_index(j)
-          distance_squared = (source(j, listed_x) - point(listed_x))**2 + &
-                             (source(j, listed_y) - point(listed_y))**2
-          n = n + iand(merge(1, 0, distance_squared < &
-                             (source(j, listed_reach) + point(listed_reach))**2), &
-                       merge(1, 0, source_index(j) /= tree%order(i)))
+        !$omp simd reduction(+:n)
+        do j = 1, size(source, 1)
+          is_near(j) = merge(1, 0, (source(j, listed_x) - tree%points(i, listed_x))**2 + &
+                             (source(j, listed_y) - tree%points(i, listed_y))**2 < &
+                             (source(j, listed_reach) + tree%points(i, listed_reach))**2 .and. &
+                             abs(source(j, point_index) - tree%order(i)) > 0.5_real64)
+          n = n + is_near(j)
         end do
-        if (is_listing) then
-          tree%near(tree%first(k):tree%first(k + 1) - 1) = near(:n)
-        else
-          tree%first(k + 1) = n
-        end if
+        tree%first(k + 1) = merge(tree%first(k + 1), n, is_listing)
+        if (.not. is_listing) cycle
+        n = tree%first(k)
+        do j = 1, size(is_near)
+          if (is_near(j) == 0) cycle
+          tree%near(n) = int(source(j, point_index))
+          n = n + 1
+        end do
       end do
     end subroutine list_box
 
@@ -175,30 +170,32 @@ contains
     type(source_tree), intent(in) :: tree
     integer, intent(in) :: box, columns  ! index of the box; number of columns
     real(real64), allocatable :: source(:, :)
-    integer :: bounds(2, 9 * size(tree%level_start)), a, i, j, n
+    integer :: bounds(2, 9 * size(tree%level_start)), a, column, i, last, n, row
 
     n = 0
     a = box
+    last = last_point
     if (tree%boxes(a)%points(last_own_point, as_target) < &
         tree%boxes(a)%points(first_point, as_target)) a = 0
     do while (a > 0)
-      associate (touching => tree%boxes(touching_boxes(tree%boxes(a))))
-        bounds(1, n + 1:n + size(touching)) = touching%points(first_point, as_source)
-        ! Beside an ancestor only the sources that belong to none of the children: those of the
-        ! children are summed by boxes of the levels below.
-        bounds(2, n + 1:n + size(touching)) = &
-          touching%points(merge(last_point, last_own_point, a == box), as_source)
-        n = n + size(touching)
-      end associate
+      do row = -1, 1
+        do column = -1, 1
+          i = tree%boxes(a)%neighbour(column, row)
+          if (i == 0) cycle
+          n = n + 1
+          bounds(:, n) = tree%boxes(i)%points([first_point, last], as_source)
+        end do
+      end do
+      ! Beside an ancestor only the sources that belong to none of the children: those of the
+      ! children are summed by boxes of the levels below.
+      last = last_own_point
       a = tree%boxes(a)%parent
     end do
     allocate (source(sum(bounds(2, :n) - bounds(1, :n) + 1), columns))
     a = 0
     do i = 1, n
-      do j = 1, columns
-        source(a + 1:a + 1 + bounds(2, i) - bounds(1, i), j) = &
-          tree%points(bounds(1, i):bounds(2, i), j)
-      end do
+      source(a + 1:a + 1 + bounds(2, i) - bounds(1, i), :) = &
+        tree%points(bounds(1, i):bounds(2, i), :columns)
       a = a + 1 + bounds(2, i) - bounds(1, i)
     end do
   end function touching_sources
@@ -227,6 +224,11 @@ contains
     integer :: a, columns, i, k, terms
     logical :: is_low_order
 
+    if (size(tree%level_start) > 3 .and. .not. allocated(tree%moment)) then
+      if (.not. allocated(tree%translation%entry)) call prepare_translations(tree%translation)
+      allocate (tree%moment(tree%translation%terms, size(tree%boxes)), &
+                tree%field(tree%translation%terms, size(tree%boxes)))
+    end if
     terms = merge(tree%translation%terms, 0, allocated(tree%moment))
     is_low_order = .false.
     if (present(low_order)) is_low_order = low_order .and. terms > 0
