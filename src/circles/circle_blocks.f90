@@ -178,14 +178,18 @@ contains
       real(real64) :: v(m)
       integer :: i
 
-      v = reshape(left(:, member), [m])
+      do i = 1, size(member)
+        v(3 * i - 2:3 * i) = left(:, member(i))
+      end do
       do i = 1, m
         v(i + 1:) = v(i + 1:) - h(i + 1:, i) * v(i)
       end do
       do i = m, 1, -1
         v(i) = v(i) / h(i, i) - sum(h(i + 1:, i) * v(i + 1:))
       end do
-      change(:, member) = reshape(v, [3, size(member)])
+      do i = 1, size(member)
+        change(:, member(i)) = v(3 * i - 2:3 * i)
+      end do
     end subroutine solve_one
 
   end subroutine solve_blocks
