@@ -27,7 +27,8 @@ module asperity_coupled_contacts
   use asperity_circle_step, only: circle_model, find_step, prepare_model, trust_step
   use asperity_contact_law, only: contact_law
   use asperity_contact_pairs, only: contact_pairs, in_scene_units
-  use asperity_coupled_groups, only: find_groups, group_law, extract_group, insert_group
+  use asperity_coupled_groups, only: extract_group, find_groups, group_law, insert_group, &
+                                     solve_single
   use asperity_coupled_start, only: few_contacts, prepare_start, scale_start
   use asperity_coupled_state, only: coupled_solution, evaluate_state, find_carried_load, &
                                     penetration_without_load, raise_to_load, resolved_contacts, &
@@ -267,6 +268,10 @@ contains
     type(group_law) :: law_of_group
     type(coupled_solution) :: group
 
+    if (size(member) == 1) then
+      call solve_single(state, member(1), solution)
+      return
+    end if
     call extract_group(pairs, law, solution, state, member, group_pairs, law_of_group, group)
     call solve_coupled(group_pairs, law_of_group, group, group_residual= &
                        residual_share * state%residual)

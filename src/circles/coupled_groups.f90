@@ -9,6 +9,7 @@
 module asperity_coupled_groups
   use asperity_circle_field, only: are_close, circle_set, close_distance, large_set, &
                                    least_curvature_share
+  use asperity_circle_products, only: lowest_shift
   use asperity_contact_law, only: contact_law, contact_response
   use asperity_contact_pairs, only: contact_pair, contact_pairs
   use asperity_coupled_state, only: coupled_solution, evaluate_state, plan_radius, solve_state
@@ -17,7 +18,7 @@ module asperity_coupled_groups
   implicit none
   private
 
-  public :: find_groups, group_law, extract_group, insert_group
+  public :: find_groups, group_law, extract_group, insert_group, solve_single
 
   !> Contact law of a group, by the indices of its members in the group.
   type, extends(contact_law) :: group_law
@@ -75,6 +76,27 @@ contains
     is_linked = is_linked .and. is_member(set%one) .and. is_member(set%other)
     call gather_groups(set%one, set%other, is_linked, is_member, large_set, member, first)
   end subroutine find_groups
+
+  !> Solves one contact in the field of all others, with a shift by Newton's step, which is exact
+  !> where the field bends the right way.
+  subroutine solve_single(state, k, solution)
+    type(solve_state), intent(in) :: state             !! gradient of all contacts
+    integer, intent(in) :: k                           !! circle of the contact
+    type(coupled_solution), intent(inout) :: solution  !! of all; gets its penetration and shift
+    real(real64) :: bend(2), step(2)
+
+    step = 0.0_real64
+    associate (set => solution%set, i => solution%set%contact(k), slope => &
+               state%shift_gradient(:, k), hessian => solution%set%hessian(:, k) / &
+               solution%set%load(k), p => solution%penetration(solution%set%contact(k)))
+      if (.not. set%shift_fixed(k)) step = lowest_shift(hessian, set%curvature(k), slope)
+      bend = [dot_product(hessian(1:2), step), dot_product(hessian(2:3), step)]
+      ! du/d(log a) is twice du/d(log p).
+      p = p - (state%load_gradient(k) + dot_product(slope + 0.5_real64 * bend, step)) / &
+          max(least_curvature_share, 1.0_real64 + 0.5_real64 * set%growth(k) / p)
+      solution%shift(:, i) = solution%shift(:, i) + step
+    end associate
+  end subroutine solve_single
 
   !> Sets up a group as contacts of its own, in the field of all others.
   subroutine extract_group(pairs, law, solution, state, member, group_pairs, law_of_group, group)
