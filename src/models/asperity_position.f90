@@ -21,8 +21,9 @@ module asperity_asperity_position
   use asperity_path_steps, only: plan_hold, plan_path
   use asperity_problems, only: not_enough_memory
   use asperity_root_bracket, only: guess_by_secant, narrow_bracket, root_bracket
-  use asperity_scene_values, only: control_compression, control_limit, control_pressure, &
-                                   effect_off, is_load, scene
+  use asperity_scene_values, only: control_compression, control_limit, control_load, &
+                                   control_pressure, control_vertical_load, effect_off, is_load, &
+                                   scene
   implicit none
   private
 
@@ -132,8 +133,20 @@ contains
       allocate (given(1), source=scene_in%loading%value)
     end if
     allocate (ends(size(given)))
+    ! In the unit of the pairs: a load, or a compression.
     do i = 1, size(ends)
-      ends(i) = value_of(scene_in, pairs, given(i))
+      ends(i) = decimal_to_real64(given(i))
+      select case (scene_in%loading%control)
+      case (control_pressure)
+        ends(i) = scale(ends(i), -4 * pairs%modulus_power) * &
+                  scale(decimal_to_real64(scene_in%nominal_area), -8 * pairs%length_power)
+      case (control_load, control_vertical_load)
+        ends(i) = scale(ends(i), -4 * (pairs%modulus_power + 2 * pairs%length_power))
+      case (control_compression)
+        ends(i) = scale(ends(i), -4 * pairs%length_power)
+      case default
+        ends(i) = pairs%first_touch - scale(ends(i), -4 * pairs%length_power)
+      end select
       if (is_load(scene_in%loading%control) .and. given(i)%all_digits /= 0 .and. &
           .not. abs(ends(i)) / max(1, scene_in%loading%points) > 0.0_real64) then
         failure = 'a load of the path is too small beside the moduli and lengths to be met'
@@ -235,25 +248,6 @@ contains
     end subroutine solve_at
 
   end subroutine find_first_contacts
-
-  ! A value of the path in the unit of the pairs: a load, or the compression of a separation.
-  real(real64) function value_of(scene_in, pairs, value)
-    type(scene), intent(in) :: scene_in
-    type(contact_pairs), intent(in) :: pairs
-    type(decimal_value), intent(in) :: value
-
-    if (scene_in%loading%control == control_pressure) then
-      value_of = scale(decimal_to_real64(value), -4 * pairs%modulus_power) * &
-                 scale(decimal_to_real64(scene_in%nominal_area), -8 * pairs%length_power)
-    else if (is_load(scene_in%loading%control)) then
-      value_of = scale(decimal_to_real64(value), &
-                       -4 * (pairs%modulus_power + 2 * pairs%length_power))
-    else if (scene_in%loading%control == control_compression) then
-      value_of = scale(decimal_to_real64(value), -4 * pairs%length_power)
-    else
-      value_of = pairs%first_touch - scale(decimal_to_real64(value), -4 * pairs%length_power)
-    end if
-  end function value_of
 
   ! Solves a state and adds it to the results. One that the search for a load has left is not
   ! simulated again.

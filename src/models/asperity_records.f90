@@ -64,7 +64,21 @@ contains
                       state%compression, number, result)
     result%states(number)%time = state%time
     if (keep_rows) call add_contact_values(pairs, effects, state, outcomes, result)
-    if (associated(pairs%pressures)) call keep_pressures(pairs, state, number, result)
+    if (associated(pairs%pressures)) then
+      if (pairs%pressures%of_all_states .or. number == size(result%states)) then
+        if (.not. allocated(result%pressures)) allocate (result%pressures(size(result%states)))
+        associate (kept => result%pressures(number), unit => 4 * pairs%length_power)
+          ! Pressures on boundary elements are those of their compression only.
+          if (.not. abs(pairs%pressures%compression - state%compression) > 0.0_real64) then
+            kept = pairs%pressures
+            kept%x = scale(kept%x, unit)
+            kept%y = scale(kept%y, unit)
+            kept%side = scale(kept%side, unit)
+          end if
+          if (allocated(state%solution)) kept%shift = scale(state%solution%shift, unit)
+        end associate
+      end if
+    end if
     do i = 1, size(outcomes)
       call take_worse(result%warnings, outcomes(i)%warnings, number)
       if (outcomes(i)%dissipated_work > not_computed) result%states(number)%dissipated_work = &
@@ -73,26 +87,6 @@ contains
     if (number == size(result%states)) &
       call close_position(scene_in, pairs, effects, outcomes, result)
   end subroutine add_contacts
-
-  ! Keeps the pressures on boundary elements at this compression and the shifts of contacts.
-  subroutine keep_pressures(pairs, state, number, result)
-    type(contact_pairs), intent(in) :: pairs
-    type(contact_state), intent(in) :: state
-    integer, intent(in) :: number
-    type(position_result), intent(inout) :: result
-
-    if (.not. (pairs%pressures%of_all_states .or. number == size(result%states))) return
-    if (.not. allocated(result%pressures)) allocate (result%pressures(size(result%states)))
-    associate (kept => result%pressures(number), unit => 4 * pairs%length_power)
-      if (.not. abs(pairs%pressures%compression - state%compression) > 0.0_real64) then
-        kept = pairs%pressures
-        kept%x = scale(kept%x, unit)
-        kept%y = scale(kept%y, unit)
-        kept%side = scale(kept%side, unit)
-      end if
-      if (allocated(state%solution)) kept%shift = scale(state%solution%shift, unit)
-    end associate
-  end subroutine keep_pressures
 
   !> Adds the results of the effects for a state at which all of them are left out.
   subroutine add_without_effects(scene_in, pairs, effects, state, outcomes, number, keep_rows, &

@@ -207,10 +207,21 @@ contains
     real(real64), intent(in) :: top
     real(real64), allocatable, intent(out) :: ends(:)
     real(real64), allocatable :: partings(:)
+    real(real64) :: centres, overlap
     integer(int32), allocatable :: order(:)
     integer :: i, used
 
-    call adhesion%pull_off_compressions(pairs, partings)
+    allocate (partings(merge(size(pairs%list), 0, adhesion%work > 0.0_real64)))
+    do i = 1, size(partings)
+      associate (pair => pairs%list(i), known => adhesion%law%known(i))
+        overlap = merge(known%snap_off, known%snap_in, adhesion%law%adhered(i))
+        centres = pair%s - overlap
+        ! zc - sqrt(centres**2 - d**2), without cancellation.
+        partings(i) = pair%gap + overlap * ((pair%s + centres) / &
+                      (pair%zc + sqrt((centres - pair%d) * (centres + pair%d))))
+        if (.not. pair%d > 0.0_real64) partings(i) = pair%gap + overlap
+      end associate
+    end do
     partings = pack(partings, partings < top)
     allocate (order(size(partings)), ends(size(partings) + 1))
     if (size(order) > 0) call sort_keys(-partings, order)

@@ -29,7 +29,6 @@ module asperity_adhesion
     procedure :: leave_out
     procedure :: begin => begin_adhesion
     procedure :: keep => keep_adhesion
-    procedure :: pull_off_compressions
   end type adhesion_effect
 
 contains
@@ -165,27 +164,5 @@ contains
       self%law%adhered(i) = self%law%is_adhering(pairs%list(i), i, state%penetration(i))
     end do
   end subroutine keep_adhesion
-
-  !> Compression at which each contact separates, from its overlap along the line of centres.
-  subroutine pull_off_compressions(self, pairs, compressions)
-    class(adhesion_effect), intent(in) :: self             !! adhesion with its history
-    type(contact_pairs), intent(in) :: pairs               !! pairs of the position
-    real(real64), allocatable, intent(out) :: compressions(:)  !! one for each pair, or none
-    real(real64) :: centres, overlap
-    integer :: i
-
-    allocate (compressions(merge(size(pairs%list), 0, self%work > 0.0_real64)))
-    do i = 1, size(compressions)
-      associate (pair => pairs%list(i))
-        overlap = self%law%known(i)%snap_off
-        if (.not. self%law%adhered(i)) overlap = self%law%known(i)%snap_in
-        centres = pair%s - overlap
-        ! zc - sqrt(centres**2 - d**2), without cancellation.
-        compressions(i) = pair%gap + overlap * ((pair%s + centres) / (pair%zc + &
-                      sqrt((centres - pair%d) * (centres + pair%d))))
-        if (.not. pair%d > 0.0_real64) compressions(i) = pair%gap + overlap
-      end associate
-    end do
-  end subroutine pull_off_compressions
 
 end module asperity_adhesion
