@@ -51,8 +51,9 @@ def part_scene(folder, root, interaction="off", tolerance=0.001, **groups):
 
 @pytest.fixture(scope="module")
 def whole(asperity, root, tmp_path_factory):
-    """The study on the thesis deck."""
-    return run_study(asperity, root / "data" / "thesis.deck", tmp_path_factory.mktemp("whole"))
+    """The study on the thesis deck, with all methods on a busy machine, too."""
+    return run_study(asperity, root / "data" / "thesis.deck", tmp_path_factory.mktemp("whole"),
+                     "--seconds", "900")
 
 
 @pytest.fixture(scope="module")
