@@ -3,7 +3,7 @@ module asperity_asperity_records
   use asperity_constants, only: pi
   use asperity_contact_effect, only: column_name, effect_box, effect_outcome, moment
   use asperity_contact_pairs, only: contact_pairs, in_scene_units
-  use asperity_contact_records, only: position_result
+  use asperity_contact_records, only: contact_row, position_result
   use asperity_contact_state, only: contact_state, in_contact, start_state
   use asperity_contact_law, only: contact_response
   use asperity_hertz_law, only: hertz_law
@@ -184,15 +184,18 @@ contains
     real(real64), parameter :: rounding = 8 * epsilon(1.0_real64)
 
     associate (pair => pairs%list(i), answer => state%answers(i))
-      contact = seen_contact( &
-        area_no=i, upper=pair%upper, lower=pair%lower, x=pair%x, y=pair%y, &
-        average_pressure=0.0_real64, penetration=state%penetration(i), &
-        upper_radius=pair%upper_radius, lower_radius=pair%lower_radius, &
-        upper_height=pair%upper_height, lower_height=pair%lower_height, &
-        contact_radius=answer%contact_radius, overlap=answer%overlap, d=pair%d, &
-        z=pair%zc - state%penetration(i), area=pi * answer%contact_radius**2, load=answer%load, &
-        vertical_load=answer%vertical_load, cosine=answer%cosine, &
-        maximum_pressure=answer%maximum_pressure)
+      contact%contact_row = contact_row(area_no=i, upper=pair%upper, lower=pair%lower, x=pair%x, &
+        y=pair%y, average_pressure=0.0_real64, penetration=state%penetration(i), &
+        overlap=answer%overlap, area=pi * answer%contact_radius**2, load=answer%load, &
+        vertical_load=answer%vertical_load, maximum_pressure=answer%maximum_pressure)
+      contact%upper_radius = pair%upper_radius
+      contact%lower_radius = pair%lower_radius
+      contact%upper_height = pair%upper_height
+      contact%lower_height = pair%lower_height
+      contact%contact_radius = answer%contact_radius
+      contact%cosine = answer%cosine
+      contact%d = pair%d
+      contact%z = pair%zc - state%penetration(i)
       if (contact%area > 0.0_real64) contact%average_pressure = contact%load / contact%area
       if (scene_in%limit%criterion == criterion_none .or. &
           pair%limit > 0.5_real64 * huge(1.0_real64)) return
