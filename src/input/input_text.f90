@@ -167,12 +167,22 @@ contains
     character(len=1), intent(in) :: letter   !! letter that is replaced
     character(len=*), intent(in) :: by       !! letters in its place
     character(len=:), allocatable :: other   !! the other text
-    integer :: i
+    integer :: i, used
 
-    other = ''
+    used = 0
     do i = 1, len(text)
-      if (text(i:i) == letter) other = other // by
-      if (text(i:i) /= letter) other = other // text(i:i)
+      used = used + merge(len(by), 1, text(i:i) == letter)
+    end do
+    allocate (character(len=used) :: other)
+    used = 0
+    do i = 1, len(text)
+      if (text(i:i) == letter) then
+        other(used + 1:used + len(by)) = by
+        used = used + len(by)
+      else
+        used = used + 1
+        other(used:used) = text(i:i)
+      end if
     end do
   end function replaced_text
 
