@@ -8,7 +8,8 @@ module asperity_help
   use asperity_option_table, only: call_of, command_at, commands, options
   use asperity_problems, only: decimal_text
   use asperity_scene_fields, only: known_name, one_word, values_in_words, whole_number
-  use asperity_scene_names, only: scene_table, spec_table
+  use asperity_scene_names, only: scene_table
+  use asperity_spec_names, only: spec_table
   use asperity_text_buffer, only: text_buffer
   use asperity_version, only: version
   use asperity_word_hint, only: one_of

@@ -1,18 +1,20 @@
 !> The command `asperity accuracy [DECK or SCENE]`: the study of what accuracy costs in time.
 module asperity_run_accuracy
-  use asperity_accuracy_table, only: write_accuracy_csv, write_accuracy_page, write_accuracy_table
+  use asperity_accuracy_page, only: write_accuracy_page
+  use asperity_accuracy_table, only: write_accuracy_csv, write_accuracy_table
   use asperity_command_line, only: command_line, refuse_input
   use asperity_command_outcome, only: command_outcome
   use asperity_files, only: same_name
   use asperity_kinds, only: real64
   use asperity_method_study, only: run_method_study, method_table
-  use asperity_progress, only: progress_line, tell_cost, work_cost
+  use asperity_progress, only: progress_line
   use asperity_scene_reader, only: read_scene
   use asperity_scene_values, only: scene
   use asperity_study_additions, only: add_exponent, add_input_error, add_theories
   use asperity_study_methods, only: most_methods
   use asperity_text_buffer, only: text_buffer
   use asperity_timing, only: time_allowance
+  use asperity_work_cost, only: tell_cost, work_cost
   implicit none
   private
 

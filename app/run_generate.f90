@@ -15,8 +15,8 @@ module asperity_run_generate
   use asperity_map_file, only: check_map_path, note_of_file, stage_map_file
   use asperity_output_files, only: commit_files, discard_files, same_file, stage_file
   use asperity_problems, only: decimal_text, problem_list
-  use asperity_progress, only: pieces_tried, tell_cost, work_cost
   use asperity_surface_text, only: surface_as_csv, surfaces_as_deck
+  use asperity_work_cost, only: pieces_tried, tell_cost, work_cost
   implicit none
   private
 

@@ -20,7 +20,6 @@ module asperity_run_solve
   use asperity_number_format, only: count_text, number_text
   use asperity_printable, only: printable_text
   use asperity_problems, only: decimal_text, problem_list
-  use asperity_progress, only: pieces_tried, tell_cost, work_cost
   use asperity_result_table, only: array_table, make_arrays, of_contacts
   use asperity_results_html, only: write_html
   use asperity_results_json, only: write_json, write_json_table
@@ -38,6 +37,7 @@ module asperity_run_solve
   use asperity_unit_names, only: has_units, is_length, is_pressure, unit_of, units_in_words, &
                                  with_unit
   use asperity_warning_lines, only: list_warnings
+  use asperity_work_cost, only: pieces_tried, tell_cost, work_cost
   implicit none
   private
 

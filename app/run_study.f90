@@ -8,11 +8,11 @@ module asperity_run_study
   use asperity_kinds, only: real64
   use asperity_output_files, only: note_kept
   use asperity_problems, only: decimal_text
-  use asperity_progress, only: pieces_tried, tell_cost, work_cost
   use asperity_run_options, only: run_options
   use asperity_study_spec, only: read_study_spec, study_spec
   use asperity_study_tables, only: write_area_csv, write_area_table
   use asperity_text_buffer, only: text_buffer
+  use asperity_work_cost, only: pieces_tried, tell_cost, work_cost
   implicit none
   private
 

@@ -12,11 +12,11 @@ module asperity_run_summits
   use asperity_map_summits, only: map_summits, rule_eight
   use asperity_printable, only: printable_text
   use asperity_problems, only: decimal_text
-  use asperity_progress, only: tell_cost, work_cost
   use asperity_result_table, only: add_surface, array_table
   use asperity_summits_of_file, only: summit_choices, summits_of_file, summits_of_samples
   use asperity_summits_table, only: write_summits_table
   use asperity_text_buffer, only: text_buffer
+  use asperity_work_cost, only: tell_cost, work_cost
   implicit none
   private
 

@@ -11,10 +11,10 @@ module asperity_c_maps
                       read_height_map, rule_names, summit_choices, summits_of_array, &
                       summits_of_file, text_buffer, usual_level, write_map_file, &
                       write_summits_table
-  use asperity_c_outcome, only: add_pixels, begin_outcome, finish_outcome, outcome, require_text, &
-                                set_text, table_map, table_pixels, table_spectra, &
-                                table_statistics, table_summits, take_heights, take_spec, &
-                                take_word, text_notes, text_of, text_report, text_unit
+  use asperity_c_arguments, only: require_text, take_heights, take_spec, take_word
+  use asperity_c_outcome, only: add_pixels, begin_outcome, finish_outcome, outcome, set_text, &
+                                table_map, table_pixels, table_spectra, table_statistics, &
+                                table_summits, text_notes, text_of, text_report, text_unit
   implicit none
   private
 

@@ -14,9 +14,10 @@ module asperity_c_scenes
                       scene_results, scene_side, scene_surface, solve, text_buffer, write_summary
   use asperity_decimal, only: decimal_to_real64
   use asperity_kinds, only: real64
+  use asperity_c_arguments, only: require_text, take_asperities, take_heights
   use asperity_c_outcome, only: begin_outcome, finish_outcome, finish_scene, look_at, outcome, &
-                                require_text, set_text, take_asperities, take_heights, text_notes, &
-                                text_of, text_report, text_warning_kinds, text_warnings
+                                set_text, text_notes, text_of, text_report, text_warning_kinds, &
+                                text_warnings
   implicit none
   private
 

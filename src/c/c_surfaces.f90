@@ -6,8 +6,9 @@ module asperity_c_surfaces
                       generated_surface, generation_spec, original_records, original_request, &
                       plan_surface, read_card_deck, run_in_arithmetic, surface_plan, &
                       text_buffer, thesis_tables, write_report
-  use asperity_c_outcome, only: begin_outcome, finish_outcome, outcome, require_text, set_text, &
-                                table_upper, take_spec, take_word, text_notes, text_of, text_report
+  use asperity_c_arguments, only: require_text, take_spec, take_word
+  use asperity_c_outcome, only: begin_outcome, finish_outcome, outcome, set_text, table_upper, &
+                                text_notes, text_of, text_report
   implicit none
   private
 

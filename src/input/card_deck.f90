@@ -114,12 +114,18 @@ contains
   ! Whether three quarters of the signs behind the first card are those of numbers.
   pure logical function has_numbers(text)
     character(len=*), intent(in) :: text
-    integer :: i
+    integer :: i, numeric, others
 
-    associate (rest => text(min(len(text), line_end(text, 1)) + 1:))
-      has_numbers = count([(scan(rest(i:i), '+-.0123456789') == 1, i=1, len(rest))]) >= &
-                    3 * count([(scan(rest(i:i), blanks // '+-.0123456789') == 0, i=1, len(rest))])
-    end associate
+    numeric = 0
+    others = 0
+    do i = min(len(text), line_end(text, 1)) + 1, len(text)
+      if (scan(text(i:i), '+-.0123456789') == 1) then
+        numeric = numeric + 1
+      else if (scan(text(i:i), blanks) == 0) then
+        others = others + 1
+      end if
+    end do
+    has_numbers = numeric >= 3 * others
   end function has_numbers
 
   ! Whether cards 2, 3 and 4 cannot be those of a deck, which have 6, 7 and 4 numbers, or fewer

@@ -12,7 +12,7 @@ module asperity_generation_spec
   use asperity_kinds, only: int64, real128
   use asperity_problems, only: decimal_text, problem_list
   use asperity_scene_fields, only: read_fields, scene_fields
-  use asperity_scene_names, only: spec_table
+  use asperity_spec_names, only: spec_table
   implicit none
   private
 

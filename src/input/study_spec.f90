@@ -11,7 +11,7 @@ module asperity_study_spec
   use asperity_kinds, only: real64
   use asperity_problems, only: problem_list
   use asperity_scene_fields, only: read_fields, scene_fields
-  use asperity_scene_names, only: most_sizes, spec_table
+  use asperity_spec_names, only: most_sizes, spec_table
   implicit none
   private
 
