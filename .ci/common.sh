@@ -120,19 +120,16 @@ end_units() {
   add "$status" "unit tests" "$tally"
 }
 
-# Folders of the harness; hard cases, too, once there are any. They have the longest tests: first.
-harness_folders() {
-  if compgen -G 'test/hard/test_*.py' >/dev/null; then echo test/hard; fi
-  echo test/regression
-}
+# Folders of the harness: the longest tests first.
+harness_folders=(test/hard test/maps test/effects test/contact test/original test/files
+  test/interfaces test/pages)
 
 # The harness on an executable, a process for each core, at most 8.
 # Usage: harness EXECUTABLE [PYTEST OPTIONS]
 harness() {
-  local exe=$1 folders
+  local exe=$1
   shift
-  mapfile -t folders < <(harness_folders)
-  harness_of "$exe" "${folders[@]}" "$@"
+  harness_of "$exe" "${harness_folders[@]}" "$@"
 }
 
 # The same for the files and folders that are named. Usage: harness_of EXECUTABLE [PYTEST OPTIONS]

@@ -12,9 +12,8 @@ from pathlib import Path
 
 import pytest
 
-# What the tests import stands in these folders (.ci/setup gives them to scripts, too).
-sys.path[:0] = [str(Path(__file__).resolve().parent / name) for name in
-                ("support", "truth", "bench", "regression", "validation")]
+# Tests import what they share across folders (.ci/setup gives these to scripts, too).
+sys.path[:0] = [str(path) for path in Path(__file__).resolve().parent.iterdir() if path.is_dir()]
 
 from builds import ROOT, build  # noqa: E402
 

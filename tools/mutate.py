@@ -76,7 +76,7 @@ def first_failure(test=""):
     commands = [[program("test/unit"), *suite]] if suite or not test else []
     if not suite:
         files = [str(path) for path in (TREE / "test").glob(f"*/{test}")] if test else \
-            ["test/hard", "test/regression"]
+            sorted({str(path.parent) for path in (TREE / "test").glob("[!w]*/test_*.py")})
         commands.append([".venv/bin/python", "-m", "pytest", "--rootdir", ".", "-q", "-x", "-rfE",
                          *([] if test else ["-m", "fast and not once", "-n", "2"]), *files])
     for command in commands:

@@ -143,7 +143,7 @@ contains
       if (size(solution%set%x) < circles) activated = -1
       circles = size(solution%set%x)
       ! At the end the near pairs are those of the solution, whatever the start (test: loads in
-      ! random order in test/regression/test_solve_again.py). Once only: a pair on the border may
+      ! random order in test/contact/test_solve_again.py). Once only: a pair on the border may
       ! enter and leave the lists.
       if (state%residual < linear_residual .and. .not. is_final) then
         is_final = .true.

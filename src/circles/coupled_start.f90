@@ -63,7 +63,7 @@ contains
   !> Scales the penetrations of isolated contacts by the factor t that minimises the potential: its
   !> parts are proportional to t**(5/2) (contacts), t**3 (interaction) and -t**(3/2) (work). Without
   !> it deep scenes end after two steps (test: a load beyond the centres in
-  !> test/regression/test_effects.py).
+  !> test/effects/test_effects.py).
   subroutine scale_start(pairs, law, solution, state)
     type(contact_pairs), intent(in) :: pairs           !! pairs of the position
     class(contact_law), intent(in) :: law              !! of each contact

@@ -9,7 +9,7 @@
 !> half a pixel from its sides. The errors of pieces are independent, but those of grooves, which
 !> have no ends, add up. The relative error of the greatest pressure is at least that of the area,
 !> as peaks lie between the pixels of all grids (measured:
-!> reference_output/bench/pixel_estimates.csv; test: test/regression/test_pixel_errors.py).
+!> reference_output/bench/pixel_estimates.csv; test: test/maps/test_pixel_errors.py).
 !>
 !> On a map that is rough at the size of its pixels p is 1, and the errors are those of pixels a
 !> quarter as wide. Its slope grows on by the observed ratio, and the area is inverse to the slope
@@ -35,7 +35,7 @@ module asperity_map_error
   public :: estimate_pixel_errors, growth_of_slope
 
   ! Error over the difference by half the pixels at first order, with the factor 3 of Roache (1994);
-  ! 1 at second order (derived; test: rough maps in test/regression/test_pixel_errors.py).
+  ! 1 at second order (derived; test: rough maps in test/maps/test_pixel_errors.py).
   real(real64), parameter :: first_order = 3.0_real64
   ! Tolerance of the gaps over the range of heights, or of the attraction (chosen: the differences
   ! are larger by far).
@@ -43,7 +43,7 @@ module asperity_map_error
   ! Growth of the slope by the last halving of the pixel over that by the one before, above which a
   ! map is rough at the size of its pixels: 1/4 where it is smooth, 1/2 with kinks, 2**(1 - H) of a
   ! self-affine surface, at least 0.63 where that ends at two pixels (chosen; test: waves and random
-  ! maps in test/regression/test_pixel_errors.py).
+  ! maps in test/maps/test_pixel_errors.py).
   real(real64), parameter :: rough_growth = 0.6_real64
   ! The same of independent heights (derived: their slope is inverse to the size of the pixel).
   real(real64), parameter :: fastest_growth = 2.0_real64

@@ -36,7 +36,7 @@ module asperity_circle_error
   ! at most in the four scenes where no other error is larger; test: test_dense.py).
   real(real64), parameter :: hidden_factor = 4.0_real64 / 3.0_real64
   ! Least ratio of the radii of two overlapping contacts for which the sharper one is nested
-  ! (chosen; test: nested contacts in test/regression/test_warnings_at_limits.py).
+  ! (chosen; test: nested contacts in test/contact/test_warnings_at_limits.py).
   real(real64), parameter :: nested_ratio = 3.0_real64
 
 contains

@@ -16,7 +16,7 @@ module asperity_earlier_solutions
 
   ! Number of solutions of a position that are kept for the interpolation (measured on 50 loads: 4
   ! save no further iterations; test: loads one after the other in
-  ! test/regression/test_solve_again.py).
+  ! test/contact/test_solve_again.py).
   integer, parameter :: most_kept = 3
   ! Largest ratio of load**(2/3), or of compression, between a solve and the earlier solution it
   ! starts from, or its inverse (measured: beyond it a solve takes longer than one without a start;

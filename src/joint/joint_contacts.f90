@@ -69,7 +69,7 @@ module asperity_joint_contacts
   real(real64), parameter :: elements_share = 0.25_real64
   ! Distance in sums of radii below which Hertzian contacts are resolved together, with the open
   ! contacts within as many radii (chosen: close to a large contact the error estimated for a small
-  ! one is a third of the true one; test: errors in test/regression/test_dense.py).
+  ! one is a third of the true one; test: errors in test/effects/test_dense.py).
   real(real64), parameter :: adjacent_distance = 1.1_real64
 
   ! A position, the accuracy of its solution, and the intermediate results of the stages.

@@ -20,7 +20,7 @@ module asperity_contact_stiffness
   public :: find_stiffness
 
   ! Largest residual relative to y: the error is its square, by the mean gap 1e-7 at most (chosen;
-  ! test: differences of loads in test/regression/test_map_interface.py).
+  ! test: differences of loads in test/maps/test_map_interface.py).
   real(real64), parameter :: residual_left = 1.0e-5_real64
   ! Largest number of iterations (chosen).
   integer, parameter :: iterations_allowed = 1000

@@ -41,22 +41,22 @@ module asperity_map_contact
 
   !> Largest gap left in contact, or overlap left beside it, over the range of heights under the
   !> flat. At 1e-10 pressures agree with exact ones to 2e-9 of the largest on maps up to 512 x 512,
-  !> at 1e-9 to 1.3e-8 (measured; test: ten maps in test/regression/test_fields.py). Coarser maps
+  !> at 1e-9 to 1.3e-8 (measured; test: ten maps in test/maps/test_fields.py). Coarser maps
   !> are only a start.
   real(real64), parameter, public :: closed_fully = 1.0e-10_real64, closed_start = 1.0e-4_real64
 
   ! Relative tolerance of a prescribed load (chosen; test: loads far beyond full contact in
-  ! test/regression/test_map_edges.py).
+  ! test/maps/test_map_edges.py).
   real(real64), parameter :: load_met = 1.0e-6_real64
 
   ! Error of a pressure over that which closes the residual gap of one pixel: pixels within it of
   ! the hardness are at the hardness. The waves of a map need at most pi/sqrt(2) of it (derived: 2/q
   ! of the shortest wave); the rest is for earlier states of a path and for free edges (chosen;
-  ! test: load cycles in test/regression/test_plastic_pixels.py).
+  ! test: load cycles in test/maps/test_plastic_pixels.py).
   real(real64), parameter :: error_of_residual = 100.0_real64
 
   ! Number of pixels from which on a coarser map saves more time than it costs (chosen; test: large
-  ! maps in test/regression/test_map_scene.py).
+  ! maps in test/maps/test_map_scene.py).
   integer, parameter :: worth_halving = 64 * 64
 
   ! Bound of the displacement by a load, over the load, modulus and side of a pixel. Derived: at the
@@ -66,7 +66,7 @@ module asperity_map_contact
   real(real64), parameter :: displacement_reach = 64.0_real64
   ! Bytes of the two spectra for a padded pixel, of the transform for one in the rows of the map,
   ! and of a plain one: pressures, gaps and the vectors of the method (derived; test: memory in
-  ! test/regression/test_cost.py).
+  ! test/contact/test_cost.py).
   real(real64), parameter :: bytes_padded = 4.0_real64, bytes_across = 8.0_real64, &
                              bytes_plain = 120.0_real64
 

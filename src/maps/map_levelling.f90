@@ -14,7 +14,7 @@ module asperity_map_levelling
   ! Heights whose range is less than so many units of rounding of the largest height before
   ! levelling are rounding. Levelling leaves up to 4 units of a plane in doubles (measured: 240
   ! planes of 4 x 4 to 3000 x 4500 pixels); the rest is room for heights that were computed before
-  ! they were written (chosen; test: flat maps of test/regression/test_map_edges.py).
+  ! they were written (chosen; test: flat maps of test/maps/test_map_edges.py).
   real(real64), parameter :: flat_units = 1.0e3_real64
 
 contains

@@ -17,7 +17,7 @@ module asperity_map_motion
   public :: overlay_maps
 
   ! Distance from a pixel, in pixels, below which a place is that of the pixel (chosen: the rounding
-  ! of displacements; test: whole pixels in test/regression/test_map_motion.py).
+  ! of displacements; test: whole pixels in test/maps/test_map_motion.py).
   real(real64), parameter :: at_pixel = 1.0e-9_real64
   ! Least number of pixels of a window along a side, as that of a map.
   integer, parameter :: least_side = 3

@@ -35,7 +35,7 @@ module asperity_map_patches
   real(real64), parameter :: rim_of_samples = (pi - 1.0_real64 + log(2.0_real64)) / 24.0_real64
 
   ! Pixels: above the error of a centre of pressure when gaps are closed to 1e-10 of the range of
-  ! heights (chosen; test: centres in test/regression/test_map_edges.py).
+  ! heights (chosen; test: centres in test/maps/test_map_edges.py).
   real(real64), parameter :: centre_error = 1.0e-6_real64
 
 contains

@@ -66,7 +66,7 @@ module asperity_map_stress
 
   ! Periods on each side of a strip; the error is 2e-5 of the mean pressure over a period (derived:
   ! midpoint rule of a stress that falls as 1/x**2; test: strips in
-  ! test/regression/test_map_stress.py).
+  ! test/maps/test_map_stress.py).
   integer, parameter :: images_along = 16
 
   ! Parity of the corner functions in X and in Y.

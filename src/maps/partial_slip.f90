@@ -44,7 +44,7 @@ module asperity_partial_slip
   ! Ratio T/(mu P), or of the displacement to that of sliding at p* = 0, below which q is
   ! proportional to it: q is a difference of two solutions with the error of the pressures, 2e-9
   ! of the largest. The error of the displacement is then at most a sixth of this ratio (derived:
-  ! Mindlin's sphere; test: small loads in test/regression/test_partial_slip.py).
+  ! Mindlin's sphere; test: small loads in test/maps/test_partial_slip.py).
   real(real64), parameter :: least_ratio = 1.0e-4_real64
 
 contains

@@ -17,7 +17,7 @@ module asperity_pixel_effects
 
   !> Steepness of the attraction without a warning, and the largest (measured on a ball: up to 1.0
   !> states of open and of adhering surfaces agree to 1e-8 pi w R, at 1.2 they differ by 1e-2; test:
-  !> wide pixels in test/regression/test_adhesive_pixels.py).
+  !> wide pixels in test/maps/test_adhesive_pixels.py).
   real(real64), parameter :: resolved_steepness = 0.7_real64, steepest = 1.2_real64
 
 contains

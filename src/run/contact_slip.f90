@@ -23,7 +23,7 @@ module asperity_contact_slip
   public :: solve_with_slip
 
   ! Relative step of the load or compression for the stiffness: a central difference of Hertz' law
-  ! is in error by 1e-7 (derived; test: spheres in test/regression/test_contact_slip.py).
+  ! is in error by 1e-7 (derived; test: spheres in test/effects/test_contact_slip.py).
   real(real64), parameter :: stiffness_step = 1.0e-3_real64
   ! Ratio of the load or displacement to that of sliding below which all is proportional to it, as
   ! in `asperity_partial_slip`.

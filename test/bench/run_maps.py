@@ -3,7 +3,7 @@
     python test/bench/run_maps.py [MAP.sdf ...] [--made N] [--side N] [--shares A,B,...]
                                   [--ways W,X,...] [--seconds S] [--csv FILE]
 
-The truth is a boundary-element solution on every sample by numpy (test/regression/map_press_truth),
+The truth is a boundary-element solution on every sample by numpy (test/truth/map_press_truth),
 area corrected at its rim. Ways: contact, what a scene with a map computes; plain, the summits of
 `--rule eight`; alone, the summits of a scene each for itself; half, the map at half its resolution.
 Maps of files come in addition to N of our own. With --side 1024 and --ways contact what is claimed

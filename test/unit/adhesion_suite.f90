@@ -1,7 +1,7 @@
 !> Tests of the law of adhesion: slope, work of cycles, units, estimate, joints of the theories.
 !>
 !> Truths are closed forms and balances of work. Loads, contact radii and pressures of the curves
-!> are compared with mpmath in test/regression/test_adhesion.py.
+!> are compared with mpmath in test/effects/test_adhesion.py.
 module asperity_adhesion_suite
   use asperity_adhesion, only: new_adhesion
   use asperity_adhesion_law, only: adhering_contact, adheres_at, adhesion_law, adhesion_numbers, &

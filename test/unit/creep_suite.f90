@@ -1,6 +1,6 @@
 !> Tests of the solid that creeps: steps in time, times of a hold, slope, refusals.
 !>
-!> test/regression/test_creep.py compares holds with closed forms and with the truth in
+!> test/effects/test_creep.py compares holds with closed forms and with the truth in
 !> test/truth/creep_truth.py.
 module asperity_creep_suite
   use asperity_contact_effect, only: contact_effect, effect_outcome

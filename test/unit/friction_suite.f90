@@ -1,6 +1,6 @@
 !> Tests of friction on inclined contacts: stiffness ratio, joints of the states, slope.
 !>
-!> test/regression/test_friction.py compares forces and radii with test/truth/friction_truth.py.
+!> test/effects/test_friction.py compares forces and radii with test/truth/friction_truth.py.
 module asperity_friction_suite
   use asperity_contact_law, only: contact_response
   use asperity_contact_pairs, only: contact_pair

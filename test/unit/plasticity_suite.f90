@@ -1,6 +1,6 @@
 !> Tests of plastic flow: slope, memory, columns, extremes, and laws of the curves.
 !>
-!> test/regression/test_plasticity.py compares curves, unloading and onset with mpmath.
+!> test/effects/test_plasticity.py compares curves, unloading and onset with mpmath.
 module asperity_plasticity_suite
   use asperity_contact_effect, only: contact_effect, effect_outcome
   use asperity_contact_law, only: contact_response

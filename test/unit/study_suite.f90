@@ -1,4 +1,4 @@
-!> Integrals of Greenwood, Williamson and Tripp. test/regression/test_study.py compares sections.
+!> Integrals of Greenwood, Williamson and Tripp. test/contact/test_study.py compares sections.
 !>
 !> Expected numbers come from mpmath (20 digits) by other ways than the code's: moments of the sum
 !> of two heights as double integrals over both heights; contacts of two rough surfaces with the

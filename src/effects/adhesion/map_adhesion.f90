@@ -57,7 +57,7 @@ module asperity_map_adhesion
   end type earlier_step
 
   ! Estimated error of the gaps over the range of the attraction (chosen; test: states of one and
-  ! of eight steps in test/regression/test_adhesive_pixels.py).
+  ! of eight steps in test/maps/test_adhesive_pixels.py).
   real(real64), parameter :: gap_error = 1.0e-8_real64
   ! Tolerance of a contact problem over the last change of the gaps: 0.3 stagnates, 0.03 needs no
   ! more steps than 0.01 up to a Tabor parameter of 2 (measured).
