@@ -1,6 +1,6 @@
-!> Tests of the law of adhesion: slope, work of cycles, units, estimate, joints of the theories.
+!> Tests of the law of adhesion: slope, estimate, joints of the theories.
 !>
-!> Truths are closed forms and balances of work. Loads, contact radii and pressures of the curves
+!> Truths are closed forms. Loads, contact radii and pressures of the curves
 !> are compared with mpmath in test/effects/test_adhesion.py.
 module asperity_adhesion_suite
   use asperity_adhesion, only: new_adhesion
@@ -10,16 +10,16 @@ module asperity_adhesion_suite
   use asperity_contact_effect, only: contact_effect, effect_outcome
   use asperity_contact_law, only: contact_response
   use asperity_contact_pairs, only: contact_pairs
-  use asperity_contact_state, only: contact_state, start_state, total_load
-  use asperity_effect_helpers, only: act, pair_of, same, set_number, values_of
+  use asperity_contact_state, only: contact_state, start_state
+  use asperity_effect_helpers, only: act, pair_of, set_number, values_of
   use asperity_hertz_law, only: hertz_law
   use asperity_kinds, only: real64
   use asperity_scene_values, only: effect_on, scene
-  use asperity_testing, only: check, error_type, new_unittest, unittest_type
+  use asperity_testing, only: check, run_test
   implicit none
   private
 
-  public :: collect_adhesion
+  public :: run_adhesion
 
   real(real64), parameter :: pi = acos(-1.0_real64)
   ! The contact of the tests: E, R, w.
@@ -29,25 +29,17 @@ module asperity_adhesion_suite
 
 contains
 
-  !> Lists the tests.
-  subroutine collect_adhesion(suite)
-    !> all tests
-    type(unittest_type), allocatable, intent(out) :: suite(:)
+  !> Runs the tests.
+  subroutine run_adhesion
+    call run_test('work of adhesion from 1e-50 to 1e-300 is nearly Hertz', little_work)
+    call run_test('the stiffness is the slope of the vertical load', slopes)
+    call run_test('the estimate is above the truth', estimates)
+    call run_test('Maugis: nothing jumps where the contact circle is gone', maugis_gap)
+    call run_test('Maugis: one turn at most on each curve', maugis_turns)
+    call run_test('theories meet at the borders of the Tabor parameter', borders)
+  end subroutine run_adhesion
 
-    allocate (suite(0))
-    suite = [ &
-      new_unittest('work of adhesion from 1e-50 to 1e-300 is nearly Hertz', little_work), &
-      new_unittest('the stiffness is the slope of the vertical load', slopes), &
-      new_unittest('a cycle without a snap returns its work', closed_cycles), &
-      new_unittest('units of the pairs and of the scene', units), &
-      new_unittest('the estimate is above the truth', estimates), &
-      new_unittest('Maugis: nothing jumps where the contact circle is gone', maugis_gap), &
-      new_unittest('Maugis: one turn at most on each curve', maugis_turns), &
-      new_unittest('theories meet at the borders of the Tabor parameter', borders)]
-  end subroutine collect_adhesion
-
-  subroutine little_work(error)
-    type(error_type), allocatable, intent(out) :: error
+  subroutine little_work
     type(contact_pairs) :: pairs
     type(adhesion_law) :: law
     type(hertz_law) :: hertz
@@ -64,14 +56,13 @@ contains
         p = 0.3_real64 * 10.0_real64**i
         call law%respond(pairs%list(1), 1, p, answer)
         call hertz%respond(pairs%list(1), 1, p, truth)
-        call check(error, all(abs(values_of(answer) - values_of(truth)) <= 5.0e-15_real64 * &
+        call check(all(abs(values_of(answer) - values_of(truth)) <= 5.0e-15_real64 * &
                               abs(values_of(truth))), 'little work')
       end do
     end do
   end subroutine little_work
 
-  subroutine slopes(error)
-    type(error_type), allocatable, intent(out) :: error
+  subroutine slopes
     type(contact_pairs) :: pairs
     type(adhesion_law) :: law
     type(contact_response) :: middle, above, below
@@ -89,74 +80,19 @@ contains
         call law%respond(pairs%list(1), 1, p, middle)
         call law%respond(pairs%list(1), 1, p + step, above)
         call law%respond(pairs%list(1), 1, p - step, below)
-        call check(error, middle%stiffness, &
+        call check(middle%stiffness, &
                    (above%vertical_load - below%vertical_load) / (2.0_real64 * step), &
                    1.0e-7_real64, 'slope')
         ! The overlap as a plain difference, and the cosine.
-        call check(error, middle%overlap, 1.0_real64 * pairs%list(1)%s - &
+        call check(middle%overlap, 1.0_real64 * pairs%list(1)%s - &
                    sqrt(pairs%list(1)%d**2 + (pairs%list(1)%zc - p)**2), tolerance, 'overlap')
-        call check(error, middle%vertical_load, middle%load * (pairs%list(1)%zc - p) / &
+        call check(middle%vertical_load, middle%load * (pairs%list(1)%zc - p) / &
                    (pairs%list(1)%s - middle%overlap), tolerance, 'vertical load')
       end do
     end do
   end subroutine slopes
 
-  ! Down by one rule and up by another: what they differ by is their errors and the law's.
-  subroutine closed_cycles(error)
-    type(error_type), allocatable, intent(out) :: error
-    type(contact_pairs) :: pairs
-    type(adhesion_law) :: law
-    real(real64) :: down, up, low
-    integer :: k
-    real(real64), parameter :: tabor(4) = [10.0_real64, 1.0_real64, 0.3_real64, 0.05_real64]
-    real(real64), parameter :: deep = 0.2_real64
-
-    pairs = some_pairs(1, 0.7_real64)
-    do k = 1, size(tabor)
-      call new_adhesion_law(numbers_of(tabor(k)), pairs, law)
-      law%adhered = .true.
-      low = 0.0_real64
-      if (k < 3) low = -0.01_real64
-      down = work_between(law, pairs, low, deep, 60)
-      up = work_between(law, pairs, deep, low, 83)
-      call check(error, down > 0.0_real64, 'work is taken')
-      call check(error, -up, down, 1.0e-10_real64 * down, 'work returned')
-    end do
-  end subroutine closed_cycles
-
-  ! The same contact in the units of the scene and in the solver's own.
-  subroutine units(error)
-    type(error_type), allocatable, intent(out) :: error
-    class(contact_effect), allocatable :: effect
-    type(contact_pairs) :: pairs
-    type(contact_state) :: state
-    type(effect_outcome) :: plain, scaled
-    real(real64) :: load
-
-    pairs = some_pairs(3, 0.7_real64)
-    call adhesion_of(work, distance_of(1.0_real64), effect)
-    call effect%begin(pairs)
-    call start_state(pairs, hertz_law(modulus=modulus), 0.1_real64, state)
-    call act(effect, pairs, state, plain)
-    load = total_load(state)
-    ! Modulus unit 16**3, length unit 16**-2.
-    pairs%modulus_power = 3
-    pairs%length_power = -2
-    call adhesion_of(scale(work, 4), scale(distance_of(1.0_real64), -8), effect)
-    call effect%begin(pairs)
-    call start_state(pairs, hertz_law(modulus=modulus), 0.1_real64, state)
-    call act(effect, pairs, state, scaled)
-    call check(error, load < 100.0_real64 .and. .not. abs(total_load(state) - load) > 0.0_real64, &
-               'load')
-    call check(error, .not. any(abs(scaled%of_contacts - plain%of_contacts) > 0.0_real64), &
-               'columns')
-    call check(error, plain%of_contacts(1, 3), 1.0_real64, 1.0e-14_real64, 'Tabor parameter')
-    call check(error, effect%contact_columns(2)%modulus_power == 1 .and. &
-               effect%contact_columns(2)%length_power == 2, 'pull-off is a force')
-  end subroutine units
-
-  subroutine estimates(error)
-    type(error_type), allocatable, intent(out) :: error
+  subroutine estimates
     class(contact_effect), allocatable :: effect
     type(contact_pairs) :: pairs
     type(contact_state) :: state
@@ -180,17 +116,16 @@ contains
         after = sum(state%answers%vertical_load)
         change = max((before - after) / max(after, 0.5_real64 * before), &
                      1.0_real64 - area / sum(state%answers%contact_radius**2))
-        call check(error, change > 0.3_real64 * share .and. &
+        call check(change > 0.3_real64 * share .and. &
                    change <= share * (1.0_real64 + 1.0e-14_real64), 'change and estimate')
       end do
     end do
     call adhesion_of(0.0_real64, 1.0_real64, effect)
     call start_state(pairs, hertz_law(modulus=modulus), 0.1_real64, state)
-    call check(error, .not. effect%estimate(pairs, state) > 0.0_real64, 'none without work')
+    call check(.not. effect%estimate(pairs, state) > 0.0_real64, 'none without work')
   end subroutine estimates
 
-  subroutine maugis_gap(error)
-    type(error_type), allocatable, intent(out) :: error
+  subroutine maugis_gap
     type(adhering_contact) :: contact
     type(central_answer) :: above, below
     real(real64) :: touching
@@ -202,17 +137,16 @@ contains
       touching = contact%snap_off * (contact%curve%touching / contact%curve%snap_off)
       above = answer_of(contact, touching * (1.0_real64 - 1.0e-9_real64))
       below = answer_of(contact, touching * (1.0_real64 + 1.0e-9_real64))
-      call check(error, above%contact_radius > 0.0_real64 .and. .not. below%contact_radius > &
+      call check(above%contact_radius > 0.0_real64 .and. .not. below%contact_radius > &
                  0.0_real64, 'a contact circle above only')
-      call check(error, above%load, below%load, 1.0e-7_real64 * abs(below%load), 'load')
-      call check(error, above%stiffness, below%stiffness, 1.0e-3_real64 * abs(below%stiffness), &
+      call check(above%load, below%load, 1.0e-7_real64 * abs(below%load), 'load')
+      call check(above%stiffness, below%stiffness, 1.0e-3_real64 * abs(below%stiffness), &
                  'stiffness')
     end do
   end subroutine maugis_gap
 
   ! The load of a curve falls and rises once, and the curve ends where its slope is endless.
-  subroutine maugis_turns(error)
-    type(error_type), allocatable, intent(out) :: error
+  subroutine maugis_turns
     type(adhering_contact) :: contact
     type(central_answer) :: answer
     real(real64) :: before, share
@@ -221,7 +155,7 @@ contains
 
     do i = 0, 60
       contact = contact_of(0.1000001_real64 * 49.9999_real64**(real(i, real64) / 60.0_real64))
-      call check(error, contact%snap_off < contact%snap_in, 'it snaps off later than in')
+      call check(contact%snap_off < contact%snap_in, 'it snaps off later than in')
       turns = 0
       before = 0.0_real64
       do k = steps, 0, -1
@@ -231,61 +165,33 @@ contains
         if (answer%stiffness > 0.0_real64 .and. before < 0.0_real64) turns = turns + 10
         before = answer%stiffness
       end do
-      call check(error, turns, 1, 'times the load turns')
-      call check(error, abs(answer%stiffness) > 1.0e3_real64, 'steep where it ends')
+      call check(turns, 1, 'times the load turns')
+      call check(abs(answer%stiffness) > 1.0e3_real64, 'steep where it ends')
     end do
   end subroutine maugis_turns
 
   ! At the borders, where the theory changes, the largest pull does by 0.32 % and by 3.0 %.
-  subroutine borders(error)
-    type(error_type), allocatable, intent(out) :: error
+  subroutine borders
     type(adhering_contact) :: above, below
     real(real64), parameter :: hair = 1.0e-9_real64
 
     above = contact_of(5.0_real64 * (1.0_real64 + hair))
     below = contact_of(5.0_real64 * (1.0_real64 - hair))
-    call check(error, above%model, model_jkr, 'above 5')
-    call check(error, below%model, model_maugis, 'below 5')
-    call check(error, below%pull_off, above%pull_off, 0.0033_real64 * above%pull_off, 'pull at 5')
-    call check(error, below%snap_off, above%snap_off, 0.01_real64 * abs(above%snap_off), &
-               'snap-off at 5')
+    call check(above%model, model_jkr, 'above 5')
+    call check(below%model, model_maugis, 'below 5')
+    call check(below%pull_off, above%pull_off, 0.0033_real64 * above%pull_off, 'pull at 5')
+    call check(below%snap_off, above%snap_off, 0.01_real64 * abs(above%snap_off), 'snap-off at 5')
     above = contact_of(0.1_real64 * (1.0_real64 + hair))
     below = contact_of(0.1_real64 * (1.0_real64 - hair))
-    call check(error, above%model, model_maugis, 'above 0.1')
-    call check(error, below%model, model_dmt, 'below 0.1')
-    call check(error, above%pull_off, below%pull_off, 0.031_real64 * below%pull_off, 'pull at 0.1')
-    call check(error, above%snap_off, below%snap_off, 0.001_real64 * abs(below%snap_off), &
+    call check(above%model, model_maugis, 'above 0.1')
+    call check(below%model, model_dmt, 'below 0.1')
+    call check(above%pull_off, below%pull_off, 0.031_real64 * below%pull_off, 'pull at 0.1')
+    call check(above%snap_off, below%snap_off, 0.001_real64 * abs(below%snap_off), &
                'snap-off at 0.1')
     above = contact_with(0.0_real64, 1.0_real64)
-    call check(error, above%model, model_hertz, 'no work')
-    call check(error, .not. adheres_at(above, 1.0_real64, .true.), 'nothing adheres without work')
+    call check(above%model, model_hertz, 'no work')
+    call check(.not. adheres_at(above, 1.0_real64, .true.), 'nothing adheres without work')
   end subroutine borders
-
-  ! Work of the vertical load on the way from a penetration to another: Gauss' rule of three points
-  ! on panels that are narrow near the start or end that is lower.
-  function work_between(law, pairs, from, to, panels) result(total)
-    type(adhesion_law), intent(in) :: law
-    type(contact_pairs), intent(in) :: pairs
-    real(real64), intent(in) :: from, to
-    integer, intent(in) :: panels
-    real(real64) :: total, t, low
-    type(contact_response) :: response
-    integer :: i, k
-    real(real64), parameter :: node(3) = [-0.77459666924148337704_real64, 0.0_real64, &
-                                          0.77459666924148337704_real64]
-    real(real64), parameter :: weight(3) = [5.0_real64, 8.0_real64, 5.0_real64] / 18.0_real64
-
-    low = min(from, to)
-    total = 0.0_real64
-    do i = 1, panels
-      do k = 1, 3
-        t = (real(i, real64) - 0.5_real64 + 0.5_real64 * node(k)) / real(panels, real64)
-        call law%respond(pairs%list(1), 1, low + abs(to - from) * t**2, response)
-        total = total + weight(k) * 2.0_real64 * t * response%vertical_load
-      end do
-    end do
-    total = total * (to - from) / real(panels, real64)
-  end function work_between
 
   ! Adhesion as a scene names it.
   subroutine adhesion_of(work, distance, effect)

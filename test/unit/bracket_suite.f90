@@ -2,11 +2,11 @@
 module asperity_bracket_suite
   use asperity_kinds, only: real64
   use asperity_root_bracket, only: guess_root, narrow_bracket, root_bracket
-  use asperity_testing, only: check, error_type, new_unittest, unittest_type
+  use asperity_testing, only: check, run_test
   implicit none
   private
 
-  public :: collect_brackets
+  public :: run_brackets
 
   ! Functions that rise from below zero at 0.
   integer, parameter :: square = 1, steep = 2, jump = 3, flat = 4, small = 5, straight = 6, &
@@ -18,36 +18,29 @@ module asperity_bracket_suite
 
 contains
 
-  !> Lists the tests.
-  subroutine collect_brackets(suite)
-    !> all tests
-    type(unittest_type), allocatable, intent(out) :: suite(:)
+  !> Runs the tests.
+  subroutine run_brackets
+    call run_test('a root is found to the last digit, whatever the function is', all_functions)
+    call run_test('the same with nothing known of the upper end', unknown_end)
+  end subroutine run_brackets
 
-    suite = [ &
-      new_unittest('a root is found to the last digit, whatever the function is', all_functions), &
-      new_unittest('the same with nothing known of the upper end', unknown_end)]
-  end subroutine collect_brackets
-
-  subroutine all_functions(error)
-    type(error_type), allocatable, intent(out) :: error
+  subroutine all_functions
     integer :: which
 
     do which = 1, size(places)
-      call search(error, which, value_of(which, 4.0_real64), most_guesses(which))
+      call search(which, value_of(which, 4.0_real64), most_guesses(which))
     end do
   end subroutine all_functions
 
-  subroutine unknown_end(error)
-    type(error_type), allocatable, intent(out) :: error
+  subroutine unknown_end
     integer :: which
 
     do which = 1, size(places)
-      call search(error, which, -1.0_real64, most_guesses(which) + 5)
+      call search(which, -1.0_real64, most_guesses(which) + 5)
     end do
   end subroutine unknown_end
 
-  subroutine search(error, which, high_miss, most)
-    type(error_type), allocatable, intent(inout) :: error
+  subroutine search(which, high_miss, most)
     integer, intent(in) :: which, most
     real(real64), intent(in) :: high_miss
     type(root_bracket) :: bracket
@@ -62,13 +55,12 @@ contains
       value = value_of(which, guess)
       call narrow_bracket(bracket, guess, value, value < 0.0_real64)
     end do
-    call check(error, bracket%high <= nearest(bracket%low, 1.0_real64), 'numbers lie between')
-    call check(error, value_of(which, bracket%low) < 0.0_real64 .and. &
+    call check(bracket%high <= nearest(bracket%low, 1.0_real64), 'numbers lie between')
+    call check(value_of(which, bracket%low) < 0.0_real64 .and. &
                       .not. value_of(which, bracket%high) < 0.0_real64, 'no root between')
     ! The tenth root is as uncertain as ten units of the last place.
-    call check(error, abs(bracket%high - places(which)) <= 20 * spacing(places(which)), &
-               'another root')
-    call check(error, bracket%guesses <= most, 'too many guesses')
+    call check(abs(bracket%high - places(which)) <= 20 * spacing(places(which)), 'another root')
+    call check(bracket%guesses <= most, 'too many guesses')
   end subroutine search
 
   elemental real(real64) function value_of(which, x)

@@ -2,68 +2,31 @@
 module asperity_circles_suite
   use asperity_kinds, only: real64
   use asperity_overlapping_circles, only: count_overlapping
-  use asperity_testing, only: check, error_type, new_unittest, unittest_type
+  use asperity_testing, only: check, run_test
   implicit none
   private
 
-  public :: collect_circles
+  public :: run_circles
 
 contains
 
-  !> Lists the tests.
-  subroutine collect_circles(suite)
-    !> all tests
-    type(unittest_type), allocatable, intent(out) :: suite(:)
-
-    suite = [ &
-      new_unittest('circles: a square lattice in which each meets its eight neighbours', lattice), &
-      new_unittest('circles: a column of which one is at the end of the range', far_centre), &
-      new_unittest('circles: all in one column, all in one place, none', lines), &
-      new_unittest('circles: scattered, radii from 1 to 2000, against each with each', scattered)]
-  end subroutine collect_circles
-
-  !> n * n circles a little larger than half the diagonal: 4 n**2 - 6 n + 2 pairs.
-  subroutine lattice(error)
-    type(error_type), allocatable, intent(out) :: error
-    integer, parameter :: sides(4) = [2, 8, 9, 300]
-    integer :: i, k, n
-
-    do k = 1, size(sides)
-      n = sides(k)
-      call check(error, &
-                 count_overlapping([(real(modulo(i, n), real64), i=0, n * n - 1)], &
-                                   [(real(i / n, real64), i=0, n * n - 1)], &
-                                   [(0.71_real64, i=1, n * n)]), 4 * n * n - 6 * n + 2, 'pairs')
-    end do
-  end subroutine lattice
+  !> Runs the tests.
+  subroutine run_circles
+    call run_test('circles: a column of which one is at the end of the range', far_centre)
+    call run_test('circles: scattered, radii from 1 to 2000, against each with each', scattered)
+  end subroutine run_circles
 
   ! Its distance over a radius of 1/2 is beyond the largest number.
-  subroutine far_centre(error)
-    type(error_type), allocatable, intent(out) :: error
+  subroutine far_centre
     integer, parameter :: n = 300
     integer :: i
 
-    call check(error, count_overlapping([(0.0_real64, i=1, n)], &
+    call check(count_overlapping([(0.0_real64, i=1, n)], &
                                         [(real(i, real64), i=1, n - 1), huge(1.0_real64)], &
                                         [(0.501_real64, i=1, n)]), n - 2, 'pairs')
   end subroutine far_centre
 
-  subroutine lines(error)
-    type(error_type), allocatable, intent(out) :: error
-    integer, parameter :: n = 5000, few = 300
-    integer :: i
-
-    call check(error, count_overlapping([(0.1_real64, i=1, n)], [(real(i, real64), i=1, n)], &
-                                        [(0.501_real64, i=1, n)]), n - 1, 'a column')
-    call check(error, count_overlapping([(0.1_real64, i=1, few)], [(7.0_real64, i=1, few)], &
-                                        [(1.0e-9_real64, i=1, few)]), few * (few - 1) / 2, &
-               'one place')
-    call check(error, count_overlapping([(0.1_real64, i=1, few)], [(7.0_real64, i=1, few)], &
-                                        [(0.0_real64, i=1, few)]), 0, 'no radius')
-  end subroutine lines
-
-  subroutine scattered(error)
-    type(error_type), allocatable, intent(out) :: error
+  subroutine scattered
     integer, parameter :: n = 3000
     real(real64) :: numbers(3, n)
     integer :: i, j, expected
@@ -83,9 +46,8 @@ contains
           expected = expected + 1
       end do
     end do
-    call check(error, expected > 10000, 'too few pairs to tell')
-    call check(error, count_overlapping(numbers(1, :), numbers(2, :), numbers(3, :)), expected, &
-               'pairs')
+    call check(expected > 10000, 'too few pairs to tell')
+    call check(count_overlapping(numbers(1, :), numbers(2, :), numbers(3, :)), expected, 'pairs')
   end subroutine scattered
 
 end module asperity_circles_suite

@@ -8,21 +8,18 @@ module asperity_coupled_suite
   use asperity_circle_field, only: large_set
   use asperity_contact_pairs, only: contact_pairs
   use asperity_coupled_contacts, only: coupled_solution, solve_coupled
-  use asperity_coupled_groups, only: find_groups, group_law, extract_group, insert_group
   use asperity_coupled_scenes, only: depth, known_scene, known_scenes, lay_known, random, &
                                      lay_contacts, share_of, solve_at
-  use asperity_coupled_start, only: prepare_start
-  use asperity_coupled_state, only: evaluate_state, raise_to_load, solve_state
   use asperity_hertz_law, only: hertz_law
   use asperity_interaction_estimate, only: estimate_of_interaction
   use asperity_kinds, only: int64, real64
   use asperity_mutual_displacement, only: mutual_displacement, mutual_terms
-  use asperity_testing, only: check, error_type, new_unittest, unittest_type
+  use asperity_testing, only: check, run_test
   use omp_lib, only: omp_get_max_threads, omp_set_num_threads
   implicit none
   private
 
-  public :: collect_coupled
+  public :: run_coupled
 
   real(real64), parameter :: pi = acos(-1.0_real64)
   ! What is asked of the share of the load: circles apart, circles that overlap.
@@ -30,32 +27,22 @@ module asperity_coupled_suite
 
 contains
 
-  !> Lists the tests.
-  subroutine collect_coupled(suite)
-    !> all tests
-    type(unittest_type), allocatable, intent(out) :: suite(:)
+  !> Runs the tests.
+  subroutine run_coupled
+    call run_test('two to five contacts: load together over load alone', groups)
+    call run_test('two contacts: the equations, from near to far', two_by_hand)
+    call run_test('coincident contacts are one contact', coincident)
+    call run_test('the load asked for is met, and the compression bears it', load_met)
+    call run_test('a contact at the rim of another opens and closes without a jump', at_the_rim)
+    call run_test('thousands of crowded contacts converge, to the same bytes by two threads', &
+                  thousands)
+    call run_test('packed lattices converge', packed_lattice)
+    call run_test('steps: crowds, lattices and caps on caps need few', few_steps)
+    call run_test('a cap that hardly stands out of another one stays open', hardly_standing_out)
+    call run_test('the estimate is above the loss', estimate_is_above)
+  end subroutine run_coupled
 
-    suite = [ &
-      new_unittest('two to five contacts: load together over load alone', groups), &
-      new_unittest('two contacts: the equations, from near to far', two_by_hand), &
-      new_unittest('contacts far apart, one, none', far_one_none), &
-      new_unittest('coincident contacts are one contact', coincident), &
-      new_unittest('the load asked for is met, and the compression bears it', load_met), &
-      new_unittest('a contact at the rim of another opens and closes without a jump', at_the_rim), &
-      new_unittest('thousands of crowded contacts converge, to the same bytes by two threads', &
-                   thousands), &
-      new_unittest('packed lattices converge', packed_lattice), &
-      new_unittest('many that press by hundreds of penetrations begin near their loads', &
-                   start_of_many), &
-      new_unittest('penetrations change alike until a load is met', raised_alike), &
-      new_unittest('a contact that is far off is solved in the field of the others', eliminated), &
-      new_unittest('steps: crowds, lattices and caps on caps need few', few_steps), &
-      new_unittest('a cap that hardly stands out of another one stays open', hardly_standing_out), &
-      new_unittest('the estimate is above the loss', estimate_is_above)]
-  end subroutine collect_coupled
-
-  subroutine groups(error)
-    type(error_type), allocatable, intent(out) :: error
+  subroutine groups
     type(known_scene) :: scenes(18)
     type(contact_pairs) :: pairs
     type(hertz_law) :: law
@@ -66,28 +53,26 @@ contains
     do i = 1, size(scenes)
       call lay_known(scenes(i), pairs, law)
       call solve_at(pairs, law, solution)
-      call expect_solved(error, solution, scenes(i)%name)
-      call check(error, share_of(pairs, solution), scenes(i)%truth, &
+      call expect_solved(solution, scenes(i)%name)
+      call check(share_of(pairs, solution), scenes(i)%truth, &
                  merge(overlapping, apart, scenes(i)%overlapping), scenes(i)%name)
     end do
   end subroutine groups
 
-  subroutine expect_solved(error, solution, what)
-    type(error_type), allocatable, intent(inout) :: error
+  subroutine expect_solved(solution, what)
     type(coupled_solution), intent(in) :: solution
     character(*), intent(in) :: what
 
-    call check(error, .not. allocated(solution%failure), trim(what) // ': failed')
-    call check(error, solution%ending%converged, trim(what) // ': not converged')
+    call check(.not. allocated(solution%failure), trim(what) // ': failed')
+    call check(solution%ending%converged, trim(what) // ': not converged')
     ! Of a thousand on, sums are by a tree, and err by 1e-8 at most.
-    call check(error, solution%ending%residual, 0.0_real64, &
+    call check(solution%ending%residual, 0.0_real64, &
                merge(1.0e-9_real64, 1.0e-10_real64, size(solution%set%x) > 1000), &
                trim(what) // ': residual')
   end subroutine expect_solved
 
   ! The equations of two equal contacts solved by repetition.
-  subroutine two_by_hand(error)
-    type(error_type), allocatable, intent(out) :: error
+  subroutine two_by_hand
     real(real64), parameter :: distances(7) = [0.7_real64, 1.5_real64, 3.0_real64, 9.5_real64, &
       9.9_real64, 12.0_real64, 40.0_real64], zeros(2) = 0.0_real64
     type(contact_pairs) :: pairs
@@ -110,48 +95,23 @@ contains
       end do
       call lay_contacts([0.0_real64, distances(i)], zeros, zeros, pairs, law)
       call solve_at(pairs, law, solution)
-      call expect_solved(error, solution, 'two')
+      call expect_solved(solution, 'two')
       ! From five sums of radii on two terms of the series act: the next is (a/r)**4 of the first.
-      call check(error, solution%penetration(1) / depth, p, &
+      call check(solution%penetration(1) / depth, p, &
                  merge(2.0e-10_real64, 2 * terms%on_first * load / distances(i)**4, &
                        distances(i) < 10 * sqrt(p)), 'penetration')
-      call check(error, solution%shift(1, 2) / sqrt(depth), shift, &
+      call check(solution%shift(1, 2) / sqrt(depth), shift, &
                  merge(1.0e-9_real64, 2 * shift / distances(i)**2, &
                        distances(i) < 10 * sqrt(p)), 'shift')
-      call check(error, solution%penetration(2) / solution%penetration(1), 1.0_real64, &
+      call check(solution%penetration(2) / solution%penetration(1), 1.0_real64, &
                  1.0e-9_real64, 'alike')
     end do
   end subroutine two_by_hand
 
-  subroutine far_one_none(error)
-    type(error_type), allocatable, intent(out) :: error
-    type(contact_pairs) :: pairs
-    type(hertz_law) :: law
-    type(coupled_solution) :: solution
-    real(real64) :: compression, p, zeros(2)
-
-    zeros = 0.0_real64
-    call lay_contacts([0.0_real64, 1000.0_real64], zeros, zeros, pairs, law)
-    call solve_at(pairs, law, solution)
-    p = solution%penetration(1) / depth
-    ! A point load: V/(pi E r) = 4/(3 pi) p**1.5/r, in units of depth and circle.
-    compression = p + 4 / (3 * pi) * p**1.5_real64 / 1000
-    call check(error, compression, 1.0_real64, 1.0e-9_real64, 'far apart')
-    call lay_contacts(zeros(:1), zeros(:1), zeros(:1), pairs, law)
-    call solve_at(pairs, law, solution)
-    call expect_solved(error, solution, 'one')
-    call check(error, share_of(pairs, solution), 1.0_real64, 1.0e-12_real64, 'one alone')
-    call lay_contacts(zeros(:0), zeros(:0), zeros(:0), pairs, law)
-    call solve_at(pairs, law, solution)
-    call expect_solved(error, solution, 'none')
-    call check(error, size(solution%penetration), 0, 'of none')
-  end subroutine far_one_none
-
   ! Equal contacts in one place are one surface, and bear what one bears alone. Nearly in one place
   ! they stand out of each other by their distance over the radius of the circle, and may add 3/8 of
   ! that each; the error told has it.
-  subroutine coincident(error)
-    type(error_type), allocatable, intent(out) :: error
+  subroutine coincident
     type(contact_pairs) :: pairs
     type(hertz_law) :: law
     type(coupled_solution) :: solution
@@ -169,30 +129,28 @@ contains
         east = apart_by(k) * cos(around)
         call lay_contacts(east(:n), apart_by(k) * sin(around(:n)), zeros(:n), pairs, law)
         call solve_at(pairs, law, solution)
-        call expect_solved(error, solution, 'in one place')
-        call check(error, size(solution%set%x), 1, 'one contact in one place')
-        call check(error, sum(solution%set%load) / depth**1.5_real64, 4.0_real64 / 3.0_real64, &
+        call expect_solved(solution, 'in one place')
+        call check(size(solution%set%x), 1, 'one contact in one place')
+        call check(sum(solution%set%load) / depth**1.5_real64, 4.0_real64 / 3.0_real64, &
                    1.0e-6_real64, 'load in one place')
         call find_errors(pairs, solution, .false., correction, errors)
-        call check(error, .not. any(errors%is_nested), 'no radius is larger')
-        call check(error, errors%compression_share, 2.0_real64 / 3.0_real64, 1.0e-6_real64, &
-                   'L/(c dL/dc)')
+        call check(.not. any(errors%is_nested), 'no radius is larger')
+        call check(errors%compression_share, 2.0_real64 / 3.0_real64, 1.0e-6_real64, 'L/(c dL/dc)')
         told = sum(errors%of_field(:, 1) + errors%of_shape(:, 1)) / sum(solution%set%load)
-        call check(error, told <= 2.0_real64 * n * apart_by(k) + 1.0e-12_real64 .and. &
+        call check(told <= 2.0_real64 * n * apart_by(k) + 1.0e-12_real64 .and. &
                    told >= 0.1_real64 * apart_by(k) - 1.0e-12_real64, 'error in one place')
       end do
     end do
     call lay_contacts(zeros(:2), zeros(:2), [0.0_real64, 1.0_real64 - 1.0e-12_real64], pairs, law)
     call solve_at(pairs, law, solution)
-    call expect_solved(error, solution, 'a hidden one')
-    call check(error, .not. solution%penetration(2) > 0.0_real64, 'a hidden one must open')
-    call check(error, solution%penetration(1) / depth, 1.0_real64, 1.0e-10_real64, &
+    call expect_solved(solution, 'a hidden one')
+    call check(.not. solution%penetration(2) > 0.0_real64, 'a hidden one must open')
+    call check(solution%penetration(1) / depth, 1.0_real64, 1.0e-10_real64, &
                'the other stands alone')
   end subroutine coincident
 
   ! On the axis of a blunter one: the load of what stands out is below its 3/2th power.
-  subroutine hardly_standing_out(error)
-    type(error_type), allocatable, intent(out) :: error
+  subroutine hardly_standing_out
     type(contact_pairs) :: pairs
     type(hertz_law) :: law
     type(coupled_solution) :: solution
@@ -203,13 +161,12 @@ contains
       call lay_contacts(zeros, zeros, share(k) / (1 + share(k)) * [0, 1], pairs, law)
       pairs%list(1)%radius = 0.6_real64 * pairs%list(1)%radius
       call solve_at(pairs, law, solution)
-      call expect_solved(error, solution, 'on one axis')
-      call check(error, count(solution%penetration > 0.0_real64), k, 'loaded')
+      call expect_solved(solution, 'on one axis')
+      call check(count(solution%penetration > 0.0_real64), k, 'loaded')
     end do
   end subroutine hardly_standing_out
 
-  subroutine load_met(error)
-    type(error_type), allocatable, intent(out) :: error
+  subroutine load_met
     type(contact_pairs) :: pairs
     type(hertz_law) :: law
     type(coupled_solution) :: solution, again
@@ -220,25 +177,23 @@ contains
                       [0.0_real64, 0.1_real64, 0.2_real64, 0.9_real64], pairs, law)
     target = 2.0_real64 * depth**1.5_real64
     call solve_coupled(pairs, law, solution, target)
-    call expect_solved(error, solution, 'at a load')
-    call check(error, law%modulus * sum(solution%set%load) / target, 1.0_real64, 1.0e-11_real64, &
-               'load')
+    call expect_solved(solution, 'at a load')
+    call check(law%modulus * sum(solution%set%load) / target, 1.0_real64, 1.0e-11_real64, 'load')
     again%compression = solution%compression
     call solve_coupled(pairs, law, again)
     ! How far open ones stand off is found no better than needed.
-    call check(error, maxval(abs(max(again%penetration, 0.0_real64) - &
+    call check(maxval(abs(max(again%penetration, 0.0_real64) - &
                                  max(solution%penetration, 0.0_real64))) / depth, 0.0_real64, &
                1.0e-9_real64, 'the same at that compression')
     ! One contact with its centres level bears less than 4/3 E sqrt(R) (4 R)**1.5.
     call lay_contacts([0.0_real64], [0.0_real64], [0.0_real64], pairs, law)
     deallocate (solution%penetration, solution%shift)
     call solve_coupled(pairs, law, solution, 11.0_real64 * law%modulus)
-    call check(error, allocated(solution%failure), 'a load out of reach')
+    call check(allocated(solution%failure), 'a load out of reach')
   end subroutine load_met
 
   ! A shallow contact beside a deep one, as the gap of the shallow one falls.
-  subroutine at_the_rim(error)
-    type(error_type), allocatable, intent(out) :: error
+  subroutine at_the_rim
     integer, parameter :: steps = 400
     type(contact_pairs) :: pairs
     type(hertz_law) :: law
@@ -254,16 +209,16 @@ contains
         call lay_contacts([0.0_real64, distance], [0.0_real64, 0.0_real64], &
                           [0.0_real64, 0.9_real64 - 0.7_real64 * i / steps], pairs, law)
         call solve_at(pairs, law, solution)
-        call expect_solved(error, solution, 'at the rim')
+        call expect_solved(solution, 'at the rim')
         associate (p => solution%penetration(2))
           if (i > 0) largest = max(largest, abs(p - before) / depth)
           before = max(p, 0.0_real64)
           if (.not. p > 0.0_real64) largest = 0.0_real64
         end associate
       end do
-      call check(error, solution%penetration(2) > 0.0_real64, 'stays open')
+      call check(solution%penetration(2) > 0.0_real64, 'stays open')
       ! Several times the step of the gap.
-      call check(error, largest < 10 * 0.7_real64 / steps, 'a jump')
+      call check(largest < 10 * 0.7_real64 / steps, 'a jump')
     end do
   end subroutine at_the_rim
 
@@ -286,8 +241,7 @@ contains
   end subroutine crowd
 
   ! Enough of them for threads to start: also, one and two give the same bytes.
-  subroutine thousands(error)
-    type(error_type), allocatable, intent(out) :: error
+  subroutine thousands
     type(contact_pairs) :: pairs
     type(hertz_law) :: law
     type(coupled_solution) :: one, two
@@ -301,13 +255,13 @@ contains
     call omp_set_num_threads(2)
     call solve_at(pairs, law, two)
     call omp_set_num_threads(before)
-    call expect_solved(error, one, 'thousands')
+    call expect_solved(one, 'thousands')
     share = share_of(pairs, one)
-    call check(error, share > 0.05_real64 .and. share < 0.5_real64, 'share of the load')
-    call check(error, count(one%penetration > 0.0_real64) < size(pairs%list), 'none has opened')
-    call check(error, size(one%set%x) > large_set .and. size(one%set%one) > large_set, &
+    call check(share > 0.05_real64 .and. share < 0.5_real64, 'share of the load')
+    call check(count(one%penetration > 0.0_real64) < size(pairs%list), 'none has opened')
+    call check(size(one%set%x) > large_set .and. size(one%set%one) > large_set, &
                'too few for threads')
-    call check(error, bytes_of(one) == bytes_of(two), 'penetrations or shifts by two threads')
+    call check(bytes_of(one) == bytes_of(two), 'penetrations or shifts by two threads')
   end subroutine thousands
 
   pure function bytes_of(solution) result(bytes)
@@ -318,8 +272,7 @@ contains
   end function bytes_of
 
   ! A tenth of a circle apart, heights within 1e-4 of the depth: steps on the way open all of them.
-  subroutine packed_lattice(error)
-    type(error_type), allocatable, intent(out) :: error
+  subroutine packed_lattice
     type(contact_pairs) :: pairs
     type(hertz_law) :: law
     type(coupled_solution) :: solution
@@ -335,109 +288,19 @@ contains
                           [(0.1_real64 * (i - modulo(i, side)) / side, i=0, side**2 - 1)], gap, &
                           pairs, law)
         call solve_at(pairs, law, solution)
-        call expect_solved(error, solution, 'packed')
+        call expect_solved(solution, 'packed')
         ! More than one of them bears alone, less than a flat punch on a circle around them all.
         share = sum(solution%set%load) / (4.0_real64 / 3.0_real64 * depth**1.5_real64)
-        call check(error, share > 1.0_real64, 'bears less than one')
-        call check(error, share < 1.5_real64 * (1 + 0.1_real64 * (side - 1) / sqrt(2.0_real64)), &
+        call check(share > 1.0_real64, 'bears less than one')
+        call check(share < 1.5_real64 * (1 + 0.1_real64 * (side - 1) / sqrt(2.0_real64)), &
                    'bears more than a punch')
       end do
     end do
   end subroutine packed_lattice
 
-  ! Truth: the sum over all, in the middle: at the rim it differs within a square of a start.
-  subroutine start_of_many(error)
-    type(error_type), allocatable, intent(out) :: error
-    integer, parameter :: side = 200, some(4) = [4141, 10050, 20100, 27130]
-    real(real64), parameter :: apart = 0.7_real64
-    type(contact_pairs) :: pairs
-    type(hertz_law) :: law
-    type(coupled_solution) :: solution
-    type(solve_state) :: state
-    real(real64) :: load(side**2), level(size(some))
-    integer :: i, j, k
-
-    call lay_contacts([(apart * modulo(i, side), i=0, side**2 - 1)], &
-                      [(apart * (i - modulo(i, side)) / side, i=0, side**2 - 1)], &
-                      spread(0.0_real64, 1, side**2), pairs, law)
-    call prepare_start(pairs, law, solution, state, &
-                 law%modulus * side**2 * 4.0_real64 / 3.0_real64 * depth**1.5_real64)
-    call check(error, all(solution%penetration > 0.0_real64), 'some are open')
-    if (allocated(error)) return
-    load = 4.0_real64 / 3.0_real64 * solution%penetration**1.5_real64
-    do k = 1, size(some)
-      i = some(k)
-      level(k) = solution%penetration(i)
-      do j = 1, side**2
-        if (j /= i) level(k) = level(k) + load(j) / pi / &
-          hypot(pairs%list(i)%x - pairs%list(j)%x, pairs%list(i)%y - pairs%list(j)%y)
-      end do
-    end do
-    call check(error, minval(level), maxval(level), 1.5_real64 * depth, 'the plane')
-    call check(error, minval(level) > 100 * depth, 'they press by little')
-  end subroutine start_of_many
-
-  subroutine raised_alike(error)
-    type(error_type), allocatable, intent(out) :: error
-    type(contact_pairs) :: pairs
-    type(hertz_law) :: law
-    real(real64) :: penetration(6), before(6), load, change
-    integer :: k
-
-    call lay_contacts([(1.0_real64 * k, k=1, 6)], spread(0.0_real64, 1, 6), &
-                      spread(0.0_real64, 1, 6), &
-                      pairs, law)
-    before = depth * [0.5_real64, 0.2_real64, 0.0_real64, -0.1_real64, -0.4_real64, -3.0_real64]
-    do k = -2, 2
-      load = 10.0_real64**k * depth**1.5_real64
-      penetration = before
-      call raise_to_load(pairs, law, load, penetration)
-      change = penetration(1) - before(1)
-      call check(error, maxval(abs(penetration - before - change)), 0.0_real64, &
-                 1.0e-14_real64 * maxval(abs(penetration)), 'alike')
-      call check(error, 4.0_real64 / 3.0_real64 * sum(max(penetration, 0.0_real64)**1.5_real64), &
-                 load, 1.0e-12_real64 * load, 'load')
-    end do
-  end subroutine raised_alike
-
-  ! One contact of a solved crowd is put off its equations: alone with its neighbours it goes back.
-  subroutine eliminated(error)
-    type(error_type), allocatable, intent(out) :: error
-    type(contact_pairs) :: pairs, alone
-    type(hertz_law) :: law
-    type(group_law) :: alone_law
-    type(coupled_solution) :: solution, solved, part
-    type(solve_state) :: state
-    integer, allocatable :: member(:), first(:)
-    integer :: i, k
-
-    call crowd(300, pairs, law)
-    call solve_at(pairs, law, solved)
-    do k = 1, size(solved%set%contact), 7
-      solution = solved
-      state = solve_state()
-      i = solved%set%contact(k)
-      state%gap = pairs%list%gap
-      solution%penetration(i) = 0.5_real64 * solved%penetration(i)
-      call evaluate_state(pairs, law, solution, state)
-      call find_groups(solution%set, state%contact_residual, 0.1_real64, member, first)
-      call check(error, any(member == findloc(solution%set%contact, i, 1)), 'not in a group')
-      if (allocated(error)) return
-      call check(error, size(member) < size(solved%set%contact) / 2, 'nearly all')
-      if (size(first) > 2) cycle
-      call extract_group(pairs, law, solution, state, member, alone, alone_law, part)
-      call solve_coupled(alone, alone_law, part, group_residual=1.0e-8_real64)
-      call insert_group(pairs, member, alone, alone_law, part, solution)
-      ! The field of the others is known to the second order of the change.
-      call check(error, solution%penetration(i) / solved%penetration(i), 1.0_real64, &
-                 0.02_real64, 'penetration')
-    end do
-  end subroutine eliminated
-
   ! Bounds are 1.3 times what is needed: they fail where a constant of the path or a second
   ! derivative is wrong.
-  subroutine few_steps(error)
-    type(error_type), allocatable, intent(out) :: error
+  subroutine few_steps
     type(contact_pairs) :: pairs
     type(hertz_law) :: law
     type(coupled_solution) :: one, two, three, four
@@ -454,24 +317,21 @@ contains
                       [(apart_by * (i - modulo(i, side)) / side, i=0, side**2 - 1)], &
                       [(1.0e-3_real64 * modulo(37 * i, 101) / 101, i=0, side**2 - 1)], pairs, law)
     call solve_at(pairs, law, four)
-    call expect_few(error, one, [6, 15, 19], 'crowd')
-    call expect_few(error, two, [6, 14, 14], 'large crowd')
-    call expect_few(error, three, [6, 11, 18], 'under a load')
-    call expect_few(error, four, [10, 19, 130], 'lattice')
+    call expect_few(one, [6, 15, 19], 'crowd')
+    call expect_few(two, [6, 14, 14], 'large crowd')
+    call expect_few(three, [6, 11, 18], 'under a load')
+    call expect_few(four, [10, 19, 130], 'lattice')
   end subroutine few_steps
 
-  subroutine expect_few(error, solution, most, what)
-    type(error_type), allocatable, intent(inout) :: error
+  subroutine expect_few(solution, most, what)
     type(coupled_solution), intent(in) :: solution
     integer, intent(in) :: most(3)   ! steps, fields, products
     character(*), intent(in) :: what
 
-    call check(error, all([solution%ending%iterations, solution%fields, solution%products] <= &
-                          most), what)
+    call check(all([solution%ending%iterations, solution%fields, solution%products] <= most), what)
   end subroutine expect_few
 
-  subroutine estimate_is_above(error)
-    type(error_type), allocatable, intent(out) :: error
+  subroutine estimate_is_above
     type(contact_pairs) :: pairs
     type(hertz_law) :: law
     type(coupled_solution) :: solution
@@ -485,10 +345,10 @@ contains
       call solve_at(pairs, law, solution)
       loss = 1.0_real64 - share_of(pairs, solution)
       share = estimate_of_interaction(pairs, law, depth)
-      call check(error, share >= loss - 1.0e-10_real64, 'below the loss')
+      call check(share >= loss - 1.0e-10_real64, 'below the loss')
       ! And no more than the first order of it.
       if (distance > 20.0_real64) &
-        call check(error, share / loss, 1.0_real64, 0.15_real64, 'far above it')
+        call check(share / loss, 1.0_real64, 0.15_real64, 'far above it')
     end do
   end subroutine estimate_is_above
 

@@ -11,36 +11,25 @@ module asperity_creep_suite
   use asperity_hertz_law, only: hertz_law
   use asperity_kinds, only: real64
   use asperity_scene_values, only: effect_on, scene
-  use asperity_testing, only: check, error_type, new_unittest, unittest_type
+  use asperity_testing, only: check, run_test
   use asperity_theory_warnings, only: of_shrinking
-  use asperity_viscoelastic_solid, only: creep_compliance, history_of, hold_times, keep_load, &
-                                         new_solid, relaxation_ratio, relaxing_solid, solid_step, &
-                                         step_over
+  use asperity_viscoelastic_solid, only: creep_compliance, hold_times, new_solid, relaxing_solid
   implicit none
   private
 
-  public :: collect_creep
+  public :: run_creep
 
 contains
 
-  !> Lists the tests.
-  subroutine collect_creep(suite)
-    !> all tests
-    type(unittest_type), allocatable, intent(out) :: suite(:)
+  !> Runs the tests.
+  subroutine run_creep
+    call run_test('the stiffness is the slope of the vertical load', slopes)
+    call run_test('shrinking areas with neighbours are warned of, rounding is not', shrinking)
+    call run_test('compliance: Laplace inversion, no time, endless time', compliances)
+    call run_test('times of a hold: ends, order, extremes', times_of_hold)
+  end subroutine run_creep
 
-    allocate (suite(0))
-    suite = [ &
-      new_unittest('the stiffness is the slope of the vertical load', slopes), &
-      new_unittest('shrinking areas with neighbours are warned of, rounding is not', shrinking), &
-      new_unittest('compliance: Laplace inversion, no time, endless time', compliances), &
-      new_unittest('three relaxation times: steps of a hold have a constant load', three_times), &
-      new_unittest('steps of a smooth course: second order, against mpmath', steps_converge), &
-      new_unittest('steps from no time to endless time, r from 1e-12 to 1', extreme_steps), &
-      new_unittest('times of a hold: ends, order, extremes', times_of_hold)]
-  end subroutine collect_creep
-
-  subroutine slopes(error)
-    type(error_type), allocatable, intent(out) :: error
+  subroutine slopes
     type(contact_pairs) :: pairs
     class(contact_effect), allocatable :: creep
     type(contact_state) :: state, below, above
@@ -62,15 +51,14 @@ contains
       call held_at(pairs, creep, at(k) - h, times(k), below, outcome)
       call held_at(pairs, creep, at(k) + h, times(k), above, other)
       do i = 1, 2
-        call near(error, state%answers(i)%stiffness, (above%answers(i)%vertical_load - &
+        call near(state%answers(i)%stiffness, (above%answers(i)%vertical_load - &
                   below%answers(i)%vertical_load) / (2.0_real64 * h), 1.0e-8_real64, 'slope')
       end do
       call creep%keep(pairs, state)
     end do
   end subroutine slopes
 
-  subroutine shrinking(error)
-    type(error_type), allocatable, intent(out) :: error
+  subroutine shrinking
     type(contact_pairs) :: pairs
     class(contact_effect), allocatable :: creep
     type(contact_state) :: state
@@ -100,46 +88,16 @@ contains
       share = 0.0_real64
       if (allocated(outcome%warnings)) &
         share = sum(outcome%warnings%magnitude, outcome%warnings%number == of_shrinking)
-      call near(error, 1.0_real64 + share, 1.0_real64 + steps(3, i), 1.0e-14_real64, 'share')
-      call check(error, all(state%answers%load >= 0.0_real64), 'no pull')
+      call near(1.0_real64 + share, 1.0_real64 + steps(3, i), 1.0e-14_real64, 'share')
+      call check(all(state%answers%load >= 0.0_real64), 'no pull')
     end do
     ! Where next to nothing of the elastic load is left, the surface has not recovered.
     call held_at(pairs, creep, 0.005_real64, 1.0_real64, state, outcome, lowered)
-    call check(error, all(state%answers%load <= 0.0_real64), 'open')
-    call check(error, all(state%answers%contact_radius <= 0.0_real64), 'open: no area')
+    call check(all(state%answers%load <= 0.0_real64), 'open')
+    call check(all(state%answers%contact_radius <= 0.0_real64), 'open: no area')
   end subroutine shrinking
 
-  ! A hold of the load: the elastic load is J(t) E(0) times it, also over a few long steps.
-  subroutine three_times(error)
-    type(error_type), allocatable, intent(out) :: error
-    type(relaxing_solid) :: solid
-    type(solid_step) :: step
-    real(real64), parameter :: times(5) = &
-      [0.01_real64, 1.0_real64, 7.0_real64, 200.0_real64, 1.0e9_real64]
-    real(real64) :: elastic, last, relaxing(3)
-    integer :: i
-
-    solid = new_solid([0.9_real64, 0.4_real64, 0.1_real64], &
-                      [0.03_real64, 1.0_real64, 50.0_real64], 0.0_real64)
-    call near(error, relaxation_ratio(solid, 1.0_real64), 0.1_real64 + 0.1_real64 * &
-              exp(-1.0_real64 / 0.03_real64) + 0.5_real64 * exp(-1.0_real64) + 0.3_real64 * &
-              exp(-0.02_real64), 1.0e-15_real64, 'relaxation')
-    call near(error, creep_compliance(solid, 1.0e9_real64), 10.0_real64, 1.0e-13_real64, 'crept')
-    elastic = 0.0_real64
-    relaxing = 0.0_real64
-    last = 0.0_real64
-    call keep_load(step_over(solid, 0.0_real64, 0.0_real64), 1.0_real64, elastic, relaxing)
-    do i = 1, size(times)
-      step = step_over(solid, last, times(i))
-      call near(error, step%gain * creep_compliance(solid, times(i)) + &
-                history_of(step, elastic, relaxing), 1.0_real64, 1.0e-13_real64, 'load')
-      call keep_load(step, 1.0_real64, elastic, relaxing)
-      last = times(i)
-    end do
-  end subroutine three_times
-
-  subroutine compliances(error)
-    type(error_type), allocatable, intent(out) :: error
+  subroutine compliances
     type(relaxing_solid) :: solid
     integer :: i
     ! r, tau, t, J(t) E(0): `compliance` of test/truth/creep_truth.py.
@@ -151,89 +109,14 @@ contains
 
     do i = 1, 4
       solid = new_solid(truth(1:1, i), truth(2:2, i), 0.0_real64)
-      call near(error, creep_compliance(solid, truth(3, i)), truth(4, i), 1.0e-13_real64, 'J E0')
-      call near(error, creep_compliance(solid, 0.0_real64), 1.0_real64, epsilon(1.0_real64), 'J(0)')
-      call near(error, creep_compliance(solid, 1.0e300_real64), 1.0_real64 / solid%relaxed_ratio, &
+      call near(creep_compliance(solid, truth(3, i)), truth(4, i), 1.0e-13_real64, 'J E0')
+      call near(creep_compliance(solid, 0.0_real64), 1.0_real64, epsilon(1.0_real64), 'J(0)')
+      call near(creep_compliance(solid, 1.0e300_real64), 1.0_real64 / solid%relaxed_ratio, &
                 1.0e-15_real64, 'crept')
     end do
   end subroutine compliances
 
-  ! Elastic load (1 + t)**1.5 up to t = 2.
-  subroutine steps_converge(error)
-    type(error_type), allocatable, intent(out) :: error
-    ! r, tau, load by mpmath.quad.
-    real(real64), parameter :: truth(3, 3) = reshape([ &
-      0.5_real64, 1.0_real64, 3.6448235300786179_real64, &
-      0.2_real64, 0.3_real64, 1.6303432024502850_real64, &
-      0.9_real64, 5.0_real64, 5.0953264259506911_real64], [3, 3])
-    real(real64) :: off(3)
-    integer, parameter :: counts(3) = [20, 200, 400]
-    integer :: i, k
-
-    do i = 1, 3
-      do k = 1, 3
-        off(k) = abs(smooth_course(new_solid(truth(1:1, i), truth(2:2, i), 0.0_real64), &
-                                   counts(k)) / truth(3, i) - 1.0_real64)
-      end do
-      call check(error, off(1) < 1.0e-3_real64, '20 steps')
-      call check(error, off(2) < 1.0e-5_real64, '200 steps')
-      call near(error, off(2) / off(3), 4.0_real64, 0.01_real64, 'second order')
-    end do
-  end subroutine steps_converge
-
-  real(real64) function smooth_course(solid, steps)
-    type(relaxing_solid), intent(in) :: solid
-    integer, intent(in) :: steps
-    type(solid_step) :: step
-    real(real64) :: elastic, last, relaxing(1), t
-    integer :: i
-
-    elastic = 0.0_real64
-    relaxing = 0.0_real64
-    last = 0.0_real64
-    call keep_load(step_over(solid, 0.0_real64, 0.0_real64), 1.0_real64, elastic, relaxing)
-    do i = 1, steps
-      t = 2.0_real64 * i / steps
-      step = step_over(solid, last, t)
-      smooth_course = step%gain * (1.0_real64 + t)**1.5_real64 + &
-                      history_of(step, elastic, relaxing)
-      call keep_load(step, smooth_course, elastic, relaxing)
-      last = t
-    end do
-  end function smooth_course
-
-  ! Growth against its series in h for short steps and its limits for long ones.
-  subroutine extreme_steps(error)
-    type(error_type), allocatable, intent(out) :: error
-    type(solid_step) :: step
-    real(real64), parameter :: ratios(4) = &
-      [1.0e-12_real64, 0.3_real64, 1.0_real64 - 1.0e-9_real64, 1.0_real64]
-    real(real64), parameter :: tiny_steps(3) = [0.0_real64, 1.0e-300_real64, 1.0e-9_real64]
-    integer :: i, k
-
-    do i = 1, size(ratios)
-      do k = 1, size(tiny_steps)
-        step = step_over(new_solid(ratios(i:i), [1.0_real64], 0.0_real64), 0.0_real64, &
-                         tiny_steps(k))
-        call check(error, step%growth(1), (1.0_real64 - ratios(i)) * &
-                   (1.0_real64 - 0.5_real64 * tiny_steps(k)), 4.0e-16_real64, 'short: growth')
-        call check(error, step%decay(1), 1.0_real64 - tiny_steps(k), 4.0e-16_real64, 'short: decay')
-      end do
-      step = step_over(new_solid(ratios(i:i), [1.0e-300_real64], 0.0_real64), 0.0_real64, &
-                       1.0e300_real64)
-      call check(error, step%growth(1), 0.0_real64, 0.0_real64, 'endless: growth')
-      call check(error, step%decay(1), 0.0_real64, 0.0_real64, 'endless: decay')
-      step = step_over(new_solid(ratios(i:i), [0.0_real64], 0.0_real64), 0.0_real64, 1.0_real64)
-      call check(error, step%growth(1) + step%decay(1), 0.0_real64, 0.0_real64, 'instant')
-    end do
-    ! r -> 0: the straight line, (1 - exp(-x))/x.
-    step = step_over(new_solid([1.0e-12_real64], [1.0_real64], 0.0_real64), 1.0_real64, 3.0_real64)
-    call near(error, step%growth(1), (1.0_real64 - exp(-2.0_real64)) / 2.0_real64, 2.0e-12_real64, &
-              'straight line')
-  end subroutine extreme_steps
-
-  subroutine times_of_hold(error)
-    type(error_type), allocatable, intent(out) :: error
+  subroutine times_of_hold
     real(real64), allocatable :: times(:)
     real(real64), parameter :: taus(5) = &
       [0.0_real64, 1.0e-300_real64, 1.0_real64, 150.0_real64, 1.0e300_real64]
@@ -242,22 +125,22 @@ contains
     allocate (times(0))
     do i = 1, size(taus)
       times = hold_times(600.0_real64, taus(i), 30)
-      call check(error, size(times), 30, 'number')
-      call check(error, times(1), 0.0_real64, 0.0_real64, 'first')
-      call check(error, times(30), 600.0_real64, 0.0_real64, 'last')
-      call check(error, all(times(2:) > times(:29)), 'ascending')
+      call check(size(times), 30, 'number')
+      call check(times(1), 0.0_real64, 0.0_real64, 'first')
+      call check(times(30), 600.0_real64, 0.0_real64, 'last')
+      call check(all(times(2:) > times(:29)), 'ascending')
     end do
     ! A tenth of the relaxation time times equal factors, 1 + 600/15 = 41 in 29 steps.
     times = hold_times(600.0_real64, 150.0_real64, 30)
-    call near(error, times(2), 15.0_real64 * (41.0_real64**(1.0_real64 / 29.0_real64) - &
+    call near(times(2), 15.0_real64 * (41.0_real64**(1.0_real64 / 29.0_real64) - &
               1.0_real64), 1.0e-13_real64, 'second')
-    call near(error, (times(30) + 15.0_real64) / (times(29) + 15.0_real64), &
+    call near((times(30) + 15.0_real64) / (times(29) + 15.0_real64), &
               41.0_real64**(1.0_real64 / 29.0_real64), 1.0e-13_real64, 'factor')
     times = hold_times(600.0_real64, 150.0_real64, 2)
-    call check(error, size(times), 2, 'two')
+    call check(size(times), 2, 'two')
     times = hold_times(0.0_real64, 150.0_real64, 30)
-    call check(error, size(times), 1, 'no hold')
-    call check(error, times(1), 0.0_real64, 0.0_real64, 'no hold: time')
+    call check(size(times), 1, 'no hold')
+    call check(times(1), 0.0_real64, 0.0_real64, 'no hold: time')
   end subroutine times_of_hold
 
   ! Creep as a scene names it, of a solid that keeps half its modulus; nothing has touched yet.

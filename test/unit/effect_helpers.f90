@@ -12,12 +12,12 @@ module asperity_effect_helpers
   use asperity_first_yield, only: constraint_factor
   use asperity_plastic_law, only: plastic_law
   use asperity_scene_values, only: scene
-  use asperity_testing, only: check, error_type
+  use asperity_testing, only: check
   implicit none
   private
 
   public :: pair_of, penetration_of, plastic_law_with
-  public :: near, same, values_of
+  public :: near, values_of
   public :: act, as_decimal, set_number
 
 contains
@@ -110,15 +110,13 @@ contains
   end function as_decimal
 
   !> Notes a failure unless a number is the expected one within a relative tolerance.
-  subroutine near(error, found, expected, tolerance, message)
-    !> the test's failure
-    type(error_type), allocatable, intent(inout) :: error
+  subroutine near(found, expected, tolerance, message)
     !> the two numbers, and the largest difference as a share of the expected one
     real(real64), intent(in) :: found, expected, tolerance
     !> what is compared
     character(*), intent(in) :: message
 
-    call check(error, found, expected, tolerance * abs(expected), message)
+    call check(found, expected, tolerance * abs(expected), message)
   end subroutine near
 
   !> All numbers of an answer.
@@ -130,13 +128,5 @@ contains
     values = [response%overlap, response%contact_radius, response%load, response%cosine, &
               response%vertical_load, response%stiffness, response%maximum_pressure]
   end function values_of
-
-  !> Whether two answers are the same to the bit.
-  pure logical function same(a, b)
-    !> the answers
-    type(contact_response), intent(in) :: a, b
-
-    same = .not. any(abs(values_of(a) - values_of(b)) > 0.0_real64)
-  end function same
 
 end module asperity_effect_helpers

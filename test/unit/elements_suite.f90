@@ -12,11 +12,11 @@ module asperity_elements_suite
   use asperity_chebyshev_basis, only: chebyshev_nodes
   use asperity_contact_pairs, only: contact_pair, contact_pairs
   use asperity_kinds, only: real64
-  use asperity_testing, only: check, error_type, new_unittest, unittest_type
+  use asperity_testing, only: check, run_test
   implicit none
   private
 
-  public :: collect_elements
+  public :: run_elements
 
   real(real64), parameter :: pi = acos(-1.0_real64)
 
@@ -29,30 +29,22 @@ module asperity_elements_suite
 
 contains
 
-  !> Lists the tests.
-  subroutine collect_elements(suite)
-    !> all tests
-    type(unittest_type), allocatable, intent(out) :: suite(:)
-
-    suite = [ &
-      new_unittest('influence of a cell against quadrature', influence_by_quadrature), &
-      new_unittest('an aligned pair is Hertz, down to 1e-12 of the radius', single_is_hertz), &
-      new_unittest('the area of a contact is within its tolerance and its error estimate', &
-                   area_is_estimated), &
-      new_unittest('an inclined pair is that of its vertical gap', inclined_pair), &
-      new_unittest('a load on cells, and its compression', load_given), &
-      new_unittest('a lattice stays while it is fine enough', lattice_stays), &
-      new_unittest('an open contact far from a lattice that is kept', far_from_lattice), &
-      new_unittest('two contacts apart, near and far', two_apart), &
-      new_unittest('two contact circles that overlap, against numpy', two_overlapping), &
-      new_unittest('a small contact far off feels the field of a large one', small_and_large), &
-      new_unittest('nine in a square: corners alike, the middle least, totals agree', nine), &
-      new_unittest('coincident, covered, open and refused contacts', hard_cases), &
-      new_unittest('a sum over cells through FFTW against a sum term by term', sum_over_cells), &
-      new_unittest('two far contacts in one cluster, and each outside the other', outside), &
-      new_unittest('tiny caps on a flank, overlapping and far apart', tiny_and_far), &
-      new_unittest('the same input gives the same bytes', repeatable)]
-  end subroutine collect_elements
+  !> Runs the tests.
+  subroutine run_elements
+    call run_test('influence of a cell against quadrature', influence_by_quadrature)
+    call run_test('an aligned pair is Hertz, down to 1e-12 of the radius', single_is_hertz)
+    call run_test('the area of a contact is within its tolerance and its error estimate', &
+                  area_is_estimated)
+    call run_test('a load on cells, and its compression', load_given)
+    call run_test('a lattice stays while it is fine enough', lattice_stays)
+    call run_test('an open contact far from a lattice that is kept', far_from_lattice)
+    call run_test('two contacts apart, near and far', two_apart)
+    call run_test('a small contact far off feels the field of a large one', small_and_large)
+    call run_test('coincident, covered, open and refused contacts', hard_cases)
+    call run_test('a sum over cells through FFTW against a sum term by term', sum_over_cells)
+    call run_test('two far contacts in one cluster, and each outside the other', outside)
+    call run_test('tiny caps on a flank, overlapping and far apart', tiny_and_far)
+  end subroutine run_elements
 
   ! Equal spheres, first touch at (x, y), centres offset by (dx, dy).
   function pair_at(x, y, dx, dy, radius) result(pair)
@@ -118,8 +110,7 @@ contains
   end function alone_total
 
   ! Mean of 1/r: Love's displacement at a point, and Gauss over the receiving cell.
-  subroutine influence_by_quadrature(error)
-    type(error_type), allocatable, intent(out) :: error
+  subroutine influence_by_quadrature
     integer, parameter :: cases(2, 9) = reshape([0, 0, 1, 0, 1, 1, 2, 1, 15, 0, 15, 15, 16, 0, &
                                                  27, 7, 40, 33], [2, 9])
     integer, parameter :: parts = 200
@@ -135,13 +126,13 @@ contains
       off = table(cases(1, i), cases(2, i)) / mean - 1
       write (text, '(a, 2i4, es12.3)') 'influence at', cases(:, i), off
       ! Near by the integrand is not smooth.
-      call check(error, abs(off) < merge(8.0e-6_real64, 3.0e-10_real64, cases(1, i) < 15), text)
+      call check(abs(off) < merge(8.0e-6_real64, 3.0e-10_real64, cases(1, i) < 15), text)
     end do
     ! Closed form of the mean distance's inverse within one square.
     off = table(0, 0) - 4.0_real64 * (log(1.0_real64 + sqrt(2.0_real64)) + &
                                       (1.0_real64 - sqrt(2.0_real64)) / 3.0_real64)
-    call check(error, abs(off) < 1.0e-14_real64, 'a cell on itself')
-    call check(error, abs(table(3, 2) - table(2, 3)) < 1.0e-15_real64, 'not symmetric')
+    call check(abs(off) < 1.0e-14_real64, 'a cell on itself')
+    call check(abs(table(3, 2) - table(2, 3)) < 1.0e-15_real64, 'not symmetric')
   end subroutine influence_by_quadrature
 
   ! Mean over a cell at an offset by midpoints.
@@ -174,8 +165,7 @@ contains
     integral = x * asinh(y / abs(x)) + y * asinh(x / abs(y))
   end function corner
 
-  subroutine single_is_hertz(error)
-    type(error_type), allocatable, intent(out) :: error
+  subroutine single_is_hertz
     real(real64), parameter :: depths(5) = [1.0e-3_real64, 1.0e-6_real64, 1.0e-12_real64, &
                                             1.0e-24_real64, 1.0e-140_real64]
     type(contact_pairs) :: pairs
@@ -195,11 +185,10 @@ contains
       call solve(pairs, depths(i:i), asked, outcome)
       hertz = 4.0_real64 / 3.0_real64 * 0.7_real64 * depths(i) * sqrt(depths(i))
       p0 = 2.0_real64 / pi * 0.7_real64 * sqrt(depths(i))
-      call check(error, outcome%ending%converged, 'not converged')
-      call check(error, total(outcome) / hertz, 1.0_real64, allowed, 'load over Hertz')
-      call check(error, outcome%contacts(1)%area / (pi * depths(i)), 1.0_real64, 0.007_real64, &
-                 'area')
-      call check(error, outcome%contacts(1)%pressure / p0, 1.0_real64, 0.005_real64, 'pressure')
+      call check(outcome%ending%converged, 'not converged')
+      call check(total(outcome) / hertz, 1.0_real64, allowed, 'load over Hertz')
+      call check(outcome%contacts(1)%area / (pi * depths(i)), 1.0_real64, 0.007_real64, 'area')
+      call check(outcome%contacts(1)%pressure / p0, 1.0_real64, 0.005_real64, 'pressure')
     end do
   end subroutine single_is_hertz
 
@@ -207,8 +196,7 @@ contains
   ! standard deviation, and the area that is lacking is 0 in the mean, in squares by side of an
   ! element on the rim, of which a circle of n elements in the radius has 8 n. Without the area at
   ! the rim it is 0.012, with a standard error of 0.0006.
-  subroutine area_is_estimated(error)
-    type(error_type), allocatable, intent(out) :: error
+  subroutine area_is_estimated
     type(contact_pairs) :: pairs
     type(element_answer) :: answer
     type(outside_field) :: nothing
@@ -229,39 +217,15 @@ contains
                   (8 * sqrt(depth) * lattice%elements%side)
       end block
       deviation = abs(answer%contacts(1)%area / (pi * depth) - 1.0_real64)
-      call check(error, deviation <= tolerance, 'tolerance')
-      call check(error, deviation <= 3 * answer%area_error, 'error estimate')
+      call check(deviation <= tolerance, 'tolerance')
+      call check(deviation <= 3 * answer%area_error, 'error estimate')
     end do
-    call check(error, abs(sum(lack) / sizes) <= 0.004_real64, 'area at the rim')
+    call check(abs(sum(lack) / sizes) <= 0.004_real64, 'area at the rim')
   end subroutine area_is_estimated
-
-  ! To first order in the penetration: an elliptical contact of curvatures 1/(R c**3) and 1/(R c),
-  ! c the cosine. The eccentricity lowers its load by less than the square of the slope squared,
-  ! so that it is the round one of the geometric mean radius R c**2.
-  subroutine inclined_pair(error)
-    type(error_type), allocatable, intent(out) :: error
-    type(contact_pairs) :: pairs
-    type(element_answer) :: outcome
-    real(real64) :: cosine, hertz
-    ! The rounding of a slope over the last contact is a thousand times its depth.
-    real(real64), parameter :: depths(2) = [1.0e-6_real64, 1.0e-40_real64]
-    integer :: i
-
-    allocate (pairs%list(1))
-    pairs%modulus = 1.0_real64
-    pairs%list(1) = pair_at(0.0_real64, 0.0_real64, 0.6_real64, 0.3_real64, 2.0_real64)
-    cosine = pairs%list(1)%zc / pairs%list(1)%s
-    do i = 1, size(depths)
-      call solve(pairs, depths(i:i), asked, outcome)
-      hertz = 4.0_real64 / 3.0_real64 * cosine * depths(i) * sqrt(depths(i))
-      call check(error, total(outcome) / hertz, 1.0_real64, allowed, 'load over the round contact')
-    end do
-  end subroutine inclined_pair
 
   ! A given load: one contact is Hertz; three have the load and the compression of each other. The
   ! compression that comes with it is far too small, so that cells are laid anew.
-  subroutine load_given(error)
-    type(error_type), allocatable, intent(out) :: error
+  subroutine load_given
     type(contact_pairs) :: pairs
     type(element_answer) :: outcome
     type(outside_field) :: nothing
@@ -279,17 +243,16 @@ contains
         type(element_answer) :: again
         call solve_elements(pairs, [(i, i=1, n)], 0.3_real64 * depth, nothing, asked_shares, &
                             lattice, again, total(outcome))
-        call check(error, total(again) / total(outcome), 1.0_real64, 1.0e-12_real64, 'load')
-        call check(error, again%compression / depth, 1.0_real64, 2.0e-4_real64, 'compression')
-        if (n == 1) call check(error, total(again) / (4.0_real64 / 3.0_real64 * 0.7_real64 * &
+        call check(total(again) / total(outcome), 1.0_real64, 1.0e-12_real64, 'load')
+        call check(again%compression / depth, 1.0_real64, 2.0e-4_real64, 'compression')
+        if (n == 1) call check(total(again) / (4.0_real64 / 3.0_real64 * 0.7_real64 * &
                                                       again%compression**1.5_real64), 1.0_real64, &
                                2.0e-4_real64, 'Hertz')
       end block
     end do
   end subroutine load_given
 
-  subroutine lattice_stays(error)
-    type(error_type), allocatable, intent(out) :: error
+  subroutine lattice_stays
     type(contact_pairs) :: pairs
     type(element_answer) :: outcome
     type(outside_field) :: nothing
@@ -302,17 +265,16 @@ contains
     pairs%list%gap = 0.0_real64
     call solve_elements(pairs, [1], 1.0e-4_real64, nothing, asked_shares, lattice, outcome)
     first = place_of(lattice)
-    call check(error, lattice%elements%side > 0.0_real64, 'laid')
+    call check(lattice%elements%side > 0.0_real64, 'laid')
     ! Radii go with the root.
     call solve_elements(pairs, [1], 1.05e-4_real64, nothing, asked_shares, lattice, outcome)
-    call check(error, all(abs(place_of(lattice) - first) <= 0.0_real64), &
-               'kept, finer than called for')
+    call check(all(abs(place_of(lattice) - first) <= 0.0_real64), 'kept, finer than called for')
     call solve_elements(pairs, [1], 0.95e-4_real64, nothing, asked_shares, lattice, outcome)
-    call check(error, all(abs(place_of(lattice) - first) <= 0.0_real64), 'kept, a little coarser')
+    call check(all(abs(place_of(lattice) - first) <= 0.0_real64), 'kept, a little coarser')
     call solve_elements(pairs, [1], 0.4e-4_real64, nothing, asked_shares, lattice, outcome)
-    call check(error, lattice%elements%side < first(3), 'laid anew, finer')
+    call check(lattice%elements%side < first(3), 'laid anew, finer')
     call solve_elements(pairs, [1], 5.0e-4_real64, nothing, asked_shares, lattice, outcome)
-    call check(error, lattice%elements%side > first(3), 'laid anew, coarser')
+    call check(lattice%elements%side > first(3), 'laid anew, coarser')
     ! Others take all load off a lattice that is kept.
     nothing%x0 = -1.0_real64
     nothing%x1 = 1.0_real64
@@ -320,15 +282,14 @@ contains
     nothing%y1 = 1.0_real64
     allocate (nothing%node_displacement(2, 2), source=1.0e-2_real64)
     call solve_elements(pairs, [1], 5.0e-4_real64, nothing, asked_shares, lattice, outcome)
-    call check(error, outcome%ending%converged, 'lifted: not converged')
-    call check(error, outcome%contacts(1)%load, 0.0_real64, 0.0_real64, 'lifted: a load')
+    call check(outcome%ending%converged, 'lifted: not converged')
+    call check(outcome%contacts(1)%load, 0.0_real64, 0.0_real64, 'lifted: a load')
   end subroutine lattice_stays
 
   ! The second contact is below the displacement by the first at one compression, and above it at
   ! another, at ten contact radii from it. Its load is that of Hertz in the displacement beside the
   ! first circle (Johnson, Contact Mechanics, 1985, eq. 3.42); the curvature of that is 1e-4 of it.
-  subroutine far_from_lattice(error)
-    type(error_type), allocatable, intent(out) :: error
+  subroutine far_from_lattice
     type(contact_pairs) :: pairs
     type(element_answer) :: outcome
     type(outside_field) :: nothing
@@ -342,10 +303,10 @@ contains
     pairs%list(2) = pair_at(apart, 0.0_real64, 0.0_real64, 0.0_real64, 2.0_real64)
     pairs%list%gap = [0.0_real64, 0.98e-4_real64]
     call solve_elements(pairs, [1, 2], 1.0e-4_real64, nothing, asked_shares, lattice, outcome)
-    call check(error, outcome%contacts(2)%load, 0.0_real64, tiny(0.0_real64), 'open')
+    call check(outcome%contacts(2)%load, 0.0_real64, tiny(0.0_real64), 'open')
     call solve_elements(pairs, [1, 2], shut, nothing, asked_shares, lattice, outcome)
     beside = 4.0_real64 / 3.0_real64 * sqrt(shut) * shut / (acos(-1.0_real64) * apart)
-    call check(error, outcome%contacts(2)%load / (4.0_real64 / 3.0_real64 * &
+    call check(outcome%contacts(2)%load / (4.0_real64 / 3.0_real64 * &
                (shut - pairs%list(2)%gap - beside)**1.5_real64), 1.0_real64, 0.005_real64, 'load')
   end subroutine far_from_lattice
 
@@ -360,8 +321,7 @@ contains
   ! Each contact stands in the displacement that a Hertz pressure causes beside its circle
   ! (Johnson, Contact Mechanics, 1985, eq. 3.42); the mean over the other's circle is taken with
   ! its second derivative. The next term is of the order (a/r)**5.
-  subroutine two_apart(error)
-    type(error_type), allocatable, intent(out) :: error
+  subroutine two_apart
     type(contact_pairs) :: pairs
     type(element_answer) :: outcome
     real(real64), parameter :: depth = 1.0e-4_real64, radius = 1.0_real64
@@ -386,8 +346,8 @@ contains
       end do
       factor = (lowered / depth) * sqrt(lowered / depth)
       call solve(pairs, [depth, depth], 0.1_real64 * asked, outcome)
-      call check(error, total(outcome) / alone_total(pairs), factor, 5.0e-4_real64, 'factor')
-      call check(error, outcome%contacts(1)%load / outcome%contacts(2)%load, 1.0_real64, &
+      call check(total(outcome) / alone_total(pairs), factor, 5.0e-4_real64, 'factor')
+      call check(outcome%contacts(1)%load / outcome%contacts(2)%load, 1.0_real64, &
                  5.0e-4_real64, 'two alike')
     end do
   end subroutine two_apart
@@ -415,29 +375,8 @@ contains
     u = ((2.0_real64 * a * a - r * r) * asin(a / r) + a * sqrt(r * r - a * a)) / pi
   end function plain
 
-  ! The two deepest contacts of the thesis' position 56, in cm and N: 0.160 cm apart, circles of
-  ! 0.094 cm. Evaluated apart on paraboloids: 8, 12, 16, 24 and 32 cells a radius, total 432.04,
-  ! 431.93, 431.86, 431.81 and 431.80, first 216.72 and 216.73 to 216.72; the limit 431.78, 216.71.
-  subroutine two_overlapping(error)
-    type(error_type), allocatable, intent(out) :: error
-    type(contact_pairs) :: pairs
-    type(element_answer) :: outcome
-
-    allocate (pairs%list(2))
-    pairs%modulus = 275760.0_real64 / (2.0_real64 * (1.0_real64 - 0.42_real64**2))
-    pairs%list(1) = pair_at(9.97423_real64, 2.12598_real64, 0.37154_real64, 0.16256_real64, &
-                            1.27_real64)
-    pairs%list(2) = pair_at(9.82945_real64, 2.19456_real64, 0.08198_real64, 0.29972_real64, &
-                            1.27_real64)
-    call solve(pairs, [0.013997549934151452_real64, 0.013920271076202782_real64], &
-               1.0e-4_real64, outcome)
-    call check(error, total(outcome), 431.78_real64, 0.05_real64, 'total')
-    call check(error, outcome%contacts(1)%load, 216.71_real64, 0.03_real64, 'first')
-  end subroutine two_overlapping
-
   ! The large contact's field at the small one, which itself does next to nothing.
-  subroutine small_and_large(error)
-    type(error_type), allocatable, intent(out) :: error
+  subroutine small_and_large
     type(contact_pairs) :: pairs
     type(element_answer) :: outcome
     real(real64), parameter :: depth = 1.0e-2_real64, small = 1.0e-5_real64
@@ -454,39 +393,17 @@ contains
     ! a tenth of what is left to the small one.
     slope = (plain(0.1_real64, 0.499_real64) - plain(0.1_real64, 0.501_real64)) / 2.0e-3_real64
     hertz = 4.0_real64 / 3.0_real64 * (small + 0.5_real64 * slope**2)**1.5_real64
-    call check(error, outcome%contacts(2)%load / hertz, 1.0_real64, 0.1_real64, 'small load')
+    call check(outcome%contacts(2)%load / hertz, 1.0_real64, 0.1_real64, 'small load')
     ! Without that it opens.
     call solve(pairs, [depth, 0.9_real64 * field], asked, outcome)
-    call check(error, outcome%contacts(2)%load, 0.0_real64, 0.0_real64, 'open')
+    call check(outcome%contacts(2)%load, 0.0_real64, 0.0_real64, 'open')
     ! A contact a million times smaller than the cells.
     call solve(pairs, [depth, 1.0e-14_real64], asked, outcome)
-    call check(error, outcome%ending%converged, 'not converged')
-    call check(error, outcome%contacts(2)%load, 0.0_real64, 0.0_real64, 'too small for the cells')
+    call check(outcome%ending%converged, 'not converged')
+    call check(outcome%contacts(2)%load, 0.0_real64, 0.0_real64, 'too small for the cells')
   end subroutine small_and_large
 
-  subroutine nine(error)
-    type(error_type), allocatable, intent(out) :: error
-    type(contact_pairs) :: pairs
-    type(element_answer) :: outcome
-    real(real64) :: depth(9), corners(4)
-    integer :: i
-
-    allocate (pairs%list(9))
-    pairs%modulus = 1.0_real64
-    do i = 1, 9
-      pairs%list(i) = pair_at(0.21_real64 * modulo(i - 1, 3), 0.21_real64 * ((i - 1) / 3), &
-                              0.0_real64, 0.0_real64, 2.0_real64)
-    end do
-    depth = 1.0e-2_real64
-    call solve(pairs, depth, asked, outcome)
-    corners = outcome%contacts([1, 3, 7, 9])%load
-    call check(error, maxval(corners) / minval(corners), 1.0_real64, 2.0e-3_real64, 'corners')
-    call check(error, minloc(outcome%contacts%load, 1), 5, 'the middle is not the least')
-    call check(error, total(outcome) < 0.7_real64 * alone_total(pairs), 'no interaction')
-  end subroutine nine
-
-  subroutine hard_cases(error)
-    type(error_type), allocatable, intent(out) :: error
+  subroutine hard_cases
     type(contact_pairs) :: pairs
     type(element_answer) :: one, outcome
     integer :: i
@@ -497,32 +414,30 @@ contains
       pairs%list(i) = pair_at(1.0_real64, 1.0_real64, 0.0_real64, 0.0_real64, 2.0_real64)
     end do
     call solve(pairs, [1.0e-2_real64, 0.0_real64, -1.0_real64], asked, one)
-    call check(error, one%contacts(2)%load + one%contacts(3)%load, 0.0_real64, 0.0_real64, 'open')
+    call check(one%contacts(2)%load + one%contacts(3)%load, 0.0_real64, 0.0_real64, 'open')
     ! Three times the same surface is the same surface.
     call solve(pairs, spread(1.0e-2_real64, 1, 3), asked, outcome)
-    call check(error, total(outcome), total(one), 1.0e-12_real64, 'coincident')
+    call check(total(outcome), total(one), 1.0e-12_real64, 'coincident')
     ! One whose own overlap lies within a deeper one's.
     call solve(pairs, [1.0e-3_real64, 1.0e-2_real64, 1.0e-12_real64], asked, outcome)
-    call check(error, total(outcome), total(one), 1.0e-12_real64, 'covered')
-    call check(error, outcome%contacts(2)%load, total(one), 1.0e-12_real64, 'load of the deepest')
+    call check(total(outcome), total(one), 1.0e-12_real64, 'covered')
+    call check(outcome%contacts(2)%load, total(one), 1.0e-12_real64, 'load of the deepest')
     call solve(pairs, [0.0_real64, 0.0_real64, 0.0_real64], asked, outcome)
-    call check(error, outcome%ending%converged, 'nothing touches: not converged')
-    call check(error, total(outcome), 0.0_real64, 0.0_real64, 'nothing touches: a load')
+    call check(outcome%ending%converged, 'nothing touches: not converged')
+    call check(total(outcome), 0.0_real64, 0.0_real64, 'nothing touches: a load')
     ! Nearly level centres; flanks end inside the overlap. A hundredth is enough to ask for.
     pairs%list(1) = pair_at(1.0_real64, 1.0_real64, 3.6_real64, 1.0_real64, 2.0_real64)
-    call solve(pairs, [0.9_real64 * pairs%list(1)%zc, 0.0_real64, 0.0_real64], 0.01_real64, &
-               outcome)
-    call check(error, outcome%ending%converged .or. allocated(outcome%failure), 'flanks: silent')
+    call solve(pairs, [0.9_real64 * pairs%list(1)%zc, 0.0_real64, 0.0_real64], 0.01_real64, outcome)
+    call check(outcome%ending%converged .or. allocated(outcome%failure), 'flanks: silent')
     call solve(pairs, [4.0_real64, 0.0_real64, 0.0_real64], asked, outcome)
-    call check(error, allocated(outcome%failure), 'level centres not refused')
-    call check(error, .not. outcome%ending%converged, 'refused, yet converged')
+    call check(allocated(outcome%failure), 'level centres not refused')
+    call check(.not. outcome%ending%converged, 'refused, yet converged')
     call solve(pairs, [1.0e-160_real64, 0.0_real64, 0.0_real64], asked, outcome)
-    call check(error, allocated(outcome%failure), 'too shallow not refused')
+    call check(allocated(outcome%failure), 'too shallow not refused')
   end subroutine hard_cases
 
   ! An influence that falls as 1/r, on lattices of even, odd and prime sides.
-  subroutine sum_over_cells(error)
-    type(error_type), allocatable, intent(out) :: error
+  subroutine sum_over_cells
     integer, parameter :: sides(2, 4) = reshape([1, 1, 7, 4, 13, 16, 1, 9], [2, 4])
     real(real64), allocatable :: influence(:, :), force(:, :), found(:, :), back(:, :)
     type(lattice_convolution), allocatable :: cells
@@ -553,23 +468,22 @@ contains
           worst = max(worst, abs(found(i, j) - direct))
         end do
       end do
-      call check(error, worst, 0.0_real64, 1.0e-13_real64 * sum(abs(force)), 'a sum')
+      call check(worst, 0.0_real64, 1.0e-13_real64 * sum(abs(force)), 'a sum')
       ! The energy of forces is within the norm; that of the rough inverse is more than 0.
-      call check(error, sum(force * found) <= cells%norm * sum(force**2), 'norm')
+      call check(sum(force * found) <= cells%norm * sum(force**2), 'norm')
       allocate (back, mold=force)
       call cells%apply(force, back, inverse=.true.)
-      call check(error, sum(force * back) > 0.0_real64, 'rough inverse')
+      call check(sum(force * back) > 0.0_real64, 'rough inverse')
       deallocate (cells, influence, force, found, back)
     end do
-    call check(error, padded_length(2 * 7 - 1), 13, 'padded length of 13')
-    call check(error, padded_length(121), 128, 'padded length of 121')
+    call check(padded_length(2 * 7 - 1), 13, 'padded length of 13')
+    call check(padded_length(121), 128, 'padded length of 121')
   end subroutine sum_over_cells
 
   ! The field of a contact apart is that of its circle of Hertz, but for what the other's field
   ! makes oval: of the order of (a/r)**3 times 1/18, below 1e-4 at six radii. Told at nodes of
   ! Chebyshev or as a circle is the same but for the interpolation.
-  subroutine outside(error)
-    type(error_type), allocatable, intent(out) :: error
+  subroutine outside
     type(contact_pairs) :: pairs
     type(element_answer) :: both, one
     type(outside_field) :: field, nodes
@@ -594,16 +508,16 @@ contains
       load = field%load(1)
       field%load = one%contacts(1)%load
     end do
-    call check(error, one%contacts(1)%load / both%contacts(2)%load, 1.0_real64, 2.0e-4_real64, '2')
-    call check(error, load / both%contacts(1)%load, 1.0_real64, 2.0e-4_real64, '1')
-    call check(error, one%contacts(1)%x, both%contacts(2)%x, 1.0e-4_real64, 'centre')
+    call check(one%contacts(1)%load / both%contacts(2)%load, 1.0_real64, 2.0e-4_real64, '2')
+    call check(load / both%contacts(1)%load, 1.0_real64, 2.0e-4_real64, '1')
+    call check(one%contacts(1)%x, both%contacts(2)%x, 1.0e-4_real64, 'centre')
     ! The same circle through nodes.
     field%load = load
     a = (0.75_real64 * load / 0.7_real64)**(1.0_real64 / 3.0_real64)
     field%radius = a
     call solve_anew(pairs, [2], 0.0_real64, field, shares, one)
     call cluster_extent(pairs, [2], 0.0_real64, nodes%x0, nodes%x1, nodes%y0, nodes%y1)
-    call check(error, nodes%x1 - nodes%x0, 2.0_real64 * sqrt(2.0_real64 * 0.9e-2_real64), &
+    call check(nodes%x1 - nodes%x0, 2.0_real64 * sqrt(2.0_real64 * 0.9e-2_real64), &
                1.0e-12_real64, 'rectangle')
     allocate (nodes%node_displacement(n, n))
     x = 0.5_real64 * (nodes%x0 + nodes%x1 + chebyshev_nodes(n) * (nodes%x1 - nodes%x0))
@@ -616,20 +530,18 @@ contains
       end do
     end do
     call solve_anew(pairs, [2], 0.0_real64, nodes, shares, both)
-    call check(error, both%contacts(1)%load / one%contacts(1)%load, 1.0_real64, 1.0e-6_real64, &
-               'nodes')
+    call check(both%contacts(1)%load / one%contacts(1)%load, 1.0_real64, 1.0e-6_real64, 'nodes')
     ! A field that lifts all load off.
     nodes%node_displacement = 1.0e-2_real64
     call solve_anew(pairs, [2], 0.0_real64, nodes, shares, both)
-    call check(error, both%ending%converged, 'lifted: not converged')
-    call check(error, both%contacts(1)%load, 0.0_real64, 0.0_real64, 'lifted: a load')
+    call check(both%ending%converged, 'lifted: not converged')
+    call check(both%contacts(1)%load, 0.0_real64, 0.0_real64, 'lifted: a load')
   end subroutine outside
 
   ! More overlap everywhere is more load. So the load lies between those of two spheres of radius 1:
   ! the large one alone, and one that all caps lie within, .0115 deep (the first cap comes highest
   ! over it where its slope is the sphere's: .01145 + 1.6e-5).
-  subroutine tiny_and_far(error)
-    type(error_type), allocatable, intent(out) :: error
+  subroutine tiny_and_far
     type(contact_pairs) :: pairs
     type(element_answer) :: answer
     real(real64) :: hertz
@@ -642,34 +554,17 @@ contains
                               merge(2.0_real64, 0.07_real64, i == 1))
     end do
     call solve(pairs, [1.0e-2_real64, 1.1e-2_real64, 0.9e-2_real64], asked, answer)
-    call check(error, answer%ending%converged, 'tiny caps: not converged')
+    call check(answer%ending%converged, 'tiny caps: not converged')
     hertz = 4.0_real64 / 3.0_real64 * 1.0e-3_real64
-    call check(error, total(answer) > 0.999_real64 * hertz, 'tiny caps: less than without')
-    call check(error, total(answer) < 1.15_real64**1.5_real64 * hertz, 'tiny caps: too much')
-    call check(error, answer%contacts(2)%load > 0.0_real64, 'the cap that stands out is open')
+    call check(total(answer) > 0.999_real64 * hertz, 'tiny caps: less than without')
+    call check(total(answer) < 1.15_real64**1.5_real64 * hertz, 'tiny caps: too much')
+    call check(answer%contacts(2)%load > 0.0_real64, 'the cap that stands out is open')
     ! So far apart that the cells between them are too many.
     pairs%list(3) = pair_at(1.0e5_real64, 1.0e5_real64, 0.0_real64, 0.0_real64, 2.0_real64)
     call solve(pairs, [1.0e-2_real64, 0.9e-2_real64, 0.6e-2_real64], asked, answer)
-    call check(error, .not. answer%ending%converged, 'far apart: not refused')
-    call check(error, answer%failure, &
-               'the boundary elements would need more than 2 GiB of memory', &
+    call check(.not. answer%ending%converged, 'far apart: not refused')
+    call check(answer%failure, 'the boundary elements would need more than 2 GiB of memory', &
                'words of the refusal')
   end subroutine tiny_and_far
-
-  subroutine repeatable(error)
-    type(error_type), allocatable, intent(out) :: error
-    type(contact_pairs) :: pairs
-    type(element_answer) :: one, other
-    real(real64), parameter :: depth(2) = [1.0e-2_real64, 0.9e-2_real64]
-
-    allocate (pairs%list(2))
-    pairs%modulus = 1.0_real64
-    pairs%list(1) = pair_at(0.0_real64, 0.0_real64, 0.1_real64, 0.0_real64, 2.0_real64)
-    pairs%list(2) = pair_at(0.2_real64, 0.1_real64, 0.0_real64, 0.2_real64, 2.0_real64)
-    call solve(pairs, depth, asked, one)
-    call solve(pairs, depth, asked, other)
-    call check(error, all(transfer(one%contacts%load, [0]) == transfer(other%contacts%load, [0])), &
-               'loads differ')
-  end subroutine repeatable
 
 end module asperity_elements_suite

@@ -8,11 +8,11 @@ module asperity_friction_suite
   use asperity_friction, only: rubbing, solve_friction, tangential_stiffness_ratio
   use asperity_hertz_law, only: hertz_law
   use asperity_kinds, only: real64
-  use asperity_testing, only: check, error_type, new_unittest, unittest_type
+  use asperity_testing, only: check, run_test
   implicit none
   private
 
-  public :: collect_friction
+  public :: run_friction
 
   ! From the lower centre to the upper one.
   real(real64), parameter :: plan(2) = [0.6_real64, 0.8_real64]
@@ -21,20 +21,13 @@ module asperity_friction_suite
 
 contains
 
-  !> Lists the tests.
-  subroutine collect_friction(suite)
-    !> all tests
-    type(unittest_type), allocatable, intent(out) :: suite(:)
+  !> Runs the tests.
+  subroutine run_friction
+    call run_test('stiffness ratio: closed forms, Poisson from -1 to 0.5, huge moduli', ratios)
+    call run_test('the stiffness is the slope of the vertical load', slopes)
+  end subroutine run_friction
 
-    allocate (suite(0))
-    suite = [ &
-      new_unittest('stiffness ratio: closed forms, Poisson from -1 to 0.5, huge moduli', ratios), &
-      new_unittest('stick, slip and slide meet; friction never loses load', states_meet), &
-      new_unittest('the stiffness is the slope of the vertical load', slopes)]
-  end subroutine collect_friction
-
-  subroutine ratios(error)
-    type(error_type), allocatable, intent(out) :: error
+  subroutine ratios
     real(real64), parameter :: &
       nu(5) = [0.5_real64, 0.42_real64, 0.0_real64, -0.5_real64, -1.0_real64]
     real(real64) :: found
@@ -42,59 +35,24 @@ contains
 
     do i = 1, size(nu)
       found = tangential_stiffness_ratio(3.0_real64, nu(i), 3.0_real64, nu(i))
-      call check(error, found, 2.0_real64 * (1.0_real64 - nu(i)) / (2.0_real64 - nu(i)), &
+      call check(found, 2.0_real64 * (1.0_real64 - nu(i)) / (2.0_real64 - nu(i)), &
                  tolerance, 'equal materials')
     end do
     ! By hand from 1/G and 1/E: 0.959764474975466143 (mpmath); 6/7 where body 1 cannot be sheared.
     found = tangential_stiffness_ratio(2.0e5_real64, 0.5_real64, 7.0e4_real64, -0.2_real64)
-    call check(error, found, 0.95976447497546614328_real64, tolerance, 'unlike materials')
+    call check(found, 0.95976447497546614328_real64, tolerance, 'unlike materials')
     found = tangential_stiffness_ratio(7.0e4_real64, -0.2_real64, 2.0e5_real64, 0.5_real64)
-    call check(error, found, 0.95976447497546614328_real64, tolerance, 'bodies exchanged')
+    call check(found, 0.95976447497546614328_real64, tolerance, 'bodies exchanged')
     found = tangential_stiffness_ratio(1.0_real64, -1.0_real64, 1.0_real64, 0.25_real64)
-    call check(error, found, 6.0_real64 / 7.0_real64, tolerance, 'one of -1')
+    call check(found, 6.0_real64 / 7.0_real64, tolerance, 'one of -1')
     ! A rigid body leaves the other one's own ratio.
     found = tangential_stiffness_ratio(1.0e300_real64, 0.1_real64, 1.0e-300_real64, 0.5_real64)
-    call check(error, found, 2.0_real64 / 3.0_real64, tolerance, 'one nearly rigid')
+    call check(found, 2.0_real64 / 3.0_real64, tolerance, 'one nearly rigid')
     found = tangential_stiffness_ratio(1.0e308_real64, 0.0_real64, 1.0e308_real64, 0.0_real64)
-    call check(error, found, 1.0_real64, tolerance, 'huge moduli')
+    call check(found, 1.0_real64, tolerance, 'huge moduli')
   end subroutine ratios
 
-  ! Over friction coefficients from stick to slide.
-  subroutine states_meet(error)
-    type(error_type), allocatable, intent(out) :: error
-    type(contact_pair) :: pair
-    type(contact_response) :: response
-    type(rubbing) :: rubbed, before
-    real(real64), parameter :: p = 0.1_real64, kappa = 0.8_real64
-    integer, parameter :: steps = 20000
-    real(real64) :: mu, jump
-    integer :: i, in_part
-
-    pair = pair_of(1.0_real64, 1.0_real64, 1.4_real64, plan)
-    response = answer(pair, 1.0_real64, p)
-    in_part = 0
-    jump = 0.0_real64
-    call solve_friction(pair, p, response, kappa, 0.7_real64, before)
-    do i = 1, steps
-      mu = 0.7_real64 + 0.3_real64 * i / steps
-      call solve_friction(pair, p, response, kappa, mu, rubbed)
-      if (.not. rubbed%sliding .and. rubbed%slip_annulus > 0.0_real64) in_part = in_part + 1
-      jump = max(jump, rubbed%tangential_load - before%tangential_load)
-      ! The rounding of a load that does not change.
-      call check(error, rubbed%tangential_load >= &
-                 before%tangential_load - 1.0e-15_real64 * response%load, 'T falls with mu')
-      call check(error, rubbed%tangential_load <= mu * response%load, 'T above mu N')
-      call check(error, rubbed%stick_radius >= before%stick_radius - 1.0e-12_real64, &
-                 'the stick radius falls with mu')
-      before = rubbed
-    end do
-    call check(error, in_part > steps / 20, 'too few of them slip in part')
-    ! T can grow by no more than the step of mu times N.
-    call check(error, jump <= 1.001_real64 * 0.3_real64 / steps * response%load, 'T jumps')
-  end subroutine states_meet
-
-  subroutine slopes(error)
-    type(error_type), allocatable, intent(out) :: error
+  subroutine slopes
     type(contact_pair) :: pair
     type(rubbing) :: rubbed, above, below
     real(real64), parameter :: p = 0.1_real64, kappa = 0.8_real64, h = 1.0e-5_real64
@@ -106,10 +64,10 @@ contains
       call solve_friction(pair, p, answer(pair, 1.0_real64, p), kappa, mu(i), rubbed)
       call solve_friction(pair, p + h, answer(pair, 1.0_real64, p + h), kappa, mu(i), above)
       call solve_friction(pair, p - h, answer(pair, 1.0_real64, p - h), kappa, mu(i), below)
-      if (i == 2) call check(error, rubbed%slip_annulus > 0.1_real64 .and. &
+      if (i == 2) call check(rubbed%slip_annulus > 0.1_real64 .and. &
                              rubbed%slip_annulus < 0.9_real64, 'the second slips in part')
       ! The error of the quotient is about (h/p)**2.
-      call check(error, (above%vertical_load - below%vertical_load) / (2.0_real64 * h), &
+      call check((above%vertical_load - below%vertical_load) / (2.0_real64 * h), &
                  rubbed%stiffness, 1.0e-7_real64 * rubbed%stiffness, 'stiffness')
     end do
   end subroutine slopes

@@ -11,49 +11,40 @@ module asperity_hex32_suite
   use asperity_hex32, only: operator(<), operator(<=), operator(>), operator(>=)
   use asperity_hex32, only: operator(==), operator(/=)
   use asperity_kinds, only: int64, real64
-  use asperity_testing, only: check, error_type, new_unittest, unittest_type
+  use asperity_testing, only: check, run_test
   implicit none
   private
 
-  public :: collect_hex32
+  public :: run_hex32
 
 contains
 
-  !> Lists the tests.
-  subroutine collect_hex32(suite)
-    !> all tests of this module
-    type(unittest_type), allocatable, intent(out) :: suite(:)
+  !> Runs the tests.
+  subroutine run_hex32
+    call run_test('zero, largest and smallest', test_constants)
+    call run_test('operations of a System/370, archived', test_machine)
+    call run_test('x**1.5, known values', test_power_known)
+    call run_test('from decimals, known values', test_decimal_known)
+    call run_test('from digits and a power of two', test_binary)
+    call run_test('from and to double precision', test_real64)
+    call run_test('sine and cosine, known values', test_circular_known)
+  end subroutine run_hex32
 
-    suite = [ &
-            new_unittest('zero, largest and smallest', test_constants), &
-            new_unittest('operations of a System/370, archived', test_machine), &
-            new_unittest('x**1.5, known values', test_power_known), &
-            new_unittest('from integers', test_from_integer), &
-            new_unittest('to integers', test_to_integer), &
-            new_unittest('from decimals, known values', test_decimal_known), &
-            new_unittest('from digits and a power of two', test_binary), &
-            new_unittest('from and to double precision', test_real64), &
-            new_unittest('sine and cosine, known values', test_circular_known), &
-            new_unittest('whole arrays', test_arrays)]
-  end subroutine collect_hex32
-
-  subroutine test_constants(error)
-    type(error_type), allocatable, intent(out) :: error
+  subroutine test_constants
     type(hex32) :: untouched
 
-    call check_word(error, untouched, '00000000', 'start value')
-    call check_word(error, hex32_huge(), '7FFFFFFF', 'largest')
-    call check_word(error, hex32_tiny(), '00100000', 'smallest')
-    call check_word(error, -untouched, '00000000', 'zero has no sign')
-    call check_word(error, -x('41100000'), 'C1100000', 'negative of one')
-    call check_word(error, +x('C1100000'), 'C1100000', 'unary plus')
+    call check_word(untouched, '00000000', 'start value')
+    call check_word(hex32_huge(), '7FFFFFFF', 'largest')
+    call check_word(hex32_tiny(), '00100000', 'smallest')
+    call check_word(-untouched, '00000000', 'zero has no sign')
+    call check_word(-x('41100000'), 'C1100000', 'negative of one')
+    call check_word(+x('C1100000'), 'C1100000', 'unary plus')
   end subroutine test_constants
 
   ! Results of a System/370 for 200 pairs of each kind of operation, with its condition codes
   ! (reference_output/hex32/README.md). In the place of an interrupted result the FORTRAN library
   ! put the largest number, or zero for 0/0.
-  subroutine test_machine(error)
-    type(error_type), allocatable, intent(out) :: error
+  subroutine test_machine
     character(80) :: line
     character(12) :: cells(6)
     type(hex32) :: a, b, z
@@ -82,42 +73,40 @@ contains
       case ('SQRT'); z = sqrt(a)
       case ('FLOAT'); z = hex32_from_integer(signed(cells(2)))
       case ('FIX', 'FIX-AU')
-        call check(error, hex32_to_integer(a), signed(cells(4)), line)
+        call check(hex32_to_integer(a), signed(cells(4)), line)
         cycle
       case ('CE')
         below = index('021', cells(5)(1:1)) - 2
-        call check(error, ((a < b) .eqv. below > 0) .and. ((a > b) .eqv. below == 0) .and. &
+        call check(((a < b) .eqv. below > 0) .and. ((a > b) .eqv. below == 0) .and. &
                    ((a == b) .eqv. below < 0) .and. ((a <= b) .neqv. a > b) .and. &
                    ((a >= b) .neqv. a < b) .and. ((a /= b) .neqv. a == b), line)
         cycle
       case default
-        call check(error, .false., 'an operation without a test: ' // line)
+        call check(.false., 'an operation without a test: ' // line)
       end select
       if (cells(6) == 'C') then
-        call check_word(error, z, merge('F', '7', signed(cells(4)) < 0) // 'FFFFFFF', line)
+        call check_word(z, merge('F', '7', signed(cells(4)) < 0) // 'FFFFFFF', line)
       else if (cells(6) == 'F') then
-        call check_word(error, z, merge('00000000', merge('F', '7', signed(cells(2)) < 0) // &
+        call check_word(z, merge('00000000', merge('F', '7', signed(cells(2)) < 0) // &
                                         'FFFFFFF', a == x('00000000')), line)
       else
         ! The arithmetic has one zero.
-        call check_word(error, z, merge('00000000', cells(4)(:8), cells(4)(3:8) == '000000'), line)
+        call check_word(z, merge('00000000', cells(4)(:8), cells(4)(3:8) == '000000'), line)
         if (cells(1) == 'AE' .or. cells(1) == 'SE') &
-          call check(error, cells(5) == trim(merge('1', merge('2', '0', z > x('00000000')), &
+          call check(cells(5) == trim(merge('1', merge('2', '0', z > x('00000000')), &
                                                    z < x('00000000'))), line)
       end if
       ! Each operand is a double, and what lies below the next number is cut.
       if (scan(cells(1), 'F') > 0) cycle
-      call check_word(error, hex32_from_real64(hex32_to_real64(a)), text_of(a), line)
-      call check_word(error, hex32_from_real64(hex32_to_real64(a) * (1 + 2.0_real64**(-25))), &
+      call check_word(hex32_from_real64(hex32_to_real64(a)), text_of(a), line)
+      call check_word(hex32_from_real64(hex32_to_real64(a) * (1 + 2.0_real64**(-25))), &
                       text_of(a), line)
     end do
     close (unit)
-    call check(error, rows, 2400, 'rows')
+    call check(rows, 2400, 'rows')
   end subroutine test_machine
 
-  subroutine test_power_known(error)
-    type(error_type), allocatable, intent(out) :: error
-
+  subroutine test_power_known
     call power_is('00000000', '00000000', '0')
     call power_is('41100000', '41100000', '1')
     call power_is('41400000', '41800000', '4')
@@ -138,43 +127,12 @@ contains
     subroutine power_is(a, power, message)
       character(*), intent(in) :: a, power, message
 
-      call check_word(error, three_halves_power(x(a)), power, 'x**1.5 of '//message)
+      call check_word(three_halves_power(x(a)), power, 'x**1.5 of '//message)
     end subroutine power_is
 
   end subroutine test_power_known
 
-  subroutine test_from_integer(error)
-    type(error_type), allocatable, intent(out) :: error
-
-    call check_word(error, hex32_from_integer(0), '00000000', '0')
-    call check_word(error, hex32_from_integer(1), '41100000', '1')
-    call check_word(error, hex32_from_integer(-1), 'C1100000', '-1')
-    call check_word(error, hex32_from_integer(16777215), '46FFFFFF', '2**24 - 1')
-    call check_word(error, hex32_from_integer(16777217), '47100000', '2**24 + 1, cut')
-    call check_word(error, hex32_from_integer(-16777231), 'C7100000', '-2**24 - 15, cut')
-    call check_word(error, hex32_from_integer(2147483647), '487FFFFF', 'largest integer')
-    call check_word(error, hex32_from_integer(-2147483647 - 1), 'C8800000', 'smallest integer')
-  end subroutine test_from_integer
-
-  subroutine test_to_integer(error)
-    type(error_type), allocatable, intent(out) :: error
-
-    call check(error, hex32_to_integer(x('00000000')), 0, '0')
-    call check(error, hex32_to_integer(x('40FFFFFF')), 0, '0.99')
-    call check(error, hex32_to_integer(x('C11FFFFF')), -1, '-1.99')
-    call check(error, hex32_to_integer(x('C276A000')), -118, '-118.625')
-    call check(error, hex32_to_integer(x('4612345F')), 1193055, 'six digits')
-    call check(error, hex32_to_integer(x('47123456')), 19088736, 'seven digits')
-    call check(error, hex32_to_integer(x('487FFFFF')), 2147483392, 'near the largest integer')
-    call check(error, hex32_to_integer(x('48800000')), 2147483647, 'above the largest integer')
-    call check(error, hex32_to_integer(x('C8800000')), -2147483647, 'below it, negative')
-    call check(error, hex32_to_integer(x('FFFFFFFF')), -2147483647, 'far below')
-    call check(error, hex32_to_integer(x('00100000')), 0, 'the smallest')
-  end subroutine test_to_integer
-
-  subroutine test_decimal_known(error)
-    type(error_type), allocatable, intent(out) :: error
-
+  subroutine test_decimal_known
     call decimal_is(1_int64, -1, '40199999', '0.1')
     call decimal_is(1_int64, 0, '41100000', '1')
     call decimal_is(254_int64, -2, '4128A3D7', '2.54')
@@ -207,55 +165,48 @@ contains
       integer, intent(in) :: exponent10
       character(*), intent(in) :: word, message
 
-      call check_word(error, hex32_from_decimal(digits, exponent10), word, message)
+      call check_word(hex32_from_decimal(digits, exponent10), word, message)
     end subroutine decimal_is
 
   end subroutine test_decimal_known
 
-  subroutine test_binary(error)
-    type(error_type), allocatable, intent(out) :: error
-
-    call check_word(error, hex32_from_binary(0_int64, 5), '00000000', '0')
-    call check_word(error, hex32_from_binary(1_int64, 0), '41100000', '1')
-    call check_word(error, hex32_from_binary(-1_int64, -1), 'C0800000', '-1/2')
-    call check_word(error, hex32_from_binary(1_int64, 3), '41800000', '8')
-    call check_word(error, hex32_from_binary(1_int64, -260), '00100000', 'the smallest')
-    call check_word(error, hex32_from_binary(1_int64, -261), '00000000', 'underflow')
-    call check_word(error, hex32_from_binary(-1_int64, 252), 'FFFFFFFF', 'overflow')
-    call check_word(error, hex32_from_binary(huge(1_int64), 0), '507FFFFF', 'largest digits')
-    call check_word(error, hex32_from_binary(-huge(1_int64) - 1_int64, 3), 'D1400000', &
-                    'smallest digits')
+  subroutine test_binary
+    call check_word(hex32_from_binary(0_int64, 5), '00000000', '0')
+    call check_word(hex32_from_binary(1_int64, 0), '41100000', '1')
+    call check_word(hex32_from_binary(-1_int64, -1), 'C0800000', '-1/2')
+    call check_word(hex32_from_binary(1_int64, 3), '41800000', '8')
+    call check_word(hex32_from_binary(1_int64, -260), '00100000', 'the smallest')
+    call check_word(hex32_from_binary(1_int64, -261), '00000000', 'underflow')
+    call check_word(hex32_from_binary(-1_int64, 252), 'FFFFFFFF', 'overflow')
+    call check_word(hex32_from_binary(huge(1_int64), 0), '507FFFFF', 'largest digits')
+    call check_word(hex32_from_binary(-huge(1_int64) - 1_int64, 3), 'D1400000', 'smallest digits')
   end subroutine test_binary
 
-  subroutine test_real64(error)
-    type(error_type), allocatable, intent(out) :: error
+  subroutine test_real64
     real(real64) :: value
 
-    call check_word(error, hex32_from_real64(0.0_real64), '00000000', '0')
-    call check_word(error, hex32_from_real64(-118.625_real64), 'C276A000', '-118.625')
-    call check_word(error, hex32_from_real64(0.1_real64), '40199999', '0.1, cut')
-    call check_word(error, hex32_from_real64(1.0e76_real64), '7FFFFFFF', 'overflow')
-    call check_word(error, hex32_from_real64(-1.0e300_real64), 'FFFFFFFF', 'overflow below zero')
-    call check_word(error, hex32_from_real64(5.0e-79_real64), '00000000', 'underflow')
-    call check_word(error, hex32_from_real64(scale(1.0_real64, -260)), '00100000', 'the smallest')
-    call check_word(error, hex32_from_real64(transfer(1_int64, value)), '00000000', 'subnormal')
-    call check_word(error, hex32_from_real64(transfer(9218868437227405312_int64, value)), &
+    call check_word(hex32_from_real64(0.0_real64), '00000000', '0')
+    call check_word(hex32_from_real64(-118.625_real64), 'C276A000', '-118.625')
+    call check_word(hex32_from_real64(0.1_real64), '40199999', '0.1, cut')
+    call check_word(hex32_from_real64(1.0e76_real64), '7FFFFFFF', 'overflow')
+    call check_word(hex32_from_real64(-1.0e300_real64), 'FFFFFFFF', 'overflow below zero')
+    call check_word(hex32_from_real64(5.0e-79_real64), '00000000', 'underflow')
+    call check_word(hex32_from_real64(scale(1.0_real64, -260)), '00100000', 'the smallest')
+    call check_word(hex32_from_real64(transfer(1_int64, value)), '00000000', 'subnormal')
+    call check_word(hex32_from_real64(transfer(9218868437227405312_int64, value)), &
                     '7FFFFFFF', 'infinity')
-    call check_word(error, hex32_from_real64(transfer(-4503599627370496_int64, value)), &
+    call check_word(hex32_from_real64(transfer(-4503599627370496_int64, value)), &
                     'FFFFFFFF', '-infinity')
-    call check_word(error, hex32_from_real64(transfer(9221120237041090560_int64, value)), &
+    call check_word(hex32_from_real64(transfer(9221120237041090560_int64, value)), &
                     '00000000', 'not a number')
-    call check(error, hex32_to_real64(x('C276A000')), -118.625_real64, 0.0_real64, '-118.625')
-    call check(error, hex32_to_real64(x('00000000')), 0.0_real64, 0.0_real64, '0')
-    call check(error, hex32_to_real64(x('00100000')), scale(1.0_real64, -260), 0.0_real64, &
-               'the smallest')
-    call check(error, hex32_to_real64(x('7FFFFFFF')), scale(16777215.0_real64, 228), &
+    call check(hex32_to_real64(x('C276A000')), -118.625_real64, 0.0_real64, '-118.625')
+    call check(hex32_to_real64(x('00000000')), 0.0_real64, 0.0_real64, '0')
+    call check(hex32_to_real64(x('00100000')), scale(1.0_real64, -260), 0.0_real64, 'the smallest')
+    call check(hex32_to_real64(x('7FFFFFFF')), scale(16777215.0_real64, 228), &
                0.0_real64, 'the largest')
   end subroutine test_real64
 
-  subroutine test_circular_known(error)
-    type(error_type), allocatable, intent(out) :: error
-
+  subroutine test_circular_known
     ! Sines and cosines from mpmath with 600 bits, rounded to the nearest number.
     call both_are('00000000', '00000000', '41100000', '0')
     call both_are('41100000', '40D76AA4', '408A5140', '1')
@@ -297,32 +248,19 @@ contains
     subroutine both_are(a, sine, cosine, message)
       character(*), intent(in) :: a, sine, cosine, message
 
-      call check_word(error, sin(x(a)), sine, 'sine of '//message)
-      call check_word(error, cos(x(a)), cosine, 'cosine of '//message)
+      call check_word(sin(x(a)), sine, 'sine of '//message)
+      call check_word(cos(x(a)), cosine, 'cosine of '//message)
     end subroutine both_are
 
   end subroutine test_circular_known
 
-  subroutine test_arrays(error)
-    type(error_type), allocatable, intent(out) :: error
-    type(hex32) :: numbers(3)
-
-    numbers = hex32_from_integer([1, 2, 3])
-    numbers = sqrt(numbers*numbers) - numbers/x('41200000')
-    call check_word(error, numbers(1), '40800000', 'first')
-    call check_word(error, numbers(2), '41100000', 'second')
-    call check_word(error, numbers(3), '41180000', 'third')
-    call check(error, all(numbers > x('00000000')), 'all above zero')
-  end subroutine test_arrays
-
   ! --- what the tests say about a number ---
 
-  subroutine check_word(error, found, expected, message)
-    type(error_type), allocatable, intent(inout) :: error
+  subroutine check_word(found, expected, message)
     type(hex32), intent(in) :: found
     character(*), intent(in) :: expected, message
 
-    call check(error, text_of(found), expected, message)
+    call check(text_of(found), expected, message)
   end subroutine check_word
 
   function text_of(number) result(digits)

@@ -13,39 +13,30 @@ module asperity_joint_suite
   use asperity_joint_contacts, only: joint_solution, resolve_all, resolve_called_for, &
                                      resolve_none, solve_joint
   use asperity_kinds, only: real64
-  use asperity_testing, only: check, error_type, new_unittest, unittest_type
-  use omp_lib, only: omp_get_max_threads, omp_set_num_threads
+  use asperity_testing, only: check, run_test
   implicit none
   private
 
-  public :: collect_joint
+  public :: run_joint
 
-  real(real64), parameter :: zeros(8) = 0.0_real64
   ! The error told is observed, not proved: of four circles in a square that overlap it is 5 % less.
   real(real64), parameter :: seen = 0.9_real64
 
 contains
 
-  !> Lists the tests.
-  subroutine collect_joint(suite)
-    !> all tests
-    type(unittest_type), allocatable, intent(out) :: suite(:)
-
-    suite = [ &
-      new_unittest('circles: corrected, with an error between theirs and that without', circles), &
-      new_unittest('cells: the loads are those known', cells), &
-      new_unittest('a tolerance is kept, with cells where it calls for them', called_for), &
-      new_unittest('near contacts of a small share of the load stay circles', small_share), &
-      new_unittest('a load asked for is met', load_met), &
-      new_unittest('an error of load, told of the compression, by the tangent', told_of_closing), &
-      new_unittest('clusters far apart are as all on one lattice', clusters), &
-      new_unittest('contacts in one place bear what one bears', in_one_place), &
-      new_unittest('one thread and two give the same bytes', same_bytes)]
-  end subroutine collect_joint
+  !> Runs the tests.
+  subroutine run_joint
+    call run_test('circles: corrected, with an error between theirs and that without', circles)
+    call run_test('cells: the loads are those known', cells)
+    call run_test('a tolerance is kept, with cells where it calls for them', called_for)
+    call run_test('near contacts of a small share of the load stay circles', small_share)
+    call run_test('a load asked for is met', load_met)
+    call run_test('an error of load, told of the compression, by the tangent', told_of_closing)
+    call run_test('clusters far apart are as all on one lattice', clusters)
+  end subroutine run_joint
 
   ! Solves at one depth, or at a load; tells what went wrong.
-  subroutine solve(error, pairs, law, which, tolerance, solution, what, target, compression)
-    type(error_type), allocatable, intent(inout) :: error
+  subroutine solve(pairs, law, which, tolerance, solution, what, target, compression)
     type(contact_pairs), intent(in) :: pairs
     type(hertz_law), intent(in) :: law
     integer, intent(in) :: which
@@ -58,13 +49,12 @@ contains
     if (present(compression)) solution%coupled%compression = compression
     call solve_joint(pairs, law, which, tolerance, 0.2_real64 * tolerance, 0.005_real64, solution, &
                      target)
-    call check(error, .not. allocated(solution%failure), trim(what) // ': failed')
+    call check(.not. allocated(solution%failure), trim(what) // ': failed')
   end subroutine solve
 
   ! Where circles are apart the correction takes most of the error, and its size is the estimate:
   ! above the error that is left, and about that without a correction.
-  subroutine circles(error)
-    type(error_type), allocatable, intent(out) :: error
+  subroutine circles
     type(known_scene) :: scenes(18)
     type(contact_pairs) :: pairs
     type(hertz_law) :: law
@@ -78,22 +68,20 @@ contains
       call lay_known(scenes(i), pairs, law)
       call solve_at(pairs, law, uncorrected)
       before = abs(share_of(pairs, uncorrected) / scenes(i)%truth - 1)
-      call solve(error, pairs, law, resolve_none, 0.01_real64, solution, scenes(i)%name)
+      call solve(pairs, law, resolve_none, 0.01_real64, solution, scenes(i)%name)
       off = abs(share_of(pairs, solution%coupled) / scenes(i)%truth - 1)
-      call check(error, .not. any(solution%is_resolved) .and. solution%elements == 0, 'cells')
-      call check(error, solution%error >= seen * off - truth_noise, &
-                 trim(scenes(i)%name) // ': below')
-      call check(error, off <= before + truth_noise, trim(scenes(i)%name) // ': worse')
+      call check(.not. any(solution%is_resolved) .and. solution%elements == 0, 'cells')
+      call check(solution%error >= seen * off - truth_noise, trim(scenes(i)%name) // ': below')
+      call check(off <= before + truth_noise, trim(scenes(i)%name) // ': worse')
       if (scenes(i)%overlapping) cycle
-      call check(error, off <= 0.2_real64 * before + truth_noise, &
+      call check(off <= 0.2_real64 * before + truth_noise, &
                  trim(scenes(i)%name) // ': hardly better')
-      call check(error, solution%error <= 1.5_real64 * (before + truth_noise), &
+      call check(solution%error <= 1.5_real64 * (before + truth_noise), &
                  trim(scenes(i)%name) // ': far above')
     end do
   end subroutine circles
 
-  subroutine cells(error)
-    type(error_type), allocatable, intent(out) :: error
+  subroutine cells
     type(known_scene) :: scenes(18)
     type(contact_pairs) :: pairs
     type(hertz_law) :: law
@@ -103,15 +91,14 @@ contains
     scenes = known_scenes()
     do i = 1, size(scenes)
       call lay_known(scenes(i), pairs, law)
-      call solve(error, pairs, law, resolve_all, 0.005_real64, solution, scenes(i)%name)
-      call check(error, all(solution%is_resolved), 'not all')
-      call check(error, share_of(pairs, solution%coupled) / scenes(i)%truth, 1.0_real64, &
+      call solve(pairs, law, resolve_all, 0.005_real64, solution, scenes(i)%name)
+      call check(all(solution%is_resolved), 'not all')
+      call check(share_of(pairs, solution%coupled) / scenes(i)%truth, 1.0_real64, &
                  0.001_real64, scenes(i)%name)
     end do
   end subroutine cells
 
-  subroutine called_for(error)
-    type(error_type), allocatable, intent(out) :: error
+  subroutine called_for
     real(real64), parameter :: tolerances(3) = [0.01_real64, 0.003_real64, 0.001_real64]
     type(known_scene) :: scenes(18)
     type(contact_pairs) :: pairs
@@ -125,25 +112,23 @@ contains
     do k = 1, 3
       do i = 1, size(scenes)
         call lay_known(scenes(i), pairs, law)
-        call solve(error, pairs, law, resolve_called_for, tolerances(k), solution, scenes(i)%name)
+        call solve(pairs, law, resolve_called_for, tolerances(k), solution, scenes(i)%name)
         off = abs(share_of(pairs, solution%coupled) / scenes(i)%truth - 1)
-        call check(error, off, 0.0_real64, tolerances(k), scenes(i)%name)
-        call check(error, solution%error >= seen * off - truth_noise, &
-                   trim(scenes(i)%name) // ': below')
+        call check(off, 0.0_real64, tolerances(k), scenes(i)%name)
+        call check(solution%error >= seen * off - truth_noise, trim(scenes(i)%name) // ': below')
         ! On cells alone they are far better than asked.
-        if (all(solution%is_resolved)) call check(error, solution%error < 0.5_real64 * &
+        if (all(solution%is_resolved)) call check(solution%error < 0.5_real64 * &
                                                   tolerances(k), trim(scenes(i)%name) // ': above')
         if (any(solution%is_resolved)) with_cells(k) = with_cells(k) + 1
       end do
     end do
     ! Two at ten radii need none; the tighter the tolerance, the more.
-    call check(error, with_cells(1) > 0 .and. with_cells(3) < size(scenes), 'all or none')
-    call check(error, with_cells(1) < with_cells(3), 'no more for a tighter tolerance')
+    call check(with_cells(1) > 0 .and. with_cells(3) < size(scenes), 'all or none')
+    call check(with_cells(1) < with_cells(3), 'no more for a tighter tolerance')
   end subroutine called_for
 
   ! Two contacts whose first touches are within the circle of one, with 2e-3 of the load.
-  subroutine small_share(error)
-    type(error_type), allocatable, intent(out) :: error
+  subroutine small_share
     type(contact_pairs) :: pairs
     type(hertz_law) :: law
     type(joint_solution) :: solution
@@ -152,13 +137,12 @@ contains
     call lay_contacts([(200.0_real64 * i, i=1, 30), 0.0_real64, 0.05_real64], &
                       spread(0.0_real64, 1, 32), &
                       [spread(0.0_real64, 1, 30), spread(0.9_real64, 1, 2)], pairs, law)
-    call solve(error, pairs, law, resolve_called_for, 0.01_real64, solution, 'small share')
-    call check(error, solution%elements, 0, 'elements')
-    call check(error, solution%error > 0.0_real64 .and. solution%error < 0.01_real64, 'error')
+    call solve(pairs, law, resolve_called_for, 0.01_real64, solution, 'small share')
+    call check(solution%elements, 0, 'elements')
+    call check(solution%error > 0.0_real64 .and. solution%error < 0.01_real64, 'error')
   end subroutine small_share
 
-  subroutine load_met(error)
-    type(error_type), allocatable, intent(out) :: error
+  subroutine load_met
     type(known_scene) :: scenes(18)
     type(contact_pairs) :: pairs
     type(hertz_law) :: law
@@ -173,13 +157,13 @@ contains
               (depth - pairs%list%gap)**1.5_real64)
       target = scenes(i)%truth * alone
       do which = resolve_none, resolve_called_for
-        call solve(error, pairs, law, which, 0.003_real64, solution, scenes(i)%name, target)
+        call solve(pairs, law, which, 0.003_real64, solution, scenes(i)%name, target)
         associate (coupled => solution%coupled)
-          call check(error, law%modulus * sum(coupled%set%load) / target, 1.0_real64, &
+          call check(law%modulus * sum(coupled%set%load) / target, 1.0_real64, &
                      1.0e-10_real64, trim(scenes(i)%name) // ': load')
           ! Two thirds of the error of a load.
           if (which /= resolve_none) &
-            call check(error, coupled%compression / depth, 1.0_real64, 0.003_real64, &
+            call check(coupled%compression / depth, 1.0_real64, 0.003_real64, &
                        trim(scenes(i)%name) // ': compression')
         end associate
       end do
@@ -188,8 +172,7 @@ contains
 
   ! L/(c dL/dc) by differences: the share told is within a tenth above, and not below by more than
   ! its conjugate gradients leave.
-  subroutine told_of_closing(error)
-    type(error_type), allocatable, intent(out) :: error
+  subroutine told_of_closing
     real(real64), parameter :: aside = 1.0e-4_real64
     type(known_scene) :: scenes(18)
     type(contact_pairs) :: pairs
@@ -201,24 +184,23 @@ contains
     scenes = known_scenes()
     do i = 1, size(scenes)
       call lay_known(scenes(i), pairs, law)
-      call solve(error, pairs, law, resolve_none, 0.01_real64, here, scenes(i)%name)
+      call solve(pairs, law, resolve_none, 0.01_real64, here, scenes(i)%name)
       ! One contact has none, but for rounding.
       load = law%modulus * sum(here%coupled%set%load)
       if (.not. here%error > 1.0e-12_real64) cycle
       do k = 1, 2
-        call solve(error, pairs, law, resolve_none, 0.01_real64, nearby(k), scenes(i)%name, &
+        call solve(pairs, law, resolve_none, 0.01_real64, nearby(k), scenes(i)%name, &
                    compression=depth * (1 + (2 * k - 3) * aside))
       end do
       tangent = law%modulus * (sum(nearby(2)%coupled%set%load) - &
                 sum(nearby(1)%coupled%set%load)) / (2 * aside)
-      call solve(error, pairs, law, resolve_none, 0.01_real64, at_load, scenes(i)%name, load)
+      call solve(pairs, law, resolve_none, 0.01_real64, at_load, scenes(i)%name, load)
       share = at_load%error / here%error * tangent / load
-      call check(error, share, 1.045_real64, 0.055_real64, scenes(i)%name)
+      call check(share, 1.045_real64, 0.055_real64, scenes(i)%name)
     end do
   end subroutine told_of_closing
 
-  subroutine clusters(error)
-    type(error_type), allocatable, intent(out) :: error
+  subroutine clusters
     type(contact_pairs) :: pairs
     type(hertz_law) :: law
     type(joint_solution) :: solution
@@ -231,65 +213,16 @@ contains
     call lay_contacts([0.0_real64, 1.5_real64, 70.0_real64, 71.8_real64, 70.9_real64], &
                       [0.0_real64, 0.3_real64, 0.0_real64, 0.0_real64, 1.3_real64], &
                       [0.0_real64, 0.1_real64, 0.15_real64, 0.2_real64, 0.4_real64], pairs, law)
-    call solve(error, pairs, law, resolve_all, 0.005_real64, solution, 'clusters')
-    call check(error, solution%clusters, 2, 'clusters')
+    call solve(pairs, law, resolve_all, 0.005_real64, solution, 'clusters')
+    call check(solution%clusters, 2, 'clusters')
     call solve_elements(pairs, [(i, i=1, 5)], depth, nothing, reshape( &
                         [5.0e-4_real64, 0.005_real64, 0.0_real64, 0.0_real64], [2, 2]), lattice, &
                         answer)
     together = sum(answer%contacts%load) / (4.0_real64 / 3.0_real64 * law%modulus * &
                sum(sqrt(pairs%list%radius) * (depth - pairs%list%gap)**1.5_real64))
-    call check(error, share_of(pairs, solution%coupled) / together, 1.0_real64, 1.0e-3_real64, &
-               'load')
+    call check(share_of(pairs, solution%coupled) / together, 1.0_real64, 1.0e-3_real64, 'load')
     ! Each of both is within half a percent.
-    call check(error, sum(solution%area) / sum(answer%contacts%area), 1.0_real64, 0.01_real64, &
-               'area')
+    call check(sum(solution%area) / sum(answer%contacts%area), 1.0_real64, 0.01_real64, 'area')
   end subroutine clusters
-
-  subroutine in_one_place(error)
-    type(error_type), allocatable, intent(out) :: error
-    type(contact_pairs) :: pairs
-    type(hertz_law) :: law
-    type(joint_solution) :: solution
-    integer :: n
-
-    do n = 2, 5
-      call lay_contacts(zeros(:n), zeros(:n), zeros(:n), pairs, law)
-      call solve(error, pairs, law, resolve_called_for, 0.003_real64, solution, 'in one place')
-      call check(error, n * share_of(pairs, solution%coupled), 1.0_real64, 0.003_real64, &
-                 'in one place')
-    end do
-  end subroutine in_one_place
-
-  subroutine same_bytes(error)
-    type(error_type), allocatable, intent(out) :: error
-    type(contact_pairs) :: pairs
-    type(hertz_law) :: law
-    type(joint_solution) :: one, two
-    integer :: before, i
-    real(real64) :: x(24), y(24), gap(24)
-
-    do i = 1, 24
-      x(i) = 9.0_real64 * modulo(i, 4) + 1.4_real64 * modulo(i, 3)
-      y(i) = 7.0_real64 * modulo(i, 2) + 0.4_real64 * modulo(i, 5)
-      gap(i) = i / 48.0_real64
-    end do
-    call lay_contacts(x, y, gap, pairs, law)
-    before = omp_get_max_threads()
-    call omp_set_num_threads(1)
-    call solve(error, pairs, law, resolve_called_for, 0.003_real64, one, 'one thread')
-    call omp_set_num_threads(2)
-    call solve(error, pairs, law, resolve_called_for, 0.003_real64, two, 'two threads')
-    call omp_set_num_threads(before)
-    call check(error, one%clusters > 1, 'one cluster')
-    call check(error, bytes_of(one) == bytes_of(two), 'penetrations or areas')
-  end subroutine same_bytes
-
-  pure function bytes_of(solution) result(bytes)
-    type(joint_solution), intent(in) :: solution
-    character(24 * size(solution%area)) :: bytes
-
-    bytes = transfer([solution%coupled%penetration, solution%area, solution%maximum_pressure], &
-                     bytes)
-  end function bytes_of
 
 end module asperity_joint_suite

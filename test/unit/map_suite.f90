@@ -9,11 +9,11 @@ module asperity_map_suite
   use asperity_map_patches, only: find_patches, map_patch
   use asperity_map_summits, only: map_summits
   use asperity_scene_results, only: map_record
-  use asperity_testing, only: check, error_type, new_unittest, unittest_type
+  use asperity_testing, only: check, has_failed, run_test
   implicit none
   private
 
-  public :: collect_maps
+  public :: run_maps
 
   real(real64), parameter :: pi = acos(-1.0_real64)
 
@@ -23,18 +23,13 @@ module asperity_map_suite
 
 contains
 
-  !> Lists the tests.
-  subroutine collect_maps(suite)
-    !> all tests
-    type(unittest_type), allocatable, intent(out) :: suite(:)
-
-    suite = [ &
-      new_unittest('a ball on a grid converges to Hertz', ball_converges), &
-      new_unittest('unequal sides, missing samples, one sample alone', odd_maps), &
-      new_unittest('two balls far apart are two spots, also across the end', two_spots), &
-      new_unittest('a coarser map says what all samples do', coarser_map), &
-      new_unittest('far beyond full contact load adds a punch', far_beyond_full_contact)]
-  end subroutine collect_maps
+  !> Runs the tests.
+  subroutine run_maps
+    call run_test('a ball on a grid converges to Hertz', ball_converges)
+    call run_test('unequal sides, missing samples, one sample alone', odd_maps)
+    call run_test('a coarser map says what all samples do', coarser_map)
+    call run_test('far beyond full contact load adds a punch', far_beyond_full_contact)
+  end subroutine run_maps
 
   ! The ball's cap, on a square a little wider than its contact.
   function ball(n, m) result(map)
@@ -74,9 +69,7 @@ contains
 
   ! Displacements at the centres of uniform squares under a pressure with a vertical edge of slope:
   ! the order is 3/2 or better.
-  subroutine ball_converges(error)
-    !> failure
-    type(error_type), allocatable, intent(out) :: error
+  subroutine ball_converges
     type(map_answer) :: answer
     type(map_patch), allocatable :: patches(:)
     real(real64) :: off, before
@@ -88,52 +81,49 @@ contains
       answer = map_answer(level=ball_level)
       call press_map(ball(n, n), ball_modulus, answer)
       off = abs(answer%load / ball_load - 1.0_real64)
-      call check(error, .not. allocated(answer%failure), 'a ball is solved')
-      call check(error, off < 0.5_real64 * before, 'the load converges')
+      call check(.not. allocated(answer%failure), 'a ball is solved')
+      call check(off < 0.5_real64 * before, 'the load converges')
       call find_patches(ball(n, n), answer%pressure, patches)
-      call check(error, size(patches), 1, 'a ball is one spot')
-      call check(error, abs(sum(patches%area) / pi - 1.0_real64) < 0.3_real64 / n, &
-                 'the area converges')
+      call check(size(patches), 1, 'a ball is one spot')
+      call check(abs(sum(patches%area) / pi - 1.0_real64) < 0.3_real64 / n, 'the area converges')
       before = off
       n = 2 * n
     end do
-    call check(error, off < 2.0e-5_real64, 'the load is that of Hertz')
+    call check(off < 2.0e-5_real64, 'the load is that of Hertz')
     ! The greatest pressure is a mean over one square.
-    call check(error, abs(maxval(answer%pressure) / (2 * ball_modulus / (10 * pi)) - 1.0_real64) < &
+    call check(abs(maxval(answer%pressure) / (2 * ball_modulus / (10 * pi)) - 1.0_real64) < &
                1.0e-3_real64, 'the greatest pressure is that of Hertz')
   end subroutine ball_converges
 
-  subroutine odd_maps(error)
-    !> failure
-    type(error_type), allocatable, intent(out) :: error
+  subroutine odd_maps
     type(height_map) :: map, half
     type(map_answer) :: answer
     real(real64) :: before
 
     answer = map_answer()
     call press_map(ball(96, 31), ball_modulus, answer, ball_load)
-    call check(error, abs(answer%level / ball_level - 1.0_real64) < 1.0e-3_real64, &
+    call check(abs(answer%level / ball_level - 1.0_real64) < 1.0e-3_real64, &
                'sides of 1 to 3 are Hertz'' ball')
     ! A hole where nothing would touch changes nothing.
     map = ball(96, 31)
     map%height(:7, :3) = no_height
     answer = map_answer()
     call press_map(map, ball_modulus, answer, ball_load)
-    call check(error, abs(answer%level / ball_level - 1.0_real64) < 1.0e-3_real64, &
+    call check(abs(answer%level / ball_level - 1.0_real64) < 1.0e-3_real64, &
                'a hole beside the contact changes nothing')
     ! One where it is highest takes the pressure away.
     map%height(48:49, 16) = no_height
     before = answer%level
     answer = map_answer()
     call press_map(map, ball_modulus, answer, ball_load)
-    call check(error, .not. maxval(answer%pressure(48:49, 16)) > 0.0_real64, 'nor is it pressed')
-    call check(error, answer%level < before, 'the rest comes deeper')
+    call check(.not. maxval(answer%pressure(48:49, 16)) > 0.0_real64, 'nor is it pressed')
+    call check(answer%level < before, 'the rest comes deeper')
     half = half_map(map)
-    call check(error, all(shape(half%height) == [48, 16]), 'half the samples, rounded up')
+    call check(all(shape(half%height) == [48, 16]), 'half the samples, rounded up')
     map%periodic = .true.
     half = half_map(map)
-    call check(error, half%periodic, 'the half of a periodic map is periodic')
-    call check(error, all(abs(half%pixel_spacing * shape(half%height) / (map%pixel_spacing * &
+    call check(half%periodic, 'the half of a periodic map is periodic')
+    call check(all(abs(half%pixel_spacing * shape(half%height) / (map%pixel_spacing * &
                                                                    shape(map%height)) - 1) < &
                           1.0e-14_real64), 'of the same lengths')
     map%periodic = .false.
@@ -142,16 +132,14 @@ contains
     map%height = reshape([0.5_real64], [1, 1])
     answer = map_answer()
     call press_map(map, ball_modulus, answer, 3.0_real64)
-    call check(error, abs((0.5_real64 - answer%level) / (4 * log(1.0_real64 + sqrt(2.0_real64)) * &
+    call check(abs((0.5_real64 - answer%level) / (4 * log(1.0_real64 + sqrt(2.0_real64)) * &
                3.0_real64 / (pi * ball_modulus * 0.1_real64)) - 1.0_real64) < 1.0e-12_real64, &
                'one sample is Love''s square')
   end subroutine odd_maps
 
   ! Pressed at half its resolution, by a load and at a level, what is claimed of summits is what
   ! the samples themselves say, within what is given or taken.
-  subroutine coarser_map(error)
-    !> failure
-    type(error_type), allocatable, intent(out) :: error
+  subroutine coarser_map
     type(height_map) :: map
     type(map_answer) :: truth, there
     type(map_reference) :: seen
@@ -174,75 +162,22 @@ contains
     do i = 1, 2
       seen = map_reference(most=60000_int64, by_load=i == 1)
       call solve_reference(map, ball_modulus, merge(load, state%approach, i == 1), seen, failure)
-      call check(error, .not. allocated(failure), 'seen')
-      call check(error, seen%coarser, 2, 'at half its resolution')
+      call check(.not. allocated(failure), 'seen')
+      call check(seen%coarser, 2, 'at half its resolution')
       call compare_with_map(map, seen, ball_modulus, summits, state, not_computed, told, failure)
-      call check(error, .not. allocated(failure), 'held against it')
-      call check(error, abs(told%difference * told%rms_height - 0.001_real64) < &
+      call check(.not. allocated(failure), 'held against it')
+      call check(abs(told%difference * told%rms_height - 0.001_real64) < &
                  (told%uncertain + 1.0e-3_real64) * told%rms_height, 'what is claimed is true')
-      call check(error, told%uncertain < 0.05_real64, 'and sure')
+      call check(told%uncertain < 0.05_real64, 'and sure')
     end do
-    call check(error, abs(told%load_difference - (load / there%load - 1.0_real64)) < &
+    call check(abs(told%load_difference - (load / there%load - 1.0_real64)) < &
                told%load_uncertain + 1.0e-3_real64, 'the load at the level')
-    call check(error, told%load_uncertain < 0.05_real64, 'and sure')
+    call check(told%load_uncertain < 0.05_real64, 'and sure')
   end subroutine coarser_map
-
-  ! Of a square that repeats itself, so that one ball may lie across its corner.
-  subroutine two_spots(error)
-    !> failure
-    type(error_type), allocatable, intent(out) :: error
-    type(height_map) :: map
-    type(map_answer) :: answer
-    type(map_patch), allocatable :: patches(:)
-    real(real64), parameter :: place(2) = [0.0_real64, 0.3_real64]
-    integer, parameter :: n = 128
-    integer :: i, j, sides
-
-    map = height_map(columns=n, rows=n, pixel_spacing=spread(1.0_real64 / n, 1, 2), periodic=.true.)
-    allocate (map%height(n, n))
-    do j = 1, n
-      do i = 1, n
-        map%height(i, j) = maxval(-(apart(i)**2 + apart(j)**2) / 2)
-      end do
-    end do
-    call press_map(map, ball_modulus, answer, 1.0e-3_real64)
-    call find_patches(map, answer%pressure, patches)
-    call check(error, size(patches), 2, 'spots')
-    if (allocated(error)) return
-    call check(error, abs(sum(patches%load) / 1.0e-3_real64 - 1.0_real64) < 1.0e-12_real64, &
-               'their loads add up')
-    ! Yastrebov's share of the sides on the rim.
-    associate (pressed => answer%pressure > 0.0_real64)
-      sides = count(pressed .neqv. cshift(pressed, 1, 1)) + &
-              count(pressed .neqv. cshift(pressed, 1, 2))
-      call check(error, abs(sum(patches%area) * n**2 / &
-                            (count(pressed) - (pi - 1 + log(2.0_real64)) / 24 * sides) - &
-                            1.0_real64) < 1.0e-12_real64, 'their areas add up')
-    end associate
-    call check(error, sum(patches%samples), count(answer%pressure > 0.0_real64), 'all samples')
-    call check(error, all(abs(modulo(patches%x - place + 0.5_real64, 1.0_real64) - 0.5_real64) < &
-                          0.1_real64 / n), 'their places')
-    call check(error, all(abs(patches%x - patches%y) < 1.0e-6_real64), 'alike along x and y')
-    call check(error, all(patches%x >= 0.0_real64 .and. patches%x < 1.0_real64), 'in the map')
-
-  contains
-
-    ! From the middle of each ball, the shortest way.
-    pure function apart(i)
-      integer, intent(in) :: i
-      real(real64) :: apart(2)
-
-      apart = abs((i - 1.0_real64) / n - place)
-      apart = min(apart, 1.0_real64 - apart)
-    end function apart
-
-  end subroutine two_spots
 
   ! In full contact pressures are linear in the load: more load adds that of a flat punch. The
   ! displacements are 1e6 times the heights, whose share of a gap is near rounding.
-  subroutine far_beyond_full_contact(error)
-    !> failure
-    type(error_type), allocatable, intent(out) :: error
+  subroutine far_beyond_full_contact
     type(height_map) :: map, flat
     type(map_answer) :: answers(2), punch
     real(real64), parameter :: load = 1.0e10_real64
@@ -252,14 +187,14 @@ contains
     flat = map
     flat%height(:, :) = 0.0_real64
     call press_map(flat, ball_modulus, punch, load)
-    call check(error, .not. allocated(punch%failure), 'a punch is solved')
+    call check(.not. allocated(punch%failure), 'a punch is solved')
     do i = 1, 2
       call press_map(map, ball_modulus, answers(i), i * load)
-      call check(error, .not. allocated(answers(i)%failure), 'a load far beyond is solved')
-      if (allocated(error)) return
-      call check(error, all(answers(i)%pressure > 0.0_real64), 'all pixels are in contact')
+      call check(.not. allocated(answers(i)%failure), 'a load far beyond is solved')
+      if (has_failed()) return
+      call check(all(answers(i)%pressure > 0.0_real64), 'all pixels are in contact')
     end do
-    call check(error, maxval(abs(answers(2)%pressure - answers(1)%pressure - punch%pressure)) < &
+    call check(maxval(abs(answers(2)%pressure - answers(1)%pressure - punch%pressure)) < &
                1.0e-8_real64 * maxval(punch%pressure), 'more load is that of a punch')
   end subroutine far_beyond_full_contact
 

@@ -5,29 +5,24 @@
 module asperity_mutual_suite
   use asperity_kinds, only: real64
   use asperity_mutual_displacement, only: mutual_displacement, mutual_terms, oval_field
-  use asperity_testing, only: check, error_type, new_unittest, unittest_type
+  use asperity_testing, only: check, run_test
   implicit none
   private
 
-  public :: collect_mutual
+  public :: run_mutual
 
   real(real64), parameter :: pi = acos(-1.0_real64)
 
 contains
 
-  !> Lists the tests.
-  subroutine collect_mutual(suite)
-    !> all tests
-    type(unittest_type), allocatable, intent(out) :: suite(:)
-
-    suite = [ &
-      new_unittest('the field at a point is that of Johnson, in and out', field_of_johnson), &
-      new_unittest('means over a circle are those of that field', means_by_force), &
-      new_unittest('oval fields are means of second derivatives', ovals_by_force), &
-      new_unittest('closed forms, series, four times the digits and points meet', forms_meet), &
-      new_unittest('derivatives are those of the means, through both rims', derivatives), &
-      new_unittest('what a growing load does makes one potential', one_potential)]
-  end subroutine collect_mutual
+  !> Runs the tests.
+  subroutine run_mutual
+    call run_test('the field at a point is that of Johnson, in and out', field_of_johnson)
+    call run_test('means over a circle are those of that field', means_by_force)
+    call run_test('oval fields are means of second derivatives', ovals_by_force)
+    call run_test('closed forms, series, four times the digits and points meet', forms_meet)
+    call run_test('derivatives are those of the means, through both rims', derivatives)
+  end subroutine run_mutual
 
   ! Displacement at distance r by a unit load on a circle of radius a, modulus 1.
   pure function johnson(r, a) result(lift)
@@ -42,8 +37,7 @@ contains
     end if
   end function johnson
 
-  subroutine field_of_johnson(error)
-    type(error_type), allocatable, intent(out) :: error
+  subroutine field_of_johnson
     type(mutual_terms) :: terms
     real(real64) :: r, truth
     integer :: i
@@ -52,16 +46,15 @@ contains
       r = 0.25_real64 * i
       call mutual_displacement(r, 0.0_real64, 1.3_real64, terms)
       truth = johnson(r, 1.3_real64)
-      call check(error, terms%on_first / truth, 1.0_real64, 1.0e-11_real64, 'on a point')
-      call check(error, terms%mean / truth, 1.0_real64, 1.0e-11_real64, 'mean on a point')
+      call check(terms%on_first / truth, 1.0_real64, 1.0e-11_real64, 'on a point')
+      call check(terms%mean / truth, 1.0_real64, 1.0e-11_real64, 'mean on a point')
       call mutual_displacement(r, 1.3_real64, 0.0_real64, terms)
-      call check(error, terms%on_second / truth, 1.0_real64, 1.0e-11_real64, 'exchanged')
+      call check(terms%on_second / truth, 1.0_real64, 1.0e-11_real64, 'exchanged')
     end do
   end subroutine field_of_johnson
 
   ! Outside the other circle, whose field is Johnson's and for a flat punch asin(b/r)/(pi b).
-  subroutine ovals_by_force(error)
-    type(error_type), allocatable, intent(out) :: error
+  subroutine ovals_by_force
     real(real64), parameter :: cases(3, 6) = reshape(real([ &
       27, 10, 10, 30, 5, 10, 140, 100, 10, 125, 10, 100, 90, 10, 10, 450, 10, 100], real64) / 10, &
       [3, 6])
@@ -88,12 +81,11 @@ contains
         end do
       end do
       truth = oval_field(cases(1, k), a, b) / (truth / (rings * spokes))
-      call check(error, maxval(abs(truth - 1)), 0.0_real64, 1.0e-4_real64, 'oval')
+      call check(maxval(abs(truth - 1)), 0.0_real64, 1.0e-4_real64, 'oval')
     end do
   end subroutine ovals_by_force
 
-  subroutine means_by_force(error)
-    type(error_type), allocatable, intent(out) :: error
+  subroutine means_by_force
     real(real64), parameter :: cases(3, 8) = reshape(real([ &
       0, 10, 10, 3, 10, 7, 10, 10, 10, 17, 10, 10, 20, 10, 10, 25, 6, 12, 60, 10, 4, 95, 10, 10], &
       real64) / 10, [3, 8])
@@ -116,10 +108,10 @@ contains
         hertz = hertz + around(a * sqrt(1 - share**(2.0_real64 / 3.0_real64))) / rings
       end do
       call mutual_displacement(r, a, b, terms)
-      call check(error, terms%on_first / flat, 1.0_real64, 1.0e-5_real64, 'mean on the first')
-      call check(error, terms%mean / hertz, 1.0_real64, 2.0e-5_real64, 'mean with Hertz')
+      call check(terms%on_first / flat, 1.0_real64, 1.0e-5_real64, 'mean on the first')
+      call check(terms%mean / hertz, 1.0_real64, 2.0e-5_real64, 'mean with Hertz')
       call mutual_displacement(r, b, a, exchanged)
-      call check(error, exchanged%on_second / terms%on_first, 1.0_real64, 1.0e-12_real64, &
+      call check(exchanged%on_second / terms%on_first, 1.0_real64, 1.0e-12_real64, &
                  'mean on the second')
     end do
 
@@ -151,8 +143,7 @@ contains
            terms%second_growth]
   end function row_of
 
-  subroutine forms_meet(error)
-    type(error_type), allocatable, intent(out) :: error
+  subroutine forms_meet
     real(real64), parameter :: step = 1.0e-9_real64
     real(real64), dimension(10) :: before, after, size_of
     integer :: i
@@ -160,18 +151,18 @@ contains
     ! Four sums of radii: the series begins.
     before = row_of(6.4_real64 * (1 - step), 1.0_real64, 0.6_real64)
     after = row_of(6.4_real64 * (1 + step), 1.0_real64, 0.6_real64)
-    call check(error, maxval(abs(after(:8) / before(:8) - 1)), 0.0_real64, 2.0e-8_real64, 'series')
-    call check(error, maxval(abs(after(9:) / before(9:) - 1)), 0.0_real64, 1.0e-7_real64, &
+    call check(maxval(abs(after(:8) / before(:8) - 1)), 0.0_real64, 2.0e-8_real64, 'series')
+    call check(maxval(abs(after(9:) / before(9:) - 1)), 0.0_real64, 1.0e-7_real64, &
                'growth by series')
     ! Ratios at which the digits are doubled, and at which a circle is a point.
     do i = 0, 30
       before = row_of(0.11_real64 * i, 0.04_real64 * (1 - step), 1.0_real64)
       after = row_of(0.11_real64 * i, 0.04_real64 * (1 + step), 1.0_real64)
-      call check(error, maxval(abs(after - before)), 0.0_real64, 2.0e-8_real64, 'twice the digits')
+      call check(maxval(abs(after - before)), 0.0_real64, 2.0e-8_real64, 'twice the digits')
       before = row_of(0.11_real64 * i, 1.3e-8_real64, 1.0_real64)
       after = row_of(0.11_real64 * i, 1.7e-8_real64, 1.0_real64)
       size_of = max(abs(after), 1.0_real64)
-      call check(error, maxval(abs(after - before) / size_of), 0.0_real64, 1.0e-6_real64, 'a point')
+      call check(maxval(abs(after - before) / size_of), 0.0_real64, 1.0e-6_real64, 'a point')
     end do
   end subroutine forms_meet
 
@@ -209,8 +200,7 @@ contains
               6.0_real64] * (first + second)
   end function distances
 
-  subroutine derivatives(error)
-    type(error_type), allocatable, intent(out) :: error
+  subroutine derivatives
     real(real64), parameter :: ratios(8) = [1.0_real64, 0.7_real64, 0.2_real64, 0.05_real64, &
                                             0.03_real64, 1.0e-3_real64, 1.0e-5_real64, &
                                             1.0e-6_real64]
@@ -257,44 +247,10 @@ contains
       character(60) :: where_it_is
 
       write (where_it_is, '(a, 3es9.2)') ' at', r(i), first, second
-      call check(error, found, expected, 1.0e-6_real64 * max(1.0_real64, abs(found)) + &
+      call check(found, expected, 1.0e-6_real64 * max(1.0_real64, abs(found)) + &
                  5.0e-15_real64 / step, what // where_it_is)
     end subroutine compare
 
   end subroutine derivatives
-
-  ! Two loads grow and part along a path: the work of the lifts and of the slope along it is the
-  ! change of V V G.
-  subroutine one_potential(error)
-    type(error_type), allocatable, intent(out) :: error
-    integer, parameter :: steps = 400
-    type(mutual_terms) :: terms
-    real(real64) :: energy(2), load(2), work
-    integer :: i
-
-    do i = 1, 2
-      call set_state(i - 1.0_real64)
-      energy(i) = load(1) * load(2) * terms%mean
-    end do
-    work = 0.0_real64
-    do i = 1, steps
-      call set_state((i - 0.5_real64) / steps)
-      work = work + (load(2) * terms%on_first + 2 * load(1) * terms%on_second + &
-                     3 * load(1) * load(2) * terms%slope) / steps
-    end do
-    call check(error, work / (energy(2) - energy(1)), 1.0_real64, 1.0e-5_real64, 'work on a path')
-
-  contains
-
-    ! Loads 1 + t and .5 + 2 t on circles of their third roots, .2 + 3 t apart.
-    subroutine set_state(t)
-      real(real64), intent(in) :: t
-
-      load = [1.0_real64 + t, 0.5_real64 + 2 * t]
-      call mutual_displacement(0.2_real64 + 3 * t, load(1)**(1.0_real64 / 3), &
-                               load(2)**(1.0_real64 / 3), terms)
-    end subroutine set_state
-
-  end subroutine one_potential
 
 end module asperity_mutual_suite

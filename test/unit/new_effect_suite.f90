@@ -9,19 +9,17 @@ module asperity_new_effect_suite
   use asperity_contact_state, only: contact_state, start_state, total_load, total_vertical_load
   use asperity_effect_helpers, only: as_decimal, near, pair_of, set_number
   use asperity_effect_list, only: list_effects
-  use asperity_effect_names, only: known_effects
   use asperity_hertz_law, only: hertz_law
   use asperity_kinds, only: not_computed, real64
   use asperity_made_up_effect, only: made_up_effect, make_up
   use asperity_position_path, only: follow_path
-  use asperity_scene_values, only: control_separation, control_load, effect_auto, effect_on, &
-                                   hold_separation, hold_load, scene
-  use asperity_testing, only: check, error_type, new_unittest, unittest_type
+  use asperity_scene_values, only: control_separation, control_load, effect_auto, effect_on, scene
+  use asperity_testing, only: check, has_failed, run_test
   use asperity_work_count, only: work_count
   implicit none
   private
 
-  public :: collect_new_effect
+  public :: run_new_effect
 
   ! Factors, shares and what follows from them.
   real(real64), parameter :: rounding = 1.0e-13_real64
@@ -44,21 +42,14 @@ module asperity_new_effect_suite
 
 contains
 
-  !> Lists the tests.
-  subroutine collect_new_effect(suite)
-    !> all tests
-    type(unittest_type), allocatable, intent(out) :: suite(:)
-
-    allocate (suite(0))
-    suite = [ &
-      new_unittest('every effect that a scene may name is in the list', all_listed), &
-      new_unittest('columns, units and influence, before another effect', columns), &
-      new_unittest('auto: estimate, left out, called for', by_auto), &
-      new_unittest('states are kept, and forgotten with the position', states_kept), &
-      new_unittest('a load is met with an effect that knows no short way to it', to_loads), &
-      new_unittest('a first contact is found within the jump of the displacement', jumps), &
-      new_unittest('approach and load held in time', held)]
-  end subroutine collect_new_effect
+  !> Runs the tests.
+  subroutine run_new_effect
+    call run_test('columns, units and influence, before another effect', columns)
+    call run_test('auto: estimate, left out, called for', by_auto)
+    call run_test('states are kept, and forgotten with the position', states_kept)
+    call run_test('a load is met with an effect that knows no short way to it', to_loads)
+    call run_test('a first contact is found within the jump of the displacement', jumps)
+  end subroutine run_new_effect
 
   ! Follows the path of a position with its effects.
   subroutine run_position(scene_in, pairs, effects, result, run, failure)
@@ -83,31 +74,8 @@ contains
     run%simulated = bodies%simulated
   end subroutine run_position
 
-  subroutine all_listed(error)
-    type(error_type), allocatable, intent(out) :: error
-    type(effect_box), allocatable :: list(:)
-    type(scene) :: off, scene_in
-    integer :: i
-
-    call list_effects(off, list)
-    call check(error, size(list), 0, 'none is named')
-    off%upper%elastic_modulus = as_decimal(1.0_real64)
-    off%lower%elastic_modulus = as_decimal(1.0_real64)
-    do i = 1, size(known_effects)
-      scene_in = off
-      call scene_in%effects%call_for(trim(known_effects(i)%name), effect_auto)
-      call list_effects(scene_in, list)
-      call check(error, size(list), 1, 'one is named: ' // known_effects(i)%name)
-      if (allocated(error)) return
-      call check(error, list(1)%effect%name, known_effects(i)%name, 'its name')
-      call check(error, list(1)%effect%mode, effect_auto, 'its mode')
-      call check(error, list(1)%effect%tolerance, 0.01_real64, 0.0_real64, 'its tolerance')
-    end do
-  end subroutine all_listed
-
   ! In front of friction, which finds its loads.
-  subroutine columns(error)
-    type(error_type), allocatable, intent(out) :: error
+  subroutine columns
     type(effect_box), allocatable :: listed(:)
     type(effect_box) :: effects(2)
     type(scene) :: scene_in
@@ -130,31 +98,28 @@ contains
     call make_up(effect_on, 0.25_real64, 0.0_real64, .false., effects(1)%effect)
     call move_alloc(listed(1)%effect, effects(2)%effect)
     call run_position(scene_in, pairs, effects, result, run, failure)
-    call check(error, run%simulated .and. .not. run%too_far .and. .not. allocated(failure), &
-               'simulated')
-    if (allocated(error)) return
-    call check(error, result%rows_used, 2, 'contacts')
+    call check(run%simulated .and. .not. run%too_far .and. .not. allocated(failure), 'simulated')
+    if (has_failed()) return
+    call check(result%rows_used, 2, 'contacts')
     do i = 1, 2
-      call near(error, result%contact_values(i, 1), 0.25_real64 * unit * hertz%answers(i)%load, &
+      call near(result%contact_values(i, 1), 0.25_real64 * unit * hertz%answers(i)%load, &
                 rounding, 'its first column')
-      call near(error, result%contact_values(i, 2), unit * hertz%penetration(i), rounding, &
+      call near(result%contact_values(i, 2), unit * hertz%penetration(i), rounding, &
                 'its second column')
-      call near(error, result%rows(i)%load, 1.25_real64 * unit * hertz%answers(i)%load, rounding, &
-                'load')
+      call near(result%rows(i)%load, 1.25_real64 * unit * hertz%answers(i)%load, rounding, 'load')
     end do
-    call near(error, result%state_values(1), unit * total_vertical_load(hertz), rounding, 'sum')
-    call check(error, nint(result%state_values(2)), 0, 'nothing was kept before')
-    call near(error, result%state_values(3), 1.25_real64 * unit * total_vertical_load(hertz), &
+    call near(result%state_values(1), unit * total_vertical_load(hertz), rounding, 'sum')
+    call check(nint(result%state_values(2)), 0, 'nothing was kept before')
+    call near(result%state_values(3), 1.25_real64 * unit * total_vertical_load(hertz), &
               rounding, 'what friction finds')
-    call check(error, trim(result%effects(1)%simulated), 'on', 'how')
-    call near(error, result%effects(1)%influence, 0.25_real64, rounding, 'its influence')
-    call near(error, result%effects(2)%influence, result%states(1)%vertical_load / &
+    call check(trim(result%effects(1)%simulated), 'on', 'how')
+    call near(result%effects(1)%influence, 0.25_real64, rounding, 'its influence')
+    call near(result%effects(2)%influence, result%states(1)%vertical_load / &
               result%state_values(3) - 1.0_real64, 1.0e-9_real64, 'that of friction')
-    call check(error, result%effects(2)%influence > 0.01_real64, 'friction acts')
+    call check(result%effects(2)%influence > 0.01_real64, 'friction acts')
   end subroutine columns
 
-  subroutine by_auto(error)
-    type(error_type), allocatable, intent(out) :: error
+  subroutine by_auto
     type(contact_pairs) :: pairs
     type(contact_state) :: hertz
     type(position_result) :: result
@@ -163,32 +128,30 @@ contains
 
     call two_pairs(pairs, hertz)
     do i = 1, 2
-      call run_one(error, pairs, effect_auto, 0.02_real64 * i, 0.03_real64, .false., &
+      call run_one(pairs, effect_auto, 0.02_real64 * i, 0.03_real64, .false., &
                    by_approach(), result, simulated)
-      if (allocated(error)) return
-      call check(error, simulated .eqv. i == 2, 'called for')
-      call near(error, result%effects(1)%estimate, 0.02_real64 * i, rounding, 'estimate')
-      call check(error, trim(result%effects(1)%simulated), trim(merge('off', 'on ', i == 1)), &
-                 'how')
-      call check(error, trim(result%effects(1)%why), &
+      if (has_failed()) return
+      call check(simulated .eqv. i == 2, 'called for')
+      call near(result%effects(1)%estimate, 0.02_real64 * i, rounding, 'estimate')
+      call check(trim(result%effects(1)%simulated), trim(merge('off', 'on ', i == 1)), 'how')
+      call check(trim(result%effects(1)%why), &
                  trim(merge('                        ', 'estimate above tolerance', i == 1)), 'why')
-      call near(error, result%states(1)%vertical_load * 16.0_real64, &
+      call near(result%states(1)%vertical_load * 16.0_real64, &
                 total_vertical_load(hertz) * merge(1.0_real64, 1.04_real64, i == 1), rounding, &
                 'load')
       ! Left out, a column is not computed.
       if (i == 1) then
-        call check(error, .not. any(result%state_values > not_computed), 'columns left out')
+        call check(.not. any(result%state_values > not_computed), 'columns left out')
         cycle
       end if
-      call near(error, result%state_values(1) * 16.0_real64, total_vertical_load(hertz), rounding, &
+      call near(result%state_values(1) * 16.0_real64, total_vertical_load(hertz), rounding, &
                 'the load without it')
-      call check(error, nint(result%state_values(2)), 0, 'the other column')
+      call check(nint(result%state_values(2)), 0, 'the other column')
     end do
   end subroutine by_auto
 
   ! Closings 0.05, 0.02 and 0.05 again; the next position knows nothing of them.
-  subroutine states_kept(error)
-    type(error_type), allocatable, intent(out) :: error
+  subroutine states_kept
     type(effect_box) :: effects(1)
     type(contact_pairs) :: pairs
     type(contact_state) :: hertz, less
@@ -211,19 +174,18 @@ contains
     do turn = 1, 2
       run%keep_rows = .false.
       call run_position(scene_in, pairs, effects, result, run, failure)
-      call check(error, run%simulated .and. .not. allocated(failure), 'simulated')
-      call check(error, size(result%states), 3, 'states')
-      if (allocated(error)) return
+      call check(run%simulated .and. .not. allocated(failure), 'simulated')
+      call check(size(result%states), 3, 'states')
+      if (has_failed()) return
       do i = 1, 3
-        call near(error, result%states(i)%load * 16.0_real64, (1.0_real64 + 0.1_real64 * i) * &
+        call near(result%states(i)%load * 16.0_real64, (1.0_real64 + 0.1_real64 * i) * &
                   merge(total_load(less), total_load(hertz), i == 2), rounding * 100, 'load')
       end do
-      call check(error, nint(result%state_values(2)), 2, 'states kept before the last')
+      call check(nint(result%state_values(2)), 2, 'states kept before the last')
     end do
   end subroutine states_kept
 
-  subroutine to_loads(error)
-    type(error_type), allocatable, intent(out) :: error
+  subroutine to_loads
     type(contact_pairs) :: pairs
     type(contact_state) :: hertz
     type(position_result) :: result
@@ -237,21 +199,18 @@ contains
     do i = 1, 2
       scene_in%loading%path(i) = as_decimal(total_load(hertz) / 16.0_real64)
     end do
-    call run_one(error, pairs, effect_on, 0.1_real64, 0.0_real64, .false., scene_in, result, &
-                 simulated)
-    if (allocated(error)) return
+    call run_one(pairs, effect_on, 0.1_real64, 0.0_real64, .false., scene_in, result, simulated)
+    if (has_failed()) return
     do i = 1, 2
-      call near(error, result%states(i)%load * 16.0_real64, total_load(hertz), met, 'load')
+      call near(result%states(i)%load * 16.0_real64, total_load(hertz), met, 'load')
     end do
     ! The same load with a larger share needs less compression.
-    call check(error, result%states(2)%compression < result%states(1)%compression, 'compression')
-    call check(error, result%states(1)%compression < 0.05_real64 / 16.0_real64, &
-               'below that of Hertz')
+    call check(result%states(2)%compression < result%states(1)%compression, 'compression')
+    call check(result%states(1)%compression < 0.05_real64 / 16.0_real64, 'below that of Hertz')
   end subroutine to_loads
 
   ! The second pair begins where compression - 0.4 compression (1 -+ jump) is its gap of 0.01.
-  subroutine jumps(error)
-    type(error_type), allocatable, intent(out) :: error
+  subroutine jumps
     type(effect_box) :: effects(1)
     type(jumping_effect) :: effect
     type(contact_pairs) :: pairs
@@ -272,12 +231,12 @@ contains
     allocate (effect%contact_columns(0), effect%state_columns(0))
     allocate (effects(1)%effect, source=effect)
     call run_position(scene_in, pairs, effects, result, run, failure)
-    call check(error, size(result%states), 3, 'first touch, first contact, last state')
-    if (allocated(error)) return
-    call near(error, result%states(2)%compression, 0.01_real64 / 0.6_real64 / 16.0_real64, &
+    call check(size(result%states), 3, 'first touch, first contact, last state')
+    if (has_failed()) return
+    call near(result%states(2)%compression, 0.01_real64 / 0.6_real64 / 16.0_real64, &
               1.0e-4_real64, 'the first contact')
     ! Halvings of 0.05 to 1e-4 of a displacement of 0.0067: 17; to 1e-10 of the last state: 34.
-    call check(error, solves < 25, 'states of the search')
+    call check(solves < 25, 'states of the search')
   end subroutine jumps
 
   subroutine apply_jumping(self, pairs, state, outcome)
@@ -297,46 +256,8 @@ contains
     if (state%penetration(2) < 0.0_real64) state%answers(2)%load = -1.0e-9_real64
   end subroutine apply_jumping
 
-  ! One aligned pair, so that the load is compression**1.5.
-  subroutine held(error)
-    type(error_type), allocatable, intent(out) :: error
-    type(contact_pairs) :: pairs
-    type(contact_state) :: hertz
-    type(position_result) :: result
-    type(scene) :: scene_in
-    logical :: simulated
-    real(real64) :: left
-    integer :: hold, i
-
-    call two_pairs(pairs, hertz)
-    pairs%list = [pair_of(1.0_real64, 1.0_real64, 0.0_real64)]
-    do hold = hold_load, hold_separation
-      scene_in = by_approach()
-      call set_number(scene_in, 'hold_time', 2.0_real64)
-      call set_number(scene_in, 'hold', real(hold, real64))
-      call set_number(scene_in, 'hold_points', 5.0_real64)
-      call run_one(error, pairs, effect_on, 0.0_real64, 0.0_real64, .true., scene_in, result, &
-                   simulated)
-      if (allocated(error)) return
-      call check(error, size(result%states), 5, 'states')
-      call near(error, result%states(5)%time, 2.0_real64, rounding, 'time')
-      do i = 1, 5
-        left = exp(-result%states(i)%time)
-        if (hold == hold_separation) then
-          call near(error, result%states(i)%load, left * result%states(1)%load, rounding, &
-                    'held approach')
-        else
-          call near(error, result%states(i)%load, result%states(1)%load, met, 'held load')
-          call near(error, left * result%states(i)%compression**1.5_real64, &
-                    result%states(1)%compression**1.5_real64, met, 'compression')
-        end if
-      end do
-    end do
-  end subroutine held
-
   ! A position with the made-up effect alone.
-  subroutine run_one(error, pairs, mode, share, tolerance, in_time, scene_in, result, simulated)
-    type(error_type), allocatable, intent(inout) :: error
+  subroutine run_one(pairs, mode, share, tolerance, in_time, scene_in, result, simulated)
     type(contact_pairs), intent(in) :: pairs
     integer, intent(in) :: mode
     real(real64), intent(in) :: share, tolerance
@@ -351,8 +272,7 @@ contains
     call make_up(mode, share, tolerance, in_time, effects(1)%effect)
     call run_position(scene_in, pairs, effects, result, run, failure)
     simulated = run%simulated
-    call check(error, .not. (run%too_far .or. allocated(failure)), &
-               'a position with the effect alone')
+    call check(.not. (run%too_far .or. allocated(failure)), 'a position with the effect alone')
   end subroutine run_one
 
   ! A scene that ends where independent contacts do.

@@ -7,11 +7,11 @@ module asperity_overlap_suite
   use asperity_coupled_scenes, only: random
   use asperity_sphere_overlap, only: stable_overlap, touching_height
   use asperity_kinds, only: int64, real128, real64
-  use asperity_testing, only: check, error_type, new_unittest, unittest_type
+  use asperity_testing, only: check, run_test
   implicit none
   private
 
-  public :: collect_overlap
+  public :: run_overlap
 
   ! Inputs a kind, and the error allowed, in units of the last place of the result.
   integer, parameter :: inputs = 1000000
@@ -24,18 +24,12 @@ module asperity_overlap_suite
 
 contains
 
-  !> Lists the tests.
-  subroutine collect_overlap(suite)
-    !> all tests
-    type(unittest_type), allocatable, intent(out) :: suite(:)
+  !> Runs the tests.
+  subroutine run_overlap
+    call run_test('a million overlaps in real64 within 4 units of the last place', million_64)
+  end subroutine run_overlap
 
-    suite = [ &
-      new_unittest('a million overlaps in real64 within 4 units of the last place', million_64), &
-      new_unittest('the truth is right where a triangle is 3, 4, 5', truth_is_right)]
-  end subroutine collect_overlap
-
-  subroutine million_64(error)
-    type(error_type), allocatable, intent(out) :: error
+  subroutine million_64
     real(real64) :: s, d, p, zc, rest, w
     real(real128) :: worst, worst_at(3), off, truth
     real(real64) :: drawn(3)
@@ -62,8 +56,8 @@ contains
       worst = off
       worst_at = real([s, d, p], real128)
     end do
-    call check(error, used > inputs / 2, 'too few inputs in range')
-    call check(error, worst <= ulps_allowed, told(worst, worst_at))
+    call check(used > inputs / 2, 'too few inputs in range')
+    call check(worst <= ulps_allowed, told(worst, worst_at))
   end subroutine million_64
 
   ! Sum of the radii, distance in plan, and penetration over the height zc. The kernel holds
@@ -126,25 +120,5 @@ contains
     write (text, '(a, f0.3, 3(a, es25.16e3))') 'worst error ', worst, ' ulp at s', at(1), &
       ', d', at(2), ', p', at(3)
   end function told
-
-  subroutine truth_is_right(error)
-    type(error_type), allocatable, intent(out) :: error
-    real(real128) :: off, p
-
-    ! Sides 3, 4, 5: pressed level, W = 2. On the axis W = p.
-    off = abs(overlap(5.0_real128, 3.0_real128, 4.0_real128) - 2)
-    call check(error, off < 1.0e-30_real128, 'pressed level')
-    p = 1.0e-20_real128
-    off = abs(overlap(5.0_real128, 0.0_real128, p) / p - 1)
-    call check(error, off < 1.0e-30_real128, 'on the axis')
-    ! Difference and series on either side of where they meet: W is smooth.
-    p = 5.0_real128 * series_below * (5.0_real128 / 4)
-    off = overlap(5.0_real128, 3.0_real128, p * (1 + 1.0e-3_real128)) - &
-          2 * overlap(5.0_real128, 3.0_real128, p) + &
-          overlap(5.0_real128, 3.0_real128, p * (1 - 1.0e-3_real128))
-    ! d2W/dp2 = -d**2/s**3.
-    off = abs(off / (p * 1.0e-3_real128)**2 + 9.0_real128 / 125)
-    call check(error, off < 1.0e-4_real128, 'difference and series do not meet')
-  end subroutine truth_is_right
 
 end module asperity_overlap_suite

@@ -6,11 +6,11 @@ module asperity_pair_search_suite
   use asperity_pair_search_layers, only: found_pairs
   use asperity_pair_search_levels, only: build_levels, last_level, pair_levels, search_level, &
                                          surface_points
-  use asperity_testing, only: check, error_type, new_unittest, unittest_type
+  use asperity_testing, only: check, has_failed, run_test
   implicit none
   private
 
-  public :: collect_pair_search
+  public :: run_pair_search
 
   ! Kinds of random surfaces.
   integer, parameter :: even = 1, clustered = 2, mixed = 3, lattice = 4, crowded = 5, &
@@ -26,21 +26,16 @@ module asperity_pair_search_suite
 
 contains
 
-  !> Lists the tests.
-  subroutine collect_pair_search(suite)
-    !> all tests
-    type(unittest_type), allocatable, intent(out) :: suite(:)
+  !> Runs the tests.
+  subroutine run_pair_search
+    call run_test('no pair of all with all is lost, each is found once, few are added', as_all)
+    call run_test('a level has all pairs that touch as high as it is complete', by_level)
+    call run_test('what rounding may count in a shorter arithmetic is found', by_margin)
+    call run_test('surfaces that are flat or far apart have no pairs', no_pairs)
+    call run_test('keys of every distribution are sorted, equal ones keep their order', keys)
+  end subroutine run_pair_search
 
-    suite = [ &
-      new_unittest('no pair of all with all is lost, each is found once, few are added', as_all), &
-      new_unittest('a level has all pairs that touch as high as it is complete', by_level), &
-      new_unittest('what rounding may count in a shorter arithmetic is found', by_margin), &
-      new_unittest('surfaces that are flat or far apart have no pairs', no_pairs), &
-      new_unittest('keys of every distribution are sorted, equal ones keep their order', keys)]
-  end subroutine collect_pair_search
-
-  subroutine as_all(error)
-    type(error_type), allocatable, intent(out) :: error
+  subroutine as_all
     type(surface_points) :: upper, lower
     type(pair_levels) :: levels
     real(real64) :: height, shift(2)
@@ -56,20 +51,19 @@ contains
         shift = 0.0_real64
         if (turn > 1) shift = [0.375_real64, -1.25_real64]
         call build_levels(levels, upper, lower, height, double)
-        call compare(error, upper, lower, levels, last_level(levels), shift, height, double, &
+        call compare(upper, lower, levels, last_level(levels), shift, height, double, &
                      any_touch, pairs, names(kind))
         if (turn > 1) &
-          call compare(error, upper, lower, levels, last_level(levels), shift, any_height, double, &
+          call compare(upper, lower, levels, last_level(levels), shift, any_height, double, &
                        any_touch, pairs, names(kind) // ', all that can touch')
-        if (allocated(error)) return
+        if (has_failed()) return
       end do
     end do
     ! The crowded ones alone fill the search's batches many times.
-    call check(error, pairs > 100000, 'too few pairs to show anything')
+    call check(pairs > 100000, 'too few pairs to show anything')
   end subroutine as_all
 
-  subroutine by_level(error)
-    type(error_type), allocatable, intent(out) :: error
+  subroutine by_level
     type(surface_points) :: upper, lower
     type(pair_levels) :: levels
     integer :: kind, k, pairs, several
@@ -82,20 +76,19 @@ contains
       if (last_level(levels) > 1) several = several + 1
       pairs = 0
       do k = 1, last_level(levels)
-        call compare(error, upper, lower, levels, k, [0.1_real64, 0.2_real64], 0.1_real64, double, &
+        call compare(upper, lower, levels, k, [0.1_real64, 0.2_real64], 0.1_real64, double, &
                      levels%complete_from(k), pairs, names(kind))
         if (k < last_level(levels)) &
-          call compare(error, upper, lower, levels, k, [0.1_real64, 0.2_real64], any_height, &
+          call compare(upper, lower, levels, k, [0.1_real64, 0.2_real64], any_height, &
                        double, levels%complete_from(k), pairs, names(kind))
-        if (allocated(error)) return
+        if (has_failed()) return
       end do
     end do
     ! Towers and equal heights have none.
-    call check(error, several >= 4, 'too few surfaces have levels')
+    call check(several >= 4, 'too few surfaces have levels')
   end subroutine by_level
 
-  subroutine by_margin(error)
-    type(error_type), allocatable, intent(out) :: error
+  subroutine by_margin
     type(surface_points) :: upper, lower
     type(pair_levels) :: levels
     integer :: kind, pairs
@@ -105,16 +98,15 @@ contains
       call draw_surface(kind, 300, lower)
       pairs = 0
       call build_levels(levels, upper, lower, 0.1_real64, short)
-      call compare(error, upper, lower, levels, last_level(levels), [0.0_real64, 0.0_real64], &
+      call compare(upper, lower, levels, last_level(levels), [0.0_real64, 0.0_real64], &
                    0.1_real64, short, any_touch, pairs, names(kind) // ', short')
-      if (allocated(error)) return
+      if (has_failed()) return
     end do
   end subroutine by_margin
 
   ! A search against all pairs. Those within the reach that touch at the floor must be found, and
   ! those that the margin adds; none twice; none beyond twice the margin.
-  subroutine compare(error, upper, lower, levels, level, shift, height, unit, floor, pairs, what)
-    type(error_type), allocatable, intent(inout) :: error
+  subroutine compare(upper, lower, levels, level, shift, height, unit, floor, pairs, what)
     type(surface_points), intent(in) :: upper, lower
     type(pair_levels), intent(in) :: levels
     integer, intent(in) :: level
@@ -129,7 +121,7 @@ contains
 
     call search_level(levels, level, shift(1), shift(2), .not. height < any_height, floor, found, &
                       failed)
-    call check(error, .not. failed, 'no memory')
+    call check(.not. failed, 'no memory')
     allocate (times(size(upper%x), size(lower%x)))
     times = 0
     do k = 1, found%blocks
@@ -139,8 +131,8 @@ contains
         end do
       end associate
     end do
-    call check(error, int(found%number), sum(times), 'another number of pairs, ' // what)
-    call check(error, maxval(times) <= 1, 'a pair is found twice, ' // what)
+    call check(int(found%number), sum(times), 'another number of pairs, ' // what)
+    call check(maxval(times) <= 1, 'a pair is found twice, ' // what)
     margin = margin_of_arithmetic(unit, maxval(abs(upper%x)) + maxval(abs(upper%y)) + &
                                         maxval(abs(lower%x)) + maxval(abs(lower%y)) + &
                                         sum(abs(shift)) + maxval(upper%radius) + &
@@ -155,8 +147,8 @@ contains
         if (.not. (is_near .and. touch >= floor) .and. times(i, k) == 1) added = added + 1
       end do
     end do
-    call check(error, lost, 0, 'a pair is lost, ' // what)
-    call check(error, added, 0, 'a pair is added, ' // what)
+    call check(lost, 0, 'a pair is lost, ' // what)
+    call check(added, 0, 'a pair is added, ' // what)
     pairs = pairs + int(found%number)
   end subroutine compare
 
@@ -179,8 +171,7 @@ contains
     touch = upper%height(i) + lower%height(k) - d * d / (s + sqrt((s - d) * (s + d)))
   end subroutine look_at
 
-  subroutine no_pairs(error)
-    type(error_type), allocatable, intent(out) :: error
+  subroutine no_pairs
     type(surface_points) :: some
     type(pair_levels) :: levels
     real(real64), parameter :: far(2, 4) = &
@@ -190,19 +181,19 @@ contains
 
     call draw_surface(even, 300, some)
     call build_levels(levels, some, some, 0.05_real64, double)
-    call check(error, pairs_at([0.0_real64, 0.0_real64]) > 0, 'there are pairs')
+    call check(pairs_at([0.0_real64, 0.0_real64]) > 0, 'there are pairs')
     do i = 1, 2
-      call check(error, pairs_at(far(:, i)), 0, 'far')
+      call check(pairs_at(far(:, i)), 0, 'far')
     end do
     ! Rounding of such a displacement may hide any distance: then all or none are found.
     do i = 3, 4
-      call check(error, modulo(pairs_at(far(:, i)), 300 * 300), 0, 'very far')
+      call check(modulo(pairs_at(far(:, i)), 300 * 300), 0, 'very far')
     end do
-    call check(error, squared_reach(0.0_real64, 1.0_real64) <= 0.0_real64, 'no height, no reach')
+    call check(squared_reach(0.0_real64, 1.0_real64) <= 0.0_real64, 'no height, no reach')
     call build_levels(levels, some, some, 0.0_real64, double)
     ! Each asperity is found with its twin: the margin is more than no distance.
-    call check(error, pairs_at([0.0_real64, 0.0_real64]), 300, 'no height')
-    call check(error, pairs_at([1.0e-3_real64, 0.0_real64]), 0, 'no height, displaced')
+    call check(pairs_at([0.0_real64, 0.0_real64]), 300, 'no height')
+    call check(pairs_at([1.0e-3_real64, 0.0_real64]), 0, 'no height, displaced')
 
   contains
 
@@ -218,8 +209,7 @@ contains
 
   end subroutine no_pairs
 
-  subroutine keys(error)
-    type(error_type), allocatable, intent(out) :: error
+  subroutine keys
     integer, parameter :: sizes(6) = [1, 7, 12, 13, 25, 5000]
     real(real64), allocatable :: key(:)
     integer(int32), allocatable :: order(:)
@@ -234,10 +224,10 @@ contains
         key(i) = draw_key(kind, i)
       end do
       call sort_keys(key, order)
-      call check(error, all(order >= 1 .and. order <= n), 'an index out of the range')
-      if (allocated(error)) return
+      call check(all(order >= 1 .and. order <= n), 'an index out of the range')
+      if (has_failed()) return
       do i = 2, n
-        call check(error, key(order(i)) > key(order(i - 1)) .or. &
+        call check(key(order(i)) > key(order(i - 1)) .or. &
                           (key(order(i)) >= key(order(i - 1)) .and. order(i) > order(i - 1)), &
                    'not in order')
       end do

@@ -6,39 +6,30 @@ module asperity_potential_suite
   use asperity_circle_field, only: circle_set, find_field, list_near_circles
   use asperity_circle_products, only: multiply
   use asperity_circle_step, only: circle_model, find_step, prepare_model, trust_step
-  use asperity_contact_pairs, only: contact_pairs
-  use asperity_coupled_contacts, only: coupled_solution
-  use asperity_coupled_scenes, only: depth, known_scene, known_scenes, lay_known, random, &
-                                     lay_contacts, solve_at
-  use asperity_hertz_law, only: hertz_law
+  use asperity_coupled_scenes, only: random
   use asperity_interruption, only: interruption
   use asperity_kinds, only: int64, real64
-  use asperity_testing, only: check, error_type, new_unittest, unittest_type
+  use asperity_testing, only: check, run_test
   implicit none
   private
 
-  public :: collect_potential
+  public :: run_potential
 
   real(real64), parameter :: third = 1.0_real64 / 3
 
 contains
 
-  !> Lists the tests.
-  subroutine collect_potential(suite)
-    !> all tests
-    type(unittest_type), allocatable, intent(out) :: suite(:)
-
-    suite = [ &
-      new_unittest('the gradient is that of the energy, near and far', gradient), &
-      new_unittest('the gradient of the curvature terms is that of their sum', curvature_terms), &
-      new_unittest('a product is the change of the gradient, near', hessian_near), &
-      new_unittest('a product is the change of the gradient by loads, far', hessian_far), &
-      new_unittest('a product is the change of the gradient among thousands', hessian_of_many), &
-      new_unittest('a block of few circles has all second derivatives', one_block), &
-      new_unittest('a step is the minimum of the model, or ends at the border', steps), &
-      new_unittest('a step keeps the sum of the loads', kept_sum), &
-      new_unittest('the solution has the least energy of a hundred states about it', least)]
-  end subroutine collect_potential
+  !> Runs the tests.
+  subroutine run_potential
+    call run_test('the gradient is that of the energy, near and far', gradient)
+    call run_test('the gradient of the curvature terms is that of their sum', curvature_terms)
+    call run_test('a product is the change of the gradient, near', hessian_near)
+    call run_test('a product is the change of the gradient by loads, far', hessian_far)
+    call run_test('a product is the change of the gradient among thousands', hessian_of_many)
+    call run_test('a block of few circles has all second derivatives', one_block)
+    call run_test('a step is the minimum of the model, or ends at the border', steps)
+    call run_test('a step keeps the sum of the loads', kept_sum)
+  end subroutine run_potential
 
   ! Circles of spheres of radius 1 in a square of some circles' side, all shifted a little.
   subroutine scatter(n, side, set)
@@ -116,8 +107,7 @@ contains
     if (loads_only) change(2:, :) = 0.0_real64
   end function direction
 
-  subroutine gradient(error)
-    type(error_type), allocatable, intent(out) :: error
+  subroutine gradient
     real(real64), parameter :: step = 1.0e-4_real64
     integer, parameter :: n = 24
     type(circle_set) :: set, more, less
@@ -130,27 +120,26 @@ contains
     ! .3 (a/r)**2 at ten radii.
     do k = 1, 20
       call scatter(n, merge(4.0_real64, 60.0_real64, k <= 10), set)
-      call check(error, size(set%one) == n * (n - 1) / 2 .eqv. k <= 10, 'far ones or none')
+      call check(size(set%one) == n * (n - 1) / 2 .eqv. k <= 10, 'far ones or none')
       more = set
       less = set
       change = direction(n, seed, .false.)
       call change_by(set, step, change, more)
       call change_by(set, -step, change, less)
       slope = (potential(more) - potential(less)) / (2 * step)
-      call check(error, sum(gradient_of(set) * change), slope, &
+      call check(sum(gradient_of(set) * change), slope, &
                  merge(1.0e-6_real64, 1.0e-4_real64, k <= 10), 'slope along a direction')
       change = direction(n, seed, .true.)
       call change_by(set, step, change, more)
       call change_by(set, -step, change, less)
       slope = (potential(more) - potential(less)) / (2 * step)
-      call check(error, sum(gradient_of(set) * change), slope, 1.0e-6_real64, 'slope along loads')
+      call check(sum(gradient_of(set) * change), slope, 1.0e-6_real64, 'slope along loads')
     end do
   end subroutine gradient
 
   ! Near circles, apart and overlapping; then some far, whose Laplacian is kept without that of the
   ! circle's own width. The places are kept.
-  subroutine curvature_terms(error)
-    type(error_type), allocatable, intent(out) :: error
+  subroutine curvature_terms
     real(real64), parameter :: sides(3) = [7.0_real64, 5.0_real64, 40.0_real64]
     integer, parameter :: numbers(3) = [6, 6, 24]
     real(real64), parameter :: step = 1.0e-4_real64
@@ -177,28 +166,23 @@ contains
       end do
       ! Five points: the error of the difference is of the fourth order in the step.
       slope = -(8 * (sums(1) - sums(-1)) - (sums(2) - sums(-2))) / (12 * step)
-      call check(error, sum(gradient * change(1, :)) / slope, 1.0_real64, &
+      call check(sum(gradient * change(1, :)) / slope, 1.0_real64, &
                  merge(1.0e-4_real64, 1.0e-7_real64, k == 3), 'slope along loads')
       deallocate (curvature, gain, gradient, unused)
     end do
   end subroutine curvature_terms
 
-  subroutine hessian_near(error)
-    type(error_type), allocatable, intent(out) :: error
-
-    call compare_products(error, 4.0_real64, .false., 1.0e-5_real64)
+  subroutine hessian_near
+    call compare_products(4.0_real64, .false., 1.0e-5_real64)
   end subroutine hessian_near
 
-  subroutine hessian_far(error)
-    type(error_type), allocatable, intent(out) :: error
-
+  subroutine hessian_far
     ! Rough sums.
-    call compare_products(error, 60.0_real64, .true., 1.0e-4_real64)
+    call compare_products(60.0_real64, .true., 1.0e-4_real64)
   end subroutine hessian_far
 
   ! Boxes of several levels sum loads and shifts: rough sums.
-  subroutine hessian_of_many(error)
-    type(error_type), allocatable, intent(out) :: error
+  subroutine hessian_of_many
     real(real64), parameter :: step = 1.0e-5_real64
     integer, parameter :: n = 3000
     type(circle_set) :: set, more, less
@@ -217,15 +201,14 @@ contains
       call change_by(set, -step, change, less)
       truth = (gradient_of(more) - gradient_of(less)) / (2 * step)
       call multiply(set, .false., change, image)
-      call check(error, norm2(image(1, :) - truth(1, :)), 0.0_real64, &
+      call check(norm2(image(1, :) - truth(1, :)), 0.0_real64, &
                  1.0e-3_real64 * norm2(truth(1, :)), 'by loads')
-      call check(error, norm2(image(2:, :) - truth(2:, :)), 0.0_real64, &
+      call check(norm2(image(2:, :) - truth(2:, :)), 0.0_real64, &
                  1.0e-3_real64 * norm2(truth(2:, :)), 'by shifts')
     end do
   end subroutine hessian_of_many
 
-  subroutine compare_products(error, side, loads_only, tolerance)
-    type(error_type), allocatable, intent(inout) :: error
+  subroutine compare_products(side, loads_only, tolerance)
     real(real64), intent(in) :: side, tolerance
     logical, intent(in) :: loads_only
     real(real64), parameter :: step = 1.0e-4_real64
@@ -246,20 +229,19 @@ contains
       call change_by(set, -step, change, less)
       truth = (gradient_of(more) - gradient_of(less)) / (2 * step)
       call multiply(set, .false., change, image)
-      call check(error, maxval(abs(image(:rows, :) - truth(:rows, :))), 0.0_real64, &
+      call check(maxval(abs(image(:rows, :) - truth(:rows, :))), 0.0_real64, &
                  tolerance * maxval(abs(truth)), 'product')
-      call check(error, maxval(abs(image(:rows, :))) > 0.1_real64, 'nothing to compare')
+      call check(maxval(abs(image(:rows, :))) > 0.1_real64, 'nothing to compare')
       if (loads_only) cycle
       ! A circle that may not shift has no derivatives by its shift.
       set%shift_fixed(1) = .true.
       call multiply(set, .false., change, image)
-      call check(error, maxval(abs(image(2:, 1))), 0.0_real64, 0.0_real64, 'still')
+      call check(maxval(abs(image(2:, 1))), 0.0_real64, 0.0_real64, 'still')
     end do
   end subroutine compare_products
 
   ! Circles that are all in one block: its solution, multiplied, is the right-hand side again.
-  subroutine one_block(error)
-    type(error_type), allocatable, intent(out) :: error
+  subroutine one_block
     integer, parameter :: n = 6
     type(circle_set) :: set
     type(circle_blocks) :: blocks
@@ -274,19 +256,18 @@ contains
     set%hessian([1, 3], :) = set%hessian([1, 3], :) + 20 * spread(set%load, 1, 2)
     set%stiffness = 0.3_real64 * set%stiffness
     call find_blocks(set, blocks)
-    call check(error, size(blocks%first), 2, 'one block')
+    call check(size(blocks%first), 2, 'one block')
     do k = 1, 2
       left = direction(n, seed, .false.)
       call factor_blocks(set, k == 2, blocks)
       call solve_blocks(blocks, left, change)
       call multiply(set, k == 2, change, image)
-      call check(error, maxval(abs(image - left)), 0.0_real64, 1.0e-10_real64, &
+      call check(maxval(abs(image - left)), 0.0_real64, 1.0e-10_real64, &
                  merge('convex', 'exact ', k == 2))
     end do
   end subroutine one_block
 
-  subroutine steps(error)
-    type(error_type), allocatable, intent(out) :: error
+  subroutine steps
     integer, parameter :: n = 30
     type(circle_set) :: set
     type(circle_model) :: model
@@ -303,25 +284,24 @@ contains
     products = 0
     radius = 1.0e6_real64
     call find_step(set, model, 1.0e-10_real64, radius, step, products, never)
-    call check(error, .not. (step%at_border .or. step%curves_down), 'inside')
+    call check(.not. (step%at_border .or. step%curves_down), 'inside')
     call multiply(set, .false., step%change, image)
-    call check(error, maxval(abs(image + model%gradient)), 0.0_real64, 1.0e-8_real64, 'minimum')
-    call check(error, step%decrease, -0.5_real64 * sum(model%gradient * step%change), &
+    call check(maxval(abs(image + model%gradient)), 0.0_real64, 1.0e-8_real64, 'minimum')
+    call check(step%decrease, -0.5_real64 * sum(model%gradient * step%change), &
                1.0e-8_real64 * step%decrease, 'decrease')
     radius = 0.3_real64 * step%length
     call find_step(set, model, 1.0e-10_real64, radius, short, products, never)
     length = sqrt(sum((model%weight * short%change)**2))
-    call check(error, short%at_border, 'border')
-    call check(error, length, radius, 1.0e-12_real64 * radius, 'length')
+    call check(short%at_border, 'border')
+    call check(length, radius, 1.0e-12_real64 * radius, 'length')
     call multiply(set, .false., short%change, image)
-    call check(error, short%decrease, -sum((model%gradient + image / 2) * short%change), &
+    call check(short%decrease, -sum((model%gradient + image / 2) * short%change), &
                1.0e-10_real64 * step%decrease, 'decrease at the border')
     ! That along the Newton step to the same length is less or equal.
-    call check(error, short%decrease > 0.3_real64 * step%decrease, 'less than a shortened step')
+    call check(short%decrease > 0.3_real64 * step%decrease, 'less than a shortened step')
   end subroutine steps
 
-  subroutine kept_sum(error)
-    type(error_type), allocatable, intent(out) :: error
+  subroutine kept_sum
     integer, parameter :: n = 30
     type(circle_set) :: set
     type(circle_model) :: model
@@ -340,87 +320,14 @@ contains
     products = 0
     radius = 1.0e6_real64
     call find_step(set, model, 1.0e-9_real64, radius, step, products, never)
-    call check(error, sum(set%load_share * step%change(1, :)), 0.0_real64, &
+    call check(sum(set%load_share * step%change(1, :)), 0.0_real64, &
                1.0e-12_real64 * sum(abs(step%change(1, :))), 'sum of the loads')
     ! What is left is one multiple of the weights: the Lagrangian is stationary.
     call multiply(set, .false., step%change, image)
     rest = (image(1, :) + model%gradient(1, :)) / set%load_share
-    call check(error, maxval(rest) - minval(rest), 0.0_real64, 1.0e-8_real64, 'multiplier')
-    call check(error, maxval(abs(image(2:, :) + model%gradient(2:, :))), 0.0_real64, &
+    call check(maxval(rest) - minval(rest), 0.0_real64, 1.0e-8_real64, 'multiplier')
+    call check(maxval(abs(image(2:, :) + model%gradient(2:, :))), 0.0_real64, &
                1.0e-8_real64, 'shifts')
   end subroutine kept_sum
-
-  subroutine least(error)
-    type(error_type), allocatable, intent(out) :: error
-    type(known_scene) :: scenes(18)
-    type(contact_pairs) :: pairs
-    type(hertz_law) :: law
-    type(coupled_solution) :: solution
-    real(real64) :: x(30), y(30), gap(30)
-    integer(int64) :: seed
-    integer :: i
-
-    scenes = known_scenes()
-    do i = 1, size(scenes)
-      call lay_known(scenes(i), pairs, law)
-      call solve_at(pairs, law, solution)
-      call try_about(error, pairs, solution, scenes(i)%name)
-    end do
-    seed = 11_int64
-    do i = 1, 30
-      x(i) = 12 * random(seed)
-      y(i) = 12 * random(seed)
-      gap(i) = i / 40.0_real64
-    end do
-    call lay_contacts(x, y, gap, pairs, law)
-    call solve_at(pairs, law, solution)
-    call try_about(error, pairs, solution, 'thirty')
-  end subroutine least
-
-  ! Loads by up to a tenth up and down, shifts by up to a twentieth of a circle. One in four changes
-  ! one contact alone. The compression is 1 in units in which the set has the depth as its length.
-  subroutine try_about(error, pairs, solution, what)
-    type(error_type), allocatable, intent(inout) :: error
-    type(contact_pairs), intent(in) :: pairs
-    type(coupled_solution), intent(in) :: solution
-    character(*), intent(in) :: what
-    type(circle_set) :: other
-    real(real64), allocatable :: change(:, :)
-    real(real64) :: least_energy, energy, size_of
-    integer(int64) :: seed
-    integer :: k, only
-
-    other = solution%set
-    least_energy = total(other)
-    seed = 13_int64
-    do k = 1, 100
-      change = direction(size(other%x), seed, .false.)
-      if (modulo(k, 4) == 0) then
-        only = 1 + modulo(k / 4, size(other%x))
-        change(:, :only - 1) = 0.0_real64
-        change(:, only + 1:) = 0.0_real64
-      end if
-      size_of = 0.2_real64 * random(seed)
-      other%load = solution%set%load * (1 + size_of * change(1, :))
-      other%shift = solution%set%shift + 0.5_real64 * size_of * change(2:, :) * &
-                    spread(solution%set%radius, 1, 2)
-      other%radius = solution%set%radius * (other%load / solution%set%load)**third
-      call find_field(other)
-      energy = total(other)
-      call check(error, energy > least_energy, trim(what) // ': less energy')
-    end do
-
-  contains
-
-    ! With gaps and compression. W = 3/5 p V, and p = a**2/R.
-    real(real64) function total(set)
-      type(circle_set), intent(in) :: set
-
-      total = sum(set%load * (0.6_real64 * set%radius**2 * set%curvature + &
-                              pairs%list(set%contact)%gap - depth + &
-                              set%curvature * sum(set%shift**2, 1) / 2)) + set%energy
-    end function total
-
-  end subroutine try_about
 
 end module asperity_potential_suite

@@ -13,14 +13,13 @@ module asperity_scene_suite
   use asperity_numeral, only: read_double_numeral, read_numeral
   use asperity_problems, only: problem_list
   use asperity_scene_reader, only: parse_scene
-  use asperity_scene_values, only: control_separation, control_limit, criterion_load, &
-                                   effect_auto, effect_off, scene
+  use asperity_scene_values, only: control_separation, effect_off, scene
   use asperity_surface_csv, only: parse_surface_csv, surface_table
-  use asperity_testing, only: check, error_type, new_unittest, unittest_type
+  use asperity_testing, only: check, has_failed, run_test
   implicit none
   private
 
-  public :: collect_scene
+  public :: run_scene
 
   ! Texts are read as if they stood here; tests run in the project's folder.
   character(len=*), parameter :: place = 'data/examples/t.scene'
@@ -32,35 +31,28 @@ module asperity_scene_suite
 
 contains
 
-  !> Lists the tests.
-  subroutine collect_scene(suite)
-    !> all tests of this module
-    type(unittest_type), allocatable, intent(out) :: suite(:)
+  !> Runs the tests.
+  subroutine run_scene
+    call run_test('numbers are read exactly', test_numerals)
+    call run_test('what is no number is refused', test_bad_numerals)
+    call run_test('quick conversion equals the library''s', test_decimal_to_real64)
+    call run_test('doubles are kept exactly', test_doubles)
+    call run_test('a group overrides the deck name by name', test_overrides)
+    call run_test('syntax that is accepted', test_syntax)
+    call run_test('radii from the files', test_csv_radii)
+    call run_test('bad syntax', test_bad_syntax)
+    call run_test('unknown and repeated groups and names', test_unknown)
+    call run_test('bad values', test_bad_values)
+    call run_test('names missing or out of place', test_missing)
+    call run_test('all problems of all files are told', test_all_problems)
+    call run_test('a file that changes while it is read', test_changing_file)
+    call run_test('true and false', test_true_and_false)
+    call run_test('long surface files', test_long_csv)
+    call run_test('bad surface files', test_bad_csv)
+    call run_test('many problems are counted', test_many_problems)
+  end subroutine run_scene
 
-    suite = [ &
-            new_unittest('numbers are read exactly', test_numerals), &
-            new_unittest('what is no number is refused', test_bad_numerals), &
-            new_unittest('quick conversion equals the library''s', test_decimal_to_real64), &
-            new_unittest('doubles are kept exactly', test_doubles), &
-            new_unittest('a deck in a scene, and the defaults', test_deck_defaults), &
-            new_unittest('a group overrides the deck name by name', test_overrides), &
-            new_unittest('syntax that is accepted', test_syntax), &
-            new_unittest('radii from the files', test_csv_radii), &
-            new_unittest('bad syntax', test_bad_syntax), &
-            new_unittest('unknown and repeated groups and names', test_unknown), &
-            new_unittest('bad values', test_bad_values), &
-            new_unittest('names missing or out of place', test_missing), &
-            new_unittest('all problems of all files are told', test_all_problems), &
-            new_unittest('a file that changes while it is read', test_changing_file), &
-            new_unittest('true and false', test_true_and_false), &
-            new_unittest('long surface files', test_long_csv), &
-            new_unittest('bad surface files', test_bad_csv), &
-            new_unittest('many problems are counted', test_many_problems)]
-  end subroutine collect_scene
-
-  subroutine test_numerals(error)
-    type(error_type), allocatable, intent(out) :: error
-
+  subroutine test_numerals
     call one('2', 2_int64, 0)
     call one('-.5', -5_int64, -1)
     call one('+1.', 1_int64, 0)
@@ -84,15 +76,14 @@ contains
       logical :: good
 
       call read_numeral(token, value, good)
-      call check(error, good, token // ' was refused')
-      call check(error, value%all_digits, digits, 'digits of ' // token)
-      call check(error, value%power_of_ten, exponent, 'exponent of ' // token)
+      call check(good, token // ' was refused')
+      call check(value%all_digits, digits, 'digits of ' // token)
+      call check(value%power_of_ten, exponent, 'exponent of ' // token)
     end subroutine one
 
   end subroutine test_numerals
 
-  subroutine test_bad_numerals(error)
-    type(error_type), allocatable, intent(out) :: error
+  subroutine test_bad_numerals
     character(len=13), parameter :: bad(*) = [character(len=13) :: '', '-', '.', '+.', '1e', &
       '1e+', '1.2.3', '1-5', '--1', 'e5', '1e5.', '0x10', 'nan', 'inf', '-Infinity', '1e309', &
       '-1.8e308', '1e-400', '1e99999999999', '1e-9999999', '1,5', '1 2', '1_8', '1e1e1']
@@ -102,13 +93,12 @@ contains
 
     do i = 1, size(bad)
       call read_numeral(trim(bad(i)), value, good)
-      call check(error, .not. good, '"' // trim(bad(i)) // '" was taken for a number')
+      call check(.not. good, '"' // trim(bad(i)) // '" was taken for a number')
     end do
   end subroutine test_bad_numerals
 
   !> A number with `_real64` is the double nearest to it, to the last bit, in every arithmetic.
-  subroutine test_doubles(error)
-    type(error_type), allocatable, intent(out) :: error
+  subroutine test_doubles
     character(len=24), parameter :: numbers(*) = [character(len=24) :: '0.1', '-0.3', '20.', &
       '-0.', '9999999.999983', '1e300', '-1.7976931348623157e308', '2.2250738585072014e-308', &
       '4503599627370497.5', '9007199254740993', '123456789012345678901', '1e-30', '5e22', '1e-12']
@@ -124,27 +114,25 @@ contains
       numeral = numbers(i)
       read (numeral, *) double
       call read_double_numeral(trim(numbers(i)) // '_real64', value, good)
-      call check(error, good, trim(numbers(i)) // ' was refused')
-      call check(error, abs(decimal_to_real64(value) - double) <= 0, trim(numbers(i)) // ', double')
-      call check(error, abs(number_128(value) - double) <= 0, trim(numbers(i)) // ' in real128')
+      call check(good, trim(numbers(i)) // ' was refused')
+      call check(abs(decimal_to_real64(value) - double) <= 0, trim(numbers(i)) // ', double')
+      call check(abs(number_128(value) - double) <= 0, trim(numbers(i)) // ' in real128')
       if (abs(double) < 1e38_real64 .and. abs(double) > 1e-37_real64) &
-        call check(error, abs(number_32(value) - real(double, real32)) <= 0, &
+        call check(abs(number_32(value) - real(double, real32)) <= 0, &
                    trim(numbers(i)) // ' in real32')
       if (abs(double) < 1e70_real64) &
-        call check(error, number_ibm370(value) == double_ibm370(double), &
-                   trim(numbers(i)) // ' in ibm370')
+        call check(number_ibm370(value) == double_ibm370(double), trim(numbers(i)) // ' in ibm370')
     end do
     do i = 1, size(bad)
       call read_double_numeral(trim(bad(i)), value, good)
-      call check(error, .not. good, trim(bad(i)) // ' was taken for a number')
+      call check(.not. good, trim(bad(i)) // ' was taken for a number')
     end do
-    call check(error, decimal_order(exact_double(0.1_real64)), 0, 'order of 0.1')
-    call check(error, decimal_order(exact_double(1234.5_real64)), 4, 'order of 1234.5')
+    call check(decimal_order(exact_double(0.1_real64)), 0, 'order of 0.1')
+    call check(decimal_order(exact_double(1234.5_real64)), 4, 'order of 1234.5')
   end subroutine test_doubles
 
   !> What was cut or has grown since it was opened is not taken for the whole file.
-  subroutine test_changing_file(error)
-    type(error_type), allocatable, intent(out) :: error
+  subroutine test_changing_file
     character(len=*), parameter :: path = 'build/changing.txt'
     character(len=:), allocatable :: text
     type(byte_reader) :: file
@@ -157,10 +145,10 @@ contains
       call file%take_whole(text)
       call file%close()
       if (change == 0) then
-        call check(error, .not. allocated(file%failure), 'a file was refused')
-        call check(error, len(text), 200000, 'length of a file')
+        call check(.not. allocated(file%failure), 'a file was refused')
+        call check(len(text), 200000, 'length of a file')
       else
-        call check(error, allocated(file%failure), 'a part of a file was taken for the whole')
+        call check(allocated(file%failure), 'a part of a file was taken for the whole')
       end if
     end do
 
@@ -178,8 +166,7 @@ contains
   end subroutine test_changing_file
 
   !> They stand for on and off, and for nothing else.
-  subroutine test_true_and_false(error)
-    type(error_type), allocatable, intent(out) :: error
+  subroutine test_true_and_false
     character(len=*), parameter :: rest = ', plastic_yield_stress = 1. /'
     character(len=7), parameter :: words(4) = [character(len=7) :: '.true.', 'True', '.FALSE.', &
                                                'false']
@@ -190,18 +177,17 @@ contains
     do i = 1, size(words)
       call parse_scene(place, deck // '&effects plasticity = ' // trim(words(i)) // rest, found, &
                        problems)
-      call check(error, problems%text(), '', trim(words(i)))
-      call check(error, (found%effects%mode('plasticity') /= effect_off) .eqv. i < 3, words(i))
+      call check(problems%text(), '', trim(words(i)))
+      call check((found%effects%mode('plasticity') /= effect_off) .eqv. i < 3, words(i))
     end do
     call parse_scene(place, deck // '&effects tolerance = True /', found, problems)
-    call check(error, problems%text(), place // ':1:58: tolerance: found ''True'', expected a ' // &
+    call check(problems%text(), place // ':1:58: tolerance: found ''True'', expected a ' // &
                'number more than 0 and less than 1' // new_line('a'), 'a number')
   end subroutine test_true_and_false
 
   !> Digits of all lengths, all exponents on either side of the quick range, and what is nearest to
   !> the middle of two doubles, as the library reads them: it rounds correctly.
-  subroutine test_decimal_to_real64(error)
-    type(error_type), allocatable, intent(out) :: error
+  subroutine test_decimal_to_real64
     integer(int64) :: state
     integer :: i, exponent
 
@@ -247,233 +233,175 @@ contains
 
       numeral = decimal_numeral(value)
       read (numeral, '(f40.0)') expected
-      call check(error, transfer(decimal_to_real64(value), 0_int64), transfer(expected, 0_int64), &
+      call check(transfer(decimal_to_real64(value), 0_int64), transfer(expected, 0_int64), &
                  'bits of ' // trim(adjustl(numeral)))
     end subroutine one
 
   end subroutine test_decimal_to_real64
 
-  subroutine test_deck_defaults(error)
-    type(error_type), allocatable, intent(out) :: error
+  subroutine test_overrides
     type(scene) :: found
 
-    call accept(error, deck, found)
-    if (allocated(error)) return
-    call check(error, found%file, place, 'file')
-    call check(error, found%from_deck, 'a deck is a deck')
-    call check(error, found%upper%file, 'data/examples/../thesis.deck', 'file of the deck')
-    call check(error, size(found%upper%x), 37, 'upper asperities')
-    call check(error, size(found%lower%radius), 75, 'lower asperities')
-    ! First upper card: 3.228, 0.977, 0.0654 in; times 2.54.
-    call check_double(error, found%upper%x(1), 8.19912_real64, 'x of upper 1')
-    call check_double(error, found%upper%y(1), 2.48158_real64, 'y of upper 1')
-    call check_double(error, found%upper%height(1), 0.166116_real64, 'height of upper 1')
-    call check_double(error, found%upper%radius(37), 1.27_real64, 'radius of upper 37')
-    call check_double(error, found%lower%radius(75), 1.27_real64, 'radius of lower 75')
-    ! 400000 psi times 0.6894.
-    call check_number(error, found%upper%elastic_modulus, 275760.0_real64, 'upper modulus')
-    call check_number(error, found%lower%elastic_modulus, 275760.0_real64, 'lower modulus')
-    call check_number(error, found%upper%poisson_ratio, 0.42_real64, 'upper ratio')
-    call check_number(error, found%upper%slope(1), 0.004_real64, 'upper slope x')
-    call check_number(error, found%upper%slope(2), -0.00058_real64, 'upper slope y')
-    call check_number(error, found%lower%slope(1), -0.00067_real64, 'lower slope x')
-    call check_number(error, found%lower%slope(2), -0.00045_real64, 'lower slope y')
-    call check_number(error, found%lower%rotation, 0.0_real64, 'lower rotation')
-    call check(error, found%lower_is_mirrored, 'a deck''s lower surface is mirrored')
-    ! WIDTHL 3.455 in.
-    call check_number(error, found%lower_mirror_width, 8.7757_real64, 'mirror width')
-    call check_number(error, found%starting_gap, 1.27_real64, 'gap')
-    call check(error, found%motion%positions, 1, 'positions')
-    call check_number(error, found%motion%x_first, 0.0_real64, 'first x')
-    call check_number(error, found%motion%x_step, 0.0_real64, 'x step')
-    call check(error, found%loading%control, control_limit, 'control')
-    call check(error, found%loading%points, 0, 'points')
-    call check(error, found%limit%criterion, criterion_load, 'criterion')
-    call check(error, found%limit%from_thesis, 'the limit is the thesis''')
-    ! 65*9.8/2.205 is 2600/9.
-    call check_number(error, found%limit%value, 2600 / 9.0_real64, 'limit load')
-    call check(error, found%effects%mode('interaction'), effect_auto, 'interaction')
-    call check(error, found%effects%number('tolerance'), 0.01_real64, 0.0_real64, 'tolerance')
-    call check(error, found%notes%count(), 1, 'the deck''s eight high asperities are noted')
-  end subroutine test_deck_defaults
-
-  subroutine test_overrides(error)
-    type(error_type), allocatable, intent(out) :: error
-    type(scene) :: found
-
-    call accept(error, deck // '&material poisson_ratio = 0.3, 0.25 / &tilt rotation = 1, 2 /' // &
+    call accept(deck // '&material poisson_ratio = 0.3, 0.25 / &tilt rotation = 1, 2 /' // &
                 '&limit value = 100 / &motion positions = 3, y_step = -.5/', found)
-    if (allocated(error)) return
-    call check_number(error, found%upper%elastic_modulus, 275760.0_real64, 'modulus')
-    call check_number(error, found%upper%poisson_ratio, 0.3_real64, 'upper ratio')
-    call check_number(error, found%lower%poisson_ratio, 0.25_real64, 'lower ratio')
-    call check_number(error, found%upper%slope(1), 0.004_real64, 'slope')
-    call check_number(error, found%upper%rotation, 1.0_real64, 'upper rotation')
-    call check_number(error, found%lower%rotation, 2.0_real64, 'lower rotation')
-    call check_number(error, found%limit%value, 100.0_real64, 'limit load')
-    call check(error, .not. found%limit%from_thesis, 'the limit is the scene''s')
-    call check(error, found%motion%positions, 3, 'positions')
-    call check_number(error, found%motion%y_step, -0.5_real64, 'y step')
-    call check_number(error, found%motion%x_first, 0.0_real64, 'first x')
+    if (has_failed()) return
+    call check_number(found%upper%elastic_modulus, 275760.0_real64, 'modulus')
+    call check_number(found%upper%poisson_ratio, 0.3_real64, 'upper ratio')
+    call check_number(found%lower%poisson_ratio, 0.25_real64, 'lower ratio')
+    call check_number(found%upper%slope(1), 0.004_real64, 'slope')
+    call check_number(found%upper%rotation, 1.0_real64, 'upper rotation')
+    call check_number(found%lower%rotation, 2.0_real64, 'lower rotation')
+    call check_number(found%limit%value, 100.0_real64, 'limit load')
+    call check(.not. found%limit%from_thesis, 'the limit is the scene''s')
+    call check(found%motion%positions, 3, 'positions')
+    call check_number(found%motion%y_step, -0.5_real64, 'y step')
+    call check_number(found%motion%x_first, 0.0_real64, 'first x')
   end subroutine test_overrides
 
-  subroutine test_syntax(error)
-    type(error_type), allocatable, intent(out) :: error
+  subroutine test_syntax
     type(scene) :: found
     character(len=*), parameter :: crlf = achar(13) // '|'
 
-    call accept(error, '! a comment with / and & and ''|| &SURFACES Deck=''../thesis.deck''/' // &
+    call accept('! a comment with / and & and ''|| &SURFACES Deck=''../thesis.deck''/' // &
                 '&Tilt upper_SLOPE=2*-1d-3 ! comment|lower_slope = 1 2|, rotation=.5,' // &
                 crlf // '2.e0,/!end' // crlf // '&loading CONTROL="Approach" value=-3E-1/|', found)
-    if (allocated(error)) return
-    call check_number(error, found%upper%slope(1), -0.001_real64, 'upper slope x')
-    call check_number(error, found%upper%slope(2), -0.001_real64, 'upper slope y')
-    call check_number(error, found%lower%slope(1), 1.0_real64, 'lower slope x')
-    call check_number(error, found%lower%slope(2), 2.0_real64, 'lower slope y')
-    call check_number(error, found%upper%rotation, 0.5_real64, 'upper rotation')
-    call check_number(error, found%lower%rotation, 2.0_real64, 'lower rotation')
-    call check(error, found%loading%control, control_separation, 'control')
-    call check_number(error, found%loading%value, -0.3_real64, 'approach')
-    call accept(error, char(239) // char(187) // char(191) // deck, found)
+    if (has_failed()) return
+    call check_number(found%upper%slope(1), -0.001_real64, 'upper slope x')
+    call check_number(found%upper%slope(2), -0.001_real64, 'upper slope y')
+    call check_number(found%lower%slope(1), 1.0_real64, 'lower slope x')
+    call check_number(found%lower%slope(2), 2.0_real64, 'lower slope y')
+    call check_number(found%upper%rotation, 0.5_real64, 'upper rotation')
+    call check_number(found%lower%rotation, 2.0_real64, 'lower rotation')
+    call check(found%loading%control, control_separation, 'control')
+    call check_number(found%loading%value, -0.3_real64, 'approach')
+    call accept(char(239) // char(187) // char(191) // deck, found)
     ! A doubled quote is one, and the other kind of quote is a character.
-    call refuse_file(error, '&surfaces deck=''it''''s "x".deck'' /', &
+    call refuse_file('&surfaces deck=''it''''s "x".deck'' /', &
                      'data/examples/it''s "x".deck:1:1: cannot be opened')
-    call refuse_file(error, '&surfaces deck="it''s ""x"".deck" /', &
+    call refuse_file('&surfaces deck="it''s ""x"".deck" /', &
                      'data/examples/it''s "x".deck:1:1: cannot be opened')
-    call refuse_file(error, '&surfaces deck="/none/x.deck" /', '/none/x.deck:1:1: cannot be opened')
+    call refuse_file('&surfaces deck="/none/x.deck" /', '/none/x.deck:1:1: cannot be opened')
   end subroutine test_syntax
 
-  subroutine test_csv_radii(error)
-    type(error_type), allocatable, intent(out) :: error
+  subroutine test_csv_radii
     type(scene) :: found
 
     ! A radius for the file that has none; the other keeps its own.
-    call accept(error, '&surfaces upper="ball.csv", lower="lower.csv", radius=9,7 /' // &
+    call accept('&surfaces upper="ball.csv", lower="lower.csv", radius=9,7 /' // &
                 material // limit, found)
-    if (allocated(error)) return
-    call check_double(error, found%upper%radius(1), 5.0_real64, 'the file''s own radius')
-    call check_double(error, found%lower%radius(5), 7.0_real64, 'the scene''s radius')
-    call refuse(error, '&surfaces upper="upper.csv", lower="bump.csv" /' // material // limit, &
+    if (has_failed()) return
+    call check_double(found%upper%radius(1), 5.0_real64, 'the file''s own radius')
+    call check_double(found%lower%radius(5), 7.0_real64, 'the scene''s radius')
+    call refuse('&surfaces upper="upper.csv", lower="bump.csv" /' // material // limit, &
                 '1:1', 'no radius column in the upper surface''s file')
-    call refuse(error, '&surfaces upper="upper.csv", lower="lower.csv" /' // material // limit, &
+    call refuse('&surfaces upper="upper.csv", lower="lower.csv" /' // material // limit, &
                 '1:1', 'no radius column in the upper and the lower surface''s file')
-    call refuse(error, '&surfaces upper="ball.csv", lower="bump.csv",| radius=1,1 /' // &
+    call refuse('&surfaces upper="ball.csv", lower="bump.csv",| radius=1,1 /' // &
                 material // limit, '2:2', 'radius: found although both surfaces')
   end subroutine test_csv_radii
 
-  subroutine test_bad_syntax(error)
-    type(error_type), allocatable, intent(out) :: error
-
-    call refuse(error, '', '1:1', 'found no group &surfaces')
-    call refuse(error, deck // '| stray words /|', '2:2', 'text outside a group: found ''stray''')
-    call refuse(error, deck // '|  &tilt rotation = 1, 1 |', '2:3', 'group ''&tilt'' has no end')
-    call refuse(error, deck // '&tilt rotation = 1, 1 |  &loading points = 1 /', '2:3', &
+  subroutine test_bad_syntax
+    call refuse('', '1:1', 'found no group &surfaces')
+    call refuse(deck // '| stray words /|', '2:2', 'text outside a group: found ''stray''')
+    call refuse(deck // '|  &tilt rotation = 1, 1 |', '2:3', 'group ''&tilt'' has no end')
+    call refuse(deck // '&tilt rotation = 1, 1 |  &loading points = 1 /', '2:3', &
                 'group ''&tilt'' has no end')
-    call refuse(error, deck // '|&loading control = ''limit /|', '2:20', 'a text has no end')
-    call refuse_file(error, deck // '|&loading control = ''limit|'' /', &
+    call refuse(deck // '|&loading control = ''limit /|', '2:20', 'a text has no end')
+    call refuse_file(deck // '|&loading control = ''limit|'' /', &
                      place // ':2:20: a text has no end')
-    call refuse(error, deck // '|& tilt rotation = 1, 1 /', '2:1', 'a group without a name')
-    call refuse(error, deck // '|&tilt rotation(1) = 1 /', '2:15', 'an index is not read')
-    call refuse(error, deck // '|&tilt = 1 /', '2:7', 'no name with values: found ''=''')
-    call refuse(error, deck // '|&tilt rotation 1, 1 /', '2:7', 'no name with values')
-    call refuse(error, deck // '|&tilt rotation = /', '2:18', 'a value is missing')
-    call refuse(error, deck // '|&tilt rotation = 1,, 2 /', '2:20', 'a value is missing')
-    call refuse(error, deck // '|&tilt rotation = , 1, 2 /', '2:18', 'a value is missing')
-    call refuse(error, deck // '|&tilt rotation = 2* /', '2:20', 'a repeat count')
-    call refuse(error, deck // '|&tilt rotation = 0*5 1 1/', '2:20', 'a repeat count')
-    call refuse(error, deck // '|&tilt rotation = 9999999999*5/', '2:29', 'a repeat count')
-    call refuse(error, deck // '|&tilt' // achar(0) // '/', '2:6', 'not a text file')
-    call refuse(error, deck // '|&tilt rotation = 1, 2', '2:1', 'found the end of the file')
+    call refuse(deck // '|& tilt rotation = 1, 1 /', '2:1', 'a group without a name')
+    call refuse(deck // '|&tilt rotation(1) = 1 /', '2:15', 'an index is not read')
+    call refuse(deck // '|&tilt = 1 /', '2:7', 'no name with values: found ''=''')
+    call refuse(deck // '|&tilt rotation 1, 1 /', '2:7', 'no name with values')
+    call refuse(deck // '|&tilt rotation = /', '2:18', 'a value is missing')
+    call refuse(deck // '|&tilt rotation = 1,, 2 /', '2:20', 'a value is missing')
+    call refuse(deck // '|&tilt rotation = , 1, 2 /', '2:18', 'a value is missing')
+    call refuse(deck // '|&tilt rotation = 2* /', '2:20', 'a repeat count')
+    call refuse(deck // '|&tilt rotation = 0*5 1 1/', '2:20', 'a repeat count')
+    call refuse(deck // '|&tilt rotation = 9999999999*5/', '2:29', 'a repeat count')
+    call refuse(deck // '|&tilt' // achar(0) // '/', '2:6', 'not a text file')
+    call refuse(deck // '|&tilt rotation = 1, 2', '2:1', 'found the end of the file')
   end subroutine test_bad_syntax
 
-  subroutine test_unknown(error)
-    type(error_type), allocatable, intent(out) :: error
-
-    call refuse(error, deck // '| &moton x_first = 1 /', '2:2', &
+  subroutine test_unknown
+    call refuse(deck // '| &moton x_first = 1 /', '2:2', &
                 'unknown group: found ''&moton'', expected &surfaces, &material, &motion, ' // &
                 '&tilt, &loading, &limit or &effects')
-    call refuse(error, deck // '|&motion|   X_frist = 1 /', '3:4', 'unknown name in &motion: ' // &
+    call refuse(deck // '|&motion|   X_frist = 1 /', '3:4', 'unknown name in &motion: ' // &
                 'found ''x_frist'', expected x_first, x_step, y_first, y_step or positions')
-    call refuse(error, deck // '|&motion / &motion /', '2:11', 'group &motion occurs twice')
-    call refuse(error, deck // '|&motion x_first=1, x_first=1 /', '2:20', 'x_first occurs twice')
+    call refuse(deck // '|&motion / &motion /', '2:11', 'group &motion occurs twice')
+    call refuse(deck // '|&motion x_first=1, x_first=1 /', '2:20', 'x_first occurs twice')
   end subroutine test_unknown
 
-  subroutine test_bad_values(error)
-    type(error_type), allocatable, intent(out) :: error
+  subroutine test_bad_values
     character(len=*), parameter :: finite = 'expected a finite number within the range of a double'
 
-    call refuse(error, deck // '|&motion x_first = 1.2.3 /', '2:19', 'found ''1.2.3'', ' // finite)
-    call refuse(error, deck // '|&motion x_first = one /', '2:19', 'found ''one'', ' // finite)
-    call refuse(error, deck // '|&motion x_first = "1" /', '2:19', &
-                'found the text ''1'', ' // finite)
-    call refuse(error, deck // '|&motion x_first = nan /', '2:19', finite)
-    call refuse(error, deck // '|&motion x_first = 1e400 /', '2:19', finite)
-    call refuse(error, deck // '|&motion x_first = 1e-400 /', '2:19', finite)
-    call refuse(error, deck // '|&motion x_first = 1, 2 /', '2:9', 'found 2, expected 1')
-    call refuse(error, deck // '|&tilt rotation = 1 /', '2:7', 'found 1, expected 2')
-    call refuse(error, deck // '|&tilt rotation = 999999999*1 999999999*1 999999999*1 /', '2:7', &
+    call refuse(deck // '|&motion x_first = 1.2.3 /', '2:19', 'found ''1.2.3'', ' // finite)
+    call refuse(deck // '|&motion x_first = one /', '2:19', 'found ''one'', ' // finite)
+    call refuse(deck // '|&motion x_first = "1" /', '2:19', 'found the text ''1'', ' // finite)
+    call refuse(deck // '|&motion x_first = nan /', '2:19', finite)
+    call refuse(deck // '|&motion x_first = 1e400 /', '2:19', finite)
+    call refuse(deck // '|&motion x_first = 1e-400 /', '2:19', finite)
+    call refuse(deck // '|&motion x_first = 1, 2 /', '2:9', 'found 2, expected 1')
+    call refuse(deck // '|&tilt rotation = 1 /', '2:7', 'found 1, expected 2')
+    call refuse(deck // '|&tilt rotation = 999999999*1 999999999*1 999999999*1 /', '2:7', &
                 'found 2999999997, expected 2')
-    call refuse(error, deck // '|&motion positions = 0 /', '2:21', 'a whole number from 1 to')
-    call refuse(error, deck // '|&motion positions = 1.5 /', '2:21', 'a whole number from 1 to')
-    call refuse(error, deck // '|&motion positions = 1e2 /', '2:21', 'a whole number from 1 to')
-    call refuse(error, deck // '|&motion positions = 9999999999 /', '2:21', 'to 1000000')
-    call refuse(error, deck // '|&motion x_step=1e308, positions=3 /', '2:1', 'the last position')
-    call refuse(error, deck // '|&material elastic_modulus = 1, 0 /', '2:32', 'more than 0')
-    call refuse(error, deck // '|&material elastic_modulus = -1, 1 /', '2:29', 'more than 0')
-    call refuse(error, deck // '|&material poisson_ratio = 0.51, 0 /', '2:27', 'at most 0.5')
-    call refuse(error, deck // '|&material poisson_ratio = 0, -1 /', '2:30', 'more than -1')
-    call refuse(error, deck // '|&loading control="lode" /', '2:18', &
+    call refuse(deck // '|&motion positions = 0 /', '2:21', 'a whole number from 1 to')
+    call refuse(deck // '|&motion positions = 1.5 /', '2:21', 'a whole number from 1 to')
+    call refuse(deck // '|&motion positions = 1e2 /', '2:21', 'a whole number from 1 to')
+    call refuse(deck // '|&motion positions = 9999999999 /', '2:21', 'to 1000000')
+    call refuse(deck // '|&motion x_step=1e308, positions=3 /', '2:1', 'the last position')
+    call refuse(deck // '|&material elastic_modulus = 1, 0 /', '2:32', 'more than 0')
+    call refuse(deck // '|&material elastic_modulus = -1, 1 /', '2:29', 'more than 0')
+    call refuse(deck // '|&material poisson_ratio = 0.51, 0 /', '2:27', 'at most 0.5')
+    call refuse(deck // '|&material poisson_ratio = 0, -1 /', '2:30', 'more than -1')
+    call refuse(deck // '|&loading control="lode" /', '2:18', &
                 'found the text ''lode'', expected ''limit'', ''separation'', ''load'', ' // &
                 '''vertical_load'', ''pressure'', ''compression'' or ''approach''')
-    call refuse(error, deck // '|&loading control=limit /', '2:18', 'found ''limit'', expected')
-    call refuse(error, deck // '|&loading control="load", value=0 /', '2:32', 'more than 0')
-    call refuse(error, deck // '|&loading points=-1 /', '2:17', 'a whole number from 0')
-    call refuse(error, deck // '|&limit criterion="luck", value=1 /', '2:18', &
+    call refuse(deck // '|&loading control=limit /', '2:18', 'found ''limit'', expected')
+    call refuse(deck // '|&loading control="load", value=0 /', '2:32', 'more than 0')
+    call refuse(deck // '|&loading points=-1 /', '2:17', 'a whole number from 0')
+    call refuse(deck // '|&limit criterion="luck", value=1 /', '2:18', &
                 '''load'', ''pressure'', ''greenwood_williamson'' or ''hardy''')
-    call refuse(error, deck // '|&limit value=-2 /', '2:14', 'more than 0')
-    call refuse(error, deck // '|&effects tolerance=1 /', '2:20', 'less than 1')
-    call refuse(error, '&surfaces deck=5 /', '1:16', 'a text between quotes')
-    call refuse(error, '&surfaces deck="" /', '1:16', 'a text between quotes')
+    call refuse(deck // '|&limit value=-2 /', '2:14', 'more than 0')
+    call refuse(deck // '|&effects tolerance=1 /', '2:20', 'less than 1')
+    call refuse('&surfaces deck=5 /', '1:16', 'a text between quotes')
+    call refuse('&surfaces deck="" /', '1:16', 'a text between quotes')
   end subroutine test_bad_values
 
-  subroutine test_missing(error)
-    type(error_type), allocatable, intent(out) :: error
-
-    call refuse(error, '&surfaces /', '1:1', 'a surface is missing')
-    call refuse(error, '&surfaces upper="ball.csv" /' // material // limit, '1:1', &
-                'a surface is missing')
-    call refuse(error, '&surfaces upper="ball.csv", deck="../thesis.deck" /', '1:11', &
+  subroutine test_missing
+    call refuse('&surfaces /', '1:1', 'a surface is missing')
+    call refuse('&surfaces upper="ball.csv" /' // material // limit, '1:1', 'a surface is missing')
+    call refuse('&surfaces upper="ball.csv", deck="../thesis.deck" /', '1:11', &
                 'upper: found beside deck')
-    call refuse(error, deck(:len(deck) - 2) // '|radius=1,1 /', '2:1', 'radius: found beside deck')
-    call refuse(error, limit // files // '&material elastic_modulus=1,1 /', '1:65', &
+    call refuse(deck(:len(deck) - 2) // '|radius=1,1 /', '2:1', 'radius: found beside deck')
+    call refuse(limit // files // '&material elastic_modulus=1,1 /', '1:65', &
                 '&material needs poisson_ratio')
-    call refuse(error, files // '|' // material, '1:1', &
+    call refuse(files // '|' // material, '1:1', &
                 'no &loading, so control is ''limit'', which needs value in &limit')
-    call refuse(error, files // '|' // material // '&limit /', '2:52', 'no &loading, so control')
-    call refuse(error, deck // '|&limit criterion="pressure" /', '2:1', &
+    call refuse(files // '|' // material // '&limit /', '2:52', 'no &loading, so control')
+    call refuse(deck // '|&limit criterion="pressure" /', '2:1', &
                 'criterion = ''pressure'' needs value in &limit')
-    call refuse(error, deck // '|&limit criterion="hardy" /', '2:1', &
+    call refuse(deck // '|&limit criterion="hardy" /', '2:1', &
                 'criterion = ''hardy'' needs yield_stress in &limit')
-    call refuse(error, deck // '|&limit criterion="greenwood_williamson" /', '2:1', &
-                'needs hardness')
-    call refuse(error, deck // '|&limit criterion="hardy", yield_stress=1, value=2 /', '2:43', &
+    call refuse(deck // '|&limit criterion="greenwood_williamson" /', '2:1', 'needs hardness')
+    call refuse(deck // '|&limit criterion="hardy", yield_stress=1, value=2 /', '2:43', &
                 'value: not used with criterion = ''hardy''')
-    call refuse(error, deck // '|&limit hardness=2 /', '2:8', &
+    call refuse(deck // '|&limit hardness=2 /', '2:8', &
                 'expected none, or criterion = ''greenwood_williamson''')
-    call refuse(error, deck // '|&loading control="load" /', '2:1', &
+    call refuse(deck // '|&loading control="load" /', '2:1', &
                 'control = ''load'' needs value in &loading')
-    call refuse(error, deck // '|&loading value=3 /', '2:10', 'value: not used with control')
+    call refuse(deck // '|&loading value=3 /', '2:10', 'value: not used with control')
   end subroutine test_missing
 
-  subroutine test_all_problems(error)
-    type(error_type), allocatable, intent(out) :: error
+  subroutine test_all_problems
     type(scene) :: found
     type(problem_list) :: problems
 
     call parse_scene(place, lines('&surfaces upper="none.csv", lower="bump.csv" /|' // &
                                   '&motion x_first=a, positions=b /|&limit|&tilt slope=1 /'), &
                      found, problems)
-    call check(error, problems%text(), lines( &
+    call check(problems%text(), lines( &
          place // ':4:1: group ''&limit'' has no end: found another group, expected ''/''|' // &
          place // ':4:7: unknown name in &tilt: found ''slope'', ' // &
          'expected upper_slope, lower_slope or rotation|' // &
@@ -493,8 +421,7 @@ contains
 
   !> A file of several pieces, which threads may read side by side: places of rows, and lines of
   !> problems, are those of one piece.
-  subroutine test_long_csv(error)
-    type(error_type), allocatable, intent(out) :: error
+  subroutine test_long_csv
     integer, parameter :: count = 60000
     type(surface_table) :: table
     type(problem_list) :: problems
@@ -514,13 +441,13 @@ contains
       call put(trim(row))
     end do
     call parse_surface_csv('s.csv', text(:at), table, problems)
-    call check(error, problems%text(), '', 'problems')
-    if (allocated(error)) return
-    call check(error, size(table%x), count, 'rows')
-    if (allocated(error)) return
-    call check(error, all(nint(table%x) == [(i, i=1, count)]), 'x in order')
-    call check(error, all(nint(table%y) == [(-i, i=1, count)]), 'y in order')
-    call check(error, all(nint(-1.0e5_real64 * (table%height + 1.0_real64)) == &
+    call check(problems%text(), '', 'problems')
+    if (has_failed()) return
+    call check(size(table%x), count, 'rows')
+    if (has_failed()) return
+    call check(all(nint(table%x) == [(i, i=1, count)]), 'x in order')
+    call check(all(nint(table%y) == [(-i, i=1, count)]), 'y in order')
+    call check(all(nint(-1.0e5_real64 * (table%height + 1.0_real64)) == &
                           [(i, i=1, count)]), 'heights in order')
     told = ''
     do i = 1, 30
@@ -532,7 +459,7 @@ contains
     end do
     told = told // 's.csv: and 10 more like that' // new_line('a')
     call parse_surface_csv('s.csv', text(:at), table, problems)
-    call check(error, problems%text(), told, 'problems at the end')
+    call check(problems%text(), told, 'problems at the end')
 
   contains
 
@@ -547,8 +474,7 @@ contains
 
   end subroutine test_long_csv
 
-  subroutine test_bad_csv(error)
-    type(error_type), allocatable, intent(out) :: error
+  subroutine test_bad_csv
     character(len=*), parameter :: head = 'x,y,height,radius|'
 
     call one('', '1:1', 'the file is empty')
@@ -586,14 +512,13 @@ contains
       else
         call parse_surface_csv('s.csv', lines(text), table, problems)
       end if
-      call check(error, problems%count(), 1, 'problems of ' // text // ': ' // problems%text())
-      call check_start(error, problems, 's.csv:' // where // ': ', fragment)
+      call check(problems%count(), 1, 'problems of ' // text // ': ' // problems%text())
+      call check_start(problems, 's.csv:' // where // ': ', fragment)
     end subroutine one
 
   end subroutine test_bad_csv
 
-  subroutine test_many_problems(error)
-    type(error_type), allocatable, intent(out) :: error
+  subroutine test_many_problems
     type(surface_table) :: table
     type(scene) :: found
     type(problem_list) :: problems
@@ -604,14 +529,14 @@ contains
     call parse_surface_csv('s.csv', lines('x,y,height|' // repeat('a,1,1|1,a,1|', 2500) // &
                                           repeat('a,1,1|1,1,a|1,1|', 25)), table, problems)
     text = problems%text()
-    call check(error, problems%count(), 5075, 'problems')
-    call check(error, number_of_lines(text), 5001, 'lines of problems')
-    call check(error, index(text, csv_end) == len(text) - len(csv_end) + 1, 'the last line')
+    call check(problems%count(), 5075, 'problems')
+    call check(number_of_lines(text), 5001, 'lines of problems')
+    call check(index(text, csv_end) == len(text) - len(csv_end) + 1, 'the last line')
     call parse_scene(place, deck // '&tilt ' // repeat('a=1,', 5010) // '/', found, problems)
     text = problems%text()
-    call check(error, problems%count(), 5010, 'problems of a scene')
-    call check(error, number_of_lines(text), 21, 'lines of problems of a scene')
-    call check(error, index(text, scene_end) == len(text) - len(scene_end) + 1, 'the scene''s last')
+    call check(problems%count(), 5010, 'problems of a scene')
+    call check(number_of_lines(text), 21, 'lines of problems of a scene')
+    call check(index(text, scene_end) == len(text) - len(scene_end) + 1, 'the scene''s last')
   end subroutine test_many_problems
 
   pure integer function number_of_lines(text)
@@ -637,27 +562,24 @@ contains
   end function lines
 
   !> Reads a scene that must be good.
-  subroutine accept(error, text, found)
-    type(error_type), allocatable, intent(inout) :: error
+  subroutine accept(text, found)
     character(len=*), intent(in) :: text
     type(scene), intent(out) :: found
     type(problem_list) :: problems
 
     call parse_scene(place, lines(text), found, problems)
-    call check(error, problems%text(), '', 'problems of ' // text)
+    call check(problems%text(), '', 'problems of ' // text)
   end subroutine accept
 
   !> Reads a scene that must have one problem, at a line and column, with these words.
-  subroutine refuse(error, text, where, fragment)
-    type(error_type), allocatable, intent(inout) :: error
+  subroutine refuse(text, where, fragment)
     character(len=*), intent(in) :: text, where, fragment
 
-    call refuse_file(error, text, place // ':' // where // ': ', fragment)
+    call refuse_file(text, place // ':' // where // ': ', fragment)
   end subroutine refuse
 
   !> Reads a scene that must have one problem, which starts with these words.
-  subroutine refuse_file(error, text, start, fragment)
-    type(error_type), allocatable, intent(inout) :: error
+  subroutine refuse_file(text, start, fragment)
     character(len=*), intent(in) :: text, start
     character(len=*), intent(in), optional :: fragment
     type(scene) :: found
@@ -665,40 +587,37 @@ contains
 
     call parse_scene(place, lines(text), found, problems)
     if (present(fragment)) then
-      call check(error, problems%count(), 1, 'problems of ' // text // ': ' // problems%text())
-      call check_start(error, problems, start, fragment)
+      call check(problems%count(), 1, 'problems of ' // text // ': ' // problems%text())
+      call check_start(problems, start, fragment)
     else
-      call check_start(error, problems, start, '')
+      call check_start(problems, start, '')
     end if
   end subroutine refuse_file
 
-  subroutine check_start(error, problems, start, fragment)
-    type(error_type), allocatable, intent(inout) :: error
+  subroutine check_start(problems, start, fragment)
     type(problem_list), intent(in) :: problems
     character(len=*), intent(in) :: start, fragment
     character(len=:), allocatable :: text
 
     text = problems%text()
-    call check(error, index(text, start) == 1 .and. index(text, fragment) > 0, &
+    call check(index(text, start) == 1 .and. index(text, fragment) > 0, &
                'found "' // text // '", expected "' // start // '... ' // fragment // '"')
   end subroutine check_start
 
   !> The nearest double of a decimal, to the last bit.
-  subroutine check_number(error, found, expected, what)
-    type(error_type), allocatable, intent(inout) :: error
+  subroutine check_number(found, expected, what)
     type(decimal_value), intent(in) :: found
     real(real64), intent(in) :: expected
     character(len=*), intent(in) :: what
 
-    call check_double(error, decimal_to_real64(found), expected, what)
+    call check_double(decimal_to_real64(found), expected, what)
   end subroutine check_number
 
-  subroutine check_double(error, found, expected, what)
-    type(error_type), allocatable, intent(inout) :: error
+  subroutine check_double(found, expected, what)
     real(real64), intent(in) :: found, expected
     character(len=*), intent(in) :: what
 
-    call check(error, found, expected, 0.0_real64, what)
+    call check(found, expected, 0.0_real64, what)
   end subroutine check_double
 
 end module asperity_scene_suite

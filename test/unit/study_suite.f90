@@ -12,62 +12,53 @@ module asperity_study_suite
   use asperity_kinds, only: int64, real128, real64
   use asperity_method_study, only: on_front
   use asperity_study_spec, only: places_grid, study_spec
-  use asperity_testing, only: check, error_type, new_unittest, unittest_type
+  use asperity_testing, only: check, run_test
   implicit none
   private
 
-  public :: collect_study
+  public :: run_study
 
   ! The last of the 15 digits and more that mpmath gave, and some room.
   real(real64), parameter :: exact = 2.0e-15_real64
 
 contains
 
-  !> The tests.
-  subroutine collect_study(suite)
-    type(unittest_type), allocatable, intent(out) :: suite(:)  !! all tests of this suite
-
-    allocate (suite(0))
-    suite = [ &
-      new_unittest('heights without cut-offs: moments in closed form', gaussian_moments), &
-      new_unittest('sum of two cut heights: moments by a double integral', sum_moments), &
-      new_unittest('heights that do not vary', fixed_moments), &
-      new_unittest('means over radii', radii_means), &
-      new_unittest('Greenwood-Tripp: integral over the offset itself', two_rough), &
-      new_unittest('Greenwood-Williamson against a plane', rough_on_plane), &
-      new_unittest('Greenwood and Tripp''s own terms', shallow_terms), &
-      new_unittest('Gauss''s rule: exact for polynomials', gauss), &
-      new_unittest('Pareto front: the clock does not choose between equal methods', front), &
-      new_unittest('moments 29 deviations out, and of widths 1 to 10000', moments_at_limits)]
-  end subroutine collect_study
+  !> Runs the tests.
+  subroutine run_study
+    call run_test('heights without cut-offs: moments in closed form', gaussian_moments)
+    call run_test('sum of two cut heights: moments by a double integral', sum_moments)
+    call run_test('heights that do not vary', fixed_moments)
+    call run_test('means over radii', radii_means)
+    call run_test('Greenwood-Tripp: integral over the offset itself', two_rough)
+    call run_test('Greenwood-Williamson against a plane', rough_on_plane)
+    call run_test('Greenwood and Tripp''s own terms', shallow_terms)
+    call run_test('Gauss''s rule: exact for polynomials', gauss)
+    call run_test('Pareto front: the clock does not choose between equal methods', front)
+    call run_test('moments 29 deviations out, and of widths 1 to 10000', moments_at_limits)
+  end subroutine run_study
 
   !> Of n points it is right for powers below 2 n: the integral of x**k from 0 to 1 is 1/(k + 1).
-  subroutine gauss(error)
-    type(error_type), allocatable, intent(out) :: error
+  subroutine gauss
     integer :: k
 
     do k = 0, 2 * gauss_points - 1
-      call check(error, abs(sum(gauss_weight * gauss_node**k) * (k + 1) - 1) < exact, 'a power')
+      call check(abs(sum(gauss_weight * gauss_node**k) * (k + 1) - 1) < exact, 'a power')
     end do
-    call check(error, abs(sum(gauss_weight * gauss_node**20) * 21 - 1) > 1.0e-13_real64, &
-               'degree 20')
+    call check(abs(sum(gauss_weight * gauss_node**20) * 21 - 1) > 1.0e-13_real64, 'degree 20')
   end subroutine gauss
 
   !> Of methods of one error in times within 1.5 the first is taken, with the least time of them.
-  subroutine front(error)
-    type(error_type), allocatable, intent(out) :: error
-
-    call check(error, all(on_front([1.4_real64, 1.0_real64, 1.6_real64], [0.1_real64, 0.1_real64, &
+  subroutine front
+    call check(all(on_front([1.4_real64, 1.0_real64, 1.6_real64], [0.1_real64, 0.1_real64, &
                                                                           0.105_real64]) &
                           .eqv. [.true., .false., .false.]), 'equal methods')
-    call check(error, all(on_front([1.6_real64, 1.0_real64], [0.1_real64, 0.1_real64]) &
+    call check(all(on_front([1.6_real64, 1.0_real64], [0.1_real64, 0.1_real64]) &
                           .eqv. [.false., .true.]), 'a faster method')
-    call check(error, all(on_front([4.0_real64, 1.0_real64], [0.0_real64, 0.1_real64])), 'both')
+    call check(all(on_front([4.0_real64, 1.0_real64], [0.0_real64, 0.1_real64])), 'both')
   end subroutine front
 
   !> F_n(h) of Greenwood and Williamson: at 0 it is 2**(n/2) gamma((n + 1)/2)/(2 sqrt(pi)).
-  subroutine gaussian_moments(error)
-    type(error_type), allocatable, intent(out) :: error
+  subroutine gaussian_moments
     integer, parameter :: doubled(5) = [0, 2, 3, 4, 5]
     real(real64), parameter :: at_1(5) = &
       [0.158655253931_real64, 0.0833154705877_real64, 0.0756681773910_real64, &
@@ -82,18 +73,17 @@ contains
     moments = excess_moments([gaussian(0, 1, -14.0_real128, 14.0_real128)], 0.0_real128, doubled)
     do i = 1, 5
       power = real(doubled(i), real128) / 2
-      call check(error, real(moments(i), real64), &
+      call check(real(moments(i), real64), &
                  real(2**(power / 2) * gamma((power + 1) / 2) / (2 * sqrt(acos(-1.0_real128))), &
                       real64), exact, 'F(0)')
     end do
     moments = excess_moments([gaussian(0, 1, -14.0_real128, 14.0_real128)], 1.0_real128, doubled)
-    call check_all(error, real(moments, real64), at_1, 1.0e-11_real64, 'F(1)')
+    call check_all(real(moments, real64), at_1, 1.0e-11_real64, 'F(1)')
     moments = excess_moments([gaussian(0, 1, -14.0_real128, 14.0_real128)], 3.0_real128, doubled)
-    call check_all(error, real(moments, real64), at_3, 1.0e-11_real64, 'F(3)')
+    call check_all(real(moments, real64), at_3, 1.0e-11_real64, 'F(3)')
   end subroutine gaussian_moments
 
-  subroutine sum_moments(error)
-    type(error_type), allocatable, intent(out) :: error
+  subroutine sum_moments
     real(real64), parameter :: separations(4) = [0.15_real64, 0.22_real64, 0.3_real64, 0.355_real64]
     real(real64), parameter :: expected(5, 4) = reshape([ &
       0.12305888523497826_real64, 0.016002629124739525_real64, 0.005879702610612601_real64, &
@@ -105,13 +95,12 @@ contains
       2.0468546620032781e-7_real64, 3.1364366032105945e-10_real64, 1.3249517422197298e-11_real64, &
       5.7891412201831397e-13_real64, 2.5969544403278447e-14_real64], [5, 4])
 
-    call compare_sums(error, [upper_heights(), lower_heights()], separations, expected)
+    call compare_sums([upper_heights(), lower_heights()], separations, expected)
   end subroutine sum_moments
 
   !> The tail beyond 29 deviations, and a sum whose parts differ 10000-fold in width: below its
   !> kinks, and between the last two of them.
-  subroutine moments_at_limits(error)
-    type(error_type), allocatable, intent(out) :: error
+  subroutine moments_at_limits
     real(real64), parameter :: tail(5) = &
       [0.0080318059732192362149_real64, 0.00055101464444826685868_real64, &
        0.00016950355545899944082_real64, 0.000056636525215494428566_real64, &
@@ -128,19 +117,18 @@ contains
 
     moments = excess_moments([gaussian(0, 1, 29.0_real128, 30.3_real128)], 29.05_real128, &
                              [2, 4, 5, 6, 7])
-    call check_all(error, real(moments, real64), tail, exact, 'tail')
+    call check_all(real(moments, real64), tail, exact, 'tail')
     do i = 1, 2
       moments = excess_moments(&
         [wide(100, 100, -5000, 7000), &
          gaussian_decimal(decimal_value(2_int64, -1), decimal_value(1_int64, -5), &
                           0.19995_real128, 0.20006_real128)], &
         merge(0.5_real128, 0.90001_real128, i == 1), [2, 4, 5, 6, 7])
-      call check_all(error, real(moments, real64), sums(:, i), exact, 'sum')
+      call check_all(real(moments, real64), sums(:, i), exact, 'sum')
     end do
   end subroutine moments_at_limits
 
-  subroutine compare_sums(error, heights, separations, expected)
-    type(error_type), allocatable, intent(inout) :: error
+  subroutine compare_sums(heights, separations, expected)
     type(gaussian_spec), intent(in) :: heights(2)
     real(real64), intent(in) :: separations(:), expected(:, :)
     real(real128) :: moments(5), separation
@@ -150,75 +138,70 @@ contains
       ! Thousandths, exactly.
       separation = nint(1000 * separations(i)) / 1000.0_real128
       moments = excess_moments(heights, separation, [2, 4, 5, 6, 7])
-      call check_all(error, real(moments, real64), expected(:, i), exact, 'moment')
+      call check_all(real(moments, real64), expected(:, i), exact, 'moment')
       moments = excess_moments(heights(2:1:-1), separation, [2, 4, 5, 6, 7])
-      call check_all(error, real(moments, real64), expected(:, i), exact, 'moment, exchanged')
+      call check_all(real(moments, real64), expected(:, i), exact, 'moment, exchanged')
     end do
   end subroutine compare_sums
 
   !> Without spread: a power. A part that does not vary only moves the other one.
-  subroutine fixed_moments(error)
-    type(error_type), allocatable, intent(out) :: error
+  subroutine fixed_moments
     type(gaussian_spec) :: fixed
     real(real128) :: moments(2), moved(2)
 
     fixed = gaussian(3, 0, 3.0_real128, 3.0_real128)
     moments = excess_moments([fixed], 1.0_real128, [2, 5])
-    call check_all(error, real(moments, real64), [2.0_real64, sqrt(32.0_real64)], exact, 'one')
+    call check_all(real(moments, real64), [2.0_real64, sqrt(32.0_real64)], exact, 'one')
     moments = excess_moments([fixed, fixed], 7.0_real128, [2, 5])
-    call check_all(error, real(moments, real64), [0.0_real64, 0.0_real64], exact, 'out of reach')
+    call check_all(real(moments, real64), [0.0_real64, 0.0_real64], exact, 'out of reach')
     moments = excess_moments([fixed, upper_heights()], 3.13_real128, [2, 5])
     moved = excess_moments([upper_heights()], 0.13_real128, [2, 5])
-    call check_all(error, real(moments, real64), real(moved, real64), exact, 'moved')
+    call check_all(real(moments, real64), real(moved, real64), exact, 'moved')
   end subroutine fixed_moments
 
-  subroutine radii_means(error)
-    type(error_type), allocatable, intent(out) :: error
+  subroutine radii_means
     real(real128) :: means(quantities, 2)
     type(gaussian_spec) :: radii(2)
 
     radii = [wide(1000, 200, 6000, 16000), wide(800, 100, 5000, 11000)]
     means = means_over_radii(radii)
-    call check_all(error, real([means(:3, 1), means(2:3, 2)], real64), &
+    call check_all(real([means(:3, 1), means(2:3, 2)], real64), &
                    [1.8101565979349758_real64, 0.80812527834798064_real64, &
                     1.2076935140472496_real64, 0.44097665386191635_real64, &
                     0.66305501604704309_real64], exact, 'mean')
     means = means_over_radii(radii(:1))
-    call check_all(error, real(means(2:3, 1), real64), &
+    call check_all(real(means(2:3, 1), real64), &
                    [1.0101565979349758_real64, 1.0007175525050815_real64], exact, 'against a plane')
   end subroutine radii_means
 
-  subroutine two_rough(error)
-    type(error_type), allocatable, intent(out) :: error
+  subroutine two_rough
     type(study_spec) :: spec
     type(greenwood_law) :: law
 
     call fill(spec)
     law = greenwood_law_of(spec%surfaces, spec%elastic_modulus, spec%poisson_ratio, .false.)
-    call check_all(error, densities_at(law, 0.2_real64), &
+    call check_all(densities_at(law, 0.2_real64), &
                    [0.2152760161925759_real64, 0.01393685402762784_real64, &
                     168.8945684104764_real64, 166.5325103185897_real64], exact, 'at 0.2')
-    call check_all(error, densities_at(law, 0.3_real64), &
+    call check_all(densities_at(law, 0.3_real64), &
                    [0.009274963095681208_real64, 1.803067584175419e-4_real64, &
                     1.254885849497894_real64, 1.24896362379921_real64], 2 * exact, 'at 0.3')
   end subroutine two_rough
 
-  subroutine rough_on_plane(error)
-    type(error_type), allocatable, intent(out) :: error
+  subroutine rough_on_plane
     type(study_spec) :: spec
     type(greenwood_law) :: law
 
     call fill(spec)
     law = greenwood_law_of(spec%surfaces, spec%elastic_modulus, spec%poisson_ratio, .true.)
-    call check_all(error, densities_at(law, 0.13_real64), &
+    call check_all(densities_at(law, 0.13_real64), &
                    [0.296774672247378_real64, 0.02078379014090802_real64, &
                     99.87495107344976_real64, 99.87495107344976_real64], exact, 'at 0.13')
   end subroutine rough_on_plane
 
   !> Greenwood and Tripp 1970-71, equal surfaces of radius b: area pi**2 (n b)**2 F_2, load
   !> (16 sqrt(2)/15) pi n**2 E b**(3/2) F_5/2.
-  subroutine shallow_terms(error)
-    type(error_type), allocatable, intent(out) :: error
+  subroutine shallow_terms
     type(study_spec) :: spec
     type(greenwood_law) :: law
     real(real64) :: values(quantities), load
@@ -239,7 +222,7 @@ contains
     values = densities_at(law, 0.25_real64, shallow=.true.)
     load = 16 * sqrt(2.0_real64) / 15 * pi * 0.25_real64 * modulus * 1.27_real64**1.5_real64 * &
            real(moments(2), real64)
-    call check_all(error, values(2:), [(pi * 0.5_real64 * 1.27_real64)**2 * &
+    call check_all(values(2:), [(pi * 0.5_real64 * 1.27_real64)**2 * &
                                        real(moments(1), real64), load, load], exact, 'published')
   end subroutine shallow_terms
 
@@ -307,14 +290,13 @@ contains
   end function gaussian_decimal
 
   !> Compares numbers with a relative tolerance.
-  subroutine check_all(error, found, expected, tolerance, message)
-    type(error_type), allocatable, intent(inout) :: error
+  subroutine check_all(found, expected, tolerance, message)
     real(real64), intent(in) :: found(:), expected(:), tolerance
     character(len=*), intent(in) :: message
     integer :: i
 
     do i = 1, size(expected)
-      call check(error, found(i), expected(i), tolerance * abs(expected(i)), message)
+      call check(found(i), expected(i), tolerance * abs(expected(i)), message)
     end do
   end subroutine check_all
 

@@ -10,12 +10,12 @@ module asperity_summation_suite
   use asperity_kinds, only: real64
   use asperity_random_philox, only: philox_block
   use asperity_source_tree, only: build_tree, source_tree, sum_sources
-  use asperity_testing, only: check, error_type, new_unittest, unittest_type
+  use asperity_testing, only: check, has_failed, run_test
   !$ use omp_lib, only: omp_get_max_threads, omp_set_num_threads
   implicit none
   private
 
-  public :: collect_summation
+  public :: run_summation
 
   real(real64), parameter :: potential_bound = 1.0e-6_real64, slope_bound = 3.0e-4_real64
   real(real64), parameter :: source_bound = 1.3e-5_real64
@@ -34,60 +34,49 @@ module asperity_summation_suite
 
 contains
 
-  !> Lists the tests.
-  subroutine collect_summation(suite)
-    type(unittest_type), allocatable, intent(out) :: suite(:)  !! the tests
+  !> Runs the tests.
+  subroutine run_summation
+    call run_test('few places', few)
+    call run_test('places all over a square', square)
+    call run_test('clusters in clusters', clusters)
+    call run_test('places on a line', line)
+    call run_test('a point-like cluster and one place far away', far_away)
+    call run_test('reaches from 1 to 1000', unequal)
+    call run_test('coincident places', coincident)
+    call run_test('a lattice whose neighbours are just near', lattice)
+    call run_test('targets other than the sources', other_targets)
+    call run_test('what two sets of charges do to each other is the same', symmetry)
+  end subroutine run_summation
 
-    suite = [new_unittest('few places', few), &
-             new_unittest('places all over a square', square), &
-             new_unittest('clusters in clusters', clusters), &
-             new_unittest('places on a line', line), &
-             new_unittest('a point-like cluster and one place far away', far_away), &
-             new_unittest('reaches from 1 to 1000', unequal), &
-             new_unittest('coincident places', coincident), &
-             new_unittest('a lattice whose neighbours are just near', lattice), &
-             new_unittest('targets other than the sources', other_targets), &
-             new_unittest('what two sets of charges do to each other is the same', symmetry), &
-             new_unittest('slopes are differences of potentials', differences), &
-             new_unittest('the same bytes with one thread and with two', threads)]
-  end subroutine collect_summation
-
-  subroutine few(error)
-    type(error_type), allocatable, intent(out) :: error
+  subroutine few
     integer :: n
 
     do n = 0, 3
-      call compare(error, spread_out(n, 1), factor)
+      call compare(spread_out(n, 1), factor)
     end do
-    call compare(error, spread_out(300, 2), factor)
+    call compare(spread_out(300, 2), factor)
   end subroutine few
 
-  subroutine square(error)
-    type(error_type), allocatable, intent(out) :: error
-
-    call compare(error, spread_out(2500, 3), factor)
+  subroutine square
+    call compare(spread_out(2500, 3), factor)
   end subroutine square
 
   ! Each place is the sum of steps that are a third of those before, chosen by digits of its number.
-  subroutine clusters(error)
-    type(error_type), allocatable, intent(out) :: error
-
-    call compare(error, clustered(2000), factor)
+  subroutine clusters
+    call compare(clustered(2000), factor)
   end subroutine clusters
 
-  subroutine line(error)
-    type(error_type), allocatable, intent(out) :: error
+  subroutine line
     type(circles) :: some
 
     some = spread_out(2000, 4)
     some%y = 0.7_real64
     some%reach = 1.0e-4_real64 * some%reach / maxval(some%reach)
     some%spread = some%reach**2
-    call compare(error, some, factor)
+    call compare(some, factor)
   end subroutine line
 
-  subroutine far_away(error)
-    type(error_type), allocatable, intent(out) :: error
+  subroutine far_away
     type(circles) :: some
 
     some = spread_out(2000, 5)
@@ -96,11 +85,10 @@ contains
     some%reach(:1999) = 1.0e-5_real64 * some%reach(:1999)
     some%move(:, :1999) = 1.0e-5_real64 * some%move(:, :1999)
     some%spread = some%reach**2
-    call compare(error, some, factor)
+    call compare(some, factor)
   end subroutine far_away
 
-  subroutine unequal(error)
-    type(error_type), allocatable, intent(out) :: error
+  subroutine unequal
     type(circles) :: some
 
     some = spread_out(2000, 6)
@@ -109,18 +97,17 @@ contains
     some%charge = some%reach**2 * some%charge
     some%move(1, :) = 0.05_real64 * some%reach
     some%move(2, :) = -0.05_real64 * some%reach
-    call compare(error, some, factor, dominated=.true.)
+    call compare(some, factor, dominated=.true.)
   end subroutine unequal
 
-  subroutine coincident(error)
-    type(error_type), allocatable, intent(out) :: error
+  subroutine coincident
     type(circles) :: some
 
     some = spread_out(1000, 8)
     some%x(501:) = some%x(:500)
     some%y(501:) = some%y(:500)
     some%move = 0.0_real64
-    call compare(error, some, factor)
+    call compare(some, factor)
     ! Without reaches nothing is near; what coincides does not act.
     some%reach = 0.0_real64
     some%spread = 0.0_real64
@@ -128,11 +115,10 @@ contains
     some%y(1:300) = some%y(1)
     some%x(501:800) = some%x(1)
     some%y(501:800) = some%y(1)
-    call compare(error, some, factor, dominated=.true.)
+    call compare(some, factor, dominated=.true.)
   end subroutine coincident
 
-  subroutine lattice(error)
-    type(error_type), allocatable, intent(out) :: error
+  subroutine lattice
     type(circles) :: some
     integer :: i
 
@@ -144,32 +130,30 @@ contains
     ! Neighbours in a row touch exactly: they are not near, as all numbers are exact.
     some%reach = 0.125_real64
     some%spread = 0.003_real64
-    call compare(error, some, 1.0_real64)
-    call compare(error, some, 1.5_real64)
+    call compare(some, 1.0_real64)
+    call compare(some, 1.5_real64)
   end subroutine lattice
 
-  subroutine other_targets(error)
-    type(error_type), allocatable, intent(out) :: error
+  subroutine other_targets
     type(circles) :: sources, targets
 
     sources = spread_out(1500, 10)
     targets = spread_out(1000, 11)
     targets%x = 0.5_real64 * targets%x + 0.8_real64
-    call compare(error, sources, factor, targets)
+    call compare(sources, factor, targets)
     targets%x(:3) = sources%x(:3)
     targets%y(:3) = sources%y(:3)
-    call compare(error, targets, factor, sources)
+    call compare(targets, factor, sources)
     ! Too far off for any source to act place by place.
     targets%x = targets%x + 5.0_real64
-    call compare(error, sources, factor, targets)
-    call compare(error, spread_out(0, 1), factor, sources)
-    call compare(error, sources, factor, spread_out(0, 1))
+    call compare(sources, factor, targets)
+    call compare(spread_out(0, 1), factor, sources)
+    call compare(sources, factor, spread_out(0, 1))
   end subroutine other_targets
 
   ! The sums are symmetric but for rounding, also where they are not exact. The mean over a circle
   ! is the potential and its spread times the Laplacian; rough potentials are means.
-  subroutine symmetry(error)
-    type(error_type), allocatable, intent(out) :: error
+  subroutine symmetry
     type(circles) :: one, other
     type(sums) :: of_one, of_other
     type(source_tree) :: tree
@@ -183,76 +167,19 @@ contains
     of_other = sum_over(tree, other, other)
     forth = sum(other%charge * (of_one%potential + one%spread * of_one%lap))
     back = sum(one%charge * (of_other%potential + one%spread * of_other%lap))
-    call check(error, forth, back, 1.0e-13_real64 * abs(back), 'energy of two sets of charges')
-    if (allocated(error)) return
+    call check(forth, back, 1.0e-13_real64 * abs(back), 'energy of two sets of charges')
+    if (has_failed()) return
     call sum_sources(tree, one%charge, one%spread, of_one_rough, low_order=.true.)
     call sum_sources(tree, other%charge, one%spread, of_other_rough, low_order=.true.)
     forth = sum(other%charge * of_one_rough(1, :))
-    call check(error, forth, sum(one%charge * of_other_rough(1, :)), 1.0e-13_real64 * abs(back), &
+    call check(forth, sum(one%charge * of_other_rough(1, :)), 1.0e-13_real64 * abs(back), &
                'rough energy of two sets of charges')
-    if (allocated(error)) return
-    call check(error, forth, back, 1.0e-4_real64 * abs(back), 'rough energy')
+    if (has_failed()) return
+    call check(forth, back, 1.0e-4_real64 * abs(back), 'rough energy')
   end subroutine symmetry
 
-  ! Central differences over 2e-4 of the square's side: their own error is some 1e-8 of the slope
-  ! per far source, 2e-4 by near ones.
-  subroutine differences(error)
-    type(error_type), allocatable, intent(out) :: error
-    integer, parameter :: n = 2000
-    type(circles) :: some, goal
-    type(sums) :: found
-    type(source_tree) :: tree
-    real(real64), parameter :: step = 1.0e-7_real64
-    integer :: way
-
-    some = spread_out(n, 13)
-    do way = 1, 2
-      goal = some
-      goal%x = [some%x, some%x + merge(step, 0.0_real64, way == 1), &
-                some%x - merge(step, 0.0_real64, way == 1)]
-      goal%y = [some%y, some%y + merge(step, 0.0_real64, way == 2), &
-                some%y - merge(step, 0.0_real64, way == 2)]
-      call build_tree(tree, [some%x, goal%x], [some%y, goal%y], &
-                      [some%reach, some%reach, some%reach, some%reach], factor, n)
-      found = sum_over(tree, some, goal)
-      if (way == 2) found%slope_x = found%slope_y
-      ! Rounding: 1e-16 of a potential of 1e4 over the step.
-      call check(error, maxval(abs((found%potential(n + 1:2 * n) - found%potential(2 * n + 1:)) &
-                                   / (2 * step) - found%slope_x(:n))), 0.0_real64, &
-                 1.0e-6_real64 * maxval(abs(found%slope_x)), 'slope')
-    end do
-  end subroutine differences
-
-  subroutine threads(error)
-    type(error_type), allocatable, intent(out) :: error
-    type(circles) :: some
-    type(sums) :: of_one, of_two
-    type(source_tree) :: tree
-    integer :: usual
-
-    some = clustered(3000)
-    usual = 1
-    !$ usual = omp_get_max_threads()
-    !$ call omp_set_num_threads(1)
-    call build_tree(tree, some%x, some%y, some%reach, factor)
-    of_one = sum_over(tree, some, some)
-    !$ call omp_set_num_threads(2)
-    call build_tree(tree, some%x, some%y, some%reach, factor)
-    of_two = sum_over(tree, some, some)
-    !$ call omp_set_num_threads(usual)
-    call check(error, all(bits(of_one) == bits(of_two)), 'other bytes with two threads')
-  end subroutine threads
-
-  pure function bits(of)
-    type(sums), intent(in) :: of
-    integer(int64), allocatable :: bits(:)
-
-    bits = transfer([of%potential, of%lap, of%slope_x, of%slope_y], [0_int64])
-  end function bits
-
   ! Checks near pairs and sums against all pairs, with moves and without.
-  subroutine compare(error, sources, near_factor, targets, dominated)
-    type(error_type), allocatable, intent(inout) :: error
+  subroutine compare(sources, near_factor, targets, dominated)
     type(circles), intent(in) :: sources
     real(real64), intent(in) :: near_factor
     type(circles), intent(in), optional :: targets
@@ -261,7 +188,7 @@ contains
     type(source_tree) :: tree
     logical :: same, even
 
-    if (allocated(error)) return
+    if (has_failed()) return
     even = .not. present(dominated)
     same = .not. present(targets)
     if (same) then
@@ -273,41 +200,40 @@ contains
                       [sources%reach, goal%reach], near_factor, size(sources%x))
       goal%move = 0.0_real64
     end if
-    call check(error, .not. allocated(tree%failure), 'not planted')
-    call check_near(error, tree, sources, goal, near_factor, same)
-    if (allocated(error)) return
-    call check_sums(error, tree, sources, goal, near_factor, same, even)
+    call check(.not. allocated(tree%failure), 'not planted')
+    call check_near(tree, sources, goal, near_factor, same)
+    if (has_failed()) return
+    call check_sums(tree, sources, goal, near_factor, same, even)
     still = sources
     still%move = 0.0_real64
     goal%move = 0.0_real64
-    call check_sums(error, tree, still, goal, near_factor, same, even)
+    call check_sums(tree, still, goal, near_factor, same, even)
   end subroutine compare
 
-  subroutine check_near(error, tree, sources, targets, near_factor, same)
-    type(error_type), allocatable, intent(inout) :: error
+  subroutine check_near(tree, sources, targets, near_factor, same)
     type(source_tree), intent(in) :: tree
     type(circles), intent(in) :: sources, targets
     real(real64), intent(in) :: near_factor
     logical, intent(in) :: same
     integer :: i, j, at, number
 
-    call check(error, size(tree%first), size(targets%x) + 1, 'first')
-    if (allocated(error)) return
+    call check(size(tree%first), size(targets%x) + 1, 'first')
+    if (has_failed()) return
     number = 0
     do i = 1, size(targets%x)
-      call check(error, tree%first(i), number + 1, 'where the near ones of a target begin')
+      call check(tree%first(i), number + 1, 'where the near ones of a target begin')
       at = number + 1
       do j = 1, size(sources%x)
         if (.not. near(sources, j, targets, i, near_factor)) cycle
         if (same .and. i == j) cycle
         associate (listed => tree%near(at:min(tree%first(i + 1) - 1, size(tree%near))))
-          call check(error, count(listed == j), 1, 'how often a near source is listed')
+          call check(count(listed == j), 1, 'how often a near source is listed')
         end associate
         number = number + 1
       end do
-      if (allocated(error)) return
+      if (has_failed()) return
     end do
-    call check(error, size(tree%near), number, 'number of near pairs')
+    call check(size(tree%near), number, 'number of near pairs')
   end subroutine check_near
 
   pure logical function near(sources, j, targets, i, near_factor)
@@ -319,8 +245,7 @@ contains
            < near_factor * (sources%reach(j) + targets%reach(i))
   end function near
 
-  subroutine check_sums(error, tree, sources, targets, near_factor, same, even)
-    type(error_type), allocatable, intent(inout) :: error
+  subroutine check_sums(tree, sources, targets, near_factor, same, even)
     type(source_tree), intent(inout) :: tree
     type(circles), intent(in) :: sources, targets
     real(real64), intent(in) :: near_factor
@@ -359,16 +284,16 @@ contains
     mean = sum(potential) / size(potential)
     mean_slope = sum(hypot(slope_x, slope_y)) / size(potential)
     ! What is left beside 1e-12 is rounding.
-    call check(error, all(abs(found%potential - potential) <= source_bound * potential &
+    call check(all(abs(found%potential - potential) <= source_bound * potential &
                           + 1.0e-12_real64 * mean), 'potential by one source')
     if (.not. even) return
-    call check(error, maxval(abs(found%potential - potential)), 0.0_real64, &
+    call check(maxval(abs(found%potential - potential)), 0.0_real64, &
                potential_bound * mean, 'potential')
-    call check(error, maxval(abs(found%lap - lap) * targets%spread), 0.0_real64, &
+    call check(maxval(abs(found%lap - lap) * targets%spread), 0.0_real64, &
                potential_bound * mean, 'spread times Laplacian')
-    call check(error, maxval(hypot(found%more_x - more_x, found%xy - xy) * targets%spread), &
+    call check(maxval(hypot(found%more_x - more_x, found%xy - xy) * targets%spread), &
                0.0_real64, potential_bound * mean, 'spread times bends')
-    call check(error, maxval(hypot(found%slope_x - slope_x, found%slope_y - slope_y)), &
+    call check(maxval(hypot(found%slope_x - slope_x, found%slope_y - slope_y)), &
                0.0_real64, slope_bound * mean_slope, 'slope')
   end subroutine check_sums
 
