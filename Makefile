@@ -73,19 +73,16 @@ bench:
 else ifeq ($(PART),interaction)
 bench:
 	@bash .ci/setup build test bench
-	@.venv/bin/python test/bench/run_effects.py
 	@.venv/bin/python test/bench/run_scale.py --parts interaction $(if $(MOST),--most $(MOST)) \
 	  $(if $(BESIDE),--beside $(BESIDE))
 else ifeq ($(PART),scale)
 bench:
-	@bash .ci/setup build test bench images
-	@.venv/bin/python test/bench/run_scale.py --parts solve,threads,images \
-	  $(if $(MOST),--most $(MOST))
+	@bash .ci/setup build test bench
+	@.venv/bin/python test/bench/run_scale.py --parts solve,threads $(if $(MOST),--most $(MOST))
 else
 bench: ## time and memory; SAVE=1 keeps them, SMALL=1; PART=search|maps|interaction|accuracy|scale
-	@bash .ci/setup build test bench images
-	@.venv/bin/python test/bench/run_bench.py $(if $(SAVE),--save) $(if $(SMALL),--runs 2)
-	@.venv/bin/python test/bench/run_effects.py $(if $(SAVE),--save) $(if $(SMALL),--small)
+	@bash .ci/setup build test bench
+	@.venv/bin/python test/bench/run_bench.py $(if $(SAVE),--save) $(if $(SMALL),--small)
 	@.venv/bin/python test/bench/run_tamaas.py $(if $(SAVE),--save) $(if $(SMALL),--small)
 	@.venv/bin/python test/bench/run_scale.py $(if $(SAVE),--save) $(if $(MOST),--most $(MOST)) \
 	  $(if $(SMALL),--small --most 1e4 --rounds 1)

@@ -11,17 +11,17 @@ figure time-and-error is drawn from the rows.
 
 import argparse
 import csv
-import datetime
 import io
 import subprocess
 import tempfile
 from pathlib import Path
 
+import whole_runs
 from builds import build
-from run_bench import machine
+from csv_rows import records
+from whole_runs import ROOT, heading
 
-ROOT = Path(__file__).resolve().parents[2]
-KEPT = ROOT / "reference_output/bench/accuracy_costs.csv"
+KEPT = whole_runs.KEPT / "accuracy_costs.csv"
 PAGE = ROOT / "docs/how-to/accuracy.md"
 BEGIN, END = "<!-- costs: made by make bench PART=accuracy -->", "<!-- end of what was made -->"
 MATERIAL = "&material elastic_modulus = 2*275760., poisson_ratio = 2*0.42 /\n"
@@ -70,7 +70,7 @@ def measured(asperity, seconds):
                                   capture_output=True, text=True)
             print(*(f"{scene}: {line}" for line in done.stdout.splitlines()
                     if line.startswith("Run times with neighbours")), sep="\n")
-            rows = list(csv.DictReader((folder / "a.out").open(encoding="ascii")))
+            rows = records(folder / "a.out")
             # No error is known to be less than that of the reference.
             best = next(row for row in rows if row["reference"] == "1")
             least = [float(best[name] or 0) for name in ("error_estimate", "area_error_estimate")]
@@ -135,8 +135,7 @@ def main():
     words = parser.parse_args()
     rows = [",".join(f'"{cell}"' for cell in row) for row in measured(build("release"),
                                                                      words.seconds)]
-    text = "\n".join([f"# {datetime.date.today()}; {machine('')[1].split(maxsplit=1)[1]}; python "
-                      f"test/bench/accuracy_costs.py --seconds {words.seconds:g}",
+    text = "\n".join([f"{heading()}accuracy_costs.py --seconds {words.seconds:g}",
                       "scene,option,seconds,error,area_error", *rows, ""])
     print("\n".join(advice(text)))
     if words.save:

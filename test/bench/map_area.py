@@ -17,21 +17,16 @@ a = erf(sqrt(2) p); Bush, Gibson and Thomas (1975) at small pressures, a = sqrt(
 """
 
 import argparse
-import csv
-import datetime
 import math
-import os
 import subprocess
 import sys
 import tempfile
-import time
 from pathlib import Path
 
 import numpy as np
 
-from run_bench import machine, release_build
+from whole_runs import ROOT, Failed, heading, make_map, press_map, release_build
 
-ROOT = Path(__file__).resolve().parents[2]
 SIDE, HURST, ROLL_OFF, SLOPE = 100.0, 0.8, 20.0, 0.01
 PRESSURES = (0.001, 0.003, 0.01, 0.03, 0.06, 0.1, 0.2, 0.3)
 # Summits are solved below the percolation of their contacts.
@@ -41,37 +36,20 @@ METHODS = {"pixels_periodic": ("boundary", "periodic"), "pixels_free": ("boundar
            "summits_coupled": ("coupled", "free"), "summits_off": ("off", "free")}
 
 
-def made_map(exe, folder, pixels, cut_off, seed):
-    """A height map, as a file."""
-    spec, path = folder / "map.spec", folder / "map.npy"
-    spec.write_text(f"&map pixels = {pixels}, spacing = {SIDE / pixels!r}, hurst = {HURST}, "
-                    f"roll_off = {ROLL_OFF}, cut_off = {cut_off}, rms_slope = {SLOPE}, "
-                    f"seed = {seed} /\n")
-    subprocess.run([exe, "generate", spec, "--output", path], check=True, capture_output=True)
-    return path
-
-
 def area_fractions(exe, path, pixels, method):
     """Area fraction by p; none where the solve fails."""
     interaction, edge = METHODS[method]
     pressures = [p for p in PRESSURES if interaction == "boundary" or p <= MOST_FOR_SUMMITS]
     step = SIDE / pixels
-    scene = path.with_suffix(".scene")
-    scene.write_text(
-        f"&surfaces upper = 'plane', lower = '{path.name}', map_spacing = {step!r}, {step!r}, "
-        f"map_edge = '{edge}' /\n&material contact_modulus = 1. /\n&loading control = 'pressure', "
-        f"value = {', '.join(repr(SLOPE * p) for p in pressures)} /\n"
-        f"&effects interaction = '{interaction}' /\n")
-    curve = path.with_suffix(".csv")
-    done = subprocess.run([exe, "solve", scene, "--quiet", "--curve", curve], check=False,
-                          capture_output=True, text=True)
-    if done.returncode != 0:
-        print(done.stderr.splitlines()[-1])
+    try:
+        _, _, rows = press_map(exe, path, [SLOPE * p for p in pressures], spacing=step, edge=edge,
+                               interaction=interaction, files=("curve",))
+    except Failed as failure:
+        print(failure)
         return {}
-    with open(curve, encoding="ascii", newline="") as file:
-        rows = [row for row in csv.DictReader(file) if float(row["nominal_pressure"]) > 0]
     found = {}
-    for pressure, row in zip(pressures, rows):
+    for pressure, row in zip(pressures,
+                             (row for row in rows if float(row["nominal_pressure"]) > 0)):
         found[pressure] = float(row["area_fraction"])
         if interaction == "boundary":
             found[pressure] -= RIM * float(row["contact_perimeter"]) * step / SIDE**2
@@ -93,15 +71,17 @@ def main():
     words = parser.parse_args()
     # Another cut-off has a file of its own.
     name = "map_area.csv" if words.cut_off == 0.4 else f"map_area_cut_off_{words.cut_off}.csv"
-    (exe, flags), began, lines = release_build(), time.monotonic(), []
+    exe, _ = release_build()
     with tempfile.TemporaryDirectory() as folder:
         found = {method: [] for method in words.methods}
         for seed in range(1, words.realisations + 1):
-            path = made_map(exe, Path(folder), words.pixels, words.cut_off, seed)
+            path = make_map(exe, Path(folder), pixels=words.pixels, spacing=SIDE / words.pixels,
+                            hurst=HURST, roll_off=ROLL_OFF, cut_off=words.cut_off,
+                            rms_slope=SLOPE, seed=seed)
             for method in words.methods:
                 found[method].append(area_fractions(exe, path, words.pixels, method))
-    lines.append("cut_off,pixels,method,pressure,realisations,area_fraction,deviation,"
-                 "persson,bush_gibson_thomas")
+    lines = ["cut_off,pixels,method,pressure,realisations,area_fraction,deviation,"
+             "persson,bush_gibson_thomas"]
     for method, runs in found.items():
         for pressure in PRESSURES:
             values = [run[pressure] for run in runs if pressure in run]
@@ -111,11 +91,8 @@ def main():
                              f"{np.mean(values):.6f},{np.std(values):.6f},{persson:.6f},"
                              f"{asperities:.6f}")
     print("\n".join(lines))
-    where = "; ".join(machine(flags))
-    print(f"{time.monotonic() - began:.0f} s; {where}")
-    table = (f"# {datetime.date.today()}; {where}; python test/bench/map_area.py --pixels "
-             f"{words.pixels} --cut-off {words.cut_off} --realisations {words.realisations} "
-             f"--methods {' '.join(words.methods)}\n" +
+    table = (f"{heading()}map_area.py --pixels {words.pixels} --cut-off {words.cut_off} "
+             f"--realisations {words.realisations} --methods {' '.join(words.methods)}\n" +
              "\n".join(lines) + "\n")
     for path in [f"build/{name}", f"reference_output/bench/{name}"][:1 + words.save]:
         (ROOT / path).write_text(table, encoding="ascii")
@@ -125,5 +102,4 @@ def main():
 
 
 if __name__ == "__main__":
-    os.environ.setdefault("OMP_WAIT_POLICY", "passive")
     main()

@@ -12,17 +12,13 @@ its solves alone.
 """
 
 import argparse
-import csv
 import itertools
-import os
-import subprocess
 import sys
 import tempfile
-import time
 from pathlib import Path
 
-from run_bench import ROOT, machine, release_build, save
-from run_tamaas import VERSION, its_python
+from run_tamaas import VERSION, its_python, solve_by_tamaas
+from whole_runs import machine, make_map, press_map, release_build, save
 
 SLOPE = 0.01
 # Nominal pressures over contact modulus times rms slope.
@@ -43,25 +39,11 @@ residual  largest gap of pixels under pressure over the range of heights: of asp
 ratio     seconds of tamaas over those of asperity; two threads on a busy machine can be slower"""
 
 
-def ours(exe, folder, threads):
-    """Seconds and residual, which is at most `RESIDUAL` at each pressure."""
-    begin = time.perf_counter()
-    subprocess.run([exe, "solve", folder / "map.scene", "--quiet", "--threads", str(threads),
-                    "--positions", folder / "map.csv"], check=True, capture_output=True,
-                   env={**os.environ, "OMP_NUM_THREADS": str(threads)})
-    seconds = time.perf_counter() - begin
-    with open(folder / "map.csv", encoding="ascii", newline="") as file:
-        return seconds, float(next(csv.DictReader(file))["interaction_residual"])
-
-
-def theirs(python, folder, pressures, threads, power):
+def theirs(python, path, pressures, threads, power):
     """Seconds, residual and the power of ten of the first tolerance with small residuals."""
     while True:
-        done = subprocess.run(
-            [python, ROOT / "test/bench/tamaas_map.py", folder / "map.npy", "1", "1",
-             ",".join(map(repr, pressures)), f"1e-{power}", "periodic", str(threads)], check=True,
-            capture_output=True, text=True, env={**os.environ, "OMP_NUM_THREADS": str(threads)})
-        _, _, _, seconds, found = map(float, done.stdout.split())
+        _, _, _, seconds, found = solve_by_tamaas(
+            python, path, 1, 1, ",".join(map(repr, pressures)), f"1e-{power}", "periodic", threads)
         if found <= RESIDUAL:
             return seconds, found, power
         power += 1
@@ -84,20 +66,15 @@ def main():
     with tempfile.TemporaryDirectory() as name:
         folder = Path(name)
         for pixels in words.pixels:
-            (folder / "map.spec").write_text(
-                f"&map pixels = {pixels}, spacing = 1., hurst = 0.8, roll_off = {pixels / 5}, "
-                f"cut_off = 8., rms_slope = {SLOPE} /\n")
-            subprocess.run([exe, "generate", folder / "map.spec", "--output",
-                            folder / "map.npy"], check=True, capture_output=True)
+            path = make_map(exe, folder, pixels=pixels, spacing=1.0, hurst=0.8, cut_off=8.0,
+                            roll_off=pixels / 5, rms_slope=SLOPE)
             for shares, threads in itertools.product(PRESSURES, (1, 2)):
                 pressures = [SLOPE * share for share in shares]
-                (folder / "map.scene").write_text(
-                    "&surfaces upper = 'plane', lower = 'map.npy', map_spacing = 1., 1., "
-                    "map_edge = 'periodic' /\n&material contact_modulus = 1. /\n&loading control = "
-                    f"'pressure', value = {', '.join(map(repr, pressures))} /\n"
-                    "&effects interaction = 'boundary' /\n")
-                seconds, residual = ours(exe, folder, threads)
-                other, found, power = theirs(python, folder, pressures, threads, power - 1)
+                # The residual of asperity is at most RESIDUAL at each pressure.
+                seconds, _, (row, *_) = press_map(exe, path, pressures, "--quiet", edge="periodic",
+                                                  threads=threads)
+                other, found, power = theirs(python, path, pressures, threads, power - 1)
+                residual = float(row["interaction_residual"])
                 lines.append(f"{pixels:6} {len(shares):9} {threads:7} {seconds:11.2f} "
                              f"{residual:9.1e} {other:10.2f} {found:9.1e} {other / seconds:7.1f}")
                 print(lines[-1], flush=True)

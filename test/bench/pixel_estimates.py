@@ -10,19 +10,16 @@ reference_output/bench/pixel_estimates.csv.
 
 import argparse
 import csv
-import datetime
 import io
-import subprocess
 import tempfile
+from functools import partial
 from math import gamma, pi, sqrt
 from pathlib import Path
 
 import numpy as np
 from builds import build
-from run_bench import machine
+from whole_runs import KEPT, heading, press_map
 
-ROOT = Path(__file__).resolve().parents[2]
-KEPT = ROOT / "reference_output/bench/pixel_estimates.csv"
 E, FINER = 2.0, 4
 QUANTITIES = {"separation": "error_estimate", "area": "area_error_estimate",
               "mean_gap": "gap_error_estimate", "pressure": "pressure_error_estimate",
@@ -94,30 +91,17 @@ MAPS = {
     "rough at the pixels": lambda r, n: spectrum(r, n, r.uniform(0.3, 0.9), 0.5)}
 
 
-class Runs:
-    """Solves of the program."""
-
-    def __init__(self, asperity, folder):
-        self.asperity, self.folder = asperity, folder
-
-    def solve(self, height, spacing, edge, control, value):
-        np.savetxt(self.folder / "m.txt", height, fmt="%.17g")
-        (self.folder / "m.scene").write_text(
-            f"&surfaces upper = 'plane', lower = 'm.txt', map_spacing = {spacing!r}, {spacing!r}, "
-            f"map_edge = '{edge}', map_level = 'none' /\n&material contact_modulus = {E!r} /\n"
-            f"&loading control = '{control}', value = {float(value)!r} /\n"
-            "&effects interaction = 'boundary' /\n", encoding="ascii")
-        subprocess.run([self.asperity, "solve", "m.scene", "--quiet", "--positions", "p.csv",
-                        "--contacts", "c.csv"], cwd=self.folder, check=True, capture_output=True)
-        with open(self.folder / "p.csv", encoding="ascii") as file:
-            (row,) = csv.DictReader(line for line in file if not line.startswith("#"))
-        found = {name: float(row[name]) for name in (
-            "separation", "compression", "area", "mean_gap", "load", "error_estimate",
-            "area_error_estimate", "gap_error_estimate", "pressure_error_estimate") if row[name]}
-        with open(self.folder / "c.csv", encoding="ascii") as file:
-            found["pressure"] = max(float(one["maximum_pressure"]) for one in csv.DictReader(
-                line for line in file if not line.startswith("#")))
-        return found
+def solve(asperity, folder, height, spacing, edge, control, value):
+    """The numbers of the position that are there, and the greatest pressure."""
+    np.savetxt(folder / "m.txt", height, fmt="%.17g")
+    _, _, (row,), contacts = press_map(
+        asperity, folder / "m.txt", [value], "--quiet", control=control, spacing=spacing, edge=edge,
+        modulus=E, level="none", files=("positions", "contacts"))
+    found = {name: float(row[name]) for name in (
+        "separation", "compression", "area", "mean_gap", "load", "error_estimate",
+        "area_error_estimate", "gap_error_estimate", "pressure_error_estimate") if row[name]}
+    found["pressure"] = max(float(one["maximum_pressure"]) for one in contacts)
+    return found
 
 
 def power_head(random, pixels, power):
@@ -137,12 +121,12 @@ def cases(runs, seeds, pixels):
         random = np.random.default_rng(1000 + power)
         for _ in range(3 * seeds):
             height, spacing, load, level, area = power_head(random, pixels, power)
-            found = runs.solve(height, spacing, "free", "load", load)
+            found = runs(height, spacing, "free", "load", load)
             kind = "cones" if power == 1 else f"heads r**{power}"
             yield (kind, "separation", abs(found["separation"] - level) / found["compression"],
                    found["error_estimate"])
             yield kind, "area", abs(found["area"] / area - 1), found["area_error_estimate"]
-            found = runs.solve(height, spacing, "free", "separation", level)
+            found = runs(height, spacing, "free", "separation", level)
             yield kind, "load", abs(found["load"] / load - 1), found["error_estimate"]
     for number, (kind, make) in enumerate(MAPS.items()):
         for seed in range(seeds):
@@ -152,15 +136,15 @@ def cases(runs, seeds, pixels):
             coarse = fine[::FINER, ::FINER]
             for fraction in 10 ** random.uniform([-1.8, -1.2, -0.6], [-1.2, -0.6, -0.2]):
                 load = fraction * E * slope / 2 * pixels**2
-                true = runs.solve(fine, 1 / FINER, "periodic", "load", load)
-                found = runs.solve(coarse, 1.0, "periodic", "load", load)
+                true = runs(fine, 1 / FINER, "periodic", "load", load)
+                found = runs(coarse, 1.0, "periodic", "load", load)
                 for quantity in ("separation", "area", "mean_gap", "pressure"):
                     if QUANTITIES[quantity] not in found:  # the pressure of a rough map
                         continue
                     size = found["compression"] if quantity == "separation" else found[quantity]
                     yield (kind, quantity, abs(found[quantity] - true[quantity]) / size,
                            found[QUANTITIES[quantity]])
-            found = runs.solve(coarse, 1.0, "periodic", "separation", true["separation"])
+            found = runs(coarse, 1.0, "periodic", "separation", true["separation"])
             yield (kind, "load", abs(load / found["load"] - 1), found["error_estimate"])
 
 
@@ -173,12 +157,11 @@ def main():
     ratios = {}
     with tempfile.TemporaryDirectory() as folder:
         for kind, quantity, error, estimate in cases(
-                Runs(build("release"), Path(folder)), words.seeds, words.pixels):
+                partial(solve, build("release"), Path(folder)), words.seeds, words.pixels):
             for key in ((kind, quantity), ("all", quantity)):
                 ratios.setdefault(key, []).append(error / estimate)
     buffer = io.StringIO()
-    buffer.write(f"# {datetime.date.today()}; {machine('')[1].split(maxsplit=1)[1]}; python "
-                 f"test/bench/pixel_estimates.py --seeds {words.seeds} --pixels {words.pixels}\n")
+    buffer.write(f"{heading()}pixel_estimates.py --seeds {words.seeds} --pixels {words.pixels}\n")
     writer = csv.writer(buffer, lineterminator="\n")
     writer.writerow(("kind", "quantity", "errors", "below_estimate_percent",
                      "median_estimate_over_error", "largest_error_over_estimate"))
@@ -188,7 +171,7 @@ def main():
                          f"{1 / np.median(values):.2g}", f"{values.max():.2g}"))
     print(buffer.getvalue(), end="")
     if words.save:
-        KEPT.write_text(buffer.getvalue(), encoding="ascii")
+        (KEPT / "pixel_estimates.csv").write_text(buffer.getvalue(), encoding="ascii")
 
 
 if __name__ == "__main__":

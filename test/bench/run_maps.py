@@ -1,7 +1,7 @@
 """How good are summits? Maps pressed to a given share of their area, the summits against the truth.
 
     python test/bench/run_maps.py [MAP.sdf ...] [--made N] [--side N] [--shares A,B,...]
-                                  [--ways W,X,...] [--seconds S] [--csv FILE]
+                                  [--ways W,X,...] [--csv FILE]
 
 The truth is a boundary-element solution on every sample by numpy (test/truth/map_press_truth),
 area corrected at its rim. Ways: contact, what a scene with a map computes; plain, the summits of
@@ -21,15 +21,14 @@ import time
 from pathlib import Path
 
 os.environ.setdefault("OMP_NUM_THREADS", "1")
-ROOT = Path(__file__).resolve().parents[2]
 
 import numpy as np
 
 from made_maps import self_affine, write_bytes
 from map_press_truth import press
 from map_truth import levelled
-from run_bench import release_build
 from test_map_scene import patch_areas
+from whole_runs import Failed, press_map, release_build
 
 MODULUS = 1e5
 SHARES = (0.003, 0.01, 0.03, 0.1, 0.2)
@@ -82,38 +81,18 @@ def load_for(height, sides, share):
     return float(load * share * total / area)
 
 
-def solve(exe, folder, surfaces, load, interaction, seconds):
-    """The row of positions, the summary and CPU seconds; None where it did not end well."""
-    scene, out = folder / "map.scene", folder / "map.csv"
-    scene.write_text(f"&surfaces upper = 'plane', lower = '{surfaces}' /\n"
-                     f"&material contact_modulus = {MODULUS!r} /\n"
-                     f"&loading control = 'load', value = {load!r} /\n"
-                     f"&effects interaction = '{interaction}' /\n", encoding="ascii")
-    begin = time.perf_counter()
-    try:
-        done = subprocess.run([exe, "solve", scene, "--positions", out], capture_output=True,
-                              text=True, timeout=seconds, check=False)
-    except subprocess.TimeoutExpired:
-        return None, "", seconds, "not ended"
-    spent = time.perf_counter() - begin
-    if done.returncode != 0:
-        return None, "", spent, done.stderr.strip()
-    with open(out, encoding="ascii", newline="") as rows:
-        return next(csv.DictReader(rows)), done.stdout, spent, ""
-
-
 def told(summary, name):
     found = re.search(rf"{name} +([-+.\dEe]+)", summary.partition("Summits against boundary")[2])
     return float(found[1]) if found else float("nan")
 
 
-def share(summary, place):
+def load_share(summary, place):
     """Percentage of the load at a place."""
     found = re.search(rf"([-+.\dEe]+) % {place}", summary.partition("Summits against boundary")[2])
     return float(found[1]) if found else float("nan")
 
 
-def study(exe, name, height, sides, shares, ways, seconds):
+def study(exe, name, height, sides, shares, ways):
     """A row a share and way."""
     height = levelled(height)
     rms = np.nanstd(height)
@@ -144,9 +123,13 @@ def study(exe, name, height, sides, shares, ways, seconds):
                     row.update(seconds=time.perf_counter() - begin)
                 else:
                     file = "plain.csv" if way == "plain" else "map.sdf"
-                    got, summary, row["seconds"], row["failure"] = solve(
-                        exe, folder, file, load, "off" if way == "alone" else "coupled", seconds)
-                    if got is None:
+                    try:
+                        row["seconds"], summary, (got, *_) = press_map(
+                            exe, folder / file, [load], control="load", spacing=None,
+                            modulus=MODULUS,
+                            interaction="off" if way == "alone" else "coupled")
+                    except Failed as failure:
+                        row["failure"] = str(failure)
                         yield row
                         continue
                     at, its_area = float(got["separation"]), float(got["projected_area"])
@@ -156,8 +139,9 @@ def study(exe, name, height, sides, shares, ways, seconds):
                         row.update(claim=told(summary, "separation"),
                                    give=told(summary, "uncertainty"), estimate=float(
                             got["error_estimate"] or "nan"), closing=np.nanmax(height) - level,
-                            edge=share(summary, "at the edge"), lines=share(summary, "on scan"),
-                            without=share(summary, "without a summit"))
+                                   edge=load_share(summary, "at the edge"),
+                                   lines=load_share(summary, "on scan"),
+                                   without=load_share(summary, "without a summit"))
                 row.update(error=(at - level) / rms, ratio=its_area / area)
                 yield row
 
@@ -174,7 +158,6 @@ def main():
     parser.add_argument("--side", type=int, default=SIDE, help="samples of a side of our own")
     parser.add_argument("--shares", default=",".join(map(str, SHARES)))
     parser.add_argument("--ways", default=",".join(WAYS))
-    parser.add_argument("--seconds", type=float, default=300.0, help="a run at most")
     parser.add_argument("--csv", help="all rows")
     options = parser.parse_args()
     exe, _ = release_build()
@@ -184,7 +167,7 @@ def main():
     rows = []
     for name, height, sides in maps:
         for row in study(exe, name, height, sides, map(float, options.shares.split(",")),
-                         options.ways.split(","), options.seconds):
+                         options.ways.split(",")):
             rows.append(row)
             print(f"{name:<20}{row['share']:>7}{row['way']:>9}  " + (
                 f"{row['error']:+8.3f} rms{row['ratio']:>9.3f}{row.get('claim', np.nan):>+9.3f}"
@@ -209,7 +192,7 @@ def report(rows):
             good = [row for row in here if "error" in row]
             off = np.abs([row["error"] for row in good] or [np.nan])
             area = [row["ratio"] for row in good] or [np.nan]
-            spent = np.median([row["seconds"] for row in here])
+            spent = np.median([row["seconds"] for row in good] or [np.nan])
             print(f"{way:<9}{share:>7}{len(good):>5}/{len(here):<3}{np.median(off):>8.3f}"
                   f"{off.max():>8.3f}{np.median(area):>8.3f}{spent:>9.2f}")
 

@@ -1,6 +1,5 @@
 """Large surfaces: time by phase, exponent and memory of the search and the same work by others;
-phases of the solver; one and two threads; one and two images;
-interaction.
+phases of the solver; one and two threads; interaction.
 
     python test/bench/run_scale.py [--most N] [--rounds R] [--parts NAMES] [--small] [--save]
         [--beside EXE]
@@ -10,7 +9,6 @@ machine, seconds do not.
 """
 
 import argparse
-import datetime
 import os
 import platform
 
@@ -19,34 +17,24 @@ os.environ.setdefault("OMP_NUM_THREADS", "1")
 import numpy as np
 import scipy
 
-from run_bench import output_of, release_build, save
 from scale_interaction import interaction_part
 from scale_peers import search_part
 from scale_solve import solve_part
-from scale_sweeps import images_part, threads_part
+from scale_sweeps import threads_part
 from search_files import search_program
-from whole_runs import Failed, images_flags
+from whole_runs import Failed, machine, release_build, save
 
-PARTS = ("search", "solve", "threads", "images", "interaction")
-# Sizes of the sweeps: asperities, positions on threads, on images, times the study's ensemble.
-SIZES = {False: (100_000, 10_000, 50_000, 10), True: (10_000, 1000, 1000, 1)}
+PARTS = ("search", "solve", "threads", "interaction")
+# Asperities and positions of the sweeps.
+SIZES = {False: (100_000, 10_000), True: (10_000, 1000)}
 
 
 def heading(flags, options):
     """The lines without which the numbers below mean nothing."""
-    compiler = output_of(os.environ.get("FPM_FC", "gfortran"), "--version").splitlines()
-    lines = [
-        f"date      {datetime.date.today().isoformat()}",
-        f"compiler  {compiler[0] if compiler else 'not known'}",
-        f"flags     {' '.join(dict.fromkeys(flags.split()))}",
-        f"images    {images_flags() or 'not known'}",
-        f"cores     {os.cpu_count()}, of {platform.machine()}",
-        f"peers     numpy {np.__version__}, scipy {scipy.__version__}, "
-        f"Python {platform.python_version()}",
-        f"rounds    {options.rounds}, the least time counts"]
-    if hasattr(os, "getloadavg"):
-        lines.append(f"busy      {os.getloadavg()[0]:.1f} processes in the minute before the start")
-    return "\n".join(lines)
+    return "\n".join([
+        *machine(flags), f"peers     numpy {np.__version__}, scipy {scipy.__version__}, "
+        f"Python {platform.python_version()}", f"rounds    {options.rounds}, the least time counts",
+        f"busy      {os.getloadavg()[0]:.1f} processes in the minute before the start"])
 
 
 def whole_number(text):
@@ -81,13 +69,12 @@ def main():
 
     asperity, flags = release_build()
     program = search_program()
-    n, positions, shared, times = SIZES[options.small]
+    n, positions = SIZES[options.small]
     sizes = [10**k for k in range(3, 9) if 10**k <= options.most]
     parts = {
         "search": lambda: search_part(program, sizes, options.rounds),
         "solve": lambda: solve_part(asperity, sizes, options.rounds),
         "threads": lambda: threads_part(asperity, n, positions, options.rounds),
-        "images": lambda: images_part(asperity, shared, times, options.rounds),
         "interaction": lambda: interaction_part(asperity, options.most, options.rounds,
                                                 options.beside)}
     blocks = [heading(flags, options)]

@@ -14,7 +14,6 @@ that over the closing.
 """
 
 import argparse
-import csv
 import math
 import os
 import subprocess
@@ -26,10 +25,9 @@ os.environ.setdefault("OMP_NUM_THREADS", "1")
 
 import numpy as np
 
-from run_bench import machine, release_build, save
-from whole_runs import ENVIRONMENT, Work, available_memory
+from csv_rows import records
+from whole_runs import ROOT, Work, available_memory, machine, release_build, save
 
-ROOT = Path(__file__).resolve().parents[2]
 VERSION = "tamaas==2.9.0"
 MODULUS, RATIO, RADIUS, DENSITY, EACH = 275760.0, 0.42, 1.27, 26.0, 40.0
 # Lengths in plan of ours, over those of the grid.
@@ -39,6 +37,8 @@ MARGIN = 0.25
 # Bytes a sample that it wants: its padded lattice, complex, and some fields.
 BYTES_A_SAMPLE = 250
 TOLERANCE = 1e-6
+# More than these caps are pressed, and every touching point lies above that.
+DEPTH = 0.12
 
 
 def its_python():
@@ -55,13 +55,12 @@ def its_python():
     return python
 
 
-def write_caps(folder, count):
+def place_caps(count):
     """The caps, and the side of the square that holds them."""
     rng = np.random.default_rng([26, count])
     side = math.sqrt(count / DENSITY)
     caps = np.column_stack([MARGIN + side * rng.random((count, 2)),
                             0.127 + 0.03 * rng.standard_normal(count), np.full(count, RADIUS)])
-    np.savetxt(folder / "caps.csv", caps, "%.17g", ",", header="x,y,height,radius", comments="")
     return caps, side + 2 * MARGIN
 
 
@@ -77,25 +76,46 @@ def ours(exe, folder, caps, effects):
         f"&effects {effects} /\n", encoding="ascii")
     work = Work(exe, "solve", scene, "--quiet", "--threads", "1", "--positions", positions)
     work.run()
-    with open(positions, encoding="ascii", newline="") as rows:
-        row = next(csv.DictReader(rows))
+    row = records(positions)[0]
     return work.least, work.peak(), caps[:, 2].max() - float(row["separation"]), row["contacts"]
+
+
+def sampled(caps, n, side):
+    """Highest cap, a paraboloid as Hertz' law has it, at the middle of each of n by n cells; the
+    lowest of these where none is near enough to touch."""
+    cell = side / n
+    heights = np.full((n, n), -np.inf)
+    for x, y, top, radius in caps:
+        reach = np.sqrt(2 * radius * DEPTH)
+        i, j = (np.arange(max(0, int((v - reach) / cell)), min(n, int((v + reach) / cell) + 2))
+                for v in (x, y))
+        square = ((i + 0.5) * cell - x)[:, None] ** 2 + ((j + 0.5) * cell - y)[None] ** 2
+        heights[np.ix_(i, j)] = np.maximum(heights[np.ix_(i, j)], top - square / (2 * radius))
+    return np.where(np.isfinite(heights), heights, heights[np.isfinite(heights)].min())
+
+
+def solve_by_tamaas(python, *words):
+    """The numbers that tamaas_map.py prints; its last words are edge and threads."""
+    done = subprocess.run(
+        [python, ROOT / "test/bench/tamaas_map.py", *map(str, words)], check=True, text=True,
+        capture_output=True, env={**os.environ, "OMP_NUM_THREADS": str(words[-1])})
+    return tuple(map(float, done.stdout.split()))
 
 
 def theirs(python, folder, caps, side, samples):
     """Seconds of the solve alone, peak memory of the process, and the closing."""
-    combined = MODULUS / (2 * (1 - RATIO ** 2))
-    words = map(repr, (samples, side, combined, EACH * len(caps), TOLERANCE))
-    done = subprocess.run([python, ROOT / "test/bench/tamaas_solve.py", folder / "caps.csv",
-                           *words], env=ENVIRONMENT, capture_output=True, text=True, check=True)
-    return tuple(map(float, done.stdout.split()))
+    np.save(folder / "caps.npy", sampled(caps, samples, side))
+    _, peak, level, seconds, _ = solve_by_tamaas(
+        python, folder / "caps.npy", side / samples, MODULUS / (2 * (1 - RATIO ** 2)),
+        EACH * len(caps) / side ** 2, TOLERANCE, "free", 1)
+    return seconds, peak, caps[:, 2].max() - level
 
 
 def table(exe, python, count, seconds):
     """The lines of one number of caps."""
     with tempfile.TemporaryDirectory() as name:
         folder = Path(name)
-        caps, side = write_caps(folder, count)
+        caps, side = place_caps(count)
         ways = {way: ours(exe, folder, caps, effects) for way, effects in (
             ("coupled", "interaction = 'coupled'"),
             ("auto 0.01", "interaction = 'auto', tolerance = 0.01"),

@@ -1,5 +1,5 @@
 """Interaction: user seconds and peak memory of the default beside `coupled` and `off`, on one
-thread, and errors at the truths of rough caps. Part of run_scale.py.
+thread. Part of run_scale.py; test_dense.py has the errors.
 """
 
 import resource
@@ -7,13 +7,10 @@ import subprocess
 import tempfile
 from pathlib import Path
 
-from csv_rows import records
-from dense_scenes import Rough, rough_scenes
+from dense_scenes import Rough
 from effect_runs import random_caps, write_caps
-from run_bench import peak_of
-from whole_runs import ENVIRONMENT, ROOT
+from whole_runs import ENVIRONMENT, peak_of
 
-TRUTHS = ROOT / "reference_output" / "interaction" / "rough.csv"
 # Caps, seed and load a cap [N]; the sparse ones have contacts far apart.
 ROUGH = ((100, 5, 40.0), (10_000, 5, 40.0), (100_000, 5, 40.0), (1_000_000, 5, 40.0),
          (2000, 31, 10.0), (2000, 31, 40.0), (2000, 31, 160.0))
@@ -27,16 +24,14 @@ def aligned(cells):
 
 
 def run(exe, scene):
-    """User seconds, MiB at the peak, and the first position."""
-    positions = scene.with_suffix(".positions.csv")
+    """User seconds, and MiB at the peak."""
     before = resource.getrusage(resource.RUSAGE_CHILDREN).ru_utime
-    process = subprocess.Popen([exe, "solve", scene, "--quiet", "--threads", "1", "--positions",
-                                positions], stdout=subprocess.DEVNULL, stderr=subprocess.DEVNULL,
+    process = subprocess.Popen([exe, "solve", scene, "--quiet", "--threads", "1"],
+                               stdout=subprocess.DEVNULL, stderr=subprocess.DEVNULL,
                                env=ENVIRONMENT)
     peak = peak_of(process, 0.002)
     seconds = resource.getrusage(resource.RUSAGE_CHILDREN).ru_utime - before
-    row = records(positions)[0] if process.returncode == 0 else {}
-    return seconds, peak / 2 ** 20, row
+    return seconds, peak / 2 ** 20
 
 
 def dense(folder, mode):
@@ -58,31 +53,8 @@ def rough(folder, number, seed, each, mode):
     return Rough(number, seed, 0.0, number * each).write(place, by_default=True, **effects)
 
 
-def errors(folder, exe, mode, tolerance):
-    """A line a truth: error of the load or the compression, of the area, and the estimates."""
-    truths = {row["scene"]: row for row in records(TRUTHS)}
-    for scene in rough_scenes():
-        written = scene.write(folder / f"{scene.name}.{mode}.{tolerance}", interaction=mode,
-                              tolerance=tolerance)
-        seconds, _, row = run(exe, written)
-        if not row:
-            yield aligned((scene.name, mode, f"{tolerance:g}", f"{seconds:.2f}", "failed"))
-            continue
-        truth, top = truths[scene.name], max(cap[2] for cap in scene.caps())
-        error = (top - float(row["separation"])) / float(truth["compression"]) - 1 \
-            if scene.load else float(row["load"]) / float(truth["load"]) - 1
-        area = float(row["area"]) / float(truth["area"]) - 1
-        cells = []
-        for value, estimate, own in ((error, "error_estimate", "error"),
-                                     (area, "area_error_estimate", "area_error")):
-            stated = float(row[estimate] or "nan")
-            kept = abs(value) <= stated + float(truth[own])
-            cells += [f"{value:+.1e}", f"{stated:.1e}", "" if kept else "below"]
-        yield aligned((scene.name, mode, f"{tolerance:g}", f"{seconds:.2f}", *cells))
-
-
 def interaction_part(asperity, most, rounds, beside=None):
-    """The lines: seconds and memory by scene, mode and executable; then errors."""
+    """The lines: seconds and memory by scene, mode and executable."""
     names = {"": asperity, **({"before": beside} if beside else {})}
     lines = ["interaction: user seconds and MiB of one thread, the least of the rounds",
              aligned(("caps", "N a cap", "mode", "program", "s", "over coupled", "MiB"))]
@@ -97,7 +69,7 @@ def interaction_part(asperity, most, rounds, beside=None):
                 for program, exe in names.items():
                     if program and number > 10_000:
                         continue
-                    found = min(run(exe, scene)[:2] for _ in range(rounds))
+                    found = min(run(exe, scene) for _ in range(rounds))
                     base.setdefault(program, found[0])
                     lines.append(aligned((number, f"{each:g}", mode, program, f"{found[0]:.3f}",
                                           f"{found[0] / max(base[program], 1e-3):.2f}",
@@ -109,8 +81,4 @@ def interaction_part(asperity, most, rounds, beside=None):
                 seconds = (min(run(exe, many)[0] for _ in range(rounds))
                            - min(run(exe, one)[0] for _ in range(rounds))) / (DENSE_POSITIONS - 1)
                 lines.append(aligned(("630 dense", "", mode, program, f"{1e3 * seconds:.1f} ms")))
-        lines.append("errors at the truths, estimates; of the load or compression, of the area")
-        for mode, tolerance in (("coupled", 0.01), ("auto", 0.01), ("auto", 0.001),
-                                ("boundary", 0.01)):
-            lines += errors(folder, asperity, mode, tolerance)
     return "\n".join(lines)

@@ -1,4 +1,4 @@
-"""Sweeps of many positions: one and two threads, one and two images. Time of the whole process.
+"""Sweeps of many positions on one and on two threads. Time of the whole process.
 
 Beside each ratio stands that of the machine at the time: twice the time of one run over the time of
 two such runs at once. Where that is not near 2 the cores are busy, or share what the work needs.
@@ -8,13 +8,10 @@ import tempfile
 from pathlib import Path
 
 from search_files import ROOT
-from whole_runs import (Failed, Work, images_build, same_output, surfaces, take_turns, write_csv,
-                        write_scene)
+from whole_runs import Work, same_output, surfaces, take_turns, write_csv, write_scene
 
-STUDY = "data/examples/study/thesis.spec"
 # The deck's own sweep goes 10 cm.
 SWEEP = 10.0
-ENSEMBLE = "ensemble = 50"
 
 
 def thesis_sweep(folder, positions):
@@ -82,45 +79,3 @@ def threads_part(asperity, n, positions, rounds):
     return "\n".join([
         "threads: one and two, whole process (machine: what two runs of one thread at once gain;",
         " start: one position on one thread)", f"{HEAD}{'start s':>10}", *rows])
-
-
-def larger_study(folder, times):
-    """The study of the examples with a larger ensemble, and its size."""
-    number = times * int(ENSEMBLE.split()[-1])
-    text = (ROOT / STUDY).read_text(encoding="ascii")
-    if ENSEMBLE not in text:
-        raise SystemExit(f"bench: no '{ENSEMBLE}' in {STUDY}")
-    path = folder / "study.spec"
-    path.write_text(text.replace(ENSEMBLE, f"ensemble = {number}"), encoding="ascii")
-    return path, number
-
-
-def images_part(asperity, positions, times, rounds):
-    """The lines of studies and of a sweep; two images must print what one prints."""
-    start, missing = images_build()
-    if missing:
-        return f"images: {missing}"
-    with tempfile.TemporaryDirectory() as name:
-        folder = Path(name)
-        study, ensemble = larger_study(folder, times)
-        sweep = thesis_sweep(folder, positions)
-        jobs = {
-            "nothing (--version)": ["--version"],
-            "study of the examples": ["study", STUDY],
-            f"the same, ensemble of {ensemble}": ["study", study],
-            f"thesis scene, {positions} positions": ["solve", sweep, "--threads", 1]}
-        rows = [images_row(title, asperity, start, words, rounds) for title, words in jobs.items()]
-    return "\n".join([
-        "images: the release build alone and two images over MPI, one thread each, whole process",
-        HEAD, *rows, "(the first row is what starting and ending two images takes)"])
-
-
-def images_row(title, asperity, start, words, rounds):
-    one, two = Work(asperity, *words), Work(*start(2), *words)
-    at_once = Work(asperity, *words, copies=2)
-    try:
-        take_turns([one, two, at_once], rounds)
-        same_output(one, two, at_once)
-    except Failed as failure:
-        return f"{title:<46}  left out: {failure}"
-    return row(title, one, two, at_once)

@@ -7,15 +7,12 @@ pixels, cut-off 8) and pressed with a free edge at one nominal pressure. Writes
 reference_output/bench/scan_size.csv: side over roll-off, separation and mean gap over rms height.
 """
 
-import csv
-import datetime
-import subprocess
 import tempfile
 from pathlib import Path
 
 import numpy as np
 
-from run_bench import ROOT, release_build
+from whole_runs import KEPT, heading, make_map, press_map, release_build
 
 SIDE, ROLL_OFF, CUT_OFF = 1024, 64, 8
 SIDES = (64, 96, 128, 192, 256, 384, 512, 768, 1024)
@@ -23,40 +20,22 @@ SIDES = (64, 96, 128, 192, 256, 384, 512, 768, 1024)
 PRESSURE, SLOPE = 0.05, 0.1
 
 
-def solved(exe, folder, heights):
-    """Separation and mean gap under the pressure."""
-    np.save(folder / "part.npy", heights)
-    (folder / "part.scene").write_text(
-        "&surfaces upper = 'plane', lower = 'part.npy', map_spacing = 1., 1. /\n"
-        "&material contact_modulus = 1. /\n"
-        f"&loading control = 'pressure', value = {PRESSURE * SLOPE!r} /\n"
-        "&effects interaction = 'boundary' /\n")
-    subprocess.run([exe, "solve", folder / "part.scene", "--quiet", "--positions",
-                    folder / "part.csv"], check=True, capture_output=True)
-    with open(folder / "part.csv", encoding="ascii", newline="") as file:
-        row = next(csv.DictReader(file))
-    return float(row["separation"]), float(row["mean_gap"])
-
-
 def main():
     exe, _ = release_build()
     with tempfile.TemporaryDirectory() as name:
         folder = Path(name)
-        (folder / "map.spec").write_text(
-            f"&map pixels = {SIDE}, spacing = 1., hurst = 0.8, roll_off = {ROLL_OFF}., "
-            f"cut_off = {CUT_OFF}., rms_slope = {SLOPE}, periodic = 'off' /\n")
-        subprocess.run([exe, "generate", folder / "map.spec", "--output", folder / "map.npy"],
-                       check=True, capture_output=True)
+        make_map(exe, folder, pixels=SIDE, spacing=1.0, hurst=0.8, roll_off=ROLL_OFF,
+                 cut_off=CUT_OFF, rms_slope=SLOPE, periodic="'off'")
         heights = np.load(folder / "map.npy")
         rms = heights.std()
-        lines = [f"# {datetime.date.today()}; python test/bench/scan_size.py",
-                 "side,separation,mean_gap"]
+        lines = [f"{heading()}scan_size.py", "side,separation,mean_gap"]
         for side in SIDES:
-            separation, gap = solved(exe, folder, heights[:side, :side])
-            lines.append(f"{side / ROLL_OFF},{separation / rms:.6f},{gap / rms:.6f}")
+            np.save(folder / "part.npy", heights[:side, :side])
+            _, _, (row, *_) = press_map(exe, folder / "part.npy", [PRESSURE * SLOPE], "--quiet")
+            separation, gap = (float(row[name]) / rms for name in ("separation", "mean_gap"))
+            lines.append(f"{side / ROLL_OFF},{separation:.6f},{gap:.6f}")
             print(lines[-1])
-    (ROOT / "reference_output/bench/scan_size.csv").write_text("\n".join(lines) + "\n",
-                                                               encoding="ascii")
+    (KEPT / "scan_size.csv").write_text("\n".join(lines) + "\n", encoding="ascii")
 
 
 if __name__ == "__main__":

@@ -1,9 +1,12 @@
-"""Whole runs of the program, timed from outside: surfaces and scenes as files, the least time of
-runs that take turns, peak memory. Shared by the parts of the scale benchmark."""
+"""Whole runs of the program, timed from outside: surfaces, maps and scenes as files, the least time
+of runs that take turns, peak memory; the machine and the kept records. All benchmarks share it."""
 
+import datetime
 import hashlib
 import math
 import os
+import platform
+import re
 import shutil
 import subprocess
 import sys
@@ -13,8 +16,10 @@ from pathlib import Path
 
 import numpy as np
 
-from run_bench import output_of, peak_of
+from csv_rows import records
 from search_files import ROOT, Surface
+
+KEPT = ROOT / "reference_output/bench"
 
 DENSITY = 0.48
 RADIUS = 1.27
@@ -22,10 +27,54 @@ MODULUS = 275760.0
 POISSON = 0.42
 LIMIT_LOAD = 288.89
 
-# One thread unless a run asks for more. Open MPI wants to be told that root and few cores are fine.
-ENVIRONMENT = {
-    **os.environ, "OMP_NUM_THREADS": "1", "OMPI_ALLOW_RUN_AS_ROOT": "1",
-    "OMPI_ALLOW_RUN_AS_ROOT_CONFIRM": "1", "OMPI_MCA_rmaps_base_oversubscribe": "1"}
+# One thread unless a run has an option for more.
+ENVIRONMENT = {**os.environ, "OMP_NUM_THREADS": "1"}
+
+
+def output_of(*command):
+    done = subprocess.run(
+        command, cwd=ROOT, stdin=subprocess.DEVNULL, stdout=subprocess.PIPE, text=True
+    )
+    return done.stdout.strip() if done.returncode == 0 else ""
+
+
+def release_build():
+    """Path of the executable and the flags it was compiled with, as fpm tells them."""
+    path = output_of("bash", ".ci/build", "release")
+    if not path:
+        raise SystemExit("bench: the release build failed, see: bash .ci/build release")
+    fpm = ROOT / ".venv" / "bin" / "fpm"
+    model = output_of(str(fpm), "build", "--profile", "release", "--show-model")
+    flags = re.search(r'fortran_compile_flags="([^"]*)"', model)
+    return path, flags.group(1) if flags else "not known"
+
+
+def machine(flags):
+    """The lines without which the numbers below mean nothing."""
+    cpuinfo = Path("/proc/cpuinfo")
+    text = cpuinfo.read_text() if cpuinfo.exists() else ""
+    model = re.search(r"^model name\s*:\s*(.*)$", text, re.MULTILINE)
+    compiler = output_of(os.environ.get("FPM_FC", "gfortran"), "--version").splitlines()
+    return [
+        f"date      {datetime.date.today().isoformat()}",
+        f"machine   {model.group(1) if model else platform.machine()}, {os.cpu_count()} cores, "
+        f"{platform.system()} {platform.release()}",
+        f"compiler  {compiler[0] if compiler else 'not known'}",
+        f"flags     {flags}",
+    ]
+
+
+def heading():
+    """Date and machine in one line, for the first line of a CSV file."""
+    return f"# {datetime.date.today()}; {machine('')[1].split(maxsplit=1)[1]}; python test/bench/"
+
+
+def save(name, text):
+    """Keep a text in a file of this day."""
+    stem, _, ending = name.rpartition(".")
+    path = KEPT / f"{stem}.{datetime.date.today().isoformat()}.{ending}"
+    path.write_text(text, encoding="utf-8")
+    print(f"saved     {path.relative_to(ROOT)}")
 
 
 def surfaces(n):
@@ -112,22 +161,6 @@ def same_output(*works):
         raise Failed("prints something else")
 
 
-def images_build():
-    """How to start several images of the build for them, or why that cannot be."""
-    if not shutil.which("cafrun"):
-        return None, "no OpenCoarrays here (cafrun): two images are left out"
-    path = output_of("bash", ".ci/build", "images")
-    if not path:
-        return None, "the build for images failed: two images are left out"
-    return lambda number: ["cafrun", "-n", number, path], ""
-
-
-def images_flags():
-    """Flags of the build for images, where its scripts keep them."""
-    script = '. .ci/common.sh && options_of images && echo "${fpm_options[*]}"'
-    return output_of("bash", "-c", script)
-
-
 def available_memory():
     """Bytes that the system would give now; endless where it does not tell."""
     path = Path("/proc/meminfo")
@@ -140,3 +173,60 @@ def available_memory():
 def free_disk():
     """Bytes free where temporary files go."""
     return shutil.disk_usage(tempfile.gettempdir()).free
+
+
+def peak_of(process, pause=0.0):
+    """Bytes resident at most of a process just started, read until it has gone; 0 where the system
+    does not tell.
+
+    Not ru_maxrss: what the kernel reports there includes the parent's pages before exec.
+    """
+    peak = 0
+    status = Path(f"/proc/{process.pid}/status")
+    while process.poll() is None:
+        try:
+            found = re.search(r"VmHWM:\s+(\d+) kB", status.read_text())
+        except OSError:
+            found = None
+        if found:
+            peak = max(peak, 1024 * int(found.group(1)))
+        if pause:
+            time.sleep(pause)
+    return peak
+
+
+def make_map(exe, folder, **names):
+    """A random height map by `asperity generate`, as map.npy in the folder."""
+    (folder / "map.spec").write_text(
+        f"&map {', '.join(f'{name} = {value}' for name, value in names.items())} /\n")
+    subprocess.run([exe, "generate", folder / "map.spec", "--output", folder / "map.npy"],
+                   check=True, capture_output=True)
+    return folder / "map.npy"
+
+
+def press_map(exe, path, values, *words, control="pressure", spacing=1.0, edge="free",
+              interaction="boundary", modulus=1.0, level="", files=("positions",), threads=1):
+    """Solve a height map under a plane: seconds of the whole process, and the rows of each file.
+
+    A map with a spacing of its own has `spacing=None`.
+    """
+    scene = path.with_suffix(".scene")
+    of_map = "" if spacing is None else (
+        f", map_spacing = {spacing!r}, {spacing!r}, map_edge = '{edge}'")
+    scene.write_text(
+        f"&surfaces upper = 'plane', lower = '{path.name}'{of_map}"
+        f"{f', map_level = {level!r}' if level else ''} /\n"
+        f"&material contact_modulus = {modulus!r} /\n"
+        f"&loading control = '{control}', value = {', '.join(repr(float(v)) for v in values)} /\n"
+        f"&effects interaction = '{interaction}' /\n", encoding="ascii")
+    paths = [path.with_suffix(f".{name}.csv") for name in files]
+    begin = time.perf_counter()
+    done = subprocess.run(
+        [exe, "solve", scene, "--threads", str(threads), *words,
+         *(word for name, file in zip(files, paths) for word in (f"--{name}", file))],
+        capture_output=True, text=True, check=False,
+        env={**os.environ, "OMP_NUM_THREADS": str(threads)})
+    seconds = time.perf_counter() - begin
+    if done.returncode:
+        raise Failed(done.stderr.strip())
+    return seconds, done.stdout, *map(records, paths)
