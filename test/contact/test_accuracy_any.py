@@ -222,16 +222,6 @@ def test_the_promise(kind, asked, asperity):
     assert solved or kind in ("dense", "many", "map")
 
 
-def test_what_can_be_had(asperity, tmp_path):
-    """A refusal tells what there is, and that is true."""
-    scene = next(s for s in dense_scenes() if s.family == "triples")
-    done = run_program(asperity, "solve", scene.write(tmp_path, interaction="auto"), "--accuracy",
-                       "1e-8", status=1)
-    assert done.stdout == ""
-    assert "the most accurate one has an estimated error of loads and separations" in done.stderr
-    assert re.search(r"set --accuracy \d\.\dE-\d\d$", done.stderr)
-
-
 def test_the_accuracy_of_one_total(asperity, tmp_path):
     """Of the load alone, or of the area alone: what is asked for is within the accuracy, against
     independent elements, and errors of the other total do not refuse it."""
@@ -248,15 +238,6 @@ def test_the_accuracy_of_one_total(asperity, tmp_path):
         assert float(found[total]) == pytest.approx(float(truth[total]), rel=allowed)
     missing = run_program(asperity, "solve", path, "--of", "load", status=2)
     assert "--of: expected --accuracy ERROR beside it" in missing.stderr
-
-
-def test_the_choice_is_told(asperity, root):
-    """Which way, its error, and ten times better."""
-    done = run_program(asperity, "solve", root / "data/examples/effects/ten_minutes.scene",
-                       "--accuracy", "1e-2")
-    assert ("fastest method real64, 'auto' with tolerance 5.000000E-003, Hertzian contacts in the "
-            "field of the others, estimated error") in done.stdout
-    assert "ten times better: reached by this run" in done.stdout
 
 
 def test_the_page(asperity, root, tmp_path):
@@ -391,18 +372,6 @@ def test_the_error_of_the_input_of_a_map(kind, asperity, tmp_path):
     assert told[first + "; of pixels"] == pytest.approx(max(moves) / (top - given), rel=0.75)
 
 
-@pytest.mark.truth
-def test_the_time_is_kept_within_cells(asperity, tmp_path):
-    """A scene whose own cells would take minutes: that is named, and the others are run."""
-    scene = next(s for s in dense_scenes() if s.name == "many_007")
-    written = scene.write(tmp_path, interaction="boundary", boundary_tolerance=1e-6)
-    rows, text = study(asperity, written, tmp_path, 3)
-    assert "takes longer than --seconds" in rows[0]["left_out"]
-    assert reference(rows)["family"] == "neighbours"
-    coupled = next(row for row in rows if row["method"] == "contacts coupled")
-    assert float(coupled["load"]) == pytest.approx(float(truths()[scene.name]["load"]), rel=0.02)
-
-
 def cells_of(asperity, folder, name, *options, **effects):
     """The position of a dense scene."""
     scene = next(s for s in dense_scenes() if s.name == name)
@@ -430,15 +399,3 @@ def test_a_tolerance_of_areas(asperity, tmp_path):
         assert abs(float(row["area"]) / want - 1) < 0.01
     assert float(fine["cells"]) > 2 * float(usual["cells"])
     assert float(fine["area_error_estimate"]) < 0.7 * float(usual["area_error_estimate"])
-
-
-def test_numbers_of_any_size(asperity, tmp_path):
-    """Steps, heights and hardnesses of lengths near 1e-105 are printed in full."""
-    upper = [(x * 1e-105, y * 1e-105, z * 1e-105, 1.5e-105) for x, y, z in (
-        (0.0, 0.0, 0.12), (2.0, 0.3, 0.1), (4.0, 1.0, 0.11))]
-    scene = write_csv_scene(
-        tmp_path, upper, [(1e-107, 0.0, 1e-106, 1e-105)], modulus=(2e105, 1e105),
-        loading={"control": "limit"}, limit={"criterion": "load", "value": 1e-108})
-    _, printed = study(asperity, scene, tmp_path, seconds=1)
-    assert "**" not in printed
-    assert re.search(r"steps [0-9.]+E-1[01][0-9] ", printed), printed

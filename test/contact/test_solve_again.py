@@ -201,16 +201,3 @@ def test_rebuilt_scenes(package, tmp_path):
     assert found.contacts["slope"][0] == 0.0
     with pytest.raises(package.InputError, match="needs elastic_modulus"):
         scene.solve(material=None, loading={"value": -1.0})
-
-
-def test_units(package):
-    """Of positions, states, contacts, effects and summits; none where none is given."""
-    results = package.solve(ROOT / SCENES[0])
-    found = {**results.positions.units, **results.states.units, **results.contacts.units}
-    expected = {"load": "N", "area": "cm2", "separation": "cm", "average_pressure": "N/cm2",
-                "slope": "", "contacts": "", "time": ""}
-    assert {name: found[name] for name in expected} == expected
-    summits = package.summits(ROOT / "data/examples/summits/smooth.sdf", unit="um")
-    assert set(summits.units.values()) == {"um"}
-    plain = package.solve(random_groups(package, APART, 1, 1e3))
-    assert set(plain.contacts.units.values()) == {""}

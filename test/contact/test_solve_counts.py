@@ -146,14 +146,3 @@ def test_projected_steps(asperity, tmp_path):
         material={"contact_modulus": 1.0}, effects=BOUNDARY,
         loading={"control": "pressure", "value": 1e-4})
     assert float(solve(asperity, scene).positions[0]["interaction_residual"]) <= 1e-10
-
-
-def test_accuracy_lists_pixels_once(asperity, tmp_path):
-    """`auto` of a map is its pixels at any tolerance: no method of its own."""
-    np.save(tmp_path / "map.npy", 0.1 * rough(32, seed=3))
-    scene = write_scene(
-        tmp_path / "map.scene", by_default=True, material={"contact_modulus": 1.0},
-        surfaces={"upper": "plane", "lower": "map.npy", "map_spacing": (1.0, 1.0)},
-        loading={"control": "pressure", "value": 0.02})
-    said = run_program(asperity, "accuracy", scene, "--seconds", "2").stdout
-    assert "pixels of the map" in said and "auto" not in said

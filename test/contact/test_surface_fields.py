@@ -7,6 +7,8 @@ import re
 
 import numpy as np
 import pytest
+from coupled_truth import hertz_displacement
+from elements_truth import love
 from image_data import read_vti
 from programs import run_program
 from surfaces_csv import records, write_csv_scene, write_scene, write_surface
@@ -43,30 +45,13 @@ def fields_of(asperity, folder, scene, *words):
     return np.meshgrid(x, y, indexing="ij"), fields, *tables
 
 
-def love(x, y, pressure):
-    """Displacement at the centres of cells by uniform pressures, summed directly: Love's double
-    integral of 1/r over each cell."""
-    def corner(u, v):
-        return u * np.arcsinh(v / np.abs(u)) + v * np.arcsinh(u / np.abs(v))
-
+def displacement_by(x, y, pressure):
+    """Displacement at the centres of cells by uniform pressures, summed directly (Love 1929)."""
     side = x[1, 0] - x[0, 0]
     total = np.zeros(x.shape)
     for i, j in zip(*np.nonzero(pressure > 0)):
-        u, v = x - x[i, j], y - y[i, j]
-        total += pressure[i, j] / (math.pi * E) * (
-            corner(u + side / 2, v + side / 2) - corner(u - side / 2, v + side / 2)
-            - corner(u + side / 2, v - side / 2) + corner(u - side / 2, v - side / 2))
+        total += pressure[i, j] / (math.pi * E) * love(x - x[i, j], y - y[i, j], side, side)
     return total
-
-
-def hertz_displacement(r, a, p0):
-    """Johnson, Contact Mechanics, 1985, eq. 3.41a and 3.42a, for the contact modulus E."""
-    r = np.maximum(r, 1e-12)
-    inside = math.pi * p0 / (4 * E * a) * (2 * a**2 - r**2)
-    s = np.minimum(a / r, 1.0)
-    outside = p0 / (2 * E * a) * ((2 * a**2 - r**2) * np.arcsin(s)
-                                  + r * a * np.sqrt(np.maximum(0.0, 1 - s**2)))
-    return np.where(r <= a, inside, outside)
 
 
 def test_one_sphere_against_hertz(asperity, tmp_path):
@@ -91,7 +76,7 @@ def test_one_sphere_against_hertz(asperity, tmp_path):
     assert np.array_equal(fields["contact"] > 0, (np.hypot(
         np.maximum(0, np.abs(x - 0.1237) - SIDE / 2),
         np.maximum(0, np.abs(y + 0.0311) - SIDE / 2)) < a))
-    exact = hertz_displacement(r, a, p0)
+    exact = hertz_displacement(r, a)[0] * positions[0]["vertical_load"] / E
     assert np.abs(fields["displacement"] - exact)[there].max() < 4e-3 * DEPTH
     profile = np.maximum(0.0, 1.0 - r**2 / (R + np.sqrt(np.maximum(0.0, R**2 - r**2))))
     open_ = there & (pressure == 0)
@@ -134,7 +119,7 @@ def test_loads_and_displacement(asperity, tmp_path, interaction, parts):
     assert load_near(x, y, pressure, side, TWO[2], 0.2) == pytest.approx(loads[3], rel=1e-12)
     assert load_near(x, y, pressure, side, TWO[0], 0.35) == pytest.approx(loads[1] + loads[2],
                                                                           rel=1e-12)
-    direct = love(x, y, np.where(there, pressure, 0.0))
+    direct = displacement_by(x, y, np.where(there, pressure, 0.0))
     assert np.abs(fields["displacement"] - direct)[there].max() < 1e-12 * direct.max()
     said = run(asperity, scene, "--fields", tmp_path / "f.vti").stdout
     assert (f" pixels of 0.02; pressures of contacts: {parts[0]} from boundary elements, "
@@ -161,24 +146,6 @@ def test_loads_and_displacement(asperity, tmp_path, interaction, parts):
     assert positions[0]["mean_gap"] == pytest.approx(fields["gap"][there].mean(), rel=1e-12)
     assert positions[0]["elastic_energy"] == pytest.approx(
         np.nansum(pressure * fields["displacement"]) * side**2 / 2, rel=1e-12)
-
-
-def test_boundary_elements_are_not_circles(asperity, tmp_path):
-    """Two contacts that nearly touch: the pressure between them is less than Hertz', and moved to
-    the finer grid it has the greatest pressure of the elements."""
-    side = 0.004
-    scene = plane_scene(tmp_path, TWO[:2], side, {"interaction": "boundary"})
-    (x, y), fields, contacts, _ = fields_of(asperity, tmp_path, scene)
-    pressure = np.nan_to_num(fields["pressure"])
-    first = contacts[0]
-    near = np.hypot(x, y) < 0.08
-    assert pressure[near].max() == pytest.approx(first["maximum_pressure"], rel=0.01)
-    # The centre of pressure is pushed away from the neighbour.
-    assert -0.02 < (x * pressure)[near].sum() / pressure[near].sum() < -0.001
-    a = math.sqrt(first["area"] / math.pi)
-    hertz = first["maximum_pressure"] * math.sqrt(1 - (0.9)**2)
-    assert pressure[np.argmin(np.hypot(x - 0.9 * a, y).ravel()) // x.shape[1],
-                    np.argmin(np.hypot(x - 0.9 * a, y).ravel()) % x.shape[1]] < 0.9 * hertz
 
 
 @pytest.mark.parametrize("scale", [1.0, 1000.0])
@@ -282,27 +249,6 @@ def test_deck(asperity, root, tmp_path):
         assert (fields["pressure"][far < 0.8] > 0).all()
         ring = fields["gap"][(far > 1.2) & (far < 1.5)]
         assert 0 < ring.min() and ring.max() < 0.7 * positions[0]["compression"]
-
-
-def test_small_spheres_between_centres(asperity, tmp_path):
-    """No pixel has its centre under a sphere; the loaded ones are there all the same."""
-    rows = [(0.0, 0.0, 0.02, 0.3), (0.9, 0.9, -0.01, 0.3)]
-    (_, _), fields, _, positions = fields_of(
-        asperity, tmp_path, plane_scene(tmp_path, rows, 1.6, control="compression", value=0.05))
-    assert np.nansum(fields["pressure"]) * 1.6**2 == pytest.approx(positions[0]["vertical_load"],
-                                                                    rel=1e-12)
-    assert fields["gap"].tolist() == [[0.0]]
-
-
-def test_without_a_base_plane(asperity, tmp_path):
-    """Heights from a mean plane: beside the spheres there is no surface."""
-    rows = [(0.0, 0.0, 0.02, 0.3), (1.0, 0.1, -0.01, 0.2)]
-    (x, y), fields, *_ = fields_of(asperity, tmp_path, plane_scene(tmp_path, rows, 0.02))
-    there = np.zeros(x.shape, bool)
-    for a, b, _, radius in rows:
-        there |= np.hypot(x - a, y - b) < radius
-    assert np.array_equal(~np.isnan(fields["gap"]), there)
-    assert x.min() == pytest.approx(-0.3, abs=0.02) and x.max() == pytest.approx(1.2, abs=0.02)
 
 
 @pytest.mark.parametrize("height, reach", [(0.2, 0.6), (1.0, 1.0), (1.5, 1.0)])

@@ -12,7 +12,6 @@ import pytest
 
 from ball_scenes import balls
 from effect_runs import CAP, COMBINED, DECK, MODULUS, RATIO, column
-from plastic_truth import STEEL
 from surfaces_csv import solve, write_csv_scene, write_plane_scene, write_scene
 
 # A ball on a ball as large, one above the other: combined radius R/2.
@@ -66,14 +65,6 @@ def test_contact_radius(asperity, tmp_path):
     # Far beyond.
     far = pressed(asperity, tmp_path / "far", overlap_of(0.9 * RADIUS))
     assert "0.900 of the radius" in told(far, "wide for its sphere")
-
-
-def test_plane_below_a_sphere(asperity, tmp_path):
-    """A sphere of radius 1 that a plane meets with an area of 2576 lies on no side of it."""
-    run = solve(asperity, write_plane_scene(
-        tmp_path, [(0, 0, 0.5, 1)], loading={"control": "approach", "value": 0.5 - 820.0}))
-    assert run.status == 1
-    assert "times the radius of its sphere" in run.stderr
 
 
 def test_cap(asperity, tmp_path):
@@ -240,48 +231,6 @@ def test_no_common_theory(asperity, tmp_path):
     assert told(caps_that_adhere(1e4, 1.0), what) == ""
     assert told(caps_that_adhere(0.5, 0.0), what) == ""
     assert told(caps_that_adhere(0.5, 1.0), what)
-
-
-def test_no_common_theory_at_its_limit(asperity, tmp_path):
-    """Creep beside plasticity, which changes a load by a hair more or less than the tolerance."""
-    tolerance, onset = 0.01, 1.9 * float(STEEL.critical_overlap)
-
-    def pressed_by(overlap):
-        # The load of Hertz, E = R = 1 in the pair of balls of `balls`.
-        load = 4 / 3 * float(STEEL.modulus) * overlap**1.5
-        return solve(asperity, balls(
-            tmp_path, "both", {"plasticity": "auto", "plastic_yield_stress": 0.9115,
-                               "creep": "auto", "hold_time": 5.0, "relaxation_time": 1.0,
-                               "relaxed_modulus_ratio": 0.5, "tolerance": tolerance},
-            {"control": "load", "value": load}, modulus=float(STEEL.modulus), ratio=0.32))
-
-    def estimate(run):
-        return float(run.positions[0]["plasticity_estimate"])
-
-    low, high = onset, 3 * onset
-    inside, outside = pressed_by(low), pressed_by(high)
-    while estimate(outside) - estimate(inside) > 2e-3 * tolerance:
-        middle = (low + high) / 2
-        run = pressed_by(middle)
-        if estimate(run) <= tolerance:
-            low, inside = middle, run
-        else:
-            high, outside = middle, run
-    check_pair(inside, outside, "two effects have no common theory", 100 * tolerance)
-
-
-def test_threads_tell_the_same(asperity, tmp_path):
-    scene = write_scene(tmp_path / "sweep.scene", surfaces={"deck": str(DECK)},
-                        motion={"x_first": 0.1, "x_step": 0.1, "positions": 100})
-    one, four = (solve(asperity, scene, "--threads", n, "--quiet") for n in ("1", "4"))
-    assert one.stderr == four.stderr and one.positions == four.positions and not one.stdout
-    assert "position 18 and 2 more: contact circles overlap" in one.stderr
-    told_at = np.flatnonzero(column(one.positions, "warnings")).tolist()
-    assert {17, 55, 78} <= set(told_at)
-    # The influence of interaction, which is off, at the compression of the limit.
-    errors = np.array(column(one.positions, "error_estimate"))
-    assert errors.min() == 0.0 and 0.3 < errors.max() < 0.5
-    assert set(np.flatnonzero(errors > 0.01)) <= set(told_at)
 
 
 def test_what_is_left_out_stays_within_one_tolerance(asperity, tmp_path):

@@ -202,14 +202,6 @@ def test_map_that_is_not_periodic(kind, axis, asperity, tmp_path):
         assert not has(free, "the map is not periodic")
 
 
-@pytest.mark.parametrize("seed", range(4))
-def test_shifted_periodic_map(seed, asperity, tmp_path):
-    """Wherever a periodic map is cut it stays one."""
-    height = np.roll(1e-3 * rough(N, shortest=4, seed=seed), (7 * seed, 5 * seed), (0, 1))
-    run = on_map(asperity, tmp_path, height, load_for(height, SIDES, 0.02), edge="periodic")
-    assert not has(run, "the map is not periodic")
-
-
 @pytest.mark.parametrize("axis", [0, 1])
 def test_ridge_along_the_border(axis, asperity, tmp_path):
     """The sharpest that a periodic map can hold has exactly the ratio 2, wherever it is cut."""
@@ -218,26 +210,6 @@ def test_ridge_along_the_border(axis, asperity, tmp_path):
     height = np.swapaxes(height, 0, axis)
     run = on_map(asperity, tmp_path, height, load_for(height, SIDES, 0.02), edge="periodic")
     assert not has(run, "the map is not periodic")
-
-
-def spectral(generator, size, shortest, longest, hurst):
-    """A periodic self-affine map, wavelengths in pixels."""
-    q = np.hypot(*np.meshgrid(np.fft.fftfreq(size), np.fft.fftfreq(size)))
-    band = (q <= 1 / shortest) & (q >= 1 / longest)
-    amplitude = np.where(band, np.where(band, q, 1.0) ** (-1 - hurst), 0.0)
-    return np.fft.ifft2(amplitude * np.fft.fft2(generator.standard_normal((size, size)))).real
-
-
-@pytest.mark.once
-def test_border_of_random_maps():
-    """Periodic maps stay far below the limit of 2, cuts of larger ones lie above it."""
-    generator = np.random.default_rng(5)
-    whole, cut = [], []
-    for _ in range(200):
-        shortest, hurst = generator.uniform(3, 8), generator.uniform(0, 1)
-        whole.append(border_ratio(spectral(generator, 48, shortest, 40, hurst)))
-        cut.append(border_ratio(spectral(generator, 128, shortest, 128, hurst)[:48, :48]))
-    assert max(whole) < 1.4 and np.mean(np.array(cut) > 2) > 0.95
 
 
 @pytest.mark.long
@@ -259,21 +231,6 @@ def test_area_at_the_limit_of_resolution(asperity, tmp_path):
         errors[has(run, "not resolved by the pixels")].append(area / (math.pi * radius**2) - 1)
     assert min(map(len, errors.values())) > 8
     assert np.abs(errors[False]).max() < 0.1 < np.abs(errors[True]).max()
-
-
-def test_resolution(asperity, tmp_path):
-    """The estimated error of the area, 10 %."""
-    height = 1e-3 * rough(48, shortest=12, seed=7)
-    seen = set()
-    for contact in np.geomspace(0.002, 0.5, 10):
-        run = on_map(asperity, tmp_path / f"{contact}", height, load_for(height, SIDES, contact))
-        beyond = float(run.positions[0]["area_error_estimate"]) > 0.1
-        assert has(run, "not resolved by the pixels") == beyond
-        seen.add(beyond)
-    assert seen == {True, False}
-    noise = 1e-3 * np.random.default_rng(1).standard_normal((48, 48))
-    run = on_map(asperity, tmp_path / "noise", noise, load_for(noise, SIDES, 0.01))
-    assert has(run, "not resolved by the pixels")
 
 
 @pytest.mark.parametrize("name, what", [("hardness", "beyond yield"), ("pressure", "the limit"),
@@ -336,15 +293,6 @@ def test_nested_load(asperity, tmp_path):
         low, high = (gap, high) if more else (low, gap)
     assert share_of_sharp(runs[True]) < 0.0202 and share_of_sharp(runs[False]) > 0.0198
     check_pair(runs[False], runs[True], NESTED, 2.0)
-
-
-def test_nested_beside_plasticity(asperity, tmp_path):
-    """Contacts of another law stay circles under 'auto': it is no advice then."""
-    for interaction in ("auto", "coupled"):
-        run = nested(asperity, tmp_path, 50.0, -2e-5, interaction, plasticity="on",
-                     plastic_yield_stress=5.0)
-        line = told(run, NESTED)
-        assert line and "interaction = 'auto'" not in line, run.stderr
 
 
 # The closing of the spots of a plane under load, from boundary elements (numpy, two grids).

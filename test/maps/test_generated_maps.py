@@ -4,7 +4,6 @@ spectra of `asperity summits --spectrum`, against numpy and SurfaceTopography.""
 import math
 import statistics
 
-import mpmath
 import numpy as np
 import pytest
 
@@ -53,8 +52,7 @@ def gaussian(words):
     return sign * ndtri(left + share * (right - left))
 
 
-def synthesis(columns, rows, spacing, hurst, roll_off, cut_off, seed, below="flat",
-              draw=gaussian):
+def synthesis(columns, rows, spacing, hurst, roll_off, cut_off, seed, below="flat"):
     """Components a(q) of the periodic map, in the layout of np.fft, and its wave vectors."""
     kx, ky = np.meshgrid(np.fft.fftfreq(columns, 1 / columns).astype(int),
                          np.fft.fftfreq(rows, 1 / rows).astype(int))
@@ -66,7 +64,8 @@ def synthesis(columns, rows, spacing, hurst, roll_off, cut_off, seed, below="fla
     # A wave of two pixels has no power.
     density *= (2 * abs(kx) < columns) & (2 * abs(ky) < rows)
     half = (kx > 0) | (kx == 0) & (ky > 0)
-    draws = [draw(philox((kx[half] & 0xFFFFFFFF, ky[half] & 0xFFFFFFFF, part, 7), (seed, 0)))
+    draws = [gaussian(philox((kx[half] & 0xFFFFFFFF, ky[half] & 0xFFFFFFFF, part, 7),
+                             (seed, 0)))
              for part in (1, 2)]
     waves = np.zeros((rows, columns), complex)
     waves[half] = (draws[0] + 1j * draws[1]) * np.sqrt(density[half])
@@ -102,63 +101,6 @@ def test_heights_are_those_of_the_definition(below, quantity, periodic, generate
     tally.add("pixels of random maps", found.size, met)
     assert found.shape == (30, 42)
     assert met == found.size
-
-
-def cdf(z):
-    return mpmath.erfc(-z / mpmath.sqrt(2)) / 2
-
-
-def draw_in_whole_numbers(words):
-    """A draw as a whole number of 2**-37 deviations: the tables of the distribution by mpmath."""
-    low, total, step = cdf(mpmath.mpf(-8)), 1 - 2 * cdf(mpmath.mpf(-8)), mpmath.mpf(1) / 64
-    wanted = int(words[0]) << 20 | int(words[1]) >> 12
-
-    def below(piece):
-        if piece == 1024:
-            return 2 ** 52
-        return int(mpmath.nint((cdf(-8 + piece * step) - low) / total * 2 ** 52))
-
-    first, last = 0, 1024
-    while last - first > 1:
-        middle = (first + last) // 2
-        first, last = (first, middle) if below(middle) > wanted else (middle, last)
-    left = -8 + first * step
-    # Taylor series of the quantile: q'' = q q'**2, by recursion on its coefficients.
-    mass = cdf(left + step) - cdf(left)
-    if left >= 0:
-        mass = cdf(-left) - cdf(-left - step)
-    q = [left, mass * mpmath.sqrt(2 * mpmath.pi) * mpmath.exp(left * left / 2)]
-    squares = []
-    for k in range(7):
-        squares.append(sum((m + 1) * (k - m + 1) * q[m + 1] * q[k - m + 1] for m in range(k + 1)))
-        q.append(sum(q[m] * squares[k - m] for m in range(k + 1)) / ((k + 1) * (k + 2)))
-    series = [int(mpmath.nint(2 ** 31 * c / step)) for c in q[1:]]
-    share = int(words[2]) >> 1
-    place = series[-1]
-    for c in reversed(series[:-1]):
-        place = c + (place * share >> 31)
-    place = min(2 ** 31, max(0, place * share >> 31))
-    return first * 2 ** 31 + place - 2 ** 40
-
-
-@pytest.mark.parametrize("quantity, columns, rows", (("rms_height", 14, 12), ("rms_slope", 14, 12),
-                                                     ("rms_height", 40, 22)))
-def test_heights_of_exact_draws(quantity, columns, rows, generate):
-    """The map anew with exact draws, tables by mpmath: within 1e-12 of the rms height."""
-    found = generate(f"&map pixels = {columns}, {rows}, spacing = 0.5, hurst = 0.7, roll_off = 4., "
-                     f"cut_off = 1., {quantity} = 0.3, seed = 9 /\n")
-    with mpmath.workdps(45):
-        waves, qx, qy = synthesis(columns, rows, (0.5, 0.5), 0.7, 4.0, 1.0, 9, draw=exact_gaussian)
-    heights = summed(waves)
-    rms = heights.std()
-    if quantity == "rms_slope":
-        rms = np.sqrt(sum((summed(1j * q * waves) ** 2).mean() for q in (qx, qy)))
-    wanted = heights * (0.3 / rms)
-    assert abs(found - wanted).max() <= 1e-12 * wanted.std()
-
-
-def exact_gaussian(words):
-    return np.array([draw_in_whole_numbers(each) for each in zip(*words)]) / 2.0 ** 37
 
 
 def test_seeds_differ_and_threads_do_not(generate):
@@ -264,20 +206,6 @@ def test_problems_are_reported_with_their_place(text, message, run, tmp_path):
     assert done.stdout == "" and not (tmp_path / "bad.npy").exists()
 
 
-@pytest.mark.parametrize("words, message", [
-    (("--output", "a.csv"), "a.csv: found another ending, expected .sdf, .npy or .txt"),
-    (("--output", "a.sdf"), "a.sdf: found a map without a unit, expected one"),
-    (("--surface", "1"), "--surface: found for a height map, expected none"),
-    (("--upper", "u.csv"), "--upper and --lower: found for a height map, expected --output"),
-    (("--output", "map.spec"), "--output names the input, map.spec"),
-])
-def test_options_that_do_not_fit(words, message, run, tmp_path):
-    text = SMALL.format(rms="rms_height = 0.3", more="")
-    (tmp_path / "map.spec").write_text(text, encoding="ascii")
-    assert message in run("generate", "map.spec", *words, status=2).stderr
-    assert sorted(path.name for path in tmp_path.iterdir()) == ["map.spec"]
-
-
 def test_numbers_at_the_ends_of_their_ranges(generate, run, tmp_path):
     """Sides of unequal order of magnitude, a roll-off beyond every wave, a double as it is."""
     heights = generate("&map pixels = 5, 7, spacing = 1e-30, 1e30, hurst = 1e-9, cut_off = 2e30, "
@@ -293,7 +221,6 @@ def test_numbers_at_the_ends_of_their_ranges(generate, run, tmp_path):
     assert "map.spec: heights beyond 1e30, expected a lower rms value" in done.stderr
 
 
-@pytest.mark.long
 def test_memory_is_asked_for_beforehand(asperity, tmp_path):
     """Under a limit of the shell: status 1, and no file."""
     (tmp_path / "map.spec").write_text("&map pixels = 20000, spacing = 1., hurst = 0.8, "
@@ -302,12 +229,6 @@ def test_memory_is_asked_for_beforehand(asperity, tmp_path):
     done = run_program("bash", "-c", command, status=1, cwd=tmp_path)
     assert "not enough memory for the map, 20000 x 20000 pixels" in done.stderr
     assert not (tmp_path / "map.npy").exists()
-
-
-def test_cost_is_estimated(run, tmp_path):
-    (tmp_path / "map.spec").write_text(SMALL.format(rms="rms_slope = 0.3", more=""))
-    done = run("generate", "map.spec", "--cost")
-    assert done.stdout.startswith("work: 33 columns of waves, tried 11 in ")
 
 
 def spectra(path):

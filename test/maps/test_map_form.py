@@ -5,6 +5,7 @@ import math
 
 import numpy as np
 import pytest
+from elements_truth import love
 from image_data import read_vti
 from programs import run_program
 from surfaces_csv import solve
@@ -109,14 +110,6 @@ def test_form_radius_is_refused(asperity, tmp_path):
         assert word in run_program(asperity, "solve", scene, status=2).stderr
 
 
-def love(x, y, sides):
-    """Displacement times the modulus by unit pressure on a rectangle (Love 1929)."""
-    def corner(x, y):
-        return (x * np.arcsinh(y / abs(x)) + y * np.arcsinh(x / abs(y))) / math.pi
-    a, b = sides[0] / 2, sides[1] / 2
-    return corner(x + a, y + b) - corner(x - a, y + b) - corner(x + a, y - b) + corner(x - a, y - b)
-
-
 @pytest.mark.parametrize("axis", [0, 1])
 def test_displacements_on_a_strip(asperity, tmp_path, tally, axis):
     """Differences of the displacements of the solved pressures, by 4001 periods of rectangles."""
@@ -135,7 +128,7 @@ def test_displacements_on_a_strip(asperity, tmp_path, tally, axis):
     for period in range(-2000, 2001):
         shift = [0.0, 0.0]
         shift[axis] = period * shape[axis] * sides[axis]
-        moved += love(offset[0] + shift[0], offset[1] + shift[1], sides) @ pressure / E
+        moved += love(offset[0] + shift[0], offset[1] + shift[1], *sides) @ pressure / (math.pi * E)
     found = fields["displacement"].ravel()
     assert np.ptp(found - moved) < 2e-6 * np.ptp(found)
     tally.add("displacements on a strip", found.size, found.size)

@@ -6,21 +6,11 @@ import re
 import numpy as np
 import pytest
 
-import made_maps
 from map_press_truth import press, rough
-from programs import run_program
-from surfaces_csv import records, solve, write_scene
+from map_truth import levelled as level
+from surfaces_csv import solve, write_scene
 
 E = 3.0
-
-
-def level(height):
-    """Less the plane of least squares."""
-    place = np.indices(height.shape).reshape(2, -1)
-    there = ~np.isnan(height.ravel())
-    columns = np.c_[place[0], place[1], np.ones(place.shape[1])]
-    plane = np.linalg.lstsq(columns[there], height.ravel()[there], rcond=None)[0]
-    return height - (columns @ plane).reshape(height.shape)
 
 
 def write_map(path, height):
@@ -186,48 +176,6 @@ def test_summits_say_what_they_cost(asperity, tmp_path, tally, share):
     tally.add("what summits cost, against numpy", 4, 4)
 
 
-@pytest.mark.long
-@pytest.mark.once
-def test_a_large_map_is_pressed_coarser(asperity, tmp_path):
-    """What is told of 608 400 samples, pressed at half resolution, against the samples themselves:
-    under a load and, of the load, at a level."""
-    side = 1e-6
-    height = 1e-7 * made_maps.self_affine((780, 780), 3, shortest=16)[0]
-    made_maps.write_bytes(tmp_path / "map.sdf", height, side, side)
-    load = load_for(height, (side, side), 0.01)
-
-    def solved(way, **loading):
-        return solve(asperity, write_scene(
-            tmp_path / f"{way}.scene", surfaces={"upper": "plane", "lower": "map.sdf"},
-            material={"contact_modulus": E}, effects={"interaction": way}, loading=loading))
-
-    truth = float(solved("boundary", control="load", value=load).positions[0]["separation"])
-    found = solved("coupled", control="load", value=load)
-    approach = float(found.positions[0]["separation"])
-    true = (approach - truth) / np.std(level(height))
-    claimed, give = told(found.stdout, "separation"), told(found.stdout, "uncertainty")
-    assert abs(claimed - true) < give + 1e-3 < 0.02
-    # There the map bears what is told of it, to first order.
-    there = solved("coupled", control="approach", value=approach)
-    samples = solved("boundary", control="approach", value=approach)
-    off = float(there.positions[0]["load"]) / float(samples.positions[0]["load"]) - 1
-    estimate = float(there.positions[0]["error_estimate"])
-    assert 0.5 * abs(off) < estimate < 0.1
-
-
-@pytest.mark.parametrize("tolerance", [0.3, 1e-4])
-def test_auto_presses_pixels(asperity, tmp_path, tolerance):
-    sides = (1 / 64, 1 / 64)
-    height = 1e-4 * rough(64, shortest=8, seed=16)
-    loading = {"control": "load", "value": load_for(height, sides, 0.03)}
-    scene = map_scene(tmp_path, height, sides, interaction="auto", loading=loading)
-    scene.write_text(scene.read_text().replace("'auto'", f"'auto', tolerance = {tolerance}"))
-    found = solve(asperity, scene)
-    flat, _ = press(level(height), sides, E, loading["value"])
-    assert found.positions[0]["interaction"] == "boundary" and "Summits" not in found.stdout
-    assert abs(float(found.positions[0]["separation"]) / flat - 1) < 1e-6
-
-
 @pytest.mark.parametrize("more, way, said", [
     ({"plastic_yield_stress": 1e-3, "plasticity": "auto"}, "coupled",
      "plasticity: without plastic_hardness it is computed for asperities, not for the pixels of a "
@@ -266,27 +214,6 @@ def test_auto_presses_pixels_where_summits_have_no_solution(asperity, tmp_path):
     assert abs(float(found["separation"]) / flat - 1) < 1e-6
 
 
-def test_auto_keeps_its_answer_alone(asperity, tmp_path):
-    """Kept or not, at once or again: the same positions; another map is another scene."""
-    sides = (1 / 64, 1 / 64)
-    height = 1e-4 * rough(64, shortest=8, seed=16)
-    scene = map_scene(tmp_path, height, sides, interaction="auto",
-                      loading={"control": "load", "value": load_for(height, sides, 0.03)})
-    plain = solve(asperity, scene)
-    assert plain.positions[0]["interaction"] == "boundary"
-
-    def kept():
-        return run_program(asperity, "solve", scene.name, "--quiet", "--keep", "keep",
-                           "--positions", "kept.csv", status=None, cwd=tmp_path)
-
-    for _ in range(2):
-        assert kept().returncode == 0
-        assert records(tmp_path / "kept.csv") == plain.positions
-    write_map(tmp_path / "map.txt", 1.01 * height)
-    other = kept()
-    assert other.returncode == 1 and "holds no positions of this scene" in other.stderr
-
-
 def test_a_pressure_is_a_load_over_the_map(asperity, tmp_path):
     """Over its own area, or over the one that is given; on samples and on summits."""
     sides = (0.02, 0.03)
@@ -302,13 +229,6 @@ def test_a_pressure_is_a_load_over_the_map(asperity, tmp_path):
             assert abs(float(row["nominal_pressure"]) / 1e-3 - 1) < 1e-9
             assert abs(float(row["area_fraction"]) * over
                        / float(row["projected_area"]) - 1) < 1e-12
-
-
-def test_commands_that_take_no_map(asperity, tmp_path):
-    scene = map_scene(tmp_path, rough(32, shortest=4), (0.1, 0.1), interaction="off",
-                      loading={"control": "limit"}, limit={"criterion": "load", "value": 1e-3})
-    done = run_program(asperity, "solve", scene, "--budget", status=2)
-    assert "map" in done.stderr
 
 
 @pytest.mark.parametrize("change, said", [

@@ -334,19 +334,6 @@ def test_a_soft_ridge(asperity, tmp_path):
     assert states[0]["plastic_area"] == pytest.approx(load / hardness, rel=1e-9)
 
 
-def test_a_hardness_out_of_reach_changes_nothing(asperity, tmp_path):
-    height = 1e-3 * rough(64, 48, shortest=6, seed=8)
-    load = load_for(height, SIDES, 0.1)
-    _, row, (field,) = run(asperity, tmp_path, height, 1e6,
-                           loading={"control": "load", "value": load})
-    scene = map_scene(tmp_path, height, SIDES, name="elastic",
-                      loading={"control": "load", "value": load})
-    elastic = solve(asperity, scene).positions[0]
-    assert row["plastic_area"] == 0 and row["dissipated_work"] == 0
-    for name in ("separation", "load", "area", "mean_gap", "elastic_energy"):
-        assert row[name] == pytest.approx(float(elastic[name]), rel=1e-8), name
-
-
 @pytest.mark.parametrize("effects, words", [
     (", plastic_hardness = 0.1", r"plasticity +auto"),
     (", plastic_hardness = 0.1, plasticity = 'on'", r"plasticity +on"),
@@ -387,16 +374,6 @@ def test_refused(asperity, tmp_path, interaction, effects, sentence):
     scene.write_text(scene.read_text().replace("plasticity = 'off'", effects))
     found = solve(asperity, scene)
     assert found.status == 2 and sentence in found.stderr, found.stderr
-
-
-def test_refused_beside_asperities(asperity, tmp_path):
-    (tmp_path / "s.csv").write_text("x,y,height,radius\n0,0,0.1,1\n")
-    scene = tmp_path / "s.scene"
-    scene.write_text("&surfaces upper = 'plane', lower = 's.csv' /\n&material contact_modulus = 1. "
-                     "/\n&loading control = 'load', value = 1e-3 /\n"
-                     "&effects plastic_hardness = 1. /\n")
-    found = solve(asperity, scene)
-    assert found.status == 2 and "expected plastic_yield_stress in its place" in found.stderr
 
 
 @pytest.mark.truth

@@ -2,10 +2,8 @@
 the command says of maps that it cannot read."""
 
 import base64
-import os
 import re
 import sys
-from pathlib import Path
 from xml.etree import ElementTree
 
 import numpy as np
@@ -17,8 +15,6 @@ from made_maps import FOLDER, self_affine, write_bytes
 from programs import run_program
 from surfaces_csv import solve, write_scene
 
-# Measured maps to try, one file each, where somebody has some.
-MEASURED = sorted(Path(folder).glob("*.sdf") if (folder := os.environ.get("ASPERITY_MAPS")) else [])
 NEEDS_SDFIO = pytest.mark.skipif(sys.version_info < (3, 11), reason="sdfio needs Python 3.11")
 
 
@@ -307,27 +303,6 @@ def test_archived_maps_are_read_as_sdfio_reads_them(summits):
             assert_same(summits(path, "--rule", rule).rows, expected, np.nanstd(sdf.data))
 
 
-@NEEDS_SDFIO
-@pytest.mark.parametrize("path", MEASURED, ids=lambda path: path.stem)
-def test_measured_maps(path, summits):
-    import sdfio
-    sdf = sdfio.read(path)
-    dx, dy = sdf.header.x_scale, sdf.header.y_scale
-    for rule in ("eight", "contact"):
-        for radius in map_truth.RADII:
-            done = summits(path, "--rule", rule, "--radius", radius)
-            expected, _ = map_truth.summits(sdf.data, dx, dy, rule, radius)
-            assert done.rows.shape == expected.shape
-            assert np.abs(done.rows - expected)[:, 2].max() <= 1e-12 * np.nanstd(sdf.data)
-            # A levelled height is rounded at its last bit, a second difference of it at four.
-            bends = 1 / expected[:, 3]
-            rounding = 4 * np.finfo(float).eps * np.nanmax(np.abs(map_truth.levelled(sdf.data)))
-            assert (np.abs(1 / done.rows[:, 3] - bends) <=
-                    1e-12 * bends + rounding / min(dx, dy) ** 2).all()
-    for key, number in map_truth.statistics(sdf.data, dx, dy).items():
-        assert value(done, key) == pytest.approx(number, rel=1e-12), key
-
-
 HEADER = """aBCR-1.0 ; what it is
 ManufacID   = by hand ; a comment
 CreateDate  = 010120261200
@@ -456,26 +431,6 @@ def test_bad_maps_are_refused(content, options, message, summits, tmp_path):
     assert any(re.match(rf"(?:bad\.map:)? ?{message}", line) for line in told), done.stderr
 
 
-def test_a_matrix_without_spacing_is_one_mistake(summits, tmp_path):
-    (tmp_path / "bad.map").write_text("0 0 0 0\n" * 30)
-    assert summits("bad.map", status=2).stderr.count("\n") == 1
-
-
-@pytest.mark.parametrize("options, message", [
-    (["--rule=nine"], "--rule: found 'nine', expected eight or contact"),
-    (["--level=x"], "--level: found 'x', expected plane, mean or none"),
-    (["--radius=x"], "--radius: found 'x', expected neighbours, geometric or paraboloid"),
-    (["--unit=ft"], "--unit: found 'ft', expected m, mm, um, nm, cm or in"),
-    (["--spacing=1mm"], "--spacing: found '1mm', expected X or X,Y"),
-    (["--spacing=1,0"], "--spacing: found '1,0', expected X or X,Y"),
-    (["--picture=smooth.sdf"], "--picture names the input"),
-    (["--threads=2"], "unknown option '--threads'"),
-])
-def test_bad_options_are_refused(options, message, summits, tmp_path):
-    (tmp_path / "smooth.sdf").symlink_to(FOLDER / "smooth.sdf")
-    assert message in summits("smooth.sdf", *options, status=2).stderr
-
-
 def test_all_problems_are_told(summits, tmp_path):
     (tmp_path / "a.txt").write_text("0 a 0\n0 1\n0 0 b\n", encoding="ascii")
     done = summits("a.txt", "--spacing=1,1", status=2)
@@ -516,16 +471,6 @@ def test_a_large_map_has_a_small_picture(summits, tmp_path):
     heights, _ = self_affine((700, 1100), 12, shortest=8, periodic=True)
     summits(write_bytes(tmp_path / "a.sdf", heights), "--picture", "p.svg")
     assert (tmp_path / "p.svg").stat().st_size < 500_000
-
-
-def test_a_scene_takes_the_surface(summits, asperity, tmp_path):
-    summits(FOLDER / "smooth.sdf", "--unit", "um", "--rule", "contact")
-    (tmp_path / "a.scene").write_text(
-        "&surfaces upper = 's.csv', lower = 'ball.csv' /\n"
-        "&material elastic_modulus = 1e3, 1e3, poisson_ratio = 0.3, 0.3 /\n"
-        "&loading control = 'load', value = 1. /\n", encoding="ascii")
-    (tmp_path / "ball.csv").write_text("x,y,height,radius\n60,40,0,1e4\n", encoding="ascii")
-    run_program(asperity, "solve", "a.scene", cwd=tmp_path)
 
 
 def test_memory_that_is_not_there_is_told(summits, asperity, tmp_path):

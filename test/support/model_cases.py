@@ -15,6 +15,7 @@ from adhesion_truth import maugis_load, maugis_units
 from boundary_equations import evaluate
 from boundary_patch import Contact
 from map_press_truth import press, rough
+from map_truth import levelled
 from mpmath import mp, mpf
 from plastic_truth import Sphere, unloading
 
@@ -271,7 +272,7 @@ def map_cases():
         "map_tilt", "A bump on a plane 10 times as high as the bump; the plane is subtracted.",
         "The bump less its plane of least squares, by conjugate gradients in numpy.",
         bump + slope, loading("load", 20.0),
-        map_values(without_plane(bump + slope), 20.0, 1e-6, PIXELS, periodic=False), "free",
+        map_values(levelled(bump + slope), 20.0, 1e-6, PIXELS, periodic=False), "free",
         "plane")
     flat = np.full((N, N), 0.25)
     yield map_case(
@@ -340,15 +341,6 @@ def pixel_effect_cases():
             [Value("greatest_pressure", (1.5 + relaxed) * closing, 1e-7, PIXELS),
              Value("area", float(N**2), 1e-12, EXACT)],
             creep="on", relaxation_time=tau, relaxed_modulus_ratio=ratio, hold_time=time, **more)
-
-
-def without_plane(heights):
-    """Heights less their plane of least squares."""
-    rows, columns = heights.shape
-    y, x = np.mgrid[:rows, :columns]
-    base = np.column_stack([np.ones(heights.size), x.ravel(), y.ravel()])
-    return heights - (base @ np.linalg.lstsq(base, heights.ravel(), rcond=None)[0]).reshape(
-        heights.shape)
 
 
 # ---------------------------------------------------------------- dense caps

@@ -25,6 +25,7 @@ from pathlib import Path
 import numpy as np
 
 from dense_scenes import COMBINED, dense_scenes
+from elements_truth import good, love
 from surfaces_csv import records
 
 # Of the edge of the squares under pressure (a staircase), in sides of a square: area counted too
@@ -53,37 +54,13 @@ class Failed(Exception):
     """A solve that does not end."""
 
 
-def good(n):
-    """The least number of 2, 3 and 5 not below n: quick to transform."""
-    best = 1 << int(n - 1).bit_length()
-    five = 1
-    while five < best:
-        three = five
-        while three < best:
-            two = three * 2 ** max(0, int(np.ceil(np.log2(n / three))))
-            best = min(best, two)
-            three *= 3
-        five *= 5
-    return int(best)
-
-
-def love(x, y, half):
-    """Integral of 1/|x - x'| over a square about the origin (Love 1929)."""
-    a, b, c, d = x + half, x - half, y + half, y - half
-
-    def part(u, v):
-        return u * np.arcsinh(v / np.abs(u)) + v * np.arcsinh(u / np.abs(v))
-
-    return part(a, c) - part(a, d) - part(b, c) + part(b, d)
-
-
 class Product:
     """Displacements of pressures on a grid: the last two axes."""
 
     def __init__(self, shape, side):
         self.shape, self.wide = shape, [good(2 * n) for n in shape]
         x, y = (np.minimum(np.arange(m), m - np.arange(m)) * side for m in self.wide)
-        self.kernel = np.fft.rfft2(love(x[:, None], y[None], side / 2)) / (np.pi * COMBINED)
+        self.kernel = np.fft.rfft2(love(x[:, None], y[None], side, side)) / (np.pi * COMBINED)
 
     def __call__(self, pressure):
         # Zeros are not transformed where that can be left out.
@@ -172,7 +149,7 @@ class Grid:
         self.shape = [int(v) for v in
                       np.ceil(((self.gap.place + reach).max(0) + side - self.low) / side)]
         # The window of each pair: as many squares for several of them, so that they go together.
-        self.size = np.array([good(2 * r / side + 4) for r in self.gap.reach])
+        self.size = np.array([good(int(np.ceil(2 * r / side + 4))) for r in self.gap.reach])
         middle = (self.gap.place - self.low) / side
         self.first = np.floor(middle - self.size[:, None] / 2).astype(int)
 
