@@ -27,7 +27,7 @@ import numpy as np
 from made_maps import self_affine, write_bytes
 from map_press_truth import press
 from map_truth import levelled
-from test_map_scene import patch_areas
+from map_scenes import patch_areas
 from whole_runs import Failed, press_map, release_build
 
 MODULUS = 1e5

@@ -1,12 +1,9 @@
 """What accuracy costs in time: the study, its reference, and the promise of --accuracy."""
 
 import math
-import os
 import random
 import re
 import shutil
-import signal
-import subprocess
 
 import pytest
 
@@ -349,26 +346,3 @@ def test_the_time_is_bounded(asperity, root, tmp_path):
         done = run_program(asperity, "accuracy", root / "data/thesis.deck", "--seconds", wrong,
                            status=2)
         assert "--seconds: found" in done.stderr
-
-
-def test_progress_and_an_interruption(asperity, root, tmp_path):
-    """On a terminal it tells at once how much there is to do; interrupted it leaves nothing."""
-    terminal, other = os.openpty()
-    child = subprocess.Popen([asperity, "accuracy", root / "data/thesis.deck", "--csv", "a.csv"],
-                             cwd=tmp_path, stderr=other, stdout=subprocess.PIPE,
-                             preexec_fn=lambda: signal.signal(signal.SIGINT, signal.SIG_DFL))
-    os.close(other)
-    said = b""
-    while b"methods" not in said:
-        said += os.read(terminal, 1000)
-    child.send_signal(signal.SIGINT)
-    try:
-        while more := os.read(terminal, 1000):
-            said += more
-    except OSError:
-        pass  # the terminal is closed
-    os.close(terminal)
-    out, _ = child.communicate(timeout=30)
-    assert re.match(rb"0 of \d+ methods", said), said
-    assert child.returncode == 1 and out == b"" and list(tmp_path.iterdir()) == []
-    assert said.rstrip().endswith(b"interrupted by signal  2, no output written"), said

@@ -1,13 +1,10 @@
 """Compression control: the decrease of the separation since first contact is prescribed."""
 
-import math
-
 import numpy as np
 import pytest
 from made_maps import write_bytes
-from surfaces_csv import solve, write_csv_scene, write_scene, write_surface
+from surfaces_csv import solve, write_csv_scene, write_scene
 
-MODULUS = 1000.0
 CAPS = [(0.0, 0.0, 0.30, 1.0), (0.9, 0.2, 0.297, 1.5), (0.3, 1.1, 0.293, 0.7)]
 
 
@@ -42,27 +39,6 @@ def test_compression_and_separation(asperity, tmp_path, interaction, lower):
         for name in ("load", "area", "compression"):
             assert float(other[name]) == pytest.approx(
                 float(found.positions[int(m) - 1][name]), rel=1e-9)
-
-
-def test_hertz(asperity, tmp_path):
-    """One cap on a plane: load 4/3 E* sqrt(R) c**1.5."""
-    path = write_scene(
-        tmp_path / "ball.scene", material={"contact_modulus": MODULUS},
-        surfaces={"upper": write_surface(tmp_path / "ball.csv", [(0, 0, 0.5, 2.0)]),
-                  "lower": "plane"}, loading={"control": "compression", "value": 0.001})
-    found = solve(asperity, path)
-    want = 4 / 3 * MODULUS * math.sqrt(2.0) * 0.001 ** 1.5
-    assert float(found.positions[0]["load"]) == pytest.approx(want, rel=1e-12)
-
-
-def test_path(asperity, tmp_path):
-    """A path of compressions, down and up, with plasticity."""
-    found = solve(asperity, scene(
-        tmp_path, {"plasticity": "on", "plastic_yield_stress": 5.0, "interaction": "off"},
-        control="compression", value=(0.01, 0.002, 0.015), points=4), curve=True)
-    assert found.status == 0, found.stderr
-    ends = [float(row["compression"]) for row in found.curve if row["position"] == "1"][4::4]
-    assert ends == pytest.approx([0.01, 0.002, 0.015], rel=1e-12)
 
 
 def test_map(asperity, tmp_path):

@@ -6,7 +6,6 @@ penetrations are computed another way (touching_level), so they agree within rou
 tests compare pairs within the margin of the search, also of shorter numbers.
 """
 
-
 import math
 
 import numpy as np

@@ -1,4 +1,4 @@
-"""A plane as one of the surfaces: caps on it by closed form, and as the limit of large spheres."""
+"""A plane as one of the surfaces: caps on it by closed form."""
 
 import math
 import re
@@ -7,8 +7,6 @@ import numpy as np
 import pytest
 from mpmath import mp, mpf
 
-from ball_scenes import column
-from programs import run_program
 from surfaces_csv import solve, write_scene, write_surface
 
 E = 2.0e4
@@ -19,13 +17,9 @@ def other(side):
     return "lower" if side == "upper" else "upper"
 
 
-def plane_scene(folder, caps, side="lower", name="plane", big=None, **groups):
-    """Caps (x, y, height, radius) on a plane, which is the surface `side`; with `big` a sphere of
-    that radius takes its place, its summit on the reference plane at the origin."""
-    against = "plane"
-    if big:
-        against = write_surface(folder / "big.csv", [(0.0, 0.0, 0.0, big)])
-    surfaces = {side: against, other(side): write_surface(folder / "caps.csv", caps)}
+def plane_scene(folder, caps, side="lower", name="plane", **groups):
+    """Caps (x, y, height, radius) on a plane, which is the surface `side`."""
+    surfaces = {side: "plane", other(side): write_surface(folder / "caps.csv", caps)}
     return write_scene(folder / f"{name}.scene", surfaces=surfaces,
                        material={"contact_modulus": E}, **groups)
 
@@ -152,64 +146,6 @@ def test_tilt_and_motion(asperity, tmp_path, side):
     assert len({row["load"] for row in run.positions}) == 4
 
 
-def test_level_plane_forgets_place(asperity, tmp_path):
-    """A level plane knows no displacement: every position is the first."""
-    scene = plane_scene(tmp_path, random_caps(50, seed=3),
-                        loading={"control": "load", "value": 9.0},
-                        motion={"x_first": 0.0, "x_step": 1e7, "y_step": -3.0, "positions": 3})
-    rows = solve(asperity, scene, contacts=False).positions
-    assert len({tuple(row[n] for n in ("separation", "load", "area", "contacts"))
-                for row in rows}) == 1
-
-
-EFFECTS = {
-    "none": {},
-    "coupled": {"interaction": "coupled"},
-    "boundary": {"interaction": "boundary", "boundary_tolerance": 0.01},
-    "auto": {"interaction": "auto", "tolerance": 0.001},
-    "adhesion": {"adhesion": "on", "work_of_adhesion": 0.5, "equilibrium_distance": 1e-6},
-    "plasticity": {"plasticity": "on", "plastic_yield_stress": 100.0},
-    "creep": {"creep": "on", "hold_time": 3.0, "relaxation_time": 1.0,
-              "relaxed_modulus_ratio": 0.5},
-    "friction": {"friction": "on", "friction_coefficient": 0.3}}
-
-
-LOADINGS = ({"control": "approach", "value": 0.09}, {"control": "load", "value": 150.0},
-            {"control": "load", "value": (100.0, 30.0, 150.0)})
-
-
-# Friction is computed for paths that do not go back.
-@pytest.mark.parametrize(("name", "loading"), [
-    (name, loading) for name in EFFECTS for loading in LOADINGS[:2 if name == "friction" else 3]])
-@pytest.mark.parametrize("side", SIDES)
-def test_limit_of_spheres(asperity, tmp_path, name, side, loading):
-    """With every effect a plane is what a sphere tends to: off by about one over its radius.
-
-    A sphere of radius B falls by x^2/2B at distance x; here x^2 is at most 8, the closing 0.01: so
-    a load is off by up to 1.5 * 8/(2 B 0.01) = 600/B, and by its flatter cap, R/2B.
-    """
-    caps, found = random_caps(12, seed=5), []
-    material = {"elastic_modulus": (2 * E * (1 - 0.09),) * 2, "poisson_ratio": (0.3, 0.3)}
-    for big in (None, 1e6):
-        scene = plane_scene(tmp_path, caps, side, big=big, loading=loading, effects=EFFECTS[name])
-        text = scene.read_text().replace(f"contact_modulus = {E!r}", ", ".join(
-            f"{k} = {v[0]!r}, {v[1]!r}" for k, v in material.items()))
-        scene.write_text(text)
-        run = solve(asperity, scene)
-        assert run.status == 0, run.stderr
-        found.append((float(run.positions[0]["separation"]),
-                      np.array([float(run.positions[0][n]) for n in
-                                ("load", "vertical_load", "area", "projected_area")]),
-                      column(run.contacts, "load")))
-    assert abs(found[0][0] - found[1][0]) < 8 / 2e6
-    # What cells leave of the area scatters (boundary: 1 of 100 was asked for).
-    cells = 0.02 if name in ("boundary", "auto") else 0.0
-    assert np.all(np.abs(found[0][1] / found[1][1] - 1) < 1200 / 1e6 + cells)
-    assert found[0][2].size == found[1][2].size
-    scale = found[0][2].max()
-    assert np.all(np.abs(found[0][2] - found[1][2]) < (1200 / 1e6 + cells) * scale)
-
-
 def test_radius_and_refusals(asperity, tmp_path):
     """One plane at most; beside it one radius serves."""
     (tmp_path / "bare.csv").write_text("x,y,height\n0,0,0\n")
@@ -230,19 +166,6 @@ def test_radius_and_refusals(asperity, tmp_path):
         run = solve(asperity, path)
         assert run.status == 2
         assert expected in run.stderr
-
-
-def test_commands(asperity, tmp_path):
-    """Kept positions, the budget and an accuracy asked for know a plane."""
-    scene = plane_scene(tmp_path, random_caps(5, seed=2), motion={"x_step": 1.0, "positions": 3},
-                        limit={"criterion": "load", "value": 1.0})
-    once = solve(asperity, scene)
-    for options in (["--keep", str(tmp_path / "keep")], ["--accuracy", "1e-2"], ["--budget"]):
-        run_program(asperity, "solve", scene, *options)
-    run_program(asperity, "solve", scene, "--keep", tmp_path / "keep", "--positions",
-                tmp_path / "kept.csv", "--quiet")
-    assert (tmp_path / "kept.csv").read_text().splitlines()[1].split(",") == list(
-        once.positions[0].values())
 
 
 def test_nominal_area(asperity, tmp_path):

@@ -258,13 +258,6 @@ def test_bad_specifications(study, tmp_path, text, messages):
     assert done.stdout == "" and not (tmp_path / "a.csv").exists()
 
 
-def test_surface_that_cannot_be_packed(study, tmp_path):
-    text = spec().replace("ensemble = 4", "ensemble = 4, tries = 1")
-    done = study(text, "--csv", "a.csv", status=1)
-    assert "surface 1: the upper surface cannot be packed" in done.stderr
-    assert not (tmp_path / "a.csv").exists()
-
-
 @pytest.mark.long
 def test_contact_area_above_the_nominal_area(study):
     """Caps that touch nearly everywhere: no number where the area per nominal area is above 1."""

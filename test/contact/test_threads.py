@@ -38,14 +38,6 @@ def compare_threads(asperity, scene, folder, tally):
     return one
 
 
-@pytest.mark.long
-def test_thesis_sweep(asperity, root, tmp_path, tally):
-    status, out, _, files = compare_threads(asperity, root / "data" / "thesis.deck", tmp_path,
-                                            tally)
-    assert status == 0 and b"100 positions" in out
-    assert files["positions.csv"].count(b"\n") == 101
-
-
 def test_large_sweep(asperity, tmp_path, tally):
     rng = np.random.default_rng(2000)
     scene = write_csv_scene(
@@ -157,19 +149,6 @@ def test_progress_on_a_terminal(asperity, endless, tmp_path):
     assert child.returncode == 1 and out == b""
     assert kept.read_text() == "kept\n"
     assert not list(tmp_path.glob(".asperity*"))
-
-
-@pytest.mark.long
-def test_no_progress_elsewhere(asperity, endless):
-    child = subprocess.Popen([asperity, "solve", endless], stdin=subprocess.DEVNULL,
-                             stdout=subprocess.PIPE, stderr=subprocess.PIPE,
-                             preexec_fn=lambda: signal.signal(signal.SIGTERM, signal.SIG_DFL))
-    time.sleep(3)
-    child.terminate()
-    out, err = child.communicate(timeout=20)
-    assert (child.returncode, out) == (1, b"")
-    assert err == (b"interrupted by signal 15, no output written; --keep FILE would keep what is "
-                   b"solved\n")
 
 
 @pytest.mark.parametrize("size, good", [("16M", True), ("16384 k", True), ("16384", True),

@@ -16,7 +16,7 @@ from effect_runs import CAP, COMBINED
 from map_press_truth import rough
 from plastic_truth import Sphere
 from surfaces_csv import solve, write_csv_scene, write_plane_scene
-from test_map_scene import E, load_for, map_scene
+from map_scenes import E, load_for, map_scene
 from test_warnings import INSIDE, OUTSIDE, RADIUS, check_pair, overlap_of, pressed, told
 
 # Sy/E' far inside the fit.

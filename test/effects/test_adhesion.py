@@ -137,25 +137,6 @@ def test_snaps(asperity, tmp_path, tally):
         float(run.curve[6]["load"]) / (-4 / 3 * UNIT) - 1), 1e-14)
 
 
-def test_many_snap_at_once(asperity, tmp_path, tally):
-    """Two hundred balls of two heights: they snap in together, and part together."""
-    count, lag = 200, 0.5 * DEPTH
-    gaps = [0.0, lag] * (count // 2)
-    near = 1e-9 * DEPTH
-    ways = (-near, 0, lag - near, lag, DEPTH, lag + SNAP_OFF - near, SNAP_OFF - near)
-    run = adhering(asperity, tmp_path, 50, ways * 2, radii=(RADIUS,) * count, gaps=gaps)
-    found = column(run.curve, "contacts").astype(int)
-    wanted = [0, 100, 100, 200, 200, 100, 0] * 2
-    tally.add("adhesion: many snaps", len(wanted), int((found == wanted).sum()))
-    assert list(found) == wanted
-    compare(tally, "adhesion: load of a hundred snaps", abs(
-        float(run.curve[1]["load"]) / (-400 / 3 * UNIT) - 1), 1e-13)
-    row = adhering(asperity, tmp_path, 50, ways[:2], radii=(RADIUS,) * count,
-                   gaps=gaps).positions[0]
-    assert (float(row["adhering_contacts"]), float(row["pulling_contacts"])) == (100, 100)
-    assert float(row["pull_off_sum"]) == pytest.approx(150 * UNIT, rel=1e-13)
-
-
 def test_no_work_of_adhesion(asperity, tmp_path, tally):
     """Byte for byte without adhesion in the common columns: one ball, and the thesis models."""
     sweep = {"surfaces": {"deck": str(DECK)},

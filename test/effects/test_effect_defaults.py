@@ -43,20 +43,6 @@ def test_position_56(asperity, tmp_path):
                                                                       rel=0.01)
 
 
-@pytest.mark.parametrize("control, value", (
-    ("load", 1000.0), ("vertical_load", 1000.0), ("pressure", 100.0), ("approach", 0.27),
-    ("limit", None), ("load", (500.0, 1000.0, 0.0))))
-def test_off_is_estimated_under_every_control(control, value, asperity, tmp_path):
-    loading = {"control": control} | ({} if value is None else {"value": value})
-    surfaces = {**POSITION_56["surfaces"], "nominal_area": 10.0}
-    off, auto = (solve(asperity, write_scene(
-        tmp_path / f"{mode}.scene", **{**POSITION_56, "surfaces": surfaces}, loading=loading,
-        effects={"interaction": mode})) for mode in ("off", "auto"))
-    assert row_of(auto)["interaction"] != "off" or control == "load"
-    assert influence_warned_of(off) > 0.1, off.stderr
-    assert "interaction  off: estimated influence on the load" in off.stdout
-
-
 def test_nothing_is_said_where_nothing_is_called_for(asperity, tmp_path):
     """Contacts far apart: no warning, and the bytes of `off`. The unlike bodies have a note."""
     loading = {"loading": {"control": "load", "value": 1.0}, "motion": {"x_step": 0.1,
@@ -262,21 +248,6 @@ def test_an_effect_of_a_map_is_simulated_or_left_out(edge, asperity, tmp_path):
         simulated = [name for name in chosen if row_of(done).get(name, "off") != "off"]
         for name in simulated:
             assert f"warning: position 1: {name} is" not in done.stderr, done.stderr
-
-
-@pytest.mark.parametrize("effect", sorted(set(EFFECTS) - {"interaction"}))
-def test_an_accuracy_of_a_refused_scene(effect, asperity, tmp_path):
-    """`--accuracy` fails with the sentence of the plain solve; results are not read."""
-    for mode in ("on", "auto"):
-        for loading in ({"control": "load", "value": 1e9}, {"control": "compression", "value": 3.0},
-                        {"control": "separation", "value": -3.0}):
-            scene = write_csv_scene(tmp_path, BALLS[:1], CLOSE, modulus=(400.0, 400.0),
-                                    loading=loading, effects={
-                                        "interaction": "off", effect: mode, **EFFECTS[effect]})
-            plain, accurate = (solve(asperity, scene, *options)
-                               for options in ((), ("--accuracy", "1e-3")))
-            assert plain.status == accurate.status == 1, accurate.stderr
-            assert accurate.stderr == plain.stderr
 
 
 @pytest.mark.parametrize("effect", sorted(EFFECTS))

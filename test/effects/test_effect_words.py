@@ -8,7 +8,7 @@ from itertools import product
 import numpy as np
 import pytest
 
-from ball_scenes import balls, column, compare, off, solved
+from ball_scenes import balls, column, compare, solved
 from effect_runs import DECK, ROOT, TOLD
 from surfaces_csv import records, solve, write_scene
 
@@ -286,30 +286,3 @@ def test_examples(name, asperity, tmp_path, tally):
     if name.startswith(("beyond_limit", "ten", "index")) and "hertz" not in name:
         # All five effects were asked for.
         assert all(row[effect + "_estimate"] for effect in ON)
-
-
-def flowing(rows, overlap):
-    """Share of the contacts that are past an overlap."""
-    return (column(rows, "overlap") > overlap).mean()
-
-
-def test_share_of_contacts_that_flow(asperity, tmp_path, tally):
-    """The example with the index 0.92 against the integrals of Greenwood and Williamson."""
-    run_of_index = solve(asperity, EXAMPLES / "index_092.scene", folder=tmp_path, curve=True)
-    modulus, hardness, radius = 196000 / (2 * (1 - 0.42**2)), 21560.0, 0.635
-    onset = radius * (hardness / modulus) ** 2
-    sigma = radius * (0.92 * hardness / modulus) ** 2
-    tail = lambda z: 0.5 * math.erfc(z / math.sqrt(2))
-    # 400 summits are counted: a share is known to half a contact.
-    for row in run_of_index.curve:
-        rows = [r for r in run_of_index.contacts if r["step"] == row["step"]]
-        height = (float(row["separation"]) - 0.1) / sigma
-        compare(tally, "index: share of summits that touch",
-                abs(len(rows) / 400 - tail(height)), 2 / 400)
-        compare(tally, "index: share of contacts that flow",
-                abs(flowing(rows, onset) - tail(height + onset / sigma) / tail(height)),
-                1 / len(rows))
-    assert 0.2 < flowing(rows, onset) < 0.4
-    compare(tally, "index: ratio of onset and deviation",
-            off([onset / sigma], [1 / 0.92**2]), 1e-12)
-    assert "plasticity index 0.920" in run_of_index.stdout

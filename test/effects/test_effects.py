@@ -9,12 +9,10 @@ import numpy as np
 import pytest
 
 from effect_runs import (CAP, CELLS, COMBINED, CONVERGED, COUPLED_APART, COUPLED_OVERLAPPING,
-                         ROOT, Sweeps, by_position, column, report, total)
+                         ROOT, Sweeps, column, report, total)
 from surfaces_csv import records, solve, write_scene, write_surface
 
 OVERLAPPING = (18, 56, 79)  # positions of the thesis where contact circles overlap
-# What the last halving of cells may change of the factor, a ratio of two loads.
-FACTOR_ON_CELLS = 5e-4
 
 
 def factors(truth):
@@ -123,23 +121,6 @@ def test_finer_cells(position, sweeps, truth, tally):
            [abs(load / float(truth[position - 1]["by_contact"]) - 1)], 2e-4)
 
 
-def test_columns_of_boundary(sweeps):
-    """Cells change how much a contact bears, not how it is inclined: load and area keep the cosine
-    of its law."""
-    run = sweeps.solve(interaction="boundary")
-    loaded = [row for row in run.contacts if float(row["load"]) > 0]
-    assert loaded
-    for row in loaded:
-        cosine = 1 / np.hypot(1, float(row["slope"]))
-        for whole, part in (("load", "vertical_load"), ("area", "projected_area")):
-            assert float(row[part]) == pytest.approx(cosine * float(row[whole]), rel=1e-12)
-    assert column(run.positions, "resolved").tolist() == column(run.positions, "contacts").tolist()
-    assert all(row["interaction"] == "boundary" for row in run.positions)
-    assert column(run.positions, "cells").min() > 50
-    for m, rows in by_position(run.contacts).items():
-        assert total(rows, "load") == pytest.approx(float(run.positions[m - 1]["load"]), rel=1e-13)
-
-
 def test_auto_is_within_its_tolerance(sweeps, truth, tally):
     """Factor against that of cells, like with like: what was left out counts as factor 1."""
     auto = sweeps.solve(interaction="auto", tolerance=0.01).positions
@@ -179,18 +160,6 @@ def test_auto_simulates_what_matters(tolerance, sweeps, truth, tally):
         assert resolved >= set(OVERLAPPING)
     else:
         assert resolved <= set(OVERLAPPING) and not (resolved and tolerance > 0.02)
-
-
-def test_residuals(sweeps):
-    coupled = sweeps.solve(interaction="coupled")
-    worst = column(coupled.positions, "interaction_residual").max()
-    print(f"coupled: residual at most {worst:.1e}, iterations at most "
-          f"{column(coupled.positions, 'interaction_iterations').max():.0f}")
-    assert 0.0 < worst <= CONVERGED
-    assert "largest residual" in effects_part(coupled.stdout)
-    cells = sweeps.solve(interaction="boundary")
-    assert 0.0 < column(cells.positions, "interaction_residual").max() <= 1e-5
-    assert "largest residual" in effects_part(cells.stdout)
 
 
 def test_summary(sweeps, tally):

@@ -113,46 +113,6 @@ def test_contacts_that_slip_in_part(sweeps, tally):
     report(tally, "friction: slip annulus against springs", annuli, ANNULUS_BY_SPRINGS)
 
 
-def test_contacts_against_springs(sweeps, tally):
-    """The second way, on contacts that stick or slide."""
-    for coefficient in (0.05, 0.1):
-        rows = sweeps.solve(friction="on", friction_coefficient=coefficient).contacts
-        forces = []
-        for row in rows[::20]:
-            place = place_of(row)
-            truth = friction_truth.march(
-                place.upper_radius, place.lower_radius, place.distance, float(row["penetration"]),
-                MODULUS, RATIO, MODULUS, RATIO, coefficient, steps=1000)
-            force, _, same = errors_of(row, place, truth, 0.0)
-            assert same
-            forces.append(force)
-        report(tally, "friction: forces against springs", forces, BY_SPRINGS)
-
-
-COMMON = ("position", "step", "separation", "area_no", "x", "y", "upper", "lower", "area",
-          "projected_area", "slope", "load", "average_pressure", "maximum_pressure",
-          "limit_exceeded", "penetration", "overlap")
-
-
-def test_friction_changes_only_forces(sweeps, tally):
-    """Where the contacts lie, how deep and how large, is that of the solver without friction."""
-    off, on = sweeps.solve(), sweeps.solve(friction="on", friction_coefficient=0.1)
-    exact = ("position", "step", "area_no", "upper", "lower", "limit_exceeded")
-    worst = []
-    for free, row in zip(off.contacts, on.contacts, strict=True):
-        assert all(free[name] == row[name] for name in exact)
-        worst.append(max(abs(a - b) / max(abs(a), 1e-300) for a, b in zip(
-            numbers(free, *COMMON), numbers(row, *COMMON))))
-    report(tally, "friction: contacts with and without", worst, 1e-13)
-    free = column(off.positions, "vertical_load")
-    report(tally, "friction: vertical load without",
-           np.abs(column(on.positions, "frictionless_load") / free - 1), 1e-13)
-    report(tally, "friction: its influence", np.abs(
-        column(on.positions, "vertical_load") / free - 1
-        - column(on.positions, "friction_influence")), 1e-13)
-    assert (column(on.positions, "friction_influence") >= 0).all()
-
-
 def test_coefficient_zero(sweeps):
     off, on = sweeps.solve(), sweeps.solve(friction="on", friction_coefficient=0.0)
     assert column(on.contacts, "tangential_load").max() == 0.0

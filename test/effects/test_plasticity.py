@@ -8,7 +8,7 @@ import pytest
 from mpmath import mpf
 
 from ball_scenes import balls, column, compare, off, path, rises, solved, work
-from effect_runs import DECK, by_position
+from effect_runs import DECK
 from plastic_truth import BETWEEN, POINTS, STEEL, Sphere, unloading
 from surfaces_csv import write_plane_scene, write_scene
 
@@ -322,17 +322,6 @@ def test_auto_at_the_onset(asperity, tmp_path):
         assert row["plasticity"] == wanted, times
         assert (float(row["plasticity_estimate"]) > 0) == (times > 1)
         assert float(row["load"]) == pytest.approx(times * load, rel=1e-10)
-
-
-def test_many_turns_do_not_drift(asperity, tmp_path, tally):
-    """A thousand turns between the same closings: the same loads, to the last digit."""
-    top = 10 * ONSET / 1.9
-    run = pressed(asperity, tmp_path, [top, 0.97 * top] * 500, name="cycles")
-    loads = column(run.curve, "load")
-    same = len(set(loads[::2])) == 1 and len(set(loads[1::2])) == 1
-    tally.add("plasticity: thousand turns, to the bit", len(loads), len(loads) if same else 0)
-    assert len(loads) == 1000 and same
-    assert by_position(run.contacts)[1][-1]["largest_overlap"] == run.contacts[0]["largest_overlap"]
 
 
 @pytest.mark.parametrize("body", [None, "upper", "lower"])

@@ -1,6 +1,5 @@
 """Common mistakes, each with the message of docs/how-to/common-mistakes.md, word for word."""
 
-
 import pytest
 from builds import ROOT
 from programs import run_program

@@ -6,18 +6,13 @@ where they hold decimal ones. Beyond the range of a double a run ends with a sen
 
 import csv
 import re
-import subprocess
 from decimal import Decimal
 
-import metamorphic_laws as laws
 import metamorphic_scenes as scenes
-import numpy as np
 import pytest
 from programs import run_program
 from surfaces_csv import records
 
-# Powers of two next to 1e12 and 1e-12, and odd ones, of which no root is a power of two.
-UNITS = [(40, 0), (-40, 0), (0, 40), (0, -40), (39, 37), (-39, -41)]
 ODD = re.compile(r"NaN|Infinity|\*\*\*")
 
 
@@ -122,42 +117,6 @@ def test_study_beyond_range(loading, asperity, tmp_path):
         assert done.returncode == 1 and done.stdout == ""
         assert done.stderr.endswith("a result is beyond the range of a double, expected other "
                                     "units\n")
-
-
-def map_file(folder, unit):
-    """Integer heights times a power of two: a matrix of numbers that are exact in any unit."""
-    rng = np.random.default_rng(14)
-    rows = rng.integers(0, 2000, size=(40, 32)) * 2.0 ** (unit - 9)
-    (folder / "map.txt").write_text("".join(" ".join(map(repr, map(float, row))) + "\n"
-                                            for row in rows), encoding="ascii")
-
-
-@pytest.mark.parametrize("unit", UNITS, ids=str)
-def test_maps(unit, asperity, tmp_path, tally):
-    """Summits of a map, and the map pressed by a load on its samples."""
-    found = []
-    for lengths, moduli in ((0, 0), unit):
-        map_file(tmp_path, lengths)
-        side = 2.0 ** lengths
-        done = [subprocess.run([asperity, "summits", "map.txt", "--spacing", f"{side!r},{side!r}",
-                                "--output", f"{rule}.csv", "--rule", rule], cwd=tmp_path,
-                               capture_output=True, text=True, check=True)
-                for rule in ("contact", "eight")]
-        (tmp_path / "m.scene").write_text(
-            f"&surfaces upper = 'plane', lower = 'map.txt', map_spacing = 2*{side!r} /\n"
-            f"&material contact_modulus = {2.0 ** moduli!r} /\n"
-            f"&effects interaction = 'boundary' /\n&loading control = 'load', points = 2, "
-            f"value = {50 * 2.0 ** (2 * lengths + moduli)!r} /\n", encoding="ascii")
-        done.append(subprocess.run(
-            [asperity, "solve", "m.scene", "--positions", "p.csv", "--curve", "k.csv", "--contacts",
-             "c.csv"], cwd=tmp_path, capture_output=True, text=True, check=True))
-        assert not any(ODD.search(run.stdout) for run in done), done
-        found.append(scenes.Run(0, "", "", {name: records(tmp_path / f"{name}.csv")
-                                            for name in ("eight", "contact", *"pkc")}))
-    assert all(len(rows) > 1 for name, rows in found[0].files.items() if name != "p")
-    laws.same_digits(*found, *unit)
-    cells = sum(len(rows) * len(rows[0]) for rows in found[0].files.values())
-    tally.add("maps: cells with the same digits in another unit", cells, cells)
 
 
 @pytest.mark.parametrize("unit", ("1e-12", "1e12"))

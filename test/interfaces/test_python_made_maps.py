@@ -1,6 +1,5 @@
 """Random height maps and power spectra in Python: the numbers of the command."""
 
-
 import numpy as np
 import pytest
 from builds import ROOT

@@ -1,10 +1,8 @@
 """Results in a file and as a dataset; solves that start no thread; modules without a circle."""
 
-import ast
 import csv
 import io
 import json
-import threading
 import zipfile
 
 import numpy as np
@@ -16,7 +14,6 @@ from programs import run_program
 pytestmark = [pytest.mark.once, pytest.mark.filterwarnings("ignore::UserWarning")]
 
 NAMES = ("pressure", "gap", "displacement", "contact")
-SPHERE = {"x": [0.0], "y": [0.0], "height": [1.0], "radius": [10.0]}
 
 
 @pytest.fixture(scope="module")
@@ -150,55 +147,3 @@ except ImportError as error:
 """
     done = run_program(venv / "bin/python", "-W", "ignore", "-c", program)
     assert done.stdout == "a dataset needs xarray: pip install xarray, or asperity[xarray]\n"
-
-
-def test_no_thread_for_short_solves(package, monkeypatch):
-    """A thread is started once; then the last solve has shown that the next one is short. What may
-    take longer than the last solve gets a thread."""
-    started = []
-
-    class Counted(threading.Thread):
-        def start(self):
-            started.append(self.name)
-            super().start()
-
-    scene = package.Scene({"surfaces": {"upper": SPHERE, "lower": SPHERE},
-                           "material": {"contact_modulus": 1000.0},
-                           "loading": {"control": "load", "value": 1.0}})
-    monkeypatch.setattr(threading, "Thread", Counted)
-    scene.solve()
-    assert started == ["asperity solve_with_fields"]
-    del started[:]
-    for number in range(20):
-        found = scene.solve(loading={"value": number + 1.0}).states["compression"][-1]
-        # Hertz, two spheres of radius 10: effective radius 5.
-        assert found == pytest.approx((3 * (number + 1) / 4000 / 5**0.5)**(2 / 3), rel=1e-9)
-    scene.solve()
-    # A busy machine may make one of them long.
-    assert len(started) <= 6
-    del started[:]
-    for change in ({"loading": {"points": 3}}, {"material": {"contact_modulus": 2.0}}):
-        scene.solve(**change)
-        assert started[-2:] == ["asperity rebuild_scene", "asperity solve_with_fields"]
-    scene.solve(threads=1)
-    assert len(started) == 5
-
-
-def test_no_circle_of_modules():
-    """No module of the package uses one that uses it; drawing uses none of the results."""
-    folder = ROOT / "python/asperity"
-    uses = {}
-    for path in folder.glob("_*.py"):
-        found = set()
-        for node in ast.walk(ast.parse(path.read_text(encoding="utf-8"))):
-            if isinstance(node, ast.ImportFrom) and node.level == 1:
-                found |= {node.module} if node.module else {name.name for name in node.names}
-        uses[path.stem] = found
-    assert uses["_plots"] == {"_columns"}
-    left = {name: used - {"_columns"} for name, used in uses.items() if name != "__init__"}
-    left["_columns"] = set()
-    while left:
-        lowest = [name for name, used in left.items() if not used & set(left)]
-        assert lowest, left
-        for name in lowest:
-            del left[name]

@@ -1,9 +1,7 @@
 """Tables, columns and drawings of the Python package, with numpy and without it."""
 
-import copy
 import gc
 import json
-import pickle
 import warnings
 
 import matplotlib.pyplot as plt
@@ -161,15 +159,6 @@ def test_plot_contacts(package):
         results.plot_contacts(101)
     with pytest.raises(IndexError, match="step: found 8, expected 1 to "):
         results.plot_contacts(1, step=8)
-
-
-def test_equal_and_copied(results):
-    states = results.states
-    for made in (copy.copy(states), copy.deepcopy(states), pickle.loads(pickle.dumps(states))):
-        assert made == states and made.units == states.units and made.name == "states"
-        assert not made["load"].flags.writeable
-    assert not states != copy.copy(states) and states != results.positions
-    assert pickle.loads(pickle.dumps(results)).states == states
 
 
 def test_one_warning_a_line_and_kind(package):

@@ -7,35 +7,24 @@ import numpy as np
 import pytest
 
 from adhesive_radial import largest_pull
-from image_data import read_vti
 from map_press_truth import rough
+from map_scenes import map_scene, solve_map
 from programs import run_program
-from surfaces_csv import records, write_scene
 
 WORK = 2e-5
 RANGE = 9 * 3**0.5 / 16  # of the exponential law over the equilibrium distance
 
 
 def run(asperity, folder, height, side, values, control="load", law="exponential", distance=1.0,
-        work=WORK, edge="free", status=0, name="map", **more):
-    """Rows of the states, the position, standard error."""
-    np.save(folder / f"{name}.npy", height)
-    plain = tuple(map(float, np.atleast_1d(values)))
-    scene = write_scene(
-        folder / f"{name}.scene", by_default=True,
-        surfaces={"upper": "plane", "lower": f"{name}.npy", "map_spacing": (side, side),
-                  "map_edge": edge, "map_level": "none"},
-        material={"contact_modulus": 1.0}, loading={"control": control, "value": plain},
+        work=WORK, edge="free", status=0, **more):
+    """Rows of the states, the position, fields of the last state, standard error."""
+    return solve_map(asperity, map_scene(
+        folder, height, (side, side), material=1.0, by_default=True,
+        surfaces={"map_edge": edge, "map_level": "none"},
+        loading={"control": control, "value": tuple(map(float, np.atleast_1d(values)))},
         effects={"adhesion": "on", "work_of_adhesion": float(work),
-                 "equilibrium_distance": float(distance), "adhesion_law": law, **more})
-    found = run_program(asperity, "solve", scene, "--quiet", "--curve", folder / "curve.csv",
-                        "--positions", folder / "positions.csv", "--fields", folder / "map.vti",
-                        status=status)
-    if status:
-        return found.stderr
-    return ([{key: float(cell or "nan") for key, cell in row.items()}
-             for row in records(folder / "curve.csv")], records(folder / "positions.csv")[0],
-            found.stderr)
+                 "equilibrium_distance": float(distance), "adhesion_law": law, **more}),
+                     status=status)
 
 
 def sphere(side, n):
@@ -65,7 +54,7 @@ def test_pull_off_of_a_sphere(asperity, tmp_path, tally, law, tabor, side):
     distance = WORK**(2 / 3) / tabor
     unit = WORK**(2 / 3)
     separations = np.linspace(-0.5 * unit, 2.2 * unit, 20)
-    rows, _, _ = run(asperity, tmp_path, sphere(side, 60), side / 60, tuple(separations),
+    rows, *_ = run(asperity, tmp_path, sphere(side, 60), side / 60, tuple(separations),
                      "separation", law, distance)
     loads = np.array([row["load"] for row in rows])
     i = loads.argmin()
@@ -89,16 +78,16 @@ def test_a_pull_that_is_not_carried(asperity, tmp_path):
     assert "from first contact" not in said and 1.5 < most / load < 1.7
     pixels = np.isfinite(height).sum()
     assert mean == pytest.approx(most / (pixels * (side / 32) ** 2), rel=1e-5)
-    rows, _, _ = run(asperity, tmp_path, height, side / 32, (load, -0.999 * most),
+    rows, *_ = run(asperity, tmp_path, height, side / 32, (load, -0.999 * most),
                      distance=distance)
     assert abs(rows[-1]["load"] / most + 0.999) < 1e-6
     run(asperity, tmp_path, height, side / 32, (load, -1.002 * most), distance=distance, status=1)
     said = run(asperity, tmp_path, height, side / 32, -2 * load, distance=distance, status=1)
     assert "from first contact" in said and "expected a path" in said
     # Without load the surfaces pull each other into contact.
-    rows, position, _ = run(asperity, tmp_path, height, side / 32, (load, 0.0), distance=distance)
+    rows, position, *_ = run(asperity, tmp_path, height, side / 32, (load, 0.0), distance=distance)
     assert rows[-1]["area"] > 0 and abs(rows[-1]["load"]) < 1e-9 * load
-    assert float(position["gap_attraction"]) > 0
+    assert position["gap_attraction"] > 0
 
 
 def tamaas_solution(height, mean_gap, work, rho):
@@ -129,13 +118,12 @@ def test_rough_maps_against_tamaas(asperity, tmp_path, tally, n, share):
     rms = height.std()
     rho = 0.1 * rms
     work = share * rho**2 * n
-    rows, position, lines = run(asperity, tmp_path, height, 1 / n, 1.5 * rms, "separation",
+    rows, position, fields, lines = run(asperity, tmp_path, height, 1 / n, 1.5 * rms, "separation",
                                 distance=rho / RANGE, work=work, edge="periodic")
     traction, area, gap = tamaas_solution(height, 1.5 * rms, work, rho)
     assert abs(rows[0]["load"] / traction - 1) < 1e-5
-    assert float(position["samples_in_contact"]) / n**2 == area
-    found = read_vti(tmp_path / "map.vti")[2]["gap"].T
-    assert np.abs(found - gap).max() < 1e-5 * rms
+    assert position["samples_in_contact"] / n**2 == area
+    assert np.abs(fields["gap"] - gap).max() < 1e-5 * rms
     assert abs(rows[0]["mean_gap"] / (1.5 * rms) - 1) < 1e-9
     # No warning but those of the size of the pixels, whose own error is not that of tamaas, and of
     # the slope and the pressures, beyond the theory of both.
@@ -158,9 +146,8 @@ def test_number_of_states(asperity, tmp_path, tally, edge, control):
     fields = []
     for path in ((near,), tuple(np.linspace(far, near, 8)), (near, back),
                  (near, *np.linspace(near, back, 8)[1:])):
-        run(asperity, tmp_path, height, 1 / n, path, control, distance=rho / RANGE, work=work,
-            edge=edge)
-        fields.append(read_vti(tmp_path / "map.vti")[2])
+        fields.append(run(asperity, tmp_path, height, 1 / n, path, control,
+                          distance=rho / RANGE, work=work, edge=edge)[2])
     for one, other in (fields[:2], fields[2:]):
         assert np.abs(one["gap"] - other["gap"]).max() < 1e-8 * rms
         assert np.abs(one["pressure"] - other["pressure"]).max() < 1e-6 * work / rho
@@ -176,14 +163,14 @@ def test_hardness_bounds_the_net_traction(asperity, tmp_path):
     pulls = []
     for hardness in (0.0, 0.02):
         more = {"plastic_hardness": hardness} if hardness else {}
-        rows, position, _ = run(asperity, tmp_path, height, side / 48, path[:1], "separation",
+        _, position, last, _ = run(asperity, tmp_path, height, side / 48, path[:1], "separation",
                                 distance=distance, **more)
-        pressure = read_vti(tmp_path / "map.vti")[2]["pressure"]
+        pressure = last["pressure"]
         if hardness:
-            assert np.nanmax(pressure) == hardness and float(position["plastic_area"]) > 0
+            assert np.nanmax(pressure) == hardness and position["plastic_area"] > 0
         else:
             assert np.nanmax(pressure) > 0.022
-        rows, _, _ = run(asperity, tmp_path, height, side / 48, path, "separation",
+        rows, *_ = run(asperity, tmp_path, height, side / 48, path, "separation",
                          distance=distance, **more)
         pulls.append(-min(row["load"] for row in rows))
     assert pulls[1] > 1.05 * pulls[0]
@@ -204,12 +191,12 @@ def test_wide_pixels(asperity, tmp_path):
                                        "equilibrium_distance", found)[1])
             assert abs(expected * share * 32 / 0.7 - 1) < 1e-5
         else:
-            assert ("the pixels are wide for the range of adhesion" in found[2]) == (share > 0.7)
+            assert ("the pixels are wide for the range of adhesion" in found[3]) == (share > 0.7)
     work = 0.5 * rho**2 * 32
     for values, control, warned in (((0.02, 0.03), "separation", True),
                                     ((0.01, 0.0), "load", False)):
         lines = run(asperity, tmp_path, height, 1 / 32, values, control, distance=rho / RANGE,
-                    work=work, edge="periodic")[2]
+                    work=work, edge="periodic")[3]
         assert ("holds the mean gap at each separation" in lines) == warned
     said = run(asperity, tmp_path, height, 1 / 32, 0.01, law="dugdale", status=2)
     assert "'exponential' or 'van_der_waals'" in said
@@ -224,7 +211,7 @@ def test_range_beyond_the_edge(asperity, tmp_path, law, wide):
         spacing = 2 * (2 * gap * distance)**0.5 / (n - 1)
         x = (np.arange(n) - (n - 1) / 2) * spacing
         height = -(x[:, None]**2 + x[None, :]**2) / 2
-        rows, _, lines = run(asperity, tmp_path, height, spacing, 0.0, "separation", law, distance,
+        rows, *_, lines = run(asperity, tmp_path, height, spacing, 0.0, "separation", law, distance,
                              work=1e-9)
         lost = 1 + rows[0]["load"] / (2 * np.pi * 1e-9)
         said = re.search(r"range of adhesion, (\S+) % of the work of adhesion is left", lines)
@@ -232,7 +219,7 @@ def test_range_beyond_the_edge(asperity, tmp_path, law, wide):
         if said:
             assert lost < float(said[1]) / 100 < 2 * lost, (gap, lost)
     hills = 0.2 * distance * rough(n, shortest=8, seed=5)
-    _, _, lines = run(asperity, tmp_path, hills, spacing, float(hills.max()), "separation", law,
+    *_, lines = run(asperity, tmp_path, hills, spacing, float(hills.max()), "separation", law,
                       distance, work=1e-9)
     assert "range of adhesion" not in lines
 

@@ -4,33 +4,19 @@ ball up and down in time against Ting."""
 import numpy as np
 import pytest
 
-from image_data import read_vti
 from map_press_truth import press, rough
-from programs import run_program
-from surfaces_csv import records, write_scene
-from test_map_scene import level, load_for
+from map_scenes import level, load_for, map_scene, solve_map
 
 RATIO, TAU, HOLD = 0.3, 2.0, 6.0
 SIDES = (0.01, 0.013)
 
 
-def run(asperity, folder, height, loading, edge="free", status=0, **effects):
+def run(asperity, folder, height, loading, edge="free", **effects):
     """Rows of the states, the position, fields of the last state."""
-    np.save(folder / "map.npy", height.T)
-    scene = write_scene(
-        folder / "map.scene", by_default=True,
-        surfaces={"upper": "plane", "lower": "map.npy", "map_spacing": SIDES, "map_edge": edge},
-        material={"contact_modulus": 3.0}, loading=loading,
+    return solve_map(asperity, map_scene(
+        folder, height, SIDES, surfaces={"map_edge": edge}, loading=loading, by_default=True,
         effects={"creep": "on", "hold_time": HOLD, "relaxation_time": TAU,
-                 "relaxed_modulus_ratio": RATIO, **effects})
-    found = run_program(asperity, "solve", scene, "--quiet", "--curve", folder / "curve.csv",
-                        "--positions", folder / "positions.csv", "--fields", folder / "map.vti",
-                        status=status)
-    if status:
-        return found.stderr
-    rows = [{key: float(cell or "nan") for key, cell in row.items()}
-            for row in records(folder / "curve.csv")]
-    return rows, records(folder / "positions.csv")[0], read_vti(folder / "map.vti")[2]
+                 "relaxed_modulus_ratio": RATIO, **effects}))[:3]
 
 
 def compliance(t):
@@ -59,9 +45,9 @@ def test_held_load(asperity, tmp_path, tally, edge):
         pressure = pressure + relaxation(middle) * (elastic - before)
         before, last = elastic, row["time"]
         assert abs(row["separation"] - flat) < 1e-6 * abs(flat) and row["load"] == load
-    assert len(rows) == 41 and float(position["samples_in_contact"]) == (elastic > 0).sum()
+    assert len(rows) == 41 and position["samples_in_contact"] == (elastic > 0).sum()
     assert np.abs(fields["pressure"] - pressure).max() < 1e-3 * pressure.max()
-    assert abs(float(position["elastic_load"]) / (load * compliance(HOLD)) - 1) < 1e-6
+    assert abs(position["elastic_load"] / (load * compliance(HOLD)) - 1) < 1e-6
     tally.add("creep on pixels: a held load", len(rows) + 3, len(rows) + 3)
 
 
@@ -165,18 +151,13 @@ def test_ball_up_and_down(asperity, tmp_path, tally, ratios, times, points):
     middle, deepest, n = 1.5, 0.01, 64
     shares = -np.diff([1, *np.atleast_1d(ratios)])
     x = (np.arange(n) - (n - 1) / 2) * 0.25 / n
-    np.save(tmp_path / "ball.npy", -(x[:, None]**2 + x[None, :]**2) / 2)
-    scene = write_scene(
-        tmp_path / "ball.scene", by_default=True,
-        surfaces={"upper": "plane", "lower": "ball.npy", "map_spacing": (0.25 / n, 0.25 / n),
-                  "map_level": "none"}, material={"contact_modulus": 1.0},
+    rows, _, _, lines = solve_map(asperity, map_scene(
+        tmp_path, -(x[:, None]**2 + x[None, :]**2) / 2, (0.25 / n, 0.25 / n), material=1.0,
+        surfaces={"map_level": "none"},
         loading={"control": "compression", "value": (deepest, 0.0), "points": points},
         effects={"relaxation_time": times, "relaxed_modulus_ratio": ratios,
-                 "loading_time": 2 * middle})
-    found = run_program(asperity, "solve", scene, "--quiet", "--curve", tmp_path / "curve.csv")
-    rows = [{key: float(cell or "nan") for key, cell in row.items()}
-            for row in records(tmp_path / "curve.csv")]
-    assert len(rows) == 41 and found.stderr == ""
+                 "loading_time": 2 * middle}))
+    assert len(rows) == 41 and lines == ""
     exact = np.array([ting(lambda t: np.atleast_1d(ratios)[-1] + sum(
         share * np.exp(-t / of) for share, of in zip(shares, np.atleast_1d(times))),
         deepest, middle, row["time"]) for row in rows])

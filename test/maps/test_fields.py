@@ -15,7 +15,7 @@ from elements_truth import product
 from map_press_truth import press, rough
 from programs import run_program
 from surfaces_csv import records, solve, write_scene
-from test_map_scene import E, level, load_for, map_scene, write_map
+from map_scenes import E, level, load_for, map_scene
 
 # Pixels along x and y, spacings, edge, whether pixels are missing.
 MAPS = [(64, 64, (0.01, 0.01), "periodic", False), (64, 64, (0.01, 0.01), "free", False),
@@ -257,21 +257,6 @@ def test_energy_is_the_work_of_loading(asperity, tmp_path):
     assert states["elastic_energy"][-1] == pytest.approx(work, rel=1e-4)
 
 
-def test_ball_against_hertz(asperity, tmp_path):
-    """Energy 2/5 of load times compression; the perimeter of a circle is 4/pi times too long."""
-    x, y = np.meshgrid(np.arange(-60, 61), np.arange(-60, 61), indexing="ij")
-    height = -(x**2 + y**2) * 1e-4 / 2 / 5.0
-    scene = map_scene(tmp_path, height, (0.01, 0.01), surfaces={"map_level": "none"},
-                      loading={"control": "compression", "value": 0.012})
-    found = solve(asperity, scene)
-    row = {name: float(cell) for name, cell in found.positions[0].items()
-           if cell and name != "interaction"}
-    assert row["elastic_energy"] == pytest.approx(0.4 * row["load"] * 0.012, rel=0.01)
-    radius = np.sqrt(5.0 * 0.012)
-    assert row["load"] == pytest.approx(4 / 3 * E * np.sqrt(5.0) * 0.012**1.5, rel=0.01)
-    assert row["contact_perimeter"] == pytest.approx(8 * radius, rel=0.03)
-
-
 def test_summits_have_no_gap(asperity, tmp_path):
     """The columns are there and empty; the options are refused."""
     scene = write_scene(
@@ -296,12 +281,7 @@ def test_a_picture_of_means_says_so(asperity, tmp_path):
     height = np.zeros((600, 5))
     height[::2] = 0.01
     height[300] = 0.02
-    scene = write_scene(
-        tmp_path / "m.scene",
-        surfaces={"upper": "plane", "lower": write_map(tmp_path / "m.txt", height),
-                  "map_spacing": (0.01, 0.01)},
-        material={"contact_modulus": E}, effects={"interaction": "boundary"},
-        loading={"control": "load", "value": 1.0})
+    scene = map_scene(tmp_path, height, (0.01, 0.01), loading={"control": "load", "value": 1.0})
     run(asperity, "solve", scene, "--html", tmp_path / "h", "--picture", tmp_path / "p.svg",
         "--positions", tmp_path / "p.csv", "--fields", tmp_path / "f.vti")
     greatest = read_vti(tmp_path / "f.vti")[2]["pressure"].max()
@@ -331,35 +311,3 @@ def test_refusals(asperity, tmp_path, curve):
                status=2)
     assert "--fields: no grid for the fields of asperities, expected field_spacing" in done.stderr
     assert not list(tmp_path.iterdir())
-
-
-def test_requested_fields_choose_the_pixels(asperity, tmp_path):
-    """`auto` solves the pixels. Beside a limit, which needs the summits, a request for fields is
-    refused before the solve."""
-    x, y = np.meshgrid(np.arange(120), np.arange(120), indexing="ij")
-    height = 1e-2 * np.sin(np.pi * (x + 0.5) / 60) * np.sin(np.pi * (y + 0.5) / 60)
-    scene = write_scene(
-        tmp_path / "auto.scene",
-        surfaces={"upper": "plane", "lower": write_map(tmp_path / "m.txt", height),
-                  "map_spacing": (0.01, 0.01)},
-        material={"contact_modulus": E}, effects={"interaction": "auto", "tolerance": 0.5},
-        loading={"control": "load", "value": 1e-5})
-    run(asperity, "solve", scene, "--fields", tmp_path / "a.vti")
-    _, spacing, arrays = read_vti(tmp_path / "a.vti")
-    assert arrays["pressure"].shape == (120, 120)
-    assert arrays["pressure"].sum() * spacing[0] * spacing[1] == pytest.approx(1e-5, rel=1e-9)
-    text = scene.read_text()
-    change = (text.replace("control = 'load', value = 1e-05", "control = 'limit'")
-              + "&limit criterion = 'load', value = 1. /\n")
-    assert "'limit'" in change
-    (other := tmp_path / "b.scene").write_text(change)
-    done = run(asperity, "solve", other, "--fields", tmp_path / "b.vti", status=2)
-    assert "--fields: only a height map solved on its pixels has pressure" in done.stderr
-    assert not (tmp_path / "b.vti").exists()
-
-
-def test_totals_are_printed_with_the_mean_gap_first(asperity, curve):
-    """The mean gap stands before the separation."""
-    text = run(asperity, "solve", curve[1]).stdout
-    assert re.search(r"^mean gap \(mm\) +[0-9.e-]+   over the measured pixels\nseparation \(mm\)",
-                     text, re.MULTILINE)

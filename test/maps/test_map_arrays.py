@@ -301,22 +301,6 @@ def test_refused_arrays(asperity, tmp_path, data, expected):
     assert done.stderr.count(b"\n") == 1, done.stderr
 
 
-def test_array_without_a_spacing(asperity, tmp_path):
-    np.save(tmp_path / "m.npy", ROUGH)
-    done = run_program(asperity, "summits", "m.npy", status=2, cwd=tmp_path)
-    assert "found heights without a spacing, expected --spacing along x and y" in done.stderr
-
-
-def test_array_through_a_pipe(asperity, tmp_path):
-    np.save(tmp_path / "m.npy", ROUGH)
-    command = [str(asperity), "summits", "--spacing=0.5,0.375", "--output", "s.csv"]
-    for source in ("m.npy", "-"):
-        with open(tmp_path / "m.npy", "rb") as file:
-            run_program(*command, source, cwd=tmp_path, stdin=file)
-        (tmp_path / "s.csv").rename(tmp_path / f"{len(source)}.csv")
-    assert (tmp_path / "5.csv").read_bytes() == (tmp_path / "1.csv").read_bytes()
-
-
 # ---------------------------------------------------------------- files that are written
 
 @pytest.mark.parametrize("unit", ["m", "um", "nm", "in"])

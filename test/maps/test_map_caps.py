@@ -5,7 +5,7 @@ import pytest
 from map_press_truth import press, rough
 from programs import run_program
 from surfaces_csv import solve, write_scene, write_surface
-from test_map_scene import E, write_map
+from map_scenes import E, write_map
 
 SIDE, PIXELS = 0.25, 24
 LENGTH = SIDE * PIXELS

@@ -4,11 +4,11 @@ Laws of changed maps are in test/support/map_laws.py, values against numpy in te
 test_fields.py, those of Westergaard here.
 """
 
-
 import numpy as np
 import pytest
 
 from map_press_truth import press
+from map_scenes import map_scene, solve_map
 from programs import run_program
 from surfaces_csv import records
 
@@ -54,20 +54,15 @@ def command(asperity, folder, *words):
 
 
 def column(rows, name):
-    return np.array([float(row[name]) if row[name] else np.nan for row in rows])
+    return np.array([float(row[name] or "nan") for row in rows])
 
 
 def solve(asperity, folder, of, pressure, interaction="boundary", name="m"):
     """Last state and contacts, sorted by load, of a map pressed by a nominal pressure."""
-    of.write(folder / f"{name}.txt")
-    (folder / f"{name}.scene").write_text(
-        f"&surfaces upper = 'plane', lower = '{name}.txt', "
-        f"map_spacing = {of.spacing[0]!r}, {of.spacing[1]!r}, "
-        f"map_edge = '{'periodic' if of.periodic else 'free'}' /\n"
-        f"&material contact_modulus = {MODULUS} /\n"
-        f"&loading control = 'pressure', value = {float(pressure)!r} /\n"
-        f"&effects interaction = '{interaction}' /\n")
-    run = command(asperity, folder, "solve", f"{name}.scene", "--quiet", "--threads", "1",
+    scene = map_scene(folder, of.height.T, of.spacing, name, interaction=interaction,
+                      surfaces={"map_edge": "periodic" if of.periodic else "free"},
+                      loading={"control": "pressure", "value": float(pressure)})
+    run = command(asperity, folder, "solve", scene, "--quiet", "--threads", "1",
                   "--positions", "p.csv", "--contacts", "c.csv")
     assert run.returncode == 0, run.stderr
     contacts = records(folder / "c.csv")
@@ -158,17 +153,10 @@ def test_from_first_touch_to_far_beyond_full_contact(asperity, tmp_path, tally):
         of = Map(height, (1.0, float(random.choice([1.0, 0.5, 3.0]))), number % 2 == 0)
         # Full contact: pressures of -E q h/2 are above 0, of a mean of some rms slopes.
         full = MODULUS * 4 * sum(np.diff(height, axis=a).std() / of.spacing[1 - a] for a in (0, 1))
-        of.write(tmp_path / "m.txt")
-        values = ", ".join(repr(float(p)) for p in np.geomspace(1e-6, 10, 20) * full)
-        (tmp_path / "m.scene").write_text(
-            f"&surfaces upper = 'plane', lower = 'm.txt', map_spacing = {of.spacing[0]}, "
-            f"{of.spacing[1]}, map_edge = '{'periodic' if of.periodic else 'free'}' /\n"
-            f"&material contact_modulus = {MODULUS} /\n"
-            f"&loading control = 'pressure', value = {values} /\n"
-            "&effects interaction = 'boundary' /\n")
-        run = command(asperity, tmp_path, "solve", "m.scene", "--quiet", "--curve", "c.csv")
-        assert run.returncode == 0, (number, run.stderr)
-        states = records(tmp_path / "c.csv")
+        scene = map_scene(tmp_path, height.T, of.spacing, loading={
+            "control": "pressure", "value": tuple((np.geomspace(1e-6, 10, 20) * full).tolist())},
+            surfaces={"map_edge": "periodic" if of.periodic else "free"})
+        states = solve_map(asperity, scene)[0]
         area = column(states, "area") / of.area()
         assert len(states) == 20
         assert area.max() < 1 + 1e-12 and np.all(np.diff(column(states, "sample_area")
@@ -272,15 +260,9 @@ def test_levels_of_a_scene(asperity, tmp_path):
     height += 0.05 * np.arange(24)
     found = {}
     for how in ("plane", "mean", "none"):
-        np.savetxt(tmp_path / "m.txt", height, fmt="%.17g")
-        (tmp_path / "m.scene").write_text(
-            "&surfaces upper = 'plane', lower = 'm.txt', map_spacing = 1, 1,\n"
-            f"  map_level = '{how}' /\n"
-            "&material contact_modulus = 1 /\n&loading control = 'load', value = 20 /\n"
-            "&effects interaction = 'boundary' /\n")
-        run = command(asperity, tmp_path, "solve", "m.scene", "--quiet", "--positions", "p.csv")
-        assert run.returncode == 0, run.stderr
-        found[how] = float(records(tmp_path / "p.csv")[0]["separation"])
+        scene = map_scene(tmp_path, height.T, (1.0, 1.0), material=1.0,
+                          surfaces={"map_level": how}, loading={"control": "load", "value": 20.0})
+        found[how] = solve_map(asperity, scene)[1]["separation"]
     level, _ = press((height - height.mean()).T, (1.0, 1.0), 1.0, 20.0)
     assert found["mean"] == pytest.approx(level, abs=1e-8)
     assert found["none"] == pytest.approx(level + height.mean(), abs=1e-8)

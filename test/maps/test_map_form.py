@@ -9,7 +9,7 @@ from elements_truth import love
 from image_data import read_vti
 from programs import run_program
 from surfaces_csv import solve
-from test_map_scene import E, map_scene
+from map_scenes import E, map_scene
 
 N = 65
 

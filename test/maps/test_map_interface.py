@@ -8,7 +8,7 @@ import pytest
 from map_press_truth import rough
 from programs import run_program
 from surfaces_csv import solve
-from test_map_scene import E, load_for, map_scene
+from map_scenes import E, load_for, map_scene
 
 SIDES = (0.01, 0.01)
 

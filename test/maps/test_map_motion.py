@@ -6,22 +6,17 @@ import pytest
 
 from map_press_truth import press, rough
 from programs import run_program
-from surfaces_csv import records, solve, write_scene
-from test_map_scene import E, write_map
+from surfaces_csv import records, solve
+from map_scenes import E, map_scene, write_map
 
 SIDE = 0.25
 
 
 def moved(folder, upper, lower, edge="free", spacing=(SIDE, SIDE), upper_spacing=None, motion=None,
-          **loading):
-    sides = (*(upper_spacing or spacing), *spacing)
-    return write_scene(
-        folder / "pair.scene",
-        surfaces={"upper": write_map(folder / "upper.txt", upper),
-                  "lower": write_map(folder / "lower.txt", lower),
-                  "map_spacing": sides, "map_edge": edge, "map_level": "mean"},
-        material={"contact_modulus": E}, motion=motion or {}, effects={"interaction": "auto"},
-        loading=loading)
+          effects=None, **loading):
+    return map_scene(folder, lower, (*(upper_spacing or spacing), *spacing), interaction="auto",
+                     upper=write_map(folder / "upper.txt", upper), effects=effects, loading=loading,
+                     surfaces={"map_edge": edge, "map_level": "mean"}, motion=motion or {})
 
 
 def numbers(rows, *names):
@@ -141,17 +136,17 @@ def test_refused(asperity, tmp_path, upper, motion, said):
 def test_parts_of_the_work_choose_as_the_whole(asperity, tmp_path):
     """Adhesion under `auto` is chosen by all positions, whatever part of them is solved."""
     upper, lower = (1e-2 * rough(24, shortest=6, seed=seed) for seed in (12, 13))
-    scene = moved(tmp_path, upper, lower, "periodic",
-                  motion={"x_first": 0.0, "x_step": 5 * SIDE, "positions": 2},
-                  control="load", value=0.02)
-    text = scene.read_text().replace(
-        "interaction = 'auto'", "interaction = 'auto', work_of_adhesion = 2e-6, "
-        "equilibrium_distance = 0.02, adhesion = 'auto'")
-    scene.write_text(text)
-    influence = [float(row["adhesion_estimate"]) for row in solve(asperity, scene).positions]
+    effects = {"work_of_adhesion": 2e-6, "equilibrium_distance": 0.02, "adhesion": "auto"}
+
+    def scene_with(**more):
+        return moved(tmp_path, upper, lower, "periodic",
+                     motion={"x_first": 0.0, "x_step": 5 * SIDE, "positions": 2},
+                     effects={**effects, **more}, control="load", value=0.02)
+
+    influence = [float(row["adhesion_estimate"])
+                 for row in solve(asperity, scene_with()).positions]
     # One position alone would leave adhesion out.
-    scene.write_text(text.replace("adhesion = 'auto'", "adhesion = 'auto', tolerance = "
-                                  f"{sum(influence) / 2}"))
+    scene = scene_with(tolerance=sum(influence) / 2)
     whole = solve(asperity, scene).positions
     assert min(influence) < max(influence) and {row["adhesion"] for row in whole} == {"on"}
     for part in (1, 2):
@@ -166,10 +161,8 @@ def test_influence_on_a_patch_without_a_centre(asperity, tmp_path):
     """A periodic map in full contact is one patch: the influence of adhesion that is off is
     printed."""
     height = 1e-3 * rough(32, shortest=8, seed=14)
-    scene = moved(tmp_path, height, height, "periodic", control="pressure", value=0.3)
-    scene.write_text(scene.read_text().replace(
-        "interaction = 'auto'", "interaction = 'auto', work_of_adhesion = 1e-2, "
-        "equilibrium_distance = 0.02, adhesion = 'off'"))
+    scene = moved(tmp_path, height, height, "periodic", control="pressure", value=0.3, effects={
+        "work_of_adhesion": 1e-2, "equilibrium_distance": 0.02, "adhesion": "off"})
     done = solve(asperity, scene)
     assert done.status == 0 and done.contacts[0]["x"] == "", done.stderr
     assert "adhesion     off: estimated influence on the load" in done.stdout

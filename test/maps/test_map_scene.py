@@ -7,54 +7,8 @@ import numpy as np
 import pytest
 
 from map_press_truth import press, rough
-from map_truth import levelled as level
-from surfaces_csv import solve, write_scene
-
-E = 3.0
-
-
-def write_map(path, height):
-    """A matrix, one profile a line; x runs along it."""
-    path.write_text("".join(" ".join("BAD" if np.isnan(z) else repr(float(z)) for z in row) + "\n"
-                            for row in height.T))
-    return path.name
-
-
-def map_scene(folder, height, sides, name="map", upper="plane", interaction="boundary",
-              surfaces=None, **groups):
-    return write_scene(
-        folder / f"{name}.scene",
-        surfaces={"upper": upper, "lower": write_map(folder / f"{name}.txt", height),
-                  "map_spacing": sides, **(surfaces or {})},
-        material={"contact_modulus": E}, effects={"interaction": interaction}, **groups)
-
-
-def load_for(height, sides, share):
-    """What presses about a share of the area: half the rms slope times E, over the area."""
-    slope = np.gradient(height, *sides)
-    rms = np.sqrt(np.mean(slope[0] ** 2 + slope[1] ** 2))
-    return float(share * E * rms / 2 * height.size * np.prod(sides))
-
-
-def patch_areas(pressure, sides, periodic, hardness=np.inf):
-    """Areas of the patches: of a pixel 1 less .118 for each side to a measured one out of contact
-    (Yastrebov et al. 2017), at least its pressure over the hardness. A free map has no rim at its
-    edge; nan is a missing pixel."""
-    around = np.pad(pressure, 1, mode="wrap" if periodic else "edge")
-    rim = sum(np.roll(around, shift, axis)[1:-1, 1:-1] == 0 for shift in (1, -1) for axis in (0, 1))
-    of_pixel = np.maximum(1 - rim * (np.pi - 1 + np.log(2)) / 24, pressure / hardness)
-    todo, areas = set(zip(*np.nonzero(pressure > 0))), []
-    while todo:
-        patch = [todo.pop()]
-        for i, j in patch:
-            for near in ((i + 1, j), (i - 1, j), (i, j + 1), (i, j - 1)):
-                if periodic:
-                    near = near[0] % len(pressure), near[1] % len(pressure[0])
-                if near in todo:
-                    todo.remove(near)
-                    patch.append(near)
-        areas.append(of_pixel[tuple(zip(*patch))].sum())
-    return np.array(areas) * np.prod(sides)
+from map_scenes import E, level, load_for, map_scene, patch_areas, write_map
+from surfaces_csv import solve
 
 
 @pytest.mark.parametrize("edge", ["free", "periodic"])
@@ -185,13 +139,9 @@ def test_summits_say_what_they_cost(asperity, tmp_path, tally, share):
 def test_summits_where_an_effect_needs_them(asperity, tmp_path, more, way, said):
     sides = (1 / 64, 1 / 64)
     height = 1e-4 * rough(64, shortest=8, seed=16)
-    scene = write_scene(
-        tmp_path / "effect.scene",
-        surfaces={"upper": "plane", "lower": write_map(tmp_path / "map.txt", height),
-                  "map_spacing": sides},
-        material={"elastic_modulus": (2 * E, 2 * E), "poisson_ratio": (0.3, 0.3)},
-        effects={"interaction": "auto", **more},
-        loading={"control": "load", "value": load_for(height, sides, 0.03)})
+    scene = map_scene(tmp_path, height, sides, interaction="auto", effects=more,
+                      material={"elastic_modulus": (2 * E, 2 * E), "poisson_ratio": (0.3, 0.3)},
+                      loading={"control": "load", "value": load_for(height, sides, 0.03)})
     found = solve(asperity, scene)
     assert found.status == 0 and said in found.stderr, found.stderr
     assert found.positions[0]["interaction"] == way

@@ -12,8 +12,8 @@ from numpy.polynomial.legendre import leggauss
 
 from image_data import read_vti
 from programs import run_program
-from surfaces_csv import records, write_plane_scene, write_scene
-from test_map_scene import write_map
+from map_scenes import map_scene
+from surfaces_csv import records, write_plane_scene
 
 MODULUS, RATIO = 2.0e3, 0.3
 COMBINED = MODULUS / (1 - RATIO**2) / 2
@@ -22,12 +22,10 @@ COMPONENTS = ("xx", "yy", "zz", "xy", "xz", "yz")
 
 def below(asperity, folder, height, sides, depths, loading, ratio=RATIO, **surfaces):
     """Numbers of the table by name, indexed [depth, x, y], and the summary."""
-    scene = write_scene(
-        folder / "s.scene", surfaces={
-            "upper": "plane", "lower": write_map(folder / "m.txt", height), "map_spacing": sides,
-            "map_level": "none", **surfaces},
-        material={"elastic_modulus": (MODULUS, MODULUS), "poisson_ratio": (ratio, ratio)},
-        loading=loading, effects={"interaction": "boundary"})
+    scene = map_scene(folder, height, sides, name="s",
+                      surfaces={"map_level": "none", **surfaces}, loading=loading,
+                      material={"elastic_modulus": (MODULUS, MODULUS),
+                                "poisson_ratio": (ratio, ratio)})
     return table_of(asperity, scene, folder, depths, height.shape)
 
 
@@ -180,19 +178,6 @@ def test_strips(asperity, tmp_path, axis):
                 assert np.abs(line - stress).max() < 1e-6 * pressure, (name, offset, line, stress)
 
 
-def test_long_strip_is_nearly_free(asperity, tmp_path):
-    """Images of a sphere that are 40 radii away."""
-    height = np.full((81, 9), -10.0)
-    height[40, 4] = 0.0
-    given = {"control": "load", "value": 1.0}
-    free, _, load = below(asperity, tmp_path, height, (1.0, 1.0), "0.7,3", given)
-    strip, _, _ = below(asperity, tmp_path, height, (1.0, 1.0), "0.7,3", given,
-                        map_edge=("periodic", "free"))
-    for name in COMPONENTS:
-        error = np.abs(strip[f"stress_{name}"] - free[f"stress_{name}"])[:, 30:51].max()
-        assert error < 2e-4 * load, name
-
-
 def test_asperities_on_their_grid(asperity, tmp_path):
     """Below the grid of fields of a sphere: the stresses on the axis of Hertz' pressure."""
     contact, radius, side = 0.1, 1.0, 0.004
@@ -239,11 +224,7 @@ def test_formats(asperity, tmp_path):
     (("--depths", "0.1,,0.2"), "expected depths more than 0"),
     (("--depths", "0.1"), "--depths: stress needs poisson_ratio in &material")])
 def test_refused_options(asperity, tmp_path, words, text):
-    scene = write_scene(
-        tmp_path / "s.scene",
-        surfaces={"upper": "plane", "lower": write_map(tmp_path / "m.txt", np.eye(8)),
-                  "map_spacing": (1.0, 1.0)},
-        material={"contact_modulus": 10.0}, loading={"control": "load", "value": 1.0},
-        effects={"interaction": "boundary"})
+    scene = map_scene(tmp_path, np.eye(8), (1.0, 1.0), material=10.0,
+                      loading={"control": "load", "value": 1.0})
     found = run_program(asperity, "solve", scene, *words, status=2, cwd=tmp_path)
     assert text in found.stderr

@@ -9,7 +9,7 @@ import pytest
 
 from map_press_truth import press, rough
 from surfaces_csv import solve
-from test_map_scene import E, level, load_for, map_scene
+from map_scenes import E, level, load_for, map_scene
 
 SIDES = (0.02, 0.02)
 N = 48
@@ -33,9 +33,7 @@ def cap(height, x, y, top):
 def run(asperity, folder, height, load, tolerance, interaction="boundary", **surfaces):
     folder.mkdir(exist_ok=True)
     scene = map_scene(folder, height, SIDES, interaction=interaction, surfaces=surfaces,
-                      loading={"control": "load", "value": load})
-    scene.write_text(scene.read_text().replace(f"'{interaction}'",
-                                               f"'{interaction}', tolerance = {tolerance!r}"))
+                      loading={"control": "load", "value": load}, effects={"tolerance": tolerance})
     done = solve(asperity, scene)
     assert done.status == 0, done.stderr
     lines = [line for line in done.stderr.splitlines() if ": warning: " in line]
@@ -160,11 +158,8 @@ def test_effects_left_out_beside_pixels(asperity, tmp_path):
     found = []
     for word in ({}, {"adhesion": "auto"}, {"adhesion": "off"}, {"equilibrium_distance": 1e-4},
                  {"adhesion": "on"}):
-        scene = map_scene(tmp_path, height, SIDES, interaction="auto",
+        scene = map_scene(tmp_path, height, SIDES, interaction="auto", effects={**numbers, **word},
                           loading={"control": "load", "value": load_for(height, SIDES, 0.1)})
-        more = ", ".join(f"{name} = {value!r}" for name, value in {**numbers, **word}.items())
-        path = tmp_path / "map.scene"
-        path.write_text(path.read_text().replace("&effects", f"&effects {more},"))
         done = solve(asperity, scene)
         found.append((done.positions and done.positions[0], done.stderr))
     for row, lines in found[:3]:

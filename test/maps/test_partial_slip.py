@@ -9,8 +9,8 @@ from elements_truth import product
 from image_data import read_vti
 from map_press_truth import rough
 from programs import run_program
-from surfaces_csv import records, solve, write_scene
-from test_map_scene import write_map
+from map_scenes import map_scene
+from surfaces_csv import records, solve
 
 MODULUS, RATIO, MU = 2.0e5, 0.3, 0.25
 COMBINED = MODULUS / (1 - RATIO**2) / 2
@@ -21,13 +21,11 @@ COLUMNS = ("tangential_load", "tangential_displacement", "tangential_stiffness",
 
 def map_slip(asperity, folder, height, sides, loading, effects=None, ratio=RATIO, **surfaces):
     """Numbers of the position, of the contacts of the last state, and the fields."""
-    scene = write_scene(
-        folder / "slip.scene", surfaces={
-            "upper": "plane", "lower": write_map(folder / "slip.txt", height),
-            "map_spacing": sides, "map_level": "none", **surfaces},
-        material={"elastic_modulus": (MODULUS, MODULUS), "poisson_ratio": (ratio, ratio)},
-        loading=loading, effects={"interaction": "boundary", "friction_coefficient": MU,
-                                  **(effects or {})})
+    scene = map_scene(folder, height, sides, name="slip",
+                      surfaces={"map_level": "none", **surfaces}, loading=loading,
+                      material={"elastic_modulus": (MODULUS, MODULUS),
+                                "poisson_ratio": (ratio, ratio)},
+                      effects={"friction_coefficient": MU, **(effects or {})})
     run_program(asperity, "solve", scene, "--quiet", "--fields", folder / "f.vti", "--positions",
                 folder / "p.csv", "--contacts", folder / "c.csv")
     row, = records(folder / "p.csv")
@@ -91,14 +89,13 @@ def test_cattaneo_case_of_contact(asperity, tmp_path):
     of each direction: shift and tractions differ by what the principle neglects."""
     poisson, shear, side, load, friction = 0.42, 200.0, 2 * 1.26667 / 19, 9.1954, 0.4
     place = (np.arange(19) - 9) * side
-    scene = write_scene(
-        tmp_path / "c.scene", surfaces={
-            "upper": "plane", "map_spacing": (side, side), "map_level": "none", "lower": write_map(
-                tmp_path / "c.txt", -0.01 * (place[:, None] ** 2 + place[None, :] ** 2))},
+    scene = map_scene(
+        tmp_path, -0.01 * (place[:, None] ** 2 + place[None, :] ** 2), (side, side),
+        surfaces={"map_level": "none"},
         material={"elastic_modulus": (2 * shear * (1 + poisson),) * 2,
                   "poisson_ratio": (poisson, poisson)},
         loading={"control": "load", "value": load, "tangential_load": 0.875 * friction * load},
-        effects={"interaction": "boundary", "friction_coefficient": friction})
+        effects={"friction_coefficient": friction})
     run_program(asperity, "solve", scene, "--quiet", "--fields", tmp_path / "f.vti", "--positions",
                 tmp_path / "p.csv")
     row, = records(tmp_path / "p.csv")
@@ -240,24 +237,6 @@ def test_missing_pixels_path_and_page(asperity, tmp_path):
     assert "tangential traction in plan" in (tmp_path / "s.html").read_text()
 
 
-@pytest.mark.parametrize("interaction", ["off", "coupled"])
-def test_summits_of_a_map(asperity, tmp_path, interaction):
-    """The summits of a map have the slip of asperities."""
-    place = (np.arange(40) - 19.5) * 0.01
-    height = 1e-3 * np.cos(40 * place[:, None]) * np.cos(40 * place[None, :])
-    scene = write_scene(
-        tmp_path / "m.scene", surfaces={"upper": "plane", "map_spacing": (0.01, 0.01), "lower":
-                                        write_map(tmp_path / "m.txt", height)},
-        material={"elastic_modulus": (MODULUS, MODULUS), "poisson_ratio": (RATIO, RATIO)},
-        loading={"control": "load", "value": 0.2, "tangential_load": 0.02},
-        effects={"interaction": interaction, "friction_coefficient": MU})
-    found = solve(asperity, scene)
-    assert found.status == 0, found.stderr
-    assert float(found.positions[0]["tangential_load"]) == pytest.approx(0.02, rel=1e-6)
-    assert sum(float(row["shear_load"]) for row in found.contacts) == pytest.approx(0.02, rel=1e-5)
-    assert 0 < float(found.positions[0]["stick_area"]) < float(found.positions[0]["area"])
-
-
 def test_sliding_by_displacement(asperity, tmp_path):
     contact, pixels = 0.1, 32
     side = 2.1 * contact / pixels
@@ -288,12 +267,9 @@ def test_sliding_by_displacement(asperity, tmp_path):
      "found beside tangential_load, expected one of them")])
 def test_refused_scenes(asperity, tmp_path, loading, effects, material, text):
     height, _ = sphere(16, 0.1)
-    scene = write_scene(
-        tmp_path / "s.scene", by_default=True,
-        surfaces={"upper": "plane", "lower": write_map(tmp_path / "m.txt", height),
-                  "map_spacing": (0.1, 0.1)},
+    scene = map_scene(
+        tmp_path, height, (0.1, 0.1), by_default=True,
         material=material or {"elastic_modulus": (10.0, 10.0), "poisson_ratio": (0.3, 0.3)},
-        loading={"control": "load", "value": 1.0, **loading},
-        effects={"interaction": "boundary", **effects})
+        loading={"control": "load", "value": 1.0, **loading}, effects=effects)
     found = solve(asperity, scene)
     assert found.status == 2 and text in found.stderr, found.stderr

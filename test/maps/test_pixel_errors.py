@@ -8,24 +8,20 @@ import numpy as np
 import pytest
 
 from map_press_truth import rough
+from map_scenes import map_scene, solve_map
 from programs import run_program
-from surfaces_csv import records, write_plane_scene, write_scene
+from surfaces_csv import records, write_plane_scene
 
 E = 2.0
 N = 40
 
 
 def solve(asperity, folder, height, spacing, edge="periodic", effects=None, **loading):
-    """The one position of a map, indexed [y, x]."""
-    np.savetxt(folder / "m.txt", height, fmt="%.17g")
-    scene = write_scene(
-        folder / "m.scene", material={"contact_modulus": E}, loading=loading,
-        surfaces={"upper": "plane", "lower": "m.txt", "map_spacing": (spacing, spacing),
-                  "map_edge": edge, "map_level": "none"},
-        effects={"interaction": "boundary", **(effects or {})})
-    run_program(asperity, "solve", scene, "--quiet", "--positions", folder / "p.csv")
-    return {name: float(cell) for name, cell in records(folder / "p.csv")[0].items()
-            if cell and name not in ("interaction", "plasticity", "adhesion", "creep")}
+    """The cells that are not empty of the one position of a map, indexed [y, x]."""
+    position = solve_map(asperity, map_scene(
+        folder, height.T, (spacing, spacing), name="m", material=E, loading=loading,
+        surfaces={"map_edge": edge, "map_level": "none"}, effects=effects))[1]
+    return {name: value for name, value in position.items() if value == value}
 
 
 def ball(random):

@@ -13,32 +13,19 @@ from map_press_truth import rough
 from programs import run_program
 from surfaces_csv import records, solve, write_scene
 from test_map_edges import MODULUS, Map, random_map
-from test_map_scene import E, level, load_for, map_scene, patch_areas
+from map_scenes import E, level, load_for, map_scene, patch_areas, solve_map
 
 SIDES = (0.01, 0.013)
 AREA = SIDES[0] * SIDES[1]
 
 
-def run(asperity, folder, height, hardness, name="map", edge="free",
-        **groups):
-    """States as dicts of numbers, the position, fields of every state."""
-    surfaces = {"map_edge": edge} | groups.pop("surfaces", {})
-    scene = map_scene(folder, height, SIDES, name=name, surfaces=surfaces, **groups)
-    text = scene.read_text()
-    text = text.replace("plasticity = 'off'", f"plastic_hardness = {hardness!r}, "
-                        "plasticity = 'on'")
-    scene.write_text(text)
-    run_program(asperity, "solve", scene, "--quiet", "--fields", folder / f"{name}.vti",
-                "--fields-of", "all", "--curve", folder / f"{name}.curve", "--positions",
-                folder / f"{name}.positions")
-    tables = []
-    for kind in ("curve", "positions"):
-        tables.append([{key: cell if key in ("interaction", "plasticity") else float(cell or "nan")
-                        for key, cell in row.items()}
-                       for row in records(folder / f"{name}.{kind}")])
-    count = len(tables[0])
-    files = [folder / f"{name}_{k:04}.vti" for k in range(1, count + 1)]
-    return tables[0], tables[1][0], [read_vti(file)[2] for file in files]
+def run(asperity, folder, height, hardness, name="map", edge="free", surfaces=None, **groups):
+    """States and the position as dicts of numbers, fields of every state."""
+    scene = map_scene(folder, height, SIDES, name, surfaces={"map_edge": edge, **(surfaces or {})},
+                      effects={"plasticity": "on", "plastic_hardness": hardness}, **groups)
+    states, position, _, _ = solve_map(asperity, scene, "--fields-of", "all")
+    return states, position, [read_vti(folder / f"{name}_{k:04}.vti")[2]
+                              for k in range(1, len(states) + 1)]
 
 
 def levelled(height, edge):

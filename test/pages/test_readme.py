@@ -76,13 +76,6 @@ def test_python(package, capsys, monkeypatch):
     assert set(lines_shown(EXAMPLES["Command line"][1][1])) <= set(printed)
 
 
-def test_thesis(run):
-    _, (_, commands) = EXAMPLES["Thesis"]
-    assert run(commands) == ""
-    assert run("asperity data/thesis.deck") == (
-        ROOT / "reference_output/thesis.ibm370.txt").read_text()
-
-
 def test_picture_of_the_tutorial(run, tmp_path):
     page = (ROOT / "docs/tutorial/measured-surface.md").read_text(encoding="utf-8")
     run(re.search(r"(?m)^\$ (asperity summits .*)", page)[1])
