@@ -32,10 +32,10 @@ second_compiler=flang-new-19
 drop_stale_builds() {
   local texts sources
   texts=$(find src app test -name '*.inc' -exec cksum {} + | sort)
-  if [ "$(cat build/texts 2>/dev/null)" != "$texts" ]; then
+  if [ -f build/texts ] && [ "$(cat build/texts)" != "$texts" ]; then
     rm -rf build/*_????????????????
-    echo "$texts" >build/texts
   fi
+  echo "$texts" >build/texts
   sources=$(find src -name '*.[fF]90' | sort)
   if [ "$(cat build/sources 2>/dev/null)" != "$sources" ]; then
     rm -f build/*_????????????????/asperity/libasperity.a
@@ -53,8 +53,8 @@ options_of() {
     strict) fpm_options=(--no-prune --flag "$strict_flags") ;;
     sanitize) fpm_options=(--no-prune --flag "$sanitize_flags") ;;
     images)
-      # The optimisation of fpm's release profile, which has -fcoarray=single.
-      fpm_options=(--flag "-O3 -funroll-loops $release_flags -DASPERITY_COARRAYS -fcoarray=lib"
+      # Not optimised, as the strict build, whose bytes it has. fpm's profiles have -fcoarray=single.
+      fpm_options=(--flag "-O0 $release_flags -DASPERITY_COARRAYS -fcoarray=lib"
         --link-flag "-Wl,--no-as-needed -lcaf_openmpi")
       ;;
     second)

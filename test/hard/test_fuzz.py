@@ -44,7 +44,7 @@ def test_found_case(path, asperity):
 def fuzz(asperity, folder, *words):
     """Runs of the fuzzer in a process of its own, whose limits they inherit: number by status."""
     done = run_program(sys.executable, ROOT / "tools/fuzz.py", "--exe", asperity, "--processes",
-                       "1", "--seconds", "inf", *words, cwd=folder)
+                       "1", "--seconds", "inf", *words, cwd=folder, timeout=1500)
     return {int(status): int(number) for number, status in
             re.findall(r"(\d+) with status (-?\d+)", done.stdout.splitlines()[-1])}
 
