@@ -53,7 +53,7 @@ options_of() {
     strict) fpm_options=(--no-prune --flag "$strict_flags") ;;
     sanitize) fpm_options=(--no-prune --flag "$sanitize_flags") ;;
     images)
-      # Not optimised, as the strict build, whose bytes it has. fpm's profiles have -fcoarray=single.
+      # Not optimised, as the strict build: the same bytes. Profiles of fpm have -fcoarray=single.
       fpm_options=(--flag "-O0 $release_flags -DASPERITY_COARRAYS -fcoarray=lib"
         --link-flag "-Wl,--no-as-needed -lcaf_openmpi")
       ;;
