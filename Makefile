@@ -66,10 +66,6 @@ bench:
 	@bash .ci/setup build test
 	@.venv/bin/python test/bench/map_area.py $(if $(SAVE),--save,--realisations 3)
 	@.venv/bin/python test/bench/pixel_estimates.py $(if $(SAVE),--seeds 16 --save,--seeds 1)
-else ifeq ($(PART),search)
-bench:
-	@bash .ci/setup build test bench
-	@.venv/bin/python test/bench/run_scale.py --parts search $(if $(MOST),--most $(MOST))
 else ifeq ($(PART),interaction)
 bench:
 	@bash .ci/setup build test bench
@@ -80,7 +76,7 @@ bench:
 	@bash .ci/setup build test bench
 	@.venv/bin/python test/bench/run_scale.py --parts solve,threads $(if $(MOST),--most $(MOST))
 else
-bench: ## time and memory; SAVE=1 keeps them, SMALL=1; PART=search|maps|interaction|accuracy|scale
+bench: ## time and memory; SAVE=1 keeps them, SMALL=1; PART=maps|interaction|accuracy|scale
 	@bash .ci/setup build test bench
 	@.venv/bin/python test/bench/run_bench.py $(if $(SAVE),--save) $(if $(SMALL),--small)
 	@.venv/bin/python test/bench/run_tamaas.py $(if $(SAVE),--save) $(if $(SMALL),--small)

@@ -1,5 +1,4 @@
-"""Large surfaces: time by phase, exponent and memory of the search and the same work by others;
-phases of the solver; one and two threads; interaction.
+"""Large surfaces: phases of the solver; one and two threads; interaction.
 
     python test/bench/run_scale.py [--most N] [--rounds R] [--parts NAMES] [--small] [--save]
         [--beside EXE]
@@ -10,21 +9,15 @@ machine, seconds do not.
 
 import argparse
 import os
-import platform
 
 os.environ.setdefault("OMP_NUM_THREADS", "1")
 
-import numpy as np
-import scipy
-
 from scale_interaction import interaction_part
-from scale_peers import search_part
 from scale_solve import solve_part
 from scale_sweeps import threads_part
-from search_files import search_program
 from whole_runs import Failed, machine, release_build, save
 
-PARTS = ("search", "solve", "threads", "interaction")
+PARTS = ("solve", "threads", "interaction")
 # Asperities and positions of the sweeps.
 SIZES = {False: (100_000, 10_000), True: (10_000, 1000)}
 
@@ -32,8 +25,7 @@ SIZES = {False: (100_000, 10_000), True: (10_000, 1000)}
 def heading(flags, options):
     """The lines without which the numbers below mean nothing."""
     return "\n".join([
-        *machine(flags), f"peers     numpy {np.__version__}, scipy {scipy.__version__}, "
-        f"Python {platform.python_version()}", f"rounds    {options.rounds}, the least time counts",
+        *machine(flags), f"rounds    {options.rounds}, the least time counts",
         f"busy      {os.getloadavg()[0]:.1f} processes in the minute before the start"])
 
 
@@ -58,7 +50,7 @@ def names_of_parts(text):
 def main():
     parser = argparse.ArgumentParser(description=__doc__.splitlines()[0])
     parser.add_argument("--most", type=whole_number, default=1_000_000,
-                        help="largest N of the search (default 1e6); 1e7 takes minutes")
+                        help="largest N (default 1e6)")
     parser.add_argument("--rounds", type=whole_number, default=3, help="turns of all (default 3)")
     parser.add_argument("--parts", type=names_of_parts, default=PARTS,
                         help=f"some of {','.join(PARTS)} (default all)")
@@ -68,11 +60,9 @@ def main():
     options = parser.parse_args()
 
     asperity, flags = release_build()
-    program = search_program()
     n, positions = SIZES[options.small]
     sizes = [10**k for k in range(3, 9) if 10**k <= options.most]
     parts = {
-        "search": lambda: search_part(program, sizes, options.rounds),
         "solve": lambda: solve_part(asperity, sizes, options.rounds),
         "threads": lambda: threads_part(asperity, n, positions, options.rounds),
         "interaction": lambda: interaction_part(asperity, options.most, options.rounds,

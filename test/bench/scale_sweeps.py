@@ -7,8 +7,7 @@ two such runs at once. Where that is not near 2 the cores are busy, or share wha
 import tempfile
 from pathlib import Path
 
-from search_files import ROOT
-from whole_runs import Work, same_output, surfaces, take_turns, write_csv, write_scene
+from whole_runs import ROOT, Work, same_output, surfaces, take_turns, write_csv, write_scene
 
 # The deck's own sweep goes 10 cm.
 SWEEP = 10.0

@@ -7,7 +7,6 @@ import math
 import os
 import platform
 import re
-import shutil
 import subprocess
 import sys
 import tempfile
@@ -17,8 +16,9 @@ from pathlib import Path
 import numpy as np
 
 from csv_rows import records
-from search_files import ROOT, Surface
+from placed_asperities import Surface
 
+ROOT = Path(__file__).resolve().parents[2]
 KEPT = ROOT / "reference_output/bench"
 
 DENSITY = 0.48
@@ -168,11 +168,6 @@ def available_memory():
         if line.startswith("MemAvailable:"):
             return 1024 * int(line.split()[1])
     return math.inf
-
-
-def free_disk():
-    """Bytes free where temporary files go."""
-    return shutil.disk_usage(tempfile.gettempdir()).free
 
 
 def peak_of(process, pause=0.0):

@@ -12,7 +12,7 @@ import numpy as np
 import pytest
 
 from programs import run_program
-from search_files import Surface
+from placed_asperities import Surface
 from surfaces_csv import records
 
 N = 100_000
