@@ -103,36 +103,6 @@ def test_no_time_and_all_time(asperity, tmp_path, tally):
                 off(loads[1:], [share * loads[0]] * (len(loads) - 1)), 1e-15)
 
 
-@pytest.mark.parametrize("interaction", ("off", "coupled"))
-def test_thesis_model_under_load(interaction, asperity, tmp_path, tally):
-    """Many contacts under a held load close as elastic ones do under J(t) E(0) times the load."""
-    ratio, tau, hold_time, load, position = 0.8, 100.0, 600.0, 1000.0, 5.6
-    model = {"surfaces": {"deck": str(DECK)}, "motion": {"x_first": position}}
-    run = solved(asperity, write_scene(
-        tmp_path / "creep.scene", **model, loading={"control": "load", "value": load},
-        effects=solid(ratio, tau, hold_time, points=12, interaction=interaction)))
-    times = column(run.curve, "time")
-    compare(tally, f"creep: thesis model, {interaction}, load",
-            off(column(run.curve, "load"), [load] * len(times)), MET)
-    closings = []
-    for factor in compliance(ratio, tau, times):
-        elastic = solved(asperity, write_scene(
-            tmp_path / "elastic.scene", **model, effects={"interaction": interaction},
-            loading={"control": "load", "value": float(load * factor)}), contacts=False)
-        closings.append([float(elastic.curve[-1][name]) for name in ("compression", "area")])
-    for name, true in zip(("compression", "area"), zip(*closings)):
-        compare(tally, f"creep: thesis model, {interaction}, {name}",
-                off(column(run.curve, name), true), 3e-10)
-        assert (np.diff(column(run.curve, name)) > 0).all()
-    # The greatest pressure falls; each contact's columns belong together.
-    rows = [row for row in run.contacts if float(row["elastic_load"]) > 0]
-    peaks = [max(column([row for row in run.contacts if row["step"] == str(step + 1)],
-                        "maximum_pressure")) for step in range(len(times))]
-    assert (np.diff(peaks) < 0).all()
-    compare(tally, f"creep: thesis model, {interaction}, relaxed share", off(
-        column(rows, "load"), column(rows, "relaxed_share") * column(rows, "elastic_load")), 1e-14)
-
-
 def test_thesis_model_at_an_approach(asperity, tmp_path, tally):
     """With neighbours every load relaxes by the same factor; the contact circles stay."""
     effects = solid(0.8, 100.0, 600.0, "approach", 12, interaction="coupled")

@@ -96,21 +96,6 @@ def test_a_limit_is_where_flow_begins(asperity, tmp_path):
     assert "plasticity" not in row_of(to_it)
 
 
-def test_the_larger_of_two_effects_is_simulated(asperity, tmp_path):
-    """Adhesion beside interaction: the estimates decide, whether the modes are written or not."""
-    numbers = {"work_of_adhesion": 1e-1, "equilibrium_distance": 1e-7}
-    by_default, by_word = (solve(asperity, write_scene(
-        tmp_path / "a.scene", by_default=True, **LOADED, effects={**numbers, **modes}))
-        for modes in ({}, {"interaction": "auto", "adhesion": "auto"}))
-    row = row_of(by_default)
-    assert float(row["interaction_estimate"]) > float(row["adhesion_estimate"]) > 0.01
-    assert row["adhesion"] == "off" and row["interaction"] != "off"
-    told = re.search(r"\(adhesion beside interaction\), (\S+) % is the estimated",
-                     by_default.stderr)
-    assert float(told.group(1)) == pytest.approx(100 * float(row["adhesion_estimate"]), rel=0.01)
-    assert by_word == by_default
-
-
 @pytest.mark.parametrize("given, why", (
     ({"material": {"contact_modulus": 1e5}, "effects": {"plastic_yield_stress": 100.0}},
      "plasticity is left out: plasticity needs Poisson's ratio"),

@@ -128,10 +128,11 @@ def test_random_powers(program, tally):
 
 @pytest.mark.parametrize("kind, function", [("SIN", mpmath.sin), ("COS", mpmath.cos)])
 def test_random_angles(kind, function, program, tally):
-    """Sine and cosine of 1e-6 to 65535 rad are the nearest numbers."""
+    """Sine and cosine of 1e-6 rad to the largest number are the nearest numbers."""
     rng = random.Random(kind)
-    words = [word(rng.getrandbits(1), rng.randrange(60, 69), fraction(rng)) for _ in range(NUMBER)]
-    with mpmath.workdps(30):
+    words = [word(rng.getrandbits(1), rng.randrange(60, 128), fraction(rng))
+             for _ in range(NUMBER)]
+    with mpmath.workdps(110):
         for operand, (found, _) in zip(words, arithmetic(program, kind, [(w, 0) for w in words]),
                                        strict=True):
             angle, result = value(operand), value(found)

@@ -185,21 +185,6 @@ def test_headers_of_other_languages(package, tmp_path):
             package.read_map(path)
 
 
-def test_reasons_of_both_readers(package, tmp_path):
-    """A damaged file of a known format: why each of the two readers refuses it, in few lines."""
-    Topography(HEIGHTS.T, (16.0, 6.0), unit="um").to_netcdf(str(tmp_path / "m.nc"))
-    data = (tmp_path / "m.nc").read_bytes()
-    (tmp_path / "units.nc").write_bytes(data.replace(b"\2um", b"\2nm", 1))
-    (tmp_path / "cut.x3p").write_bytes(b"PK\x03\x04" + bytes(200))
-    for name, reason in (("units.nc", "Units for x-coordinate and heights in NetCDF file differ"),
-                         ("cut.x3p", "not a valid ZIP")):
-        with pytest.raises(package.InputError) as caught:
-            package.read_map(tmp_path / name)
-        told = str(caught.value).splitlines()
-        assert "SurfaceTopography cannot read it: " in told[0] and reason in told[0], told
-        assert 2 <= len(told) <= 3
-
-
 def test_notes_of_the_reader(package, tmp_path):
     """A note on the file is in `notes` and a warning at the line of the caller; copies keep it."""
     path = tmp_path / "m.txt"

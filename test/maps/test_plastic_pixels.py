@@ -248,21 +248,6 @@ def test_the_area_grows_with_the_load(asperity, tmp_path, tally, kind):
     tally.add(f"areas under growing loads, {kind}", 40, 40)
 
 
-def test_many_states_dissipate_the_loop(asperity, tmp_path):
-    """The sum over states and the area of the loop agree better the smaller the states are."""
-    height = 1e-3 * rough(32, shortest=5, seed=9)
-    load = load_for(height, SIDES, 0.2)
-    hardness = 0.1 * E * 2 * load_for(height, SIDES, 1.0) / (E * height.size * AREA)
-    errors = []
-    for points in (5, 40):
-        states, _, _ = run(asperity, tmp_path, height, hardness, name=f"m{points}", loading={
-            "control": "load", "value": (load, 0.0), "points": points})
-        loop = sum((b["load"] + a["load"]) / 2 * (b["compression"] - a["compression"])
-                   for a, b in zip(states, states[1:]))
-        errors.append(abs(loop / states[-1]["dissipated_work"] - 1))
-    assert errors[1] < 0.2 * errors[0] and errors[1] < 0.02, errors
-
-
 @pytest.mark.parametrize("edge", ["free", "periodic"])
 def test_full_saturation(asperity, tmp_path, edge):
     """The largest load is the hardness times the measured area; more is refused."""

@@ -1,8 +1,7 @@
 !> Tests of the cells: influence, single contacts, contacts together, hard cases.
 !>
-!> The truths are closed forms (Hertz; the displacement beside a Hertz contact), quadrature of the
-!> definition, and one case evaluated apart in numpy: a lattice turned along the line of the two
-!> contacts, Love's displacement at the cells' centres, a dense matrix solved directly.
+!> The truths are closed forms (Hertz; the displacement beside a Hertz contact) and quadrature of
+!> the definition. Contacts together are compared with grids in test/effects.
 module asperity_elements_suite
   use asperity_lattice_convolution, only: lattice_convolution, padded_length
   use asperity_element_influence, only: mean_influence
@@ -38,7 +37,6 @@ contains
     call run_test('a load on cells, and its compression', load_given)
     call run_test('a lattice stays while it is fine enough', lattice_stays)
     call run_test('an open contact far from a lattice that is kept', far_from_lattice)
-    call run_test('two contacts apart, near and far', two_apart)
     call run_test('a small contact far off feels the field of a large one', small_and_large)
     call run_test('coincident, covered, open and refused contacts', hard_cases)
     call run_test('a sum over cells through FFTW against a sum term by term', sum_over_cells)
@@ -100,14 +98,6 @@ contains
 
     total = sum(answer%contacts%load)
   end function total
-
-  ! Hertz' law of the circle of geometric mean curvature, at a compression of 0.
-  real(real64) function alone_total(pairs)
-    type(contact_pairs), intent(in) :: pairs
-
-    alone_total = 4.0_real64 / 3.0_real64 * pairs%modulus * sum( &
-      sqrt(pairs%list%radius) * pairs%list%zc / pairs%list%s * (-pairs%list%gap)**1.5_real64)
-  end function alone_total
 
   ! Mean of 1/r: Love's displacement at a point, and Gauss over the receiving cell.
   subroutine influence_by_quadrature
@@ -317,56 +307,6 @@ contains
 
     place = [lattice%elements%x, lattice%elements%y, lattice%elements%side]
   end function place_of
-
-  ! Each contact stands in the displacement that a Hertz pressure causes beside its circle
-  ! (Johnson, Contact Mechanics, 1985, eq. 3.42); the mean over the other's circle is taken with
-  ! its second derivative. The next term is of the order (a/r)**5.
-  subroutine two_apart
-    type(contact_pairs) :: pairs
-    type(element_answer) :: outcome
-    real(real64), parameter :: depth = 1.0e-4_real64, radius = 1.0_real64
-    real(real64), parameter :: apart(4) = [4.5_real64, 5.55_real64, 5.75_real64, 40.0_real64]
-    real(real64) :: alone, factor, lowered, slope, a, r
-    integer :: i, k
-
-    allocate (pairs%list(2))
-    pairs%modulus = 1.0_real64
-    alone = sqrt(radius * depth)
-    do i = 1, size(apart)
-      r = apart(i) * alone
-      pairs%list(1) = pair_at(3.0_real64, 1.0_real64, 0.0_real64, 0.0_real64, 2.0_real64)
-      pairs%list(2) = pair_at(3.0_real64 + 0.6_real64 * r, 1.0_real64 + 0.8_real64 * r, &
-                              0.0_real64, 0.0_real64, 2.0_real64)
-      lowered = depth
-      do k = 1, 100
-        a = sqrt(radius * lowered)
-        ! The slope of the field shifts each contact away from the other and deepens it.
-        slope = (plain(a, 0.99_real64 * r) - plain(a, 1.01_real64 * r)) / (0.02_real64 * r) / radius
-        lowered = depth - beside(a, r + slope * radius) / radius + 0.5_real64 * radius * slope**2
-      end do
-      factor = (lowered / depth) * sqrt(lowered / depth)
-      call solve(pairs, [depth, depth], 0.1_real64 * asked, outcome)
-      call check(total(outcome) / alone_total(pairs), factor, 5.0e-4_real64, 'factor')
-      call check(outcome%contacts(1)%load / outcome%contacts(2)%load, 1.0_real64, &
-                 5.0e-4_real64, 'two alike')
-    end do
-  end subroutine two_apart
-
-  ! Displacement beside a Hertz contact of radius a, times the combined radius: the mean weighted
-  ! with the pressure that a flat punch has on a circle of radius a at r, which is what counts for
-  ! that contact's load (Betti's theorem): over the circle the weight has the mean square a**2/3
-  ! in each direction.
-  pure function beside(a, r) result(u)
-    real(real64), intent(in) :: a, r
-    real(real64) :: u, step, here
-
-    here = plain(a, r)
-    step = 0.05_real64 * r
-    ! Laplacian in two dimensions.
-    u = here + a * a / 6.0_real64 * ((plain(a, r + step) - 2.0_real64 * here + &
-        plain(a, r - step)) / step**2 + (plain(a, r + step) - plain(a, r - step)) / (2.0_real64 * &
-        step * r))
-  end function beside
 
   pure function plain(a, r) result(u)
     real(real64), intent(in) :: a, r

@@ -28,40 +28,11 @@ contains
 
   !> Runs the tests.
   subroutine run_pair_search
-    call run_test('no pair of all with all is lost, each is found once, few are added', as_all)
     call run_test('a level has all pairs that touch as high as it is complete', by_level)
     call run_test('what rounding may count in a shorter arithmetic is found', by_margin)
     call run_test('surfaces that are flat or far apart have no pairs', no_pairs)
     call run_test('keys of every distribution are sorted, equal ones keep their order', keys)
   end subroutine run_pair_search
-
-  subroutine as_all
-    type(surface_points) :: upper, lower
-    type(pair_levels) :: levels
-    real(real64) :: height, shift(2)
-    integer :: kind, turn, pairs
-
-    pairs = 0
-    do kind = 1, size(names)
-      do turn = 1, 3
-        call draw_surface(kind, 300 + 20 * turn, upper)
-        call draw_surface(kind, 400 - 30 * turn, lower)
-        ! The least height makes strips so low that all pairs get strips of their own.
-        height = merge(0.05_real64, merge(1.0e-4_real64, any_height, turn == 2), turn == 3)
-        shift = 0.0_real64
-        if (turn > 1) shift = [0.375_real64, -1.25_real64]
-        call build_levels(levels, upper, lower, height, double)
-        call compare(upper, lower, levels, last_level(levels), shift, height, double, &
-                     any_touch, pairs, names(kind))
-        if (turn > 1) &
-          call compare(upper, lower, levels, last_level(levels), shift, any_height, double, &
-                       any_touch, pairs, names(kind) // ', all that can touch')
-        if (has_failed()) return
-      end do
-    end do
-    ! The crowded ones alone fill the search's batches many times.
-    call check(pairs > 100000, 'too few pairs to show anything')
-  end subroutine as_all
 
   subroutine by_level
     type(surface_points) :: upper, lower
