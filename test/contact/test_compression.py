@@ -41,7 +41,7 @@ def test_compression_and_separation(asperity, tmp_path, interaction, lower):
                 float(found.positions[int(m) - 1][name]), rel=1e-9)
 
 
-def test_map(asperity, tmp_path):
+def test_a_compression_of_a_map_counts_from_its_highest_pixel(asperity, tmp_path):
     """On the pixels of a map it counts from the highest one."""
     rng = np.random.default_rng(5)
     height = rng.normal(size=(24, 32)).cumsum(0).cumsum(1) * 1e-9

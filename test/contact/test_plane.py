@@ -86,7 +86,7 @@ def test_ball_on_flat(asperity, tmp_path, side):
 
 @pytest.mark.parametrize("side", SIDES)
 @pytest.mark.parametrize("number", [1, 40, pytest.param(1200, marks=pytest.mark.truth)])
-def test_caps(asperity, tmp_path, side, number):
+def test_caps_on_a_plane_are_those_of_hertz(asperity, tmp_path, side, number):
     """Load, approach and limit against the equations; 1200 caps are searched part by part."""
     caps = random_caps(number, seed=number)
     heights, radii = [c[2] for c in caps], [c[3] for c in caps]
@@ -168,7 +168,7 @@ def test_radius_and_refusals(asperity, tmp_path):
         assert expected in run.stderr
 
 
-def test_nominal_area(asperity, tmp_path):
+def test_a_nominal_area_gives_pressure_and_area_fraction(asperity, tmp_path):
     """Vertical load and projected area over the nominal area, in every file that has totals."""
     scene = plane_scene(tmp_path, random_caps(9, seed=4),
                         loading={"control": "load", "value": 5.0, "points": 3})

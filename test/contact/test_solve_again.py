@@ -174,7 +174,7 @@ SCENES = ["data/examples/thesis.scene", "data/thesis.deck",
 
 
 @pytest.mark.parametrize("path", SCENES)
-def test_groups(package, path):
+def test_groups_of_a_file_make_the_same_scene(package, path):
     """A scene made from the groups of a file prints the same summary."""
     scene = package.Scene(ROOT / path)
     assert scene.solve(effects={}).summary == scene.solve().summary != ""

@@ -73,7 +73,7 @@ def section_values(found, corner, size, per_side):
                      for q in values])
 
 
-def test_against_numpy(asperity, study, tmp_path, tally):
+def test_sections_are_those_of_numpy(asperity, study, tmp_path, tally):
     """Means, deviations, standard errors and shares of all sizes from contacts found in numpy."""
     text = spec("separation = 0.2, factor = 2., steps = 4, tolerance = 0.3")
     study(text, "--csv", "a.csv", "--quiet")
@@ -139,7 +139,7 @@ def integrals(separation, densities):
     return total * densities[0] * densities[1]
 
 
-def test_integrals(study, tmp_path, tally):
+def test_integrals_are_those_of_plain_sums(study, tmp_path, tally):
     """The columns of integrals; the edge t = 0 in the sum over heights costs digits."""
     study(spec("separation = 0.2, steps = 1", ensemble=2), "--csv", "a.csv", "--quiet")
     table = records(tmp_path / "a.csv")
@@ -164,7 +164,7 @@ def test_ensemble_meets_integral(study, tmp_path, tally, loading, least, places)
     assert all(near)
 
 
-def test_pressure(study, tmp_path):
+def test_large_surfaces_bear_the_pressure_at_the_separation(study, tmp_path):
     """The separation is the one at which large surfaces of the design bear the pressure."""
     study(spec("pressure = 100., steps = 1", least=0, ensemble=2), "--csv", "a.csv", "--quiet")
     row = records(tmp_path / "a.csv")[3]
@@ -173,7 +173,7 @@ def test_pressure(study, tmp_path):
     assert float(row["integral"]) * ratio == pytest.approx(100, rel=1e-12)
 
 
-def test_verdict(study, tmp_path):
+def test_the_representative_size_is_the_least_that_is_within(study, tmp_path):
     """The representative size is the least from which on up enough sections are within."""
     done = study(spec("separation = 0.2, steps = 5, tolerance = 0.5, confidence = 0.8",
                       ensemble=20), "--csv", "a.csv")
@@ -221,7 +221,7 @@ def test_other_specification_is_refused(study, tmp_path):
 
 @pytest.mark.skipif("ASPERITY_IMAGES" not in os.environ,
                     reason="ASPERITY_IMAGES is no command for several images")
-def test_images(study, tmp_path):
+def test_images_leave_the_bytes_of_one(study, tmp_path):
     """ASPERITY_IMAGES, for instance `cafrun -n 2 EXE`: the same bytes as one image."""
     text = spec(ensemble=11)
     study(text, "--csv", "one.csv", "--keep", "one.keep", "--quiet")

@@ -234,7 +234,7 @@ def test_two_surfaces_with_tilt_and_displacement(asperity, tmp_path):
     assert np.abs(fields["gap"] - expected)[open_].max() < 1e-12
 
 
-def test_deck(asperity, root, tmp_path):
+def test_a_mirrored_surface_is_near_around_each_contact(asperity, root, tmp_path):
     """A mirrored lower surface: around each contact the surfaces are near."""
     scene = tmp_path / "deck.scene"
     scene.write_text(f"&surfaces deck = '{root}/data/thesis.deck', field_spacing = 0.01 /\n"
@@ -344,7 +344,7 @@ def test_summits_of_a_map(asperity, tmp_path):
 
 @pytest.mark.once
 @pytest.mark.filterwarnings("ignore::UserWarning")
-def test_python(package, asperity, tmp_path):
+def test_python_has_the_fields_of_the_file(package, asperity, tmp_path):
     """The same fields as in the file, with and without the contacts; copies keep them."""
     path = plane_scene(tmp_path, TWO, 0.02, {"interaction": "auto", "tolerance": 1e-3}, surfaces={
         "units": ("mm", "N")}, control="load", value=(1.0, 2.0))

@@ -38,7 +38,7 @@ def compare_threads(asperity, scene, folder, tally):
     return one
 
 
-def test_large_sweep(asperity, tmp_path, tally):
+def test_a_large_sweep_does_not_depend_on_threads(asperity, tmp_path, tally):
     rng = np.random.default_rng(2000)
     scene = write_csv_scene(
         tmp_path, rough(rng, 2000), rough(rng, 2000), modulus=(275760.0, 275760.0),
@@ -56,7 +56,7 @@ def test_large_sweep(asperity, tmp_path, tally):
 @pytest.mark.parametrize("effects", [
     {"interaction": "coupled", "plasticity": "on", "plastic_yield_stress": 8000.0},
     {"interaction": "auto", "friction": "on", "friction_coefficient": 0.1}])
-def test_effects(effects, asperity, root, tmp_path, tally):
+def test_effects_do_not_depend_on_threads(effects, asperity, root, tmp_path, tally):
     scene = write_scene(
         tmp_path / "effects.scene", surfaces={"deck": str(root / "data" / "thesis.deck")},
         motion={"x_first": 0.1, "x_step": 0.1, "positions": 30},
@@ -68,7 +68,7 @@ def test_effects(effects, asperity, root, tmp_path, tally):
 
 
 @pytest.mark.parametrize("way", ["boundary", pytest.param("coupled", marks=pytest.mark.long)])
-def test_a_map(asperity, tmp_path, tally, way):
+def test_a_map_does_not_depend_on_threads(asperity, tmp_path, tally, way):
     """So large that threads share its transforms."""
     height = made_maps.self_affine((160, 160), 21, shortest=4)[0]
     made_maps.write_bytes(tmp_path / "map.sdf", 1e-7 * height, 1e-6, 1e-6)

@@ -58,7 +58,7 @@ def check_pair(inside, outside, what, size=None):
         assert number == pytest.approx(size, rel=6e-3), line
 
 
-def test_contact_radius(asperity, tmp_path):
+def test_a_wide_contact_circle_is_warned_of(asperity, tmp_path):
     runs = [pressed(asperity, tmp_path / str(f), overlap_of(0.3 * RADIUS * f))
             for f in (INSIDE, OUTSIDE)]
     check_pair(*runs, "wide for its sphere", 0.3)
@@ -67,7 +67,7 @@ def test_contact_radius(asperity, tmp_path):
     assert "0.900 of the radius" in told(far, "wide for its sphere")
 
 
-def test_cap(asperity, tmp_path):
+def test_a_circle_beyond_its_cap_is_warned_of(asperity, tmp_path):
     """The edge of the circle at the depth of the plane: 1 - cos(a/r) = h/r on the sphere."""
     height = 0.01
     edge = math.sqrt(RADIUS**2 - (RADIUS - height)**2)
@@ -76,7 +76,7 @@ def test_cap(asperity, tmp_path):
     check_pair(*runs, "base of its spherical cap")
 
 
-def test_slope(asperity, tmp_path):
+def test_a_steep_contact_is_warned_of(asperity, tmp_path):
     """A pair offset in plan by d touches with slope d/z; nothing is pressed far."""
     def inclined(factor):
         folder = tmp_path / str(factor)
@@ -93,7 +93,7 @@ def test_slope(asperity, tmp_path):
 @pytest.mark.parametrize("given, pressure", [
     ({"plastic_yield_stress": 3000.0}, 3000.0 * 1.295 * math.exp(0.736 * RATIO) / 1.5),
     ({"hardness": 6000.0}, 6000.0), ({"yield_stress": 2000.0}, 2000.0 * 2.76 / 1.5)])
-def test_yield(given, pressure, asperity, tmp_path):
+def test_a_pressure_beyond_yield_is_warned_of(given, pressure, asperity, tmp_path):
     """Average pressure 4 E sqrt(W/R)/(3 pi)."""
     overlap = RADIUS / 2 * (0.75 * math.pi * pressure / COMBINED)**2
     effects = {k: v for k, v in given.items() if k == "plastic_yield_stress"}
@@ -127,7 +127,7 @@ def test_circles_overlap(asperity, tmp_path):
     assert told(coupled, "contact circles overlap") == ""
 
 
-def test_crowding(asperity, tmp_path):
+def test_crowded_circles_are_warned_of(asperity, tmp_path):
     """Four circles over the nominal area; without one, over that of the box and a distance."""
     overlap, side = 0.01, 1.0
     covered = 4 * math.pi * CAP * overlap
@@ -140,7 +140,7 @@ def test_crowding(asperity, tmp_path):
     check_pair(*runs, "cover much of the area", 10.0)
 
 
-def test_tabor(asperity, tmp_path):
+def test_a_tabor_parameter_between_two_laws_is_warned_of(asperity, tmp_path):
     """The law for small parameters between 0.045 and 0.1."""
     def adhering(tabor):
         work, modulus = 0.01, 1000.0
@@ -180,7 +180,7 @@ def test_relaxing(hold, asperity, tmp_path):
     check_pair(*runs, "before relaxation is done")
 
 
-def test_area(asperity, tmp_path):
+def test_an_uncertain_area_is_warned_of(asperity, tmp_path):
     """Told where the column of the area's error is above the tolerance, and nowhere else."""
     what = "less sure than the tolerance"
 
@@ -204,7 +204,7 @@ def test_area(asperity, tmp_path):
     check_pair(inside, outside, what, 100 * stated)
 
 
-def test_load_direction(asperity, tmp_path):
+def test_a_load_unlike_the_vertical_load_is_warned_of(asperity, tmp_path):
     """One pair whose vertical load is less than its load by the tolerance: 1 - cos."""
     tolerance = 0.01
 

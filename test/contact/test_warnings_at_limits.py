@@ -154,7 +154,7 @@ def has(run, what):
 
 
 @pytest.mark.parametrize("interaction", ["boundary", "coupled", "off"])
-def test_missing_pixels(interaction, asperity, tmp_path):
+def test_many_missing_pixels_are_warned_of(interaction, asperity, tmp_path):
     """The tolerance of 1 %: 5 of 576 pixels are 0.87 %, 6 are 1.04 %."""
     height = 1e-3 * rough(N, shortest=4, seed=3)
     load = load_for(height, SIDES, 0.02)

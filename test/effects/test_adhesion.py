@@ -103,7 +103,7 @@ def test_maugis_curve(tabor, asperity, tmp_path, tally):
     assert 1.5 < told < 2
 
 
-def test_dmt(asperity, tmp_path, tally):
+def test_dmt_is_hertz_less_a_constant_pull(asperity, tmp_path, tally):
     """2 pi w R at first touch, Hertz less that beyond, and the same way back."""
     reach = 9 * math.sqrt(3) / 16 * distance(0.05)
     closings = np.array([-1.001 * reach, -0.5 * reach, 0, 0.001 * DEPTH, 0.01 * DEPTH,
@@ -123,7 +123,7 @@ def test_dmt(asperity, tmp_path, tally):
     assert all(same)
 
 
-def test_snaps(asperity, tmp_path, tally):
+def test_a_contact_snaps_in_at_first_touch_and_out_at_the_turn(asperity, tmp_path, tally):
     """A path down and up twice: in at first touch, out at the turn, not elsewhere."""
     near = 1e-12 * DEPTH
     ways = (DEPTH, 0.9 * SNAP_OFF, SNAP_OFF + near, SNAP_OFF - near, SNAP_OFF + near, -near, 0)
@@ -213,7 +213,7 @@ def test_never_returns_more(tabor, asperity, tmp_path, tally):
     assert tabor < 0.1 or (kept > 1e-3).all()
 
 
-def test_auto(asperity, tmp_path):
+def test_auto_compares_pulls_with_the_load(asperity, tmp_path):
     """`auto` compares the largest pulls with the load, and the area with that of Hertz."""
     effects = {"adhesion": "auto", "work_of_adhesion": WORK, "tolerance": 0.01,
                "equilibrium_distance": distance(50)}

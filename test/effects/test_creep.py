@@ -294,7 +294,7 @@ def test_cycle_in_time(asperity, tmp_path):
     assert "shrink" not in run.stderr
 
 
-def test_auto(asperity, tmp_path):
+def test_auto_estimates_what_a_held_approach_loses(asperity, tmp_path):
     """`auto` asks what a held approach would lose."""
     for hold_time, wanted in ((1e-3, "off"), (1.0, "on"), (0.0, "off")):
         effects = {**solid(0.8, 10.0, hold_time), "creep": "auto"}

@@ -48,7 +48,7 @@ def run(asperity, folder, **groups):
                                        motion={"x_first": 5.6}, **groups))
 
 
-def test_pairs(asperity, tmp_path, tally):
+def test_every_pair_of_effects_is_computed_or_refused(asperity, tmp_path, tally):
     """Every pair: refused with its sentence, or computed."""
     pairs = [(a, b, wa, wb) for i, a in enumerate(ON) for b in list(ON)[:i]
              for wa, wb in product(ON[a], ON[b])]
@@ -269,7 +269,7 @@ ABOUT = {"beyond_limit": {"plasticity": "on"}, "ten_minutes": {"creep": "on"},
 
 
 @pytest.mark.parametrize("name", sorted(path.stem for path in EXAMPLES.glob("*.scene")))
-def test_examples(name, asperity, tmp_path, tally):
+def test_an_example_simulates_what_it_is_about(name, asperity, tmp_path, tally):
     """Only what an example is about is simulated; its output beside it is still what comes out."""
     done = solve(asperity, EXAMPLES / f"{name}.scene", folder=tmp_path, contacts=False, curve=True)
     assert done.status == 0, done.stderr

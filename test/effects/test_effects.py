@@ -109,7 +109,7 @@ def test_load_of_boundary_is_converged(sweeps, truth, tally):
 
 
 @pytest.mark.parametrize("position", (8, 18, 19, 38, 57))
-def test_finer_cells(position, sweeps, truth, tally):
+def test_finer_cells_change_loads_within_the_tolerance(position, sweeps, truth, tally):
     coarse, fine = (sweeps.solve(positions=1, x_first=position / 10, interaction="boundary",
                                  boundary_tolerance=bound).positions[0]
                     for bound in (CELLS, 1e-4))
@@ -162,7 +162,7 @@ def test_auto_simulates_what_matters(tolerance, sweeps, truth, tally):
         assert resolved <= set(OVERLAPPING) and not (resolved and tolerance > 0.02)
 
 
-def test_summary(sweeps, tally):
+def test_the_summary_has_ways_and_estimates_of_the_columns(sweeps, tally):
     off = sweeps.solve(interaction="off")
     assert "non-interacting contacts (Hertz); control" in off.stdout
     left_out = re.search(r"off: estimated influence on the load ([\d.]+) % \(position 18\)",

@@ -162,7 +162,7 @@ def test_positions_are_sums_of_contacts(sweeps, tally):
     assert column(run.positions, "sliding_contacts").max() > 2
 
 
-def test_auto(sweeps, tally):
+def test_auto_simulates_friction_beyond_the_tolerance(sweeps, tally):
     on = sweeps.solve(friction="on", friction_coefficient=0.1)
     off = sweeps.solve()
     for tolerance in (0.002, 0.01):

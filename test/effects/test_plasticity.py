@@ -94,7 +94,7 @@ def onsets(asperity, folder):
                 name="turn")]
 
 
-def test_continuous(asperity, tmp_path, tally):
+def test_load_and_area_do_not_jump(asperity, tmp_path, tally):
     """Load and area do not jump, seen with steps of 1e-13."""
     for place, run in zip(("onset", "end of the join", "turn"), onsets(asperity, tmp_path)):
         for name in ("load", "area"):
@@ -104,7 +104,7 @@ def test_continuous(asperity, tmp_path, tally):
 
 
 @pytest.mark.parametrize("tops", [(2.5, 3), (3, 5), (10, 20), (50, 100)])
-def test_unloading(asperity, tmp_path, tally, tops):
+def test_unloading_is_the_published_curve(asperity, tmp_path, tally, tops):
     """Down and up again on the curve of Etsion, Kligerman and Kadin, then on by the first one: just
     past the onset, too."""
     top, further = (x * ONSET / 1.9 for x in tops)
@@ -134,7 +134,7 @@ def test_unloading(asperity, tmp_path, tally, tops):
 
 
 @pytest.mark.truth
-def test_hysteresis(asperity, tmp_path, tally):
+def test_the_work_of_a_cycle_is_that_of_the_column(asperity, tmp_path, tally):
     """Work of a cycle by the trapezoidal rule against the column and against quadrature."""
     tops = (3.0, 6.0, 12.0, 40.0)
     lost, errors = [], []

@@ -158,7 +158,7 @@ def path_points(path):
                                                                            path["d"])])
 
 
-def test_curves(asperity, tmp_path):
+def test_curves_of_a_page_are_the_states(asperity, tmp_path):
     """Load over compression and area over load, with an arrow a branch of the cycle."""
     page, _, _ = page_of(asperity, "data/examples/effects/cycle.scene", tmp_path / "r.html",
                          "--curve", tmp_path / "c")

@@ -29,7 +29,7 @@ def fnv(data):
 
 
 @pytest.mark.parametrize("name", SCENES)
-def test_json(name, asperity, tmp_path, tally):
+def test_json_has_the_cells_of_the_tables(name, asperity, tmp_path, tally):
     tables = {"positions": "--positions", "states": "--curve", "contacts": "--contacts"}
     done = run(asperity, "solve", name, "--quiet", "--json", tmp_path / "r.json",
                *(word for table, option in tables.items() for word in (option, tmp_path / table)))
@@ -65,7 +65,7 @@ def test_json_of_any_text(asperity, tmp_path):
 
 
 @pytest.mark.parametrize("name", SCENES)
-def test_vtk(name, asperity, tmp_path, tally):
+def test_vtk_has_the_contacts_of_the_table(name, asperity, tmp_path, tally):
     """Points and their values, by the rules of VTK's XML files."""
     run(asperity, "solve", name, "--quiet", "--vtk", tmp_path / "r.vtp", "--contacts",
         tmp_path / "contacts")

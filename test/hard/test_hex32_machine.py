@@ -132,7 +132,7 @@ def test_random_angles(kind, function, program, tally):
     rng = random.Random(kind)
     words = [word(rng.getrandbits(1), rng.randrange(60, 128), fraction(rng))
              for _ in range(NUMBER)]
-    with mpmath.workdps(110):
+    with mpmath.workdps(30):
         for operand, (found, _) in zip(words, arithmetic(program, kind, [(w, 0) for w in words]),
                                        strict=True):
             angle, result = value(operand), value(found)

@@ -45,7 +45,7 @@ SPEC = """&surfaces number = 200, length = 20{L}, width = 30{L}, least_distance 
 
 
 @pytest.mark.parametrize("power", [12, -12, 100, -100])
-def test_generate(power, asperity, tmp_path):
+def test_a_surface_has_the_same_digits_in_any_power_of_ten(power, asperity, tmp_path):
     """Decimal numbers: the same digits behind another power of ten."""
     def surface(power):
         (tmp_path / "g.spec").write_text(SPEC.replace("{L}", f"e{power}"), encoding="ascii")
@@ -88,7 +88,7 @@ def study(asperity, folder, power, modulus, loading):
 
 @pytest.mark.parametrize("loading", [
     "plane", "separation", pytest.param("pressure", marks=pytest.mark.long)])
-def test_study(loading, asperity, tmp_path, tally):
+def test_a_study_has_the_same_digits_in_any_unit(loading, asperity, tmp_path, tally):
     """In another power of ten a coordinate is another double: within 1e-12, and moduli exactly."""
     _, base = study(asperity, tmp_path, 0, 1.0, loading)
     compared = 0
@@ -120,7 +120,7 @@ def test_study_beyond_range(loading, asperity, tmp_path):
 
 
 @pytest.mark.parametrize("unit", ("1e-12", "1e12"))
-def test_accuracy(unit, asperity, tmp_path):
+def test_a_march_has_as_many_steps_in_any_unit(unit, asperity, tmp_path):
     """The steps of a march are so long for the surfaces, not for their unit: as many rows, and the
     errors of exact events and of steps are alike, in a time that is bounded."""
     rows = []

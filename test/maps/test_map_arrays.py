@@ -237,7 +237,7 @@ def spoiled(value, place=(2, 3)):
     ("plane", ROUGH[:, :2], OWN, "surfaces.lower: found 2 x 40 pixels, expected at least 3"),
     ("plane", ROUGH, {**OWN, "map_unit": "furlong"}, "found the text 'furlong', expected"),
     ("plane", "no.npy", OWN, "no.npy:1:1: cannot be opened")])
-def test_refused(package, upper, lower, words, expected):
+def test_a_bad_array_is_refused_by_its_side(package, upper, lower, words, expected):
     """A sentence that names the side."""
     good = package.HeightMap(ROUGH, SPACING, "um")
     upper, lower = (good if isinstance(one, str) and one == "map" else one

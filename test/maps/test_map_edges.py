@@ -111,7 +111,7 @@ def test_spikes_on_the_seam(asperity, tmp_path):
 
 
 @pytest.mark.parametrize("periodic", [False, True])
-def test_flat_maps(asperity, tmp_path, periodic):
+def test_a_flat_map_is_in_full_contact_without_summits(asperity, tmp_path, periodic):
     """What levelling leaves of a plane is rounding: no summits, and full contact at any load."""
     y, x = np.mgrid[:12, :16]
     planes = [np.full(x.shape, 7.3e5), 0 * x + 0.1]

@@ -40,7 +40,7 @@ def test_stiffness_against_differences(asperity, tmp_path, tally, edge, share, s
     tally.add("stiffness of maps against differences", len(names), len(names))
 
 
-def test_a_circle(asperity, tmp_path, tally):
+def test_a_circle_has_the_closed_stiffness_and_conductance(asperity, tmp_path, tally):
     """A ball of the contact radius a: dP/d(compression) = 2 E a (Johnson 1985, section 4.2), the
     conductance 4 a over the conductivity (Holm 1967), to the width of a pixel."""
     n, radius, a = 129, 1.0, 0.25
@@ -115,7 +115,7 @@ def walls(kind):
 @pytest.mark.parametrize("edge", ["free", "periodic"])
 @pytest.mark.parametrize("kind", ["none", "across x", "across x, one pixel open", "diagonal",
                                   "stair", "ring and walls"])
-def test_open_paths(asperity, tmp_path, edge, kind):
+def test_paths_between_walls_are_open_or_closed(asperity, tmp_path, edge, kind):
     height, *known = walls(kind)
     row = press(asperity, tmp_path, 0.1 * height, edge, (1.0, 1.0), level="none",
                 control="approach", value=0.0999)

@@ -122,7 +122,7 @@ def smooth(n, seed):
     ("plane", {"x_first": 1.0}, "found beside a map and a plane, expected none"),
     (None, {"x_first": 100.0}, "fewer than 3 pixels in common"),
 ])
-def test_refused(asperity, tmp_path, upper, motion, said):
+def test_a_motion_without_common_pixels_is_refused(asperity, tmp_path, upper, motion, said):
     height = 1e-2 * rough(16, shortest=4, seed=10)
     scene = moved(tmp_path, height, height, motion=motion, control="load", value=0.02)
     if upper:

@@ -152,7 +152,7 @@ def test_one_pixel_by_quadrature(asperity, tmp_path, ratio):
 
 
 @pytest.mark.parametrize("axis", [0, 1])
-def test_strips(asperity, tmp_path, axis):
+def test_stresses_on_strips_are_those_of_plane_strain(asperity, tmp_path, axis):
     """A line of pressure across a strip: plane strain of one pixel's band (Johnson 1985, section
     2.5). One pixel of a long strip: that of a free map, but for far images."""
     edges = ("periodic", "free") if axis == 0 else ("free", "periodic")
@@ -192,7 +192,7 @@ def test_asperities_on_their_grid(asperity, tmp_path):
     assert float(value) / (2 * COMBINED * contact / np.pi) == pytest.approx(0.620, rel=5e-3)
 
 
-def test_formats(asperity, tmp_path):
+def test_all_formats_have_the_stresses_of_the_table(asperity, tmp_path):
     """JSON and a grid for ParaView have the numbers of the table."""
     numbers, _, _ = below(asperity, tmp_path, np.eye(5, 4), (1.0, 2.0), "0.5,2",
                           {"control": "load", "value": 10.0})

@@ -91,7 +91,7 @@ def test_edge(asperity, tmp_path, beyond):
                 "the edge cuts") is None
 
 
-def test_scan_lines(asperity, tmp_path):
+def test_a_load_on_scan_lines_is_warned_of(asperity, tmp_path):
     height = floor()
     cap(height, 14, 24, 1.4e-3)
     height[25:36, 30] = 1e-3
@@ -103,7 +103,7 @@ def test_scan_lines(asperity, tmp_path):
     assert told(run(asperity, tmp_path, height, LOAD, 1e-3), "scan lines") is None
 
 
-def test_spikes(asperity, tmp_path):
+def test_a_load_on_spikes_is_warned_of(asperity, tmp_path):
     height = floor()
     cap(height, 14, 24, 1e-3)
     height[30, 30] = 1e-3

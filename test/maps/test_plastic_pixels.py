@@ -249,7 +249,7 @@ def test_the_area_grows_with_the_load(asperity, tmp_path, tally, kind):
 
 
 @pytest.mark.parametrize("edge", ["free", "periodic"])
-def test_full_saturation(asperity, tmp_path, edge):
+def test_no_more_is_borne_than_the_hardness_on_all_pixels(asperity, tmp_path, edge):
     """The largest load is the hardness times the measured area; more is refused."""
     height = 1e-3 * rough(33, 32, shortest=5, seed=3)
     hardness = 0.01
@@ -311,7 +311,7 @@ def test_a_soft_ridge(asperity, tmp_path):
     (", plastic_hardness = 0.1, plasticity = 'on'", r"plasticity +on"),
     (", plastic_hardness = 0.1, plasticity = 'off'", None)])
 @pytest.mark.parametrize("interaction", ["boundary", "auto"])
-def test_called_for(asperity, tmp_path, effects, words, interaction):
+def test_a_hardness_calls_for_pixels(asperity, tmp_path, effects, words, interaction):
     """By its number as by its word; a map under 'auto' is then solved on its pixels."""
     height = 1e-3 * rough(32, shortest=5, seed=3)
     scene = map_scene(tmp_path, height, SIDES, interaction=interaction,

@@ -440,7 +440,7 @@ def test_all_problems_are_told(summits, tmp_path):
 
 # ---------------------------------------------------------------- picture and surface
 
-def test_the_picture(summits, tmp_path):
+def test_a_picture_has_colours_by_height_and_dots_on_summits(summits, tmp_path):
     """Its image is a PNG whose check sums hold, its colours follow the heights, its dots lie on the
     summits."""
     heights = MADE["holes"]()
