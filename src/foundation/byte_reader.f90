@@ -12,7 +12,7 @@ module asperity_byte_reader
   implicit none
   private
 
-  public :: byte_reader, whole_bits
+  public :: byte_reader, whole_bits, bytes_of
   public :: finite, not_a_number, above_all
 
   integer, parameter :: finite = 0                      !! a number
@@ -245,6 +245,20 @@ contains
       whole_bits = ior(shiftl(whole_bits, 8), int(iachar(bytes(place:place)), int64))
     end do
   end function whole_bits
+
+  !> The bytes of a whole number without sign.
+  pure function bytes_of(bits, wide, big_endian) result(bytes)
+    integer(int64), intent(in) :: bits           !! number below 2**(8 wide)
+    integer, intent(in) :: wide                  !! number of bytes, 1 to 8
+    logical, intent(in), optional :: big_endian  !! present: highest byte first
+    character(len=wide) :: bytes                 !! `whole_bits` gives the number back
+    integer :: i, place
+
+    do i = 1, wide
+      place = merge(wide + 1 - i, i, present(big_endian))
+      bytes(place:place) = char(int(ibits(bits, 8 * (i - 1), 8)))
+    end do
+  end function bytes_of
 
   ! Bits as a whole number with sign, in two's complement.
   pure integer(int64) function signed_bits(bits, wide)

@@ -13,8 +13,9 @@ module asperity_interruption
     integer(c_int), pointer :: number => null()  !! 0 while the work continues
     integer(int64) :: last_tick = huge(0_int64)  !! limit of the clock; huge: none
   contains
-    procedure :: is_asked    !! whether the work is to end
-    procedure :: end_within  !! sets the limit of time
+    procedure :: is_asked      !! whether the work is to end
+    procedure :: end_within    !! sets the limit of time
+    procedure :: seconds_left  !! time until the limit
   end type interruption
 
 contains
@@ -45,5 +46,14 @@ contains
     call system_clock(self%last_tick, rate)
     self%last_tick = self%last_tick + int(min(seconds, 1.0e9_real64) * real(rate, real64), int64)
   end subroutine end_within
+
+  !> Seconds until the limit of time; less than 0 behind it.
+  real(real64) function seconds_left(self) result(seconds)
+    class(interruption), intent(in) :: self  !! interruption with a limit of time
+    integer(int64) :: now, rate
+
+    call system_clock(now, rate)
+    seconds = real(self%last_tick - now, real64) / real(rate, real64)
+  end function seconds_left
 
 end module asperity_interruption

@@ -210,7 +210,7 @@ contains
     integer(int64), allocatable, intent(out) :: words(:)     !! result of the piece
     character(len=:), allocatable, intent(out) :: failure    !! reason, when they are incomplete
     character(len=:), allocatable :: body, line
-    integer :: length, done, pieces
+    integer :: done, pieces
     logical :: found
 
     piece = 0
@@ -223,8 +223,8 @@ contains
         if (.not. found) exit
         ! An interrupted record has no end of a line.
         line = line(max(1, index(line, work%piece // ' ', back=.true.)):)
-        call read_heading(line, work%piece, piece, length)
-        if (piece >= 1 .and. piece <= pieces .and. length == len(body)) then
+        piece = piece_in_heading(work%piece, line)
+        if (piece >= 1 .and. piece <= pieces) then
           if (line == heading_of(work%piece, piece, body)) then
             piece = whole_number(piece, work%from, size(work%is_there))
             if (.not. work%is_done(piece)) exit files
@@ -324,22 +324,16 @@ contains
                      ', the same command continues from there')
   end subroutine note_progress
 
-  ! Number of the piece and length of the words in the line before a record; 0 for another line.
-  pure subroutine read_heading(line, name, piece, length)
-    character(len=*), intent(in) :: line, name
-    integer, intent(out) :: piece, length
-    integer :: first, last, status
+  ! Number of the piece in the line before a record; 0 for another line.
+  pure integer function piece_in_heading(name, line) result(piece)
+    character(len=*), intent(in) :: name, line
+    integer :: status
 
-    piece = 0
-    length = 0
-    first = index(line, ', words ')
-    last = index(line, ', checksum ')
-    if (index(line, name // ' ') /= 1 .or. first < 1 .or. last < first + 8) return
-    read (line(len(name) + 2:first - 1), '(i10)', iostat=status) piece
-    if (status == 0) read (line(first + 8:last - 1), '(i8)', iostat=status) length
-    length = word_digits * length
+    status = 1
+    if (index(line, name // ' ') == 1) &
+      read (line(len(name) + 2:index(line, ',') - 1), '(i10)', iostat=status) piece
     if (status /= 0) piece = 0
-  end subroutine read_heading
+  end function piece_in_heading
 
   ! The line before the words of a record.
   pure function heading_of(name, piece, body) result(line)

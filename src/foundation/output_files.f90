@@ -84,16 +84,32 @@ contains
     integer(c_int), intent(out) :: descriptor              !! descriptor to write to
     character(len=:), allocatable, intent(out) :: failure  !! reason, when it cannot be written
     character(len=:), allocatable :: place, part
+    integer(c_int) :: status, mode, owner, group
 
     call open_special(path, descriptor, failure)
     if (descriptor < 0 .and. .not. allocated(failure)) then
       place = canonical_path(path)
       part = place(:index(place, '/', back=.true.)) // '.asperity.' // &
-             decimal_text(int(posix_getpid())) // '.' // decimal_text(staged + 1) // '.part'
-      if (staged == most_files .or. len(part) >= longest_path) then
+             decimal_text(int(posix_getpid())) // '.' // decimal_text(staged + 1) // '.part' // &
+             c_null_char
+      if (staged == most_files .or. len(part) > longest_path) then
         failure = 'too many files, or too long a path'
       else
-        call create_part(place, part, path, descriptor, failure)
+        call file_owner(place, mode, owner, group)
+        ! It is listed for `end_at_signal` first.
+        names(staged + 1) = staged_name(place, path, transfer(part, [c_null_char]))
+        staged = staged + 1
+        descriptor = posix_creat(part, merge(mode_rw_r_r, mode, mode < 0))
+        if (descriptor < 0) then
+          status = int(system_error(), c_int)
+          failure = system_reason()
+          if (mode >= 0 .and. status == no_permission) &
+            failure = 'its folder takes no new file, which a whole output needs: ' // failure
+        else if (mode >= 0) then
+          ! A file keeps its permissions, and its owner where the system permits it.
+          status = posix_chown(part, owner, group)
+          status = posix_chmod(part, mode)
+        end if
       end if
     end if
     if (.not. allocated(failure)) return
@@ -191,39 +207,6 @@ contains
     status = posix_close(descriptor)
     descriptor = -1
   end subroutine open_special
-
-  !> Creates a file under its temporary name, which is listed for `end_at_signal` first.
-  subroutine create_part(place, part, path, descriptor, failure)
-    character(len=*), intent(in) :: place, part, path
-    integer(c_int), intent(out) :: descriptor
-    character(len=:), allocatable, intent(out) :: failure
-    integer(c_int) :: status, mode, owner, group
-    integer :: i
-
-    call file_owner(place, mode, owner, group)
-    names(staged + 1)%place = place
-    names(staged + 1)%path = path
-    if (allocated(names(staged + 1)%part)) deallocate (names(staged + 1)%part)
-    allocate (names(staged + 1)%part(len(part) + 1))
-    do i = 1, len(part)
-      names(staged + 1)%part(i) = part(i:i)
-    end do
-    names(staged + 1)%part(len(part) + 1) = c_null_char
-    staged = staged + 1
-    descriptor = posix_creat(part // c_null_char, merge(mode_rw_r_r, mode, mode < 0))
-    if (descriptor < 0) then
-      status = int(system_error(), c_int)
-      failure = system_reason()
-      if (mode >= 0 .and. status == no_permission) &
-        failure = 'its folder takes no new file, which a whole output needs: ' // failure
-      return
-    end if
-    ! A file keeps its permissions, and its owner where the system permits it.
-    if (mode >= 0) then
-      status = posix_chown(part // c_null_char, owner, group)
-      status = posix_chmod(part // c_null_char, mode)
-    end if
-  end subroutine create_part
 
   !> Ends the program at a signal with status 1 and removes incomplete files. A signal handler may
   !> not allocate nor use Fortran output.

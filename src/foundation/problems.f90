@@ -57,7 +57,6 @@ module asperity_problems
     procedure :: place => place_of_line  !! place of the problem of a line
     procedure :: text => problem_text    !! text with one line for each problem
     procedure :: write_text              !! the same, where several threads write
-    procedure, private :: add_placed
     procedure, private :: count_text
   end type problem_list
 
@@ -76,25 +75,15 @@ contains
     class(problem_list), intent(inout) :: self  !! list of problems
     character(len=*), intent(in) :: message     !! place, fault, text found and expected
 
-    call self%add_placed(': ', message, 0, 0)
+    call self%add_at(0, 0, message)
   end subroutine add_in_file
 
-  !> Adds `FILE:LINE:COLUMN: MESSAGE`.
+  !> Adds `FILE:LINE:COLUMN: MESSAGE`, or counts it.
   pure subroutine add_at(self, line, column, message)
     class(problem_list), intent(inout) :: self  !! list of problems
-    integer, intent(in) :: line                 !! line of the problem, from 1
+    integer, intent(in) :: line                 !! line of the problem, from 1; 0: it has none
     integer, intent(in) :: column               !! column of the problem, from 1
     character(len=*), intent(in) :: message     !! fault, text found and expected
-
-    call self%add_placed(':' // decimal_text(line) // ':' // decimal_text(column) // ': ', &
-                         message, line, column)
-  end subroutine add_at
-
-  ! Adds a problem of the file, or counts it.
-  pure subroutine add_placed(self, place, message, line, column)
-    class(problem_list), intent(inout) :: self
-    character(len=*), intent(in) :: place, message
-    integer, intent(in) :: line, column
     character(len=len(self%last)) :: message_kind
     integer :: found, expected
 
@@ -105,15 +94,15 @@ contains
     if (self%last == message_kind) then
       self%alike = self%alike + 1
     else
-      if (self%alike > most_alike) call add_line(self, self%file, ': ', self%count_text(), 0, 0)
+      if (self%alike > most_alike) call add_line(self, .true., self%count_text(), 0, 0)
       self%alike = 1
       self%last = message_kind
     end if
     self%placed = self%placed + 1
     if (self%alike > most_alike) return
     if (self%placed > most_placed) self%beyond = self%beyond + 1
-    if (self%beyond == 0) call add_line(self, self%file, place, message, line, column)
-  end subroutine add_placed
+    if (self%beyond == 0) call add_line(self, .true., message, line, column)
+  end subroutine add_at
 
   ! Text with the number of problems like the last one that are not printed.
   pure function count_text(self) result(text)
@@ -146,12 +135,8 @@ contains
     call self%lines%append(text(:second))
     third = self%places(3)
     self%places = self%places(:2)
-    text = ': '
-    if (third%line > 0) &
-      text = ':' // decimal_text(third%line) // ':' // decimal_text(third%column) // text
-    call add_line(self, self%file, text, 'and ' // decimal_text(self%count() - 2) // ' more ' // &
-                  'problems, in most of its lines: is it a file of another kind?', third%line, &
-                  third%column)
+    call add_line(self, .true., 'and ' // decimal_text(self%count() - 2) // ' more problems, ' // &
+                  'in most of its lines: is it a file of another kind?', third%line, third%column)
     self%others = self%count()
     self%placed = 0
     self%beyond = 0
@@ -184,18 +169,27 @@ contains
     class(problem_list), intent(inout) :: self  !! list of problems
     character(len=*), intent(in) :: message     !! fault, text found and expected
 
-    call add_line(self, '', '', message, 0, 0)
+    call add_line(self, .false., message, 0, 0)
     self%others = self%others + 1
   end subroutine add_problem
 
-  ! Adds a line and the place of its problem.
-  pure subroutine add_line(self, file, after_file, message, line, column)
+  ! Adds a line, with the name of the file and a place in it that is not 0, and its place.
+  pure subroutine add_line(self, is_of_file, message, line, column)
     class(problem_list), intent(inout) :: self
-    character(len=*), intent(in) :: file, after_file, message
+    logical, intent(in) :: is_of_file
+    character(len=*), intent(in) :: message
     integer, intent(in) :: line, column
+    type(problem_place) :: place
+    character(len=:), allocatable :: head
 
-    call self%lines%line(printable_text(file // after_file // message))
-    call add_places(self, [problem_place(line, column, len(file), len(file // after_file))])
+    head = ''
+    if (is_of_file) head = self%file // ': '
+    if (line > 0) &
+      head = self%file // ':' // decimal_text(line) // ':' // decimal_text(column) // ': '
+    place = problem_place(line=line, column=column, prefix=len(head))
+    if (is_of_file) place%file_length = len(self%file)
+    call self%lines%line(printable_text(head // message))
+    call add_places(self, [place])
   end subroutine add_line
 
   ! Adds places of further lines.

@@ -1,7 +1,7 @@
 !> Interfaces to the C library: descriptors, names of files, signals, memory.
 module asperity_system_calls
   use, intrinsic :: iso_c_binding, only: c_associated, c_char, c_f_pointer, c_funptr, c_int, &
-                                         c_int32_t, c_long, c_null_char, c_null_ptr, c_ptr, c_size_t
+                                         c_int32_t, c_long, c_null_char, c_ptr, c_size_t
   implicit none
   private
 
@@ -10,6 +10,9 @@ module asperity_system_calls
   public :: posix_fsync, posix_rename, posix_unlink, posix_usleep, posix_signal, posix_exit_now
   public :: posix_atexit, posix_isatty, posix_getpid, posix_exit, posix_getrlimit
   public :: system_error, system_reason, canonical_path, text_of
+
+  ! PATH_MAX of Linux, with the null character.
+  integer, parameter :: longest_path = 4096
 
   interface
     !> Opens a file or device; -1 when refused.
@@ -165,13 +168,6 @@ module asperity_system_calls
       implicit none
     end function posix_getpid
 
-    !> Frees memory of the C library.
-    subroutine posix_free(memory) bind(c, name='free')
-      import :: c_ptr
-      implicit none
-      type(c_ptr), value :: memory
-    end subroutine posix_free
-
     integer(c_size_t) function posix_readlink(path, target_path, room) bind(c, name='readlink')
       import :: c_char, c_size_t
       implicit none
@@ -184,7 +180,7 @@ module asperity_system_calls
       import :: c_char, c_ptr
       implicit none
       character(kind=c_char), intent(in) :: path(*)
-      type(c_ptr), value :: resolved
+      character(kind=c_char), intent(out) :: resolved(*)
     end function posix_realpath
 
     type(c_ptr) function errno_location() bind(c, name='__errno_location')
@@ -236,7 +232,7 @@ contains
   function canonical_path(path) result(name)
     character(len=*), intent(in) :: path   !! path of a file
     character(len=:), allocatable :: name  !! absolute where possible
-    character(kind=c_char, len=4096) :: link
+    character(kind=c_char, len=longest_path) :: link
     character(len=:), allocatable :: folder
     integer :: length, slash, step
 
@@ -267,13 +263,11 @@ contains
   function real_path(path) result(name)
     character(len=*), intent(in) :: path
     character(len=:), allocatable :: name
-    type(c_ptr) :: letters
+    character(kind=c_char, len=longest_path) :: resolved
 
     name = ''
-    letters = posix_realpath(path // c_null_char, c_null_ptr)
-    if (.not. c_associated(letters)) return
-    name = text_of(letters)
-    call posix_free(letters)
+    if (c_associated(posix_realpath(path // c_null_char, resolved))) &
+      name = resolved(:index(resolved, c_null_char) - 1)
   end function real_path
 
   !> A text of C; empty for a null pointer.
