@@ -5,6 +5,7 @@ module asperity_run_accuracy
   use asperity_command_line, only: command_line, refuse_input
   use asperity_command_outcome, only: command_outcome
   use asperity_files, only: same_name
+  use asperity_interruption, only: interruption
   use asperity_kinds, only: real64
   use asperity_method_study, only: run_method_study, method_table
   use asperity_progress, only: progress_line
@@ -13,7 +14,6 @@ module asperity_run_accuracy
   use asperity_study_additions, only: add_exponent, add_input_error, add_theories
   use asperity_study_methods, only: most_methods
   use asperity_text_buffer, only: text_buffer
-  use asperity_timing, only: time_allowance
   use asperity_work_cost, only: tell_cost, work_cost
   implicit none
   private
@@ -37,7 +37,7 @@ contains
     type(scene) :: scene_in
     type(method_table) :: table
     type(text_buffer) :: csv, page
-    type(time_allowance) :: allowance
+    type(interruption) :: allowance
     type(progress_line) :: progress
     type(work_cost) :: cost
     real(real64) :: seconds, least_seconds
@@ -61,7 +61,7 @@ contains
     end if
     least_seconds = min(seconds_a_row, seconds / (share_of_rows * pieces))
     call progress%begin(.true., 'methods', pieces, 0)
-    call allowance%begin(seconds)
+    call allowance%end_within(seconds)
     call run_method_study(scene_in, least_seconds, &
                           merge(2.0_real64, 1.0_real64, line%has('--finer')), allowance, progress, &
                           table, outcome%failure)

@@ -254,8 +254,9 @@ contains
     real(real64), intent(in) :: numbers(:, :)   !! a column a surface, from study_surface
     type(area_study), intent(out) :: study      !! results of the study
     type(greenwood_law) :: law
-    real(real64), allocatable :: values(:, :, :)
+    real(real64), allocatable :: values(:, :, :)  ! quantity, section, surface
     logical, allocatable :: within(:, :, :)
+    real(real64) :: of_surface(size(numbers, 2)), unit
     integer :: i, q
 
     study%surfaces = size(numbers, 2)
@@ -267,18 +268,31 @@ contains
     study%integral = densities_at(law, study%separation)
     study%shallow = densities_at(law, study%separation, shallow=.true.)
     allocate (study%sizes(size(plan%sizes)))
-    do i = 1, size(plan%sizes)
-      study%sizes(i)%side = plan%sizes(i)
-      call take_means(sections_of(i), study%sizes(i))
-    end do
     study%reference = study%integral
-    if (spec%reference == reference_largest) study%reference = study%sizes(1)%mean
     do i = 1, size(plan%sizes)
-      ! Shares of the sections that are as near to the reference as wanted.
-      values = sections_of(i)
-      associate (reference => spread(spread(study%reference, 2, size(values, 2)), 3, &
-                                     size(values, 3)), found => study%sizes(i))
-        within = abs(values - reference) <= spec%tolerance * reference
+      associate (from => plan%first(i), found => study%sizes(i))
+        found%side = plan%sizes(i)
+        values = reshape(numbers(from + 1:from + quantities * plan%sections(i), :), &
+                         [quantities, plan%sections(i), study%surfaces])
+        found%sections = size(values, 2) * size(values, 3)
+        do q = 1, quantities
+          ! Sections of one surface are not independent, so the error comes from the means of the
+          ! surfaces, which are.
+          of_surface = sum(values(q, :, :), 1) / size(values, 2)
+          found%mean(q) = sum(of_surface) / size(of_surface)
+          ! A power of two near the largest: squares stay in range in any unit, and lose no digit.
+          unit = set_exponent(1.0_real64, exponent(maxval(abs(values(q, :, :)))))
+          found%deviation(q) = unit * sqrt(sum(((values(q, :, :) - found%mean(q)) / unit)**2) / &
+                                           max(1, found%sections - 1))
+          found%error(q) = unit * sqrt(sum(((of_surface - found%mean(q)) / unit)**2) / &
+                                       max(1, size(of_surface) - 1) / size(of_surface))
+        end do
+        if (i == 1 .and. spec%reference == reference_largest) study%reference = found%mean
+        ! Shares of the sections that are as near to the reference as wanted.
+        associate (reference => spread(spread(study%reference, 2, size(values, 2)), 3, &
+                                       size(values, 3)))
+          within = abs(values - reference) <= spec%tolerance * reference
+        end associate
         do q = 1, quantities
           found%within(q) = real(count(within(q, :, :)), real64) / found%sections
         end do
@@ -291,42 +305,7 @@ contains
       study%representative = i
     end do
     study%estimated_side = estimated_side(study, spec%tolerance, spec%confidence)
-
-  contains
-
-    !> The sections of a size: quantity, section, surface.
-    pure function sections_of(number) result(values)
-      integer, intent(in) :: number
-      real(real64) :: values(quantities, plan%sections(number), size(numbers, 2))
-
-      associate (from => plan%first(number))
-        values = reshape(numbers(from + 1:from + quantities * plan%sections(number), :), &
-                         shape(values))
-      end associate
-    end function sections_of
-
   end subroutine evaluate_study
-
-  ! Means, deviations and standard errors. Sections of one surface are not independent, so the
-  ! error comes from the means of the surfaces, which are.
-  pure subroutine take_means(values, result)
-    real(real64), intent(in) :: values(:, :, :)
-    type(size_result), intent(inout) :: result
-    real(real64) :: of_surface(size(values, 3)), unit
-    integer :: q
-
-    result%sections = size(values, 2) * size(values, 3)
-    do q = 1, quantities
-      of_surface = sum(values(q, :, :), 1) / size(values, 2)
-      result%mean(q) = sum(of_surface) / size(of_surface)
-      ! A power of two near the largest: squares stay in range in any unit, and lose no digit.
-      unit = set_exponent(1.0_real64, exponent(maxval(abs(values(q, :, :)))))
-      result%deviation(q) = unit * sqrt(sum(((values(q, :, :) - result%mean(q)) / unit)**2) / &
-                                        max(1, result%sections - 1))
-      result%error(q) = unit * sqrt(sum(((of_surface - result%mean(q)) / unit)**2) / &
-                                    max(1, size(of_surface) - 1) / size(of_surface))
-    end do
-  end subroutine take_means
 
   !> The side at which the quantity that spreads most would be within the tolerance: its deviation
   !> times the side is nearly the same for all sizes, as contacts far apart do not influence each
@@ -374,7 +353,8 @@ contains
     type(study_spec), intent(in) :: spec                   !! checked specification of the study
     type(study_plan), intent(out) :: plan                  !! plan of the study
     character(len=:), allocatable, intent(out) :: failure  !! reason of a failure
-    real(real64) :: separation, margin, depth
+    real(real64) :: separation, margin, depth, whole, along(2)
+    integer :: i
 
     plan%law = greenwood_law_of(spec%surfaces, spec%elastic_modulus, spec%poisson_ratio, &
                                 spec%against == against_plane)
@@ -406,17 +386,6 @@ contains
                 ' is left out'
       return
     end if
-    call plan_sizes(spec, plan, failure)
-  end subroutine plan_study
-
-  !> Sizes and numbers of sections.
-  subroutine plan_sizes(spec, plan, failure)
-    type(study_spec), intent(in) :: spec
-    type(study_plan), intent(inout) :: plan
-    character(len=:), allocatable, intent(out) :: failure
-    real(real64) :: whole, along(2)
-    integer :: i
-
     whole = minval(plan%extent)
     if (size(spec%sizes) > 0) then
       plan%sizes = spec%sizes
@@ -442,7 +411,7 @@ contains
       plan%first(i) = plan%numbers
       plan%numbers = plan%numbers + quantities * plan%sections(i)
     end do
-  end subroutine plan_sizes
+  end subroutine plan_study
 
   !> Lower left corner of a section on a surface.
   pure function section_corner(spec, plan, size_number, member, k) result(corner)

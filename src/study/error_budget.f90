@@ -76,7 +76,7 @@ contains
     type(error_budget), intent(out) :: budget              !! plus-or-minus of the totals
     character(len=:), allocatable, intent(out) :: failure  !! reason of a failure
     type(scene_results) :: plain
-    type(state_row) :: last
+    type(state_row) :: last(size(results%positions))
     real(real64) :: bound, totals(4)
     type(run_options) :: beside
     integer :: m
@@ -91,64 +91,41 @@ contains
     end if
     budget%lines%name = [character(len=14) :: 'total load', 'vertical load', 'contact area', &
                          'separation']
-    do m = 1, size(results%positions)
-      last = last_state(results%positions(m))
-      totals = [last%load, last%vertical_load, last%area, last%approach]
-      budget%lines%value = budget%lines%value + totals / size(results%positions)
+    last = [(last_state(results%positions(m)), m=1, size(last))]
+    do m = 1, size(last)
+      totals = [last(m)%load, last(m)%vertical_load, last(m)%area, last(m)%approach]
+      budget%lines%value = budget%lines%value + totals / size(last)
       budget%lines%arithmetic = max(budget%lines%arithmetic, bound * abs(totals))
     end do
-    call measure_model(scene_in, beside, results, budget%model)
-  end subroutine measure_budget
-
-  !> Measures the model's share. What cannot be measured stays unknown: that is no failure.
-  subroutine measure_model(scene_in, options, results, model)
-    type(scene), intent(in) :: scene_in         !! what was solved
-    type(run_options), intent(in) :: options    !! of the runs beside
-    type(scene_results), intent(in) :: results  !! results of a run
-    type(model_budget), intent(out) :: model    !! what the model leaves out
-    type(state_row) :: last(size(results%positions))
-    integer :: m
-
-    model%interaction = scene_in%effects%mode('interaction')
-    model%cells_are_good_to = scene_in%effects%number('boundary_tolerance')
-    associate (effects => scene_in%effects)
-      if (any([effects%mode('plasticity'), effects%mode('adhesion'), effects%mode('creep')] &
-              /= effect_off)) then
-        model%why_not = 'boundary elements are for elastic contacts only'
-      else if (allocated(scene_in%loading%path)) then
-        model%why_not = 'it depends on the load history'
-      end if
-    end associate
-    last = [(last_state(results%positions(m)), m=1, size(last))]
-    if (.not. allocated(model%why_not) .and. &
-        sum(real(last%contacts, real64)**2) > squares_allowed) &
-      model%why_not = 'up to ' // decimal_text(maxval(last%contacts)) // &
-                      ' contacts at a position are too many for boundary elements'
-    if (allocated(model%why_not)) return
-    if (model%interaction == effect_boundary) then
-      call use_tolerance(scene_in, results, model)
-    else
-      call compare_models(scene_in, options, results, model)
-    end if
-  end subroutine measure_model
-
-  ! Boundary elements are the reference: their error is their tolerance.
-  subroutine use_tolerance(scene_in, results, model)
-    type(scene), intent(in) :: scene_in
-    type(scene_results), intent(in) :: results
-    type(model_budget), intent(inout) :: model
-    integer :: m
-
-    do m = 1, size(results%positions)
-      associate (last => last_state(results%positions(m)))
-        model%error(of_load:of_vertical_load) = max(model%error(of_load:of_vertical_load), &
-          model%cells_are_good_to * [last%load, last%vertical_load])
+    ! The model's share. What cannot be measured stays unknown: that is no failure.
+    associate (model => budget%model)
+      model%interaction = scene_in%effects%mode('interaction')
+      model%cells_are_good_to = scene_in%effects%number('boundary_tolerance')
+      associate (effects => scene_in%effects)
+        if (any([effects%mode('plasticity'), effects%mode('adhesion'), effects%mode('creep')] &
+                /= effect_off)) then
+          model%why_not = 'boundary elements are for elastic contacts only'
+        else if (allocated(scene_in%loading%path)) then
+          model%why_not = 'it depends on the load history'
+        end if
       end associate
-    end do
-    model%known(of_load:of_vertical_load) = share_measured
-    model%known(of_approach) = share_given
-    if (is_load(scene_in%loading%control)) model%known(of_approach) = share_unknown
-  end subroutine use_tolerance
+      if (.not. allocated(model%why_not) .and. &
+          sum(real(last%contacts, real64)**2) > squares_allowed) &
+        model%why_not = 'up to ' // decimal_text(maxval(last%contacts)) // &
+                        ' contacts at a position are too many for boundary elements'
+      if (allocated(model%why_not)) return
+      if (model%interaction /= effect_boundary) then
+        call compare_models(scene_in, beside, results, model)
+        return
+      end if
+      ! Boundary elements are the reference: their error is their tolerance.
+      model%error(of_load) = model%cells_are_good_to * max(0.0_real64, maxval(last%load))
+      model%error(of_vertical_load) = model%cells_are_good_to * &
+                                      max(0.0_real64, maxval(last%vertical_load))
+      model%known = [share_measured, share_measured, share_unknown, &
+                     merge(share_unknown, share_given, is_load(scene_in%loading%control))]
+    end associate
+  end subroutine measure_budget
 
   ! Compares the interaction of the scene with boundary elements at the separation of every
   ! position. Under load control these carry another load there; the largest such share is made up
@@ -160,12 +137,14 @@ contains
     type(model_budget), intent(inout) :: model
     type(scene) :: one
     type(scene_results) :: used, cells
-    real(real64) :: factor(2), area(2), share
+    real(real64) :: factor(2), share
+    type(state_row) :: of_cells, of_used, last
     integer :: m
 
     share = 0.0_real64
     do m = 1, size(results%positions)
-      associate (position => results%positions(m), last => last_state(results%positions(m)))
+      last = last_state(results%positions(m))
+      associate (position => results%positions(m))
         one = scene_in
         one%motion%positions = 1
         one%motion%x_first = rounded_decimal(position%x_displacement, 17)
@@ -177,15 +156,17 @@ contains
           call run_model(one, effect_boundary, options, cells, model%why_not)
         if (allocated(model%why_not)) return
         factor = [factor_of(used), factor_of(cells)]
-        area = [projected_area_of(used), projected_area_of(cells)]
+        of_used = last_state(used%positions(1))
+        of_cells = last_state(cells%positions(1))
         if (is_load(scene_in%loading%control)) then
           if (factor(2) > 0.0_real64) share = max(share, abs(factor(1) / factor(2) - 1.0_real64))
         else
           if (factor(1) > 0.0_real64) factor = factor / factor(1)
           model%error(of_load:of_vertical_load) = max(model%error(of_load:of_vertical_load), &
             abs(factor(1) - factor(2)) * [last%load, last%vertical_load])
-          if (area(1) > 0.0_real64) model%error(of_area) = &
-            max(model%error(of_area), abs(1.0_real64 - area(2) / area(1)) * last%area)
+          if (of_used%projected_area > 0.0_real64) model%error(of_area) = &
+            max(model%error(of_area), last%area * &
+                abs(1.0_real64 - of_cells%projected_area / of_used%projected_area))
         end if
       end associate
     end do
@@ -200,9 +181,10 @@ contains
     call run_model(one, model%interaction, options, used, model%why_not)
     if (allocated(model%why_not)) return
     do m = 1, size(results%positions)
-      associate (more => last_state(used%positions(m)), last => last_state(results%positions(m)))
-        model%error(of_approach) = max(model%error(of_approach), abs(more%approach - last%approach))
-      end associate
+      of_used = last_state(used%positions(m))
+      last = last_state(results%positions(m))
+      model%error(of_approach) = max(model%error(of_approach), &
+                                     abs(of_used%approach - last%approach))
     end do
     model%known = [share_given, share_given, share_unknown, share_measured]
   end subroutine compare_models
@@ -239,14 +221,5 @@ contains
       if (column > 0) factor = position%state_values(column)
     end associate
   end function factor_of
-
-  ! Projected contact area of the last state at the only position.
-  pure real(real64) function projected_area_of(results) result(area)
-    type(scene_results), intent(in) :: results
-
-    associate (last => last_state(results%positions(1)))
-      area = last%projected_area
-    end associate
-  end function projected_area_of
 
 end module asperity_error_budget

@@ -1,9 +1,10 @@
 !> Run time and error of every method that applies to a scene, against the most accurate one that
 !> fits into the time.
 module asperity_method_study
+  use asperity_interruption, only: interruption
   use asperity_kinds, only: int64, not_computed, real64
-  use asperity_method_totals, only: error_of_area, error_of_pressure, errors_of, mean_of_ends, &
-                                    method_errors, method_totals, original_totals, totals_of
+  use asperity_method_totals, only: error_of_area, error_of_pressure, errors_of, method_errors, &
+                                    method_totals, original_totals, totals_of
   use asperity_original, only: run_in_arithmetic
   use asperity_original_records, only: original_records
   use asperity_problems, only: real_text
@@ -16,7 +17,6 @@ module asperity_method_study
   use asperity_study_methods, only: list_methods, of_arithmetic, of_effects, of_neighbours, &
                                     of_steps, request_of, run_method, simulated_effects, &
                                     study_method
-  use asperity_timing, only: add_sample, are_enough, sample_quantile, time_allowance
   implicit none
   private
 
@@ -80,6 +80,14 @@ module asperity_method_study
   ! wide so that the front does not depend on the noise of the clock.
   real(real64), parameter :: same_time = 1.5_real64, same_error = 1.1_real64
 
+  ! At least so many passes are run, unless they take so many times the time to spend.
+  integer, parameter :: least_passes = 3
+  real(real64), parameter :: most_times = 3.0_real64
+  ! A median is steady when the distance of the quartiles over the root of the number of samples,
+  ! some 1.1 of its standard errors, is less than this share of it, and there are so many samples.
+  real(real64), parameter :: steady_median = 0.01_real64
+  integer, parameter :: many_passes = 9
+
 contains
 
   !> Runs the study. `failure` is allocated when the scene as it asks cannot be solved in the time.
@@ -87,7 +95,7 @@ contains
     type(scene), intent(in) :: scene_in               !! scene with checked values
     real(real64), intent(in) :: least_seconds         !! to spend on a method, s
     real(real64), intent(in) :: finest                !! resolution of a map: 1, or 2: doubled too
-    type(time_allowance), intent(in) :: allowance     !! time that may be spent
+    type(interruption), intent(in) :: allowance       !! time that may be spent
     type(progress_line), intent(inout) :: progress    !! progress; a piece is a method
     type(method_table), intent(out) :: table             !! all methods of a scene
     character(len=:), allocatable, intent(out) :: failure  !! reason of a failure
@@ -95,19 +103,19 @@ contains
     type(study_method), allocatable :: methods(:)
     type(method_totals), allocatable :: totals(:)
     type(method_row) :: row
-    type(time_allowance) :: others
+    type(interruption) :: others
     real(real64) :: compression, left, most
     integer :: i, pass
 
-    most = allowance%left()
+    most = allowance%seconds_left()
     row%method = study_method(name='as in the scene')
     allocate (totals(1))
     call time_method(scene_in, least_seconds, share_of_scene * most, row, totals(1), results)
     ! A scene that takes more than its share, as it cannot be interrupted everywhere, takes nothing
     ! from the other methods.
     others = allowance
-    if (others%left() < (1.0_real64 - share_of_scene) * most) &
-      call others%begin((1.0_real64 - share_of_scene) * most)
+    if (others%seconds_left() < (1.0_real64 - share_of_scene) * most) &
+      call others%end_within((1.0_real64 - share_of_scene) * most)
     compression = 0.0_real64
     if (allocated(row%left_out)) then
       ! Where summits are no good the samples of a map may be.
@@ -133,7 +141,7 @@ contains
       do i = 1, size(methods)
         if ((methods(i)%family == of_neighbours) .neqv. pass == 1) cycle
         row = method_row(method=methods(i))
-        left = others%left()
+        left = others%seconds_left()
         if (row%method%family == of_steps) left = share_of_step * left
         if (row%method%family == of_neighbours) left = share_of_neighbours * left
         call estimate_time(scene_in, table%rows(:i), left, row)
@@ -251,15 +259,14 @@ contains
     type(method_totals), intent(out) :: totals
     type(scene_results), intent(inout) :: results
     real(real64), allocatable :: samples(:)
+    real(real64) :: seconds
     type(run_options) :: options
-    type(time_allowance) :: allowance
     type(original_records) :: records
     character(len=:), allocatable :: failure
     integer(int64) :: from, rate, until
 
     options = run_options(keep_contacts=.false., threads=1)
     call options%interrupt%end_within(most_seconds)
-    call allowance%begin(most_seconds)
     allocate (samples(0))
     do while (.not. are_enough(samples, least_seconds))
       call system_clock(from, rate)
@@ -273,11 +280,14 @@ contains
       if (allocated(row%left_out)) exit
       ! A pass that is ended early leaves no totals.
       if (.not. row%method%is_original) totals = totals_of(results)
-      call add_sample(samples, real(until - from, real64) / real(rate, real64))
-      if (allowance%left() < 0.0_real64) exit
+      seconds = real(until - from, real64) / real(rate, real64)
+      ! They are ascending.
+      samples = [pack(samples, samples <= seconds), seconds, pack(samples, samples > seconds)]
+      if (options%interrupt%seconds_left() < 0.0_real64) exit
     end do
     if (size(samples) == 0) then
-      if (index(row%left_out, 'interrupted') > 0 .or. allowance%left() < 0.0_real64) &
+      if (index(row%left_out, 'interrupted') > 0 .or. &
+          options%interrupt%seconds_left() < 0.0_real64) &
         row%left_out = too_long // ', ' // seconds_text(most_seconds) // ' s were left'
       return
     end if
@@ -293,8 +303,36 @@ contains
                                sample_quantile(samples, 0.25_real64)) / row%seconds
     row%own_estimate = totals%own_estimate
     row%area_estimate = totals%area_estimate
-    row%ends = mean_of_ends(totals)
+    associate (last => totals%states(totals%first(2:) - 1))
+      row%ends = [sum(last%load), sum(last%approach), sum(last%area)] / size(last)
+    end associate
   end subroutine time_method
+
+  ! Whether there are enough samples for a time to spend.
+  pure logical function are_enough(samples, seconds)
+    real(real64), intent(in) :: samples(:)
+    real(real64), intent(in) :: seconds
+
+    are_enough = sum(samples) >= seconds .and. size(samples) >= least_passes .or. &
+                 sum(samples) > most_times * seconds
+    if (are_enough .or. size(samples) < many_passes) return
+    are_enough = sample_quantile(samples, 0.75_real64) - sample_quantile(samples, 0.25_real64) < &
+                 steady_median * sqrt(real(size(samples), real64)) * &
+                 sample_quantile(samples, 0.5_real64)
+  end function are_enough
+
+  ! The value below which a share of sorted samples lies.
+  pure real(real64) function sample_quantile(samples, share)
+    real(real64), intent(in) :: samples(:)
+    real(real64), intent(in) :: share
+    real(real64) :: place
+    integer :: below
+
+    place = 1.0_real64 + share * (size(samples) - 1)
+    below = min(int(place), size(samples))
+    sample_quantile = samples(below) + (place - below) * &
+                      (samples(min(below + 1, size(samples))) - samples(below))
+  end function sample_quantile
 
   ! Chooses the reference: the method with interaction whose own error estimate is the least, or the
   ! scene as it is. Of a map it is the pixels, with which its summits are compared.
@@ -302,6 +340,7 @@ contains
     type(method_table), intent(inout) :: table
     type(method_totals), intent(in) :: totals(:)
     logical, intent(in) :: is_map
+    type(method_errors) :: errors
     real(real64) :: estimate, least
     integer :: best, i, plain, second
 
@@ -327,12 +366,14 @@ contains
     end do
     ! Without effects rounding alone is left.
     plain = row_of_events(table%rows)
-    if (best == 1 .and. .not. table%rows(1)%own_estimate > not_computed) then
-      if (difference_of(totals, 1, plain) <= epsilon(least)) best = plain
+    if (best == 1 .and. plain > 0 .and. .not. table%rows(1)%own_estimate > not_computed) then
+      errors = errors_of(totals(1), totals(plain))
+      if (errors%largest <= epsilon(least)) best = plain
     end if
     if (second > 0 .and. second /= best) then
       table%next_best = second
-      table%next_best_differs = difference_of(totals, second, best)
+      errors = errors_of(totals(second), totals(best))
+      table%next_best_differs = errors%largest
     end if
     table%reference = best
     if (best == 0) return
@@ -344,7 +385,7 @@ contains
   ! without the approximation of its family.
   subroutine measure_errors(scene_in, allowance, table, totals)
     type(scene), intent(in) :: scene_in
-    type(time_allowance), intent(in) :: allowance
+    type(interruption), intent(in) :: allowance
     type(method_table), intent(inout) :: table
     type(method_totals), intent(in) :: totals(:)
     type(method_totals) :: exact
@@ -383,7 +424,7 @@ contains
       if (plain == 0 .or. abs(new_step - step) <= 0.0_real64) return
       step = new_step
       options = run_options(keep_contacts=.false., threads=1)
-      call options%interrupt%end_within(allowance%left())
+      options%interrupt = allowance
       call run_method(scene_in, study_method(family=of_arithmetic, step=step), options, results, &
                       failure)
       exact%pressure(:) = not_computed
@@ -400,18 +441,6 @@ contains
     if (row == 0) return
     if (allocated(rows(row)%left_out)) row = 0
   end function row_of_events
-
-  ! The error of a row against another one; without that one it is huge.
-  real(real64) function difference_of(totals, i, j) result(largest)
-    type(method_totals), intent(in) :: totals(:)
-    integer, intent(in) :: i, j
-    type(method_errors) :: errors
-
-    largest = huge(largest)
-    if (j == 0) return
-    errors = errors_of(totals(i), totals(j))
-    largest = errors%largest
-  end function difference_of
 
   ! Marks the Pareto fronts of the methods that were run: by the error against the
   ! reference, where what is below the error of the reference itself is no gain; and, of

@@ -8,7 +8,7 @@ module asperity_method_totals
   private
 
   public :: method_errors, method_totals
-  public :: errors_of, mean_of_ends, no_errors, original_totals, totals_of
+  public :: errors_of, no_errors, original_totals, totals_of
   public :: error_of_area, error_of_pressure, quantity_names
 
   ! Quantities whose errors are measured one by one.
@@ -186,18 +186,6 @@ contains
     end subroutine compare_states
 
   end function errors_of
-
-  !> Load, approach and area of the last states, mean over the positions.
-  pure function mean_of_ends(totals) result(means)
-    type(method_totals), intent(in) :: totals  !! of a method
-    real(real64) :: means(3)
-
-    associate (ends => totals%first(2:) - 1)
-      means = [sum(totals%states(ends)%load), sum(totals%states(ends)%approach), &
-               sum(totals%states(ends)%area)] / &
-              size(ends)
-    end associate
-  end function mean_of_ends
 
   ! A difference over what it is of; all of it where there is none of that.
   pure real(real64) function relative_to(difference, whole)

@@ -5,6 +5,7 @@ module asperity_study_additions
   use asperity_contact_records, only: state_row
   use asperity_decimal, only: decimal_to_real64, decimal_value
   use asperity_height_map, only: height_map, is_measured
+  use asperity_interruption, only: interruption
   use asperity_kinds, only: int64, real64
   use asperity_method_study, only: method_row, method_table
   use asperity_method_totals, only: error_of_area, errors_of, no_errors, totals_of, method_errors, &
@@ -19,7 +20,6 @@ module asperity_study_additions
   use asperity_scene_values, only: control_separation, effect_boundary, scene, scene_surface
   use asperity_study_methods, only: of_arithmetic, of_input, of_theory, run_method, study_method, &
                                     replace_map
-  use asperity_timing, only: time_allowance
   implicit none
   private
 
@@ -41,7 +41,7 @@ contains
   !> summits, and one of the samples where they are the reference.
   subroutine add_input_error(scene_in, allowance, table)
     type(scene), intent(in) :: scene_in            !! scene with checked values
-    type(time_allowance), intent(in) :: allowance  !! time that may be spent
+    type(interruption), intent(in) :: allowance    !! time that may be spent
     type(method_table), intent(inout) :: table        !! gets one more row
     real(real64) :: halves(2)
     character(len=32) :: name
@@ -82,7 +82,7 @@ contains
       else
         row%own = no_errors
         options = run_options(keep_contacts=.false., threads=1)
-        call options%interrupt%end_within(allowance%left())
+        options%interrupt = allowance
         do draw = 1, draws
           call perturb_scene(scene_in, halves, draw, other)
           call run_method(other, method, options, results, row%left_out)

@@ -225,15 +225,13 @@ contains
                                                     decimal_value(1_int64, -3)]
     type(study_method) :: method
     character(len=:), allocatable :: unit
-    logical :: is_moved
     integer :: e, k
 
     unit = 'contacts'
     if (allocated(scene_in%map)) unit = 'summits'
-    is_moved = allocated(scene_in%map) .and. scene_in%motion%positions > 1
     ! Maps are moved on their pixels.
-    if (is_moved) then
-      call add_pixel_methods(finest, is_moved, methods)
+    if (allocated(scene_in%map) .and. scene_in%motion%positions > 1) then
+      call add_pixel_methods(1.0_real64, 1.0_real64, methods)
       return
     end if
     method = study_method(family=of_neighbours, interaction=effect_off)
@@ -245,7 +243,7 @@ contains
     if (scene_in%loading%control == control_limit .and. allocated(scene_in%map)) return
     ! A hardness is that of pixels.
     if (has_hardness(scene_in)) then
-      call add_pixel_methods(finest, is_moved, methods)
+      call add_pixel_methods(0.25_real64, finest, methods)
       return
     end if
     if (any([(simulated(e) .and. .not. go_together(known_effects(e)%name, 'on', 'interaction', &
@@ -253,7 +251,7 @@ contains
     if (allocated(scene_in%map)) then
       ! `auto` is the pixels at any tolerance.
       if (.not. any(simulated .and. known_effects%name /= 'interaction')) &
-        call add_pixel_methods(finest, is_moved, methods)
+        call add_pixel_methods(0.25_real64, finest, methods)
       return
     end if
     method%interaction = effect_auto
@@ -270,10 +268,9 @@ contains
     end do
   end subroutine add_neighbours
 
-  ! The pixels of a map, from every fourth one to those asked for; of moved maps their own alone.
-  subroutine add_pixel_methods(finest, is_moved, methods)
-    real(real64), intent(in) :: finest
-    logical, intent(in) :: is_moved
+  ! The pixels of a map, from a coarsest resolution to a finest one.
+  subroutine add_pixel_methods(coarsest, finest, methods)
+    real(real64), intent(in) :: coarsest, finest
     type(study_method), allocatable, intent(inout) :: methods(:)
     character(len=*), parameter :: names(4) = [character(len=24) :: 'pixels, every fourth', &
       'pixels, every second', 'pixels of the map', 'pixels half as wide']
@@ -284,8 +281,7 @@ contains
                           tolerance=tolerance_of_others)
     do k = 1, size(names)
       method%resolution = 2.0_real64**(k - 3)
-      if (method%resolution > finest) exit
-      if (is_moved .and. abs(method%resolution - 1.0_real64) > 0.0_real64) cycle
+      if (method%resolution < coarsest .or. method%resolution > finest) cycle
       method%name = names(k)
       methods = [methods, method]
     end do
