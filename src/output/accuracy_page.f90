@@ -8,6 +8,7 @@ module asperity_accuracy_page
   use asperity_method_study, only: method_table
   use asperity_method_totals, only: error_of_area
   use asperity_number_format, only: number_text
+  use asperity_result_table, only: add_words, array_table
   use asperity_study_methods, only: family_words, of_input, of_theory
   use asperity_svg_plot, only: axis_over, svg_plot
   use asperity_text_buffer, only: text_buffer
@@ -19,6 +20,8 @@ module asperity_accuracy_page
 
   ! Smaller errors are drawn there, below the rounding of a double.
   real(real64), parameter :: least_drawn = 1.0e-17_real64
+  ! Shorter times are below the resolution of the clock [s].
+  real(real64), parameter :: least_time = 1.0e-9_real64
 
 contains
 
@@ -29,17 +32,14 @@ contains
     type(text_buffer), intent(inout) :: buffer  !! gets the page
     real(real64) :: error(size(table%rows)), own(size(table%rows))
     logical :: is_run(size(table%rows))
-    integer :: i
 
-    do i = 1, size(table%rows)
-      associate (row => table%rows(i))
-        is_run(i) = row%seconds > not_computed .and. row%total%largest > not_computed .and. &
-                    row%method%family /= of_theory
-        ! Nothing is known better than the reference.
-        error(i) = max(row%total%largest, table%rows(table%reference)%own_estimate, least_drawn)
-        own(i) = max(row%own%largest, least_drawn)
-      end associate
-    end do
+    associate (rows => table%rows)
+      is_run = min(rows%seconds, rows%total%largest) > not_computed .and. &
+               rows%method%family /= of_theory
+      ! Nothing is known better than the reference.
+      error = max(rows%total%largest, rows(table%reference)%own_estimate, least_drawn)
+      own = max(rows%own%largest, least_drawn)
+    end associate
     call begin_page('Accuracy and run time: ' // title, buffer, with_script=.true.)
     call buffer%line('<p>Error: largest relative error over the positions, of the load or, at ' // &
                      'a given load, of the compression. Time: all positions, one thread.</p>')
@@ -73,36 +73,34 @@ contains
     real(real64), intent(in) :: error(:)
     type(text_buffer), intent(inout) :: buffer
     type(svg_plot) :: plot
-    real(real64), allocatable :: seconds(:), level(:)
+    real(real64), allocatable :: fast(:), level(:)
+    real(real64) :: seconds(size(shown))
     integer, allocatable :: order(:)
     integer :: i
 
     if (.not. any(shown)) return
-    seconds = pack(table%rows%seconds, shown)
-    seconds = max(seconds, 1.0e-9_real64)
-    level = pack(error, shown)
+    seconds = max(table%rows%seconds, least_time)
     call buffer%line('<div id="' // id // '">')
-    plot%axes(:2) = [axis_over('time', 's', seconds, .true.), &
-                     axis_over(name, '', [level, 1.0_real64], .true.)]
+    plot%axes(:2) = [axis_over('time', 's', pack(seconds, shown), .true.), &
+                     axis_over(name, '', [pack(error, shown), 1.0_real64], .true.)]
     call plot%begin_plot(name // ' over time', buffer)
     if (id == 'total-plot') then
       ! The methods of the Pareto front, from the fastest on.
-      seconds = pack(table%rows%seconds, table%rows%on_front)
+      fast = pack(table%rows%seconds, table%rows%on_front)
       level = pack(error, table%rows%on_front)
-      allocate (order(size(seconds)))
-      call sort_keys(seconds, order)
-      call plot%add_curve(max(seconds(order), 1.0e-9_real64), level(order), buffer)
+      allocate (order(size(fast)))
+      call sort_keys(fast, order)
+      call plot%add_curve(max(fast(order), least_time), level(order), buffer)
     end if
     do i = 1, size(table%rows)
-      if (shown(i)) &
-        call plot%add_dot(max(table%rows(i)%seconds, 1.0e-9_real64), error(i), &
-                      trim(family_words(table%rows(i)%method%family)) // ': ' // &
-                      trim(table%rows(i)%method%name) // ', ' // &
-                      number_text(table%rows(i)%seconds, 2) // ' s, ' // number_text(error(i), 2), &
-                      buffer)
-      if (table%rows(i)%method%family == of_input .and. id == 'own-plot' .and. &
-          table%rows(i)%own%largest > 0.0_real64) &
-        call plot%add_curve([plot%axes(1)%low, plot%axes(1)%high], [error(i), error(i)], buffer)
+      associate (row => table%rows(i))
+        if (shown(i)) call plot%add_dot(seconds(i), error(i), &
+          trim(family_words(row%method%family)) // ': ' // trim(row%method%name) // ', ' // &
+          number_text(row%seconds, 2) // ' s, ' // number_text(error(i), 2), buffer)
+        if (row%method%family == of_input .and. id == 'own-plot' .and. &
+            row%own%largest > 0.0_real64) &
+          call plot%add_curve([plot%axes(1)%low, plot%axes(1)%high], [error(i), error(i)], buffer)
+      end associate
     end do
     call buffer%line('</svg></div>')
   end subroutine put_plot
@@ -111,26 +109,28 @@ contains
   subroutine put_methods(table, buffer)
     type(method_table), intent(in) :: table
     type(text_buffer), intent(inout) :: buffer
-    character(len=140) :: cells(8, size(table%rows))
+    character(len=*), parameter :: heads(8) = [character(len=13) :: 'method', 'family', &
+      'Pareto front', 'time [s]', 'error', 'of the area', 'approximation', 'not run']
+    character(len=140) :: words(size(heads), size(table%rows))
+    type(array_table) :: methods
     integer :: i
 
-    cells = ''
     do i = 1, size(table%rows)
       associate (row => table%rows(i))
-        cells(1, i) = row%method%name
-        cells(2, i) = family_words(row%method%family)
-        cells(3, i) = merge('*', ' ', row%on_front)
-        cells(4, i) = number_text(row%seconds, 2)
-        cells(5, i) = number_text(row%total%largest, 2)
-        cells(6, i) = number_text(row%total%quantity(error_of_area), 2)
-        if (row%is_reference) cells(5:6, i) = 'reference'
-        cells(7, i) = number_text(row%own%largest, 2)
-        if (allocated(row%left_out)) cells(8, i) = row%left_out
+        words(:, i) = [character(len=140) :: row%method%name, family_words(row%method%family), &
+                       merge('*', ' ', row%on_front), number_text(row%seconds, 2), &
+                       number_text(row%total%largest, 2), &
+                       number_text(row%total%quantity(error_of_area), 2), &
+                       number_text(row%own%largest, 2), '']
+        if (row%is_reference) words(5:6, i) = 'reference'
+        if (allocated(row%left_out)) words(8, i) = row%left_out
       end associate
     end do
+    do i = 1, size(heads)
+      call add_words(methods, trim(heads(i)), words(i, :))
+    end do
     call put_table('methods; Pareto front: no other method is faster and more accurate', &
-                   [character(len=13) :: 'method', 'family', 'Pareto front', 'time [s]', &
-                    'error', 'of the area', 'approximation', 'not run'], cells, buffer)
+                   methods, buffer)
   end subroutine put_methods
 
   ! The data, and the script of the slider: the fastest method for an error, and for a tenth of it.

@@ -2,6 +2,7 @@
 module asperity_accuracy_table
   use asperity_contact_records, only: by_marching, overlap_original
   use asperity_csv_tables, only: write_table
+  use asperity_input_text, only: replaced_text
   use asperity_kinds, only: not_computed, real64
   use asperity_method_study, only: method_row, method_table
   use asperity_method_totals, only: error_of_area, quantity_names
@@ -25,14 +26,14 @@ contains
   subroutine write_accuracy_table(table, buffer)
     type(method_table), intent(in) :: table        !! all methods of a scene
     type(text_buffer), intent(inout) :: buffer  !! gets the text
-    real(real64), allocatable :: ratios(:)
-    logical, allocatable :: is_known(:)
+    real(real64) :: ratios(size(table%rows))  ! measured over predicted times, where both are known
+    logical :: is_known(size(table%rows))
     character(len=160) :: line
+    character(len=:), allocatable :: quality
+    real(real64) :: own_floor  ! error of the reference where the own error is that against it
     integer :: i
 
-    if (any(table%rows%method%family == of_steps .and. &
-            table%rows%method%step > 0.0_real64 .and. &
-            table%rows%own%largest > not_computed)) call write_quantities(table%rows, buffer)
+    call write_quantities(table%rows, buffer)
     call buffer%line('All methods on one axis. Error: largest relative error over the ' // &
                      'positions, of the load or, under load control, of')
     call buffer%line('the compression, against the reference (+), and against the same model ' // &
@@ -52,13 +53,14 @@ contains
                            ' left out: ' // row%left_out)
           cycle
         end if
+        own_floor = merge(best%own_estimate, not_computed, .not. row%is_reference .and. &
+                          any(row%method%family == [of_scene, of_neighbours]))
         write (line, '(a1, 1x, a10, 1x, a40, 1x, a8, 3(1x, a8), 2x, "|", a, "|")') &
           merge('*', ' ', row%on_front), family_words(row%method%family), row%method%name, &
           short_number(row%seconds), error_text(row, row%total%largest, best%own_estimate), &
           error_text(row, row%total%quantity(error_of_area), best%area_estimate), &
-          merge(short_number(row%own%largest), error_text(row, row%own%largest, &
-                floor_of_own(row, best)), row%is_reference), &
-          error_axis(row, best%own_estimate, floor_of_own(row, best))
+          merge(short_number(row%own%largest), error_text(row, row%own%largest, own_floor), &
+                row%is_reference), error_axis(row, best%own_estimate, own_floor)
         call buffer%line(line)
       end associate
     end do
@@ -67,22 +69,23 @@ contains
       call buffer%line('  neighbours left out: ' // table%no_neighbours)
     associate (best => table%rows(table%reference))
       call buffer%line('')
-      call buffer%line('Reference: ' // trim(best%method%name) // ', ' // &
-                       reference_quality(best) // '.')
-      if (table%next_best > 0) &
-        call buffer%line('The next most accurate, ' // &
-            trim(table%rows(table%next_best)%method%name) // &
-                         ', differs from it by ' // &
-                         trim(adjustl(short_number(table%next_best_differs))) &
-                         // '.')
+      quality = 'exact to rounding'
+      if (best%own_estimate > 0.0_real64) &
+        quality = 'estimated error ' // trim(adjustl(short_number(best%own_estimate)))
+      if ((best%method%family /= of_arithmetic .and. .not. best%own_estimate > not_computed) .or. &
+          best%own_estimate >= huge(best%own_estimate)) quality = 'without an error estimate'
+      call buffer%line('Reference: ' // trim(best%method%name) // ', ' // quality // '.')
+      if (table%next_best > 0) call buffer%line('The next most accurate, ' // &
+        trim(table%rows(table%next_best)%method%name) // ', differs from it by ' // &
+        trim(adjustl(short_number(table%next_best_differs))) // '.')
     end associate
-    ratios = pack(table%rows%seconds, table%rows%predicted > 0.0_real64)
-    is_known = ratios > 0.0_real64
-    ratios = pack(ratios, is_known) / &
-             pack(pack(table%rows%predicted, table%rows%predicted > 0.0_real64), is_known)
-    if (size(ratios) > 0) &
-      call buffer%line('Run times with neighbours were ' // number_text(minval(ratios), 2) // &
-                       ' to ' // number_text(maxval(ratios), 2) // ' times the predicted ones.')
+    is_known = min(table%rows%predicted, table%rows%seconds) > 0.0_real64
+    ratios = merge(table%rows%seconds, 1.0_real64, is_known) / &
+             merge(table%rows%predicted, 1.0_real64, is_known)
+    if (any(is_known)) &
+      call buffer%line('Run times with neighbours were ' // &
+                       number_text(minval(ratios, is_known), 2) // ' to ' // &
+                       number_text(maxval(ratios, is_known), 2) // ' times the predicted ones.')
     if (table%area_exponent > not_computed) then
       call buffer%line('')
       call buffer%line('Area grows as the load to the power ' // &
@@ -96,19 +99,20 @@ contains
     call buffer%line('Smallest hardness for elastic contact, by the criteria that the thesis ' // &
                      'reviews')
     do i = 1, size(table%criteria)
-      write (line, '(2x, a32, 2x, a)') table%criteria(i)%name, &
-        real_text(table%criteria(i)%hardness, 'es10.3e2')
-      call buffer%line(line)
+      call buffer%line('  ' // table%criteria(i)%name // '  ' // &
+                       real_text(table%criteria(i)%hardness, 'es10.3e2'))
     end do
   end subroutine write_accuracy_table
 
-  ! Time and errors of arithmetics and steps of a sweep, by quantity.
+  ! Time and errors of arithmetics and steps of a sweep, by quantity, where steps were run.
   subroutine write_quantities(rows, buffer)
     type(method_row), intent(in) :: rows(:)
     type(text_buffer), intent(inout) :: buffer
     character(len=170) :: line
     integer :: i, k
 
+    if (.not. any(rows%method%family == of_steps .and. rows%method%step > 0.0_real64 .and. &
+                  rows%own%largest > not_computed)) return
     call buffer%line('Arithmetics and steps. Largest (mean) relative error over positions, ' // &
                      'against exact events in real64;')
     call buffer%line('pressure: of the first contact, one step past first touch.')
@@ -140,19 +144,6 @@ contains
     if (rows(i)%seconds > not_computed .and. rows(i)%method%family /= of_theory) &
       ratio_of = rows(i)%seconds / minval(rows%seconds, rows%time_spread > not_computed)
   end function ratio_of
-
-  ! Error estimate of the reference in words.
-  pure function reference_quality(row) result(text)
-    type(method_row), intent(in) :: row
-    character(len=:), allocatable :: text
-
-    text = 'exact to rounding'
-    if (row%own_estimate > 0.0_real64) &
-      text = 'estimated error ' // trim(adjustl(short_number(row%own_estimate)))
-    if ((row%method%family /= of_arithmetic .and. .not. row%own_estimate > not_computed) .or. &
-        row%own_estimate >= huge(row%own_estimate)) &
-      text = 'without an error estimate'
-  end function reference_quality
 
   ! An error against the reference; below the error of the reference itself that one, as a bound.
   pure function error_text(row, error, of_reference) result(text)
@@ -210,15 +201,6 @@ contains
       min(2 * decades + 1, max(1, nint(2 * (decades + log10(max(error, least)))) + 1))
   end function axis_place
 
-  ! Error of the reference where the own error of a method is that against it.
-  pure real(real64) function floor_of_own(row, reference)
-    type(method_row), intent(in) :: row, reference
-
-    floor_of_own = not_computed
-    if (any(row%method%family == [of_scene, of_neighbours]) .and. .not. row%is_reference) &
-      floor_of_own = reference%own_estimate
-  end function floor_of_own
-
   !> The same with all digits. What does not apply to a row is empty.
   subroutine write_accuracy_csv(table, buffer)
     type(method_table), intent(in) :: table        !! all methods of a scene
@@ -231,10 +213,12 @@ contains
     allocate (rows, source=table%rows)
     left_out = ''
     do i = 1, size(rows)
-      if (allocated(rows(i)%left_out)) left_out(i) = without_commas(rows(i)%left_out)
+      ! A comma would end a cell.
+      rows(i)%method%name = replaced_text(rows(i)%method%name, ',', ';')
+      if (allocated(rows(i)%left_out)) left_out(i) = replaced_text(rows(i)%left_out, ',', ';')
     end do
     call add_words(columns, 'family', family_words(rows%method%family))
-    call add_words(columns, 'method', without_commas(rows%method%name))
+    call add_words(columns, 'method', rows%method%name)
     call add_words(columns, 'arithmetic', rows%method%arithmetic)
     call add_reals(columns, 'step', merge(rows%method%step, 0.0_real64, &
                                           rows%method%path == by_marching))
@@ -265,16 +249,5 @@ contains
     call add_words(columns, 'left_out', left_out)
     call write_table(columns, buffer)
   end subroutine write_accuracy_csv
-
-  elemental function without_commas(text) result(words)
-    character(len=*), intent(in) :: text
-    character(len=len(text)) :: words
-    integer :: i
-
-    words = text
-    do i = 1, len(text)
-      if (text(i:i) == ',') words(i:i) = ';'
-    end do
-  end function without_commas
 
 end module asperity_accuracy_table

@@ -9,11 +9,13 @@ module asperity_effects_summary
   use asperity_scene_results, only: scene_results
   use asperity_scene_values, only: effect_auto, effect_words
   use asperity_text_buffer, only: text_buffer
-  use asperity_totals_table, only: load_is_met
   implicit none
   private
 
-  public :: effect_sentence, list_effects, write_effects, effects_in_words
+  public :: load_is_met, effect_sentence, list_effects, write_effects, effects_in_words
+
+  !> A prescribed load is met to this relative error.
+  real(real64), parameter :: load_is_met = 1.0e-6_real64
 
   integer, parameter :: widest = 100, indent = 15
   ! A sentence lists positions up to half of this length.
@@ -81,8 +83,8 @@ contains
       share = results%positions(worst)%left_out(e)
       if (.not. share > not_computed) cycle
       text = 'off: estimated influence on the load ' // percent_text(share)
-      call add_sentence(known_effects(e)%name, &
-                        text // at_position(worst, size(results%positions)), lines)
+      lines = [lines, effect_sentence(known_effects(e)%name, &
+                                      text // at_position(worst, size(results%positions)))]
     end do
   end subroutine list_effects
 
@@ -113,17 +115,17 @@ contains
     else
       mode = mode // ': simulated at ' // count_text(count(is_simulated), 'position')
     end if
-    call add_sentence(trim(header%names(e)), mode // text, lines)
+    lines = [lines, effect_sentence(trim(header%names(e)), mode // text)]
     if (header%names(e) == 'plasticity') then
       if (header%hardness > 0.0_real64) then
-        call add_sentence('', 'perfectly plastic pixels: pressures up to plastic_hardness = ' // &
-                          number_text(header%hardness), lines)
+        lines = [lines, effect_sentence('', 'perfectly plastic pixels: pressures up to ' // &
+                                        'plastic_hardness = ' // number_text(header%hardness))]
       else
-        call add_sentence('', 'the ' // header%plastic_body // ' body yields', lines)
+        lines = [lines, effect_sentence('', 'the ' // header%plastic_body // ' body yields')]
       end if
       if (.not. header%plasticity_index < 0.0_real64) &
-        call add_sentence('', 'plasticity index ' // &
-                          real_text(header%plasticity_index, 'g10.3'), lines)
+        lines = [lines, effect_sentence('', 'plasticity index ' // &
+                                        real_text(header%plasticity_index, 'g10.3'))]
     end if
     ! The modes in which it was simulated, in the order in which they first occur.
     is_named = .not. is_simulated .or. header%modes(e) /= effect_auto
@@ -133,15 +135,15 @@ contains
               outcomes%why == outcomes(first)%why
       text = trim(outcomes(first)%simulated)
       if (outcomes(first)%why /= '') text = text // ' (' // trim(outcomes(first)%why) // ')'
-      call add_sentence('', text // ' at ' // positions_text(alike), lines)
+      lines = [lines, effect_sentence('', text // ' at ' // positions_text(alike))]
       is_named = is_named .or. alike
     end do
     if (any(is_simulated)) call list_influence(outcomes, is_simulated, lines)
     if (all(is_simulated) .or. header%modes(e) /= effect_auto) return
     first = maxloc(merge(-1.0_real64, max(0.0_real64, outcomes%estimate), is_simulated), 1)
-    call add_sentence('', 'largest estimated influence left out ' // &
-                      percent_text(max(0.0_real64, outcomes(first)%estimate)) // &
-                      at_position(first, size(outcomes)), lines)
+    lines = [lines, effect_sentence('', 'largest estimated influence left out ' // &
+                                    percent_text(max(0.0_real64, outcomes(first)%estimate)) // &
+                                    at_position(first, size(outcomes)))]
   end subroutine list_effect
 
   ! The measured influence of an effect on the load, and on compression and area at a given load.
@@ -169,15 +171,8 @@ contains
              largest_change(outcomes%compression_change) // ', area ' // &
              largest_change(outcomes%area_change)
     end if
-    if (text /= '') call add_sentence('', text, lines)
+    if (text /= '') lines = [lines, effect_sentence('', text)]
   end subroutine list_influence
-
-  subroutine add_sentence(effect, text, lines)
-    character(len=*), intent(in) :: effect, text
-    type(effect_sentence), allocatable, intent(inout) :: lines(:)
-
-    lines = [lines, effect_sentence(effect, text)]
-  end subroutine add_sentence
 
   ! The largest of the changes that were measured, with its sign; a load is met to `load_is_met`.
   function largest_change(changes) result(text)

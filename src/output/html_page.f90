@@ -1,13 +1,17 @@
 !> Pieces of a page of HTML that stands alone: head with its style, escaped text, tables. A page is
 !> well-formed XML, too; it loads nothing, and runs nothing but what stands in it.
 module asperity_html_page
+  use asperity_input_text, only: replaced_text
+  use asperity_number_format, only: number_text
   use asperity_printable, only: printable_text
+  use asperity_problems, only: decimal_text
+  use asperity_result_table, only: array_column, array_table, place_of
   use asperity_text_buffer, only: text_buffer
   implicit none
   private
 
   public :: begin_page, end_page, begin_section
-  public :: put_table, put_lines, put_paragraphs, escaped_text
+  public :: put_table, put_lines, put_each_line, escaped_text
 
   ! Two sets of colours, each with a contrast of 4.5 or more of text to paper; one column of any
   ! width; what is too wide is scrolled by itself.
@@ -85,29 +89,58 @@ contains
                      '">' // escaped_text(heading) // '</h2>')
   end subroutine begin_section
 
-  !> A table that scrolls by itself, with the keyboard, too.
-  subroutine put_table(caption, headers, cells, buffer)
+  !> A table that scrolls by itself, with the keyboard, too. Its first column heads the rows.
+  subroutine put_table(caption, table, buffer, wanted, most_rows)
     character(len=*), intent(in) :: caption      !! what it holds, as it stands
-    character(len=*), intent(in) :: headers(:)   !! of its columns; the first heads the rows
-    character(len=*), intent(in) :: cells(:, :)  !! by column and row, as they stand
+    type(array_table), intent(in) :: table       !! columns of numbers and words, as they stand
     type(text_buffer), intent(inout) :: buffer   !! gets the page
-    integer :: i, row
+    character(len=*), intent(in), optional :: wanted(:)  !! columns, if there; absent: all
+    integer, intent(in), optional :: most_rows           !! more are left out; absent: all are there
+    integer, allocatable :: columns(:)
+    integer :: i, last, row
 
+    allocate (columns(0))
+    columns = [(i, i=1, size(table%columns))]
+    if (present(wanted)) columns = [(place_of(table, wanted(i)), i=1, size(wanted))]
+    columns = pack(columns, columns > 0)
+    last = table%rows
+    if (present(most_rows)) last = min(last, most_rows)
     call buffer%append('<div class="scroll" role="region" tabindex="0" aria-label="' // &
                        escaped_text(caption) // '">' // nl // '<table><caption>' // &
                        escaped_text(caption) // '</caption>' // nl // '<thead><tr>')
-    do i = 1, size(headers)
-      call buffer%append('<th scope="col">' // escaped_text(trim(headers(i))) // '</th>')
+    do i = 1, size(columns)
+      call buffer%append('<th scope="col">' // escaped_text(table%columns(columns(i))%name) // &
+                         '</th>')
     end do
     call buffer%line('</tr></thead>' // nl // '<tbody>')
-    do row = 1, size(cells, 2)
-      call buffer%append('<tr><th scope="row">' // escaped_text(trim(cells(1, row))) // '</th>')
-      do i = 2, size(cells, 1)
-        call buffer%append('<td>' // escaped_text(trim(cells(i, row))) // '</td>')
+    do row = 1, last
+      call buffer%append('<tr><th scope="row">' // cell_text(table%columns(columns(1))) // &
+                         '</th>')
+      do i = 2, size(columns)
+        call buffer%append('<td>' // cell_text(table%columns(columns(i))) // '</td>')
       end do
       call buffer%line('</tr>')
     end do
     call buffer%line('</tbody></table></div>')
+
+  contains
+
+    function cell_text(column) result(text)
+      type(array_column), intent(in) :: column
+      character(len=:), allocatable :: text
+
+      if (allocated(column%reals)) then
+        text = number_text(column%reals(row))
+      else if (column%name == 'limit_reached') then
+        text = trim(merge('yes', 'no ', column%wholes(row) > 0))
+      else if (allocated(column%wholes)) then
+        text = decimal_text(column%wholes(row))
+      else
+        text = escaped_text(trim(transfer(column%letters(:, row), &
+                                          repeat('a', size(column%letters, 1)))))
+      end if
+    end function cell_text
+
   end subroutine put_table
 
   !> Lines of text as they were written; `label` says what they are.
@@ -121,29 +154,21 @@ contains
     call buffer%line('</pre>')
   end subroutine put_lines
 
-  !> A paragraph a line.
-  subroutine put_paragraphs(lines, attributes, buffer)
-    character(len=*), intent(in) :: lines       !! as they stand
-    character(len=*), intent(in) :: attributes  !! of each paragraph; empty: none
-    type(text_buffer), intent(inout) :: buffer  !! gets the page
-
-    call put_each_line(lines, '<p' // attributes // '>', '</p>', buffer)
-  end subroutine put_paragraphs
-
-  ! Each line of a text between two pieces.
+  !> Each line of a text between two pieces.
   subroutine put_each_line(text, begin, end, buffer)
-    character(len=*), intent(in) :: text, begin, end
-    type(text_buffer), intent(inout) :: buffer
-    integer :: first, last
+    character(len=*), intent(in) :: text        !! lines, of any bytes
+    character(len=*), intent(in) :: begin, end  !! pieces of the page before and behind a line
+    type(text_buffer), intent(inout) :: buffer  !! gets the page
+    integer :: first, last, next
 
     first = 1
     do while (first <= len(text))
       last = first + scan(text(first:) // nl, nl) - 2
+      next = last + 2
       ! A carriage return before the end of a line is a part of that end.
-      call buffer%line(begin // escaped_text(text(first:last - merge(1, 0, &
-                       scan(text(first:last), achar(13), back=.true.) == last - first + 1 .and. &
-                       last >= first))) // end)
-      first = last + 2
+      if (last >= first) last = last - merge(1, 0, text(last:last) == achar(13))
+      call buffer%line(begin // escaped_text(text(first:last)) // end)
+      first = next
     end do
   end subroutine put_each_line
 
@@ -152,26 +177,14 @@ contains
   pure function escaped_text(text) result(safe)
     character(len=*), intent(in) :: text    !! text of any bytes
     character(len=:), allocatable :: safe   !! a piece of a page
-    character(len=*), parameter :: names(4) = [character(len=6) :: '&amp;', '&lt;', '&gt;', &
-                                               '&quot;']
-    type(text_buffer) :: buffer
-    character(len=len(text)) :: shown
-    integer :: i, which
+    character(len=*), parameter :: letters = '&<>"', names(4) = [character(len=6) :: '&amp;', &
+      '&lt;', '&gt;', '&quot;']
+    integer :: i
 
-    shown = text
-    do i = 1, len(shown)
-      if (iachar(shown(i:i)) == 9) shown(i:i) = ' '
+    safe = printable_text(replaced_text(text, achar(9), ' '))
+    do i = 1, len(letters)
+      safe = replaced_text(safe, letters(i:i), trim(names(i)))
     end do
-    shown = printable_text(shown)
-    do i = 1, len(shown)
-      which = index('&<>"', shown(i:i))
-      if (which > 0) then
-        call buffer%append(trim(names(which)))
-      else
-        call buffer%append(shown(i:i))
-      end if
-    end do
-    safe = buffer%text()
   end function escaped_text
 
 end module asperity_html_page

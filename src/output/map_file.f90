@@ -1,15 +1,15 @@
 !> Writes a height map as a file that is read again: surface data, an array, or a text matrix.
 module asperity_map_file
   use, intrinsic :: ieee_arithmetic, only: ieee_quiet_nan, ieee_value
-  use, intrinsic :: iso_c_binding, only: c_int, c_null_char
+  use, intrinsic :: iso_c_binding, only: c_int
+  use asperity_byte_reader, only: bytes_of
   use asperity_files, only: write_bytes
   use asperity_height_map, only: edge_names, height_map, is_measured, periodic_edge, unit_ratio
   use asperity_input_text, only: lower_case
   use asperity_kinds, only: int64, real64
   use asperity_npy_map, only: npy_magic
-  use asperity_output_files, only: close_part, open_part
+  use asperity_output_files, only: close_part, commit_files, open_part
   use asperity_problems, only: decimal_text, problem_list, real_text
-  use asperity_system_calls, only: posix_close, posix_creat, system_reason
   use asperity_text_buffer, only: text_buffer
   implicit none
   private
@@ -17,55 +17,42 @@ module asperity_map_file
   public :: write_map_file, stage_map_file, check_map_path, note_of_file
 
   integer(int64), parameter :: block_size = 65536_int64  ! bytes that are written at once
-  integer(c_int), parameter :: mode_rw_r_r = int(o'644', c_int)
   ! More pixels a side have no place in the header of ISO-1.0.
   integer, parameter :: most_of_iso_1 = 65535
 
 contains
 
-  !> Writes a map; the ending of the path, .sdf, .npy or .txt, chooses the format. Heights keep all
-  !> their bits. `failure` is allocated when the file cannot be written.
-  subroutine write_map_file(path, map, problems, failure)
-    character(len=*), intent(in) :: path                    !! name of the file
-    type(height_map), intent(in) :: map                     !! checked height map
-    type(problem_list), intent(inout) :: problems           !! what the format does not hold
-    character(len=:), allocatable, intent(out) :: failure   !! why it was not written
-    character(len=:), allocatable :: head
-    integer(c_int) :: descriptor, status
-
-    call make_header(path, ending_of(path), map, head, problems)
-    if (.not. allocated(head)) return
-    descriptor = posix_creat(path // c_null_char, mode_rw_r_r)
-    if (descriptor < 0_c_int) then
-      failure = system_reason()
-    else
-      call write_map(descriptor, ending_of(path), head, map, failure)
-      status = posix_close(descriptor)
-      if (status /= 0_c_int .and. .not. allocated(failure)) failure = system_reason()
-    end if
-    if (allocated(failure)) failure = path // ': cannot be written: ' // failure
-  end subroutine write_map_file
-
-  !> The same beside its place, as `asperity_output_files` does; without a path a text matrix goes
-  !> to standard output.
+  !> Writes a map beside its place, as `asperity_output_files` does; the ending of the path, .sdf,
+  !> .npy or .txt, chooses the format. Heights keep all their bits. `failure` is allocated when the
+  !> file cannot be written.
   subroutine stage_map_file(path, map, problems, failure)
     character(len=*), intent(in) :: path                    !! the file; empty: standard output
     type(height_map), intent(in) :: map                     !! checked height map
     type(problem_list), intent(inout) :: problems           !! what the format does not hold
     character(len=:), allocatable, intent(out) :: failure   !! why it was not written
-    character(len=:), allocatable :: ending, head, place
+    character(len=:), allocatable :: head, place
     integer(c_int) :: descriptor
 
     place = path
     if (place == '') place = '/dev/stdout'
-    ending = ending_of(path)
-    call make_header(path, ending, map, head, problems)
+    call make_header(path, map, head, problems)
     if (.not. allocated(head)) return
     call open_part(place, descriptor, failure)
     if (allocated(failure)) return
-    call write_map(descriptor, ending, head, map, failure)
+    call write_map(descriptor, ending_of(path), head, map, failure)
     call close_part(place, descriptor, failure)
   end subroutine stage_map_file
+
+  !> The same, to its end.
+  subroutine write_map_file(path, map, problems, failure)
+    character(len=*), intent(in) :: path                    !! the file; empty: standard output
+    type(height_map), intent(in) :: map                     !! checked height map
+    type(problem_list), intent(inout) :: problems           !! what the format does not hold
+    character(len=:), allocatable, intent(out) :: failure   !! why it was not written
+
+    call stage_map_file(path, map, problems, failure)
+    if (.not. allocated(failure)) call commit_files(failure)
+  end subroutine write_map_file
 
   !> Checks that a map of a unit can be written, before it is made.
   subroutine check_map_path(path, unit, problems)
@@ -77,7 +64,7 @@ contains
 
     map%unit = unit
     map%pixel_spacing = 1.0_real64
-    call make_header(path, ending_of(path), map, head, problems)
+    call make_header(path, map, head, problems)
   end subroutine check_map_path
 
   !> A note of what a file does not hold of a map; empty: it holds its edge.
@@ -101,8 +88,8 @@ contains
   end function ending_of
 
   ! The header, or a problem.
-  subroutine make_header(path, ending, map, head, problems)
-    character(len=*), intent(in) :: path, ending
+  subroutine make_header(path, map, head, problems)
+    character(len=*), intent(in) :: path
     type(height_map), intent(in) :: map
     character(len=:), allocatable, intent(out) :: head
     type(problem_list), intent(inout) :: problems
@@ -110,7 +97,7 @@ contains
     real(real64) :: metres
     integer :: wide
 
-    select case (ending)
+    select case (ending_of(path))
     case ('sdf')
       if (map%unit == '') then
         call problems%add(path // ': found a map without a unit, expected one: lengths of ' // &
@@ -202,22 +189,11 @@ contains
     is_periodic = map%periodic .or. map%edge == periodic_edge
   end function is_periodic
 
+  ! The lowest byte first.
   pure character(len=8) function double_bytes(number) result(bytes)
     real(real64), intent(in) :: number
 
     bytes = bytes_of(transfer(number, 0_int64), 8)
   end function double_bytes
-
-  ! The lowest byte first.
-  pure function bytes_of(bits, wide) result(bytes)
-    integer(int64), intent(in) :: bits
-    integer, intent(in) :: wide
-    character(len=wide) :: bytes
-    integer :: i
-
-    do i = 1, wide
-      bytes(i:i) = char(int(iand(shiftr(bits, 8 * (i - 1)), 255_int64)))
-    end do
-  end function bytes_of
 
 end module asperity_map_file

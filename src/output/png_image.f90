@@ -1,6 +1,7 @@
 !> Pixels of one palette as the address of an image inside a text: a PNG (W3C, Portable Network
 !> Graphics, 2nd ed., 2003) without compression in base64 (RFC 4648).
 module asperity_png_image
+  use asperity_byte_reader, only: bytes_of
   use asperity_kinds, only: int64, real64
   use asperity_text_buffer, only: text_buffer
   implicit none
@@ -105,14 +106,10 @@ contains
   end function stored_stream
 
   ! 32 bits, the highest byte first.
-  pure function big_bytes(value) result(bytes)
+  pure character(len=4) function big_bytes(value)
     integer(int64), intent(in) :: value
-    character(len=4) :: bytes
-    integer :: i
 
-    do i = 1, 4
-      bytes(i:i) = char(int(ibits(value, 32 - 8 * i, 8)))
-    end do
+    big_bytes = bytes_of(value, 4, big_endian=.true.)
   end function big_bytes
 
   pure function base64_text(bytes) result(text)

@@ -135,26 +135,26 @@ contains
     character(len=*), intent(in) :: text
     character(len=:), allocatable :: in_quotes
     type(text_buffer) :: buffer
+    character(len=len(text)) :: shown
     character(len=6) :: escape
-    integer :: first, i
+    integer :: i
 
+    shown = printable_text(text)
     call buffer%append('"')
-    first = 1
     do i = 1, len(text)
       select case (iachar(text(i:i)))
       case (10)
-        escape = '\n'
+        call buffer%append('\n')
       case (0:9, 11:31)
         write (escape, '("\u", z4.4)') iachar(text(i:i))
+        call buffer%append(escape)
       case (34, 92)
-        escape = '\' // text(i:i)
+        call buffer%append('\' // text(i:i))
       case default
-        cycle
+        call buffer%append(shown(i:i))
       end select
-      call buffer%append(printable_text(text(first:i - 1)) // trim(escape))
-      first = i + 1
     end do
-    call buffer%append(printable_text(text(first:)) // '"')
+    call buffer%append('"')
     in_quotes = buffer%text()
   end function json_text
 

@@ -27,11 +27,9 @@ contains
     !> numbers of points of a grid along x, y and z, the first changes fastest; absent: no grid
     integer, intent(in), optional :: points(3)
     character(len=:), allocatable :: data_kind, extent
-    integer :: depth, i, k, x, y
+    integer :: at(3), i, k
 
-    x = place_of(table, 'x')
-    y = place_of(table, 'y')
-    depth = place_of(table, 'depth')
+    at = [place_of(table, 'x'), place_of(table, 'y'), place_of(table, 'depth')]
     data_kind = 'PolyData'
     if (present(points)) data_kind = 'StructuredGrid'
     call buffer%line('<?xml version="1.0"?>')
@@ -50,14 +48,11 @@ contains
     call buffer%line('<Points>')
     call buffer%line('<DataArray type="Float64" NumberOfComponents="3" format="ascii">')
     do i = 1, table%rows
-      call put_cell(table%columns(x), i, 'nan', buffer)
-      call buffer%append(' ')
-      call put_cell(table%columns(y), i, 'nan', buffer)
-      call buffer%append(' ')
-      if (depth == 0) call buffer%line('0')
-      if (depth == 0) cycle
-      call put_cell(table%columns(depth), i, 'nan', buffer)
-      call buffer%line('')
+      do k = 1, size(at)
+        if (at(k) == 0) call buffer%append('0')
+        if (at(k) > 0) call put_cell(table%columns(at(k)), i, 'nan', buffer)
+        call buffer%append(merge(' ', new_line('a'), k < size(at)))
+      end do
     end do
     call buffer%line('</DataArray>')
     call buffer%line('</Points>')
@@ -69,10 +64,9 @@ contains
     end if
     call buffer%line('<PointData>')
     do i = 1, size(table%columns)
-      if (any(i == [depth, x, y])) cycle
-      call buffer%line('<DataArray type="' // trim(merge('Float64', 'Int32  ', &
-                       allocated(table%columns(i)%reals))) // '" Name="' // &
-                       table%columns(i)%name // '" format="ascii">')
+      if (any(i == at)) cycle
+      call buffer%line(array_tag(merge('Float64', 'Int32  ', allocated(table%columns(i)%reals)), &
+                                 table%columns(i)%name, 'format="ascii">'))
       do k = 1, table%rows
         call put_cell(table%columns(i), k, 'nan', buffer)
         call buffer%line('')
@@ -92,7 +86,7 @@ contains
       integer, intent(in) :: first
       integer :: k
 
-      call buffer%line('<DataArray type="Int32" Name="' // name // '" format="ascii">')
+      call buffer%line(array_tag('Int32', name, 'format="ascii">'))
       do k = 1, table%rows
         call buffer%line(decimal_text(k - 1 + first))
       end do
@@ -109,7 +103,7 @@ contains
     type(contact_field), intent(in) :: field    !! of one state
     type(text_buffer), intent(inout) :: buffer  !! gets the bytes
     character(len=*), parameter :: names(4) = [character(len=12) :: 'pressure', 'gap', &
-      'displacement', 'traction']
+      'displacement', 'traction'], number = 'NumberOfTuples="1" format="ascii">'
     integer(int64) :: offset, pixels
     character(len=80) :: numbers
     character(len=:), allocatable :: extent
@@ -138,8 +132,10 @@ contains
     call buffer%line(' Spacing="' // trim(adjustl(numbers)) // ' 1">')
     if (field%hertz_contacts >= 0) then
       call buffer%line('<FieldData>')
-      call put_number('boundary_element_contacts', field%boundary_contacts)
-      call put_number('hertz_contacts', field%hertz_contacts)
+      call buffer%line(array_tag('Int32', 'boundary_element_contacts', number // &
+                                 decimal_text(field%boundary_contacts) // '</DataArray>'))
+      call buffer%line(array_tag('Int32', 'hertz_contacts', number // &
+                                 decimal_text(field%hertz_contacts) // '</DataArray>'))
       call buffer%line('</FieldData>')
     end if
     call buffer%line('<Piece Extent=' // extent // '>')
@@ -169,22 +165,20 @@ contains
 
     subroutine put_head(type_name, name)
       character(len=*), intent(in) :: type_name, name
-      character(len=20) :: offset_text
 
-      write (offset_text, '(i0)') offset
-      call buffer%line('<DataArray type="' // type_name // '" Name="' // name // &
-                       '" format="appended" offset="' // trim(offset_text) // '"/>')
+      call buffer%line(array_tag(type_name, name, 'format="appended" offset="' // &
+                                 decimal_text(offset) // '"/>'))
     end subroutine put_head
 
-    subroutine put_number(name, number)
-      character(len=*), intent(in) :: name
-      integer, intent(in) :: number
-
-      call buffer%line('<DataArray type="Int32" Name="' // name // '" NumberOfTuples="1" ' // &
-                       'format="ascii">' // decimal_text(number) // '</DataArray>')
-    end subroutine put_number
-
   end subroutine write_vti
+
+  ! The tag of an array: its type, its name and what follows.
+  pure function array_tag(type_name, name, rest) result(tag)
+    character(len=*), intent(in) :: type_name, name, rest
+    character(len=:), allocatable :: tag
+
+    tag = '<DataArray type="' // trim(type_name) // '" Name="' // name // '" ' // rest
+  end function array_tag
 
   ! Numbers of all pixels with the count of their bytes; NaN where one was not computed.
   subroutine put_reals(values, buffer)

@@ -4,8 +4,8 @@ module asperity_study_tables
   use asperity_area_study, only: area_study, size_result
   use asperity_corrected_table, only: corrected_table, stage_name
   use asperity_csv_tables, only: write_table
-  use asperity_error_budget, only: budget_line, error_budget, model_budget, of_approach, of_area, &
-                                   of_load, share_given, share_measured, share_unknown
+  use asperity_error_budget, only: budget_line, error_budget, of_approach, of_area, of_load, &
+                                   share_given, share_measured, share_unknown
   use asperity_greenwood_integrals, only: quantities
   use asperity_kinds, only: real64
   use asperity_number_format, only: number_text
@@ -34,7 +34,7 @@ contains
     type(study_spec), intent(in) :: spec        !! specification of the study
     type(area_study), intent(in) :: study       !! results of the study
     type(text_buffer), intent(inout) :: buffer  !! gets the text
-    character(len=:), allocatable :: against, integral, lower
+    character(len=:), allocatable :: against, integral, least, lower, reference
     character(len=160) :: line
     integer :: i, q
 
@@ -78,18 +78,6 @@ contains
       end if
     end do
     call buffer%line('')
-    call write_verdict(spec, study, buffer)
-
-  end subroutine write_area_table
-
-  !> The representative size.
-  subroutine write_verdict(spec, study, buffer)
-    type(study_spec), intent(in) :: spec
-    type(area_study), intent(in) :: study
-    type(text_buffer), intent(inout) :: buffer
-    character(len=:), allocatable :: reference, least
-    integer :: i
-
     reference = 'the integral'
     if (spec%reference /= reference_integral) reference = 'the mean of the largest size'
     call buffer%line('sections within ' // two_decimals(spec%tolerance) // ' of ' // reference // &
@@ -103,7 +91,7 @@ contains
     call buffer%line('representative size (' // two_decimals(spec%confidence) // &
                      ' of the sections): ' // least)
     call buffer%line('estimate by the spread: ' // number_text(study%estimated_side))
-  end subroutine write_verdict
+  end subroutine write_area_table
 
   !> How far a mean is from the integral, in percent and in standard errors.
   pure function from_integral(study, row, q) result(text)
@@ -206,42 +194,38 @@ contains
     if (budget%without_effects) reference = reference // ', without effects'
     call buffer%line('Arithmetic: ' // reference // '.')
     call buffer%line('Step: none, as events are solved exactly.')
-    call write_model(budget%model, buffer)
+    ! The models that were compared, and the error of the reference.
+    associate (model => budget%model)
+      if (allocated(model%why_not)) then
+        call buffer%line('Model: not estimated: ' // model%why_not // '.')
+      else if (model%interaction == effect_boundary) then
+        call buffer%line('Model: interaction ''boundary'' is the reference.')
+      else
+        call buffer%line('Model: interaction ''' // trim(effect_words(model%interaction)) // &
+                         ''' against ''boundary'' at the same separation, by the load of')
+        call buffer%line('all contacts over their load as isolated contacts, so that both ' // &
+                         'include the inclination.')
+      end if
+      if (.not. allocated(model%why_not)) &
+        call buffer%line('Load by boundary elements: relative error ' // &
+                         real_text(model%cells_are_good_to, 'es9.1e3') // ' (boundary_tolerance).')
+      if (model%known(of_area) == share_measured) &
+        call buffer%line('Area: compared in plan; boundary elements with a rim correction, ' // &
+                         'relative error about 0.3 %.')
+      if (model%known(of_load) /= share_given .and. model%known(of_approach) == share_given) &
+        call buffer%line('Separation: given, or that at which an isolated contact reaches ' // &
+                         'its limit.')
+      if (model%known(of_load) == share_given .and. model%known(of_approach) == share_measured) &
+        call buffer%line('Separation: its change by the error of the model at the given load.')
+      if (allocated(model%why_not) .or. all(model%known /= share_unknown)) return
+      if (model%interaction == effect_boundary) then
+        call buffer%line('Not estimated: no finer model to compare boundary elements with.')
+      else
+        call buffer%line('Not estimated: at a given load the areas of the two models belong ' // &
+                         'to different separations.')
+      end if
+    end associate
   end subroutine write_budget
-
-  ! The models that were compared, and the error of the reference.
-  subroutine write_model(model, buffer)
-    type(model_budget), intent(in) :: model
-    type(text_buffer), intent(inout) :: buffer
-
-    if (allocated(model%why_not)) then
-      call buffer%line('Model: not estimated: ' // model%why_not // '.')
-    else if (model%interaction == effect_boundary) then
-      call buffer%line('Model: interaction ''boundary'' is the reference.')
-    else
-      call buffer%line('Model: interaction ''' // trim(effect_words(model%interaction)) // &
-                       ''' against ''boundary'' at the same separation, by the load of')
-      call buffer%line('all contacts over their load as isolated contacts, so that both ' // &
-                       'include the inclination.')
-    end if
-    if (.not. allocated(model%why_not)) &
-      call buffer%line('Load by boundary elements: relative error ' // &
-                       real_text(model%cells_are_good_to, 'es9.1e3') // ' (boundary_tolerance).')
-    if (model%known(of_area) == share_measured) &
-      call buffer%line('Area: compared in plan; boundary elements with a rim correction, ' // &
-                       'relative error about 0.3 %.')
-    if (model%known(of_load) /= share_given .and. model%known(of_approach) == share_given) &
-      call buffer%line('Separation: given, or that at which an isolated contact reaches its limit.')
-    if (model%known(of_load) == share_given .and. model%known(of_approach) == share_measured) &
-      call buffer%line('Separation: its change by the error of the model at the given load.')
-    if (allocated(model%why_not) .or. all(model%known /= share_unknown)) return
-    if (model%interaction == effect_boundary) then
-      call buffer%line('Not estimated: no finer model to compare boundary elements with.')
-    else
-      call buffer%line('Not estimated: at a given load the areas of the two models belong to ' // &
-                       'different separations.')
-    end if
-  end subroutine write_model
 
   !> Table VI before and after, one line a number, with what each correction adds.
   subroutine write_corrected_table(table, buffer)

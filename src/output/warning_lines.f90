@@ -1,5 +1,6 @@
 !> The warnings of a run: one line a kind, for the worst position.
 module asperity_warning_lines
+  use asperity_input_text, only: replaced_text
   use asperity_kinds, only: real64
   use asperity_number_format, only: count_text, percent_text
   use asperity_problems, only: decimal_text, problem_list, real_text
@@ -57,7 +58,7 @@ contains
     character(len=:), allocatable :: size_text
 
     associate (which => warning_kinds(warning%number))
-      text = with_effect(which%what)
+      text = replaced_text(trim(which%what), '*', trim(warning%whose))
       if (warning%whose /= '' .and. index(which%what, '*') == 0) &
         text = text // ' (' // trim(warning%whose) // ')'
       if (which%is_share) then
@@ -74,23 +75,10 @@ contains
       if (warning%whose /= '' .and. which%other_advice /= '') then
         text = text // ', ' // trim(which%other_advice)
       else
-        text = text // ', ' // with_effect(which%advice)
+        text = text // ', ' // &
+               replaced_text(trim(which%advice), '*', trim(warning%whose))
       end if
     end associate
-
-  contains
-
-    ! A phrase with the effect in the place of its star.
-    pure function with_effect(phrase) result(text)
-      character(len=*), intent(in) :: phrase
-      character(len=:), allocatable :: text
-      integer :: at
-
-      text = trim(phrase)
-      at = index(text, '*')
-      if (at > 0) text = text(:at - 1) // trim(warning%whose) // text(at + 1:)
-    end function with_effect
-
   end function in_words
 
 end module asperity_warning_lines
