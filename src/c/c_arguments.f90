@@ -16,7 +16,7 @@ module asperity_c_arguments
   type, bind(c) :: c_surface
     integer(c_int) :: asperities        !! number of asperities; 0: a plane
     integer(c_int) :: radii             !! number of radii: 1, or one for each
-    type(c_ptr) :: x, y, height, radius !! addresses of their numbers
+    type(c_ptr) :: numbers(4)           !! addresses of `array_names`
   end type c_surface
 
   !> `asperity_height_map` of the header.
@@ -28,6 +28,8 @@ module asperity_c_arguments
     integer(c_int) :: periodic          !! 1: yes, 0: no, -1: unknown
   end type c_height_map
 
+  character(len=*), parameter :: array_names(4) = [character(len=6) :: 'x', 'y', 'height', 'radius']
+
 contains
 
   !> Takes the asperities of a surface, or a plane.
@@ -38,7 +40,7 @@ contains
     type(problem_list), intent(inout) :: problems  !! faults of the argument
     type(c_surface), pointer :: numbers
     real(c_double), pointer :: x(:), y(:), height(:), radius(:)
-    integer :: before
+    integer :: before, i
 
     if (.not. c_associated(given)) then
       call problems%add(which // ': found NULL beside a surface that is given as arrays, ' // &
@@ -58,15 +60,14 @@ contains
       call problems%add(which // '.radii: found ' // decimal_text(numbers%radii) // &
                         ', expected 1 or ' // decimal_text(numbers%asperities) // ', as many as x')
     end if
-    call require_numbers(which // '.x', numbers%x, problems)
-    call require_numbers(which // '.y', numbers%y, problems)
-    call require_numbers(which // '.height', numbers%height, problems)
-    call require_numbers(which // '.radius', numbers%radius, problems)
+    do i = 1, size(array_names)
+      call require_numbers(which // '.' // trim(array_names(i)), numbers%numbers(i), problems)
+    end do
     if (problems%count() == before) then
-      call c_f_pointer(numbers%x, x, [numbers%asperities])
-      call c_f_pointer(numbers%y, y, [numbers%asperities])
-      call c_f_pointer(numbers%height, height, [numbers%asperities])
-      call c_f_pointer(numbers%radius, radius, [numbers%radii])
+      call c_f_pointer(numbers%numbers(1), x, [numbers%asperities])
+      call c_f_pointer(numbers%numbers(2), y, [numbers%asperities])
+      call c_f_pointer(numbers%numbers(3), height, [numbers%asperities])
+      call c_f_pointer(numbers%numbers(4), radius, [numbers%radii])
       call take_surface(which, x, y, height, radius, surface, problems)
     end if
   end subroutine take_asperities

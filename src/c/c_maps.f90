@@ -180,7 +180,7 @@ contains
     type(c_ptr), value :: path     !! height map
     type(c_ptr), value :: choices  !! `c_summits_options`; null: all defaults
 
-    handle = summits_with_edge(path, choices, .false.)
+    handle = summits_of(path, .true., choices, .false.)
   end function c_summits
 
   !> `asperity_periodic_summits`.
@@ -189,53 +189,60 @@ contains
     type(c_ptr), value :: path     !! height map that repeats itself
     type(c_ptr), value :: choices  !! `c_summits_options`; null: all defaults
 
-    handle = summits_with_edge(path, choices, .true.)
+    handle = summits_of(path, .true., choices, .true.)
   end function c_periodic_summits
-
-  ! Summits of a map with a free or periodic edge.
-  type(c_ptr) function summits_with_edge(path, choices, periodic) result(handle)
-    type(c_ptr), intent(in) :: path, choices
-    logical, intent(in) :: periodic
-    type(outcome), pointer :: new
-    type(summit_choices) :: chosen
-    type(height_map) :: map
-    type(map_summits) :: summits
-    integer(int64) :: spikes
-
-    call begin_outcome(new, handle)
-    if (.not. associated(new)) return
-    !$omp critical (library_texts)
-    chosen%periodic = periodic
-    chosen%edge_of_file = .true.
-    call set_choices(choices, chosen, new%problems)
-    call require_text('map', path, new%problems)
-    if (new%problems%count() == 0) &
-      call summits_of_file(text_of(path), chosen, map, summits, spikes, new%problems, new%failure)
-    call finish_summits(new, text_of(path), chosen, spikes, map, summits)
-    !$omp end critical (library_texts)
-  end function summits_with_edge
 
   !> `asperity_summits_of_map`.
   type(c_ptr) function c_summits_of_map(given, choices) bind(c, name='asperity_summits_of_map') &
     result(handle)
     type(c_ptr), value :: given    !! `c_height_map`
     type(c_ptr), value :: choices  !! `c_summits_options`; null: all defaults
+
+    handle = summits_of(given, .false., choices, .false.)
+  end function c_summits_of_map
+
+  ! Summits of a file with a free or periodic edge, or of a map in memory.
+  type(c_ptr) function summits_of(given, is_file, choices, periodic) result(handle)
+    type(c_ptr), intent(in) :: given, choices
+    logical, intent(in) :: is_file, periodic
     type(outcome), pointer :: new
     type(summit_choices) :: chosen
     type(height_map) :: map
     type(map_summits) :: summits
+    type(map_statistics) :: found
+    type(text_buffer) :: summary
+    character(len=:), allocatable :: name
     integer(int64) :: spikes
 
     call begin_outcome(new, handle)
     if (.not. associated(new)) return
     !$omp critical (library_texts)
+    name = 'map'
+    chosen%periodic = periodic
+    chosen%edge_of_file = is_file
     call set_choices(choices, chosen, new%problems)
-    call take_heights('map', given, map, new%problems, new%failure)
-    if (new%problems%count() == 0 .and. .not. allocated(new%failure)) &
-      call summits_of_array(map, chosen, summits, spikes, new%problems, new%failure)
-    call finish_summits(new, 'map', chosen, spikes, map, summits)
+    if (is_file) then
+      call require_text('map', given, new%problems)
+      name = text_of(given)
+      if (new%problems%count() == 0) &
+        call summits_of_file(name, chosen, map, summits, spikes, new%problems, new%failure)
+    else
+      call take_heights('map', given, map, new%problems, new%failure)
+      if (new%problems%count() == 0 .and. .not. allocated(new%failure)) &
+        call summits_of_array(map, chosen, summits, spikes, new%problems, new%failure)
+    end if
+    if (new%problems%count() == 0 .and. .not. allocated(new%failure)) then
+      call measure_map(map, summits, found)
+      call write_summits_table(name, chosen, spikes, map, summits, found, summary)
+      call set_text(new, text_report, summary%text())
+      call set_text(new, text_notes, map%notes%text())
+      call add_surface(summits%x, summits%y, summits%height, summits%radius, &
+                       new%tables(table_summits), map%unit)
+      call add_statistics(map, found, new%tables(table_statistics))
+    end if
+    call finish_outcome(new)
     !$omp end critical (library_texts)
-  end function c_summits_of_map
+  end function summits_of
 
   ! The choices for summits.
   subroutine set_choices(given, chosen, problems)
@@ -253,29 +260,5 @@ contains
     chosen%pixel_spacing = options%pixel_spacing
     chosen%despike = options%despike /= 0_c_int
   end subroutine set_choices
-
-  ! The tables and texts of summits that were found.
-  subroutine finish_summits(new, name, chosen, spikes, map, summits)
-    type(outcome), intent(inout) :: new
-    character(len=*), intent(in) :: name
-    type(summit_choices), intent(in) :: chosen
-    integer(int64), intent(in) :: spikes
-    type(height_map), intent(in) :: map
-    type(map_summits), intent(in) :: summits
-    type(map_statistics) :: found
-    type(text_buffer) :: summary
-
-    if (new%problems%count() == 0 .and. .not. allocated(new%failure)) then
-      call measure_map(map, summits, found)
-      call write_summits_table(name, chosen, spikes, map, summits, found, summary)
-      call set_text(new, text_report, summary%text())
-      call set_text(new, text_notes, map%notes%text())
-      associate (table => new%tables(table_summits))
-        call add_surface(summits%x, summits%y, summits%height, summits%radius, table, map%unit)
-      end associate
-      call add_statistics(map, found, new%tables(table_statistics))
-    end if
-    call finish_outcome(new)
-  end subroutine finish_summits
 
 end module asperity_c_maps

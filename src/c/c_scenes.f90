@@ -1,17 +1,17 @@
 !> The library for C: scenes and their solution; `include/asperity.h` has what each procedure does.
 !>
 !> Every call gives one outcome, a handle, that holds all it brought: a scene, tables as arrays,
-!> texts, problems; `asperity_c_answers` has what C reads of it. No call stops the process, prints,
+!> texts, problems; `asperity_c_outcome` has what C reads of it. No call stops the process, prints,
 !> or keeps anything for the next one.
 !>
 !> The name of a procedure for C must not be that of a module, as `asperity_solve` is one.
 module asperity_c_scenes
   use, intrinsic :: iso_c_binding, only: c_associated, c_double, c_f_pointer, c_int, &
                                           c_null_ptr, c_ptr
-  use asperity, only: build_scene, build_scene_of, check_field_request, check_options, &
-                      fields_none, list_warnings, make_arrays, name_units, of_contacts, &
-                      parse_scene, problem_list, read_scene, rebuild_scene, run_options, &
-                      scene_results, scene_side, scene_surface, solve, text_buffer, write_summary
+  use asperity, only: build_scene_of, check_field_request, check_options, fields_none, &
+                      list_warnings, make_arrays, name_units, of_contacts, problem_list, &
+                      read_scene, rebuild_scene, run_options, scene_results, scene_side, solve, &
+                      text_buffer, write_summary
   use asperity_decimal, only: decimal_to_real64
   use asperity_kinds, only: real64
   use asperity_c_arguments, only: require_text, take_asperities, take_heights
@@ -63,25 +63,8 @@ contains
     result(handle)
     type(c_ptr), value :: groups   !! text of the scene
     type(c_ptr), value :: upper, lower  !! `c_surface`; null for both: the text names files
-    type(outcome), pointer :: new
-    type(scene_surface) :: surfaces(2)
 
-    call begin_outcome(new, handle)
-    if (.not. associated(new)) return
-    !$omp critical (library_texts)
-    allocate (new%scene_in)
-    if (.not. c_associated(groups)) call new%problems%add('groups: found NULL, expected a text')
-    if (.not. (c_associated(upper) .or. c_associated(lower))) then
-      if (new%problems%count() == 0) &
-        call parse_scene('scene', text_of(groups), new%scene_in, new%problems)
-    else
-      call take_asperities('surfaces.upper', upper, surfaces(1), new%problems)
-      call take_asperities('surfaces.lower', lower, surfaces(2), new%problems)
-      if (new%problems%count() == 0) &
-        call build_scene(surfaces(1), surfaces(2), text_of(groups), new%scene_in, new%problems)
-    end if
-    call finish_scene(new)
-    !$omp end critical (library_texts)
+    handle = scene_of_sides(groups, upper, lower, .false.)
   end function c_build_scene
 
   !> `asperity_build_scene_of`.
@@ -89,6 +72,14 @@ contains
     bind(c, name='asperity_build_scene_of') result(handle)
     type(c_ptr), value :: groups  !! text of the scene
     type(c_ptr), value :: upper, lower  !! `c_side`; null: the text names it
+
+    handle = scene_of_sides(groups, upper, lower, .true.)
+  end function c_build_scene_of
+
+  ! A scene of its text and of two sides, each a `c_side` that may be null, or of two `c_surface`.
+  type(c_ptr) function scene_of_sides(groups, upper, lower, are_sides) result(handle)
+    type(c_ptr), intent(in) :: groups, upper, lower
+    logical, intent(in) :: are_sides
     type(outcome), pointer :: new
     type(scene_side) :: sides(2)
 
@@ -113,7 +104,11 @@ contains
       type(c_side), pointer :: numbers
       character(len=:), allocatable :: failure
 
-      if (.not. c_associated(given)) return
+      if (.not. are_sides .and. (c_associated(upper) .or. c_associated(lower))) then
+        allocate (side%surface)
+        call take_asperities(which, given, side%surface, new%problems)
+      end if
+      if (.not. (are_sides .and. c_associated(given))) return
       call c_f_pointer(given, numbers)
       if (c_associated(numbers%asperities) .and. c_associated(numbers%map)) then
         call new%problems%add(which // ': found asperities and a map, expected one of them')
@@ -127,7 +122,7 @@ contains
       end if
     end subroutine take_side
 
-  end function c_build_scene_of
+  end function scene_of_sides
 
   !> `asperity_rebuild_scene`.
   type(c_ptr) function c_rebuild_scene(of_scene, groups) bind(c, name='asperity_rebuild_scene') &
@@ -144,7 +139,7 @@ contains
     if (associated(from)) call new%problems%append(from%problems)
     if (.not. associated(from)) then
       call new%problems%add('scene: found NULL, expected an outcome that has a scene')
-    else if (.not. allocated(from%scene_in)) then
+    else if (.not. has_scene(from)) then
       call new%problems%add('scene: found an outcome without a scene, expected one that has it')
     end if
     if (.not. c_associated(groups)) call new%problems%add('groups: found NULL, expected a text')
@@ -197,7 +192,14 @@ contains
     if (c_associated(progress)) call c_f_pointer(progress, chosen%counted_work%numbers, [2])
     call look_at(of_scene, from)
     !$omp critical (library_texts)
-    call check_request(from, options, chosen, new)
+    if (associated(from)) call new%problems%append(from%problems)
+    if (.not. has_scene(from)) then
+      new%failure = 'no scene'
+    else if (from%problems%count() == 0) then
+      call set_options(options, chosen, new%problems)
+      if (chosen%fields > fields_none) &
+        call check_field_request(from%scene_in, 'fields', new%problems)
+    end if
     !$omp end critical (library_texts)
     if (new%problems%count() == 0 .and. .not. allocated(new%failure)) &
       call solve(from%scene_in, results, new%failure, chosen)
@@ -207,24 +209,13 @@ contains
     !$omp end critical (library_texts)
   end function c_solve_with_fields
 
-  ! Checks a scene and the options of its solve.
-  subroutine check_request(from, options, chosen, new)
+  ! Whether an outcome has a scene.
+  logical function has_scene(from)
     type(outcome), pointer, intent(in) :: from
-    type(c_ptr), intent(in) :: options
-    type(run_options), intent(inout) :: chosen
-    type(outcome), intent(inout) :: new
 
-    if (associated(from)) call new%problems%append(from%problems)
-    if (.not. associated(from)) then
-      new%failure = 'no scene'
-    else if (.not. allocated(from%scene_in)) then
-      new%failure = 'no scene'
-    else if (from%problems%count() == 0) then
-      call set_options(options, chosen, new%problems)
-      if (chosen%fields > fields_none) &
-        call check_field_request(from%scene_in, 'fields', new%problems)
-    end if
-  end subroutine check_request
+    has_scene = .false.
+    if (associated(from)) has_scene = allocated(from%scene_in)
+  end function has_scene
 
   ! Fills an outcome with the results of a solve, or with the place of its failure.
   subroutine set_results(from, chosen, results, new)
