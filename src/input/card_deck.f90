@@ -5,7 +5,7 @@ module asperity_card_deck
                                   read_i_field, shift_field, stress_field, width_field, x_field, &
                                   y_field, z_field
   use asperity_decimal, only: decimal_to_real64, decimal_value
-  use asperity_delimited_text, only: line_cells, read_cells, separator_of
+  use asperity_delimited_text, only: cells_of, line_cells, separator_of
   use asperity_file_kind, only: other_kind
   use asperity_input_text, only: blanks, check_text, line_end, read_text
   use asperity_kinds, only: real64
@@ -135,18 +135,14 @@ contains
     type(line_cells) :: cells
     type(decimal_value) :: number
     character(len=card_length) :: columns
-    integer :: i, k, at, line, numbers(2:header_cards), words(2:header_cards)
+    integer :: i, k, numbers(2:header_cards), words(2:header_cards)
     logical :: good
 
     numbers = 0
-    cells%keep_empty = .false.
     do i = 2, header_cards
       columns = reader%card_columns(i)
       if (i == 3) is_table = columns(deck_fields(width_field)%first:) == ''
-      cells%separator = separator_of(columns)
-      at = 1
-      line = i
-      call read_cells(columns, at, line, cells)
+      cells = cells_of(columns, separator_of(columns), .false.)
       words(i) = cells%cell_count
       do k = 1, words(i)
         call read_numeral(columns(cells%first(k):cells%last(k)), number, good)

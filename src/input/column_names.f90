@@ -1,6 +1,6 @@
 !> Names of columns in a line, each perhaps with a unit: `z [um]`, `z (um)`, `z/um`, `z_um`, `z um`.
 module asperity_column_names
-  use asperity_delimited_text, only: line_cells, read_cells, separator_of
+  use asperity_delimited_text, only: cells_of, line_cells, separator_of
   use asperity_height_map, only: plain_unit, unit_number
   use asperity_input_text, only: lower_case, replaced_text
   use asperity_word_hint, only: nearest_word
@@ -16,7 +16,6 @@ module asperity_column_names
     character(len=name_length), allocatable :: name(:)  !! empty: a column without a name
     character(len=unit_length), allocatable :: unit(:)  !! as written, `um` with u; empty: none
   contains
-    procedure :: is_surface  !! whether they name the asperities of a surface
     procedure :: of_points   !! places of x, y and z
   end type column_list
 
@@ -27,25 +26,22 @@ contains
     character(len=*), intent(in) :: text  !! line of names
     type(column_list) :: found            !! names and units
     character(len=:), allocatable :: joined, name, unit
+    character(len=1) :: separator
     type(line_cells) :: cells
-    integer :: at, i, line, used
+    integer :: i, used
 
-    cells%separator = separator_of(text)
-    cells%line_comments = ''
-    cells%keep_empty = cells%separator /= ' '
+    separator = separator_of(text)
     ! Between blanks a unit belongs to the word before it.
     joined = text
     used = 0
-    do i = 1, merge(len(text), 0, cells%separator == ' ')
+    do i = 1, merge(len(text), 0, separator == ' ')
       if (scan(text(i:i), '[(/') == 1) used = len_trim(joined(:used))
       if (text(i:i) == ' ' .and. index(joined(max(1, used):used), '/') == 1) cycle
       used = used + 1
       joined(used:used) = text(i:i)
     end do
-    if (cells%separator == ' ') joined = joined(:used)
-    at = 1
-    line = 1
-    call read_cells(joined, at, line, cells)
+    if (separator == ' ') joined = joined(:used)
+    cells = cells_of(joined, separator, separator /= ' ')
     allocate (found%name(cells%cell_count), found%unit(cells%cell_count))
     do i = 1, cells%cell_count
       call split_name(joined(cells%first(i):cells%last(i)), name, unit)
@@ -78,13 +74,6 @@ contains
     end if
     name = trim(lower_case(word(:used)))
   end subroutine split_name
-
-  !> Whether they are the columns of a surface: x, y and height.
-  pure logical function is_surface(self)
-    class(column_list), intent(in) :: self  !! names of a line
-
-    is_surface = any(self%name == 'x') .and. any(self%name == 'y') .and. any(self%name == 'height')
-  end function is_surface
 
   !> Places of x, y and z among the names: in any order, z by one of its names, or the only other
   !> column; 0, 0, 0 where they are not there.

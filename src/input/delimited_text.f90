@@ -6,10 +6,11 @@ module asperity_delimited_text
   use asperity_byte_reader, only: byte_reader
   use asperity_input_text, only: blanks, line_end, skip_mark
   use asperity_kinds, only: int64
+  use asperity_problems, only: decimal_text, problem_list
   implicit none
   private
 
-  public :: begins_comment, line_cells, line_reader, read_cells, column_of, separator_of
+  public :: begins_comment, cells_of, line_cells, line_reader, column_of, separator_of
 
   ! Bytes that are read at once, as many as a block of a file; a longer line needs more.
   integer, parameter :: block_length = 65536
@@ -32,8 +33,11 @@ module asperity_delimited_text
     integer, allocatable :: first(:), last(:)  !! places of each cell; last < first: an empty cell
   end type line_cells
 
-  !> A file that is read by lines.
+  !> A file that is read by lines, and what is wrong with it.
   type, extends(byte_reader) :: line_reader
+    type(problem_list) :: problems             !! what is wrong
+    character(len=:), allocatable :: lack      !! why there is no memory for what the file holds
+    type(line_cells) :: cells                  !! signs of the text, and cells of the line at hand
     character(len=:), allocatable :: lines     !! whole lines at hand
     integer, private :: place = 1              ! in `lines`, of the next line
     integer, private :: line = 1               ! its number
@@ -42,11 +46,15 @@ module asperity_delimited_text
   contains
     procedure :: begin_lines  !! starts line 1 at the next byte
     procedure :: begin_text   !! starts at a line of the whole text
+    procedure :: begin_memory !! starts at a text in memory
     procedure :: find_line    !! places of the next line in `lines`
     procedure :: next_line    !! a copy of the next line
     procedure :: next_cells   !! cells of the next line that has some
     procedure :: next_word    !! the next cell, of whatever line
     procedure :: cell_text    !! a copy of a cell
+    procedure :: refuse_cell  !! reports a problem at a cell
+    procedure :: refuse_byte  !! reports a problem at a byte
+    procedure :: is_refused   !! whether there is a problem, or no memory
     procedure :: next_byte    !! place of the next byte in the file
     procedure, private :: find_end, read_block
   end type line_reader
@@ -63,12 +71,26 @@ contains
     if (index(text, ';') > 0) separator_of = ';'
   end function separator_of
 
-  !> Finds the cells of the next line that has some.
+  !> The cells of one line, which is no comment.
+  pure function cells_of(text, separator, keep_empty) result(cells)
+    character(len=*), intent(in) :: text       !! line without its end
+    character(len=1), intent(in) :: separator  !! one sign; a blank: blanks and tabulators
+    logical, intent(in) :: keep_empty          !! empty cells are counted
+    type(line_cells) :: cells                  !! their places in the line
+    integer :: at, line
+
+    cells = line_cells(separator, line_comments='', keep_empty=keep_empty)
+    at = 1
+    line = 1
+    call read_cells(text, at, line, cells)
+  end function cells_of
+
+  ! Finds the cells of the next line that has some. `at`, place where a line begins, and `line`, its
+  ! number, are left at the next one.
   pure subroutine read_cells(text, at, line, cells)
-    character(len=*), intent(in) :: text       !! text of whole lines
-    integer, intent(inout) :: at               !! place where a line begins; left at the next line
-    integer, intent(inout) :: line             !! number of that line; left at the next one's
-    type(line_cells), intent(inout) :: cells   !! signs of the text; gets the places
+    character(len=*), intent(in) :: text
+    integer, intent(inout) :: at, line
+    type(line_cells), intent(inout) :: cells
     integer :: first
 
     if (.not. allocated(cells%first)) allocate (cells%first(8), cells%last(8))
@@ -189,6 +211,15 @@ contains
     self%margin = int(self%before) + self%at - 1
   end subroutine begin_lines
 
+  !> Starts at a text in memory in the place of a file.
+  subroutine begin_memory(self, text)
+    class(line_reader), intent(inout) :: self                    !! reader without a file
+    character(len=:), allocatable, intent(inout) :: text         !! all lines, which are moved away
+
+    call self%begin_lines()
+    call move_alloc(text, self%lines)
+  end subroutine begin_memory
+
   !> Starts at a line of the whole text, which begins behind a mark of byte order.
   subroutine begin_text(self, line)
     class(line_reader), intent(inout) :: self  !! file that is read by lines
@@ -271,45 +302,69 @@ contains
 
   !> Finds the cells of the next line that has some; their places are those in `lines`. Behind the
   !> last one the first cell stands at the end of the file.
-  subroutine next_cells(self, cells)
+  subroutine next_cells(self)
     class(line_reader), intent(inout) :: self  !! file that is read by lines
-    type(line_cells), intent(inout) :: cells   !! signs of the text; gets the places
 
-    do
-      call read_cells(self%lines, self%place, self%line, cells)
-      if (cells%line == 1) cells%start = cells%start - self%margin
-      if (cells%cell_count > 0) return
-      call self%read_block()
-      if (self%place > len(self%lines)) exit
-    end do
-    cells%start = 1
-    call self%find_end(cells%line, cells%first(1))
+    associate (cells => self%cells)
+      do
+        call read_cells(self%lines, self%place, self%line, cells)
+        if (cells%line == 1) cells%start = cells%start - self%margin
+        if (cells%cell_count > 0) return
+        call self%read_block()
+        if (self%place > len(self%lines)) exit
+      end do
+      cells%start = 1
+      call self%find_end(cells%line, cells%first(1))
+    end associate
   end subroutine next_cells
 
   !> The next cell of whatever line; empty at the end of the file.
-  subroutine next_word(self, cells, word)
+  subroutine next_word(self, word)
     class(line_reader), intent(inout) :: self           !! file that is read by lines
-    type(line_cells), intent(inout) :: cells            !! signs of the text; gets the places
     character(len=:), allocatable, intent(out) :: word  !! as it is written
 
-    cells%word = cells%word + 1
-    if (cells%word > cells%cell_count) then
-      call self%next_cells(cells)
-      cells%word = 1
+    self%cells%word = self%cells%word + 1
+    if (self%cells%word > self%cells%cell_count) then
+      call self%next_cells()
+      self%cells%word = 1
     end if
     word = ''
-    if (cells%cell_count > 0) word = self%cell_text(cells, cells%word)
+    if (self%cells%cell_count > 0) word = self%cell_text(self%cells%word)
   end subroutine next_word
 
   !> The text of a cell of the line at hand.
-  pure function cell_text(self, cells, i) result(text)
+  pure function cell_text(self, i) result(text)
     class(line_reader), intent(in) :: self  !! file that is read by lines
-    type(line_cells), intent(in) :: cells   !! cells of the line at hand, from `next_cells`
     integer, intent(in) :: i                !! number of the cell
     character(len=:), allocatable :: text   !! as it is written
 
-    text = self%lines(cells%first(i):cells%last(i))
+    text = self%lines(self%cells%first(i):self%cells%last(i))
   end function cell_text
+
+  !> Reports a problem at a cell of the line at hand.
+  pure subroutine refuse_cell(self, i, message)
+    class(line_reader), intent(inout) :: self  !! file that is read by lines
+    integer, intent(in) :: i                   !! number of the cell
+    character(len=*), intent(in) :: message    !! fault, text found and expected
+
+    call self%problems%add_at(self%cells%line, column_of(self%cells, i), message)
+  end subroutine refuse_cell
+
+  !> Reports a problem at a byte of a file without lines.
+  pure subroutine refuse_byte(self, byte, message)
+    class(line_reader), intent(inout) :: self  !! file that is read as bytes
+    integer(int64), intent(in) :: byte         !! its place, from 1
+    character(len=*), intent(in) :: message    !! behind the number of the byte
+
+    call self%problems%add_in_file('byte ' // decimal_text(byte) // message)
+  end subroutine refuse_byte
+
+  !> Whether a problem was found, or there is no memory for what the file holds.
+  pure logical function is_refused(self)
+    class(line_reader), intent(in) :: self  !! file that is read by lines
+
+    is_refused = self%problems%count() > 0 .or. allocated(self%lack)
+  end function is_refused
 
   !> Place in the file of the first byte that no line had, from 1.
   pure integer(int64) function next_byte(self)

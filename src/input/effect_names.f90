@@ -198,23 +198,14 @@ contains
   pure integer function conflict_of(first, first_way, second, second_way, on_pixels) result(found)
     character(len=*), intent(in) :: first, first_way, second, second_way
     logical, intent(in) :: on_pixels
-    integer :: i
+    logical :: as_named(size(pairs)), reversed(size(pairs))
 
-    found = 0
-    do i = 1, size(pairs)
-      if ((is_pair(pairs(i), first, first_way, second) .or. &
-           is_pair(pairs(i), second, second_way, first)) .and. &
-          merge(pairs(i)%on_pixels, pairs(i)%on_asperities, on_pixels) /= '') found = i
-    end do
+    as_named = pairs%one == first .and. pairs%other == second .and. &
+               (pairs%mode == '' .or. pairs%mode == first_way)
+    reversed = pairs%one == second .and. pairs%other == first .and. &
+               (pairs%mode == '' .or. pairs%mode == second_way)
+    found = findloc((as_named .or. reversed) .and. &
+                    merge(pairs%on_pixels, pairs%on_asperities, on_pixels) /= '', .true., 1)
   end function conflict_of
-
-  ! Whether an entry of the table is that of these two effects.
-  pure logical function is_pair(pair, one, mode, other)
-    type(effect_pair), intent(in) :: pair
-    character(len=*), intent(in) :: one, mode, other
-
-    is_pair = pair%one == one .and. pair%other == other .and. (pair%mode == '' .or. &
-                                                               pair%mode == mode)
-  end function is_pair
 
 end module asperity_effect_names

@@ -9,10 +9,10 @@ module asperity_height_map
   implicit none
   private
 
-  public :: height_map, change_unit, move_map, put_in_unit, give_spacing, check_heights, &
-            check_spacing, known_units, length_units, unit_number, unit_ratio, plain_unit, &
-            no_height, is_measured, is_length, make_room, read_height, expected_length, &
-            expected_height, highest, largest_height, &
+  public :: height_map, map_request, change_unit, move_map, put_in_unit, give_spacing, &
+            check_heights, check_spacing, known_units, length_units, unit_number, unit_ratio, &
+            plain_unit, no_height, is_measured, is_length, make_room, read_height, &
+            expected_length, expected_height, highest, largest_height, &
             most_samples, digit_of, no_power, edge_names, index_beside, level_mean, level_names, &
             level_none, level_plane, free_edge, note_repeated_line, periodic_edge, usual_level
 
@@ -67,6 +67,15 @@ module asperity_height_map
   contains
     procedure :: repeats => repeats_along       !! whether it repeats itself along an axis
   end type height_map
+
+  !> Numbers and options that are given beside a map: in a scene, on the command line, as arguments.
+  type :: map_request
+    real(real64) :: pixel_spacing(2) = 0.0_real64   !! of a matrix along x and y; 0 when not given
+    integer :: unit = 0  !! which of `length_units` lengths without a unit have; 0: none
+    character(len=:), allocatable :: option  !! name of the spacing, for the messages
+    logical :: shared = .false.              !! no spacing for a map that has its own
+    logical :: progress = .false.            !! report the progress
+  end type map_request
 
 contains
 

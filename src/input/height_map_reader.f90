@@ -4,7 +4,7 @@ module asperity_height_map_reader
   use asperity_delimited_text, only: line_reader
   use asperity_height_map, only: edge_names, expected_height, check_heights, check_spacing, &
                                  give_spacing, height_map, highest, known_units, largest_height, &
-                                 make_room, no_height, plain_unit, unit_number
+                                 make_room, map_request, no_height, plain_unit, unit_number
   use asperity_input_text, only: begin_file, check_text, first_control
   use asperity_kinds, only: int64, real64
   use asperity_npy_map, only: npy_magic, read_npy_map
@@ -30,15 +30,14 @@ contains
     character(len=*), intent(in) :: head    !! `head_length` bytes, or the whole file
     logical, intent(in) :: has_spacing      !! a spacing is given
     type(text_header) :: header
-    type(problem_list) :: problems, notes
     character(len=:), allocatable :: line
     integer :: i
 
     is_height_map = is_sdf(head(:min(len(head), magic_length))) .or. index(head, npy_magic) == 1
     if (is_height_map) return
-    call problems%start('')
-    call notes%start('')
-    call read_header(head, header, line, problems, notes)
+    call header%problems%start('')
+    call header%notes%start('')
+    call read_header(head, header, line)
     is_height_map = has_spacing .or. header%names_line > 0 .or. header%has_spacing()
     if (is_numeric_line(line)) then
       is_height_map = is_height_map .or. count([(scan(line(i:i), ',;') > 0, i=1, len(line))]) /= 3
@@ -61,84 +60,73 @@ contains
     !> which of `length_units` lengths without a unit have; 0 or absent: none
     integer, intent(in), optional :: unit
     type(line_reader) :: file
-    character(len=:), allocatable :: name
-    integer :: of_numbers
+    type(map_request) :: request
 
+    request%pixel_spacing = pixel_spacing
+    request%progress = progress
+    request%option = 'spacing'
+    if (present(option)) request%option = option
+    if (present(unit)) request%unit = unit
     call file%open(path)
-    name = 'spacing'
-    if (present(option)) name = option
-    of_numbers = 0
-    if (present(unit)) of_numbers = unit
-    call take_height_map(path, file, pixel_spacing, of_numbers, name, .false., progress, map, &
-                         problems, failure)
+    call take_height_map(path, file, request, map)
+    call problems%append(file%problems)
+    if (allocated(file%lack)) failure = file%lack
     call file%close()
   end subroutine read_height_map
 
-  ! Long: three arguments say how the spacing of the scene or command line is used.
-  !> Reads and checks a map from a file that is open.
-  subroutine take_height_map(path, file, pixel_spacing, unit, option, shared, progress, map, &
-    problems, failure)
-    character(len=*), intent(in) :: path                    !! name for the messages
-    type(line_reader), intent(inout) :: file               !! at its first byte
-    real(real64), intent(in) :: pixel_spacing(2)  !! of a matrix along x and y; 0 when not given
-    integer, intent(in) :: unit  !! which of `length_units` lengths without a unit have; 0: none
-    character(len=*), intent(in) :: option                  !! that gives it, for the messages
-    logical, intent(in) :: shared             !! no spacing for a map that has its own
-    logical, intent(in) :: progress                         !! report the progress
-    type(height_map), intent(out) :: map                    !! map with its heights
-    type(problem_list), intent(inout) :: problems           !! all that is wrong
-    character(len=:), allocatable, intent(out) :: failure   !! why there is no memory for it
+  !> Reads and checks a map from a file that is open. With problems, or when there is no memory for
+  !> it, the map is not to be used.
+  subroutine take_height_map(path, file, request, map)
+    character(len=*), intent(in) :: path       !! name for the messages
+    type(line_reader), intent(inout) :: file   !! at its first byte; gets what is wrong
+    type(map_request), intent(in) :: request   !! what is given beside the map
+    type(height_map), intent(out) :: map       !! map with its heights
     type(sdf_header) :: header
     character(len=:), allocatable :: fault, magic
-    integer :: before
 
-    call problems%start(path)
-    before = problems%count()
+    call file%problems%start(path)
     map%unit = ''
     call map%notes%start(path)
-    call check_spacing(pixel_spacing, option, fault)
+    call check_spacing(request%pixel_spacing, request%option, fault)
     if (fault /= '') then
-      call problems%add(fault)
+      call file%problems%add(fault)
       return
     end if
-    call begin_file(file, expected, problems)
-    if (problems%count() > before) return
+    call begin_file(file, expected, file%problems)
+    if (file%problems%count() > 0) return
     call file%take(magic_length, magic)
     if (is_sdf(magic)) then
-      call read_sdf_header(file, magic, header, problems)
+      call read_sdf_header(file, magic, header)
       map%pixel_spacing = header%scale_factor(:2)
-      if (problems%count() == before) call take_spacing()
-      if (problems%count() == before) &
-        call read_sdf_samples(file, header, progress, map, problems, failure)
+      if (file%problems%count() == 0) call take_spacing()
+      if (file%problems%count() == 0) call read_sdf_samples(file, header, request%progress, map)
     else if (index(magic, npy_magic) == 1) then
       call take_spacing()
-      if (problems%count() == before) &
-        call read_npy_map(file, magic, progress, map, problems, failure)
+      if (file%problems%count() == 0) call read_npy_map(file, magic, request%progress, map)
     else if (len(magic) == 0) then
-      call problems%add_at(1, 1, 'the file is empty, expected ' // expected)
+      call file%problems%add_at(1, 1, 'the file is empty, expected ' // expected)
     else if (first_control(magic) > 0) then
-      call problems%add_at(1, 1, 'found a control character, expected ' // expected // &
-                           '; the Python package reads more formats, with SurfaceTopography')
+      call file%problems%add_at(1, 1, 'found a control character, expected ' // expected // &
+                                '; the Python package reads more formats, with SurfaceTopography')
     else
       ! A byte that no text has says enough.
-      call check_text(file%block(:file%used), expected, problems)
-      if (problems%count() > before) return
-      call read_text_map(file, pixel_spacing, unit, option, shared, progress, map, problems, &
-                         failure)
+      call check_text(file%block(:file%used), expected, file%problems)
+      if (file%problems%count() > 0) return
+      call read_text_map(file, request, map)
     end if
-    if (allocated(file%failure) .and. problems%count() == before) &
-      call problems%add_in_file('byte ' // decimal_text(file%before + int(file%at, int64)) // &
-                                ': ' // file%failure)
-    if (allocated(failure)) failure = path // ': ' // failure
-    if (problems%count() > before .or. allocated(failure)) return
+    if (allocated(file%failure) .and. file%problems%count() == 0) &
+      call file%problems%add_in_file('byte ' // decimal_text(file%before + int(file%at, int64)) // &
+                                     ': ' // file%failure)
+    if (allocated(file%lack)) file%lack = path // ': ' // file%lack
+    if (file%is_refused()) return
     call check_heights(map, fault)
-    if (fault /= '') call problems%add_in_file(fault)
+    if (fault /= '') call file%problems%add_in_file(fault)
 
   contains
 
     subroutine take_spacing()
-      call give_spacing(map, pixel_spacing, option, shared, fault)
-      if (fault /= '') call problems%add_in_file(fault)
+      call give_spacing(map, request%pixel_spacing, request%option, request%shared, fault)
+      if (fault /= '') call file%problems%add_in_file(fault)
     end subroutine take_spacing
 
   end subroutine take_height_map

@@ -6,7 +6,7 @@
 module asperity_npy_map
   use asperity_byte_reader, only: finite, not_a_number, whole_bits
   use asperity_decimal, only: decimal_value
-  use asperity_delimited_text, only: line_cells, line_reader, read_cells
+  use asperity_delimited_text, only: cells_of, line_cells, line_reader
   use asperity_height_map, only: expected_height, height_map, highest, largest_height, make_room, &
                                  most_samples, no_height
   use asperity_input_text, only: in_quotes, without_blanks
@@ -36,43 +36,38 @@ module asperity_npy_map
 
 contains
 
-  !> Reads all pixels. `failure` is allocated when there is no memory for them.
-  subroutine read_npy_map(file, magic, progress, map, problems, failure)
-    type(line_reader), intent(inout) :: file                !! behind its first 8 bytes
-    character(len=*), intent(in) :: magic                   !! the first 8 bytes of the file
-    logical, intent(in) :: progress                         !! report the progress
-    type(height_map), intent(inout) :: map                  !! gets the pixels
-    type(problem_list), intent(inout) :: problems           !! what is wrong
-    character(len=:), allocatable, intent(out) :: failure   !! why there is no map
+  !> Reads all pixels, unless there is no memory for them.
+  subroutine read_npy_map(file, magic, progress, map)
+    type(line_reader), intent(inout) :: file   !! behind its first 8 bytes; gets what is wrong
+    character(len=*), intent(in) :: magic      !! the first 8 bytes of the file
+    logical, intent(in) :: progress            !! report the progress
+    type(height_map), intent(inout) :: map     !! gets the pixels
     type(npy_header) :: header
     character(len=:), allocatable :: text
     integer(int64) :: needed, found
-    integer :: before
 
-    before = problems%count()
-    call take_header(file, magic, text, problems)
-    if (problems%count() == before) call read_header(text, header, problems)
-    if (problems%count() > before) return
+    call take_header(file, magic, text)
+    if (file%problems%count() == 0) call read_header(text, header, file%problems)
+    if (file%problems%count() > 0) return
     if (any(header%rows_columns > most_samples) .or. &
         product(min(header%rows_columns, most_samples)) > most_samples) then
-      call problems%add_in_file('header: found ' // shape_text(header) // ', expected at most ' // &
-                                decimal_text(most_samples) // ' pixels')
+      call file%problems%add_in_file('header: found ' // shape_text(header) // ', expected at ' // &
+                                     'most ' // decimal_text(most_samples) // ' pixels')
       return
     end if
     needed = product(header%rows_columns) * header%wide
     found = file%length - file%next_byte() + 1_int64
     if (file%length >= 0_int64 .and. found /= needed) then
-      call problems%add_in_file('found ' // decimal_text(found) // ' bytes behind the header, ' // &
-                                'expected ' // decimal_text(needed) // ' for ' // &
-                                shape_text(header) // ' of ' // decimal_text(header%wide) // &
-                                ' bytes a pixel')
+      call file%problems%add_in_file('found ' // decimal_text(found) // ' bytes behind the ' // &
+           'header, expected ' // decimal_text(needed) // ' for ' // shape_text(header) // ' of ' &
+           // decimal_text(header%wide) // ' bytes a pixel')
       return
     end if
     map%rows = int(header%rows_columns(1))
     map%columns = int(header%rows_columns(2))
-    call make_room(map, failure)
-    if (.not. allocated(failure)) call read_pixels(file, header, progress, map, problems)
-    if (problems%count() > before .or. allocated(failure)) return
+    call make_room(map, file%lack)
+    if (.not. allocated(file%lack)) call read_pixels(file, header, progress, map)
+    if (file%is_refused()) return
     ! A whole number counts; a real one is as good as its format.
     map%digit = 1.0_real64
     if (header%sample_kind == 'f') map%digit = spacing(largest_height(map))
@@ -89,11 +84,10 @@ contains
   end function shape_text
 
   ! The text of the header, whose length is stated in two bytes of version 1, and in four later on.
-  subroutine take_header(file, magic, text, problems)
+  subroutine take_header(file, magic, text)
     type(line_reader), intent(inout) :: file
     character(len=*), intent(in) :: magic
     character(len=:), allocatable, intent(out) :: text
-    type(problem_list), intent(inout) :: problems
     character(len=:), allocatable :: bytes
     integer(int64) :: length
     integer :: version
@@ -101,22 +95,21 @@ contains
     version = 0
     if (len(magic) == 8) version = iachar(magic(7:7))
     if (version < 1 .or. version > 3) then
-      call problems%add_in_file('byte 7, version of the array format: found ' // &
-                                decimal_text(version) // ', expected 1, 2 or 3')
+      call file%problems%add_in_file('byte 7, version of the array format: found ' // &
+                                     decimal_text(version) // ', expected 1, 2 or 3')
       return
     end if
     call file%take(merge(2, 4, version == 1), bytes)
     length = whole_bits(bytes)
     if (length > longest_header) then
-      call problems%add_in_file('byte 9, length of the header: found ' // decimal_text(length) // &
-                                ', expected at most ' // decimal_text(longest_header))
+      call file%problems%add_in_file('byte 9, length of the header: found ' // &
+           decimal_text(length) // ', expected at most ' // decimal_text(longest_header))
       return
     end if
     call file%take(int(length), text)
     if (len(text) < length .or. len(bytes) < merge(2, 4, version == 1)) &
-      call problems%add_in_file('byte ' // decimal_text(file%next_byte()) // &
-                                ': the file ends in the header, expected ' // &
-                                decimal_text(length) // ' bytes of it')
+      call file%refuse_byte(file%next_byte(), ': the file ends in the header, expected ' // &
+                            decimal_text(length) // ' bytes of it')
   end subroutine take_header
 
   ! Takes the dictionary apart: {'descr': '<f8', 'fortran_order': False, 'shape': (3, 4), }
@@ -205,13 +198,10 @@ contains
     type(problem_list), intent(inout) :: problems
     type(line_cells) :: cells
     type(decimal_value) :: number
-    integer :: at, line, i
+    integer :: i
     logical :: good
 
-    at = 2
-    line = 1
-    cells%keep_empty = .false.
-    call read_cells(word(:len(word) - 1), at, line, cells)
+    cells = cells_of(' ' // word(2:len(word) - 1), ',', .false.)
     good = index(word, '(') == 1 .and. index(word, ')') == len(word) .and. cells%cell_count == 2
     do i = 1, 2
       if (.not. good) exit
@@ -229,12 +219,11 @@ contains
   end subroutine take_shape
 
   ! The pixels in the order of the file; NaN is a missing one.
-  subroutine read_pixels(file, header, progress, map, problems)
+  subroutine read_pixels(file, header, progress, map)
     type(line_reader), intent(inout) :: file
     type(npy_header), intent(in) :: header
     logical, intent(in) :: progress
     type(height_map), intent(inout) :: map
-    type(problem_list), intent(inout) :: problems
     type(progress_line) :: shown
     character(len=:), allocatable :: bytes
     real(real64), allocatable :: values(:)
@@ -251,8 +240,7 @@ contains
       call file%take_numbers(header%sample_kind, header%wide, values, classes, got, &
                              header%big_endian)
       if (got < pixels) then
-        call problems%add_in_file('byte ' // decimal_text(file%next_byte()) // &
-                                  ': the file ends, expected ' // shape_text(header))
+        call file%refuse_byte(file%next_byte(), ': the file ends, expected ' // shape_text(header))
         return
       end if
       where (classes == not_a_number) values = no_height
@@ -261,10 +249,9 @@ contains
         map%height(place(1), place(2)) = values(i)
         if (classes(i) == not_a_number .or. &
             (classes(i) == finite .and. abs(values(i)) <= highest)) cycle
-        call problems%add_in_file('byte ' // decimal_text(byte + int(header%wide, int64) * &
-             (i - 1)) // ', pixel [' // decimal_text(place(2) - 1) // '][' // &
-             decimal_text(place(1) - 1) // ']: found an infinite or too large height, ' // &
-             'expected ' // expected_height)
+        call file%refuse_byte(byte + int(header%wide, int64) * (i - 1), ', pixel [' // &
+             decimal_text(place(2) - 1) // '][' // decimal_text(place(1) - 1) // &
+             ']: found an infinite or too large height, expected ' // expected_height)
       end do
       call shown%reach(line)
     end do
@@ -272,8 +259,8 @@ contains
     byte = file%next_byte()
     call file%take(1, bytes)
     if (len(bytes) > 0) &
-      call problems%add_in_file('byte ' // decimal_text(byte) // ': found bytes behind ' // &
-                                shape_text(header) // ', expected none')
+      call file%refuse_byte(byte, ': found bytes behind ' // shape_text(header) // &
+           ', expected none')
   end subroutine read_pixels
 
 end module asperity_npy_map

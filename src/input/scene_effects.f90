@@ -117,24 +117,23 @@ contains
           why = 'it needs ' // trim(number%name) // ' in &effects'
       end associate
     end do
-    associate (effect => known_effects(findloc(known_effects%name, name, 1)))
+    associate (effect => known_effects(findloc(known_effects%name, name, 1)), &
+               has_hardness_alone => name == 'plasticity' .and. names_hardness(checked))
       if (checked%contact_modulus%all_digits > 0_int64 .and. effect%needs /= '' .and. &
-          .not. (name == 'plasticity' .and. names_hardness(checked))) why = needs_both(effect)
+          .not. has_hardness_alone) why = needs_both(effect)
+      if (name == 'friction' .and. rubs_back(checked)) why = no_way_back
+      if (.not. allocated(checked%map)) return
+      if (name /= 'interaction') then
+        if (needs_pixels(checked) .and. effect%not_on_pixels /= '' .and. &
+            .not. has_hardness_alone) &
+          why = trim(effect%not_on_pixels) // ': expected interaction = ''off'' beside it'
+        return
+      end if
     end associate
-    if (name == 'friction' .and. rubs_back(checked)) why = no_way_back
-    if (.not. allocated(checked%map)) return
-    if (name /= 'interaction') then
-      associate (not_there => known_effects(findloc(known_effects%name, name, 1))%not_on_pixels)
-        if (needs_pixels(checked) .and. not_there /= '' .and. &
-            .not. (name == 'plasticity' .and. names_hardness(checked))) &
-          why = trim(not_there) // ': expected interaction = ''off'' beside it'
-      end associate
-    else
-      if (checked%loading%events) why = 'the beginnings of contacts are found without it on a map'
-      if (.not. checked%map%periodic) return
-      if (checked%effects%mode('plasticity') /= effect_off .and. .not. has_hardness(checked)) &
-        why = 'the other effects are computed for asperities, not for the pixels of a periodic map'
-    end if
+    if (checked%loading%events) why = 'the beginnings of contacts are found without it on a map'
+    if (checked%map%periodic .and. checked%effects%mode('plasticity') /= effect_off .and. &
+        .not. has_hardness(checked)) &
+      why = 'the other effects are computed for asperities, not for the pixels of a periodic map'
   end function why_not
 
   ! Takes several relaxation times, ascending, with the modulus after each, descending.
@@ -232,8 +231,7 @@ contains
   pure logical function flows_on_pixels(checked)
     type(scene), intent(in) :: checked
 
-    flows_on_pixels = allocated(checked%map) .and. checked%effects%mode('plasticity') /= effect_off
-    if (flows_on_pixels) flows_on_pixels = solves_pixels(checked)
+    flows_on_pixels = checked%effects%mode('plasticity') /= effect_off .and. solves_pixels(checked)
   end function flows_on_pixels
 
   ! Whether a scene with a map names a hardness.
@@ -315,8 +313,7 @@ contains
     logical :: on_pixels
     integer :: automatic, i, j
 
-    on_pixels = allocated(checked%map)
-    if (on_pixels) on_pixels = solves_pixels(checked)
+    on_pixels = solves_pixels(checked)
     associate (modes => checked%effects%modes)
       do i = 1, size(modes)
         do j = 1, i - 1

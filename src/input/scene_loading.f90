@@ -152,21 +152,18 @@ contains
     character(len=*), intent(in) :: group, name, for_what
     logical, intent(in) :: is_needed
     character(len=*), intent(in), optional :: or_else  ! what would use the name
-    character(len=:), allocatable :: expected
+    character(len=:), allocatable :: text
 
     if (is_needed .and. .not. fields%has_name(group, name)) then
-      if (fields%has_group('loading') .or. fields%has_name('limit', 'criterion')) then
-        call fields%complain_of_group(group, for_what // ' needs ' // name // ' in &' // group // &
-                                      ': found none, expected one')
-      else
-        call fields%complain_of_group(group, 'no &loading, so control is ''limit'', which ' // &
-                                      'needs ' // name // ' in &' // group // ': found none, ' // &
-                                      'expected one')
-      end if
-    else if (fields%has_name(group, name) .and. .not. is_needed) then
-      expected = ', expected none'
-      if (present(or_else)) expected = expected // or_else
-      call fields%complain_of(group, name, 'not used with ' // for_what // expected)
+      text = for_what // ' needs '
+      if (.not. (fields%has_group('loading') .or. fields%has_name('limit', 'criterion'))) &
+        text = 'no &loading, so control is ''limit'', which needs '
+      call fields%complain_of_group(group, text // name // ' in &' // group // ': found none, ' // &
+                                    'expected one')
+    else if (.not. is_needed) then
+      text = 'not used with ' // for_what // ', expected none'
+      if (present(or_else)) text = text // or_else
+      call fields%refuse_name(group, name, text)
     end if
   end subroutine check_need
 

@@ -5,7 +5,7 @@ module asperity_scene_maps
   use asperity_delimited_text, only: line_reader
   use asperity_effect_names, only: known_effects
   use asperity_height_map, only: change_unit, expected_length, give_spacing, &
-                                 height_map, is_length, length_units, level_plane, &
+                                 height_map, is_length, length_units, level_plane, map_request, &
                                  note_repeated_line, periodic_edge, plain_unit, put_in_unit, &
                                  unit_number, usual_level
   use asperity_height_map_reader, only: head_length, is_height_map, take_height_map
@@ -154,25 +154,23 @@ contains
       type(scene_surface), intent(inout) :: surface
       integer, intent(in) :: side
       type(height_map), intent(inout) :: map
-      type(problem_list) :: found
-      character(len=:), allocatable :: failure, fault
-      logical :: shared
+      type(map_request) :: request
+      character(len=:), allocatable :: fault
 
       ! One spacing beside two maps is that of the one that has none.
-      shared = sides == 2 .and. any(fields%value_count('surfaces', 'map_spacing') == [1, 2])
+      request = map_request(decimal_to_real64(pixel_spacing(:, side)), unit(side), 'map_spacing', &
+        sides == 2 .and. any(fields%value_count('surfaces', 'map_spacing') == [1, 2]), .true.)
       if (fields%given(side)) then
-        call give_spacing(map, decimal_to_real64(pixel_spacing(:, side)), 'map_spacing', shared, &
-          fault)
-        if (fault /= '') &
-          call found%add('surfaces.' // trim(merge('upper', 'lower', side == 1)) // ': ' // fault)
+        call give_spacing(map, request%pixel_spacing, request%option, request%shared, fault)
+        if (fault /= '') call other_files%add('surfaces.' // &
+          trim(merge('upper', 'lower', side == 1)) // ': ' // fault)
       else
-        call take_height_map(surface%file, files(side), decimal_to_real64(pixel_spacing(:, side)), &
-                             unit(side), 'map_spacing', shared, .true., map, found, failure)
+        call take_height_map(surface%file, files(side), request, map)
         surface%checksum = checksum_of_pipe(files(side))
-        if (allocated(failure)) call found%add(failure)
-        found%lacks_memory = allocated(failure)
+        if (allocated(files(side)%lack)) call files(side)%problems%add(files(side)%lack)
+        files(side)%problems%lacks_memory = allocated(files(side)%lack)
+        call other_files%append(files(side)%problems)
       end if
-      call other_files%append(found)
     end subroutine make_one
 
     ! Puts a map in the unit of the scene, which is that of the first map. One without a unit has
@@ -259,8 +257,7 @@ contains
     integer :: i, mode
     logical :: on_pixels, others(size(known_effects))
 
-    on_pixels = allocated(checked%map)
-    if (on_pixels) on_pixels = solves_pixels(checked)
+    on_pixels = solves_pixels(checked)
     do i = 1, merge(0, 2, on_pixels)
       call fields%refuse_name('material', trim(conductivities(i)), 'conductance is that of ' // &
                               'pixels: found no map that is solved on its pixels, expected one')
@@ -277,7 +274,7 @@ contains
           .not. has_caps(checked)) then
         call fields%complain_of_group('motion', 'found beside a map and a plane, expected ' // &
                                       'none: a plane is the same everywhere')
-      else if (.not. solves_pixels(checked)) then
+      else if (.not. on_pixels) then
         call fields%complain_of_group('motion', 'found beside maps that are solved by their ' // &
                'summits, expected interaction = ''auto'' or ''boundary'': maps are moved on ' // &
                'their pixels')
@@ -295,7 +292,7 @@ contains
            'which solve its pixels')
     others = checked%effects%modes /= effect_off .and. known_effects%not_on_pixels /= ''
     if (has_hardness(checked)) others = others .and. known_effects%name /= 'plasticity'
-    if (mode == effect_auto .and. .not. solves_pixels(checked)) then
+    if (mode == effect_auto .and. .not. on_pixels) then
       text = 'control = ''limit'' closes isolated summits'
       if (any(others)) then
         i = findloc(others, .true., 1)
@@ -305,7 +302,7 @@ contains
       call checked%notes%add(checked%file // ': note: ' // text // ': the summits of the map ' // &
                              'are solved in place of its pixels')
     end if
-    if (.not. solves_pixels(checked)) return
+    if (.not. on_pixels) return
     ! Displacements of a strip are known up to the logarithm of a distance (Johnson, section 2.3).
     if (max(checked%map%upper%strip_axis, checked%map%lower%strip_axis) > 0 .and. &
         .not. (is_load(checked%loading%control) .or. checked%loading%control == control_limit)) &

@@ -37,33 +37,27 @@ contains
     if (fields%surfaces_kept) return
     call fields%take('surfaces', 'nominal_area', checked%nominal_area)
     call fields%take('surfaces', 'units', checked%units)
+    if (.not. any(fields%given)) call fields%take('surfaces', 'deck', deck)
+    call fields%take('surfaces', 'upper', upper)
+    call fields%take('surfaces', 'lower', lower)
     named = [fields%has_name('surfaces', 'upper'), fields%has_name('surfaces', 'lower')]
-    if (any(fields%given)) then
-      call fields%take('surfaces', 'upper', upper)
-      call fields%take('surfaces', 'lower', lower)
+    if (all(fields%given .neqv. named) .and. .not. fields%has_name('surfaces', 'deck')) then
+      call read_files(path, upper, lower, fields, checked, other_files)
+    else if (any(fields%given)) then
       if (fields%has_name('surfaces', 'deck')) then
         call fields%complain_of('surfaces', 'deck', beside_array)
       else if (any(fields%given .and. named)) then
         if (fields%given(1)) call fields%refuse_name('surfaces', 'upper', beside_array)
         if (fields%given(2)) call fields%refuse_name('surfaces', 'lower', beside_array)
-      else if (.not. all(fields%given .or. named)) then
+      else
         call fields%complain_of_group('surfaces', 'a surface is missing: found one as an ' // &
              'array, expected the other one as an array, too, or its file or ''plane'' as ' // &
              trim(merge('lower', 'upper', fields%given(1))) // ' in &surfaces')
-      else
-        call read_files(path, upper, lower, fields, checked, other_files)
       end if
-      return
-    end if
-    if (.not. fields%has_group('surfaces')) then
+    else if (.not. fields%has_group('surfaces')) then
       call fields%complain_of_group('surfaces', 'no surfaces: found no group &surfaces, ' // &
                                     'expected one with deck, or with upper and lower')
-      return
-    end if
-    call fields%take('surfaces', 'deck', deck)
-    call fields%take('surfaces', 'upper', upper)
-    call fields%take('surfaces', 'lower', lower)
-    if (fields%has_name('surfaces', 'deck')) then
+    else if (fields%has_name('surfaces', 'deck')) then
       call fields%refuse_name('surfaces', 'upper', beside_deck)
       call fields%refuse_name('surfaces', 'lower', beside_deck)
       call fields%refuse_name('surfaces', 'radius', beside_deck)
@@ -71,8 +65,6 @@ contains
                               'expected none')
       if (allocated(deck)) &
         call surfaces_from_deck(path_beside(path, deck), checked, not_asked_for, other_files)
-    else if (all(named)) then
-      call read_files(path, upper, lower, fields, checked, other_files)
     else
       call fields%complain_of_group('surfaces', 'a surface is missing: expected deck, or both ' // &
                                     'upper and lower, in &surfaces')
@@ -212,7 +204,7 @@ contains
         return
       end if
       call read_surface_csv(surface%file, table, found, decimal_to_real64(radius(side)), &
-                            opened=files(side))
+                            files(side))
       surface%checksum = checksum_of_pipe(files(side))
       call other_files%append(found)
       ! A file that could not be read is not reported for a missing radius too.

@@ -317,17 +317,17 @@ contains
                           loading%tangential_displacement%all_digits] > 0_int64)
   end function has_tangential
 
-  !> Whether a scene with a map is solved on its pixels: with `boundary`, and with `auto` unless an
-  !> effect or the control is one that only asperities have. The summits of a periodic map are
+  !> Whether a scene has a map and is solved on its pixels: with `boundary`, and with `auto` unless
+  !> an effect or the control is one that only asperities have. The summits of a periodic map are
   !> solved without its images and have no hardness.
   pure logical function solves_pixels(scene_in)
-    type(scene), intent(in) :: scene_in  !! checked values, with a map
+    type(scene), intent(in) :: scene_in  !! scene with checked values
 
-    solves_pixels = needs_pixels(scene_in) .or. &
-                    (scene_in%effects%mode('interaction') == effect_auto .and. &
-                     scene_in%loading%control /= control_limit .and. &
-                     .not. any(scene_in%effects%modes /= effect_off .and. &
-                               known_effects%not_on_pixels /= ''))
+    solves_pixels = allocated(scene_in%map)
+    if (solves_pixels) solves_pixels = needs_pixels(scene_in) .or. &
+      (scene_in%effects%mode('interaction') == effect_auto .and. &
+       scene_in%loading%control /= control_limit .and. &
+       .not. any(scene_in%effects%modes /= effect_off .and. known_effects%not_on_pixels /= ''))
   end function solves_pixels
 
   !> Whether the other body of a scene with a map is a table of asperities.

@@ -73,26 +73,25 @@ contains
   end function is_sdf
 
   !> Reads the header of a text or of a binary file.
-  subroutine read_sdf_header(file, magic, header, problems)
-    type(line_reader), intent(inout) :: file        !! behind the first 8 bytes; left at the data
-    character(len=*), intent(in) :: magic            !! the first 8 bytes of the file
-    type(sdf_header), intent(out) :: header          !! what it says
-    type(problem_list), intent(inout) :: problems    !! what is wrong
+  subroutine read_sdf_header(file, magic, header)
+    type(line_reader), intent(inout) :: file   !! behind the first 8 bytes; left at the data
+    character(len=*), intent(in) :: magic      !! the first 8 bytes of the file
+    type(sdf_header), intent(out) :: header    !! what it says
 
     header%binary = lower_case(magic(1:1)) == 'b'
     header%revision = min(bcr, findloc(revisions == magic(2:magic_length), .true., 1))
     if (header%revision == 0) &
-      call problems%add_at(1, 1, 'unknown revision: found ' // in_quotes(magic) // &
-                           ', expected ISO-1.0, ISO-2.0, BCR-1.0 or BCR-0.0 behind a or b')
-    if (.not. header%binary) call read_text_header(file, header, problems)
-    if (header%binary .and. header%revision > 0) call read_binary_header(file, header, problems)
+      call file%problems%add_at(1, 1, 'unknown revision: found ' // in_quotes(magic) // &
+                                ', expected ISO-1.0, ISO-2.0, BCR-1.0 or BCR-0.0 behind a or b')
+    if (.not. header%binary) call read_text_header(file, header)
+    if (header%binary .and. header%revision > 0) call read_binary_header(file, header)
   end subroutine read_sdf_header
 
   ! Reads the header of a text, up to the line of one asterisk.
-  subroutine read_text_header(file, header, problems)
+  subroutine read_text_header(file, header)
     type(line_reader), intent(inout) :: file
     type(sdf_header), intent(inout) :: header
-    type(problem_list), intent(inout) :: problems
+    character(len=*), parameter :: gaps = ' ' // achar(9)
     character(len=:), allocatable :: text
     integer :: line, column, equals, first, last, i
     logical :: seen(size(fields))
@@ -103,44 +102,45 @@ contains
     if (allocated(text)) then
       call cut_comment(header, text)
       if (len_trim(text) > 0) &
-        call problems%add_at(1, magic_length + 1, 'found ' // in_quotes(trim(text)) // &
-                             ', expected the end of the line')
+        call file%problems%add_at(1, magic_length + 1, 'found ' // in_quotes(trim(text)) // &
+                                  ', expected the end of the line')
     end if
     do
       call file%next_line(text, line, column)
       if (.not. allocated(text)) then
-        call problems%add_at(line, column, 'the file ends in the header, expected a line with ' // &
-                             'one asterisk, and pixels')
+        call file%problems%add_at(line, column, 'the file ends in the header, expected a line ' // &
+                                  'with one asterisk, and pixels')
         return
       end if
       call cut_comment(header, text)
-      first = verify(text, ' ' // achar(9))
+      first = verify(text, gaps)
       if (first == 0) cycle
-      last = verify(text, ' ' // achar(9), back=.true.)
+      last = verify(text, gaps, back=.true.)
       if (text(first:last) == '*') exit
       equals = index(text, '=')
       ! Some write a blank in its place.
       if (equals == 0 .and. lower_case(text(first:first)) >= 'a' .and. &
-          lower_case(text(first:first)) <= 'z' .and. scan(text(first:last), ' ' // achar(9)) > 0) &
-        equals = first + scan(text(first:last), ' ' // achar(9)) - 1
+          lower_case(text(first:first)) <= 'z' .and. scan(text(first:last), gaps) > 0) &
+        equals = first + scan(text(first:last), gaps) - 1
       if (equals == 0) then
-        call problems%add_at(line, first, 'found ' // in_quotes(text(first:last)) // &
-                             ', expected NAME = VALUE, or one asterisk')
+        call file%problems%add_at(line, first, 'found ' // in_quotes(text(first:last)) // &
+                                  ', expected NAME = VALUE, or one asterisk')
         cycle
       end if
       do i = size(fields), 1, -1
         if (lower_case(fields(i)) == lower_case(without_blanks(text(:equals - 1)))) exit
       end do
       if (i == 0) cycle
-      if (seen(i)) call problems%add_at(line, first, trim(fields(i)) // &
-                                        ' occurs twice, expected once')
+      if (seen(i)) &
+        call file%problems%add_at(line, first, trim(fields(i)) // ' occurs twice, expected once')
       seen(i) = .true.
-      first = equals + verify(text(equals + 1:) // '.', ' ' // achar(9))
-      call take_field(i, text(first:max(last, first - 1)), line, first, header, problems)
+      first = equals + verify(text(equals + 1:) // '.', gaps)
+      call take_field(i, text(first:max(last, first - 1)), line, first, header, file%problems)
     end do
     do i = 1, needed_fields
-      if (.not. seen(i)) call problems%add_at(line, 1, 'the header ends without ' // &
-                                              trim(fields(i)) // ', expected it')
+      if (.not. seen(i)) &
+        call file%problems%add_at(line, 1, 'the header ends without ' // trim(fields(i)) // &
+                                  ', expected it')
     end do
   end subroutine read_text_header
 
@@ -222,10 +222,9 @@ contains
   end function expected_value
 
   ! Reads the header of a binary file.
-  subroutine read_binary_header(file, header, problems)
+  subroutine read_binary_header(file, header)
     type(line_reader), intent(inout) :: file
     type(sdf_header), intent(inout) :: header
-    type(problem_list), intent(inout) :: problems
     integer, parameter :: before_counts = 34, more_bytes = 8
     ! Fields in their order; 0 is Zresolution, which no result depends on.
     integer, parameter :: order(9) = [1, 2, 3, 4, 5, 0, 7, type_field, 8]
@@ -242,7 +241,7 @@ contains
       place = file%next_byte()
       call file%take_numbers(merge('f', 'u', wide(i) == 8), wide(i), value, class_of, got)
       if (got == 0) then
-        call add_at_record(problems, file%next_byte(), 1, 'the file ends in the header, ' // &
+        call file%refuse_byte(file%next_byte(), ', record 1: the file ends in the header, ' // &
              'expected ' // decimal_text(magic_length + before_counts + sum(wide)) // &
              ' bytes of it')
         return
@@ -254,10 +253,10 @@ contains
       if (wide(i) == 8) found = real_text(value(1))
       if (class_of(1) /= finite) found = 'an infinite number'
       if (class_of(1) == not_a_number) found = 'NaN'
-      call add_at_record(problems, place, 1, trim(fields(order(i))) // ': found ' // found // &
-                         ', expected ' // expected_value(header, order(i)))
+      call file%refuse_byte(place, ', record 1: ' // trim(fields(order(i))) // ': found ' // &
+                            found // ', expected ' // expected_value(header, order(i)))
     end do
-    if (problems%count() > 0) return
+    if (file%problems%count() > 0) return
     ! So many bytes too many, and these: they are of the header.
     place = file%next_byte()
     if (file%count_bytes() - place + 1_int64 - more_bytes /= &
@@ -268,25 +267,12 @@ contains
     call file%take(int(place) - 1, bytes)
   end subroutine read_binary_header
 
-  ! Adds a problem at a byte of a binary file.
-  pure subroutine add_at_record(problems, byte, record, message)
-    type(problem_list), intent(inout) :: problems
-    integer(int64), intent(in) :: byte
-    integer, intent(in) :: record  ! 1 the header, 2 the data
-    character(len=*), intent(in) :: message
-
-    call problems%add_in_file('byte ' // decimal_text(byte) // ', record ' // &
-                              decimal_text(record) // ': ' // message)
-  end subroutine add_at_record
-
-  !> Reads all pixels. `failure` is allocated when there is no memory for them.
-  subroutine read_sdf_samples(file, header, progress, map, problems, failure)
-    type(line_reader), intent(inout) :: file               !! behind the header
-    type(sdf_header), intent(inout) :: header               !! what it says
-    logical, intent(in) :: progress                         !! print the progress
-    type(height_map), intent(inout) :: map                  !! gets the pixels
-    type(problem_list), intent(inout) :: problems           !! what is wrong
-    character(len=:), allocatable, intent(out) :: failure   !! why there is no memory for it
+  !> Reads all pixels, unless there is no memory for them.
+  subroutine read_sdf_samples(file, header, progress, map)
+    type(line_reader), intent(inout) :: file      !! behind the header; gets what is wrong
+    type(sdf_header), intent(inout) :: header     !! what it says
+    logical, intent(in) :: progress               !! print the progress
+    type(height_map), intent(inout) :: map        !! gets the pixels
     type(progress_line) :: shown
     integer(int64) :: least, others
     integer :: i, unit
@@ -294,20 +280,16 @@ contains
     ! Here every count has at most 32 bits.
     least = header%points * header%profiles
     if (least > most_samples .or. least / header%points /= header%profiles) then
-      call problems%add_in_file('found ' // decimal_text(header%points) // ' x ' // &
-                                decimal_text(header%profiles) // ' pixels, expected at most ' // &
-                                decimal_text(most_samples))
+      call file%problems%add_in_file('found ' // grid_text(header) // ' pixels, expected at most ' &
+                                     // decimal_text(most_samples))
       return
     end if
     ! A sample of a text takes two bytes at least.
     least = least * merge(int(type_bytes(header%data_type), int64), 2_int64, header%binary)
     if (file%length >= 0_int64 .and. least > file%length - file%next_byte() + 1_int64) then
-      call problems%add_in_file('found ' // decimal_text(file%length) // ' bytes, expected ' // &
-                                decimal_text(header%points) // ' x ' // &
-                                decimal_text(header%profiles) // ' pixels of ' // &
-                                trim(type_names(header%data_type)) // &
-                                ' as in the header, at least ' // decimal_text(least) // &
-                                ' bytes behind it')
+      call file%problems%add_in_file('found ' // decimal_text(file%length) // ' bytes, expected ' &
+           // grid_text(header) // ' pixels of ' // trim(type_names(header%data_type)) // &
+           ' as in the header, at least ' // decimal_text(least) // ' bytes behind it')
       return
     end if
     others = 0_int64
@@ -323,13 +305,13 @@ contains
       map%unit = trim(length_units(unit))
       header%scale_factor(3) = 1.0_real64
     end if
-    call make_room(map, failure)
-    if (allocated(failure)) return
+    call make_room(map, file%lack)
+    if (allocated(file%lack)) return
     call shown%begin(progress, 'profiles read', map%rows, 0)
     if (header%binary) then
-      call read_bytes(file, header, map, shown, others, problems)
+      call read_bytes(file, header, map, shown, others)
     else
-      call read_words(file, header, map, shown, others, problems)
+      call read_words(file, header, map, shown, others)
     end if
     call shown%finish()
     if (others > 0_int64) &
@@ -338,6 +320,14 @@ contains
            'missing; here they are heights')
     map%digit = map%digit * header%scale_factor(3)
   end subroutine read_sdf_samples
+
+  ! Points and profiles for a message.
+  pure function grid_text(header) result(text)
+    type(sdf_header), intent(in) :: header
+    character(len=:), allocatable :: text
+
+    text = decimal_text(header%points) // ' x ' // decimal_text(header%profiles)
+  end function grid_text
 
   ! The row of a map where a profile of the file goes.
   pure integer function row_of(header, profile)
@@ -349,13 +339,12 @@ contains
   end function row_of
 
   ! Samples as bytes.
-  subroutine read_bytes(file, header, map, shown, others, problems)
+  subroutine read_bytes(file, header, map, shown, others)
     type(line_reader), intent(inout) :: file
     type(sdf_header), intent(in) :: header
     type(height_map), intent(inout) :: map
     type(progress_line), intent(inout) :: shown
     integer(int64), intent(inout) :: others  ! pixels at the other limit of their type
-    type(problem_list), intent(inout) :: problems
     character(len=:), allocatable :: bytes
     integer(int64) :: place
     real(real64) :: values(map%columns), largest
@@ -367,9 +356,9 @@ contains
       place = file%next_byte()
       call file%take_numbers(type_kinds(header%data_type), wide, values, classes, got)
       if (got < map%columns) then
-        call add_at_record(problems, file%next_byte(), 2, 'the file ends in profile ' // &
-                           decimal_text(profile) // ', expected ' // decimal_text(map%rows) // &
-                           ' profiles of ' // decimal_text(map%columns) // ' pixels')
+        call file%refuse_byte(file%next_byte(), ', record 2: the file ends in profile ' // &
+                              decimal_text(profile) // ', expected ' // decimal_text(map%rows) // &
+                              ' profiles of ' // decimal_text(map%columns) // ' pixels')
         return
       end if
       do i = 1, map%columns
@@ -380,9 +369,9 @@ contains
                  (classes(i) == above_all .and. header%revision == bcr)
         end if
         if (.not. good) &
-          call add_at_record(problems, place + int(wide, int64) * (i - 1), 2, 'pixel ' // &
-                             decimal_text(i) // ' of profile ' // decimal_text(profile) // &
-                             ': found an infinite or too large height, expected one up to 1e30')
+          call file%refuse_byte(place + int(wide, int64) * (i - 1), ', record 2: pixel ' // &
+                                decimal_text(i) // ' of profile ' // decimal_text(profile) // &
+                                ': found an infinite or too large height, expected one up to 1e30')
       end do
       map%height(:, row_of(header, profile)) = values
       call shown%reach(profile)
@@ -390,20 +379,19 @@ contains
     ! A whole number counts; a real one is as good as its format.
     map%digit = 1.0_real64
     largest = 0.0_real64
-    if (problems%count() == 0) largest = largest_height(map) / header%scale_factor(3)
+    if (file%problems%count() == 0) largest = largest_height(map) / header%scale_factor(3)
     if (header%data_type == binary32) map%digit = real(spacing(real(largest, real32)), real64)
     if (header%data_type == binary64) map%digit = spacing(largest)
     place = file%next_byte()
     call file%take(longest_text, bytes)
-    if (len(bytes) == 0) return
-    if (is_own_text(bytes, map)) return
+    if (is_own_text(bytes, map) .or. len(bytes) == 0) return
     if (len(bytes) < longest_text .and. is_text(bytes)) then
       call map%notes%add_in_file('note: ' // decimal_text(len(bytes)) // ' bytes of text behind ' &
                                  // 'the pixels are not read')
     else
-      call add_at_record(problems, place, 2, 'bytes beyond header and pixels: found ' // &
-                         decimal_text(file%count_bytes() - place + 1_int64) // ', expected none, ' &
-                         // 'or text; the header may be longer than the standard header')
+      call file%refuse_byte(place, ', record 2: bytes beyond header and pixels: found ' // &
+                            decimal_text(file%count_bytes() - place + 1_int64) // ', expected ' // &
+                            'none, or text; the header may be longer than the standard header')
     end if
   end subroutine read_bytes
 
@@ -413,15 +401,14 @@ contains
     character(len=*), intent(in) :: bytes
     type(height_map), intent(inout) :: map
     type(text_header) :: own
-    type(problem_list) :: problems, notes
     character(len=:), allocatable :: line
 
     is_own_text = .false.
     if (index(bytes, '# Spacing:') /= 1) return
-    call problems%start('')
-    call notes%start('')
-    call read_header(bytes, own, line, problems, notes)
-    is_own_text = problems%count() + notes%count() + len(line) == 0 .and. &
+    call own%problems%start('')
+    call own%notes%start('')
+    call read_header(bytes, own, line)
+    is_own_text = own%problems%count() + own%notes%count() + len(line) == 0 .and. &
       all(own%unit == map%unit) .and. &
       all(abs(own%pixel_spacing - map%pixel_spacing) <= 1.0e-12_real64 * map%pixel_spacing)
     if (.not. is_own_text) return
@@ -500,77 +487,81 @@ contains
     end if
   end subroutine take_sample
 
-  ! Long: all stages take words from the same line. Reads samples as words.
-  subroutine read_words(file, header, map, shown, others, problems)
+  ! Reads samples as words.
+  subroutine read_words(file, header, map, shown, others)
     type(line_reader), intent(inout) :: file
     type(sdf_header), intent(in) :: header
     type(height_map), intent(inout) :: map
     type(progress_line), intent(inout) :: shown
     integer(int64), intent(inout) :: others  ! pixels at the other limit of their type
-    type(problem_list), intent(inout) :: problems
-    type(line_cells) :: cells
-    character(len=:), allocatable :: expected, grid, word
+    character(len=:), allocatable :: expected, word
     real(real64) :: height
     integer :: i, power, profile
     logical :: good, whole
 
     whole = header%data_type /= binary32 .and. header%data_type /= binary64
-    expected = merge('a whole number', 'a number      ', whole)
-    expected = trim(expected) // ', at most 1e30 as a height, or BAD'
-    grid = decimal_text(header%points) // ' x ' // decimal_text(header%profiles)
+    expected = trim(merge('a whole number', 'a number      ', whole)) // &
+               ', at most 1e30 as a height, or BAD'
     power = no_power
-    cells%separator = ' '
-    cells%line_comments = ''
-    cells%keep_empty = .false.
-    if (header%revision == bcr) cells%comment = ';'
+    file%cells = line_cells(' ', '', keep_empty=.false.)
+    if (header%revision == bcr) file%cells%comment = ';'
     do profile = 1, map%rows
       do i = 1, map%columns
-        call file%next_word(cells, word)
+        call file%next_word(word)
         if (word == '' .or. word == '*') then
-          call refuse_word('the pixels end behind ' // &
-                      decimal_text(int(profile - 1, int64) * map%columns + i - 1) // &
-                      ', expected ' // grid)
+          call file%refuse_cell(file%cells%word, 'the pixels end behind ' // &
+               decimal_text(int(profile - 1, int64) * map%columns + i - 1) // ', expected ' // &
+               grid_text(header))
           return
         end if
         call read_height(word, height, good, power)
         if (whole .and. is_measured(height)) good = good .and. verify(word, '+-0123456789') == 0
         if (good .and. is_measured(height)) call take_sample(header, height, others, good)
-        if (.not. good) call refuse_word('found ' // in_quotes(word) // ', expected ' // expected)
+        if (.not. good) &
+          call file%refuse_cell(file%cells%word, 'found ' // in_quotes(word) // ', expected ' // &
+                                expected)
         map%height(i, row_of(header, profile)) = height
       end do
       call shown%reach(profile)
     end do
     map%digit = digit_of(power)
     if (whole) map%digit = 1.0_real64
-    if (cells%last(cells%word) == len(file%lines) .and. problems%count() == 0) &
-      call map%notes%add_at(cells%line, column_of(cells, cells%word), 'note: the file ends ' // &
-                            'right behind ' // in_quotes(word) // ', without a line end or an ' // &
-                            'asterisk: is the number whole?')
-    call file%next_word(cells, word)
-    if (word == '') return
-    good = .false.
-    ! Behind the asterisk stands text of the maker, no number.
-    do while (.not. good .and. word == '*')
-      call file%next_word(cells, word)
-      if (word == '') return
-      call read_height(word, height, good, power)
-      if (good .or. word == '*') cycle
-      call map%notes%add_at(cells%line, column_of(cells, cells%word), &
-                            'note: text behind the pixels is not read')
-      return
-    end do
-    call refuse_word('found ' // in_quotes(word) // ' behind ' // grid // &
-                ' pixels, expected an asterisk, and no value behind it')
-
-  contains
-
-    ! Reports a problem at the word, or at the end of the file.
-    subroutine refuse_word(message)
-      character(len=*), intent(in) :: message
-
-      call problems%add_at(cells%line, column_of(cells, cells%word), message)
-    end subroutine refuse_word
-
+    call check_rest(file, header, map, word)
   end subroutine read_words
+
+  ! Behind the last word of the pixels an asterisk may stand, and behind it text of the maker, no
+  ! number.
+  subroutine check_rest(file, header, map, last)
+    type(line_reader), intent(inout) :: file
+    type(sdf_header), intent(in) :: header
+    type(height_map), intent(inout) :: map
+    character(len=*), intent(in) :: last
+    character(len=:), allocatable :: word
+    real(real64) :: height
+    integer :: power
+    logical :: good
+
+    associate (cells => file%cells)
+      if (cells%last(cells%word) == len(file%lines) .and. file%problems%count() == 0) &
+        call map%notes%add_at(cells%line, column_of(cells, cells%word), 'note: the file ends ' // &
+             'right behind ' // in_quotes(last) // ', without a line end or an asterisk: is the ' &
+             // 'number whole?')
+      call file%next_word(word)
+      if (word == '') return
+      good = .false.
+      do while (.not. good .and. word == '*')
+        call file%next_word(word)
+        if (word == '') return
+        call read_height(word, height, good, power)
+        if (good .or. word == '*') cycle
+        call map%notes%add_at(cells%line, column_of(cells, cells%word), &
+                              'note: text behind the pixels is not read')
+        return
+      end do
+      call file%refuse_cell(cells%word, 'found ' // in_quotes(word) // ' behind ' // &
+                            grid_text(header) // ' pixels, expected an asterisk, and no value ' // &
+                            'behind it')
+    end associate
+  end subroutine check_rest
 
 end module asperity_sdf_map

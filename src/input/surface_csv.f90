@@ -6,7 +6,7 @@ module asperity_surface_csv
   use asperity_byte_reader, only: byte_reader
   use asperity_column_names, only: split_name
   use asperity_decimal, only: decimal_to_real64, decimal_value
-  use asperity_delimited_text, only: column_of, line_cells, read_cells, separator_of
+  use asperity_delimited_text, only: cells_of, line_cells, line_reader, separator_of
   use asperity_file_kind, only: a_surface, other_kind
   use asperity_input_text, only: check_text, line_end, in_quotes, read_text
   use asperity_kinds, only: int64, real64
@@ -38,7 +38,6 @@ module asperity_surface_csv
     character(len=:), allocatable :: others
     integer, private :: cell_of(4) = 0         ! cell of each of `column_names`; 0: there is none
     integer, private :: column_count = 0       ! columns of the file
-    character(len=1), private :: separator = ','  ! what stands between them
   end type surface_table
 
 contains
@@ -48,111 +47,101 @@ contains
     character(len=*), intent(in) :: path                !! path of the surface
     type(surface_table), intent(out) :: table           !! numbers of the asperities
     type(problem_list), intent(out) :: problems         !! all that is wrong
-    real(real64), intent(in), optional :: common_radius !! where no column gives radii; 0: none
-    class(byte_reader), intent(inout), optional :: opened !! the file, at its first byte
+    real(real64), intent(in) :: common_radius           !! where no column gives radii; 0: none
+    class(byte_reader), intent(inout) :: opened         !! the file, at its first byte
     character(len=:), allocatable :: text
 
     call read_text(path, 'comma-separated numbers', text, problems, opened)
     if (problems%count() == 0) call parse_surface_csv(path, text, table, problems, common_radius)
   end subroutine read_surface_csv
 
-  !> Checks the text of a surface; `path` serves the messages only.
+  !> Checks the text of a surface, which is moved away; `path` serves the messages only.
   subroutine parse_surface_csv(path, text, table, problems, common_radius)
-    character(len=*), intent(in) :: path                !! name for the messages
-    character(len=*), intent(in) :: text                !! the whole file
-    type(surface_table), intent(out) :: table           !! numbers of the asperities
-    type(problem_list), intent(out) :: problems         !! all that is wrong
-    real(real64), intent(in), optional :: common_radius !! where no column gives radii; 0: none
+    character(len=*), intent(in) :: path                        !! name for the messages
+    character(len=:), allocatable, intent(inout) :: text        !! the whole file
+    type(surface_table), intent(out) :: table                   !! numbers of the asperities
+    type(problem_list), intent(out) :: problems                 !! all that is wrong
+    real(real64), intent(in) :: common_radius   !! where no column gives radii; 0: none
     type(problem_list) :: strange
-    type(line_cells) :: cells
+    type(line_reader) :: file
     character(len=:), allocatable :: other
-    integer :: first, line
 
-    call problems%start(path)
-    line = 1
-    first = 1
-    call read_cells(text, first, line, cells)
-    other = other_kind(text, [a_surface])
-    if (cells%cell_count == 0) then
-      call problems%add_at(1, 1, 'the file is empty, expected the header x,y,height,radius')
+    call file%problems%start(path)
+    call file%begin_memory(text)
+    call file%next_cells()
+    other = other_kind(file%lines, [a_surface])
+    if (file%cells%cell_count == 0) then
+      call file%problems%add_at(1, 1, 'the file is empty, expected the header x,y,height,radius')
     else if (other /= '') then
-      call problems%add_at(cells%line, 1, other // '; expected a surface, x,y,height,radius')
+      call file%problems%add_at(file%cells%line, 1, other // '; expected a surface, ' // &
+                                'x,y,height,radius')
     else
-      first = cells%start
-      line = cells%line
-      call read_header(text, first, line, table, problems)
+      call read_header(file, table)
       table%has_radius = table%cell_of(radius_column) > 0
-      if (problems%count() == 0) &
-        call read_rows(text(first:), line, table, problems, common_radius)
+      if (file%problems%count() == 0) call read_rows(file, table, common_radius)
     end if
+    problems = file%problems
     if (problems%count() == 0) return
     ! Where every cell is a number there is no byte that no text has. Such a byte says enough.
     call strange%start(path)
-    call check_text(text, 'comma-separated numbers', strange)
+    call check_text(file%lines, 'comma-separated numbers', strange)
     if (strange%count() > 0) problems = strange
   end subroutine parse_surface_csv
 
-  ! Long: a row shares its cells with the messages. Reads all rows of a text, whose first line has
-  ! the number `first_line`.
-  subroutine read_rows(text, first_line, table, problems, common_radius)
-    character(len=*), intent(in) :: text
-    integer, intent(in) :: first_line
+  ! Reads all rows behind the header, which is the line at hand.
+  subroutine read_rows(file, table, common_radius)
+    type(line_reader), intent(inout) :: file
     type(surface_table), intent(inout) :: table
-    type(problem_list), intent(inout) :: problems
-    real(real64), intent(in), optional :: common_radius
-    type(line_cells) :: cells
+    real(real64), intent(in) :: common_radius
     type(decimal_value) :: decimal
     real(real64) :: numbers(4)
-    integer :: i, at, line, lines, rows
+    integer :: first_line, i, lines, rows
     logical :: good, all_good
 
     ! The last line may have no line feed.
     lines = 1
-    do i = 1, len(text)
-      if (text(i:i) == achar(10)) lines = lines + 1
+    do i = line_end(file%lines, file%cells%start) + 2, len(file%lines)
+      if (file%lines(i:i) == achar(10)) lines = lines + 1
     end do
     if (.not. has_memory(32_int64 * lines)) then
-      problems%lacks_memory = .true.
-      call problems%add_in_file(not_enough_memory // ' for ' // decimal_text(lines) // &
-                                ' asperities')
+      file%problems%lacks_memory = .true.
+      call file%problems%add_in_file(not_enough_memory // ' for ' // decimal_text(lines) // &
+                                     ' asperities')
       return
     end if
     allocate (table%x(lines), table%y(lines), table%height(lines))
-    numbers(radius_column) = 0.0_real64
-    if (present(common_radius)) numbers(radius_column) = common_radius
-    if (table%has_radius .or. numbers(radius_column) > 0.0_real64) allocate (table%radius(lines))
-    at = 1
-    line = first_line
+    numbers(radius_column) = common_radius
+    if (table%has_radius .or. common_radius > 0.0_real64) allocate (table%radius(lines))
+    first_line = file%cells%line + 1
     rows = 0
-    cells%separator = table%separator
     do
-      call read_cells(text, at, line, cells)
-      if (cells%cell_count == 0) exit
-      rows = rows + 1
-      if (cells%cell_count /= table%column_count) then
-        call problems%add_at(cells%line, 1, 'found ' // decimal_text(cells%cell_count) // &
-                             ' cells, expected ' // decimal_text(table%column_count) // &
-                             ' as in the header' // &
-                             point_hint(cells%cell_count > table%column_count .and. &
-                             cells%separator == ','))
-        cycle
-      end if
-      all_good = .true.
-      do i = 1, size(column_names)
-        if (table%cell_of(i) == 0) cycle
-        call read_numeral(text(cells%first(table%cell_of(i)):cells%last(table%cell_of(i))), &
-                          decimal, good)
-        numbers(i) = decimal_to_real64(decimal)
-        if (good) cycle
-        all_good = .false.
-        call refuse_value(i, 'a finite number within the range of a double')
-      end do
+      call file%next_cells()
+      associate (cells => file%cells)
+        if (cells%cell_count == 0) exit
+        rows = rows + 1
+        if (cells%cell_count /= table%column_count) then
+          call file%problems%add_at(cells%line, 1, 'found ' // decimal_text(cells%cell_count) // &
+               ' cells, expected ' // decimal_text(table%column_count) // ' as in the header' // &
+               point_hint(cells%cell_count > table%column_count .and. cells%separator == ','))
+          cycle
+        end if
+        all_good = .true.
+        do i = 1, size(column_names)
+          if (table%cell_of(i) == 0) cycle
+          call read_numeral(file%lines(cells%first(table%cell_of(i)): &
+                                       cells%last(table%cell_of(i))), decimal, good)
+          numbers(i) = decimal_to_real64(decimal)
+          all_good = all_good .and. good
+          if (.not. good) &
+            call refuse_value(file, table, i, 'a finite number within the range of a double')
+        end do
+      end associate
       if (all_good .and. allocated(table%radius)) then
         if (numbers(radius_column) <= 0.0_real64) then
-          call refuse_value(radius_column, 'more than 0')
+          call refuse_value(file, table, radius_column, 'more than 0')
         else if (numbers(height_column) / 2 >= numbers(radius_column)) then
           ! A sphere does not stand higher than its diameter.
-          call refuse_value(height_column, 'less than twice the radius')
+          call refuse_value(file, table, height_column, 'less than twice the radius')
         end if
       end if
       table%x(rows) = numbers(1)
@@ -160,31 +149,29 @@ contains
       table%height(rows) = numbers(height_column)
       if (allocated(table%radius)) table%radius(rows) = numbers(radius_column)
     end do
-    if (rows == 0) call problems%add_at(first_line + lines - 1, 1, 'no asperity: found the end ' &
-                                        // 'of the file, expected a row')
+    if (rows == 0) &
+      call file%problems%add_at(first_line + lines - 1, 1, 'no asperity: found the end of the ' // &
+                                'file, expected a row')
     if (rows == lines) return
     table%x = table%x(:rows)
     table%y = table%y(:rows)
     table%height = table%height(:rows)
     if (allocated(table%radius)) table%radius = table%radius(:rows)
-
-  contains
-
-    ! Reports that the value of a column is not what is expected.
-    subroutine refuse_value(column, expected)
-      integer, intent(in) :: column
-      character(len=*), intent(in) :: expected
-
-      associate (cell => table%cell_of(column))
-        associate (found => text(cells%first(cell):cells%last(cell)))
-          call problems%add_at(cells%line, column_of(cells, cell), trim(column_names(column)) // &
-                               ': found ' // in_quotes(found) // ', expected ' // expected // &
-                               point_hint(index(found, ',') > 0))
-        end associate
-      end associate
-    end subroutine refuse_value
-
   end subroutine read_rows
+
+  ! Reports that the value of a column is not what is expected.
+  subroutine refuse_value(file, table, column, expected)
+    type(line_reader), intent(inout) :: file
+    type(surface_table), intent(in) :: table
+    integer, intent(in) :: column
+    character(len=*), intent(in) :: expected
+    character(len=:), allocatable :: found
+
+    found = file%cell_text(table%cell_of(column))
+    call file%refuse_cell(table%cell_of(column), trim(column_names(column)) // ': found ' // &
+                          in_quotes(found) // ', expected ' // expected // &
+                          point_hint(index(found, ',') > 0))
+  end subroutine refuse_value
 
   ! Advice about a decimal comma.
   pure function point_hint(is_needed) result(text)
@@ -195,63 +182,66 @@ contains
     if (is_needed) text = '; a decimal comma? write a point'
   end function point_hint
 
-  !> Reads the header at `first`.
-  subroutine read_header(text, first, line, table, problems)
-    character(len=*), intent(in) :: text            !! the whole file
-    integer, intent(inout) :: first                 !! byte where it begins; left at the next line's
-    integer, intent(inout) :: line                  !! its number; left at the next line's
-    type(surface_table), intent(inout) :: table     !! gets what stands where
-    type(problem_list), intent(inout) :: problems   !! what is wrong
+  ! Reads the header, the line at hand: which column stands where, between which signs.
+  subroutine read_header(file, table)
+    type(line_reader), intent(inout) :: file
+    type(surface_table), intent(inout) :: table
     type(line_cells) :: cells
-    character(len=:), allocatable :: name, unit
-    integer :: i, role, last, unread
-    logical :: is_mixed
+    type(decimal_value) :: number
+    character(len=:), allocatable :: header, name, unit
+    integer :: i, role, unread
+    logical :: are_numbers, is_mixed
 
-    is_mixed = .false.
-    last = line_end(text, first)
-    cells%separator = separator_of(text(first:last))
-    if (cells%separator == ' ') cells%separator = achar(9)
-    call read_cells(text, first, line, cells)
-    line = cells%line + 1
+    header = file%lines(file%cells%start:line_end(file%lines, file%cells%start))
+    file%cells%separator = separator_of(header)
+    if (file%cells%separator == ' ') file%cells%separator = achar(9)
+    cells = cells_of(header, file%cells%separator, .true.)
     table%column_count = cells%cell_count
-    table%separator = cells%separator
+    file%cells%cell_count = cells%cell_count
+    file%cells%first = cells%first + file%cells%start - 1
+    file%cells%last = cells%last + file%cells%start - 1
     table%unit = ''
     table%others = ''
-    unread = 0
-    if (all_numbers(text, cells)) then
-      call problems%add_at(cells%line, 1, 'no header: found numbers in the first line, ' // &
-                           'expected x,y,height,radius')
+    do i = 1, table%column_count
+      call read_numeral(file%cell_text(i), number, are_numbers)
+      if (.not. are_numbers) exit
+    end do
+    if (are_numbers) then
+      call file%problems%add_at(file%cells%line, 1, 'no header: found numbers in the first line, ' &
+                                // 'expected x,y,height,radius')
       return
     end if
-    do i = 1, cells%cell_count
-      call split_name(text(cells%first(i):cells%last(i)), name, unit)
+    unread = 0
+    is_mixed = .false.
+    do i = 1, table%column_count
+      call split_name(file%cell_text(i), name, unit)
       role = findloc(column_names == name, .true., 1)
       if (name == '') name = 'column ' // decimal_text(i)
       if (role == 0) then
         unread = unread + 1
         if (unread <= most_named) table%others = table%others // ', ' // name
       else if (table%cell_of(role) > 0) then
-        call refuse_cell(i, 'column ' // name // ' occurs twice, expected once')
+        call file%refuse_cell(i, 'column ' // name // ' occurs twice, expected once')
       else
         table%cell_of(role) = i
         if (all(table%cell_of == 0 .or. table%cell_of == i)) table%unit = unit
         if (table%unit == unit .or. is_mixed) cycle
         is_mixed = .true.
-        call refuse_cell(i, name // ': found ' // unit_in_words(unit) // ' beside ' // &
-                    unit_in_words(table%unit) // ', expected one unit for all lengths, in ' // &
-                    'each column or in none')
+        call file%refuse_cell(i, name // ': found ' // unit_in_words(unit) // ' beside ' // &
+             unit_in_words(table%unit) // ', expected one unit for all lengths, in each ' // &
+             'column or in none')
       end if
     end do
     ! A name that is nearly one of those that are missing is no other column.
-    do i = 1, cells%cell_count
-      call split_name(text(cells%first(i):cells%last(i)), name, unit)
+    do i = 1, table%column_count
+      call split_name(file%cell_text(i), name, unit)
       if (any(column_names == name)) cycle
       role = nearest_word(name, column_names)
       if (role == 0) cycle
       if (table%cell_of(role) > 0) cycle
       table%cell_of(role) = i
-      call refuse_cell(i, 'unknown column: found ' // in_quotes(name) // &
-                       did_you_mean(name, column_names))
+      call file%refuse_cell(i, 'unknown column: found ' // in_quotes(name) // &
+                            did_you_mean(name, column_names))
     end do
     if (unread > 0) table%others = table%others(3:)
     if (unread > most_named) &
@@ -261,19 +251,9 @@ contains
       if (table%cell_of(i) == 0) name = name // ', ' // trim(column_names(i))
     end do
     if (name /= '') &
-      call problems%add_at(cells%line, 1, 'no column ' // name(3:) // ': found ' // &
-                           in_quotes(text(cells%start:last)) // ', expected x, y, height and ' // &
-                           'perhaps radius, between commas, semicolons or tabulators')
-
-  contains
-
-    subroutine refuse_cell(named_cell, message)
-      integer, intent(in) :: named_cell
-      character(len=*), intent(in) :: message
-
-      call problems%add_at(cells%line, column_of(cells, named_cell), message)
-    end subroutine refuse_cell
-
+      call file%problems%add_at(file%cells%line, 1, 'no column ' // name(3:) // ': found ' // &
+           in_quotes(header) // ', expected x, y, height and perhaps radius, between commas, ' // &
+           'semicolons or tabulators')
   end subroutine read_header
 
   ! A unit for a message.
@@ -284,18 +264,5 @@ contains
     text = 'no unit'
     if (unit /= '') text = 'unit ' // in_quotes(unit)
   end function unit_in_words
-
-  ! Whether all cells are numbers: the header is missing.
-  pure logical function all_numbers(text, cells)
-    character(len=*), intent(in) :: text
-    type(line_cells), intent(in) :: cells
-    type(decimal_value) :: value
-    integer :: i
-
-    do i = 1, cells%cell_count
-      call read_numeral(text(cells%first(i):cells%last(i)), value, all_numbers)
-      if (.not. all_numbers) return
-    end do
-  end function all_numbers
 
 end module asperity_surface_csv

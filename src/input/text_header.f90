@@ -20,6 +20,7 @@ module asperity_text_header
   character(len=*), parameter :: comment_signs = '#%'
   integer, parameter :: unit_length = 16
   character(len=*), parameter :: axis(3) = ['x', 'y', 'z']
+  character(len=*), parameter :: surface_names(3) = [character(len=6) :: 'x', 'y', 'height']
   !> Beginnings of the words for `length_units`, and of the first one once more.
   character(len=*), parameter :: unit_words(7) = [character(len=8) :: 'metre', 'millimet', &
     'micromet', 'nanomet', 'centimet', 'inch', 'meter']
@@ -31,8 +32,11 @@ module asperity_text_header
   character(len=*), parameter :: esri_names(10) = [character(len=12) :: 'ncols', 'nrows', &
     'cellsize', 'dx', 'dy', 'nodata_value', 'xllcorner', 'xllcenter', 'yllcorner', 'yllcenter']
 
-  !> Values of the header.
+  !> Values of the header, and what is wrong with it.
   type :: text_header
+    type(problem_list) :: problems              !! units that contradict each other, and so on
+    type(problem_list) :: notes                 !! what is not understood
+    integer, private :: line = 0                ! that is being read
     integer :: first_line = 0                   !! line of the first number; 0: there is none
     integer :: names_line = 0                   !! line of the names x, y, z; 0: there is none
     integer :: place(3) = [1, 2, 3]             !! cells of x, y and z in a line of points
@@ -59,20 +63,18 @@ contains
   end function has_spacing
 
   !> Reads the lines in front of the first number: comments, the names x, y, z, or a grid's header.
-  subroutine read_header(head, header, text, problems, notes)
+  subroutine read_header(head, header, text)
     character(len=*), intent(in) :: head                !! the beginning of the file
     type(text_header), intent(inout) :: header          !! gets what they say
     character(len=:), allocatable, intent(out) :: text  !! the line behind them; empty: none
-    type(problem_list), intent(inout) :: problems       !! units that contradict each other
-    type(problem_list), intent(inout) :: notes          !! what is not understood
     type(column_list) :: found
-    integer :: at, last, line, surfer_lines
+    integer :: at, last, surfer_lines
 
     at = 1
-    line = 0
+    header%line = 0
     surfer_lines = 0
     do while (at <= len(head))
-      line = line + 1
+      header%line = header%line + 1
       last = at + scan(head(at:), achar(10) // achar(13)) - 2
       if (last < at - 1) last = len(head)
       text = without_blanks(head(at:last))
@@ -80,42 +82,37 @@ contains
       if (index(head(last + 1:min(last + 2, len(head))), achar(13) // achar(10)) == 1) at = at + 1
       if (text == '') cycle
       if (scan(text(1:1), comment_signs) == 1) then
-        call read_comment(without_blanks(text(verify(text // '.', comment_signs):)), line, header, &
-                          problems, notes)
-        cycle
+        call read_comment(header, without_blanks(text(verify(text // '.', comment_signs):)))
       else if (surfer_lines > 0 .or. text == 'DSAA') then
-        if (surfer_lines > 0) call take_surfer_line(text, line, surfer_lines, header, problems)
+        if (surfer_lines > 0) call take_surfer_line(header, text, surfer_lines)
         surfer_lines = modulo(surfer_lines + 1, 5)
-        if (problems%count() > 0) return
-        cycle
+        if (header%problems%count() > 0) return
       else if (any(lower_case(text(:scan(text // ' ', blanks) - 1)) == esri_names)) then
-        call take_esri_line(text, line, header, problems)
-        cycle
-      end if
-      found = columns_named(text)
-      if (header%names_line == 0 .and. all(found%of_points() > 0) .and. &
-          .not. is_surface_header(text)) then
-        call take_names(found, line, header, problems)
-        if (.not. is_height_name(trim(found%name(header%place(3))))) &
-          call notes%add_at(line, 1, 'note: the heights are those of column ' // &
-                            in_quotes(trim(found%name(header%place(3)))))
-        if (header%cell_count > 3) &
-          call notes%add_at(line, 1, 'note: ' // decimal_text(header%cell_count - 3) // &
-                            ' more columns are not read')
+        call take_esri_line(header, text)
       else
-        header%first_line = line
-        return
+        found = columns_named(text)
+        if (header%names_line > 0 .or. any(found%of_points() == 0) .or. &
+            is_surface_header(text)) then
+          header%first_line = header%line
+          return
+        end if
+        call take_names(header, found)
+        if (.not. is_height_name(trim(found%name(header%place(3))))) &
+          call header%notes%add_at(header%line, 1, 'note: the heights are those of column ' // &
+                           in_quotes(trim(found%name(header%place(3)))))
+        if (header%cell_count > 3) &
+          call header%notes%add_at(header%line, 1, 'note: ' // decimal_text(header%cell_count - &
+               3) // ' more columns are not read')
       end if
     end do
     text = ''
   end subroutine read_header
 
   ! Line 2, 3, 4 or 5 of a grid of Surfer: columns and rows; ranges of x, y and z.
-  subroutine take_surfer_line(text, line, number, header, problems)
-    character(len=*), intent(in) :: text
-    integer, intent(in) :: line, number
+  subroutine take_surfer_line(header, text, number)
     type(text_header), intent(inout) :: header
-    type(problem_list), intent(inout) :: problems
+    character(len=*), intent(in) :: text
+    integer, intent(in) :: number
     real(real64) :: values(2)
     logical :: good
 
@@ -124,10 +121,10 @@ contains
                             all(abs(values - anint(values)) <= 0.0_real64)
     if (number == 2 .or. number == 3) good = good .and. values(2) > values(1)
     if (.not. good) then
-      call problems%add_at(line, 1, 'found ' // in_quotes(text) // ', expected ' // &
-                           trim(merge('columns and rows, from 2', 'least and largest ' // &
-                           axis(max(1, number - 1)) // '     ', number == 1)) // &
-                           ' in the header of a grid of Surfer (DSAA)')
+      call header%problems%add_at(header%line, 1, 'found ' // in_quotes(text) // ', expected ' // &
+                         trim(merge('columns and rows, from 2', 'least and largest ' // &
+                         axis(max(1, number - 1)) // '     ', number == 1)) // &
+                         ' in the header of a grid of Surfer (DSAA)')
     else if (number == 1) then
       header%stated = nint(values)
       header%missing(1) = surfer_blank
@@ -137,20 +134,19 @@ contains
   end subroutine take_surfer_line
 
   ! A line of the header of a grid of ESRI.
-  subroutine take_esri_line(text, line, header, problems)
-    character(len=*), intent(in) :: text
-    integer, intent(in) :: line
+  subroutine take_esri_line(header, text)
     type(text_header), intent(inout) :: header
-    type(problem_list), intent(inout) :: problems
+    character(len=*), intent(in) :: text
     type(decimal_value) :: decimal
-    character(len=:), allocatable :: name, expected
+    character(len=:), allocatable :: name, number, expected
     real(real64) :: value
     integer :: at
     logical :: good
 
     at = scan(text // ' ', blanks)
     name = lower_case(text(:at - 1))
-    call read_numeral(without_blanks(text(at:)), decimal, good)
+    number = without_blanks(text(at:))
+    call read_numeral(number, decimal, good)
     value = decimal_to_real64(decimal)
     expected = 'a number'
     header%from_top = .true.
@@ -166,16 +162,16 @@ contains
       if (good .and. name /= 'dy') header%pixel_spacing(1) = value
       if (good .and. name /= 'dx') header%pixel_spacing(2) = value
     case ('nodata_value')
-      if (lower_case(without_blanks(text(at:))) == 'nan') return
+      if (lower_case(number) == 'nan') return
       ! The least real of 32 bits has more digits in the header than in the data, or fewer.
       header%missing = value + abs(value) * 1.0e-6_real64 * [-1, 1]
       if (abs(value) < 1.0e30_real64) header%missing = value
     case default
       continue
     end select
-    if (.not. good) call problems%add_at(line, 1, trim(name) // ': found ' // &
-                                         in_quotes(without_blanks(text(at:))) // ', expected ' // &
-                                         expected)
+    if (.not. good) &
+      call header%problems%add_at(header%line, 1, name // ': found ' // in_quotes(number) // &
+           ', expected ' // expected)
   end subroutine take_esri_line
 
   ! Two numbers between blanks or a comma.
@@ -214,48 +210,44 @@ contains
   pure logical function is_surface_header(text)
     character(len=*), intent(in) :: text  !! line without its end
     type(column_list) :: found
+    integer :: i
 
     found = columns_named(text)
-    is_surface_header = found%is_surface() .and. separator_of(text) /= ' '
+    is_surface_header = separator_of(text) /= ' ' .and. &
+      all([(any(found%name == surface_names(i)), i=1, size(surface_names))])
   end function is_surface_header
 
   ! The names x, y, z, and their units.
-  subroutine take_names(found, line, header, problems)
-    type(column_list), intent(in) :: found
-    integer, intent(in) :: line
+  subroutine take_names(header, found)
     type(text_header), intent(inout) :: header
-    type(problem_list), intent(inout) :: problems
+    type(column_list), intent(in) :: found
 
-    header%names_line = line
+    header%names_line = header%line
     header%place = found%of_points()
     header%cell_count = size(found%name)
-    call set_units(found%unit(header%place), line, header, problems)
+    call set_units(header, found%unit(header%place))
   end subroutine take_names
 
   ! Units of x, y and z, or blanks. None must differ from one that the header has already.
-  subroutine set_units(units, line, header, problems)
-    character(len=*), intent(in) :: units(3)
-    integer, intent(in) :: line
+  subroutine set_units(header, units)
     type(text_header), intent(inout) :: header
-    type(problem_list), intent(inout) :: problems
+    character(len=*), intent(in) :: units(3)
     integer :: i
 
     do i = 1, 3
       if (units(i) == '') cycle
       if (header%unit(i) /= '' .and. header%unit(i) /= units(i)) &
-        call problems%add_at(line, 1, 'found ' // in_quotes(trim(units(i))) // &
-                             ' as the unit of ' // axis(i) // ' beside ' // &
-                             in_quotes(trim(header%unit(i))) // ' in a line before, expected one')
+        call header%problems%add_at(header%line, 1, 'found ' // in_quotes(trim(units(i))) // &
+             ' as the unit of ' // axis(i) // ' beside ' // in_quotes(trim(header%unit(i))) // &
+             ' in a line before, expected one')
       header%unit(i) = units(i)
     end do
   end subroutine set_units
 
   ! A comment before the numbers: names of columns, or a statement `name: value`.
-  subroutine read_comment(text, line, header, problems, notes)
-    character(len=*), intent(in) :: text
-    integer, intent(in) :: line
+  subroutine read_comment(header, text)
     type(text_header), intent(inout) :: header
-    type(problem_list), intent(inout) :: problems, notes
+    character(len=*), intent(in) :: text
     type(column_list) :: found
     type(decimal_value) :: number
     character(len=:), allocatable :: name, value, unit
@@ -268,13 +260,13 @@ contains
     units = ''
     if (place(3) > 0) then
       if (is_height_name(trim(found%name(place(3)))) .and. .not. is_surface_header(text)) then
-        call take_names(found, line, header, problems)
+        call take_names(header, found)
         return
       end if
     else if (size(found%name) == 1) then
       if (found%unit(1) /= '' .and. is_height_name(trim(found%name(1)))) then
         units(3) = found%unit(1)
-        call set_units(units, line, header, problems)
+        call set_units(header, units)
         return
       end if
     end if
@@ -300,8 +292,8 @@ contains
       if (good) good = all(is_length(header%pixel_spacing))
       if (good) return
       header%pixel_spacing = 0.0_real64
-      call notes%add_at(line, 1, 'note: the spacing in ' // in_quotes(text) // ' is not used, ' // &
-                        'expected two numbers: spacing: X Y')
+      call header%notes%add_at(header%line, 1, 'note: the spacing in ' // in_quotes(text) // &
+           ' is not used, expected two numbers: spacing: X Y')
     case ('edge')
       header%edge = findloc(edge_names == lower_case(value), .true., 1)
       return
@@ -321,10 +313,10 @@ contains
     else
       units = units_in_words(text)
       if (all(units == '') .and. (has_unit(text) .or. name == 'width' .or. name == 'height')) &
-        call notes%add_at(line, 1, 'note: the unit in ' // in_quotes(text) // &
-                          ' is not understood and not used')
+        call header%notes%add_at(header%line, 1, 'note: the unit in ' // in_quotes(text) // &
+             ' is not understood and not used')
     end if
-    call set_units(units, line, header, problems)
+    call set_units(header, units)
   end subroutine read_comment
 
   ! The name of a unit without brackets.

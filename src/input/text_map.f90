@@ -3,9 +3,9 @@
 !> The layout is found before a number is read: lines, columns, separator and units. It is refused
 !> where it can be read in two ways.
 module asperity_text_map
-  use asperity_delimited_text, only: begins_comment, column_of, line_cells, line_reader
+  use asperity_delimited_text, only: begins_comment, line_cells, line_reader
   use asperity_height_map, only: change_unit, digit_of, height_map, highest, is_length, &
-                                 is_measured, known_units, length_units, make_room, &
+                                 is_measured, known_units, length_units, make_room, map_request, &
                                  most_samples, no_height, no_power, read_height, unit_number, &
                                  unit_ratio
   use asperity_input_text, only: in_quotes
@@ -27,8 +27,6 @@ module asperity_text_map
     integer(int64) :: like_second = 0_int64     !! lines of numbers with as many as the second
     integer :: second = 0                       !! cells of the second line of numbers
     integer :: gap_line = 0                     !! empty, or a comment, between numbers; 0: none
-    !> Signs that separate the cells.
-    type(line_cells) :: cells = line_cells(' ', '#%', '#', .false.)
   end type text_layout
 
   ! Kinds of gaps between two cells; the first four with their signs.
@@ -67,107 +65,92 @@ module asperity_text_map
 
 contains
 
-  ! Long: four arguments say how spacing and unit of the scene or command line are used.
-  !> Reads a map. `failure` is allocated when there is no memory for it.
-  subroutine read_text_map(file, pixel_spacing, unit, option, shared, progress, map, problems, &
-    failure)
-    type(line_reader), intent(inout) :: file               !! file that is open
-    real(real64), intent(in) :: pixel_spacing(2)            !! of a matrix; 0 when not given
-    integer, intent(in) :: unit  !! which of `length_units` lengths without a unit have; 0: none
-    character(len=*), intent(in) :: option                  !! that gives it, for messages
-    logical, intent(in) :: shared                           !! not for a map that has its own
-    logical, intent(in) :: progress                         !! report the progress
-    type(height_map), intent(inout) :: map                  !! gets the pixels
-    type(problem_list), intent(inout) :: problems           !! what is wrong
-    character(len=:), allocatable, intent(out) :: failure   !! why there is no memory for it
+  !> Reads a map, unless there is no memory for it.
+  subroutine read_text_map(file, request, map)
+    type(line_reader), intent(inout) :: file   !! open; gets what is wrong
+    type(map_request), intent(in) :: request   !! what is given beside the map
+    type(height_map), intent(inout) :: map     !! gets the pixels
     type(text_layout) :: layout
-    logical :: given, points
+    logical :: given, has_own, points
 
-    call find_layout(file, layout, problems, map%notes)
-    if (problems%count() > 0) return
+    call find_layout(file, layout, map%notes)
+    if (file%problems%count() > 0) return
     if (layout%first_line == 0) then
-      call problems%add_at(1, 1, 'found no pixel, expected a matrix of heights')
+      call file%problems%add_at(1, 1, 'found no pixel, expected a matrix of heights')
       return
     end if
-    given = all(pixel_spacing > 0.0_real64) .and. .not. (shared .and. has_own(layout))
+    has_own = layout%names_line > 0 .or. layout%has_spacing()
+    map%pixel_spacing = request%pixel_spacing
+    given = all(map%pixel_spacing > 0.0_real64) .and. .not. (request%shared .and. has_own)
     if (given .and. layout%names_line > 0) then
-      call problems%add_at(layout%names_line, 1, option // ' given, but x,y,z lines have ' // &
-                           'their own, expected none')
-      return
+      call file%problems%add_at(layout%names_line, 1, request%option // ' given, but x,y,z ' // &
+                                'lines have their own, expected none')
     else if (given .and. all(layout%pixel_spacing > 0.0_real64) .and. &
-             any(abs(pixel_spacing - layout%pixel_spacing) > 1.0e-6_real64 * pixel_spacing)) then
-      call problems%add_in_file(option // ' contradicts the spacing of the map in its header, ' // &
-                                'expected the same, or none')
-      return
+             any(abs(map%pixel_spacing - layout%pixel_spacing) > &
+                 1.0e-6_real64 * map%pixel_spacing)) then
+      call file%problems%add_in_file(request%option // ' contradicts the spacing of the map in ' &
+                                     // 'its header, expected the same, or none')
     end if
-    points = .not. given .and. (layout%names_line > 0 .or. .not. has_own(layout))
-    map%pixel_spacing = pixel_spacing
+    if (file%problems%count() > 0) return
+    points = .not. given .and. (layout%names_line > 0 .or. .not. has_own)
     if (.not. points) then
-      call read_matrix(file, layout, progress, map, problems, failure)
-      if (problems%count() > 0 .or. allocated(failure)) return
+      call read_matrix(file, layout, request%progress, map)
+      if (file%is_refused()) return
       if (.not. given) then
         map%pixel_spacing = layout%pixel_spacing
         if (.not. all(map%pixel_spacing > 0.0_real64)) &
           map%pixel_spacing = layout%extent / real([map%columns, map%rows], real64)
       else if (all(layout%stated == 0) .and. is_list_of_points(map%height)) then
-        if (.not. shared) then
-          call problems%add_at(layout%first_line, 1, option // ' given, but the first two ' // &
-               'columns are places on a grid: x,y,z lines have their own spacing, expected none')
+        if (.not. request%shared) then
+          call file%problems%add_at(layout%first_line, 1, request%option // ' given, but the ' // &
+               'first two columns are places on a grid: x,y,z lines have their own spacing, ' // &
+               'expected none')
           return
         end if
         deallocate (map%height)
         points = .true.
       end if
     end if
-    if (points) call read_points(file, layout, option, progress, map, problems, failure)
+    if (points) call read_points(file, layout, request, map)
     map%own_spacing = points .or. .not. given
-    if (problems%count() > 0 .or. allocated(failure)) return
-    if (given .and. any(layout%extent > 0.0_real64)) call compare_extent()
-    if (problems%count() == 0) &
-      call set_unit(layout, unit, option(:len(option) - len('spacing')) // 'unit', map, problems)
-
-  contains
-
-    ! The spacing that is given, in one of the units of length, must be that of the header.
-    subroutine compare_extent()
-      real(real64) :: width
-      integer :: i, k
-      logical :: same(2)
-
-      do k = 1, size(length_units)
-        same = .true.
-        do i = 1, 2
-          if (layout%extent(i) <= 0.0_real64) cycle
-          width = pixel_spacing(i) * size(map%height, i) / unit_ratio(layout%unit(i), k)
-          same(i) = abs(width - layout%extent(i)) <= layout%extent_error(i) + &
-                                                     1.0e-6_real64 * layout%extent(i)
-        end do
-        if (all(same)) layout%unit(:2) = length_units(k)
-        if (all(same)) return
-      end do
-      call problems%add_in_file(option // ' contradicts the width or height of the map in its ' // &
-                                'header, found another one in every unit of length, expected ' // &
-                                'the same, or none')
-    end subroutine compare_extent
-
+    if (file%is_refused()) return
+    if (given .and. any(layout%extent > 0.0_real64)) call compare_extent(file, layout, request, map)
+    if (file%problems%count() == 0) call set_unit(file, layout, request, map)
   end subroutine read_text_map
 
-  ! Whether the spacing follows from the file alone.
-  pure logical function has_own(layout)
-    type(text_layout), intent(in) :: layout
+  ! The spacing that is given, in one of the units of length, must be that of the header.
+  subroutine compare_extent(file, layout, request, map)
+    type(line_reader), intent(inout) :: file
+    type(text_layout), intent(inout) :: layout
+    type(map_request), intent(in) :: request
+    type(height_map), intent(in) :: map
+    real(real64) :: width
+    integer :: i, k
+    logical :: same(2)
 
-    has_own = layout%names_line > 0 .or. layout%has_spacing()
-  end function has_own
+    do k = 1, size(length_units)
+      same = .true.
+      do i = 1, 2
+        if (layout%extent(i) <= 0.0_real64) cycle
+        width = request%pixel_spacing(i) * size(map%height, i) / unit_ratio(layout%unit(i), k)
+        same(i) = abs(width - layout%extent(i)) <= layout%extent_error(i) + &
+                                                   1.0e-6_real64 * layout%extent(i)
+      end do
+      if (all(same)) layout%unit(:2) = length_units(k)
+      if (all(same)) return
+    end do
+    call file%problems%add_in_file(request%option // ' contradicts the width or height of the ' // &
+         'map in its header, found another one in every unit of length, expected the same, or none')
+  end subroutine compare_extent
 
   ! The unit of the map: that of all lengths, or metres where each has one of its own. Where the
   ! header has that of the heights alone, or of x and y alone, the others are in the unit that is
   ! named for the map.
-  subroutine set_unit(layout, unit, option, map, problems)
+  subroutine set_unit(file, layout, request, map)
+    type(line_reader), intent(inout) :: file
     type(text_layout), intent(in) :: layout
-    integer, intent(in) :: unit  ! which of `length_units`; 0: none is named
-    character(len=*), intent(in) :: option
+    type(map_request), intent(in) :: request
     type(height_map), intent(inout) :: map
-    type(problem_list), intent(inout) :: problems
     character(len=:), allocatable :: found
     integer :: i, numbers(3)
 
@@ -179,23 +162,23 @@ contains
     if (found == '') return
     found = found(3:)
     numbers = [(unit_number(layout%unit(i)), i=1, 3)]
-    where (layout%unit == '') numbers = unit
+    where (layout%unit == '') numbers = request%unit
     if (all(layout%unit == layout%unit(1)) .and. numbers(1) == 0) then
       call map%notes%add_in_file('note: units of its header: ' // found // '; not used, as they ' &
-                                 // 'are none of ' // known_units // ': lengths are taken as ' // &
-                                 'they are')
+           // 'are none of ' // known_units // ': lengths are taken as they are')
     else if (any(numbers == 0)) then
-      call problems%add_in_file('units of its header: found ' // found // ', expected one of ' // &
-                                known_units // ' for each of x, y and z, or ' // option)
+      call file%problems%add_in_file('units of its header: found ' // found // ', expected ' // &
+           'one of ' // known_units // ' for each of x, y and z, or ' // &
+           request%option(:len(request%option) - len('spacing')) // 'unit')
     else if (all(numbers == numbers(1))) then
       map%unit = trim(length_units(numbers(1)))
     else
+      map%unit = trim(length_units(numbers(3)))
       do i = 1, 2
         map%pixel_spacing(i) = map%pixel_spacing(i) * unit_ratio(length_units(numbers(i)), 1) / &
-                         unit_ratio(length_units(numbers(3)), 1)
+                               unit_ratio(map%unit, 1)
       end do
-      map%unit = trim(length_units(numbers(3)))
-      call change_unit(map, merge(unit, 1, unit > 0))
+      call change_unit(map, max(1, request%unit))
       call map%notes%add_in_file('note: units of its header: ' // found // '; lengths are in ' // &
                                  map%unit)
     end if
@@ -247,109 +230,107 @@ contains
     end do
   end subroutine count_levels
 
-  ! Long: both ways to read a profile share the place in the file.
   ! Reads a matrix, a profile a line, or the pixels of a grid whose header states their number.
-  subroutine read_matrix(file, layout, progress, map, problems, failure)
+  subroutine read_matrix(file, layout, progress, map)
     type(line_reader), intent(inout) :: file
     type(text_layout), intent(in) :: layout
     logical, intent(in) :: progress
     type(height_map), intent(inout) :: map
-    type(problem_list), intent(inout) :: problems
-    character(len=:), allocatable, intent(out) :: failure
-    type(line_cells) :: cells
+    character(len=:), allocatable :: word
     type(progress_line) :: shown
     integer :: power, profile
 
-    call check_layout(file, layout, map, problems)
-    if (problems%count() > 0) return
-    call make_room(map, failure)
-    if (allocated(failure)) return
+    call check_layout(file, layout, map)
+    if (file%problems%count() > 0) return
+    call make_room(map, file%lack)
+    if (allocated(file%lack)) return
     call shown%begin(progress, 'profiles read', map%rows, 0)
     call file%begin_text(layout%first_line)
-    cells = layout%cells
     power = no_power
     do profile = 1, map%rows
       if (all(layout%stated > 0)) then
-        call read_stated(merge(map%rows - profile + 1, profile, layout%from_top))
+        call read_stated(file, layout, map, &
+                         merge(map%rows - profile + 1, profile, layout%from_top), power)
       else
-        call read_line(profile)
+        call read_profile(file, map%height(:, profile), power)
       end if
-      if (cells%cell_count == 0) exit
+      if (file%cells%cell_count == 0) exit
       call shown%reach(profile)
     end do
     call shown%finish()
     map%digit = digit_of(power)
     ! Faults in most lines: the file is of another kind, which is one mistake.
-    call problems%shorten(map%rows)
-    if (problems%count() > 0) return
+    call file%problems%shorten(map%rows)
+    if (file%problems%count() > 0) return
     if (all(layout%stated > 0)) then
-      call file%next_word(cells, failure)
-      if (failure /= '') &
-        call problems%add_at(cells%line, column_of(cells, cells%word), 'found ' // &
-                             in_quotes(failure) // ' behind ' // decimal_text(map%columns) // &
-                             ' x ' // decimal_text(map%rows) // ' pixels, expected none')
-      deallocate (failure)
+      call file%next_word(word)
+      if (word /= '') call file%refuse_cell(file%cells%word, 'found ' // in_quotes(word) // &
+        ' behind ' // decimal_text(map%columns) // ' x ' // decimal_text(map%rows) // &
+        ' pixels, expected none')
     else
-      call check_axes(map, layout, problems)
+      call check_axes(file, map, layout%first_line)
     end if
-
-  contains
-
-    ! Reads a line as a profile.
-    subroutine read_line(row)
-      integer, intent(in) :: row
-      integer :: i
-      logical :: good
-
-      call file%next_cells(cells)
-      if (cells%missing > 0) &
-        call problems%add_at(cells%line, column_of(cells, min(cells%missing, cells%cell_count)), &
-                             'an empty cell ' // merge('before', 'behind', &
-                             cells%missing <= cells%cell_count) // ' this one, expected ' // &
-                             expected_cell)
-      do i = 1, min(cells%cell_count, map%columns)
-        call read_cell(file, cells, i, .false., map%height(i, row), good, power, problems)
-      end do
-      if (cells%cell_count /= map%columns) &
-        call problems%add_at(cells%line, cells%last(cells%cell_count) - cells%start + 2, &
-                             'found ' // decimal_text(cells%cell_count) // ' pixels, expected ' // &
-                             decimal_text(map%columns) // ' as in the first profile')
-    end subroutine read_line
-
-    ! Reads a profile wherever its lines end. A missing height need not be one that is accepted.
-    subroutine read_stated(row)
-      integer, intent(in) :: row
-      character(len=:), allocatable :: word
-      integer :: i, any_power
-      logical :: good
-
-      do i = 1, map%columns
-        call file%next_word(cells, word)
-        if (cells%cell_count == 0) then
-          call problems%add_at(cells%line, column_of(cells, 1), 'the pixels end, expected ' // &
-                               decimal_text(map%columns) // ' x ' // decimal_text(map%rows))
-          return
-        end if
-        any_power = power
-        call read_height(word, map%height(i, row), good, any_power)
-        if (good .and. map%height(i, row) >= layout%missing(1) .and. &
-            map%height(i, row) <= layout%missing(2)) then
-          map%height(i, row) = no_height
-        else
-          call read_cell(file, cells, cells%word, .false., map%height(i, row), good, power, &
-                         problems)
-        end if
-      end do
-    end subroutine read_stated
-
   end subroutine read_matrix
 
-  ! Sets the size of a matrix, unless its lines are none of one.
-  subroutine check_layout(file, layout, map, problems)
-    type(line_reader), intent(in) :: file
+  ! Reads a line as a profile.
+  subroutine read_profile(file, heights, power)
+    type(line_reader), intent(inout) :: file
+    real(real64), intent(out) :: heights(:)
+    integer, intent(inout) :: power  ! of the last digit of the heights
+    integer :: i
+    logical :: good
+
+    call file%next_cells()
+    associate (cells => file%cells)
+      if (cells%missing > 0) &
+        call file%refuse_cell(min(cells%missing, cells%cell_count), 'an empty cell ' // &
+             merge('before', 'behind', cells%missing <= cells%cell_count) // ' this one, ' // &
+             'expected ' // expected_cell)
+      do i = 1, min(cells%cell_count, size(heights))
+        call read_cell(file, i, .false., heights(i), good, power)
+      end do
+      if (cells%cell_count /= size(heights)) &
+        call file%problems%add_at(cells%line, cells%last(cells%cell_count) - cells%start + 2, &
+                                  'found ' // decimal_text(cells%cell_count) // &
+                                  ' pixels, expected ' // decimal_text(size(heights)) // &
+                                  ' as in the first profile')
+    end associate
+  end subroutine read_profile
+
+  ! Reads a profile wherever its lines end. A missing height need not be one that is accepted.
+  subroutine read_stated(file, layout, map, row, power)
+    type(line_reader), intent(inout) :: file
     type(text_layout), intent(in) :: layout
     type(height_map), intent(inout) :: map
-    type(problem_list), intent(inout) :: problems
+    integer, intent(in) :: row
+    integer, intent(inout) :: power  ! of the last digit of the heights
+    character(len=:), allocatable :: word
+    integer :: i, any_power
+    logical :: good
+
+    do i = 1, map%columns
+      call file%next_word(word)
+      if (word == '') then
+        call file%refuse_cell(1, 'the pixels end, expected ' // decimal_text(map%columns) // &
+                              ' x ' // decimal_text(map%rows))
+        return
+      end if
+      any_power = power
+      call read_height(word, map%height(i, row), good, any_power)
+      if (good .and. map%height(i, row) >= layout%missing(1) .and. &
+          map%height(i, row) <= layout%missing(2)) then
+        map%height(i, row) = no_height
+      else
+        call read_cell(file, file%cells%word, .false., map%height(i, row), good, power)
+      end if
+    end do
+  end subroutine read_stated
+
+  ! Sets the size of a matrix, unless its lines are none of one.
+  subroutine check_layout(file, layout, map)
+    type(line_reader), intent(inout) :: file
+    type(text_layout), intent(in) :: layout
+    type(height_map), intent(inout) :: map
     integer(int64) :: sides(2)
     logical :: stated
 
@@ -357,22 +338,21 @@ contains
     sides = [int(layout%columns, int64), layout%lines]
     if (stated) sides = layout%stated
     if (any(sides > most_samples) .or. product(min(sides, most_samples)) > most_samples) then
-      call problems%add_in_file('found more than ' // decimal_text(most_samples) // &
-                                ' pixels, expected at most so many')
+      call file%problems%add_in_file('found more than ' // decimal_text(most_samples) // &
+                                     ' pixels, expected at most so many')
     else if (layout%gap_line > 0 .and. .not. stated) then
-      call problems%add_at(layout%gap_line, 1, 'found an empty line or a comment between ' // &
-                           'profiles, expected one block: take the line out, or make a file ' // &
-                           'of each block')
-    else if (.not. (stated .or. layout%cells%decimal_comma) .and. &
+      call file%problems%add_at(layout%gap_line, 1, 'found an empty line or a comment between ' // &
+           'profiles, expected one block: take the line out, or make a file of each block')
+    else if (.not. (stated .or. file%cells%decimal_comma) .and. &
              layout%columns /= layout%second .and. &
              layout%like_second > max(1_int64, layout%lines / 2_int64)) then
-      call problems%add_at(layout%first_line, 1, 'found ' // decimal_text(layout%columns) // &
-                           ' cells before lines of ' // decimal_text(layout%second) // &
-                           ', expected heights alone: take the line out')
+      call file%problems%add_at(layout%first_line, 1, 'found ' // decimal_text(layout%columns) // &
+           ' cells before lines of ' // decimal_text(layout%second) // &
+           ', expected heights alone: take the line out')
     else if (stated .and. file%count_bytes() < 2_int64 * product(sides)) then
-      call problems%add_in_file('found ' // decimal_text(file%count_bytes()) // ' bytes, ' // &
-                                'expected ' // decimal_text(sides(1)) // ' x ' // &
-                                decimal_text(sides(2)) // ' pixels as in the header')
+      call file%problems%add_in_file('found ' // decimal_text(file%count_bytes()) // ' bytes, ' // &
+           'expected ' // decimal_text(sides(1)) // ' x ' // decimal_text(sides(2)) // &
+           ' pixels as in the header')
     else
       map%columns = int(sides(1))
       map%rows = int(sides(2))
@@ -381,10 +361,10 @@ contains
 
   ! A first line, or column, of equal steps over heights that have none numbers the columns or
   ! names their places. Whole numbers from 0 or 1 before other heights are surely no profile.
-  subroutine check_axes(map, layout, problems)
+  subroutine check_axes(file, map, line)
+    type(line_reader), intent(inout) :: file
     type(height_map), intent(inout) :: map
-    type(text_layout), intent(in) :: layout
-    type(problem_list), intent(inout) :: problems
+    integer, intent(in) :: line  ! the first of the matrix
 
     if (min(map%columns, map%rows) < 4) return
     call check_axis('line', map%height(:, 1), map%height(:, 2))
@@ -398,17 +378,17 @@ contains
       character(len=:), allocatable :: found
 
       if (.not. has_equal_steps(axis(2:)) .or. has_equal_steps(next(2:))) return
-      found = 'equal steps in the first ' // name // ' (' // real_text(axis(2), 'f0.3') // ', ' // &
-              real_text(axis(3), 'f0.3') // ', ...)'
+      found = 'equal steps in the first ' // name // ' (' // real_text(axis(2), 'f0.3') // &
+              ', ' // real_text(axis(3), 'f0.3') // ', ...)'
       if (abs(axis(2) - axis(1) - 1.0_real64) <= 0.0_real64 .and. &
           any(abs(axis(1) - [0, 1]) <= 0.0_real64) .and. &
           any(abs(next(2:) - anint(next(2:))) > 0.0_real64)) then
-        call problems%add_at(layout%first_line, 1, 'found ' // found // ', which are numbers of ' &
-                             // 'columns or rows, expected heights: take them out, in pandas ' // &
-                             'with to_csv(header=False, index=False)')
+        call file%problems%add_at(line, 1, 'found ' // found // ', which are numbers of ' // &
+             'columns or rows, expected heights: take them out, in pandas with ' // &
+             'to_csv(header=False, index=False)')
       else
-        call map%notes%add_at(layout%first_line, 1, 'note: ' // found // ' are taken as ' // &
-                              'heights: take them out if they are places or numbers')
+        call map%notes%add_at(line, 1, 'note: ' // found // ' are taken as heights: take ' // &
+                              'them out if they are places or numbers')
       end if
     end subroutine check_axis
 
@@ -429,15 +409,11 @@ contains
   end function has_equal_steps
 
   ! Reads `x,y,z` lines, in any order.
-  subroutine read_points(file, layout, option, progress, map, problems, failure)
+  subroutine read_points(file, layout, request, map)
     type(line_reader), intent(inout) :: file
     type(text_layout), intent(in) :: layout
-    character(len=*), intent(in) :: option
-    logical, intent(in) :: progress
+    type(map_request), intent(in) :: request
     type(height_map), intent(inout) :: map
-    type(problem_list), intent(inout) :: problems
-    character(len=:), allocatable, intent(out) :: failure
-    type(line_cells) :: cells
     type(extent) :: along(2)
     type(progress_line) :: shown
     real(real64) :: values(3)
@@ -448,20 +424,19 @@ contains
     lines = 0_int64
     power = no_power
     call file%begin_text(layout%first_line)
-    cells = layout%cells
     do
-      call next_point(file, layout, option, cells, values, good, power, problems)
-      if (cells%cell_count == 0) exit
+      call next_point(file, layout, request%option, values, good, power)
+      if (file%cells%cell_count == 0) exit
       ! Where the first line is none the file is of another kind: that is one mistake, not many.
-      if (cells%cell_count /= layout%cell_count .and. lines == 0_int64) return
+      if (file%cells%cell_count /= layout%cell_count .and. lines == 0_int64) return
       if (.not. good) cycle
       lines = lines + 1_int64
       do i = 1, 2
         call take_coordinate(values(i), along(i))
       end do
     end do
-    if (layout%names_line == 0) call problems%shorten(int(min(layout%lines, most_samples)))
-    if (problems%count() > 0) return
+    if (layout%names_line == 0) call file%problems%shorten(int(min(layout%lines, most_samples)))
+    if (file%problems%count() > 0) return
     map%columns = int(min(along(2)%sharing, most_samples))
     map%rows = int(min(along(1)%sharing, most_samples))
     grid = lines > 0_int64 .and. int(map%columns, int64) * map%rows == lines .and. &
@@ -471,37 +446,33 @@ contains
       grid = all(is_length(map%pixel_spacing)) .and. lines <= most_samples
     end if
     if (.not. grid) then
-      call problems%add_at(cells%line, column_of(cells, 1), 'found ' // decimal_text(lines) // &
-                           ' lines x,y,z, of them ' // decimal_text(along(2)%sharing) // &
-                           ' with the least y and ' // decimal_text(along(1)%sharing) // &
-                           ' with the least x, expected a full regular grid')
+      call file%refuse_cell(1, 'found ' // decimal_text(lines) // ' lines x,y,z, of them ' // &
+                            decimal_text(along(2)%sharing) // ' with the least y and ' // &
+                            decimal_text(along(1)%sharing) // ' with the least x, expected a ' // &
+                            'full regular grid')
       return
     end if
-    call make_room(map, failure)
-    if (allocated(failure)) return
+    call make_room(map, file%lack)
+    if (allocated(file%lack)) return
     ! Every sample is there once when none is there twice. So high no height is.
     map%height(:, :) = huge(1.0_real64)
-    call shown%begin(progress, 'lines read', int(lines), 0)
+    call shown%begin(request%progress, 'lines read', int(lines), 0)
     call file%begin_text(layout%first_line)
     do done = 1_int64, lines
-      call next_point(file, layout, option, cells, values, good, power, problems)
-      do i = 1, 2
-        place(i) = 1 + nint((values(i) - along(i)%first) / map%pixel_spacing(i))
-        if (abs(values(i) - along(i)%first - (place(i) - 1) * map%pixel_spacing(i)) > &
-            most_off * map%pixel_spacing(i)) good = .false.
-        if (good) cycle
-        call problems%add_at(cells%line, column_of(cells, layout%place(i)), 'found ' // &
-                             in_quotes(file%cell_text(cells, layout%place(i))) // &
-                             ', expected a ' // &
-                             merge('column', 'row   ', i == 1) // ' of a regular grid of ' // &
-                             decimal_text(map%columns) // ' x ' // decimal_text(map%rows))
-        exit
-      end do
-      if (.not. good) cycle
+      call next_point(file, layout, request%option, values, good, power)
+      place = 1 + nint((values(:2) - along%first) / map%pixel_spacing)
+      i = findloc(abs(values(:2) - along%first - (place - 1) * map%pixel_spacing) > &
+                  most_off * map%pixel_spacing, .true., 1)
+      if (i > 0) then
+        call file%refuse_cell(layout%place(i), 'found ' // &
+                              in_quotes(file%cell_text(layout%place(i))) // ', expected a ' // &
+                              merge('column', 'row   ', i == 1) // ' of a regular grid of ' &
+                              // decimal_text(map%columns) // ' x ' // decimal_text(map%rows))
+        cycle
+      end if
       if (map%height(place(1), place(2)) < 0.5_real64 * huge(1.0_real64)) &
-        call problems%add_at(cells%line, column_of(cells, 1), 'found a pixel of column ' // &
-                             decimal_text(place(1)) // ', row ' // decimal_text(place(2)) // &
-                             ' for the second time, expected it once')
+        call file%refuse_cell(1, 'found a pixel of column ' // decimal_text(place(1)) // ', row ' &
+                              // decimal_text(place(2)) // ' for the second time, expected it once')
       map%height(place(1), place(2)) = values(3)
       call shown%reach(int(done))
     end do
@@ -510,34 +481,31 @@ contains
   end subroutine read_points
 
   ! Reads the next line of three cells; there is none at the end of the file.
-  subroutine next_point(file, layout, option, cells, values, good, power, problems)
+  subroutine next_point(file, layout, option, values, good, power)
     type(line_reader), intent(inout) :: file
     type(text_layout), intent(in) :: layout
     character(len=*), intent(in) :: option
-    type(line_cells), intent(inout) :: cells
     real(real64), intent(out) :: values(3)
     logical, intent(out) :: good
     integer, intent(inout) :: power  ! of the last digit of the heights
-    type(problem_list), intent(inout) :: problems
     character(len=:), allocatable :: expected
     integer :: i, any_power
 
     values = 0.0_real64
     good = .true.
-    call file%next_cells(cells)
-    if (cells%cell_count == 0) return
-    if (cells%cell_count /= layout%cell_count .or. cells%missing > 0) then
+    call file%next_cells()
+    if (file%cells%cell_count == 0) return
+    if (file%cells%cell_count /= layout%cell_count .or. file%cells%missing > 0) then
       good = .false.
       expected = option // ' along x and y for a matrix of heights, or three: x,y,z'
       if (layout%names_line > 0) expected = decimal_text(layout%cell_count) // ' as there are names'
-      call problems%add_at(cells%line, column_of(cells, 1), 'found ' // &
-                           decimal_text(cells%cell_count) // &
-                           ' cells or an empty one, expected ' // expected)
+      call file%refuse_cell(1, 'found ' // decimal_text(file%cells%cell_count) // &
+                            ' cells or an empty one, expected ' // expected)
       return
     end if
     do i = 1, 3
       any_power = no_power
-      call read_cell(file, cells, layout%place(i), i < 3, values(i), good, any_power, problems)
+      call read_cell(file, layout%place(i), i < 3, values(i), good, any_power)
       if (i == 3) power = min(power, any_power)
       if (.not. good) return
     end do
@@ -560,63 +528,61 @@ contains
   end subroutine take_coordinate
 
   ! Reads a cell of a line as a height, which is no missing one where it must be measured.
-  subroutine read_cell(file, cells, i, must_be_measured, height, good, power, problems)
-    type(line_reader), intent(in) :: file
-    type(line_cells), intent(in) :: cells
+  subroutine read_cell(file, i, must_be_measured, height, good, power)
+    type(line_reader), intent(inout) :: file
     integer, intent(in) :: i
     logical, intent(in) :: must_be_measured
     real(real64), intent(out) :: height
     logical, intent(out) :: good
     integer, intent(inout) :: power
-    type(problem_list), intent(inout) :: problems
     character(len=:), allocatable :: text
     integer :: comma
 
-    if (cells%decimal_comma) then
-      text = file%cell_text(cells, i)
+    if (file%cells%decimal_comma) then
+      text = file%cell_text(i)
       comma = index(text, ',')
       if (comma > 0) text(comma:comma) = '.'
       call read_height(text, height, good, power)
     else
-      call read_height(file%lines(cells%first(i):cells%last(i)), height, good, power)
+      call read_height(file%lines(file%cells%first(i):file%cells%last(i)), height, good, power)
     end if
-    if (is_measured(height)) then
-      good = good .and. abs(height) <= highest
-    else
-      good = good .and. .not. must_be_measured
-    end if
-    if (.not. good) call problems%add_at(cells%line, column_of(cells, i), 'found ' // &
-                                         in_quotes(file%cell_text(cells, i)) // ', expected ' // &
-                                         expected_cell)
+    good = good .and. merge(abs(height) <= highest, .not. must_be_measured, is_measured(height))
+    if (.not. good) call file%refuse_cell(i, 'found ' // in_quotes(file%cell_text(i)) // &
+                                          ', expected ' // expected_cell)
   end subroutine read_cell
 
   ! Finds the layout. What is not understood of the header is noted.
-  subroutine find_layout(file, layout, problems, notes)
+  subroutine find_layout(file, layout, notes)
     type(line_reader), intent(inout) :: file
     type(text_layout), intent(out) :: layout
-    type(problem_list), intent(inout) :: problems, notes
+    type(problem_list), intent(inout) :: notes
     type(cell_counts) :: counts
     character(len=:), allocatable :: head, text
 
     call file%begin_text(1)
     call file%take(head_length, head)
-    call read_header(head, layout%text_header, text, problems, notes)
+    layout%problems = file%problems
+    layout%notes = notes
+    call read_header(head, layout%text_header, text)
+    file%problems = layout%problems
+    notes = layout%notes
     if (layout%first_line == 0) return
     if (is_surface_header(text)) then
-      call problems%add_at(layout%first_line, 1, 'found a surface: name it in &surfaces of a ' // &
-                           'scene; expected a height map, with z for height if this is one')
+      call file%problems%add_at(layout%first_line, 1, 'found a surface: name it in &surfaces ' // &
+           'of a scene; expected a height map, with z for height if this is one')
     else if (.not. has_number(text)) then
-      call problems%add_at(layout%first_line, 1, 'found ' // in_quotes(text) // ', expected ' // &
-                           'heights, or the names x, y and z of columns')
+      call file%problems%add_at(layout%first_line, 1, 'found ' // in_quotes(text) // &
+                                ', expected heights, or the names x, y and z of columns')
     else if (any(layout%stated > 0) .and. &
              .not. all(layout%stated > 0 .and. layout%has_spacing())) then
-      call problems%add_at(layout%first_line, 1, 'the header of a grid ends here, expected ' // &
-                           'ncols, nrows and cellsize in it')
+      call file%problems%add_at(layout%first_line, 1, 'the header of a grid ends here, expected ' &
+                                // 'ncols, nrows and cellsize in it')
     end if
-    if (problems%count() > 0) return
+    if (file%problems%count() > 0) return
     call file%begin_text(layout%first_line)
-    call count_cells(file, layout, counts, problems)
-    call choose_separator(layout, counts, problems, notes)
+    call count_cells(file, layout, counts)
+    file%cells = line_cells(' ', '#%', '#', .false.)
+    call choose_separator(file, layout, counts, notes)
   end subroutine find_layout
 
   ! Whether one of the cells of a line is a number, or a word for a height.
@@ -632,11 +598,10 @@ contains
   end function has_number
 
   ! Long: procedures share the cells of a line. Counts lines, cells and what stands between them.
-  subroutine count_cells(file, layout, counts, problems)
+  subroutine count_cells(file, layout, counts)
     type(line_reader), intent(inout) :: file
     type(text_layout), intent(inout) :: layout
     type(cell_counts), intent(out) :: counts
-    type(problem_list), intent(inout) :: problems
     integer :: line, first, last, at, length, cells, gap_line, digits_before
     logical :: is_fraction, zero_before, digit_before
 
@@ -747,8 +712,8 @@ contains
         return
       end if
       if (cells == 0) &
-        call problems%add_at(line, 1, 'found a line of empty cells, expected heights, or NaN ' // &
-                             'for a missing one')
+        call file%problems%add_at(line, 1, 'found a line of empty cells, expected heights, or ' // &
+                                  'NaN for a missing one')
       if (layout%gap_line == 0) layout%gap_line = gap_line
       layout%lines = layout%lines + 1_int64
       if (layout%lines > 1_int64 .and. cells == layout%second) &
@@ -761,56 +726,51 @@ contains
   end subroutine count_cells
 
   ! Chooses the separator of cells from what stands between them, unless there are two choices.
-  subroutine choose_separator(layout, counts, problems, notes)
+  subroutine choose_separator(file, layout, counts, notes)
+    type(line_reader), intent(inout) :: file
     type(text_layout), intent(inout) :: layout
     type(cell_counts), intent(in) :: counts
-    type(problem_list), intent(inout) :: problems, notes
+    type(problem_list), intent(inout) :: notes
     logical :: used(5)
-    integer :: i, first, second, separator
+    integer :: i, first, second
 
     used = counts%gaps > 0_int64
     first = findloc(used(:a_semicolon), .true., 1)
     if (used(a_decimal_comma) .and. count(used) == 2 .and. .not. used(a_comma) .and. &
         .not. (counts%point .or. counts%two_commas)) then
-      layout%cells%decimal_comma = .true.
-      layout%cells%separator = separators(first:first)
+      file%cells%decimal_comma = .true.
       if (.not. counts%surely_decimal) &
-        call refuse_gaps([a_decimal_comma], &
-                    'found a comma before three digits in every number with ' &
-                    // 'one: thousands or decimals')
+        call refuse_gaps([a_decimal_comma], 'found a comma before three digits in every ' // &
+             'number with one: thousands or decimals')
     else
       layout%columns = layout%columns + counts%commas
       used(a_comma) = used(a_comma) .or. used(a_decimal_comma)
       first = max(1, findloc(used(:a_semicolon), .true., 1))
       second = max(1, findloc(used(:a_semicolon), .true., 1, back=.true.))
-      layout%cells%separator = separators(first:first)
       if (first /= second) then
         call refuse_gaps([first, second, a_decimal_comma], 'found ' // trim(gap_names(first)) // &
-                    ' and ' // trim(gap_names(second)) // ' between cells')
-      else if (used(a_decimal_comma) .and. .not. counts%point) then
-        if (counts%spaced_comma) then
-          call refuse_gaps([a_comma, a_decimal_comma], &
-                      'found commas with and without a blank, and ' // &
-                      'no point in the file: separators or decimals')
-        else if (modulo(layout%columns, 2) == 0) then
-          if (may_be_decimals(counts)) &
-            call refuse_gaps([a_decimal_comma], &
-                        'found commas alone, no point in the file, and ' // &
-                        'second numbers of a pair that look like decimals of the first')
-          if (problems%count() == 0) &
-            call notes%add_at(counts%line(a_decimal_comma), counts%column(a_decimal_comma), &
-                              'note: commas without a decimal point in the file are taken as ' // &
-                              'separators of whole numbers')
-        end if
+                         ' and ' // trim(gap_names(second)) // ' between cells')
+      else if (used(a_decimal_comma) .and. .not. counts%point .and. counts%spaced_comma) then
+        call refuse_gaps([a_comma, a_decimal_comma], 'found commas with and without a blank, and ' &
+                         // 'no point in the file: separators or decimals')
+      else if (used(a_decimal_comma) .and. .not. counts%point .and. &
+               modulo(layout%columns, 2) == 0) then
+        if (may_be_decimals(counts)) &
+          call refuse_gaps([a_decimal_comma], 'found commas alone, no point in the file, and ' // &
+                           'second numbers of a pair that look like decimals of the first')
+        if (file%problems%count() == 0) &
+          call notes%add_at(counts%line(a_decimal_comma), counts%column(a_decimal_comma), &
+                            'note: commas without a decimal point in the file are taken as ' // &
+                            'separators of whole numbers')
       end if
     end if
-    separator = index(separators, layout%cells%separator)
+    file%cells%separator = separators(first:first)
     do i = a_tab, a_semicolon
-      if (counts%ended(i) == 0_int64 .or. (i == a_tab .and. i /= separator) .or. &
-          (i == separator .and. counts%ended(i) == layout%lines)) cycle
-      call problems%add_in_file('found ' // decimal_text(counts%ended(i)) // ' of ' // &
-                                decimal_text(layout%lines) // ' lines that end with ' // &
-                                trim(gap_names(i)) // ', expected all, between cells too, or none')
+      if (counts%ended(i) == 0_int64 .or. (i == a_tab .and. i /= first) .or. &
+          (i == first .and. counts%ended(i) == layout%lines)) cycle
+      call file%problems%add_in_file('found ' // decimal_text(counts%ended(i)) // ' of ' // &
+           decimal_text(layout%lines) // ' lines that end with ' // trim(gap_names(i)) // &
+           ', expected all, between cells too, or none')
     end do
 
   contains
@@ -827,8 +787,8 @@ contains
             (counts%line(kinds(k)) == counts%line(place) .and. &
              counts%column(kinds(k)) > counts%column(place))) place = kinds(k)
       end do
-      call problems%add_at(counts%line(place), counts%column(place), found // ', expected ' // &
-                           'decimal points and one separator, for instance blanks')
+      call file%problems%add_at(counts%line(place), counts%column(place), found // ', expected ' &
+                                // 'decimal points and one separator, for instance blanks')
     end subroutine refuse_gaps
 
   end subroutine choose_separator

@@ -414,8 +414,7 @@ contains
          'expected comma-separated numbers|'), 'all problems')
   end subroutine test_all_problems
 
-  !> A file of several pieces, which threads may read side by side: places of rows, and lines of
-  !> problems, are those of one piece.
+  !> A long file: places of rows, and lines of problems, stay right to its end.
   subroutine test_long_csv
     integer, parameter :: count = 60000
     type(surface_table) :: table
@@ -435,7 +434,7 @@ contains
       write (row, '(i0, ",", i0, ",-1.", i5.5)') i, -i, i
       call put(trim(row))
     end do
-    call parse_surface_csv('s.csv', text(:at), table, problems)
+    call parse_copy(text(:at), table, problems)
     call check(problems%text(), '', 'problems')
     if (has_failed()) return
     call check(size(table%x), count, 'rows')
@@ -453,7 +452,7 @@ contains
       call put('1,b,1')
     end do
     told = told // 's.csv: and 10 more like that' // new_line('a')
-    call parse_surface_csv('s.csv', text(:at), table, problems)
+    call parse_copy(text(:at), table, problems)
     call check(problems%text(), told, 'problems at the end')
 
   contains
@@ -497,16 +496,27 @@ contains
       type(surface_table) :: table
       type(problem_list) :: problems
 
-      if (present(radius)) then
-        call parse_surface_csv('s.csv', lines(text), table, problems, radius)
-      else
-        call parse_surface_csv('s.csv', lines(text), table, problems)
-      end if
+      call parse_copy(lines(text), table, problems, radius)
       call check(problems%count(), 1, 'problems of ' // text // ': ' // problems%text())
       call check_start(problems, 's.csv:' // where // ': ', fragment)
     end subroutine one
 
   end subroutine test_bad_csv
+
+  ! Parses a copy of a surface's text.
+  subroutine parse_copy(text, table, problems, radius)
+    character(len=*), intent(in) :: text
+    type(surface_table), intent(out) :: table
+    type(problem_list), intent(out) :: problems
+    real(real64), intent(in), optional :: radius  ! where no column gives radii; absent: none
+    character(len=:), allocatable :: copy
+    real(real64) :: common_radius
+
+    common_radius = 0.0_real64
+    if (present(radius)) common_radius = radius
+    copy = text
+    call parse_surface_csv('s.csv', copy, table, problems, common_radius)
+  end subroutine parse_copy
 
   subroutine test_many_problems
     type(surface_table) :: table
@@ -516,8 +526,8 @@ contains
     character(len=*), parameter :: csv_end = 's.csv: and 75 more problems' // new_line('a')
     character(len=*), parameter :: scene_end = place // ': and 4990 more like that' // new_line('a')
 
-    call parse_surface_csv('s.csv', lines('x,y,height|' // repeat('a,1,1|1,a,1|', 2500) // &
-                                          repeat('a,1,1|1,1,a|1,1|', 25)), table, problems)
+    call parse_copy(lines('x,y,height|' // repeat('a,1,1|1,a,1|', 2500) // &
+                          repeat('a,1,1|1,1,a|1,1|', 25)), table, problems)
     text = problems%text()
     call check(problems%count(), 5075, 'problems')
     call check(number_of_lines(text), 5001, 'lines of problems')
