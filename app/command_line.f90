@@ -95,10 +95,10 @@ contains
     do i = 2, size(keeps)
       line%parts(i - 1)%path = line%given(keeps(i))%value
     end do
-    if (line%has('--accuracy') .and. line%output_path('--keep') /= '') &
+    if (line%has('--accuracy') .and. line%has('--keep')) &
       call problems%add('--accuracy solves a sweep by several methods, --keep saves one: ' // &
                         'expected one of both')
-    if (line%output_path('--output') /= '' .and. line%output_path('--upper') /= '') &
+    if (line%has('--output') .and. line%has('--upper')) &
       call problems%add('--output and --upper both name the upper surface, expected one of them')
     if (line%has('--cost') .and. line%has('--budget')) &
       call problems%add('--cost does not estimate --budget, expected one of both')
@@ -153,20 +153,16 @@ contains
       case ('NAME', 'WORD')
         words = pack(entry%words, entry%words /= '')
         given%number = real(findloc(words == plain_unit(given%value), .true., 1), real64)
-        good = given%number > 0.0_real64
         expected = any_of(words) // did_you_mean(given%value, words)
       case ('N')
         given%number = real(count_of(given%value, len(decimal_text(entry%most))), real64)
-        good = given%number > 0.0_real64
         expected = 'a number from 1'
         if (entry%most < 1000000) expected = expected // ' to ' // decimal_text(entry%most)
       case ('S')
         given%number = positive_number(given%value, huge(given%number))
-        good = given%number > 0.0_real64
         expected = 'a number more than 0'
       case ('ERROR')
         given%number = positive_number(given%value, 1.0_real64)
-        good = given%number > 0.0_real64
         expected = 'a relative error between 0 and 1, for instance 1e-3'
       case ('I/N')
         call read_share(given%value, line%share, good)
@@ -190,6 +186,8 @@ contains
                               'standard output, expected one')
         end do
       end select
+      if (any(entry%value == [character(len=5) :: 'NAME', 'WORD', 'N', 'S', 'ERROR'])) &
+        good = given%number > 0.0_real64
       if (.not. good) call problems%add(given%name // ': found ' // in_quotes(given%value) // &
                                         ', expected ' // expected)
     end associate
@@ -201,7 +199,7 @@ contains
     type(problem_list), intent(inout) :: problems
 
     if (line%share(2) == 1) return
-    if (line%output_path('--keep') == '' .or. allocated(line%parts)) &
+    if (.not. line%has('--keep') .or. allocated(line%parts)) &
       call problems%add('--share: expected one --keep with the file of this part')
     if (line%has('--cost')) &
       call problems%add('--cost does not estimate --share, expected one of both')
@@ -293,16 +291,14 @@ contains
   end subroutine refuse_input
 
   !> Whether an option is given. An output on standard output stands for --quiet, too.
-  pure logical function has_option(self, option)
+  elemental logical function has_option(self, option)
     class(command_line), intent(in) :: self  !! the user's choices
     character(len=*), intent(in) :: option   !! with its two dashes
     integer :: i
 
-    has_option = .false.
-    do i = 1, size(self%given)
-      has_option = has_option .or. self%given(i)%name == option .or. &
-                   (option == '--quiet' .and. self%given(i)%value == '/dev/stdout')
-    end do
+    has_option = any([(self%given(i)%name == option .or. &
+                       (option == '--quiet' .and. self%given(i)%value == '/dev/stdout'), &
+                       i=1, size(self%given))])
   end function has_option
 
   !> The number in the value of an option, or that of its word; 0 when it was not given.

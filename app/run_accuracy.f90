@@ -85,7 +85,7 @@ contains
     end if
     call write_accuracy_csv(table, csv)
     call outcome%stage_text(line%output_path('--csv'), csv)
-    if (line%output_path('--html') /= '') then
+    if (line%has('--html')) then
       call write_accuracy_page(line%input, table, page)
       call outcome%stage_text(line%output_path('--html'), page)
     end if

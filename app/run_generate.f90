@@ -80,7 +80,7 @@ contains
     if (spec%map%unit > 0) unit = length_units(spec%map%unit)
     if (line%has('--surface')) &
       call outcome%problems%add('--surface: found for a height map, expected none')
-    if (line%output_path('--upper') // line%output_path('--lower') /= '') &
+    if (line%has('--upper') .or. line%has('--lower')) &
       call outcome%problems%add('--upper and --lower: found for a height map, expected --output')
     call check_map_path(line%output_path('--output'), trim(unit), outcome%problems)
     if (outcome%problems%count() > 0) return
@@ -137,7 +137,7 @@ contains
       call problems%add('--surface: found ' // decimal_text(line%choice('--surface')) // &
                         ', expected at most ' // decimal_text(spec%ensemble) // &
                         ', the ensemble of ' // spec%file)
-    if (spec%is_deck .and. line%output_path('--upper') // line%output_path('--lower') /= '') &
+    if (spec%is_deck .and. (line%has('--upper') .or. line%has('--lower'))) &
       call problems%add('--upper and --lower: found for a deck, expected --output, as a deck ' // &
                         'holds both surfaces')
     do i = 1, size(options)
@@ -153,9 +153,7 @@ contains
           call problems%add(trim(options(i)) // ' names the input, ' // spec%file)
       end do
     end do
-    if (spec%ensemble > 1 .and. .not. line%has('--surface') .and. &
-        line%output_path('--output') // line%output_path('--upper') // &
-      line%output_path('--lower') == '') &
+    if (spec%ensemble > 1 .and. .not. any(line%has([character(len=9) :: '--surface', options]))) &
       call problems%add('standard output holds one surface, found an ensemble of ' // &
                         decimal_text(spec%ensemble) // ', expected --surface N, or files with ' // &
                         '% in their names')

@@ -29,7 +29,7 @@ contains
     call read_card_deck(line%input, deck, outcome%problems)
     if (outcome%problems%count() > 0) return
     call write_standard_error(deck%notes%text())
-    request%keep_contacts = line%printed .or. line%output_path('--contacts') /= ''
+    request%keep_contacts = line%printed .or. line%has('--contacts')
     call run_in_arithmetic(trim(arithmetic_names(max(1, line%choice('--arithmetic')))), deck, &
                            request, records, outcome%failure)
     if (allocated(outcome%failure)) then
@@ -37,11 +37,11 @@ contains
       return
     end if
     call write_standard_error(records%notes%text())
-    if (line%output_path('--contacts') /= '') call write_original_contacts(records, contacts)
+    if (line%has('--contacts')) call write_original_contacts(records, contacts)
     call outcome%stage_text(line%output_path('--contacts'), contacts)
-    if (line%output_path('--positions') /= '') call write_original_positions(records, positions)
+    if (line%has('--positions')) call write_original_positions(records, positions)
     call outcome%stage_text(line%output_path('--positions'), positions)
-    if (line%output_path('--variance') /= '') call write_original_variance(records, variance)
+    if (line%has('--variance')) call write_original_variance(records, variance)
     call outcome%stage_text(line%output_path('--variance'), variance)
     if (.not. line%has('--quiet')) &
       call write_report(records, line%printed, line%has('--carriage-control'), outcome%text)

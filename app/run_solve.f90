@@ -71,13 +71,13 @@ contains
     type(work_cost) :: cost
     type(array_table) :: tables(3)  ! positions, states, contacts; those that outputs need
     character(len=:), allocatable :: units  ! first line of CSV files; not allocated: none
-    integer :: i, k
+    integer :: i
 
     call read_scene(line%input, scene_in, outcome%problems)
     if (outcome%problems%count() == 0) call check_choices(line, scene_in, outcome%problems)
     if (outcome%problems%count() > 0) return
     if (image_number() == 1) call write_standard_error(scene_in%notes%text())
-    if (line%output_path('--keep') == '') call note_kept('; --keep FILE would keep what is solved')
+    if (.not. line%has('--keep')) call note_kept('; --keep FILE would keep what is solved')
     options = options_of(line, scene_in)
     if (line%has('--units')) units = 'units: ' // units_in_words(scene_in)
     call solve(scene_in, results, outcome%failure, options)
@@ -88,7 +88,7 @@ contains
       outcome%failure = line%input // ': ' // outcome%failure
       return
     end if
-    if (needs_fields(line)) then
+    if (any(line%has(field_options))) then
       if (size(results%positions(1)%fields) > most_states) then
         outcome%failure = line%input // ': --fields-of all: found ' // &
           decimal_text(size(results%positions(1)%fields)) // ' states, expected at most ' // &
@@ -112,16 +112,15 @@ contains
         call write_corrected_table(correct_table(scene_in%deck, results), outcome%text)
     end if
     do i = 1, size(tables)
-      if (.not. allocated(outcome%failure) .and. &
-          any([(tables_of(i, k) .and. line%output_path(trim(table_options(k))) /= '', &
-                k=1, size(table_options))])) &
+      if (.not. allocated(outcome%failure) .and. any(tables_of(i, :) .and. &
+                                                     line%has(table_options))) &
         call make_arrays(i, results, tables(i), outcome%failure)
     end do
     do i = 1, size(table_options)
-      if (.not. allocated(outcome%failure) .and. line%output_path(trim(table_options(i))) /= '') &
+      if (.not. allocated(outcome%failure) .and. line%has(table_options(i))) &
         call stage_tables(i)
     end do
-    if (needs_fields(line)) then
+    if (any(line%has(field_options))) then
       do i = 1, size(results%positions(1)%fields)
         call stage_field(results%positions(1)%fields(i), i == size(results%positions(1)%fields))
       end do
@@ -171,7 +170,7 @@ contains
       character(len=5) :: number
       integer :: dot
 
-      if (line%output_path('--fields') /= '') then
+      if (line%has('--fields')) then
         call write_vti(field, vti)
         path = line%output_path('--fields')
         if (line%choice('--fields-of') == fields_all) then
@@ -184,11 +183,11 @@ contains
         call stage_output('--fields', vti, path)
       end if
       if (.not. is_last) return
-      if (line%output_path('--histogram') /= '') then
+      if (line%has('--histogram')) then
         call write_histogram(field, histogram, units)
         call stage_output('--histogram', histogram)
       end if
-      if (line%output_path('--picture') == '') return
+      if (.not. line%has('--picture')) return
       lengths = [character(len=20) :: unit_of(scene_in, is_length), unit_of(scene_in, is_pressure)]
       title = printable_text(line%input) // ': ' // &
               with_unit(trim(merge('mean pressure   ', 'nominal pressure', &
@@ -262,17 +261,6 @@ contains
 
   end subroutine run_solve_command
 
-  ! Whether an option needs the pressure on the pixels of a map.
-  logical function needs_fields(line) result(needs)
-    type(command_line), intent(in) :: line
-    integer :: i
-
-    needs = .false.
-    do i = 1, size(field_options)
-      needs = needs .or. line%has(trim(field_options(i)))
-    end do
-  end function needs_fields
-
   ! Bytes that the results of a position take.
   subroutine weigh_positions(scene_in, results, cost)
     type(scene), intent(in) :: scene_in
@@ -318,10 +306,10 @@ contains
                         'contact_modulus in its place')
     ! Pressure on pixels is that of a height map solved on them, and is not kept in a file.
     do i = 1, size(field_options)
+      if (.not. line%has(field_options(i))) cycle
       option = trim(field_options(i))
-      if (.not. line%has(option)) cycle
       call check_field_request(scene_in, option, problems)
-      if (line%output_path('--keep') /= '') &
+      if (line%has('--keep')) &
         call problems%add(option // ': a file of --keep has no pressure on pixels, expected ' // &
                           'one of both')
     end do
@@ -339,11 +327,9 @@ contains
 
     options%accuracy = line%number('--accuracy')
     if (line%has('--of')) options%accuracy_of = totals_of_accuracy(line%choice('--of'))
-    options%keep_contacts = line%output_path('--contacts') // line%output_path('--json') // &
-                            line%output_path('--vtk') // line%output_path('--html') /= '' .or. &
-                            is_thesis_sweep(scene_in) .or. needs_fields(line)
-    if (needs_fields(line) .or. &
-        (line%output_path('--html') /= '' .and. line%output_path('--keep') == '' .and. &
+    options%keep_contacts = is_thesis_sweep(scene_in) .or. any(line%has([character(len=11) :: &
+      '--contacts', '--json', '--vtk', '--html', field_options]))
+    if (any(line%has(field_options)) .or. (line%has('--html') .and. .not. line%has('--keep') .and. &
          ((allocated(scene_in%map) .and. scene_in%motion%positions == 1) .or. &
           may_have_fields(scene_in)))) &
       options%fields = max(fields_last, line%choice('--fields-of'))

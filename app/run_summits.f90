@@ -54,7 +54,7 @@ contains
     call summits_of_file(line%input, choices, map, summits, spikes, outcome%problems, &
                          outcome%failure)
     if (outcome%problems%count() > 0 .or. allocated(outcome%failure)) return
-    if (line%output_path('--spectrum') /= '') then
+    if (line%has('--spectrum')) then
       call measure_spectra('--spectrum: ' // line%input, map, spectra, outcome%problems, &
                            outcome%failure)
       if (outcome%problems%count() > 0 .or. allocated(outcome%failure)) return
@@ -66,11 +66,10 @@ contains
       call write_summits_table(line%input, choices, spikes, map, summits, found, outcome%text)
     end if
     call add_surface(summits%x, summits%y, summits%height, summits%radius, table, '')
-    if (line%output_path('--output') /= '') call write_table(table, surface)
+    if (line%has('--output')) call write_table(table, surface)
     call outcome%stage_text(line%output_path('--output'), surface)
     call outcome%stage_text(line%output_path('--spectrum'), spectrum)
-    if (line%output_path('--picture') /= '') &
-      call draw_map(printable_text(line%input), map, summits, picture)
+    if (line%has('--picture')) call draw_map(printable_text(line%input), map, summits, picture)
     call outcome%stage_text(line%output_path('--picture'), picture)
   end subroutine run_summits_command
 
