@@ -279,7 +279,7 @@ contains
     integer :: i
 
     text = bytes
-    if (index(text, utf_8_mark) == 1) text = bytes(len(utf_8_mark) + 1:)
+    if (bytes(:min(len(bytes), len(utf_8_mark))) == utf_8_mark) text = bytes(len(utf_8_mark) + 1:)
     if (index(text, return_sign) == 0) return
     do i = 1, len(text)
       if (text(i:i) /= return_sign) cycle
