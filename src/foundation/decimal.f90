@@ -15,11 +15,16 @@ module asperity_decimal
     integer :: twos = 0                 !! power of two; 0: the number is a decimal
   end type decimal_value
 
+  ! Range of powers of ten that are exact in 113 bits and for which the quotient below is correctly
+  ! rounded.
+  integer, parameter :: most_negative_power = -25, most_positive_power = 22
+  integer :: power
+  real(real128), parameter :: powers(0:-most_negative_power) = &
+    [(10.0_real128**power, power = 0, -most_negative_power)]
   ! Powers that are exact in a double, and their halves, whose products are exact.
   integer, parameter :: most_exact_power = 22
-  integer :: power
   real(real64), parameter :: exact_powers(0:most_exact_power) = &
-    [(10.0_real64**power, power = 0, most_exact_power)]
+    real(powers(:most_exact_power), real64)
   real(real64), parameter :: two_27 = 2.0_real64**27 + 1.0_real64
   real(real64), parameter :: upper_powers(0:most_exact_power) = &
     two_27 * exact_powers - (two_27 * exact_powers - exact_powers)
@@ -28,6 +33,10 @@ module asperity_decimal
 contains
 
   !> Nearest IEEE double; infinite when the number is out of range.
+  !>
+  !> The digits (60 bits) and the power of ten are exact in 113 bits. A product below 60 + 51 bits
+  !> is exact too. A quotient that is no midpoint of two doubles is at least 1/(2**54 * 5**25),
+  !> more than 2**-113, of itself away from one, so that double rounding is correct.
   elemental function decimal_to_real64(value) result(number)
     type(decimal_value), intent(in) :: value  !! exact decimal number
     real(real64) :: number                    !! the nearest double
@@ -37,10 +46,10 @@ contains
       number = scale(real(value%all_digits, real64), value%twos)
     else if (value%power_of_ten <= 0 .and. value%power_of_ten >= -most_exact_power) then
       number = quotient_in_doubles(value%all_digits, -value%power_of_ten)
-    else if (value%power_of_ten >= 0 .and. value%power_of_ten <= most_exact_power .and. &
-             abs(value%all_digits) <= 2_int64**53) then
-      ! Both factors are exact.
-      number = real(value%all_digits, real64) * exact_powers(value%power_of_ten)
+    else if (value%power_of_ten >= 0 .and. value%power_of_ten <= most_positive_power) then
+      number = real(real(value%all_digits, real128) * powers(value%power_of_ten), real64)
+    else if (value%power_of_ten < 0 .and. value%power_of_ten >= most_negative_power) then
+      number = real(real(value%all_digits, real128) / powers(-value%power_of_ten), real64)
     else if (decimal_beyond(value, real(huge(number), real128))) then
       number = sign(ieee_value(number, ieee_positive_inf), real(value%all_digits, real64))
     else if (decimal_order(value) < -(range(number) + 40)) then
