@@ -19,10 +19,11 @@ module asperity_results_html
   use asperity_scene_inputs, only: input_file
   use asperity_scene_results, only: scene_results
   use asperity_scene_values, only: scene, scene_surface
-  use asperity_summary, only: errors_in_words, list_totals, total_line, uses_samples, &
-                              write_heading, write_map_table, write_path, write_remarks
+  use asperity_summary, only: errors_in_words, uses_samples, write_heading, write_map_table, &
+                              write_path, write_remarks
   use asperity_svg_plot, only: axis_over, plot_axis, side_of_plan, svg_plot
   use asperity_text_buffer, only: text_buffer
+  use asperity_totals_table, only: list_totals, total_line
   use asperity_unit_names, only: axis_unit, is_length, is_pressure, unit_of
   use asperity_version, only: version
   implicit none

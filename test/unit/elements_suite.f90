@@ -5,6 +5,7 @@
 module asperity_elements_suite
   use asperity_lattice_convolution, only: lattice_convolution, padded_length
   use asperity_element_influence, only: mean_influence
+  use asperity_element_lattice, only: penetration_of_load, radius_of_load
   use asperity_element_answer, only: element_answer
   use asperity_outside_field, only: outside_field
   use asperity_element_solver, only: cluster_lattice, cluster_extent, solve_elements
@@ -32,6 +33,7 @@ contains
   subroutine run_elements
     call run_test('influence of a cell against quadrature', influence_by_quadrature)
     call run_test('an aligned pair is Hertz, down to 1e-12 of the radius', single_is_hertz)
+    call run_test('an inclined pair is an ellipse of Hertz', inclined_is_ellipse)
     call run_test('the area of a contact is within its tolerance and its error estimate', &
                   area_is_estimated)
     call run_test('a load on cells, and its compression', load_given)
@@ -65,6 +67,27 @@ contains
     pair%zc = sqrt((pair%s - pair%d) * (pair%s + pair%d))
     pair%radius = 0.5_real64 * radius
   end function pair_at
+
+  ! A load of 0.001 over the modulus, combined radius 1: Johnson 1985, eq. 4.26, with complete
+  ! elliptic integrals in 30 digits (mpmath).
+  subroutine inclined_is_ellipse
+    real(real64), parameter :: slopes(3) = [0.5_real64, 1.0_real64, 2.0_real64], &
+      depths(3) = [0.0088860900277672775_real64, 0.010331701420396328_real64, &
+                   0.013633007597349369_real64], &
+      radii(3) = [0.084285037842205072_real64, 0.071639110166946466_real64, &
+                  0.051373487983671799_real64]
+    type(contact_pair) :: pair
+    integer :: i
+
+    do i = 1, 3
+      pair = pair_at(0.0_real64, 0.0_real64, 0.0_real64, &
+                     4.0_real64 * slopes(i) / hypot(1.0_real64, slopes(i)), 2.0_real64)
+      call check(abs(penetration_of_load(pair, 1.0e-3_real64) / depths(i) - 1.0_real64) < &
+                 1.0e-13_real64, 'the vertical penetration')
+      call check(abs(radius_of_load(pair, 1.0e-3_real64) / radii(i) - 1.0_real64) < &
+                 1.0e-13_real64, 'the mean semi-axis')
+    end do
+  end subroutine inclined_is_ellipse
 
   ! All contacts in one cluster, nothing outside. Penetrations come as gaps below a compression of
   ! 0.
