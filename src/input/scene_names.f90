@@ -119,21 +119,33 @@ module asperity_scene_names
 
 contains
 
-  !> All names of a scene.
+  !> All names of a scene. Room for all at once: memory that does not grow can be refused.
   pure function scene_table() result(table)
     type(known_name), allocatable :: table(:)  !! a row each
     type(known_name) :: row
-    integer :: i
+    integer :: i, k, rows
 
-    table = [scene_rows, pack(effect_numbers, effect_numbers%effect == '')]
-    do i = 1, size(known_effects)
-      associate (effect => known_effects(i))
-        row = known_name('effects', effect%name, one_word, effect%meaning, &
-                         otherwise='''auto'' with its numbers, else ''off''', effect=effect%name)
-        if (effect%own(1) == '') row%otherwise = '''auto'''
-        row%words(:count(effect%modes > 0)) = effect_words(pack(effect%modes, effect%modes > 0))
-        table = [table, row, pack(effect_numbers, effect_numbers%effect == effect%name)]
-      end associate
+    allocate (table(size(scene_rows) + size(known_effects) + size(effect_numbers)))
+    rows = size(scene_rows)
+    table(:rows) = scene_rows
+    do i = 0, size(known_effects)
+      row = known_name()
+      if (i > 0) then
+        associate (effect => known_effects(i))
+          row = known_name('effects', effect%name, one_word, effect%meaning, &
+                           otherwise='''auto'' with its numbers, else ''off''', &
+                           effect=effect%name)
+          if (effect%own(1) == '') row%otherwise = '''auto'''
+          row%words(:count(effect%modes > 0)) = effect_words(pack(effect%modes, effect%modes > 0))
+        end associate
+        rows = rows + 1
+        table(rows) = row
+      end if
+      do k = 1, size(effect_numbers)
+        if (effect_numbers(k)%effect /= row%effect) cycle
+        rows = rows + 1
+        table(rows) = effect_numbers(k)
+      end do
     end do
   end function scene_table
 

@@ -4,6 +4,7 @@ module asperity_totals_table
   use, intrinsic :: ieee_arithmetic, only: ieee_is_nan
   use asperity_contact_field, only: parts_in_words
   use asperity_contact_records, only: state_row
+  use asperity_effects_summary, only: load_is_met
   use asperity_kinds, only: not_computed, real64
   use asperity_number_format, only: number_text
   use asperity_result_table, only: add_reals, array_table, make_arrays, numbers_of, of_positions, &

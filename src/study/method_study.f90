@@ -258,6 +258,7 @@ contains
     type(method_row), intent(inout) :: row
     type(method_totals), intent(out) :: totals
     type(scene_results), intent(inout) :: results
+    type(scene_results) :: of_pass
     real(real64), allocatable :: samples(:)
     real(real64) :: seconds
     type(run_options) :: options
@@ -274,12 +275,15 @@ contains
         call run_in_arithmetic(row%method%arithmetic, scene_in%deck, &
                                request_of(row%method, .false.), records, row%left_out)
       else
-        call run_method(scene_in, row%method, options, results, row%left_out)
+        call run_method(scene_in, row%method, options, of_pass, row%left_out)
       end if
       call system_clock(until)
       if (allocated(row%left_out)) exit
-      ! A pass that is ended early leaves no totals.
-      if (.not. row%method%is_original) totals = totals_of(results)
+      ! A pass that is ended early leaves neither results nor totals.
+      if (.not. row%method%is_original) then
+        results = of_pass
+        totals = totals_of(results)
+      end if
       seconds = real(until - from, real64) / real(rate, real64)
       ! They are ascending.
       samples = [pack(samples, samples <= seconds), seconds, pack(samples, samples > seconds)]
