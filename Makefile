@@ -68,16 +68,16 @@ bench:
 	@.venv/bin/python test/bench/pixel_estimates.py $(if $(SAVE),--seeds 16 --save,--seeds 1)
 else ifeq ($(PART),interaction)
 bench:
-	@bash .ci/setup build test bench
+	@bash .ci/setup build test
 	@.venv/bin/python test/bench/run_scale.py --parts interaction $(if $(MOST),--most $(MOST)) \
 	  $(if $(BESIDE),--beside $(BESIDE))
 else ifeq ($(PART),scale)
 bench:
-	@bash .ci/setup build test bench
+	@bash .ci/setup build test
 	@.venv/bin/python test/bench/run_scale.py --parts solve,threads $(if $(MOST),--most $(MOST))
 else
 bench: ## time and memory; SAVE=1 keeps them, SMALL=1; PART=maps|interaction|accuracy|scale
-	@bash .ci/setup build test bench
+	@bash .ci/setup build test
 	@.venv/bin/python test/bench/run_bench.py $(if $(SAVE),--save) $(if $(SMALL),--small)
 	@.venv/bin/python test/bench/run_tamaas.py $(if $(SAVE),--save) $(if $(SMALL),--small)
 	@.venv/bin/python test/bench/run_scale.py $(if $(SAVE),--save) $(if $(MOST),--most $(MOST)) \
@@ -99,7 +99,7 @@ mutants: ## changed lines that no test notices (SEED=1 NUMBER=10)
 	@.venv/bin/python tools/mutate.py --seed $(or $(SEED),1) --number $(or $(NUMBER),10)
 
 maps: ## how good summits are, on maps pressed against their truth
-	@bash .ci/setup build test bench
+	@bash .ci/setup build test
 	@.venv/bin/python test/bench/run_maps.py $(MAPS)
 	@.venv/bin/python test/bench/map_beside_tamaas.py --pixels 1024
 
