@@ -25,7 +25,7 @@ class Failed(Exception):
 
 def good(n):
     """The least number of 2, 3 and 5 not below n: quick to transform."""
-    most = n.bit_length() + 1
+    most = int(n).bit_length() + 1
     return min(v for i in range(most) for j in range(most) for k in range(most)
                if (v := 2 ** i * 3 ** j * 5 ** k) >= n)
 
