@@ -20,7 +20,7 @@ strict_flags="-std=f2008 -Wall -Wextra -Werror -O0 -g -fbacktrace -fcheck=all,no
 # -march=native, no -ffast-math.
 release_flags="-fPIC -fno-semantic-interposition -ffp-contract=off"
 # Without optimisation gfortran computes with bounds of what is not allocated, whatever they are.
-sanitize_flags="-O1 -g -fbacktrace -fno-omit-frame-pointer -fsanitize=address,undefined \
+sanitize_flags="-O1 -g1 -fbacktrace -fno-omit-frame-pointer -fsanitize=address,undefined \
 -fno-sanitize-recover=all"
 # What flang-19 warns of is what it cannot fold in REAL(16).
 second_flags="-O2 -ffp-contract=off -w"

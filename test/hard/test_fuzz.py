@@ -13,7 +13,7 @@ from programs import run_program
 ROOT = Path(__file__).resolve().parents[2]
 FOUND = sorted((ROOT / "data/hard/found").glob("*/case.json"))
 # Parts that can run side by side, each of so many seeds.
-PARTS, RUNS = 8, 500
+PARTS, RUNS = 8, 300
 # Scenes of so many elements that these four take as long as all others in builds that are slow.
 LONG = (19, 965, 1974, 2435)
 
