@@ -43,7 +43,11 @@ def copy_tree():
     """Makes build/mutants equal to the files that git has; builds there are kept."""
     done = subprocess.run(["git", "ls-files", "-co", "--exclude-standard"], cwd=ROOT,
                           capture_output=True, text=True, check=True)
-    for path in filter(lambda path: (ROOT / path).is_file(), done.stdout.splitlines()):
+    paths = {path for path in done.stdout.splitlines() if (ROOT / path).is_file()}
+    for source in [*(TREE / "src").rglob("*.*90"), *(TREE / "test").rglob("*.*90")]:
+        if str(source.relative_to(TREE)) not in paths:
+            source.unlink()
+    for path in sorted(paths):
         target = TREE / path
         content = (ROOT / path).read_bytes()
         if not target.is_file() or target.read_bytes() != content:
