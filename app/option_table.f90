@@ -76,16 +76,12 @@ module asperity_option_table
       'write scene, results and provenance as JSON', 'json'), &
     option_entry('solve', '--vtk', 'FILE', &
       'write contacts as points with values (VTK PolyData, .vtp, for ParaView)', 'vtp'), &
-    option_entry('solve', '--html', 'FILE', &
-      'write an HTML page with summary, warnings, curves and a plan of the contacts', 'html'), &
     option_entry('solve', '--fields', 'FILE', &
       'write pressure, gap and displacement on the pixels of a map, or of asperities with ' // &
       'field_spacing (VTK image data, .vti, for ParaView)', 'vti'), &
     option_entry('solve', '--fields-of', 'WORD', &
       'states that --fields writes: last (default), or all, each in a file NAME_0001.vti', &
       words=[character(len=11) :: 'last', 'all', none(:4)]), &
-    option_entry('solve', '--picture', 'FILE', &
-      'draw the pressure on the same pixels at the last state (SVG)', 'svg'), &
     option_entry('solve', '--histogram', 'FILE', &
       'write the distribution of the pressure in contact on them at the last state as CSV'), &
     option_entry('solve', '--depths', 'LIST', &
@@ -119,8 +115,6 @@ module asperity_option_table
     option_entry('accuracy', '--finer', '', 'solve a height map on pixels half as wide too, ' // &
       'by cubic interpolation, and compare with them'), &
     option_entry('accuracy', '--csv', 'FILE', 'write the table with all digits'), &
-    option_entry('accuracy', '--html', 'FILE', 'write an HTML page: choose an error, read ' // &
-        'the method', 'html'), &
     option_entry('accuracy', '--cost', '', 'estimate run time and memory, then exit'), &
     option_entry('accuracy', '--quiet', '', 'print no table'), &
     option_entry('generate', '--output', 'FILE', &
@@ -165,7 +159,6 @@ module asperity_option_table
     option_entry('summits', '--spectrum', 'FILE', &
       'write power spectral densities as CSV: of the area, averaged over rings, and of lines ' // &
       'along x and along y'), &
-    option_entry('summits', '--picture', 'FILE', 'draw the map and its summits (SVG)', 'svg'), &
     option_entry('summits', '--cost', '', 'estimate run time and memory, then exit'), &
     option_entry('summits', '--quiet', '', 'print no summary')]
 

@@ -1,6 +1,5 @@
 !> The command `asperity accuracy [DECK or SCENE]`: the study of what accuracy costs in time.
 module asperity_run_accuracy
-  use asperity_accuracy_page, only: write_accuracy_page
   use asperity_accuracy_table, only: write_accuracy_csv, write_accuracy_table
   use asperity_command_line, only: command_line, refuse_input
   use asperity_command_outcome, only: command_outcome
@@ -36,7 +35,7 @@ contains
     type(command_outcome), intent(inout) :: outcome  !! messages, text and files
     type(scene) :: scene_in
     type(method_table) :: table
-    type(text_buffer) :: csv, page
+    type(text_buffer) :: csv
     type(interruption) :: allowance
     type(progress_line) :: progress
     type(work_cost) :: cost
@@ -85,10 +84,6 @@ contains
     end if
     call write_accuracy_csv(table, csv)
     call outcome%stage_text(line%output_path('--csv'), csv)
-    if (line%has('--html')) then
-      call write_accuracy_page(line%input, table, page)
-      call outcome%stage_text(line%output_path('--html'), page)
-    end if
     if (.not. line%has('--quiet')) call write_accuracy_table(table, outcome%text)
   end subroutine run_accuracy_command
 

@@ -2,14 +2,13 @@
 module asperity_run_solve
   use asperity_command_line, only: command_line, is_shared, refuse_input, tell_part
   use asperity_command_outcome, only: command_outcome
-  use asperity_contact_field, only: contact_field, fields_all, fields_last, parts_in_words, &
+  use asperity_contact_field, only: contact_field, fields_all, fields_last, &
                                     room_of_fields
   use asperity_corrected_table, only: correct_table
   use asperity_csv_tables, only: stress_cells, stress_columns, stress_table, write_histogram, &
                                  write_table
   use asperity_decimal, only: decimal_to_real64
   use asperity_error_budget, only: error_budget, measure_budget
-  use asperity_field_picture, only: draw_plan, plan_of_pressure
   use asperity_files, only: same_name, write_standard_error
   use asperity_images, only: image_number
   use asperity_input_text, only: lower_case
@@ -18,10 +17,8 @@ module asperity_run_solve
   use asperity_output_files, only: note_kept
   use asperity_position_packet, only: pack_position
   use asperity_number_format, only: count_text, number_text
-  use asperity_printable, only: printable_text
   use asperity_problems, only: decimal_text, problem_list
   use asperity_result_table, only: array_table, make_arrays, of_contacts
-  use asperity_results_html, only: write_html
   use asperity_results_json, only: write_json, write_json_table
   use asperity_results_vtk, only: write_vti, write_vtk
   use asperity_run_options, only: run_options, totals_of_accuracy
@@ -31,7 +28,7 @@ module asperity_run_solve
   use asperity_scene_values, only: is_thesis_sweep, scene, scene_effects
   use asperity_solve, only: solve
   use asperity_study_tables, only: write_budget, write_corrected_table
-  use asperity_surface_fields, only: check_field_request, may_have_fields
+  use asperity_surface_fields, only: check_field_request
   use asperity_summary, only: write_choice, write_summary
   use asperity_text_buffer, only: text_buffer
   use asperity_unit_names, only: has_units, is_length, is_pressure, unit_of, units_in_words, &
@@ -45,14 +42,13 @@ module asperity_run_solve
 
   ! Options of files that have tables of the results, and whether they need the positions, the
   ! states and the contacts.
-  character(len=*), parameter :: table_options(6) = [character(len=11) :: '--contacts', &
-    '--positions', '--curve', '--json', '--vtk', '--html']
-  logical, parameter :: tables_of(3, 6) = reshape([.false., .false., .true., .true., .false., &
-    .false., .false., .true., .false., .true., .true., .true., .false., .false., .true., .true., &
-    .true., .false.], [3, 6])
+  character(len=*), parameter :: table_options(5) = [character(len=11) :: '--contacts', &
+    '--positions', '--curve', '--json', '--vtk']
+  logical, parameter :: tables_of(3, 5) = reshape([.false., .false., .true., .true., .false., &
+    .false., .false., .true., .false., .true., .true., .true., .false., .false., .true.], [3, 5])
   ! Options that need the pressure on the pixels of a map.
-  character(len=*), parameter :: field_options(4) = [character(len=11) :: '--fields', &
-    '--histogram', '--picture', '--depths']
+  character(len=*), parameter :: field_options(3) = [character(len=11) :: '--fields', &
+    '--histogram', '--depths']
   ! States that --fields-of all writes at most: a file each.
   integer, parameter :: most_states = 1000
 
@@ -144,14 +140,10 @@ contains
       type(text_buffer) :: text
 
       select case (table_options(option))
-      case ('--json', '--html')
+      case ('--json')
         call list_inputs(scene_in, inputs, outcome%failure)
         if (allocated(outcome%failure)) return
-        if (table_options(option) == '--json') then
-          call write_json(scene_in, inputs, results, tables, outcome%warnings, text)
-        else
-          call write_html(scene_in, inputs, results, tables, outcome%warnings, text)
-        end if
+        call write_json(scene_in, inputs, results, tables, outcome%warnings, text)
       case ('--vtk')
         call write_vtk(tables(of_contacts), text)
       case default
@@ -160,13 +152,12 @@ contains
       call stage_output(trim(table_options(option)), text)
     end subroutine stage_tables
 
-    ! One state as image data; the last one as a histogram and a picture, too.
+    ! One state as image data; the last one as a histogram, too.
     subroutine stage_field(field, is_last)
       type(contact_field), intent(in) :: field
       logical, intent(in) :: is_last
-      type(text_buffer) :: histogram, picture, vti
-      character(len=:), allocatable :: path, title
-      character(len=20) :: lengths(2)  ! units of length and pressure
+      type(text_buffer) :: histogram, vti
+      character(len=:), allocatable :: path
       character(len=5) :: number
       integer :: dot
 
@@ -182,20 +173,9 @@ contains
         end if
         call stage_output('--fields', vti, path)
       end if
-      if (.not. is_last) return
-      if (line%has('--histogram')) then
-        call write_histogram(field, histogram, units)
-        call stage_output('--histogram', histogram)
-      end if
-      if (.not. line%has('--picture')) return
-      lengths = [character(len=20) :: unit_of(scene_in, is_length), unit_of(scene_in, is_pressure)]
-      title = printable_text(line%input) // ': ' // &
-              with_unit(trim(merge('mean pressure   ', 'nominal pressure', &
-                             parts_in_words(field) /= '')), trim(lengths(2))) // ' ' // &
-              number_text(sum(field%pressure, mask=field%gap >= 0.0_real64) / &
-                          count(field%gap >= 0.0_real64), 3)
-      call draw_plan(field, plan_of_pressure, title, lengths, .true., picture)
-      call stage_output('--picture', picture)
+      if (.not. (is_last .and. line%has('--histogram'))) return
+      call write_histogram(field, histogram, units)
+      call stage_output('--histogram', histogram)
     end subroutine stage_field
 
     ! The largest stresses of the last state in the lower body as text, all of them as a file.
@@ -328,11 +308,8 @@ contains
     options%accuracy = line%number('--accuracy')
     if (line%has('--of')) options%accuracy_of = totals_of_accuracy(line%choice('--of'))
     options%keep_contacts = is_thesis_sweep(scene_in) .or. any(line%has([character(len=11) :: &
-      '--contacts', '--json', '--vtk', '--html', field_options]))
-    if (any(line%has(field_options)) .or. (line%has('--html') .and. .not. line%has('--keep') .and. &
-         ((allocated(scene_in%map) .and. scene_in%motion%positions == 1) .or. &
-          may_have_fields(scene_in)))) &
-      options%fields = max(fields_last, line%choice('--fields-of'))
+      '--contacts', '--json', '--vtk', field_options]))
+    if (any(line%has(field_options))) options%fields = max(fields_last, line%choice('--fields-of'))
     options%threads = line%choice('--threads')
     options%progress = image_number() == 1
     options%all_images = is_shared(line)

@@ -3,14 +3,12 @@ module asperity_run_summits
   use asperity_command_line, only: command_line
   use asperity_command_outcome, only: command_outcome
   use asperity_csv_tables, only: write_spectrum_csv, write_table
-  use asperity_field_picture, only: draw_map
   use asperity_height_map, only: height_map
   use asperity_height_map_reader, only: read_height_map
   use asperity_kinds, only: int64, real64
   use asperity_map_spectrum, only: measure_spectra, power_spectrum
   use asperity_map_statistics, only: map_statistics, measure_map
   use asperity_map_summits, only: map_summits, rule_eight
-  use asperity_printable, only: printable_text
   use asperity_problems, only: decimal_text
   use asperity_result_table, only: add_surface, array_table
   use asperity_summits_of_file, only: summit_choices, summits_of_file, summits_of_samples
@@ -36,7 +34,7 @@ contains
     type(map_summits) :: summits
     type(map_statistics) :: found
     type(summit_choices) :: choices
-    type(text_buffer) :: surface, picture, spectrum
+    type(text_buffer) :: surface, spectrum
     type(power_spectrum) :: spectra(3)
     type(array_table) :: table
     integer(int64) :: spikes
@@ -69,8 +67,6 @@ contains
     if (line%has('--output')) call write_table(table, surface)
     call outcome%stage_text(line%output_path('--output'), surface)
     call outcome%stage_text(line%output_path('--spectrum'), spectrum)
-    if (line%has('--picture')) call draw_map(printable_text(line%input), map, summits, picture)
-    call outcome%stage_text(line%output_path('--picture'), picture)
   end subroutine run_summits_command
 
   ! Estimates the cost from the first rows of the map; the map has been read.
