@@ -100,8 +100,6 @@ contains
                         'expected one of both')
     if (line%has('--output') .and. line%has('--upper')) &
       call problems%add('--output and --upper both name the upper surface, expected one of them')
-    if (line%has('--cost') .and. line%has('--budget')) &
-      call problems%add('--cost does not estimate --budget, expected one of both')
     do i = 1, size(needs, 2)
       if (line%has(trim(needs(1, i))) .and. &
           .not. line%has(needs(2, i)(:index(needs(2, i), ' ') - 1))) &
@@ -224,8 +222,7 @@ contains
   pure logical function is_shared(line)
     type(command_line), intent(in) :: line  !! the user's choices
 
-    is_shared = .not. line%has('--cost') .and. (line%command == 'study' .or. &
-                (line%command == 'solve' .and. .not. line%has('--accuracy')))
+    is_shared = line%command == 'solve' .and. .not. (line%has('--cost') .or. line%has('--accuracy'))
   end function is_shared
 
   !> No output may take the place of another file that was named, in whatever spelling.

@@ -56,8 +56,7 @@ contains
     end if
     call add_usage(topic, text)
     if (topic == 'solve') call describe_names(scene_table(), text)
-    if (topic == 'generate' .or. topic == 'study') &
-      call describe_names(spec_table(topic == 'study'), text)
+    if (topic == 'generate') call describe_names(spec_table, text)
     call text%line('')
     call text%line('Exit status: 0 the chosen model was solved to the stated tolerance ' // &
                    '(warnings state where')

@@ -10,7 +10,6 @@ program asperity_main
   use asperity_run_generate, only: run_generate_command
   use asperity_run_original, only: run_original_command
   use asperity_run_solve, only: run_solve_command
-  use asperity_run_study, only: run_study_command
   use asperity_run_summits, only: run_summits_command
   use asperity_system_calls, only: posix_exit
   !$ use omp_lib, only: omp_set_num_threads
@@ -42,8 +41,6 @@ program asperity_main
       call run_generate_command(line, outcome)
     case ('solve')
       call run_solve_command(line, outcome)
-    case ('study')
-      call run_study_command(line, outcome)
     case ('summits')
       call run_summits_command(line, outcome)
     case default

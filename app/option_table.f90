@@ -47,9 +47,6 @@ module asperity_option_table
       'a group &deck, or a self-affine height map where it has a group &map. Without options ' // &
       'the upper surface, the deck or the map is printed. A % in a file name is replaced by ' // &
       'the number of the surface in the ensemble.'), &
-    command_entry('study', 'SPEC', 'specification', &
-      'Brings an ensemble of random surfaces into contact, evaluates sections of decreasing ' // &
-      'size and prints the smallest representative area.'), &
     command_entry('summits', 'MAP', 'map', &
       'Finds the summits of a measured height map and prints statistics. Formats, recognised ' // &
       'by content: surface data file (ISO 25178-71), array of NumPy (.npy) or matrix of ' // &
@@ -97,8 +94,6 @@ module asperity_option_table
       'results that --accuracy limits: all (default: load and area), load (or separation), ' // &
       'area, or pressure (greatest; of maps)', &
       words=[character(len=11) :: totals_of_accuracy, none(:2)]), &
-    option_entry('solve', '--budget', '', &
-      'print the error budget of every total: arithmetic, step, model'), &
     option_entry('solve', '--threads', 'N', &
       'number of threads (default: all cores, 1 for small scenes); results do not depend on ' // &
       'it; on a busy machine set OMP_WAIT_POLICY=passive', &
@@ -124,14 +119,6 @@ module asperity_option_table
     option_entry('generate', '--surface', 'N', 'only surface N of the ensemble', &
       most=9999999), &
     option_entry('generate', '--cost', '', 'estimate run time and memory, then exit'), &
-    option_entry('study', '--csv', 'FILE', 'write the table with all digits'), &
-    option_entry('study', '--keep', 'FILE', 'save solved surfaces in FILE; a rerun ' // &
-        'continues from it', ''), &
-    option_entry('study', '--share', 'I/N', &
-      'solve part I of N and save it with --keep, write no other output; a run with the ' // &
-      '--keep files of all parts, one option each, writes the outputs'), &
-    option_entry('study', '--cost', '', 'estimate run time and memory, then exit'), &
-    option_entry('study', '--quiet', '', 'print no table'), &
     option_entry('summits', '--output', 'FILE', 'write the summits as CSV: x,y,height,radius'), &
     option_entry('summits', '--rule', 'NAME', &
       'eight (default): higher than all eight neighbours; contact: summits for a contact ' // &

@@ -10,7 +10,6 @@ module asperity_run_accuracy
   use asperity_progress, only: progress_line
   use asperity_scene_reader, only: read_scene
   use asperity_scene_values, only: scene
-  use asperity_study_additions, only: add_exponent, add_input_error, add_theories
   use asperity_study_methods, only: most_methods
   use asperity_text_buffer, only: text_buffer
   use asperity_work_cost, only: tell_cost, work_cost
@@ -64,12 +63,7 @@ contains
     call run_method_study(scene_in, least_seconds, &
                           merge(2.0_real64, 1.0_real64, line%has('--finer')), allowance, progress, &
                           table, outcome%failure)
-    if (.not. allocated(outcome%failure)) then
-      cost%tried = size(table%rows)
-      call add_input_error(scene_in, allowance, table)
-      call add_theories(scene_in, table)
-      call add_exponent(scene_in, table)
-    end if
+    if (.not. allocated(outcome%failure)) cost%tried = size(table%rows)
     call progress%finish()
     if (line%has('--cost')) then
       ! A method that takes longer than the trial is no failure of the trial.

@@ -4,11 +4,9 @@ module asperity_run_solve
   use asperity_command_outcome, only: command_outcome
   use asperity_contact_field, only: contact_field, fields_all, fields_last, &
                                     room_of_fields
-  use asperity_corrected_table, only: correct_table
   use asperity_csv_tables, only: stress_cells, stress_columns, stress_table, write_histogram, &
                                  write_table
   use asperity_decimal, only: decimal_to_real64
-  use asperity_error_budget, only: error_budget, measure_budget
   use asperity_files, only: same_name, write_standard_error
   use asperity_images, only: image_number
   use asperity_input_text, only: lower_case
@@ -25,9 +23,8 @@ module asperity_run_solve
   use asperity_scene_inputs, only: input_file, list_inputs
   use asperity_scene_reader, only: read_scene
   use asperity_scene_results, only: scene_results
-  use asperity_scene_values, only: is_thesis_sweep, scene, scene_effects
+  use asperity_scene_values, only: scene, scene_effects
   use asperity_solve, only: solve
-  use asperity_study_tables, only: write_budget, write_corrected_table
   use asperity_surface_fields, only: check_field_request
   use asperity_summary, only: write_choice, write_summary
   use asperity_text_buffer, only: text_buffer
@@ -62,7 +59,6 @@ contains
     type(command_outcome), intent(inout) :: outcome  !! messages, text and files
     type(scene) :: scene_in
     type(scene_results) :: results
-    type(error_budget) :: budget
     type(run_options) :: options
     type(work_cost) :: cost
     type(array_table) :: tables(3)  ! positions, states, contacts; those that outputs need
@@ -78,8 +74,6 @@ contains
     if (line%has('--units')) units = 'units: ' // units_in_words(scene_in)
     call solve(scene_in, results, outcome%failure, options)
     if (image_number() > 1) return
-    if (.not. allocated(outcome%failure) .and. line%has('--budget')) &
-      call measure_budget(scene_in, options, results, budget, outcome%failure)
     if (allocated(outcome%failure)) then
       outcome%failure = line%input // ': ' // outcome%failure
       return
@@ -103,9 +97,6 @@ contains
       call write_summary(scene_in, results, outcome%text)
       if (line%has('--accuracy')) &
         call write_choice(line%number('--accuracy'), results, outcome%text)
-      if (line%has('--budget')) call write_budget(budget, size(results%positions), outcome%text)
-      if (is_thesis_sweep(scene_in)) &
-        call write_corrected_table(correct_table(scene_in%deck, results), outcome%text)
     end if
     do i = 1, size(tables)
       if (.not. allocated(outcome%failure) .and. any(tables_of(i, :) .and. &
@@ -279,8 +270,6 @@ contains
     if (line%has('--units') .and. .not. has_units(scene_in)) &
       call problems%add('--units: the scene does not name its units, expected for instance ' // &
                         'units = ''mm'', ''N'' in &surfaces')
-    if (allocated(scene_in%map) .and. line%has('--budget')) &
-      call problems%add('--budget: a map is compared with its summits in every run, expected none')
     if (line%has('--depths') .and. decimal_to_real64(scene_in%contact_modulus) > 0.0_real64) &
       call problems%add('--depths: stress needs poisson_ratio in &material: found ' // &
                         'contact_modulus in its place')
@@ -299,7 +288,7 @@ contains
                         ', expected at most as many parts as positions')
   end subroutine check_choices
 
-  ! How the user wants it done. The corrected Table VI needs the contacts of the thesis' sweep.
+  ! How the user wants it done.
   function options_of(line, scene_in) result(options)
     type(command_line), intent(in) :: line
     type(scene), intent(in) :: scene_in
@@ -307,7 +296,7 @@ contains
 
     options%accuracy = line%number('--accuracy')
     if (line%has('--of')) options%accuracy_of = totals_of_accuracy(line%choice('--of'))
-    options%keep_contacts = is_thesis_sweep(scene_in) .or. any(line%has([character(len=11) :: &
+    options%keep_contacts = any(line%has([character(len=11) :: &
       '--contacts', '--json', '--vtk', field_options]))
     if (any(line%has(field_options))) options%fields = max(fields_last, line%choice('--fields-of'))
     options%threads = line%choice('--threads')

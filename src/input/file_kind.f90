@@ -6,15 +6,14 @@ module asperity_file_kind
   implicit none
   private
 
-  public :: a_scene, a_specification, a_study, a_surface, a_map, group_start, other_kind
+  public :: a_scene, a_specification, a_surface, a_map, group_start, other_kind
 
   !> Kinds of files that are recognised by their text. Card decks and maps of plain numbers are not.
-  integer, parameter :: a_scene = 1, a_specification = 2, a_study = 3, a_surface = 4, a_map = 5
+  integer, parameter :: a_scene = 1, a_specification = 2, a_surface = 3, a_map = 4
 
   ! Name of each kind, and the command that takes it.
-  character(len=*), parameter :: advice(5) = [character(len=76) :: 'a scene: asperity solve FILE', &
+  character(len=*), parameter :: advice(4) = [character(len=76) :: 'a scene: asperity solve FILE', &
     'a specification of surfaces: asperity generate FILE', &
-    'a specification of a study: asperity study FILE', &
     'a surface: name it in &surfaces of a scene, then asperity solve SCENE', &
     'a height map: asperity summits FILE, or name it in &surfaces of a scene']
 
@@ -48,7 +47,6 @@ contains
     if (group_start(small) > 0) then
       if (any([index(small, '&heights'), index(small, '&radii'), index(small, '&map')] > 0)) &
         kind_of = a_specification
-      if (index(small, '&study') > 0) kind_of = a_study
       if (any([index(small, '&loading'), index(small, '&effects'), index(small, '&motion'), &
                index(small, '&tilt'), index(small, '&limit')] > 0)) &
         kind_of = merge(a_scene, 0, kind_of == 0)

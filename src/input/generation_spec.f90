@@ -49,7 +49,7 @@ contains
 
     spec%file = path
     call read_fields(path, text, 'a specification', [a_specification], &
-                     spec_table(of_study=.false.), fields)
+                     spec_table, fields)
     if (fields%is_text) then
       spec%is_map = fields%has_group('map')
       if (spec%is_map) then

@@ -1,4 +1,4 @@
-!> The names of the specifications of `asperity generate` and `asperity study`, one row each.
+!> The names of the specifications of `asperity generate`, one row each.
 module asperity_spec_names
   use asperity_decimal, only: decimal_value
   use asperity_generation_values, only: below_words, most_asperities
@@ -10,12 +10,8 @@ module asperity_spec_names
   implicit none
   private
 
-  public :: spec_table, most_sizes
+  public :: spec_table
 
-  character(len=*), parameter :: against_words(2) = [character(len=7) :: 'surface', 'plane']
-  character(len=*), parameter :: places_words(2) = [character(len=6) :: 'grid', 'random']
-  character(len=*), parameter :: reference_words(2) = [character(len=8) :: 'integral', 'largest']
-  integer, parameter :: most_sizes = 20  !! sizes of sections at most
 
   ! Pixels along a side: more would leave too few bits for a wave number's square.
   integer, parameter :: most_pixels = 1048576
@@ -23,7 +19,8 @@ module asperity_spec_names
   integer, parameter :: pair(2) = [1, 2]  ! one value for both surfaces, or both directions, or two
   type(decimal_value), parameter :: one = decimal_value(1_int64, 0)  ! also: the first word
 
-  type(known_name), parameter :: rows(*) = [ &
+  !> A row each.
+  type(known_name), parameter :: spec_table(*) = [ &
     known_name('surfaces', 'number', whole_value, 'this or density is needed', pair, &
                otherwise='needed', least=1, most=most_asperities), &
     known_name('surfaces', 'density', above_zero, &
@@ -85,42 +82,6 @@ module asperity_spec_names
     known_name('map', 'below_roll_off', one_word, 'spectrum at wavelengths above the roll-off', &
                default=one, words=[character(len=word_length) :: below_words, none]), &
     known_name('map', 'unit', one_word, 'of all lengths', &
-               words=[character(len=word_length) :: length_units, '']), &
-    known_name('material', 'elastic_modulus', above_zero, 'upper, lower', pair, &
-               otherwise='needed'), &
-    known_name('material', 'poisson_ratio', poisson_range, 'upper, lower', pair, &
-               otherwise='needed'), &
-    known_name('study', 'separation', any_number, 'this or pressure is needed', &
-               otherwise='none', beside='pressure'), &
-    known_name('study', 'pressure', above_zero, 'vertical load on an area'), &
-    known_name('study', 'against', one_word, 'what the upper surface meets', default=one, &
-               words=[character(len=word_length) :: against_words, none]), &
-    known_name('study', 'sizes', above_zero, 'sides of sections, descending', [1, most_sizes], &
-               otherwise='from the full side down'), &
-    known_name('study', 'factor', above_one, 'from one size to the next', &
-               default=decimal_value(2_int64, 0), beside='sizes'), &
-    known_name('study', 'steps', whole_number, 'number of sizes', &
-               default=decimal_value(6_int64, 0), least=1, most=most_sizes, beside='sizes'), &
-    known_name('study', 'sections', whole_number, 'of a size on a surface, at most', &
-               default=decimal_value(100_int64, 0), least=1, most=1000), &
-    known_name('study', 'places', one_word, 'of sections of a size', default=one, &
-               words=[character(len=word_length) :: places_words, none]), &
-    known_name('study', 'reference', one_word, 'with which sections are compared', &
-               default=one, words=[character(len=word_length) :: reference_words, none]), &
-    known_name('study', 'tolerance', share, 'share of the reference', &
-               default=decimal_value(1_int64, -1)), &
-    known_name('study', 'confidence', share, 'share of the sections within it', &
-               default=decimal_value(95_int64, -2))]
-
-contains
-
-  !> The rows of a kind of specification.
-  pure function spec_table(of_study) result(table)
-    logical, intent(in) :: of_study            !! of `asperity study`, not of `asperity generate`
-    type(known_name), allocatable :: table(:)  !! a row each
-
-    table = pack(rows, merge(rows%group /= 'map', rows%group /= 'material' .and. &
-                             rows%group /= 'study', of_study))
-  end function spec_table
+               words=[character(len=word_length) :: length_units, ''])]
 
 end module asperity_spec_names

@@ -64,7 +64,6 @@ contains
         call buffer%line(line)
       end associate
     end do
-    if (table%no_theories /= '') call buffer%line('  theories left out: ' // table%no_theories)
     if (table%no_neighbours /= '') &
       call buffer%line('  neighbours left out: ' // table%no_neighbours)
     associate (best => table%rows(table%reference))
@@ -86,22 +85,6 @@ contains
       call buffer%line('Run times with neighbours were ' // &
                        number_text(minval(ratios, is_known), 2) // ' to ' // &
                        number_text(maxval(ratios, is_known), 2) // ' times the predicted ones.')
-    if (table%area_exponent > not_computed) then
-      call buffer%line('')
-      call buffer%line('Area grows as the load to the power ' // &
-                       real_text(table%area_exponent, 'f6.3') // &
-                       ' at the end, for isolated contacts. Archard: 2/3 for a sphere, 4/5 with')
-      call buffer%line('smaller hemispheres on it, 14/15 with smaller ones on those.')
-    end if
-    if (.not. allocated(table%criteria)) return
-    if (size(table%criteria) == 0) return
-    call buffer%line('')
-    call buffer%line('Smallest hardness for elastic contact, by the criteria that the thesis ' // &
-                     'reviews')
-    do i = 1, size(table%criteria)
-      call buffer%line('  ' // table%criteria(i)%name // '  ' // &
-                       real_text(table%criteria(i)%hardness, 'es10.3e2'))
-    end do
   end subroutine write_accuracy_table
 
   ! Time and errors of arithmetics and steps of a sweep, by quantity, where steps were run.

@@ -9,7 +9,6 @@ module asperity_method_study
   use asperity_original_records, only: original_records
   use asperity_problems, only: real_text
   use asperity_progress, only: progress_line
-  use asperity_reviewed_theories, only: elastic_criterion
   use asperity_run_options, only: run_options
   use asperity_scene_results, only: scene_results
   use asperity_scene_values, only: effect_auto, effect_boundary, effect_coupled, effect_off, &
@@ -69,11 +68,7 @@ module asperity_method_study
     type(method_totals) :: truth                      !! its totals
     integer :: next_best = 0                       !! the row that is best but for it; 0: none
     real(real64) :: next_best_differs = 0.0_real64 !! from the reference, as an error
-    type(method_totals) :: plain  !! of real64 without effects; not allocated: none
-    type(elastic_criterion), allocatable :: criteria(:)  !! of the elastic limit
-    real(real64) :: area_exponent = not_computed        !! with which the area grows with the load
     character(len=:), allocatable :: no_neighbours !! why none takes neighbours; empty: some do
-    character(len=:), allocatable :: no_theories   !! why there are none; empty: there are
   end type method_table
 
   ! Two methods cost the same, or err the same, when they differ by less than this factor. It is
@@ -397,7 +392,6 @@ contains
     integer :: i, plain
 
     plain = row_of_events(table%rows)
-    if (plain > 0) table%plain = totals(plain)
     if (plain > 0) exact = totals(plain)
     step = 0.0_real64
     do i = 1, size(totals)
