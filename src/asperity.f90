@@ -39,7 +39,6 @@ module asperity
   use asperity_report, only: write_report
   ! Running scenes.
   use asperity_run_options, only: check_options, run_options
-  use asperity_solution_start, only: solution_start
   use asperity_solve, only: solve
   use asperity_surface_fields, only: check_field_request
   use asperity_version, only: version

@@ -10,7 +10,7 @@ module asperity_c_outcome
                                          c_null_char, c_null_ptr, c_ptr
   use, intrinsic :: iso_fortran_env, only: real64
   use asperity, only: add_reals, array_table, contact_field, is_measured, list_groups, &
-                      not_enough_memory, problem_list, problem_place, scene, solution_start, version
+                      not_enough_memory, problem_list, problem_place, scene, version
   use asperity_system_calls, only: text_of
   implicit none
   private
@@ -49,7 +49,6 @@ module asperity_c_outcome
     type(problem_place), allocatable :: places(:)          !! place of each problem
     type(c_letters), allocatable :: names(:, :)            !! names of columns (column, table)
     type(c_letters), allocatable :: units(:, :)            !! units of columns (column, table)
-    type(solution_start), allocatable :: solutions(:)      !! by position, for further solves
     type(contact_field), allocatable :: fields(:)          !! fields of the states that keep them
     real(real64), allocatable :: ratio                     !! Poisson's of the lower body, if known
     character(len=:), allocatable :: failure               !! reason, when it was not computed

@@ -22,7 +22,7 @@ module asperity_c_scenes
   private
 
   public :: c_read_scene, c_build_scene, c_build_scene_of, c_rebuild_scene, c_solve, &
-            c_solve_again, c_solve_with_fields
+            c_solve_with_fields
   public :: c_options, c_side
 
   !> `asperity_options` of the header.
@@ -155,40 +155,23 @@ contains
     type(c_ptr), value :: of_scene  !! outcome that has a scene
     type(c_ptr), value :: options   !! `c_options`; null: all defaults
 
-    handle = c_solve_with_fields(of_scene, options, c_null_ptr, c_null_ptr, 0_c_int)
+    handle = c_solve_with_fields(of_scene, options, c_null_ptr, 0_c_int)
   end function c_solve
 
-  !> `asperity_solve_again`.
-  type(c_ptr) function c_solve_again(of_scene, options, earlier, progress) &
-    bind(c, name='asperity_solve_again') result(handle)
-    type(c_ptr), value :: of_scene  !! outcome that has a scene
-    type(c_ptr), value :: options   !! `c_options`; null: all defaults
-    type(c_ptr), value :: earlier   !! outcome of a solve; or null
-    type(c_ptr), value :: progress  !! two numbers; or null
-
-    handle = c_solve_with_fields(of_scene, options, earlier, progress, 0_c_int)
-  end function c_solve_again
-
   !> `asperity_solve_with_fields`.
-  type(c_ptr) function c_solve_with_fields(of_scene, options, earlier, progress, fields) &
+  type(c_ptr) function c_solve_with_fields(of_scene, options, progress, fields) &
     bind(c, name='asperity_solve_with_fields') result(handle)
     type(c_ptr), value :: of_scene     !! outcome that has a scene
     type(c_ptr), value :: options      !! `c_options`; null: all defaults
-    type(c_ptr), value :: earlier      !! outcome of a solve; or null
     type(c_ptr), value :: progress     !! two numbers; or null
     integer(c_int), value :: fields    !! 0: none are kept; 1: those of the last state; 2: all
     type(run_options) :: chosen
-    type(outcome), pointer :: before, from, new
+    type(outcome), pointer :: from, new
     type(scene_results) :: results
 
     call begin_outcome(new, handle)
     if (.not. associated(new)) return
     chosen%fields = fields
-    chosen%reuse%keeps = .true.
-    call look_at(earlier, before)
-    if (associated(before)) then
-      if (allocated(before%solutions)) chosen%reuse%earlier => before%solutions
-    end if
     if (c_associated(progress)) call c_f_pointer(progress, chosen%counted_work%numbers, [2])
     call look_at(of_scene, from)
     !$omp critical (library_texts)
@@ -204,7 +187,7 @@ contains
     if (new%problems%count() == 0 .and. .not. allocated(new%failure)) &
       call solve(from%scene_in, results, new%failure, chosen)
     !$omp critical (library_texts)
-    if (associated(from)) call set_results(from, chosen, results, new)
+    if (associated(from)) call set_results(from, results, new)
     call finish_outcome(new)
     !$omp end critical (library_texts)
   end function c_solve_with_fields
@@ -218,9 +201,8 @@ contains
   end function has_scene
 
   ! Fills an outcome with the results of a solve, or with the place of its failure.
-  subroutine set_results(from, chosen, results, new)
+  subroutine set_results(from, results, new)
     type(outcome), intent(in) :: from
-    type(run_options), intent(in) :: chosen
     type(scene_results), intent(inout) :: results
     type(outcome), intent(inout) :: new
     type(problem_list) :: kinds, warnings
@@ -231,14 +213,6 @@ contains
     call set_text(new, text_notes, from%scene_in%notes%text())
     if (allocated(new%failure)) new%failure = from%scene_in%file // ': ' // new%failure
     if (new%problems%count() > 0 .or. allocated(new%failure)) return
-    allocate (new%solutions(size(results%positions)))
-    do which = 1, size(new%solutions)
-      call move_alloc(results%positions(which)%start%solutions, new%solutions(which)%solutions)
-      if (allocated(new%solutions(which)%solutions) .or. &
-          .not. associated(chosen%reuse%earlier)) cycle
-      if (which <= size(chosen%reuse%earlier)) &
-        new%solutions(which) = chosen%reuse%earlier(which)
-    end do
     call move_alloc(results%positions(1)%fields, new%fields)
     if (.not. decimal_to_real64(from%scene_in%contact_modulus) > 0.0_real64) &
       new%ratio = decimal_to_real64(from%scene_in%lower%poisson_ratio)

@@ -17,7 +17,7 @@ module asperity_open_contacts
   implicit none
   private
 
-  public :: find_touching, may_touch, are_separate
+  public :: find_touching, may_touch
 
 contains
 
@@ -87,25 +87,6 @@ contains
                                                       state%examined(loaded))))
     end associate
   end function largest_change
-
-  !> Whether the tops of all near pairs of loaded contacts are farther apart than the larger circle
-  !> radius: the potential of a pair has one minimum then (its least scaled eigenvalue is 0.35 for
-  !> radii from 1:1 to 1:20). Which of several minima is found depends on the start.
-  pure logical function are_separate(solution)
-    type(coupled_solution), intent(in) :: solution   !! solution of the position
-    integer :: i, j, k
-
-    are_separate = .true.
-    associate (set => solution%set)
-      if (.not. allocated(set%one)) return
-      do k = 1, size(set%one)
-        i = set%one(k)
-        j = set%other(k)
-        are_separate = are_separate .and. hypot(set%x(i) - set%x(j), set%y(i) - set%y(j)) >= &
-                       max(set%radius(i), set%radius(j))
-      end do
-    end associate
-  end function are_separate
 
   ! Finds for each open contact the shift that minimises s**2/(2 R) + u(x + s), and its penetration
   ! there: near circles act exactly, the others by value and slope. The far field is curved, so its

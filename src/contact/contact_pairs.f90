@@ -7,7 +7,6 @@ module asperity_contact_pairs
   use asperity_element_pressures, only: element_pressures
   use asperity_interruption, only: interruption
   use asperity_kinds, only: real64
-  use asperity_solution_start, only: solution_start
   use asperity_theory_limits, only: theory_limits
   use asperity_work_count, only: work_count
   implicit none
@@ -57,8 +56,6 @@ module asperity_contact_pairs
     real(real64) :: y_displacement = 0.0_real64     !! of the upper surface, in the scene's unit
     type(interruption) :: interrupt                 !! ends the solve of the position when set
     type(work_count) :: progress_count              !! counts the states that are done
-    type(solution_start), pointer :: start => null()  !! earlier solutions, or null
-    logical :: keeps_solution = .false.             !! keep the last solution in the result
     !> Gets the pressures of each solve by boundary elements; not associated: they are not kept.
     type(element_pressures), pointer :: pressures => null()
   end type contact_pairs

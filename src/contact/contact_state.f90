@@ -20,7 +20,6 @@ module asperity_contact_state
     real(real64) :: area_error = 0.0_real64        !! estimated relative error of the area
     real(real64) :: nested = 0.0_real64            !! load share of contacts inside others
     type(solve_ending) :: ending                   !! residual and iterations
-    logical :: is_unique = .false.                 !! independent of the start of its iteration
     real(real64), allocatable :: penetration(:)    !! of each pair
     real(real64), allocatable :: area(:)           !! of each pair
     real(real64), allocatable :: pressure(:)       !! greatest, on boundary elements; else 0

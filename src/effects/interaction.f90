@@ -9,13 +9,11 @@ module asperity_interaction
   use asperity_contact_law, only: contact_law
   use asperity_contact_pairs, only: contact_pairs
   use asperity_contact_state, only: answer_all, contact_state, interaction_solution
-  use asperity_earlier_solutions, only: start_from_earlier
   use asperity_hertz_law, only: hertz_law
   use asperity_interaction_estimate, only: estimate_of_interaction
   use asperity_joint_contacts, only: joint_solution, resolve_all, resolve_called_for, &
                                      resolve_none, solve_joint
   use asperity_kinds, only: not_computed, real64
-  use asperity_open_contacts, only: are_separate
   use asperity_scene_values, only: effect_auto, effect_boundary, scene
   use asperity_theory_warnings, only: add_warning, of_area, of_nested, warn_above
   implicit none
@@ -149,26 +147,16 @@ contains
     type(interaction_solution), allocatable, intent(out) :: found  !! solution found there
     character(len=:), allocatable, intent(inout) :: failure    !! set where it is impossible
     real(real64), intent(in), optional :: target               !! sum of the normal forces
-    type(joint_solution) :: solution, fresh
+    type(joint_solution) :: solution
     integer :: which
-    logical :: has_start
 
     ! Boundary elements are elastic: contacts of another law are coupled.
     which = resolve_none
     if (self%mode == effect_boundary) which = resolve_all
     if (self%mode == effect_auto .and. same_type_as(law, hertz_law())) which = resolve_called_for
     solution%coupled%compression = compression
-    if (which /= resolve_all .and. same_type_as(law, hertz_law())) &
-      call start_from_earlier(pairs, solution%coupled, target)
-    has_start = allocated(solution%coupled%penetration)
-    call solve_now()
-    if (has_start .and. .not. pairs%interrupt%is_asked()) then
-      if (.not. is_one_solution(solution)) then
-        solution = fresh
-        solution%coupled%compression = compression
-        call solve_now()
-      end if
-    end if
+    call solve_joint(pairs, law, which, min(self%tolerance, tolerance), &
+                     self%boundary_tolerance, self%area_tolerance, solution, target)
     if (allocated(solution%failure)) then
       failure = solution%failure
       return
@@ -182,28 +170,11 @@ contains
     if (which == resolve_none) found%nested = solution%nested
     found%ending = solution%coupled%ending
     found%ending%converged = .true.
-    found%is_unique = is_one_solution(solution)
     found%penetration = solution%coupled%penetration
     found%shift = solution%coupled%shift
     call move_alloc(solution%area, found%area)
     call move_alloc(solution%maximum_pressure, found%pressure)
     call move_alloc(solution%is_resolved, found%is_resolved)
-
-  contains
-
-    subroutine solve_now()
-      call solve_joint(pairs, law, which, min(self%tolerance, tolerance), &
-                       self%boundary_tolerance, self%area_tolerance, solution, target)
-    end subroutine solve_now
-
   end subroutine solve_together
-
-  ! Whether a solution is independent of its start.
-  logical function is_one_solution(solution)
-    type(joint_solution), intent(in) :: solution
-
-    is_one_solution = .not. allocated(solution%failure) .and. solution%elements == 0
-    if (is_one_solution) is_one_solution = are_separate(solution%coupled)
-  end function is_one_solution
 
 end module asperity_interaction

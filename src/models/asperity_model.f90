@@ -14,7 +14,6 @@ module asperity_asperity_model
   use asperity_contact_pairs, only: contact_pairs
   use asperity_contact_records, only: position_result, solve_method
   use asperity_contact_state, only: contact_state, start_state
-  use asperity_earlier_solutions, only: expected_compression
   use asperity_effect_list, only: list_effects, list_left_out
   use asperity_effect_names, only: effect_on, effect_words, go_together, known_effects
   use asperity_effect_sequence, only: choose_effects, effect_choice
@@ -43,7 +42,6 @@ module asperity_asperity_model
     logical :: isolated = .false.                ! no effect is simulated or estimated
     logical :: by_estimate = .false.             ! all effects may turn out to be negligible
     integer :: fields = fields_none              ! states whose pressures are kept
-    logical :: remembers = .true.                ! a path, or effects other than interaction
     type(solve_method) :: method                 ! which pairs are listed
     type(effect_box), allocatable :: effects(:)  ! initial state for a position
     type(effect_box), allocatable :: left_out(:) ! effects that are off, to be estimated
@@ -102,7 +100,6 @@ contains
     if (.not. is_vertical_load(scene_in%loading%control)) new%loads_differ = header%tolerance
     new%by_estimate = .not. allocated(scene_in%loading%path) .and. &
                       all(header%names == 'interaction') .and. all(header%modes == effect_auto)
-    new%remembers = allocated(scene_in%loading%path) .or. any(header%names /= 'interaction')
     new%method%keeps_first = allocated(scene_in%loading%path) .and. .not. new%isolated
     do i = 1, size(new%effects)
       new%method%reach = max(new%method%reach, new%effects(i)%effect%reach)
@@ -138,12 +135,8 @@ contains
     placed%model => self
     placed%m = m
     placed%scene_in => self%scene_in
-    call list_candidates(self, m, is_wide, placed%pairs, failure)
+    call list_pairs(self%placed, m, is_wide, placed%pairs, failure, self%method)
     if (allocated(failure)) return
-    if (expected_compression(placed%pairs) > placed%pairs%complete_to) then
-      call list_candidates(self, m, .true., placed%pairs, failure)
-      if (allocated(failure)) return
-    end if
     call copy_effects(self%effects, placed%effects)
     result%x_displacement = placed%pairs%x_displacement
     result%y_displacement = placed%pairs%y_displacement
@@ -164,22 +157,6 @@ contains
     call begin_asperities(placed)
     call move_alloc(placed, bodies)
   end subroutine place_asperities
-
-  ! Lists the pairs of a position: those within the candidate distance, or all that can touch. The
-  ! solution of an earlier run is taken where effects have no memory.
-  subroutine list_candidates(model, m, all_pairs, pairs, failure)
-    class(asperity_model), intent(in), target :: model
-    integer, intent(in) :: m
-    logical, intent(in) :: all_pairs
-    type(contact_pairs), intent(out) :: pairs
-    character(len=:), allocatable, intent(out) :: failure
-
-    call list_pairs(model%placed, m, all_pairs, pairs, failure, model%method)
-    if (allocated(failure) .or. model%remembers) return
-    pairs%keeps_solution = model%reuse%keeps
-    if (.not. associated(model%reuse%earlier)) return
-    if (m <= size(model%reuse%earlier)) pairs%start => model%reuse%earlier(m)
-  end subroutine list_candidates
 
   ! Completes the results: by the solver without effects where none was simulated.
   subroutine add_left_out(self, steps, result, failure)

@@ -11,7 +11,6 @@ module asperity_asperity_position
   use asperity_contact_state, only: contact_state, controlled_load, start_state, total_load, &
                                     total_vertical_load
   use asperity_decimal, only: decimal_to_real64, decimal_value
-  use asperity_earlier_solutions, only: keep_solution, mark_crowded
   use asperity_effect_sequence, only: choose_effects, drop_choice, first_failure, found_state, &
                                       simulate_effects
   use asperity_hertz_law, only: hertz_law
@@ -316,7 +315,7 @@ contains
     end associate
   end subroutine solve_asperity_step
 
-  ! Keeps the solution for further runs, and compares the last state with those of fewer effects.
+  ! Compares the last state with those of fewer effects.
   subroutine compare_effects(self, steps, result, failure)
     class(asperity_bodies), intent(inout), target :: self
     type(path_step), intent(in) :: steps(:)
@@ -324,16 +323,7 @@ contains
     character(len=:), allocatable, intent(out) :: failure
     integer :: last
 
-    associate (state => self%found%state, pairs => self%pairs)
-      if (pairs%keeps_solution .and. allocated(state%solution)) then
-        if (state%solution%is_unique) then
-          call keep_solution(pairs, state%compression, &
-                             [total_load(state), total_vertical_load(state)], &
-                             state%penetration, state%solution%shift, result%start)
-        else
-          call mark_crowded(pairs, state%compression, controlled_load(pairs, state), result%start)
-        end if
-      end if
+    associate (pairs => self%pairs)
       last = size(steps)
       do while (last > 1 .and. steps(last)%control == held_load)
         last = last - 1

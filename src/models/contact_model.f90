@@ -7,7 +7,6 @@ module asperity_contact_model
   use asperity_contact_records, only: position_result
   use asperity_interruption, only: interruption
   use asperity_kinds, only: int64, real64
-  use asperity_solution_start, only: solution_reuse
   use asperity_work_count, only: work_count
   implicit none
   private
@@ -43,7 +42,6 @@ module asperity_contact_model
     logical :: keep_rows = .true.         !! keep the contacts of every state
     type(interruption) :: interrupt       !! interruption of the run
     type(work_count) :: progress_count    !! progress of the run, in states
-    type(solution_reuse) :: reuse         !! solutions of an earlier run
   contains
     procedure(place_bodies), deferred :: place  !! places the bodies at a position
   end type contact_model

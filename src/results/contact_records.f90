@@ -8,7 +8,6 @@ module asperity_contact_records
   use asperity_element_pressures, only: element_pressures
   use asperity_kinds, only: not_computed, real64
   use asperity_solve_ending, only: solve_ending
-  use asperity_solution_start, only: solution_start
   use asperity_theory_warnings, only: theory_warning
   implicit none
   private
@@ -136,7 +135,6 @@ module asperity_contact_records
     type(effect_record), allocatable :: effects(:)
     real(real64), allocatable :: contact_values(:, :)  !! of their columns (row, column)
     real(real64), allocatable :: state_values(:)       !! of the last state (column)
-    type(solution_start) :: start = solution_start()   !! solutions for further runs, where kept
     !> Pressures on boundary elements and shifts of contacts, by state, in the unit of the scene;
     !> not allocated: none were kept.
     type(element_pressures), allocatable :: pressures(:)

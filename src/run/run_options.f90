@@ -5,7 +5,6 @@ module asperity_run_options
   use asperity_kept_records, only: kept_file
   use asperity_kinds, only: real64
   use asperity_problems, only: decimal_text, problem_list, real_text
-  use asperity_solution_start, only: solution_reuse
   use asperity_work_count, only: work_count
   implicit none
   private
@@ -40,7 +39,6 @@ module asperity_run_options
     integer :: fields = fields_none
     type(interruption) :: interrupt = interruption()  !! ends the run from another thread
     type(work_count) :: counted_work = work_count()   !! progress of the run for another thread
-    type(solution_reuse) :: reuse = solution_reuse()  !! solutions of an earlier run
   end type run_options
 
 contains

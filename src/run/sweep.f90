@@ -66,7 +66,6 @@ contains
 
     model%keep_rows = options%keep_contacts
     model%interrupt = options%interrupt
-    model%reuse = options%reuse
     model%progress_count = options%counted_work
     model%progress_count%of_position = max(1, model%states)
     model%nominal_area = max(decimal_to_real64(scene_in%nominal_area), results%nominal_area)
