@@ -23,7 +23,7 @@ module asperity_run_solve
   use asperity_scene_inputs, only: input_file, list_inputs
   use asperity_scene_reader, only: read_scene
   use asperity_scene_results, only: scene_results
-  use asperity_scene_values, only: scene, scene_effects
+  use asperity_scene_values, only: scene
   use asperity_solve, only: solve
   use asperity_surface_fields, only: check_field_request
   use asperity_summary, only: write_choice, write_summary
@@ -70,7 +70,7 @@ contains
     if (outcome%problems%count() > 0) return
     if (image_number() == 1) call write_standard_error(scene_in%notes%text())
     if (.not. line%has('--keep')) call note_kept('; --keep FILE would keep what is solved')
-    options = options_of(line, scene_in)
+    options = options_of(line)
     if (line%has('--units')) units = 'units: ' // units_in_words(scene_in)
     call solve(scene_in, results, outcome%failure, options)
     if (image_number() > 1) return
@@ -289,9 +289,8 @@ contains
   end subroutine check_choices
 
   ! How the user wants it done.
-  function options_of(line, scene_in) result(options)
+  function options_of(line) result(options)
     type(command_line), intent(in) :: line
-    type(scene), intent(in) :: scene_in
     type(run_options) :: options
 
     options%accuracy = line%number('--accuracy')

@@ -45,7 +45,7 @@ module asperity
   ! Results.
   use asperity_contact_records, only: contact_row, effect_record, position_result, state_row
   use asperity_effect_header, only: effect_header
-  use asperity_scene_results, only: last_state, map_record, scene_results
+  use asperity_scene_results, only: last_state, scene_results
   ! Pressure and gap on the pixels of a map.
   use asperity_contact_field, only: contact_field, fields_all, fields_last, fields_none, &
                                     pressure_histogram

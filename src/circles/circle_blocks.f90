@@ -3,9 +3,8 @@
 !> Circles that overlap or nearly touch form a block. Its matrix is the exact Hessian where that is
 !> positive definite, else that of the convex model (circle_products), factored as L D L'.
 module asperity_circle_blocks
-  use asperity_circle_field, only: are_close, circle_set, close_distance, compliance, &
-                                   direction_x, direction_y, first_slope, large_set, &
-                                   least_curvature_share, pair_hessian, second_slope
+  use asperity_circle_field, only: are_close, circle_set, close_distance, compliance, direction_x, &
+                                   direction_y, first_slope, large_set, pair_hessian, second_slope
   use asperity_coarse_circles, only: circles_per_square
   use asperity_circle_products, only: convex_hessian
   use asperity_index_groups, only: gather_groups

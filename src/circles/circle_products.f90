@@ -7,8 +7,7 @@
 module asperity_circle_products
   use asperity_circle_field, only: circle_set, compliance, direction_x, direction_y, first_slope, &
                                    flat_spread, hessian_anisotropy, large_set, &
-                                   least_curvature_share, pair_hessian, second_slope, &
-                                   slope_over_distance
+                                   least_curvature_share, second_slope, slope_over_distance
   use asperity_constants, only: pi
   use asperity_kinds, only: real64
   use asperity_source_tree, only: sum_sources

@@ -12,8 +12,7 @@ module asperity_isolated_contacts
                                            march_compression
   use asperity_kinds, only: int64, real64
   use asperity_pair_finding, only: find_pairs
-  use asperity_placed_scene, only: candidate, load_unit, place_of_touch, placed_scene, &
-                                   position_pairs
+  use asperity_placed_scene, only: load_unit, place_of_touch, placed_scene, position_pairs
   use asperity_problems, only: not_enough_memory
   use asperity_process, only: has_memory
   use asperity_scene_values, only: control_compression, control_limit, control_load, &

@@ -21,7 +21,7 @@
 module asperity_map_error
   use asperity_contact_records, only: state_row
   use asperity_height_map, only: height_map, is_measured
-  use asperity_kinds, only: not_computed, real64
+  use asperity_kinds, only: real64
   use asperity_map_adhesion, only: adhesion_history
   use asperity_map_contact, only: map_answer, most_load
   use asperity_map_fields, only: measure_fields

@@ -1,6 +1,6 @@
 !> Group &effects of a scene: which effects, their numbers, and which go together.
 module asperity_scene_effects
-  use asperity_decimal, only: decimal_to_real64, decimal_value
+  use asperity_decimal, only: decimal_to_real64
   use asperity_effect_names, only: effect_numbers, known_effect, known_effects, needed_for, &
                                    why_not_together
   use asperity_kinds, only: int64, real64
@@ -9,9 +9,9 @@ module asperity_scene_effects
   use asperity_scene_fields, only: known_name, scene_fields
   use asperity_scene_values, only: by_default, by_numbers, by_word, control_separation, &
                                    control_limit, criterion_none, effect_auto, effect_off, &
-                                   effect_on, effect_words, has_hardness, has_tangential, is_load, &
-                                   most_relaxations, needs_pixels, scene, scene_effects, &
-                                   scene_loading, solves_pixels
+                                   effect_on, effect_words, has_tangential, is_load, &
+                                   most_relaxations, scene, scene_effects, scene_loading, &
+                                   solves_pixels
   implicit none
   private
 
@@ -124,16 +124,11 @@ contains
       if (name == 'friction' .and. rubs_back(checked)) why = no_way_back
       if (.not. allocated(checked%map)) return
       if (name /= 'interaction') then
-        if (needs_pixels(checked) .and. effect%not_on_pixels /= '' .and. &
-            .not. has_hardness_alone) &
-          why = trim(effect%not_on_pixels) // ': expected interaction = ''off'' beside it'
+        if (effect%not_on_pixels /= '' .and. .not. has_hardness_alone) &
+          why = trim(effect%not_on_pixels)
         return
       end if
     end associate
-    if (checked%loading%events) why = 'the beginnings of contacts are found without it on a map'
-    if (checked%map%periodic .and. checked%effects%mode('plasticity') /= effect_off .and. &
-        .not. has_hardness(checked)) &
-      why = 'the other effects are computed for asperities, not for the pixels of a periodic map'
   end function why_not
 
   ! Takes several relaxation times, ascending, with the modulus after each, descending.
@@ -295,9 +290,7 @@ contains
 
     rubs_back = checked%effects%is_there('friction_coefficient') .and. &
                 allocated(checked%loading%path)
-    if (rubs_back .and. allocated(checked%map)) &
-      rubs_back = .not. (solves_pixels(checked) .or. checked%effects%given(findloc( &
-                  known_effects%name, 'interaction', 1)) == by_default)
+    rubs_back = rubs_back .and. .not. allocated(checked%map)
     if (.not. rubs_back) return
     allocate (compression, source=decimal_to_real64(checked%loading%path))
     if (checked%loading%control == control_separation) compression = -compression

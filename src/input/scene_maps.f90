@@ -14,9 +14,9 @@ module asperity_scene_maps
   use asperity_kinds, only: int64, real64
   use asperity_problems, only: decimal_text, problem_list, real_text
   use asperity_scene_fields, only: scene_fields
-  use asperity_scene_values, only: control_limit, effect_auto, effect_boundary, effect_coupled, &
+  use asperity_scene_values, only: control_limit, effect_auto, effect_boundary, &
                                    effect_off, effect_words, has_caps, has_hardness, is_load, &
-                                   scene, scene_surface, solves_pixels
+                                   scene, scene_surface
   implicit none
   private
 
@@ -253,56 +253,35 @@ contains
     type(scene), intent(inout) :: checked        !! all groups are read; gets a note
     character(len=*), parameter :: conductivities(2) = [character(len=23) :: &
       'electrical_conductivity', 'thermal_conductivity']
-    character(len=:), allocatable :: text
     integer :: i, mode
-    logical :: on_pixels, others(size(known_effects))
+    logical :: others(size(known_effects))
 
-    on_pixels = solves_pixels(checked)
-    do i = 1, merge(0, 2, on_pixels)
-      call fields%refuse_name('material', trim(conductivities(i)), 'conductance is that of ' // &
-                              'pixels: found no map that is solved on its pixels, expected one')
-    end do
     if (.not. allocated(checked%map)) then
+      do i = 1, 2
+        call fields%refuse_name('material', trim(conductivities(i)), 'conductance is that of ' // &
+                                'pixels: found no map, expected one')
+      end do
       do i = 1, merge(0, size(own_names), fields%lacks_file)
         call fields%refuse_name('surfaces', trim(own_names(i)), 'found without a map, ' // &
                                 'expected a map as upper or lower')
       end do
       return
     end if
-    if (fields%has_group('motion')) then
-      if (min(checked%map%upper%columns, checked%map%lower%columns) == 0 .and. &
-          .not. has_caps(checked)) then
-        call fields%complain_of_group('motion', 'found beside a map and a plane, expected ' // &
-                                      'none: a plane is the same everywhere')
-      else if (.not. on_pixels) then
-        call fields%complain_of_group('motion', 'found beside maps that are solved by their ' // &
-               'summits, expected interaction = ''auto'' or ''boundary'': maps are moved on ' // &
-               'their pixels')
-      end if
-    end if
+    if (fields%has_group('motion') .and. .not. has_caps(checked) .and. &
+        min(checked%map%upper%columns, checked%map%lower%columns) == 0) &
+      call fields%complain_of_group('motion', 'found beside a map and a plane, expected ' // &
+                                    'none: a plane is the same everywhere')
     if (fields%has_group('tilt')) &
       call fields%complain_of_group('tilt', 'found beside a map, expected none: it is levelled')
     mode = checked%effects%mode('interaction')
-    if (checked%loading%events .and. any(mode == [effect_auto, effect_boundary])) &
-      call fields%complain_of('loading', 'events', 'found beside a map, expected none unless ' // &
-                              'interaction is ''off'' or ''coupled''')
-    if (checked%map%periodic .and. mode == effect_coupled) &
-      call fields%complain_of('effects', 'interaction', 'the summits of a periodic map are ' // &
-           'solved without its images: found ''coupled'', expected ''boundary'' or ''auto'', ' // &
-           'which solve its pixels')
+    if (all(mode /= [effect_auto, effect_boundary])) &
+      call fields%complain_of('effects', 'interaction', 'a map is solved on its pixels: found ' // &
+           trim(effect_words(mode)) // ', expected ''auto'' or ''boundary''; its summits are ' // &
+           'asperities: asperity summits MAP --rule contact --output FILE')
+    if (checked%loading%events) &
+      call fields%complain_of('loading', 'events', 'found beside a map, expected none')
     others = checked%effects%modes /= effect_off .and. known_effects%not_on_pixels /= ''
     if (has_hardness(checked)) others = others .and. known_effects%name /= 'plasticity'
-    if (mode == effect_auto .and. .not. on_pixels) then
-      text = 'control = ''limit'' closes isolated summits'
-      if (any(others)) then
-        i = findloc(others, .true., 1)
-        text = trim(known_effects(i)%name) // ': ' // trim(known_effects(i)%not_on_pixels)
-        if (checked%effects%modes(i) == effect_auto) text = text // ', and where it matters'
-      end if
-      call checked%notes%add(checked%file // ': note: ' // text // ': the summits of the map ' // &
-                             'are solved in place of its pixels')
-    end if
-    if (.not. on_pixels) return
     ! Displacements of a strip are known up to the logarithm of a distance (Johnson, section 2.3).
     if (max(checked%map%upper%strip_axis, checked%map%lower%strip_axis) > 0 .and. &
         .not. (is_load(checked%loading%control) .or. checked%loading%control == control_limit)) &
@@ -312,11 +291,9 @@ contains
     call fields%refuse_name('surfaces', 'field_spacing', 'found beside a map that is solved ' // &
                             'on its pixels, expected none: the fields are on the pixels')
     if (checked%loading%control == control_limit) then
-      text = 'patches of pixels merge under load: found control = ''limit'' or none, expected ' // &
-             '''separation'', ''load'', ''vertical_load'' or ''pressure'''
-      if (.not. has_hardness(checked)) &
-        text = text // ', or interaction = ''off'' in &effects, which closes isolated summits'
-      call fields%complain_of_group('loading', text)
+      call fields%complain_of_group('loading', 'patches of pixels merge under load: found ' // &
+           'control = ''limit'' or none, expected ''separation'', ''load'', ''vertical_load'' ' // &
+           'or ''pressure''')
     end if
     if (any(others)) &
       call fields%complain_of_group('effects', 'found another effect beside interaction = ''' // &

@@ -5,7 +5,7 @@ module asperity_scene_surfaces
   use asperity_files, only: same_name
   use asperity_height_map, only: height_map, plain_unit
   use asperity_input_text, only: in_quotes
-  use asperity_kinds, only: int64, real64
+  use asperity_kinds, only: real64
   use asperity_problems, only: decimal_text, problem_list, real_text
   use asperity_scene_deck, only: surfaces_from_deck
   use asperity_scene_fields, only: scene_fields

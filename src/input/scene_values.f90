@@ -28,7 +28,7 @@ module asperity_scene_values
   public :: by_default, by_numbers, by_word
   public :: effect_off, effect_on, effect_auto, effect_coupled, effect_boundary, effect_words
   public :: thesis_limit_load, is_thesis_sweep, body_compliance, combined_modulus, has_hardness, &
-            dundurs_beta, has_caps, has_tangential, needs_pixels, solves_pixels
+            dundurs_beta, has_caps, has_tangential, solves_pixels
 
   integer, parameter :: control_limit = 1          !! ends where a contact reaches its limit
   integer, parameter :: control_separation = 2     !! at a given separation of the reference planes
@@ -317,17 +317,11 @@ contains
                           loading%tangential_displacement%all_digits] > 0_int64)
   end function has_tangential
 
-  !> Whether a scene has a map and is solved on its pixels: with `boundary`, and with `auto` unless
-  !> an effect or the control is one that only asperities have. The summits of a periodic map are
-  !> solved without its images and have no hardness.
+  !> Whether a scene has a map, which is solved on its pixels.
   pure logical function solves_pixels(scene_in)
     type(scene), intent(in) :: scene_in  !! scene with checked values
 
     solves_pixels = allocated(scene_in%map)
-    if (solves_pixels) solves_pixels = needs_pixels(scene_in) .or. &
-      (scene_in%effects%mode('interaction') == effect_auto .and. &
-       scene_in%loading%control /= control_limit .and. &
-       .not. any(scene_in%effects%modes /= effect_off .and. known_effects%not_on_pixels /= ''))
   end function solves_pixels
 
   !> Whether the other body of a scene with a map is a table of asperities.
@@ -336,17 +330,6 @@ contains
 
     has_caps = .not. (scene_in%upper%is_plane .and. scene_in%lower%is_plane)
   end function has_caps
-
-  !> Whether a scene with a map can be solved on its pixels alone.
-  pure logical function needs_pixels(scene_in)
-    type(scene), intent(in) :: scene_in  !! checked values, with a map
-
-    associate (mode => scene_in%effects%mode('interaction'))
-      needs_pixels = mode == effect_boundary .or. (mode == effect_auto .and. &
-                      (scene_in%map%periodic .or. has_hardness(scene_in) .or. &
-                       has_tangential(scene_in%loading)))
-    end associate
-  end function needs_pixels
 
   !> Whether the pressures of a scene are limited by a hardness.
   pure logical function has_hardness(scene_in)

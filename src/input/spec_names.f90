@@ -4,8 +4,8 @@ module asperity_spec_names
   use asperity_generation_values, only: below_words, most_asperities
   use asperity_height_map, only: length_units
   use asperity_kinds, only: int64
-  use asperity_numeral, only: a_length, above_one, above_zero, any_number, not_negative, &
-                              poisson_range, share, share_or_all
+  use asperity_numeral, only: a_length, above_zero, any_number, not_negative, poisson_range, &
+                              share_or_all
   use asperity_scene_fields, only: known_name, one_word, whole_number, whole_value, word_length
   implicit none
   private

@@ -8,8 +8,8 @@ module asperity_map_shares
   use asperity_map_patches, only: map_patch
   use asperity_map_statistics, only: rms_slope_over
   use asperity_theory_warnings, only: add_warning, of_border, of_map_edge, of_map_slope, &
-                                      of_missing, of_no_summit, of_scan_lines, of_spikes, &
-                                      theory_warning, warn_above
+                                      of_missing, of_scan_lines, of_spikes, theory_warning, &
+                                      warn_above
   implicit none
   private
 
@@ -19,7 +19,6 @@ module asperity_map_shares
   type :: map_shares
     real(real64) :: on_edge = 0.0_real64         !! share on two rows and columns along the edge
     real(real64) :: edge_of_punch = 1.0_real64   !! share of a flat punch on the edge
-    real(real64) :: without_summit = 0.0_real64  !! share on patches without a summit; set elsewhere
     real(real64) :: on_lines = 0.0_real64        !! share on patches that are single scan lines
     real(real64) :: on_spikes = 0.0_real64       !! share on single outliers
   end type map_shares
@@ -39,7 +38,7 @@ contains
     !> share of the load on outliers of their surroundings, up to which the limit is not computed
     real(real64), intent(in) :: least_spikes
     real(real64), intent(inout) :: spike_limit  !! `limit_of_spikes` of the map; below 0: unknown
-    type(map_shares), intent(out) :: shares     !! shares except `without_summit`
+    type(map_shares), intent(out) :: shares     !! shares of the load
     real(real64) :: inner, total
     integer :: coarser, first(2)
 
@@ -91,17 +90,12 @@ contains
   end subroutine find_shares
 
   !> Warns of shares of the load on artefacts of the map.
-  pure subroutine warn_of_shares(shares, tolerance, warnings, forbids_boundary)
+  pure subroutine warn_of_shares(shares, tolerance, warnings)
     type(map_shares), intent(in) :: shares  !! shares of one state
     real(real64), intent(in) :: tolerance   !! largest share without a warning
     type(theory_warning), allocatable, intent(inout) :: warnings(:)  !! warnings of the state
-    !> reason against interaction = 'boundary'; absent or '': none
-    character(len=*), intent(in), optional :: forbids_boundary
-
     if (shares%on_edge > shares%edge_of_punch) &
       call add_warning(warnings, of_map_edge, shares%on_edge)
-    if (shares%without_summit > tolerance) &
-      call add_warning(warnings, of_no_summit, shares%without_summit, whose=forbids_boundary)
     if (shares%on_lines > tolerance) call add_warning(warnings, of_scan_lines, shares%on_lines)
     if (shares%on_spikes > tolerance) call add_warning(warnings, of_spikes, shares%on_spikes)
   end subroutine warn_of_shares

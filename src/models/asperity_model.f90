@@ -21,7 +21,7 @@ module asperity_asperity_model
   use asperity_first_yield, only: yielding_body
   use asperity_hertz_law, only: hertz_law
   use asperity_isolated_contacts, only: empty_state, list_pairs, solve_position
-  use asperity_kinds, only: int64, real64
+  use asperity_kinds, only: real64
   use asperity_placed_scene, only: placed_scene
   use asperity_plastic_surface, only: surface_index
   use asperity_scene_placing, only: place_scene

@@ -8,8 +8,7 @@ module asperity_asperity_position
   use asperity_contact_pairs, only: contact_pairs, in_scene_units
   use asperity_contact_records, only: effect_record, position_result, prescribed_normal, &
                                       prescribed_vertical
-  use asperity_contact_state, only: contact_state, controlled_load, start_state, total_load, &
-                                    total_vertical_load
+  use asperity_contact_state, only: contact_state, controlled_load, start_state
   use asperity_decimal, only: decimal_to_real64, decimal_value
   use asperity_effect_sequence, only: choose_effects, drop_choice, first_failure, found_state, &
                                       simulate_effects

@@ -2,7 +2,6 @@
 module asperity_map_scene
   use asperity_contact_model, only: path_step
   use asperity_decimal, only: decimal_to_real64, decimal_value
-  use asperity_effect_names, only: effect_on, go_together, known_effects
   use asperity_height_map, only: height_map, is_measured, move_map
   use asperity_kinds, only: int64, real64
   use asperity_map_caps, only: add_caps, placed_caps
@@ -10,16 +9,13 @@ module asperity_map_scene
   use asperity_map_form, only: add_form
   use asperity_map_levelling, only: level_map
   use asperity_map_motion, only: overlay_maps
-  use asperity_map_summits, only: find_summits, map_summits, rule_contact, usual_radius
-  use asperity_numeral, only: rounded_decimal
   use asperity_path_steps, only: plan_path
-  use asperity_scene_values, only: control_compression, control_pressure, &
-                                   effect_auto, effect_coupled, effect_off, is_load, scene, &
-                                   scene_motion
+  use asperity_scene_values, only: control_compression, control_pressure, effect_off, is_load, &
+                                   scene, scene_motion
   implicit none
   private
 
-  public :: area_of_map, displacement_of, join_maps, plan_map_path, summits_of_scene
+  public :: area_of_map, displacement_of, join_maps, plan_map_path
 
 contains
 
@@ -92,46 +88,6 @@ contains
 
     area = product(map%pixel_spacing) * count(is_measured(map%height))
   end function area_of_map
-
-  !> Makes the scene with the summits of the map as its lower surface, under a plane.
-  subroutine summits_of_scene(scene_in, map, plain, summits, failure)
-    type(scene), intent(in) :: scene_in                     !! scene with a map
-    type(height_map), intent(in) :: map                     !! map of `join_maps`
-    type(scene), intent(out) :: plain                       !! scene of summits, without a map
-    type(map_summits), intent(out) :: summits               !! summits of the map
-    character(len=:), allocatable, intent(out) :: failure   !! reason, when there are none
-    integer :: i
-
-    call find_summits(map, rule_contact, usual_radius(rule_contact), summits, failure)
-    if (allocated(failure)) return
-    if (size(summits%x) == 0) then
-      failure = 'the map has no summit: expected interaction = ''boundary'', which solves ' // &
-                'its pixels'
-      return
-    end if
-    plain = scene_in
-    deallocate (plain%map)
-    if (plain%nominal_area%all_digits == 0_int64) &
-      plain%nominal_area = rounded_decimal(area_of_map(map), 17)
-    ! The error of Hertzian contacts, which `auto` would avoid, is less than that of summits. Beside
-    ! an effect without a common theory `auto` leaves interaction out.
-    if (plain%effects%mode('interaction') == effect_auto .and. .not. any([( &
-        plain%effects%modes(i) == effect_on .and. .not. go_together(known_effects(i)%name, &
-        'on', 'interaction', 'coupled'), i=1, size(known_effects))])) &
-      call plain%effects%call_for('interaction', effect_coupled)
-    associate (upper => plain%upper, lower => plain%lower)
-      upper%is_plane = .true.
-      upper%x = [real(real64) ::]
-      upper%y = upper%x
-      upper%height = upper%x
-      upper%radius = upper%x
-      lower%is_plane = .false.
-      lower%x = summits%x
-      lower%y = summits%y
-      lower%height = summits%height
-      lower%radius = summits%radius
-    end associate
-  end subroutine summits_of_scene
 
   !> Plans the states of a map: loads, or levels of the plane above the mean plane.
   subroutine plan_map_path(scene_in, map, steps, failure)

@@ -4,8 +4,7 @@
 !> Tables: a row a position (its last state), a row a state, a row a contact.
 module asperity_result_table
   use, intrinsic :: ieee_arithmetic, only: ieee_is_nan, ieee_quiet_nan, ieee_value
-  use asperity_contact_records, only: contact_radius, contact_row, effect_record, &
-                                      position_result, state_row
+  use asperity_contact_records, only: contact_radius, contact_row, effect_record, state_row
   use asperity_effect_names, only: known_effects
   use asperity_kinds, only: int32, int64, not_computed, real64
   use asperity_map_interface, only: conductance_columns, conductance_units
@@ -100,11 +99,9 @@ contains
     type(state_row), intent(in) :: last(:)
     integer, intent(in) :: position(:)
     type(array_table), intent(inout) :: table
-    real(real64) :: one(size(last))
     type(unit_powers) :: dimension
     integer :: i, k, m
 
-    one = 1.0_real64
     associate (positions => results%positions)
       call add_wholes(table, 'position', position)
       call add_reals(table, 'x_displacement', positions%x_displacement, dimension=is_length)
@@ -139,13 +136,6 @@ contains
                          [(positions(m)%state_values(i), m=1, size(positions))], &
                          dimension=dimension)
         end do
-      end if
-      if (allocated(results%map)) then
-        call add_reals(table, 'summit_separation_error', one * results%map%difference)
-        call add_reals(table, 'summit_area_error', one * results%map%area_difference)
-        call add_reals(table, 'summit_load_error', one * merge(results%map%load_difference, &
-                       not_computed, results%map%load_difference < huge(1.0_real64)))
-        call add_reals(table, 'summit_stiffness_error', one * results%map%stiffness_difference)
       end if
       call add_wholes(table, 'warnings', [(kinds_of_warnings(positions(m)), m=1, size(positions))])
     end associate

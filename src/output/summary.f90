@@ -7,12 +7,11 @@ module asperity_summary
   use asperity_effects_summary, only: effects_in_words, load_is_met, write_effects
   use asperity_kinds, only: not_computed, real64
   use asperity_number_format, only: count_text, percent_text, positions_listed, number_text
-  use asperity_problems, only: decimal_text, problem_list, real_text
+  use asperity_problems, only: decimal_text, problem_list
   use asperity_result_table, only: array_table, make_arrays, numbers_of, of_states, place_of
-  use asperity_scene_results, only: last_state, map_record, scene_results
-  use asperity_scene_values, only: control_compression, control_limit, control_load, &
-                                   control_pressure, control_vertical_load, control_words, &
-                                   criterion_none, criterion_words, effect_off, scene, scene_map
+  use asperity_scene_results, only: last_state, scene_results
+  use asperity_scene_values, only: control_limit, control_pressure, control_words, criterion_none, &
+                                   criterion_words, effect_off, scene, scene_map
   use asperity_text_buffer, only: text_buffer
   use asperity_totals_table, only: write_totals
   use asperity_unit_names, only: is_area, is_length, is_moment, is_pressure, unit_of, with_unit
@@ -20,8 +19,7 @@ module asperity_summary
   implicit none
   private
 
-  public :: write_summary, write_heading, write_remarks, write_path, write_choice, &
-            write_map_table, errors_in_words, uses_samples
+  public :: write_summary, write_choice
 
 contains
 
@@ -68,7 +66,6 @@ contains
     end if
     call write_path(scene_in, results, buffer)
     call write_effects(results, buffer)
-    if (allocated(results%map)) call write_map_table(results%map, buffer)
   end subroutine write_summary
 
   !> Surfaces, model and control, in two lines.
@@ -275,14 +272,6 @@ contains
     end associate
   end function maps_in_words
 
-  !> Whether the results are those of the samples of a map.
-  pure logical function uses_samples(results) result(uses)
-    type(scene_results), intent(in) :: results  !! results of a run
-
-    uses = .false.
-    if (allocated(results%effects)) uses = any(results%effects%state_columns == 'sample_area')
-  end function uses_samples
-
   !> The method that was chosen for the accuracy asked for.
   subroutine write_choice(accuracy, results, buffer)
     real(real64), intent(in) :: accuracy        !! asked for, relative
@@ -315,40 +304,5 @@ contains
     asks = scene_in%limit%criterion /= criterion_none .and. &
            (scene_in%loading%control == control_limit .or. .not. scene_in%limit%from_thesis)
   end function asks_for_limit
-
-  !> Appends the comparison.
-  subroutine write_map_table(record, buffer)
-    type(map_record), intent(in) :: record      !! how they compare
-    type(text_buffer), intent(inout) :: buffer  !! gets the lines
-    character(len=:), allocatable :: text
-
-    text = 'all pixels'
-    if (record%coarser > 1) text = 'pixels of ' // decimal_text(record%coarser) // ' x ' // &
-                                   decimal_text(record%coarser) // ' pixels of the map'
-    call buffer%line('')
-    call buffer%line('Summits against boundary elements on ' // text // ' at the same load')
-    text = '  difference in separation ' // with_sign(record%difference) // ' rms heights'
-    if (record%coarser > 1) text = text // ' (uncertainty ' // &
-                                   real_text(record%uncertain, 'f10.3') // ')'
-    if (record%coarser == 1) &
-      text = text // ', contact area ' // with_sign(100 * record%area_difference) // ' %'
-    if (record%stiffness_difference > not_computed) text = text // ', contact stiffness ' // &
-      with_sign(100 * record%stiffness_difference) // ' %'
-    call buffer%line(text)
-    associate (shares => record%shares)
-      call buffer%line('  load: ' // percent_text(shares%on_edge) // ' at the edge, ' // &
-                       percent_text(shares%without_summit) // ' without a summit, ' // &
-                       percent_text(shares%on_lines) // ' on scan lines, ' // &
-                       percent_text(shares%on_spikes) // ' on outliers')
-    end associate
-  end subroutine write_map_table
-
-  pure function with_sign(number) result(text)
-    real(real64), intent(in) :: number
-    character(len=:), allocatable :: text
-
-    text = real_text(number, 'sp, f10.3')
-    if (abs(number) > 9.0e4_real64) text = real_text(number, 'es12.3e3')
-  end function with_sign
 
 end module asperity_summary

@@ -2,8 +2,7 @@
 !>
 !> The driver checks this for every solver, independently of the error that the solver reports.
 module asperity_loads_met
-  use asperity_contact_records, only: prescribed_nothing, prescribed_vertical, position_result, &
-    state_row
+  use asperity_contact_records, only: prescribed_nothing, prescribed_vertical, position_result
   use asperity_kinds, only: real64
   use asperity_problems, only: decimal_text, real_text
   use asperity_theory_warnings, only: of_contact_radius, of_load_direction, take_worse, &

@@ -5,7 +5,7 @@
 module asperity_position_packet
   use asperity_contact_records, only: position_result
   use asperity_effect_names, only: known_effects
-  use asperity_kinds, only: int64, real64
+  use asperity_kinds, only: int64
   implicit none
   private
 

@@ -21,13 +21,13 @@ module asperity_surface_fields
   use asperity_process, only: has_memory
   use asperity_run_options, only: run_options
   use asperity_scene_results, only: scene_results
-  use asperity_scene_values, only: combined_modulus, effect_off, scene, solves_pixels
+  use asperity_scene_values, only: combined_modulus, scene
   use asperity_surface_elevations, only: elevation_of, place_surface, placed_surface
   use asperity_contact_slip, only: solve_with_slip
   implicit none
   private
 
-  public :: check_field_request, has_field_grid, may_have_fields, solve_with_fields
+  public :: check_field_request, has_field_grid, solve_with_fields
 
   ! Effects under which the pressure of a contact is not that of Hertz.
   character(len=*), parameter :: other_pressures(3) = [character(len=11) :: 'plasticity', &
@@ -63,22 +63,8 @@ contains
     else if (.not. allocated(scene_in%map)) then
       call problems%add(name // ': no grid for the fields of asperities, expected ' // &
                         'field_spacing, the side of a pixel, in &surfaces')
-    else if (.not. solves_pixels(scene_in)) then
-      call problems%add(name // ': only a height map solved on its pixels has pressure on ' // &
-                        'pixels, expected interaction = ''boundary'' in &effects, or ' // &
-                        'field_spacing in &surfaces for fields of its summits')
     end if
   end subroutine check_field_request
-
-  !> Whether a scene of asperities certainly has fields: a grid, one position, Hertz' law.
-  pure logical function may_have_fields(scene_in)
-    type(scene), intent(in) :: scene_in  !! scene, checked for faults
-    integer :: i
-
-    may_have_fields = has_field_grid(scene_in) .and. scene_in%motion%positions == 1 .and. &
-      all([(scene_in%effects%mode(trim(other_pressures(i))) == effect_off, &
-            i=1, size(other_pressures))])
-  end function may_have_fields
 
   !> Solves the one position of a scene and adds its fields to the results, where they are kept.
   subroutine solve_with_fields(scene_in, options, results, failure, corners)

@@ -10,8 +10,7 @@ module asperity_study_methods
   use asperity_isolated_contacts, only: solve_position
   use asperity_kinds, only: int64, real64
   use asperity_map_resolution, only: doubled_map, every_pixel
-  use asperity_map_scene, only: area_of_map, join_maps, summits_of_scene
-  use asperity_map_summits, only: map_summits
+  use asperity_map_scene, only: area_of_map, join_maps
   use asperity_numeral, only: rounded_decimal
   use asperity_original, only: arithmetic_names
   use asperity_original_records, only: original_request
@@ -22,15 +21,14 @@ module asperity_study_methods
   use asperity_scene_placing, only: place_scene
   use asperity_scene_values, only: control_compression, control_limit, control_separation, &
                                    criterion_load, effect_auto, effect_boundary, effect_coupled, &
-                                   effect_off, has_hardness, is_thesis_sweep, scene, &
-                                   scene_effects, scene_map
+                                   effect_off, is_thesis_sweep, scene, scene_effects, scene_map
   use asperity_solve, only: solve
   use asperity_surface_solve, only: solve_effects
   implicit none
   private
 
   public :: list_methods, most_methods, run_method, study_method, simulated_effects, &
-            replace_map, request_of
+            request_of
   public :: of_scene, of_arithmetic, of_steps, of_neighbours, of_effects, of_input, of_theory, &
             family_words
 
@@ -224,36 +222,22 @@ contains
                                                     decimal_value(3_int64, -3), &
                                                     decimal_value(1_int64, -3)]
     type(study_method) :: method
-    character(len=:), allocatable :: unit
     integer :: e, k
 
-    unit = 'contacts'
-    if (allocated(scene_in%map)) unit = 'summits'
-    ! Maps are moved on their pixels.
-    if (allocated(scene_in%map) .and. scene_in%motion%positions > 1) then
-      call add_pixel_methods(1.0_real64, 1.0_real64, methods)
+    if (allocated(scene_in%map)) then
+      ! `auto` is the pixels at any tolerance.
+      call add_pixel_methods(merge(1.0_real64, 0.25_real64, scene_in%motion%positions > 1), &
+                             merge(1.0_real64, finest, scene_in%motion%positions > 1), methods)
       return
     end if
     method = study_method(family=of_neighbours, interaction=effect_off)
-    method%name = 'isolated ' // unit
+    method%name = 'isolated contacts'
     methods = [methods, method]
     method%interaction = effect_coupled
-    method%name = unit // ' coupled'
+    method%name = 'contacts coupled'
     methods = [methods, method]
-    if (scene_in%loading%control == control_limit .and. allocated(scene_in%map)) return
-    ! A hardness is that of pixels.
-    if (has_hardness(scene_in)) then
-      call add_pixel_methods(0.25_real64, finest, methods)
-      return
-    end if
     if (any([(simulated(e) .and. .not. go_together(known_effects(e)%name, 'on', 'interaction', &
                                                    'boundary'), e=1, size(simulated))])) return
-    if (allocated(scene_in%map)) then
-      ! `auto` is the pixels at any tolerance.
-      if (.not. any(simulated .and. known_effects%name /= 'interaction')) &
-        call add_pixel_methods(0.25_real64, finest, methods)
-      return
-    end if
     method%interaction = effect_auto
     do k = 1, size(of_auto)
       method%tolerance = of_auto(k)
@@ -304,14 +288,12 @@ contains
     type(run_options), intent(in) :: options               !! threads, and when it shall end
     type(scene_results), intent(out) :: results            !! results, all positions
     character(len=:), allocatable, intent(out) :: failure  !! reason of a failure
-    type(scene) :: copy, plain
+    type(scene) :: copy
     type(scene_effects) :: none
 
     copy = scene_in
     copy%loading%points = 0
     if (any(method%family == [of_arithmetic, of_steps])) then
-      call replace_map(scene_in, copy, failure)
-      if (allocated(failure)) return
       ! No effects, and of several values the deepest.
       copy%effects = none
       if (allocated(copy%loading%path)) deallocate (copy%loading%path)
@@ -334,14 +316,6 @@ contains
         if (decimal_to_real64(method%tolerance) <= decimal_to_real64(finest_areas) .and. &
             copy%effects%number('area_tolerance') > decimal_to_real64(finest_areas)) &
           call copy%effects%set('area_tolerance', finest_areas)
-      end if
-      ! For a map the summits alone: the scene as it is solves the pixels too.
-      if (allocated(copy%map) .and. any(method%interaction == [effect_off, effect_coupled])) then
-        call replace_map(copy, plain, failure)
-        if (allocated(failure)) return
-        ! Summits have no hardness: they are elastic.
-        if (has_hardness(copy)) call plain%effects%call_for('plasticity', effect_off)
-        copy = plain
       end if
     end if
     if (abs(method%resolution - 1.0_real64) > 0.0_real64) then
@@ -396,20 +370,5 @@ contains
       if (allocated(failure)) return
     end do
   end subroutine march_positions
-
-  !> The summits of a map in its place; a scene without a map as it is.
-  subroutine replace_map(scene_in, plain, failure)
-    type(scene), intent(in) :: scene_in                    !! scene with checked values
-    type(scene), intent(out) :: plain                      !! scene of the summits
-    character(len=:), allocatable, intent(out) :: failure  !! reason of a failure
-    type(height_map) :: map
-    real(real64) :: origin(2)
-    type(map_summits) :: summits
-
-    plain = scene_in
-    if (.not. allocated(scene_in%map)) return
-    call join_maps(scene_in, 1, map, origin, failure)
-    if (.not. allocated(failure)) call summits_of_scene(scene_in, map, plain, summits, failure)
-  end subroutine replace_map
 
 end module asperity_study_methods
