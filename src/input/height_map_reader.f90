@@ -10,40 +10,23 @@ module asperity_height_map_reader
   use asperity_npy_map, only: npy_magic, read_npy_map
   use asperity_problems, only: decimal_text, problem_list, real_text
   use asperity_sdf_map, only: is_sdf, magic_length, read_sdf_header, read_sdf_samples, sdf_header
-  use asperity_text_header, only: head_length, is_numeric_line, is_surface_header, read_header, &
-                                  text_header
   use asperity_text_map, only: read_text_map
   implicit none
   private
 
-  public :: read_height_map, take_height_map, is_height_map, head_length, take_map
+  public :: read_height_map, take_height_map, is_height_map, magic_length, take_map
 
   character(len=*), parameter :: expected = 'a surface data file (ISO 25178-71), a matrix of ' // &
-    'heights, x,y,z lines, or an array (.npy)'
+    'heights, or an array (.npy)'
 
 contains
 
-  !> Whether a file is a height map by its beginning: surface data, an array, numbers, or the names
-  !> x, y, z; not the names of a surface. Four numbers with commas are a surface whose names were
-  !> forgotten, unless a spacing is given, so that they are heights.
-  logical function is_height_map(head, has_spacing)
-    character(len=*), intent(in) :: head    !! `head_length` bytes, or the whole file
+  !> Whether a file is a height map: by its beginning, or as a spacing is given.
+  pure logical function is_height_map(head, has_spacing)
+    character(len=*), intent(in) :: head    !! `magic_length` bytes
     logical, intent(in) :: has_spacing      !! a spacing is given
-    type(text_header) :: header
-    character(len=:), allocatable :: line
-    integer :: i
 
-    is_height_map = is_sdf(head(:min(len(head), magic_length))) .or. index(head, npy_magic) == 1
-    if (is_height_map) return
-    call header%problems%start('')
-    call header%notes%start('')
-    call read_header(head, header, line)
-    is_height_map = has_spacing .or. header%names_line > 0 .or. header%has_spacing()
-    if (is_numeric_line(line)) then
-      is_height_map = is_height_map .or. count([(scan(line(i:i), ',;') > 0, i=1, len(line))]) /= 3
-    else if (is_surface_header(line)) then
-      is_height_map = .false.
-    end if
+    is_height_map = has_spacing .or. is_sdf(head) .or. index(head, npy_magic) == 1
   end function is_height_map
 
   !> Reads and checks a map. With problems, or when `failure` is allocated because there is no

@@ -20,7 +20,6 @@ module asperity_sdf_map
   use asperity_numeral, only: read_numeral, read_whole_number
   use asperity_problems, only: decimal_text, problem_list, real_text
   use asperity_progress, only: progress_line
-  use asperity_text_header, only: read_header, text_header
   implicit none
   private
 
@@ -384,7 +383,7 @@ contains
     if (header%data_type == binary64) map%digit = spacing(largest)
     place = file%next_byte()
     call file%take(longest_text, bytes)
-    if (is_own_text(bytes, map) .or. len(bytes) == 0) return
+    if (len(bytes) == 0) return
     if (len(bytes) < longest_text .and. is_text(bytes)) then
       call map%notes%add_in_file('note: ' // decimal_text(len(bytes)) // ' bytes of text behind ' &
                                  // 'the pixels are not read')
@@ -394,27 +393,6 @@ contains
                             'none, or text; the header may be longer than the standard header')
     end if
   end subroutine read_bytes
-
-  ! Whether text behind the pixels is that of this program, as before a matrix: it keeps all bits of
-  ! the spacing in the unit of the heights, and the edge.
-  logical function is_own_text(bytes, map)
-    character(len=*), intent(in) :: bytes
-    type(height_map), intent(inout) :: map
-    type(text_header) :: own
-    character(len=:), allocatable :: line
-
-    is_own_text = .false.
-    if (index(bytes, '# Spacing:') /= 1) return
-    call own%problems%start('')
-    call own%notes%start('')
-    call read_header(bytes, own, line)
-    is_own_text = own%problems%count() + own%notes%count() + len(line) == 0 .and. &
-      all(own%unit == map%unit) .and. &
-      all(abs(own%pixel_spacing - map%pixel_spacing) <= 1.0e-12_real64 * map%pixel_spacing)
-    if (.not. is_own_text) return
-    map%pixel_spacing = own%pixel_spacing
-    map%edge = own%edge
-  end function is_own_text
 
   ! Whether bytes are text and no pixels: printable, a word of three letters, a line end behind the
   ! last one unless they are many.
