@@ -7,6 +7,7 @@ module asperity_map_solve
   use asperity_contact_records, only: contact_row, drop_rows, position_result, state_row
   use asperity_decimal, only: decimal_to_real64
   use asperity_effect_names, only: by_numbers, known_effects
+  use asperity_images, only: image_count
   use asperity_kept_records, only: whole_number
   use asperity_kinds, only: not_computed, real64
   use asperity_numeral, only: rounded_decimal
@@ -106,7 +107,7 @@ contains
     trial%part = 1
     trial%parts = 1
     trial%all_images = .false.
-    is_final = .not. options%all_images
+    is_final = .not. (options%all_images .and. image_count() > 1)
     if (allocated(options%keep_file)) is_final = is_final .and. options%keep_file == ''
     if (allocated(trial%more_files)) deallocate (trial%more_files)
     if (allocated(trial%keep_file)) deallocate (trial%keep_file)
