@@ -8,7 +8,7 @@ module asperity_scene_maps
                                  height_map, is_length, length_units, level_plane, map_request, &
                                  note_repeated_line, periodic_edge, plain_unit, put_in_unit, &
                                  unit_number, usual_level
-  use asperity_height_map_reader, only: is_height_map, magic_length, take_height_map
+  use asperity_height_map_reader, only: head_length, is_height_map, take_height_map
   use asperity_input_text, only: in_quotes, skip_mark
   use asperity_kept_records, only: checksum
   use asperity_kinds, only: int64, real64
@@ -36,7 +36,7 @@ contains
     character(len=:), allocatable :: head
 
     call skip_mark(file)
-    call file%take(magic_length, head)
+    call file%take(head_length, head)
     is_map = .not. allocated(file%failure)
     if (is_map) is_map = is_height_map(head, has_spacing)
     call file%rewind()

@@ -5,7 +5,7 @@
 !> SurfaceTopography.
 module asperity_text_map
   use asperity_delimited_text, only: line_cells, line_reader, separator_of
-  use asperity_height_map, only: digit_of, height_map, highest, make_room, map_request, &
+  use asperity_height_map, only: digit_of, height_map, highest, is_measured, make_room, map_request, &
                                  most_samples, no_power, read_height
   use asperity_input_text, only: in_quotes
   use asperity_kinds, only: int64, real64
@@ -58,7 +58,8 @@ contains
             // 'empty one, expected ' // decimal_text(map%columns) // ' as in the first profile')
         do i = 1, min(cells%cell_count, map%columns)
           call read_height(file%lines(cells%first(i):cells%last(i)), map%height(i, j), good, power)
-          if (.not. (good .and. abs(map%height(i, j)) <= highest)) &
+          if (.not. good .or. (is_measured(map%height(i, j)) .and. &
+                               abs(map%height(i, j)) > highest)) &
             call file%refuse_cell(i, 'found ' // in_quotes(file%cell_text(i)) // &
               ', expected a height of at most 1e30, or NaN or BAD for a missing one')
         end do
