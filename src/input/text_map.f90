@@ -33,6 +33,7 @@ contains
         request%option // ', expected one; the Python package reads formats that have their own')
     if (file%problems%count() > 0) return
     map%pixel_spacing = request%pixel_spacing
+    map%own_spacing = .false.
     call begin_cells()
     map%columns = file%cells%cell_count
     rows = 0_int64
@@ -76,12 +77,17 @@ contains
 
     ! Goes to the first profile; its separator is that of all.
     subroutine begin_cells()
-      integer :: first, last, line
+      integer :: first, last
 
       call file%begin_text(1)
       file%cells = line_cells(' ', '#%', '#', .false.)
-      call file%find_line(first, last, line)
-      if (first > 0) file%cells%separator = separator_of(file%lines(first:last))
+      ! The first line that is no comment.
+      call file%next_cells()
+      if (file%cells%cell_count > 0) then
+        first = file%cells%first(1)
+        last = file%cells%last(file%cells%cell_count)
+        file%cells%separator = separator_of(file%lines(first:last))
+      end if
       call file%begin_text(1)
       call file%next_cells()
     end subroutine begin_cells
