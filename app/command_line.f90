@@ -199,8 +199,6 @@ contains
     if (line%share(2) == 1) return
     if (.not. line%has('--keep') .or. allocated(line%parts)) &
       call problems%add('--share: expected one --keep with the file of this part')
-    if (line%has('--cost')) &
-      call problems%add('--cost does not estimate --share, expected one of both')
     if (line%has('--budget')) &
       call problems%add('--budget needs all positions, expected no --share beside it')
   end subroutine check_share
@@ -222,7 +220,7 @@ contains
   pure logical function is_shared(line)
     type(command_line), intent(in) :: line  !! the user's choices
 
-    is_shared = line%command == 'solve' .and. .not. (line%has('--cost') .or. line%has('--accuracy'))
+    is_shared = line%command == 'solve' .and. .not. line%has('--accuracy')
   end function is_shared
 
   !> No output may take the place of another file that was named, in whatever spelling.

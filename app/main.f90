@@ -5,7 +5,6 @@ program asperity_main
   use asperity_help, only: write_help, write_completion, write_manual_page
   use asperity_images, only: image_number, wait_for_images
   use asperity_output_files, only: guard_files
-  use asperity_process, only: prepare_process
   use asperity_run_accuracy, only: run_accuracy_command
   use asperity_run_generate, only: run_generate_command
   use asperity_run_original, only: run_original_command
@@ -20,11 +19,8 @@ program asperity_main
   integer :: status
 
   call guard_files()
-  call prepare_process(outcome%failure)
-  if (.not. allocated(outcome%failure)) call parse_command_line(line, outcome%problems)
-  if (allocated(outcome%failure)) then
-    line%command = ''
-  else if (outcome%problems%count() > 0) then
+  call parse_command_line(line, outcome%problems)
+  if (outcome%problems%count() > 0) then
     call outcome%problems%add('Try: asperity --help')
   else if (image_number() == 1 .or. is_shared(line)) then
     !$ if (line%has('--threads')) call omp_set_num_threads(line%choice('--threads'))

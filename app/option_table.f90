@@ -103,14 +103,12 @@ module asperity_option_table
     option_entry('solve', '--share', 'I/N', &
       'solve part I of N and save it with --keep, write no other output; a run with the ' // &
       '--keep files of all parts, one option each, writes the outputs'), &
-    option_entry('solve', '--cost', '', 'estimate run time and memory, then exit'), &
     option_entry('solve', '--quiet', '', 'print no summary'), &
     option_entry('accuracy', '--seconds', 'S', &
       'time limit in seconds (default 60); slower methods are left out'), &
     option_entry('accuracy', '--finer', '', 'solve a height map on pixels half as wide too, ' // &
       'by cubic interpolation, and compare with them'), &
     option_entry('accuracy', '--csv', 'FILE', 'write the table with all digits'), &
-    option_entry('accuracy', '--cost', '', 'estimate run time and memory, then exit'), &
     option_entry('accuracy', '--quiet', '', 'print no table'), &
     option_entry('generate', '--output', 'FILE', &
       'write the upper surface, the deck, or the height map (.sdf, .npy or .txt)', ''), &
@@ -118,7 +116,6 @@ module asperity_option_table
     option_entry('generate', '--lower', 'FILE', 'write the lower surface as CSV; not for a deck'), &
     option_entry('generate', '--surface', 'N', 'only surface N of the ensemble', &
       most=9999999), &
-    option_entry('generate', '--cost', '', 'estimate run time and memory, then exit'), &
     option_entry('summits', '--output', 'FILE', 'write the summits as CSV: x,y,height,radius'), &
     option_entry('summits', '--rule', 'NAME', &
       'eight (default): higher than all eight neighbours; contact: summits for a contact ' // &
@@ -146,7 +143,6 @@ module asperity_option_table
     option_entry('summits', '--spectrum', 'FILE', &
       'write power spectral densities as CSV: of the area, averaged over rings, and of lines ' // &
       'along x and along y'), &
-    option_entry('summits', '--cost', '', 'estimate run time and memory, then exit'), &
     option_entry('summits', '--quiet', '', 'print no summary')]
 
 contains

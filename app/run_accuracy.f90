@@ -12,7 +12,6 @@ module asperity_run_accuracy
   use asperity_scene_values, only: scene
   use asperity_study_methods, only: most_methods
   use asperity_text_buffer, only: text_buffer
-  use asperity_work_cost, only: tell_cost, work_cost
   implicit none
   private
 
@@ -23,8 +22,6 @@ module asperity_run_accuracy
   real(real64), parameter :: seconds_a_row = 0.2_real64, usual_seconds = 60.0_real64
   ! Repetitions take a quarter of the time: the rest is for single runs that take longer.
   integer, parameter :: share_of_rows = 4
-  ! Time spent on estimating the run time of all methods.
-  real(real64), parameter :: seconds_of_trial = 2.0_real64
 
 contains
 
@@ -37,7 +34,6 @@ contains
     type(text_buffer) :: csv
     type(interruption) :: allowance
     type(progress_line) :: progress
-    type(work_cost) :: cost
     real(real64) :: seconds, least_seconds
     integer :: pieces
 
@@ -50,28 +46,13 @@ contains
     if (outcome%problems%count() > 0) return
     seconds = merge(line%number('--seconds'), usual_seconds, line%has('--seconds'))
     pieces = most_methods(scene_in)
-    if (line%has('--cost')) then
-      cost%pieces = 'methods'
-      cost%total = pieces
-      cost%most_seconds = seconds
-      seconds = min(seconds, seconds_of_trial)
-      call cpu_time(cost%begun)
-    end if
     least_seconds = min(seconds_a_row, seconds / (share_of_rows * pieces))
     call progress%begin(.true., 'methods', pieces, 0)
     call allowance%end_within(seconds)
     call run_method_study(scene_in, least_seconds, &
                           merge(2.0_real64, 1.0_real64, line%has('--finer')), allowance, progress, &
                           table, outcome%failure)
-    if (.not. allocated(outcome%failure)) cost%tried = size(table%rows)
     call progress%finish()
-    if (line%has('--cost')) then
-      ! A method that takes longer than the trial is no failure of the trial.
-      if (allocated(outcome%failure)) deallocate (outcome%failure)
-      cost%tried = max(1, cost%tried)
-      call tell_cost(cost, outcome%text)
-      return
-    end if
     if (allocated(outcome%failure)) then
       outcome%failure = line%input // ': ' // outcome%failure
       return

@@ -4,26 +4,22 @@ module asperity_run_generate
   use asperity_command_line, only: check_ending, command_line, refuse_input
   use asperity_command_outcome, only: command_outcome
   use asperity_files, only: write_standard_error, write_standard_output
-  use asperity_generated_map, only: generate_map, try_map
+  use asperity_generated_map, only: generate_map
   use asperity_generated_surface, only: generate_surface, generated_surface, plan_surface, &
                                          surface_plan
   use asperity_generation_spec, only: read_generation_spec
   use asperity_generation_values, only: generation_spec
   use asperity_height_map, only: height_map, length_units
   use asperity_input_text, only: replaced_text
-  use asperity_kinds, only: int64, real64
+  use asperity_kinds, only: int64
   use asperity_map_file, only: check_map_path, note_of_file, stage_map_file
   use asperity_output_files, only: commit_files, discard_files, same_file, stage_file
   use asperity_problems, only: decimal_text, problem_list
   use asperity_surface_text, only: surface_as_csv, surfaces_as_deck
-  use asperity_work_cost, only: pieces_tried, tell_cost, work_cost
   implicit none
   private
 
   public :: run_generate_command
-
-  ! Columns of waves of a map, to estimate the cost: one takes less than the clock can resolve.
-  integer, parameter :: waves_tried = 32
 
 contains
 
@@ -47,13 +43,9 @@ contains
     if (outcome%problems%count() > 0) return
     call plan_surface(spec, 1, plans(1))
     call plan_surface(spec, 2, plans(2))
-    if (line%has('--cost')) then
-      call try_surfaces(line, spec, plans, outcome)
-      return
-    end if
     last = merge(line%choice('--surface'), spec%ensemble, line%has('--surface'))
     do member = max(1, line%choice('--surface')), last
-      call make_member(line, spec, plans, member, .false., outcome%failure)
+      call make_member(line, spec, plans, member, outcome%failure)
       if (allocated(outcome%failure)) then
         call discard_files()
         return
@@ -70,8 +62,6 @@ contains
     type(generation_spec), intent(in) :: spec
     type(command_outcome), intent(inout) :: outcome
     type(height_map) :: map
-    type(work_cost) :: cost
-    integer(int64) :: bytes
     character(len=:), allocatable :: note
     character(len=2) :: unit
 
@@ -84,14 +74,6 @@ contains
       call outcome%problems%add('--upper and --lower: found for a height map, expected --output')
     call check_map_path(line%output_path('--output'), trim(unit), outcome%problems)
     if (outcome%problems%count() > 0) return
-    if (line%has('--cost')) then
-      cost%pieces = 'columns of waves'
-      cost%tried = waves_tried
-      call try_map(spec%map, cost%tried, cost%total, cost%begun, bytes)
-      cost%bytes_each = real(bytes, real64) / max(1, cost%total - cost%tried)
-      call tell_cost(cost, outcome%text)
-      return
-    end if
     call generate_map(spec%map, map, outcome%failure)
     if (allocated(outcome%failure)) then
       outcome%failure = spec%file // ': ' // outcome%failure
@@ -101,26 +83,6 @@ contains
     note = note_of_file(line%output_path('--output'), map)
     if (note /= '') call outcome%warnings%add(note)
   end subroutine make_map
-
-  !> Estimates the cost from the first surfaces of the ensemble; no file is written.
-  subroutine try_surfaces(line, spec, plans, outcome)
-    type(command_line), intent(in) :: line
-    type(generation_spec), intent(in) :: spec
-    type(surface_plan), intent(in) :: plans(2)
-    type(command_outcome), intent(inout) :: outcome
-    type(work_cost) :: cost
-    integer :: i
-
-    cost%pieces = 'surfaces'
-    cost%total = merge(1, spec%ensemble, line%has('--surface'))
-    cost%tried = min(pieces_tried, cost%total)
-    call cpu_time(cost%begun)
-    do i = 1, cost%tried
-      call make_member(line, spec, plans, i, .true., outcome%failure)
-      if (allocated(outcome%failure)) return
-    end do
-    call tell_cost(cost, outcome%text)
-  end subroutine try_surfaces
 
   !> Checks that the outputs named on the command line fit the specification.
   subroutine check_outputs(line, spec, problems)
@@ -162,12 +124,11 @@ contains
 
   ! Makes the surfaces of a member of the ensemble and stages their files, or that of the deck; the
   ! upper surface, or the deck, goes to standard output when no file is named.
-  subroutine make_member(line, spec, plans, member, is_trial, failure)
+  subroutine make_member(line, spec, plans, member, failure)
     type(command_line), intent(in) :: line
     type(generation_spec), intent(in) :: spec
     type(surface_plan), intent(in) :: plans(2)
     integer, intent(in) :: member
-    logical, intent(in) :: is_trial  ! nothing is staged nor printed
     character(len=:), allocatable, intent(out) :: failure
     type(generated_surface) :: surface(2)
     type(problem_list) :: notes
@@ -186,14 +147,12 @@ contains
       if (allocated(failure)) return
       if (spec%is_deck) cycle
       call surface_as_csv(surface(1), text, used)
-      if (is_trial) cycle
       if (side == 1) call send_text(upper, member, text(:used), failure)
       if (side == 2) call send_text(lower, member, text(:used), failure)
       if (allocated(failure)) return
     end do
     if (.not. spec%is_deck) return
     call surfaces_as_deck(spec, surface(1), surface(2), text, notes)
-    if (is_trial) return
     call write_standard_error(notes%text())
     call send_text(upper, member, text, failure)
   end subroutine make_member

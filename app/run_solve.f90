@@ -2,18 +2,16 @@
 module asperity_run_solve
   use asperity_command_line, only: command_line, is_shared, refuse_input, tell_part
   use asperity_command_outcome, only: command_outcome
-  use asperity_contact_field, only: contact_field, fields_all, fields_last, &
-                                    room_of_fields
+  use asperity_contact_field, only: contact_field, fields_all, fields_last
   use asperity_csv_tables, only: stress_cells, stress_columns, stress_table, write_histogram, &
                                  write_table
   use asperity_decimal, only: decimal_to_real64
   use asperity_files, only: same_name, write_standard_error
   use asperity_images, only: image_number
   use asperity_input_text, only: lower_case
-  use asperity_kinds, only: int64, real64
+  use asperity_kinds, only: real64
   use asperity_map_stress, only: largest_stress, look_for_largest, stress_solver
   use asperity_output_files, only: note_kept
-  use asperity_position_packet, only: pack_position
   use asperity_number_format, only: count_text, number_text
   use asperity_problems, only: decimal_text, problem_list
   use asperity_result_table, only: array_table, make_arrays, of_contacts
@@ -31,7 +29,6 @@ module asperity_run_solve
   use asperity_unit_names, only: has_units, is_length, is_pressure, unit_of, units_in_words, &
                                  with_unit
   use asperity_warning_lines, only: list_warnings
-  use asperity_work_cost, only: pieces_tried, tell_cost, work_cost
   implicit none
   private
 
@@ -60,7 +57,6 @@ contains
     type(scene) :: scene_in
     type(scene_results) :: results
     type(run_options) :: options
-    type(work_cost) :: cost
     type(array_table) :: tables(3)  ! positions, states, contacts; those that outputs need
     character(len=:), allocatable :: units  ! first line of CSV files; not allocated: none
     integer :: i
@@ -91,9 +87,8 @@ contains
         call tell_part(line, 'positions', size(results%positions), outcome%text)
       return
     end if
-    if (line%has('--cost')) call weigh_positions(scene_in, results, cost)
-    if (.not. line%has('--cost')) call list_warnings(line%input, results, outcome%warnings)
-    if (.not. (line%has('--quiet') .or. line%has('--cost'))) then
+    call list_warnings(line%input, results, outcome%warnings)
+    if (.not. line%has('--quiet')) then
       call write_summary(scene_in, results, outcome%text)
       if (line%has('--accuracy')) &
         call write_choice(line%number('--accuracy'), results, outcome%text)
@@ -112,15 +107,7 @@ contains
         call stage_field(results%positions(1)%fields(i), i == size(results%positions(1)%fields))
       end do
     end if
-    if (allocated(line%depths) .and. .not. line%has('--cost')) call stage_stress()
-    if (line%has('--cost') .and. .not. allocated(outcome%failure)) then
-      call tell_cost(cost, outcome%text)
-      call outcome%text%line('solves: ' // decimal_text(sum(results%positions%solves)) // &
-                             ' for ' // count_text(sum([(size(results%positions(i)%states), &
-                                                         i=1, cost%tried)]), 'state') // &
-                             ', effects chosen ' // &
-                             count_text(sum(results%positions%choices), 'time'))
-    end if
+    if (allocated(line%depths)) call stage_stress()
 
   contains
 
@@ -214,16 +201,13 @@ contains
       end do
     end subroutine stage_stress
 
-    ! Stages a file. A trial counts its bytes only: twice, as the text is held and then copied.
+    ! Stages a file.
     subroutine stage_output(option, text, path)
       character(len=*), intent(in) :: option
       type(text_buffer), intent(in) :: text
       character(len=*), intent(in), optional :: path  ! absent: that of the option
 
-      if (line%has('--cost')) then
-        cost%bytes_each = cost%bytes_each + &
-                          2.0_real64 * real(len(text%text(), int64), real64) / cost%tried
-      else if (present(path)) then
+      if (present(path)) then
         call outcome%stage_text(path, text)
       else
         call outcome%stage_text(line%output_path(option), text)
@@ -231,30 +215,6 @@ contains
     end subroutine stage_output
 
   end subroutine run_solve_command
-
-  ! Bytes that the results of a position take.
-  subroutine weigh_positions(scene_in, results, cost)
-    type(scene), intent(in) :: scene_in
-    type(scene_results), intent(in) :: results
-    type(work_cost), intent(inout) :: cost
-    integer(int64), allocatable :: words(:)
-    integer :: i
-
-    cost%pieces = 'positions'
-    cost%total = max(scene_in%motion%positions, size(results%positions))
-    cost%tried = size(results%positions)
-    cost%begun = results%begun
-    do i = 1, cost%tried
-      call pack_position(results%positions(i), words)
-      cost%bytes_each = cost%bytes_each + 8.0_real64 * size(words) / cost%tried
-    end do
-    cost%bytes_each = cost%bytes_each + storage_size(results%positions) / 8
-    if (.not. allocated(results%positions(1)%fields)) return
-    associate (fields => results%positions(1)%fields)
-      cost%bytes_each = cost%bytes_each + &
-                        room_of_fields(size(fields(1)%pressure, kind=int64), size(fields))
-    end associate
-  end subroutine weigh_positions
 
   ! Checks that the command line and the scene agree.
   subroutine check_choices(line, scene_in, problems)
@@ -305,10 +265,6 @@ contains
     options%part = line%share(1)
     options%parts = line%share(2)
     if (allocated(line%parts)) allocate (options%more_files, source=line%parts)
-    if (.not. line%has('--cost')) return
-    options%sample = pieces_tried
-    options%threads = 1
-    options%keep_file = ''
   end function options_of
 
 end module asperity_run_solve

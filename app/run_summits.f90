@@ -4,25 +4,18 @@ module asperity_run_summits
   use asperity_command_outcome, only: command_outcome
   use asperity_csv_tables, only: write_spectrum_csv, write_table
   use asperity_height_map, only: height_map
-  use asperity_height_map_reader, only: read_height_map
-  use asperity_kinds, only: int64, real64
+  use asperity_kinds, only: int64
   use asperity_map_spectrum, only: measure_spectra, power_spectrum
   use asperity_map_statistics, only: map_statistics, measure_map
   use asperity_map_summits, only: map_summits, rule_eight
-  use asperity_problems, only: decimal_text
   use asperity_result_table, only: add_surface, array_table
-  use asperity_summits_of_file, only: summit_choices, summits_of_file, summits_of_samples
+  use asperity_summits_of_file, only: summit_choices, summits_of_file
   use asperity_summits_table, only: write_summits_table
   use asperity_text_buffer, only: text_buffer
-  use asperity_work_cost, only: tell_cost, work_cost
   implicit none
   private
 
   public :: run_summits_command
-
-  integer, parameter :: rows_tried = 64  ! rows of a map that are read to estimate the cost
-  ! A place while summits are looked for, and a sphere.
-  real(real64), parameter :: bytes_of_summit = 56.0_real64 + 32.0_real64
 
 contains
 
@@ -45,10 +38,6 @@ contains
                              radius=line%choice('--radius'), unit=line%choice('--unit'), &
                              despike=line%has('--despike'), &
                              pixel_spacing=line%pixel_spacing, progress=.true., prefix='--')
-    if (line%has('--cost')) then
-      call try_rows(line, choices, outcome)
-      return
-    end if
     call summits_of_file(line%input, choices, map, summits, spikes, outcome%problems, &
                          outcome%failure)
     if (outcome%problems%count() > 0 .or. allocated(outcome%failure)) return
@@ -68,35 +57,5 @@ contains
     call outcome%stage_text(line%output_path('--output'), surface)
     call outcome%stage_text(line%output_path('--spectrum'), spectrum)
   end subroutine run_summits_command
-
-  ! Estimates the cost from the first rows of the map; the map has been read.
-  subroutine try_rows(line, choices, outcome)
-    type(command_line), intent(in) :: line
-    type(summit_choices), intent(inout) :: choices
-    type(command_outcome), intent(inout) :: outcome
-    type(height_map) :: map, part
-    type(map_summits) :: summits
-    type(work_cost) :: cost
-    integer(int64) :: spikes
-
-    call read_height_map(line%input, line%pixel_spacing, .true., map, outcome%problems, &
-                         outcome%failure, '--spacing', choices%unit)
-    if (outcome%problems%count() > 0 .or. allocated(outcome%failure)) return
-    cost%pieces = 'rows of ' // decimal_text(map%columns) // ' pixels'
-    cost%total = map%rows
-    cost%tried = min(rows_tried, map%rows)
-    part%columns = map%columns
-    part%rows = cost%tried
-    part%pixel_spacing = map%pixel_spacing
-    part%unit = map%unit
-    part%height = map%height(:, :cost%tried)
-    call cpu_time(cost%begun)
-    call summits_of_samples(part, choices, summits, spikes, outcome%failure)
-    if (allocated(outcome%failure)) return
-    ! Each sample is marked, with outliers copied; a summit is a place, then a sphere.
-    cost%bytes_each = map%columns * merge(9.0_real64, 1.0_real64, line%has('--despike')) + &
-                      bytes_of_summit * size(summits%x) / cost%tried
-    call tell_cost(cost, outcome%text)
-  end subroutine try_rows
 
 end module asperity_run_summits

@@ -23,7 +23,6 @@ module asperity_effect_sequence
     logical, allocatable :: is_simulated(:)          !! by effect; not allocated: none is chosen
     type(effect_outcome), allocatable :: outcomes(:)  !! by effect: its estimate and warnings
     real(real64) :: tolerance = 1.0_real64           !! relative, of the simulated effects
-    integer :: number = 0                            !! number of choices so far
   end type effect_choice
 
   !> A compression, the contacts there and the results of the search for it.
@@ -38,7 +37,6 @@ module asperity_effect_sequence
     logical, allocatable :: fixed_choice(:)
     !> Solution of the search for the compression; not allocated: no effect searched.
     type(interaction_solution), allocatable :: solution
-    integer :: solves = 0                              !! number of states solved with effects
   end type found_state
 
 contains
@@ -81,7 +79,6 @@ contains
     if (allocated(found%solution)) then
       found%state%solution = found%solution
     else if (any(is_simulated)) then
-      found%solves = found%solves + 1
     end if
     do i = 1, size(effects)
       associate (effect => effects(i)%effect, outcome => found%outcomes(i))
@@ -148,7 +145,6 @@ contains
     choice%compression = state%compression
     choice%time = state%time
     choice%tolerance = 1.0_real64
-    if (size(effects) > 0) choice%number = choice%number + 1
     allocate (choice%is_simulated(size(effects)), choice%outcomes(size(effects)))
     associate (outcomes => choice%outcomes, is_chosen => choice%is_simulated)
       tolerance = 1.0_real64
@@ -203,7 +199,7 @@ contains
 
   !> Drops the last choice, as estimates depend on the states that effects keep.
   subroutine drop_choice(choice)
-    type(effect_choice), intent(inout) :: choice  !! without a last choice; its number stays
+    type(effect_choice), intent(inout) :: choice  !! without a last choice
 
     if (allocated(choice%is_simulated)) deallocate (choice%is_simulated, choice%outcomes)
   end subroutine drop_choice

@@ -8,7 +8,7 @@ module asperity_system_calls
   public :: posix_open, posix_creat, posix_lseek, posix_read, posix_write, posix_close
   public :: file_owner, posix_chmod, posix_chown
   public :: posix_fsync, posix_rename, posix_unlink, posix_usleep, posix_signal, posix_exit_now
-  public :: posix_atexit, posix_isatty, posix_getpid, posix_exit, posix_getrlimit
+  public :: posix_atexit, posix_isatty, posix_getpid, posix_exit, c_free, c_malloc
   public :: system_error, system_reason, canonical_path, text_of
 
   ! PATH_MAX of Linux, with the null character.
@@ -154,13 +154,19 @@ module asperity_system_calls
       integer(c_int), value :: status
     end subroutine posix_exit
 
-    !> Reads a limit of the shell: its value and the largest permitted value; -1 is no limit.
-    integer(c_int) function posix_getrlimit(resource, limits) bind(c, name='getrlimit')
-      import :: c_int, c_long
+    !> Memory of a number of bytes; null when there is none.
+    type(c_ptr) function c_malloc(bytes) bind(c, name='malloc')
+      import :: c_ptr, c_size_t
       implicit none
-      integer(c_int), value :: resource
-      integer(c_long), intent(out) :: limits(2)
-    end function posix_getrlimit
+      integer(c_size_t), value :: bytes
+    end function c_malloc
+
+    !> Gives memory back.
+    subroutine c_free(memory) bind(c, name='free')
+      import :: c_ptr
+      implicit none
+      type(c_ptr), value :: memory
+    end subroutine c_free
 
     !> Number of this process.
     integer(c_int) function posix_getpid() bind(c, name='getpid')

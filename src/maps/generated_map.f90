@@ -24,7 +24,7 @@ module asperity_generated_map
   implicit none
   private
 
-  public :: generate_map, try_map
+  public :: generate_map
 
   ! Quantity to sum: 0 the heights, 1 the slopes along x, 2 the slopes along y.
   integer, parameter :: of_heights = 0
@@ -79,38 +79,6 @@ contains
     if (largest_height(map) > highest) failure = 'heights beyond 1e30, expected a lower rms value'
     if (failure == '') deallocate (failure)
   end subroutine generate_map
-
-  !> Does a few equal pieces of the work of a map, for an estimate of its cost.
-  subroutine try_map(spec, tried, total, begun, bytes)
-    type(map_spec), intent(in) :: spec         !! specification, checked for faults
-    integer, intent(inout) :: tried            !! pieces to be done; those that were done
-    integer, intent(out) :: total              !! pieces of the whole map
-    real(real64), intent(out) :: begun         !! processor time when the first piece begins, s
-    integer(int64), intent(out) :: bytes       !! memory that the map takes
-    type(map_waves) :: waves
-    type(line_transform) :: columns, rows_to_pixels
-    complex(c_double_complex), allocatable, target :: components(:), row(:)
-    real(c_double), allocatable, target :: heights(:)
-    integer :: i, j
-
-    call plan_waves(spec, waves)
-    allocate (components(waves%period(2)), row(waves%period(1) / 2 + 1), heights(waves%period(1)))
-    call columns%prepare(back_in_place, waves%period(2))
-    call rows_to_pixels%prepare(waves_to_real, waves%period(1))
-    tried = min(tried, waves%most(1) + 1)
-    call cpu_time(begun)
-    do i = 1, tried
-      ! The columns are spread evenly over the map; each has its share of the rows.
-      call draw_waves(waves, waves%most(1) * (i - 1) / tried, components)
-      call columns%apply(c_loc(components), c_loc(components))
-      do j = 1, spec%pixels(2) / (waves%most(1) + 1)
-        row = (0.0_real64, 0.0_real64)
-        call rows_to_pixels%apply(c_loc(row), c_loc(heights))
-      end do
-    end do
-    total = merge(3, 1, spec%of_slope) * (waves%most(1) + 1)
-    bytes = bytes_of_map(waves, spec)
-  end subroutine try_map
 
   ! Memory that a map takes while it is made, in bytes: components, heights and the rows of many
   ! threads.

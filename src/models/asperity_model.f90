@@ -130,7 +130,6 @@ contains
       if (allocated(failure) .or. .not. is_needed) return
     end if
     allocate (placed)
-    placed%found%choice%number = result%choices
     result = position_result()
     placed%model => self
     placed%m = m
@@ -212,7 +211,6 @@ contains
       do i = size(choices), 1, -1
         call start_at(i)
         call choose_effects(pairs, effects, state, choices(i))
-        result%choices = result%choices + 1
         is_needed = any(choices(i)%is_simulated)
         if (is_needed) return
       end do
@@ -221,7 +219,6 @@ contains
         call add_without_effects(self%scene_in, pairs, effects, state, choices(i)%outcomes, i, &
                                  self%keep_rows, columns)
       end do
-      columns%choices = result%choices
       call move_values(columns, result)
     end if
     call estimate_left_out(self, pairs, law, result)
@@ -243,8 +240,6 @@ contains
     type(position_result), intent(inout) :: columns, result
 
     result%counted = columns%counted
-    result%solves = columns%solves
-    result%choices = columns%choices
     call move_alloc(columns%effects, result%effects)
     call move_alloc(columns%contact_values, result%contact_values)
     call move_alloc(columns%state_values, result%state_values)

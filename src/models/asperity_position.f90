@@ -98,7 +98,7 @@ contains
     type(scene), intent(in) :: scene_in
     type(contact_pairs), intent(in) :: pairs
     type(effect_box), intent(in) :: effects(:)
-    type(found_state), intent(inout) :: found  ! with the last compression; counts solves
+    type(found_state), intent(inout) :: found  ! with the last compression
     real(real64), intent(in) :: duration  ! time of loading, 0 or more
     type(path_step), allocatable, intent(out) :: steps(:)  ! at least one
     character(len=:), allocatable, intent(out) :: failure
@@ -165,7 +165,7 @@ contains
     ! Long: one search, whose states serve the next one.
     type(contact_pairs), intent(in) :: pairs
     type(effect_box), intent(in) :: effects(:)
-    type(found_state), intent(inout) :: end_state  ! with the last compression; counts solves
+    type(found_state), intent(inout) :: end_state  ! with the last compression
     real(real64), allocatable, intent(out) :: contacts_begin(:)  ! ascending, from first contact
     character(len=:), allocatable, intent(inout) :: failure
     ! Least tolerance over the last compression (chosen: the accuracy of the solution at one), and
@@ -231,9 +231,7 @@ contains
       real(real64), intent(in) :: compression
 
       found%compression = compression
-      found%solves = end_state%solves
       call simulate_effects(pairs, effects, 0.0_real64, found, .true.)
-      end_state%solves = found%solves
       call first_failure(effects, found%outcomes, failure)
       if (.not. allocated(failure)) then
         if (any(.not. (begun .or. found%state%penetration < 0.0_real64))) then
@@ -275,8 +273,6 @@ contains
       end select
       ! Pairs that are not listed may touch.
       must_repeat = found%compression > pairs%complete_to
-      result%solves = found%solves
-      result%choices = found%choice%number
       if (allocated(failure) .or. must_repeat) return
       if (.not. is_known(found, effects, step%time)) then
         ! Results of a search belong to its load.
@@ -286,8 +282,6 @@ contains
         end if
         call simulate_effects(pairs, effects, step%time, found)
       end if
-      result%solves = found%solves
-      result%choices = found%choice%number
       call first_failure(effects, found%outcomes, failure)
       if (allocated(failure)) return
       self%simulated = self%simulated .or. any(found%outcomes%simulated /= 'off')

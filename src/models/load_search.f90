@@ -256,7 +256,6 @@ contains
                                    found%choice%tolerance, found%compression, found%solution, &
                                    failure, target)
         if (allocated(failure)) failure = 'interaction: ' // failure
-        found%solves = found%solves + 1
         return
       class default
         ! The search of interaction is that of elastic contacts.

@@ -223,7 +223,6 @@ contains
         maxval(self%history%deformed%height) .and. abs(self%held) <= 0.0_real64)) &
       self%load = self%held
     if (step%control == at_distance) self%answer%level = step%value
-    result%solves = result%solves + 1
     call solve_map_state(self%model%laws, step%time, self%history, self%answer, self%load)
     if (allocated(self%answer%failure)) then
       failure = self%answer%failure

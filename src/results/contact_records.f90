@@ -115,9 +115,6 @@ module asperity_contact_records
     real(real64) :: y_displacement = 0.0_real64        !! displacement of the upper surface
     logical :: limit_reached = .false.                 !! a contact is at its limit at the end
     integer :: counted = 0                             !! states that progress has counted
-    !> States solved with all effects or on pixels, also in searches for a load.
-    integer :: solves = 0
-    integer :: choices = 0  !! choices of the effects that are simulated
     integer :: overlapping_circles = -1  !! pairs of contact circles, at the end; < 0: no circles
     real(real64) :: first_step_pressure = 0.0_real64   !! of the first contact one step past touch
     !> Estimated error of the load over the load or, under load control, of the separation over the

@@ -71,10 +71,6 @@ contains
       if (.not. allocated(results%positions(m)%effects)) cycle
       k = whole_number(m, options%part, options%parts)
       associate (position => results%positions(m))
-        if (allocated(without%positions)) then
-          position%choices = 1
-          if (.not. is_final) position%solves = position%solves + without%positions(k)%solves
-        end if
         do e = 1, size(known_effects)
           if (.not. is_called(e)) cycle
           at = findloc(results%effects%names, known_effects(e)%name, 1)

@@ -18,25 +18,18 @@ contains
     type(position_result), intent(out) :: result            !! states, ending with the last
     character(len=:), allocatable, intent(out) :: failure   !! set where the end is not reached
     class(placed_bodies), allocatable, target :: bodies
-    integer :: choices, solves
     logical :: is_wide, must_repeat
 
     is_wide = .false.
-    solves = 0
-    choices = 0
     do
       call model%place(m, is_wide, bodies, result, failure)
       if (allocated(failure) .or. .not. allocated(bodies)) return
       bodies%keep_rows = model%keep_rows
       call follow_path(bodies, model%progress_count, result, must_repeat, failure)
-      solves = solves + result%solves
-      choices = choices + result%choices
       if (.not. must_repeat) exit
       call model%progress_count%add_work(-result%counted)
       is_wide = .true.
     end do
-    result%solves = solves
-    result%choices = choices
   end subroutine solve_position
 
   !> Follows the path of placed bodies once.

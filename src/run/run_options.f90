@@ -26,7 +26,6 @@ module asperity_run_options
     logical :: keep_contacts = .true.              !! keep the contacts of every state
     integer :: threads = 0                         !! number of threads; 0: default of OpenMP
     logical :: progress = .false.                  !! print the progress on a terminal
-    integer :: sample = 0                          !! number of positions, evenly spread; 0: all
     logical :: all_images = .false.                !! all images call and share the work
     character(len=:), allocatable :: keep_file     !! file in which solved positions are kept
     integer :: part = 1                            !! part of the positions to be solved, from 1

@@ -19,8 +19,6 @@ module asperity_scene_results
     real(real64) :: error_bound = 0.0_real64               !! relative, with a requested accuracy
     character(len=:), allocatable :: way_taken             !! fastest method with this accuracy
     character(len=:), allocatable :: way_told              !! cost of a higher accuracy
-    !> processor time of this process at the start of its first position, s; < 0: none started
-    real(real64) :: begun = -1.0_real64
   end type scene_results
 
 contains

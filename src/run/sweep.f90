@@ -17,7 +17,7 @@ module asperity_sweep
   use asperity_position_packet, only: pack_position, unpack_position
   use asperity_position_path, only: solve_position
   use asperity_problems, only: decimal_text, not_enough_memory
-  use asperity_process, only: has_memory, threads_with_memory
+  use asperity_process, only: has_memory
   use asperity_progress, only: progress_line
   use asperity_run_options, only: run_options
   use asperity_scene_inputs, only: input_file, list_inputs
@@ -89,7 +89,6 @@ contains
         kept%heading = kept%heading // ' ' // inputs(i)%checksum
       end do
     end if
-    if (results%begun < 0.0_real64) call cpu_time(results%begun)
     call run_sweep(model, options, kept, results%positions, failure)
   end subroutine sweep_scene
 
@@ -107,8 +106,6 @@ contains
     integer :: first, last, m, number, pass, threads
 
     number = model%positions
-    if (options%sample > 0) number = min(number, options%sample)
-    if (number > 1) watch%stride = (model%positions - 1) / (number - 1)
     if (options%parts > 1) then
       number = pieces_of_part(number, options%part, options%parts)
       watch%start = options%part
@@ -212,7 +209,7 @@ contains
     else
       !$ if (model%work >= least_work / model%positions) threads = omp_get_max_threads()
     end if
-    threads = threads_with_memory(min(threads, model%positions))
+    threads = min(threads, model%positions)
   end function threads_for
 
   ! Whether a position is to be solved by this image.
