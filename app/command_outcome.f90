@@ -53,7 +53,7 @@ contains
         outcome%failure = 'standard output: ' // not_enough_memory // ' for its text'
       if (.not. allocated(outcome%failure) .and. outcome%text%used > 0) &
         call write_standard_output(outcome%text%store(:outcome%text%used), outcome%failure)
-      if (.not. allocated(outcome%failure)) call commit_files(outcome%failure, last=.true.)
+      if (.not. allocated(outcome%failure)) call commit_files(outcome%failure)
       if (allocated(outcome%failure)) then
         call discard_files()
         call write_standard_error(printable_text(outcome%failure) // new_line('a'))

@@ -11,7 +11,6 @@ module asperity_run_solve
   use asperity_input_text, only: lower_case
   use asperity_kinds, only: real64
   use asperity_map_stress, only: largest_stress, look_for_largest, stress_solver
-  use asperity_output_files, only: note_kept
   use asperity_number_format, only: count_text, number_text
   use asperity_problems, only: decimal_text, problem_list
   use asperity_result_table, only: array_table, make_arrays, of_contacts
@@ -65,7 +64,6 @@ contains
     if (outcome%problems%count() == 0) call check_choices(line, scene_in, outcome%problems)
     if (outcome%problems%count() > 0) return
     if (image_number() == 1) call write_standard_error(scene_in%notes%text())
-    if (.not. line%has('--keep')) call note_kept('; --keep FILE would keep what is solved')
     options = options_of(line)
     if (line%has('--units')) units = 'units: ' // units_in_words(scene_in)
     call solve(scene_in, results, outcome%failure, options)

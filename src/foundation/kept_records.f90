@@ -12,8 +12,7 @@ module asperity_kept_records
   use asperity_images, only: image_count, image_number, mark_of_failure, mark_of_run, read_mark, &
                              set_mark, wait_for_images
   use asperity_kinds, only: int64
-  use asperity_output_files, only: commit_files, note_kept, stage_file
-  use asperity_printable, only: printable_text
+  use asperity_output_files, only: commit_files, stage_file
   use asperity_problems, only: decimal_text
   use asperity_system_calls, only: posix_close, posix_getpid, posix_lseek, posix_open, &
                                    posix_unlink, system_error, system_reason
@@ -245,7 +244,6 @@ contains
       end if
       if (allocated(failure) .or. work%file > size(work%more)) then
         work%file = 0
-        if (.not. allocated(failure)) call note_progress(work)
         return
       end if
       call open_file(work, work%file + 1, failure)
@@ -285,7 +283,6 @@ contains
     else
       work%is_done(piece) = .true.
       work%done = work%done + 1
-      call note_progress(work)
     end if
   end subroutine keep_record
 
@@ -313,16 +310,6 @@ contains
     work%descriptor = -1_c_int
     if (work%is_own_file .and. image_number() == 1) status = posix_unlink(work%path // c_null_char)
   end subroutine close_work
-
-  ! Sets the message about kept work that an interruption prints.
-  subroutine note_progress(work)
-    type(kept_work), intent(in) :: work
-
-    if (.not. work%is_own_file) &
-      call note_kept('; ' // decimal_text(work%done) // ' ' // work%piece // &
-                     's are saved in ' // printable_text(work%path) // &
-                     ', the same command continues from there')
-  end subroutine note_progress
 
   ! Number of the piece in the line before a record; 0 for another line.
   pure integer function piece_in_heading(name, line) result(piece)

@@ -1,66 +1,45 @@
 !> The output files of a command: all of them appear complete, by renaming, or none appears.
 !>
 !> A file is written under a temporary name in its folder (`stage_file`). After success, standard
-!> output included, the files are renamed (`commit_files`); after a failure or an interruption they
-!> are removed. Devices and pipes are written directly.
+!> output included, the files are renamed (`commit_files`); after a failure they are removed. Devices
+!> and pipes are written directly. A run that is killed while it writes leaves `.asperity.*.part`.
 module asperity_output_files
-  use, intrinsic :: iso_c_binding, only: c_char, c_funloc, c_funptr, c_int, c_intptr_t, &
-                                         c_null_char, c_size_t
+  use, intrinsic :: iso_c_binding, only: c_funptr, c_int, c_intptr_t, c_null_char
   use asperity_files, only: same_name, standard_error, standard_output, write_bytes
   use asperity_problems, only: decimal_text
-  use asperity_system_calls, only: canonical_path, file_owner, posix_atexit, posix_chmod, &
-                                   posix_chown, posix_close, posix_creat, posix_exit_now, &
-                                   posix_fsync, posix_getpid, posix_open, posix_rename, &
-                                   posix_signal, posix_unlink, posix_write, system_error, &
-                                   system_reason
+  use asperity_system_calls, only: canonical_path, file_owner, posix_chmod, posix_chown, &
+                                   posix_close, posix_creat, posix_fsync, posix_getpid, &
+                                   posix_open, posix_rename, posix_signal, posix_unlink, &
+                                   system_error, system_reason
   implicit none
   private
 
   public :: stage_file, open_part, close_part, commit_files, discard_files, guard_files, same_file
-  public :: note_kept
 
   integer(c_int), parameter :: mode_rw_r_r = int(o'644', c_int), write_only = 1_c_int
   integer(c_int), parameter :: no_such_file = 2_c_int, no_permission = 13_c_int
-  ! Signals of a user, a shell and a batch system that end a process: HUP, INT, TERM. PIPE and XFSZ
-  ! become failures of a write.
-  integer(c_int), parameter :: ending_signals(3) = [1_c_int, 2_c_int, 15_c_int]
+  ! PIPE and XFSZ become failures of a write.
   integer(c_int), parameter :: ignored_signals(2) = [13_c_int, 25_c_int]
   integer(c_intptr_t), parameter :: ignore = 1_c_intptr_t  ! SIG_IGN of the C library
 
-  ! Staged files. Temporary names end with a null character, as a signal handler may not build
-  ! texts. They are allocated before they are counted.
   integer, parameter :: most_files = 1100, longest_path = 4400
-  ! Names of a staged file; each may end with blanks.
+  ! Names of a staged file; each may end with blanks. The temporary one is empty when it is renamed.
   type :: staged_name
-    character(len=:), allocatable :: place, path
-    character(kind=c_char), allocatable :: part(:)
+    character(len=:), allocatable :: place, path, part
   end type staged_name
   type(staged_name) :: names(most_files)
-  integer, volatile :: staged = 0
-  logical, volatile :: committing = .false.
-  ! Message about kept work, printed at an interruption.
-  integer, parameter :: longest_note = 600
-  character(kind=c_char, len=longest_note) :: kept_note = ''
-  integer, volatile :: noted = 0
+  integer :: staged = 0
 
 contains
 
-  !> Installs the signal handlers, once at the start: an interruption or a lack of memory leaves no
-  !> file behind, and a closed pipe or a full quota is reported as other failures. A signal that was
-  !> ignored remains ignored.
+  !> Makes a closed pipe and a full quota failures of a write, once at the start.
   subroutine guard_files()
     type(c_funptr) :: before
-    integer(c_int) :: status
     integer :: i
 
     do i = 1, size(ignored_signals)
       before = posix_signal(ignored_signals(i), transfer(ignore, before))
     end do
-    do i = 1, size(ending_signals)
-      before = posix_signal(ending_signals(i), c_funloc(end_at_signal))
-      if (transfer(before, ignore) == ignore) before = posix_signal(ending_signals(i), before)
-    end do
-    status = posix_atexit(c_funloc(discard_at_end))
   end subroutine guard_files
 
   !> Writes a file under its temporary name. `failure` is allocated, with the reason, when that is
@@ -90,16 +69,14 @@ contains
     if (descriptor < 0 .and. .not. allocated(failure)) then
       place = canonical_path(path)
       part = place(:index(place, '/', back=.true.)) // '.asperity.' // &
-             decimal_text(int(posix_getpid())) // '.' // decimal_text(staged + 1) // '.part' // &
-             c_null_char
+             decimal_text(int(posix_getpid())) // '.' // decimal_text(staged + 1) // '.part'
       if (staged == most_files .or. len(part) > longest_path) then
         failure = 'too many files, or too long a path'
       else
         call file_owner(place, mode, owner, group)
-        ! It is listed for `end_at_signal` first.
-        names(staged + 1) = staged_name(place, path, transfer(part, [c_null_char]))
+        names(staged + 1) = staged_name(place, path, part)
         staged = staged + 1
-        descriptor = posix_creat(part, merge(mode_rw_r_r, mode, mode < 0))
+        descriptor = posix_creat(part // c_null_char, merge(mode_rw_r_r, mode, mode < 0))
         if (descriptor < 0) then
           status = int(system_error(), c_int)
           failure = system_reason()
@@ -107,8 +84,8 @@ contains
             failure = 'its folder takes no new file, which a whole output needs: ' // failure
         else if (mode >= 0) then
           ! A file keeps its permissions, and its owner where the system permits it.
-          status = posix_chown(part, owner, group)
-          status = posix_chmod(part, mode)
+          status = posix_chown(part // c_null_char, owner, group)
+          status = posix_chmod(part // c_null_char, mode)
         end if
       end if
     end if
@@ -136,24 +113,21 @@ contains
 
   !> Renames all staged files. `failure` is allocated, with the reason, when one cannot be renamed;
   !> the rest is removed then.
-  subroutine commit_files(failure, last)
+  subroutine commit_files(failure)
     character(len=:), allocatable, intent(out) :: failure  !! reason, when one cannot be renamed
-    logical, intent(in), optional :: last  !! whether interruptions are ignored from here on
     integer(c_int) :: status
     integer :: i
 
-    committing = .true.
     do i = 1, staged
-      status = posix_rename(names(i)%part, names(i)%place // c_null_char)
+      status = posix_rename(names(i)%part // c_null_char, names(i)%place // c_null_char)
       if (status == 0) then
-        names(i)%part(1) = c_null_char
+        names(i)%part = ''
       else
         failure = names(i)%path // ': cannot be written: ' // system_reason()
         exit
       end if
     end do
     call discard_files()
-    committing = present(last) .and. .not. allocated(failure)
   end subroutine commit_files
 
   !> Removes all staged files.
@@ -162,7 +136,7 @@ contains
     integer :: i
 
     do i = 1, staged
-      if (names(i)%part(1) /= c_null_char) status = posix_unlink(names(i)%part)
+      if (names(i)%part /= '') status = posix_unlink(names(i)%part // c_null_char)
     end do
     staged = 0
   end subroutine discard_files
@@ -207,38 +181,5 @@ contains
     status = posix_close(descriptor)
     descriptor = -1
   end subroutine open_special
-
-  !> Ends the program at a signal with status 1 and removes incomplete files. A signal handler may
-  !> not allocate nor use Fortran output.
-  subroutine end_at_signal(number) bind(c)
-    integer(c_int), value :: number
-    character(len=43) :: message
-    integer(c_size_t) :: written
-
-    ! The files are being renamed: the end is near.
-    if (committing) return
-    message = 'interrupted by signal   , no output written'
-    if (number > 9) message(23:23) = achar(iachar('0') + number / 10)
-    message(24:24) = achar(iachar('0') + mod(number, 10))
-    call discard_files()
-    written = posix_write(standard_error, message, int(len(message), c_size_t))
-    written = posix_write(standard_error, kept_note, int(noted, c_size_t))
-    written = posix_write(standard_error, [achar(10, c_char)], 1_c_size_t)
-    call posix_exit_now(1_c_int)
-  end subroutine end_at_signal
-
-  !> Removes all staged files when the run-time library ends the program, as it does without memory.
-  subroutine discard_at_end() bind(c)
-    call discard_files()
-  end subroutine discard_at_end
-
-  !> Sets the message about kept work that an interruption prints.
-  subroutine note_kept(note)
-    character(len=*), intent(in) :: note  !! text that begins with `; `, 600 characters at most
-
-    noted = 0
-    kept_note = note
-    noted = min(len(note), longest_note)
-  end subroutine note_kept
 
 end module asperity_output_files

@@ -7,8 +7,8 @@ module asperity_system_calls
 
   public :: posix_open, posix_creat, posix_lseek, posix_read, posix_write, posix_close
   public :: file_owner, posix_chmod, posix_chown
-  public :: posix_fsync, posix_rename, posix_unlink, posix_usleep, posix_signal, posix_exit_now
-  public :: posix_atexit, posix_isatty, posix_getpid, posix_exit, c_free, c_malloc
+  public :: posix_fsync, posix_rename, posix_unlink, posix_usleep, posix_signal
+  public :: posix_isatty, posix_getpid, posix_exit, c_free, c_malloc
   public :: system_error, system_reason, canonical_path, text_of
 
   ! PATH_MAX of Linux, with the null character.
@@ -132,20 +132,6 @@ module asperity_system_calls
       integer(c_int), value :: number
       type(c_funptr), value :: handler
     end function posix_signal
-
-    !> Registers a procedure for the end of the process, unless a signal ends it; 0 on success.
-    integer(c_int) function posix_atexit(procedure) bind(c, name='atexit')
-      import :: c_funptr, c_int
-      implicit none
-      type(c_funptr), value :: procedure
-    end function posix_atexit
-
-    !> Ends the process immediately, as a signal handler may.
-    subroutine posix_exit_now(status) bind(c, name='_exit')
-      import :: c_int
-      implicit none
-      integer(c_int), value :: status
-    end subroutine posix_exit_now
 
     !> Ends the process in order, with an exit status.
     subroutine posix_exit(status) bind(c, name='exit')
