@@ -71,8 +71,6 @@ module asperity_option_table
       'begin CSV files with a comment line (#) that lists the units'), &
     option_entry('solve', '--json', 'FILE', &
       'write scene, results and provenance as JSON', 'json'), &
-    option_entry('solve', '--vtk', 'FILE', &
-      'write contacts as points with values (VTK PolyData, .vtp, for ParaView)', 'vtp'), &
     option_entry('solve', '--fields', 'FILE', &
       'write pressure, gap and displacement on the pixels of a map, or of asperities with ' // &
       'field_spacing (VTK image data, .vti, for ParaView)', 'vti'), &

@@ -13,9 +13,9 @@ module asperity_run_solve
   use asperity_map_stress, only: largest_stress, look_for_largest, stress_solver
   use asperity_number_format, only: count_text, number_text
   use asperity_problems, only: decimal_text, problem_list
-  use asperity_result_table, only: array_table, make_arrays, of_contacts
+  use asperity_result_table, only: array_table, make_arrays
   use asperity_results_json, only: write_json, write_json_table
-  use asperity_results_vtk, only: write_vti, write_vtk
+  use asperity_results_vtk, only: write_vti, write_vts
   use asperity_run_options, only: run_options, totals_of_accuracy
   use asperity_scene_inputs, only: input_file, list_inputs
   use asperity_scene_reader, only: read_scene
@@ -35,10 +35,10 @@ module asperity_run_solve
 
   ! Options of files that have tables of the results, and whether they need the positions, the
   ! states and the contacts.
-  character(len=*), parameter :: table_options(5) = [character(len=11) :: '--contacts', &
-    '--positions', '--curve', '--json', '--vtk']
-  logical, parameter :: tables_of(3, 5) = reshape([.false., .false., .true., .true., .false., &
-    .false., .false., .true., .false., .true., .true., .true., .false., .false., .true.], [3, 5])
+  character(len=*), parameter :: table_options(4) = [character(len=11) :: '--contacts', &
+    '--positions', '--curve', '--json']
+  logical, parameter :: tables_of(3, 4) = reshape([.false., .false., .true., .true., .false., &
+    .false., .false., .true., .false., .true., .true., .true.], [3, 4])
   ! Options that need the pressure on the pixels of a map.
   character(len=*), parameter :: field_options(3) = [character(len=11) :: '--fields', &
     '--histogram', '--depths']
@@ -120,8 +120,6 @@ contains
         call list_inputs(scene_in, inputs, outcome%failure)
         if (allocated(outcome%failure)) return
         call write_json(scene_in, inputs, results, tables, outcome%warnings, text)
-      case ('--vtk')
-        call write_vtk(tables(of_contacts), text)
       case default
         call write_table(tables(findloc(tables_of(:, option), .true., 1)), text, units)
       end select
@@ -181,7 +179,7 @@ contains
         case ('.json')
           call write_json_table(scene_in, 'stress', stress_table(cells), file)
         case ('.vts')
-          call write_vtk(stress_table(cells), file, [field%columns, field%rows, depths])
+          call write_vts(stress_table(cells), [field%columns, field%rows, depths], file)
         case default
           call write_table(stress_table(cells), file, units)
         end select
@@ -254,7 +252,7 @@ contains
     options%accuracy = line%number('--accuracy')
     if (line%has('--of')) options%accuracy_of = totals_of_accuracy(line%choice('--of'))
     options%keep_contacts = any(line%has([character(len=11) :: &
-      '--contacts', '--json', '--vtk', field_options]))
+      '--contacts', '--json', field_options]))
     if (any(line%has(field_options))) options%fields = max(fields_last, line%choice('--fields-of'))
     options%threads = line%choice('--threads')
     options%progress = image_number() == 1

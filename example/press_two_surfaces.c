@@ -27,10 +27,11 @@ static asperity_outcome *ball_on_bumps(void)
   }
   const asperity_surface upper = {1, 1, ball, ball + 1, ball + 2, ball + 3};
   const asperity_surface lower = {9, 1, x, y, height, &radius};
+  const asperity_side sides[2] = {{&upper, NULL}, {&lower, NULL}};
   return asperity_build_scene("&material elastic_modulus = 210e3, 70e3, poisson_ratio = 0.3, 0.33 /"
                               "&loading control = 'load', value = 25., points = 5 /"
                               "&effects interaction = 'coupled' /",
-                              &upper, &lower);
+                              &sides[0], &sides[1]);
 }
 
 int main(int words, char **word)

@@ -136,6 +136,13 @@ typedef struct {
   const char *accuracy_of; /* results that `accuracy` limits: "all" (also for NULL: load and area),
                               "load" (the separation under a load), "area", or "pressure" (the
                               greatest, of height maps) */
+  int *progress;           /* NULL, or two numbers that other threads may read at any time: states that
+                              are done, and all of them, 0 as long as that is not known. They begin
+                              anew where a scene is solved in several ways */
+  int fields;              /* kept for asperity_fields: 0 none, 1 those of the last state of the path, 2
+                              those of all states, of 24 bytes a pixel and state. A scene of asperities
+                              has them on a grid where &surfaces has field_spacing, and one position;
+                              fields of another scene are refused before it is solved */
 } asperity_options;
 
 /* How summits are found. All bytes zero: the defaults. */
@@ -149,6 +156,7 @@ typedef struct {
   double spacing[2];  /* along x and y, from 1e-30 to 1e30, of a map without a spacing: a matrix in a
                          text file, an array; 0 for other maps */
   int despike;        /* not 0: single outliers are removed */
+  int periodic;       /* not 0: the map of a file repeats itself along x and y */
 } asperity_summits_options;
 
 /* One thing that is wrong with an input. */
@@ -165,18 +173,13 @@ const char *asperity_get_version(void);
 /* Reads a scene file, or a card deck, with the files that it names. */
 asperity_outcome *asperity_read_scene(const char *scene);
 
-/* A scene from the text of its groups, "&material ... / &loading ... /", and two surfaces; one of
- * them may be a plane. With NULL for both the text has &surfaces, which names files, and messages
- * call the text "scene". A number with _real64 behind it, as in 0.1_real64, is the double nearest to
- * it; without, it is the decimal itself. */
-asperity_outcome *asperity_build_scene(const char *groups, const asperity_surface *upper,
-                                       const asperity_surface *lower);
-
-/* The same with sides that are asperities, height maps, or named in the text: &surfaces may have upper =
- * 'FILE' or 'plane' for a side that is not given, and nominal_area, units, radius and all names of maps.
- * A side may be NULL: the text names it. map_edge of the text has precedence over the edge of a map. */
-asperity_outcome *asperity_build_scene_of(const char *groups, const asperity_side *upper,
-                                          const asperity_side *lower);
+/* A scene from the text of its groups, "&material ... / &loading ... /", and two sides: asperities, height
+ * maps, or named in the text: &surfaces may have upper = 'FILE' or 'plane' for a side that is not given, and
+ * nominal_area, units, radius and all names of maps. A side may be NULL: the text names it; for both messages
+ * call the text "scene". map_edge of the text has precedence over the edge of a map. A number with _real64
+ * behind it, as in 0.1_real64, is the double nearest to it; without, it is the decimal itself. */
+asperity_outcome *asperity_build_scene(const char *groups, const asperity_side *upper,
+                                       const asperity_side *lower);
 
 /* Solves a scene: an outcome of the two functions above, which stays as it is and may be freed
  * afterwards. What is wrong with the scene is wrong with this outcome, too: it is enough to ask
@@ -190,27 +193,8 @@ asperity_outcome *asperity_solve_scene(const asperity_outcome *scene,
  * text must have &surfaces then. Messages call the text by the file of the other scene. */
 asperity_outcome *asperity_rebuild_scene(const asperity_outcome *scene, const char *groups);
 
-/* As asperity_solve_scene. earlier: NULL, or the outcome of a solve of a scene with the same surfaces:
- * its last solution shortens the work where it can, and is left alone elsewhere; results agree to the
- * tolerance of the solver. It may be used by several calls at once, and freed afterwards. progress:
- * NULL, or two numbers that other threads may read at any time: states that are done, and all of them,
- * 0 as long as that is not known. They begin anew where a scene is solved in several ways. */
-asperity_outcome *asperity_solve_again(const asperity_outcome *scene,
-                                       const asperity_options *options,
-                                       const asperity_outcome *earlier, int *progress);
-
-/* As asperity_solve_again, and the fields of a height map that is solved on its pixels are kept for
- * asperity_fields. fields: 0 for none, 1 for those of the last state of the path, 2 for those of all
- * states, of 24 bytes a pixel and state. A scene of asperities, or of the summits of a map, has fields
- * on a grid where &surfaces has field_spacing, and one position. Fields of another scene are refused
- * before it is solved. interaction = 'auto' of a map without field_spacing solves its pixels for them. */
-asperity_outcome *asperity_solve_with_fields(const asperity_outcome *scene,
-                                             const asperity_options *options,
-                                             const asperity_outcome *earlier, int *progress,
-                                             int fields);
-
 /* Pressure, gap and displacement of one state that was kept: tables ASPERITY_MAP and ASPERITY_FIELDS,
- * text ASPERITY_UNIT. solved: outcome of asperity_solve_with_fields. position: from 1. state: from 1, or
+ * text ASPERITY_UNIT. solved: outcome of asperity_solve_scene. position: from 1. state: from 1, or
  * -1 for the last. */
 asperity_outcome *asperity_fields(const asperity_outcome *solved, int position, int state);
 
@@ -225,16 +209,10 @@ asperity_outcome *asperity_stress(const asperity_outcome *solved, int position, 
 asperity_outcome *asperity_make_report(const char *deck, const char *arithmetic,
                                        const int *tables, int number);
 
-/* Finds the summits of a measured height map. options may be NULL. */
-asperity_outcome *asperity_summits(const char *map, const asperity_summits_options *options);
-
-/* The same for a map that repeats itself along x and y. */
-asperity_outcome *asperity_periodic_summits(const char *map,
-                                            const asperity_summits_options *options);
-
-/* The same for a map in memory, with the edge that it has. */
-asperity_outcome *asperity_summits_of_map(const asperity_height_map *map,
-                                          const asperity_summits_options *options);
+/* Finds the summits of a height map: of a file, or, where heights is not NULL, of one in memory with the
+ * edge that it has. options may be NULL. */
+asperity_outcome *asperity_summits(const char *map, const asperity_height_map *heights,
+                                   const asperity_summits_options *options);
 
 /* Reads a height map of any format: its size and spacing, its pixels, its unit, notes. spacing: [2] along
  * x and y, for a map without a spacing; else NULL. unit: lengths are converted to it, or, of a map
@@ -246,14 +224,11 @@ asperity_outcome *asperity_read_map(const char *map, const double *spacing, cons
  * comments). */
 asperity_outcome *asperity_write_map(const asperity_height_map *map, const char *path);
 
-/* Power spectral densities of a map, levelled first: without its plane where it is free, without its mean
- * where it is periodic. A free map has a Hann window. q: wave number, 2 pi over the wavelength, 1/length;
- * c_iso: length to the power 4; c_1d: length to the power 3. Missing pixels are refused. */
-asperity_outcome *asperity_power_spectrum(const asperity_height_map *map);
-
-/* The same without its plane, its mean or nothing: level is "plane", "mean", "none", or NULL for that of
- * asperity_power_spectrum. */
-asperity_outcome *asperity_power_spectrum_at_level(const asperity_height_map *map, const char *level);
+/* Power spectral densities of a map, levelled first: level is "plane", "mean", "none", or NULL: without its
+ * plane where it is free, without its mean where it is periodic. A free map has a Hann window. q: wave
+ * number, 2 pi over the wavelength, 1/length; c_iso: length to the power 4; c_1d: length to the power 3.
+ * Missing pixels are refused. */
+asperity_outcome *asperity_power_spectrum(const asperity_height_map *map, const char *level);
 
 /* Makes the random height map of a specification with a group &map: of a file, or, where groups is not
  * NULL, of the text of its groups. Tables and text are those of asperity_read_map; ASPERITY_MAP has the

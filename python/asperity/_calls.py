@@ -119,13 +119,13 @@ def summits(map: _a.Path | HeightMap | NDArray[Any] | Sequence[Sequence[float]],
     if pixels is not None:
         if periodic is not None:
             pixels.periodic = periodic
-        found = _c.call("summits_of_map", byref(pixels), byref(options)).checked()
+        found = _c.call("summits", None, byref(pixels), byref(options)).checked()
         source: Any = map
         if not hasattr(map, "heights"):
             source = HeightMap(source, steps if steps[0] > 0.0 else pixels.spacing, unit)
         return Summits(found, source)
-    name = "periodic_summits" if periodic else "summits"
-    return Summits(_c.call(name, _a.path("map", map), byref(options)).checked(), map)
+    options.periodic = bool(periodic)
+    return Summits(_c.call("summits", _a.path("map", map), None, byref(options)).checked(), map)
 
 
 def generate(specification: _a.Path | Mapping[str, Mapping[str, Any]],

@@ -45,12 +45,12 @@ class Side(Structure):
 class Options(Structure):
     _fields_ = [("arithmetic", c_char_p), ("accuracy", c_double), ("totals_only", c_int),
                 ("threads", c_int), ("interrupt", POINTER(c_int)),
-                ("accuracy_of", c_char_p)]
+                ("accuracy_of", c_char_p), ("progress", POINTER(c_int)), ("fields", c_int)]
 
 
 class SummitsOptions(Structure):
     _fields_ = [("rule", c_char_p), ("level", c_char_p), ("radius", c_char_p), ("unit", c_char_p),
-                ("spacing", c_double * 2), ("despike", c_int)]
+                ("spacing", c_double * 2), ("despike", c_int), ("periodic", c_int)]
 
 
 class CProblem(Structure):
@@ -75,20 +75,18 @@ _C = _loaded(Path(__file__).with_name("libasperity.so"))
 _FUNCTIONS: list[tuple[Any, ...]] = [
     ("get_version", c_char_p),
     ("read_scene", c_void_p, c_char_p),
-    ("build_scene_of", c_void_p, c_char_p, POINTER(Side), POINTER(Side)),
+    ("build_scene", c_void_p, c_char_p, POINTER(Side), POINTER(Side)),
     ("rebuild_scene", c_void_p, c_void_p, c_char_p),
-    ("solve_with_fields", c_void_p, c_void_p, POINTER(Options), c_void_p, POINTER(c_int), c_int),
+    ("solve_scene", c_void_p, c_void_p, POINTER(Options)),
     ("fields", c_void_p, c_void_p, c_int, c_int),
     ("stress", c_void_p, c_void_p, c_int, c_int, c_double),
     ("make_report", c_void_p, c_char_p, c_char_p, POINTER(c_int), c_int),
-    ("summits", c_void_p, c_char_p, POINTER(SummitsOptions)),
-    ("periodic_summits", c_void_p, c_char_p, POINTER(SummitsOptions)),
-    ("summits_of_map", c_void_p, POINTER(Map), POINTER(SummitsOptions)),
+    ("summits", c_void_p, c_char_p, POINTER(Map), POINTER(SummitsOptions)),
     ("read_map", c_void_p, c_char_p, POINTER(c_double), c_char_p),
     ("write_map", c_void_p, POINTER(Map), c_char_p),
     ("generate", c_void_p, c_char_p, c_char_p, c_int),
     ("generate_map", c_void_p, c_char_p, c_char_p),
-    ("power_spectrum_at_level", c_void_p, POINTER(Map), c_char_p),
+    ("power_spectrum", c_void_p, POINTER(Map), c_char_p),
     ("status", c_int, c_void_p),
     ("text", c_char_p, c_void_p, c_int),
     ("problem_count", c_int, c_void_p),

@@ -163,7 +163,7 @@ class HeightMap:
         """
         if kind not in _c.SPECTRA:
             raise _a.wrong("kind", repr(kind), "'iso', 'x' or 'y'")
-        found = _c.call("power_spectrum_at_level", byref(self._struct()),
+        found = _c.call("power_spectrum", byref(self._struct()),
                         None if level is None else _a.word("level", level)).checked()
         return found.table(_c.SPECTRA[kind], "wave numbers")
 

@@ -61,7 +61,7 @@ class Scene:
         if isinstance(scene, Mapping):
             rest, sides = _without_arrays(scene)
             text = _a.Groups(self._name, rest, _a.DOUBLE)
-            self._read = _c.call("build_scene_of", text.text, *map(byref, sides)).checked(
+            self._read = _c.call("build_scene", text.text, *map(byref, sides)).checked(
                 text.named)
             self.groups = {group: dict(names) for group, names in rest.items()}
         else:
@@ -109,7 +109,7 @@ class Scene:
             text = _a.Groups(self._name, _changed(self.groups, groups), _a.DOUBLE)
             read = _c.call("rebuild_scene", self._read, text.text,
                            is_short=is_short).checked(text.named)
-        solved = _solve(read, self._earlier, text, *choices, is_short)
+        solved = _solve(read, text, *choices, is_short)
         self._earlier, self._choices = solved, choices
         return Results(solved, kept)
 
@@ -196,7 +196,7 @@ def solve(scene: _a.Path | Mapping[str, Mapping[str, Any]] | Scene, *, arithmeti
                        contacts=contacts, threads=threads, progress=progress, fields=fields)
 
 
-def _solve(read: _c.Outcome, earlier: _c.Outcome | None, text: _a.Groups, arithmetic: str,
+def _solve(read: _c.Outcome, text: _a.Groups, arithmetic: str,
            accuracy: float, accuracy_of: str, contacts: bool, threads: int, progress: bool,
            fields: int, is_short: bool) -> _c.Outcome:
     interrupt = c_int(0)
@@ -206,10 +206,10 @@ def _solve(read: _c.Outcome, earlier: _c.Outcome | None, text: _a.Groups, arithm
         _a.whole("threads", threads, "a number from 1 to 9999, or 0 for all cores"),
         POINTER(c_int)(interrupt), _a.word("accuracy_of", accuracy_of))
     counts = (c_int * 2)()
+    options.progress, options.fields = counts, fields
     bar = _Progress(counts) if _a.flag("progress", progress) else None
     try:
-        return _c.call("solve_with_fields", read, byref(options), earlier, counts, fields,
-                       interrupt=interrupt, watch=bar.show if bar else None,
+        return _c.call("solve_scene", read, byref(options), interrupt=interrupt, watch=bar.show if bar else None,
                        is_short=is_short and bar is None).checked(text.named)
     finally:
         if bar:

@@ -1,16 +1,15 @@
 !> The library for C: height maps, as files and as arrays, their spectra and summits.
 module asperity_c_maps
   use, intrinsic :: iso_c_binding, only: c_associated, c_double, c_f_pointer, c_int, &
-                                          c_null_ptr, c_ptr
+                                          c_ptr
   use, intrinsic :: iso_fortran_env, only: int64, real64
   use asperity, only: add_reals, add_statistics, add_surface, add_wholes, generate_map, &
                       generation_spec, height_map, length_power, length_units, level_map, &
                       level_names, map_statistics, map_summits, measure_map, measure_spectra, &
-                      note_of_file, &
-                      periodic_edge, power_spectrum, problem_list, put_in_unit, radius_names, &
-                      read_height_map, rule_names, summit_choices, summits_of_array, &
-                      summits_of_file, text_buffer, usual_level, write_map_file, &
-                      write_summits_table
+                      note_of_file, periodic_edge, power_spectrum, problem_list, put_in_unit, &
+                      radius_names, read_height_map, rule_names, summit_choices, &
+                      summits_of_array, summits_of_file, text_buffer, usual_level, &
+                      write_map_file, write_summits_table
   use asperity_c_arguments, only: require_text, take_heights, take_spec, take_word
   use asperity_c_outcome, only: add_pixels, begin_outcome, finish_outcome, outcome, set_text, &
                                 table_map, table_pixels, table_spectra, table_statistics, &
@@ -18,14 +17,15 @@ module asperity_c_maps
   implicit none
   private
 
-  public :: c_generate_map, c_power_spectrum, c_power_spectrum_at_level, c_read_map, c_write_map
-  public :: c_summits, c_periodic_summits, c_summits_of_map, c_summits_options
+  public :: c_generate_map, c_power_spectrum, c_read_map, c_write_map
+  public :: c_summits, c_summits_options
 
   !> `asperity_summits_options` of the header.
   type, bind(c) :: c_summits_options
     type(c_ptr) :: rule, level, radius, unit  !! names; null: the default
     real(c_double) :: pixel_spacing(2)        !! distances of a matrix; 0 elsewhere
     integer(c_int) :: despike                 !! not 0: single outliers are removed
+    integer(c_int) :: periodic                !! not 0: the map of a file repeats itself
   end type c_summits_options
 
 contains
@@ -130,16 +130,8 @@ contains
   end function c_generate_map
 
   !> `asperity_power_spectrum`.
-  type(c_ptr) function c_power_spectrum(given) bind(c, name='asperity_power_spectrum') &
+  type(c_ptr) function c_power_spectrum(given, level) bind(c, name='asperity_power_spectrum') &
     result(handle)
-    type(c_ptr), value :: given  !! `c_height_map`
-
-    handle = c_power_spectrum_at_level(given, c_null_ptr)
-  end function c_power_spectrum
-
-  !> `asperity_power_spectrum_at_level`.
-  type(c_ptr) function c_power_spectrum_at_level(given, level) &
-    bind(c, name='asperity_power_spectrum_at_level') result(handle)
     type(c_ptr), value :: given  !! `c_height_map`
     type(c_ptr), value :: level  !! name; null: that of the edge of the map
     type(outcome), pointer :: new
@@ -173,38 +165,14 @@ contains
     end if
     call finish_outcome(new)
     !$omp end critical (library_texts)
-  end function c_power_spectrum_at_level
+  end function c_power_spectrum
 
   !> `asperity_summits`.
-  type(c_ptr) function c_summits(path, choices) bind(c, name='asperity_summits') result(handle)
-    type(c_ptr), value :: path     !! height map
-    type(c_ptr), value :: choices  !! `c_summits_options`; null: all defaults
-
-    handle = summits_of(path, .true., choices, .false.)
-  end function c_summits
-
-  !> `asperity_periodic_summits`.
-  type(c_ptr) function c_periodic_summits(path, choices) &
-    bind(c, name='asperity_periodic_summits') result(handle)
-    type(c_ptr), value :: path     !! height map that repeats itself
-    type(c_ptr), value :: choices  !! `c_summits_options`; null: all defaults
-
-    handle = summits_of(path, .true., choices, .true.)
-  end function c_periodic_summits
-
-  !> `asperity_summits_of_map`.
-  type(c_ptr) function c_summits_of_map(given, choices) bind(c, name='asperity_summits_of_map') &
+  type(c_ptr) function c_summits(path, given, choices) bind(c, name='asperity_summits') &
     result(handle)
-    type(c_ptr), value :: given    !! `c_height_map`
+    type(c_ptr), value :: path     !! of a height map
+    type(c_ptr), value :: given    !! `c_height_map` in its place; null: that of the file
     type(c_ptr), value :: choices  !! `c_summits_options`; null: all defaults
-
-    handle = summits_of(given, .false., choices, .false.)
-  end function c_summits_of_map
-
-  ! Summits of a file with a free or periodic edge, or of a map in memory.
-  type(c_ptr) function summits_of(given, is_file, choices, periodic) result(handle)
-    type(c_ptr), intent(in) :: given, choices
-    logical, intent(in) :: is_file, periodic
     type(outcome), pointer :: new
     type(summit_choices) :: chosen
     type(height_map) :: map
@@ -218,12 +186,11 @@ contains
     if (.not. associated(new)) return
     !$omp critical (library_texts)
     name = 'map'
-    chosen%periodic = periodic
-    chosen%edge_of_file = is_file
+    chosen%edge_of_file = .not. c_associated(given)
     call set_choices(choices, chosen, new%problems)
-    if (is_file) then
-      call require_text('map', given, new%problems)
-      name = text_of(given)
+    if (chosen%edge_of_file) then
+      call require_text('map', path, new%problems)
+      name = text_of(path)
       if (new%problems%count() == 0) &
         call summits_of_file(name, chosen, map, summits, spikes, new%problems, new%failure)
     else
@@ -242,7 +209,7 @@ contains
     end if
     call finish_outcome(new)
     !$omp end critical (library_texts)
-  end function summits_of
+  end function c_summits
 
   ! The choices for summits.
   subroutine set_choices(given, chosen, problems)
@@ -259,6 +226,7 @@ contains
     call take_word('unit', options%unit, length_units, chosen%unit, problems)
     chosen%pixel_spacing = options%pixel_spacing
     chosen%despike = options%despike /= 0_c_int
+    chosen%periodic = chosen%edge_of_file .and. options%periodic /= 0_c_int
   end subroutine set_choices
 
 end module asperity_c_maps

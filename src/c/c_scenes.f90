@@ -6,8 +6,7 @@
 !>
 !> The name of a procedure for C must not be that of a module, as `asperity_solve` is one.
 module asperity_c_scenes
-  use, intrinsic :: iso_c_binding, only: c_associated, c_double, c_f_pointer, c_int, &
-                                          c_null_ptr, c_ptr
+  use, intrinsic :: iso_c_binding, only: c_associated, c_double, c_f_pointer, c_int, c_ptr
   use asperity, only: build_scene_of, check_field_request, check_options, fields_none, &
                       list_warnings, make_arrays, name_units, of_contacts, problem_list, &
                       read_scene, rebuild_scene, run_options, scene_results, scene_side, solve, &
@@ -21,8 +20,7 @@ module asperity_c_scenes
   implicit none
   private
 
-  public :: c_read_scene, c_build_scene, c_build_scene_of, c_rebuild_scene, c_solve, &
-            c_solve_with_fields
+  public :: c_read_scene, c_build_scene, c_rebuild_scene, c_solve
   public :: c_options, c_side
 
   !> `asperity_options` of the header.
@@ -33,6 +31,8 @@ module asperity_c_scenes
     integer(c_int) :: threads        !! 0: as many as OpenMP gives
     type(c_ptr) :: interrupt         !! a number that is not 0 when the work shall end; may be null
     type(c_ptr) :: accuracy_of       !! one of `totals_of_accuracy` or null
+    type(c_ptr) :: progress          !! two numbers; or null
+    integer(c_int) :: fields         !! 0: none are kept; 1: those of the last state; 2: all
   end type c_options
 
   !> `asperity_side` of the header.
@@ -61,25 +61,8 @@ contains
   !> `asperity_build_scene`.
   type(c_ptr) function c_build_scene(groups, upper, lower) bind(c, name='asperity_build_scene') &
     result(handle)
-    type(c_ptr), value :: groups   !! text of the scene
-    type(c_ptr), value :: upper, lower  !! `c_surface`; null for both: the text names files
-
-    handle = scene_of_sides(groups, upper, lower, .false.)
-  end function c_build_scene
-
-  !> `asperity_build_scene_of`.
-  type(c_ptr) function c_build_scene_of(groups, upper, lower) &
-    bind(c, name='asperity_build_scene_of') result(handle)
     type(c_ptr), value :: groups  !! text of the scene
     type(c_ptr), value :: upper, lower  !! `c_side`; null: the text names it
-
-    handle = scene_of_sides(groups, upper, lower, .true.)
-  end function c_build_scene_of
-
-  ! A scene of its text and of two sides, each a `c_side` that may be null, or of two `c_surface`.
-  type(c_ptr) function scene_of_sides(groups, upper, lower, are_sides) result(handle)
-    type(c_ptr), intent(in) :: groups, upper, lower
-    logical, intent(in) :: are_sides
     type(outcome), pointer :: new
     type(scene_side) :: sides(2)
 
@@ -104,11 +87,7 @@ contains
       type(c_side), pointer :: numbers
       character(len=:), allocatable :: failure
 
-      if (.not. are_sides .and. (c_associated(upper) .or. c_associated(lower))) then
-        allocate (side%surface)
-        call take_asperities(which, given, side%surface, new%problems)
-      end if
-      if (.not. (are_sides .and. c_associated(given))) return
+      if (.not. c_associated(given)) return
       call c_f_pointer(given, numbers)
       if (c_associated(numbers%asperities) .and. c_associated(numbers%map)) then
         call new%problems%add(which // ': found asperities and a map, expected one of them')
@@ -122,7 +101,7 @@ contains
       end if
     end subroutine take_side
 
-  end function scene_of_sides
+  end function c_build_scene
 
   !> `asperity_rebuild_scene`.
   type(c_ptr) function c_rebuild_scene(of_scene, groups) bind(c, name='asperity_rebuild_scene') &
@@ -154,25 +133,12 @@ contains
     result(handle)
     type(c_ptr), value :: of_scene  !! outcome that has a scene
     type(c_ptr), value :: options   !! `c_options`; null: all defaults
-
-    handle = c_solve_with_fields(of_scene, options, c_null_ptr, 0_c_int)
-  end function c_solve
-
-  !> `asperity_solve_with_fields`.
-  type(c_ptr) function c_solve_with_fields(of_scene, options, progress, fields) &
-    bind(c, name='asperity_solve_with_fields') result(handle)
-    type(c_ptr), value :: of_scene     !! outcome that has a scene
-    type(c_ptr), value :: options      !! `c_options`; null: all defaults
-    type(c_ptr), value :: progress     !! two numbers; or null
-    integer(c_int), value :: fields    !! 0: none are kept; 1: those of the last state; 2: all
     type(run_options) :: chosen
     type(outcome), pointer :: from, new
     type(scene_results) :: results
 
     call begin_outcome(new, handle)
     if (.not. associated(new)) return
-    chosen%fields = fields
-    if (c_associated(progress)) call c_f_pointer(progress, chosen%counted_work%numbers, [2])
     call look_at(of_scene, from)
     !$omp critical (library_texts)
     if (associated(from)) call new%problems%append(from%problems)
@@ -190,7 +156,7 @@ contains
     if (associated(from)) call set_results(from, results, new)
     call finish_outcome(new)
     !$omp end critical (library_texts)
-  end function c_solve_with_fields
+  end function c_solve
 
   ! Whether an outcome has a scene.
   logical function has_scene(from)
@@ -248,7 +214,10 @@ contains
     if (c_associated(options%accuracy_of)) chosen%accuracy_of = text_of(options%accuracy_of)
     chosen%keep_contacts = options%totals_only == 0_c_int
     chosen%threads = options%threads
+    chosen%fields = options%fields
     call check_options(chosen, problems)
+    if (c_associated(options%progress)) &
+      call c_f_pointer(options%progress, chosen%counted_work%numbers, [2])
     if (c_associated(options%interrupt)) &
       call c_f_pointer(options%interrupt, chosen%interrupt%number)
   end subroutine set_options

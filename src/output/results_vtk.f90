@@ -1,6 +1,5 @@
-!> Files for ParaView, in the XML of VTK. Points with their values, ASCII: poly data (.vtp) for
-!> contacts, a structured grid (.vts) for stresses. A contact field: image data (.vti), values of
-!> cells, appended as raw bytes.
+!> Files for ParaView, in the XML of VTK. Stresses: a structured grid (.vts), ASCII. A contact field:
+!> image data (.vti), values of cells, appended as raw bytes.
 module asperity_results_vtk
   use, intrinsic :: ieee_arithmetic, only: ieee_quiet_nan, ieee_value
   use asperity_contact_field, only: contact_field, contact_marks
@@ -11,7 +10,7 @@ module asperity_results_vtk
   implicit none
   private
 
-  public :: write_vti, write_vtk
+  public :: write_vti, write_vts
 
   ! Bytes before the values of an array, which count them; of a number.
   integer(int64), parameter :: count_bytes = 8_int64, real_bytes = 8_int64
@@ -20,53 +19,35 @@ module asperity_results_vtk
 
 contains
 
-  !> A point a row: z is the depth, or 0 without one. An empty cell is `nan`.
-  subroutine write_vtk(table, buffer, points)
-    type(array_table), intent(in) :: table      !! contacts of a run, or stresses
+  !> A point a row. An empty cell is `nan`.
+  subroutine write_vts(table, points, buffer)
+    type(array_table), intent(in) :: table      !! stresses
+    integer, intent(in) :: points(3)            !! along x and y and of depths; the first changes fastest
     type(text_buffer), intent(inout) :: buffer  !! gets the text
-    !> numbers of points of a grid along x, y and z, the first changes fastest; absent: no grid
-    integer, intent(in), optional :: points(3)
-    character(len=:), allocatable :: data_kind, extent
+    character(len=:), allocatable :: extent
     integer :: at(3), i, k
 
     at = [place_of(table, 'x'), place_of(table, 'y'), place_of(table, 'depth')]
-    data_kind = 'PolyData'
-    if (present(points)) data_kind = 'StructuredGrid'
+    extent = 'Extent="0 ' // decimal_text(points(1) - 1) // ' 0 ' // &
+             decimal_text(points(2) - 1) // ' 0 ' // decimal_text(points(3) - 1) // '">'
     call buffer%line('<?xml version="1.0"?>')
-    call buffer%line('<VTKFile type="' // data_kind // '" version="1.0" byte_order="LittleEndian">')
-    if (present(points)) then
-      extent = 'Extent="0 ' // decimal_text(points(1) - 1) // ' 0 ' // &
-               decimal_text(points(2) - 1) // ' 0 ' // decimal_text(points(3) - 1) // '">'
-      call buffer%line('<StructuredGrid Whole' // extent)
-      call buffer%line('<Piece ' // extent)
-    else
-      call buffer%line('<PolyData>')
-      call buffer%line('<Piece NumberOfPoints="' // decimal_text(table%rows) // &
-                       '" NumberOfVerts="' // decimal_text(table%rows) // &
-                       '" NumberOfLines="0" NumberOfStrips="0" NumberOfPolys="0">')
-    end if
+    call buffer%line('<VTKFile type="StructuredGrid" version="1.0" byte_order="LittleEndian">')
+    call buffer%line('<StructuredGrid Whole' // extent)
+    call buffer%line('<Piece ' // extent)
     call buffer%line('<Points>')
     call buffer%line('<DataArray type="Float64" NumberOfComponents="3" format="ascii">')
     do i = 1, table%rows
       do k = 1, size(at)
-        if (at(k) == 0) call buffer%append('0')
-        if (at(k) > 0) call put_cell(table%columns(at(k)), i, 'nan', buffer)
+        call put_cell(table%columns(at(k)), i, 'nan', buffer)
         call buffer%append(merge(' ', new_line('a'), k < size(at)))
       end do
     end do
     call buffer%line('</DataArray>')
     call buffer%line('</Points>')
-    if (.not. present(points)) then
-      call buffer%line('<Verts>')
-      call put_counts('connectivity', 0)
-      call put_counts('offsets', 1)
-      call buffer%line('</Verts>')
-    end if
     call buffer%line('<PointData>')
     do i = 1, size(table%columns)
       if (any(i == at)) cycle
-      call buffer%line(array_tag(merge('Float64', 'Int32  ', allocated(table%columns(i)%reals)), &
-                                 table%columns(i)%name, 'format="ascii">'))
+      call buffer%line(array_tag('Float64', table%columns(i)%name, 'format="ascii">'))
       do k = 1, table%rows
         call put_cell(table%columns(i), k, 'nan', buffer)
         call buffer%line('')
@@ -75,25 +56,9 @@ contains
     end do
     call buffer%line('</PointData>')
     call buffer%line('</Piece>')
-    call buffer%line('</' // data_kind // '>')
+    call buffer%line('</StructuredGrid>')
     call buffer%line('</VTKFile>')
-
-  contains
-
-    ! One point a vertex, counted from a first number.
-    subroutine put_counts(name, first)
-      character(len=*), intent(in) :: name
-      integer, intent(in) :: first
-      integer :: k
-
-      call buffer%line(array_tag('Int32', name, 'format="ascii">'))
-      do k = 1, table%rows
-        call buffer%line(decimal_text(k - 1 + first))
-      end do
-      call buffer%line('</DataArray>')
-    end subroutine put_counts
-
-  end subroutine write_vtk
+  end subroutine write_vts
 
   !> One cell a pixel, x along a row; the centre of the first pixel of a map is at 0, 0. Arrays:
   !> pressure, gap, displacement (NaN where a pixel was not measured) and contact (1 or 0); with a
