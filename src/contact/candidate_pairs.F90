@@ -53,7 +53,7 @@ contains
     real(real64) :: centres, reach, rise
     integer :: i, kept
 
-    reach = scale(method%reach, -4 * placed%length_power)
+    reach = scale(method%reach, -placed%length_power)
     kept = 0
     do i = 1, number
       rise = reach
@@ -77,7 +77,7 @@ contains
     type(placed_scene), intent(in) :: placed  !! scene in solver units
     type(solve_method), intent(in) :: method  !! range of attraction
 
-    rise = scale(method%reach, -4 * placed%length_power)
+    rise = scale(method%reach, -placed%length_power)
     if (.not. placed%on_plane) rise = sqrt(rise * (2.0_real64 * placed%far_reach + rise))
   end function largest_rise
 
@@ -120,17 +120,14 @@ contains
     end if
   end function overlap_of
 
-  !> Load of an overlap over the combined modulus, scaled: 4/3 sqrt(R) W**1.5 (Hertz), in a form in
+  !> Load of an overlap over the combined modulus: 4/3 sqrt(R) W**1.5 (Hertz), in a form in
   !> which lengths times 2**k give loads times exactly 4**k.
-  pure function load_of_overlap(placed, radius, w) result(load)
-    type(placed_scene), intent(in) :: placed  !! scene in solver units
-    real(real64), intent(in) :: radius              !! combined radius of the pair
-    real(real64), intent(in) :: w                   !! overlap of the pair
-    real(real64) :: load, lifted
+  pure function load_of_overlap(radius, w) result(load)
+    real(real64), intent(in) :: radius  !! combined radius of the pair
+    real(real64), intent(in) :: w       !! overlap of the pair
+    real(real64) :: load
 
-    lifted = w
-    if (placed%load_lift > 0) lifted = scale(w, 8 * placed%load_lift)
-    load = four_thirds * (lifted * sqrt(lifted * radius))
+    load = four_thirds * (w * sqrt(w * radius))
   end function load_of_overlap
 
   !> Penetration at which a pair reaches the limit; `reachable` is false when its centres are level
@@ -146,7 +143,7 @@ contains
       ! W/R = (3 P/(4 E R**2))**(2/3): the ratio has no unit, so its root stays in range.
       root = cube_root(placed%limit / (placed%modulus * four_thirds) / &
                        (pair%radius * pair%radius))
-      w = scale(pair%radius * (root * root), -8 * placed%load_lift)
+      w = pair%radius * (root * root)
     else
       w = pair%radius * placed%limit
     end if

@@ -1,7 +1,7 @@
 !> The pairs of one position that touch or may touch, for the effects.
 !>
-!> Numbers are doubles in the solver's own units: lengths in 16**length_power of the scene's unit,
-!> near the largest radius, and the combined modulus in 16**modulus_power. So all are near 1.
+!> Numbers are doubles in the solver's own units: lengths in 2**length_power of the scene's unit,
+!> near the largest radius, and the combined modulus in 2**modulus_power. So all are near 1.
 module asperity_contact_pairs
   use, intrinsic :: ieee_arithmetic, only: ieee_positive_inf, ieee_value
   use asperity_element_pressures, only: element_pressures
@@ -43,8 +43,8 @@ module asperity_contact_pairs
   !> The pairs of one position in the order of first touch.
   type :: contact_pairs
     real(real64) :: modulus = 0.0_real64            !! combined: 1/E = (1-nu1^2)/E1 + (1-nu2^2)/E2
-    integer :: modulus_power = 0                    !! unit of the modulus is 16**modulus_power
-    integer :: length_power = 0                     !! unit of length is 16**length_power
+    integer :: modulus_power = 0                    !! unit of the modulus is 2**modulus_power
+    integer :: length_power = 0                     !! unit of length is 2**length_power
     type(contact_pair), allocatable :: list(:)      !! ascending gap
     real(real64) :: first_touch = 0.0_real64        !! separation at which the first pair touches
     real(real64) :: complete_to = huge(1.0_real64)  !! largest compression with all pairs listed
@@ -75,17 +75,17 @@ contains
                                      length_power * pairs%length_power)
   end function in_scene_units
 
-  !> A number times 16**power. A result out of the range of doubles, by overflow or underflow, is
+  !> A number times 2**power. A result out of the range of doubles, by overflow or underflow, is
   !> infinite, without a trap; `are_finite` finds it.
   elemental real(real64) function scaled_to_real64(number, power) result(value)
     real(real64), intent(in) :: number  !! any finite number
-    integer, intent(in) :: power        !! power of 16
+    integer, intent(in) :: power        !! power of 2
 
-    if (abs(number) > 0.0_real64 .and. (exponent(number) + 4 * power > maxexponent(value) .or. &
-                                        exponent(number) + 4 * power < least_exponent)) then
+    if (abs(number) > 0.0_real64 .and. (exponent(number) + power > maxexponent(value) .or. &
+                                        exponent(number) + power < least_exponent)) then
       value = sign(ieee_value(value, ieee_positive_inf), number)
     else
-      value = scale(number, 4 * power)
+      value = scale(number, power)
     end if
   end function scaled_to_real64
 

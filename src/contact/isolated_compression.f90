@@ -198,7 +198,7 @@ contains
       if (.not. found(i)%gap < compression) exit
       p = compression - found(i)%gap
       w = overlap_of(found(i), p, overlap)
-      one_load = load_of_overlap(placed, found(i)%radius, w)
+      one_load = load_of_overlap(found(i)%radius, w)
       ! Without an offset in plan the cosine is 1, also where the centres coincide.
       if (placed%vertical .and. found(i)%d > 0.0_real64) &
         one_load = one_load * ((found(i)%zc - p) / (found(i)%s - w))
@@ -237,7 +237,7 @@ contains
         ! The load of each contact at each step, as in the original.
         do i = 1, contacts
           w = overlap_of(found(i), compression - found(i)%gap, overlap)
-          if (placed%modulus * load_of_overlap(placed, found(i)%radius, w) >= placed%limit) &
+          if (placed%modulus * load_of_overlap(found(i)%radius, w) >= placed%limit) &
             at_limit = .true.
         end do
       end if

@@ -60,10 +60,10 @@ contains
     ! Pressure of the first contact one step past first touch, where cancellation is largest. It is
     ! load over area, as in the original.
     associate (pair => position%found(1))
-      w = overlap_of(pair, scale(method%step, -4 * placed%length_power), method%overlap)
+      w = overlap_of(pair, scale(method%step, -placed%length_power), method%overlap)
       if (w > 0.0_real64) result%first_step_pressure = scaled_to_real64( &
-        placed%modulus * load_of_overlap(placed, pair%radius, w) / (pi * w * pair%radius), &
-        placed%modulus_power - 3 * placed%load_lift)
+        placed%modulus * load_of_overlap(pair%radius, w) / (pi * w * pair%radius), &
+        placed%modulus_power)
     end associate
   end subroutine solve_position
 
@@ -117,7 +117,7 @@ contains
       if (method%path == by_marching) then
         call sort_by_gap(found)
         call refine_heights(found)
-        call march_compression(placed, found, scale(method%step, -4 * placed%length_power), &
+        call march_compression(placed, found, scale(method%step, -placed%length_power), &
                            method%overlap, compression)
       else
         select case (placed%control)
@@ -267,7 +267,7 @@ contains
       contact%overlap = overlap_of(pair, contact%penetration, overlap)
       contact%contact_radius = sqrt(pair%radius * contact%overlap)
       contact%area = pi * contact%overlap * pair%radius
-      contact%load = placed%modulus * load_of_overlap(placed, pair%radius, contact%overlap)
+      contact%load = placed%modulus * load_of_overlap(pair%radius, contact%overlap)
       contact%cosine = contact%z / (pair%s - contact%overlap)
       contact%vertical_load = contact%load * contact%cosine
       ! Average pressure 4 E sqrt(W/R)/(3 pi).
@@ -335,8 +335,7 @@ contains
     type(placed_scene), intent(in) :: placed
 
     target_of = 0.0_real64
-    if (placed%control == control_load) &
-      target_of = scale(placed%target, -12 * placed%load_lift)
+    if (placed%control == control_load) target_of = placed%target
   end function target_of
 
   ! Sets pairs from those of a position.

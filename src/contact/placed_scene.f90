@@ -1,7 +1,7 @@
 !> A scene in the units of the solver, and the pairs of its positions.
 !>
-!> Lengths are held in a unit of 16**n near the largest radius and the combined modulus in a unit of
-!> 16**m, so that no scale of the scene can overflow or underflow; changing units is exact.
+!> Lengths are held in a unit of 2**n near the largest radius and the combined modulus in a unit of
+!> 2**m, so that no scale of the scene can overflow or underflow; changing units is exact.
 !>
 !> A position is described by its compression c, the decrease of the separation since its first pair
 !> touched. A pair touches at the separation `touch`; its gap at first touch is
@@ -15,16 +15,15 @@ module asperity_placed_scene
   private
 
   public :: candidate, placed_scene, position_pairs
-  public :: exponent_of_16, is_on_plane, largest_value, load_unit, place_of_touch
+  public :: is_on_plane, largest_value, load_unit, place_of_touch
 
   !> A scene in the units of the solver.
   type :: placed_scene
     type(theory_limits) :: limits                  !! limits of the theories
     real(real64), allocatable :: cap_u(:), cap_l(:)  !! heights of summits above their planes
-    integer :: length_power = 0                    !! unit of length is 16**length_power
-    real(real64) :: out_of_reach                   !! height of a plane: 16**5 largest radii
+    integer :: length_power = 0                    !! unit of length is 2**length_power
+    real(real64) :: out_of_reach                   !! height of a plane: 2**20 largest radii
     integer :: modulus_power = 0                   !! unit of the combined modulus
-    integer :: load_lift = 0                       !! loads are held times 16**(3*load_lift)
     real(real64) :: modulus                        !! combined modulus
     real(real64), allocatable :: xu(:), yu(:), hu(:), ru(:)  !! upper: place, summit level, radius
     real(real64), allocatable :: xl(:), yl(:), hl(:), rl(:)  !! lower, mirrored on request
@@ -74,18 +73,11 @@ module asperity_placed_scene
 
 contains
 
-  !> The least n with |number| < 16**n; 0 for zero.
-  elemental integer function exponent_of_16(number)
-    real(real64), intent(in) :: number  !! any finite number
-
-    exponent_of_16 = ceiling(exponent(number) / 4.0)
-  end function exponent_of_16
-
-  !> The power of 16 that is the unit of scaled loads.
+  !> The power of 2 that is the unit of scaled loads.
   pure integer function load_unit(placed)
     type(placed_scene), intent(in) :: placed  !! scene in solver units
 
-    load_unit = placed%modulus_power + 2 * placed%length_power - 3 * placed%load_lift
+    load_unit = placed%modulus_power + 2 * placed%length_power
   end function load_unit
 
   !> Whether one of a pair is the plane.

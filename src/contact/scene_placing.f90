@@ -5,7 +5,7 @@ module asperity_scene_placing
   use asperity_decimal, only: decimal_to_real64, decimal_value
   use asperity_kinds, only: int64, real64
   use asperity_pair_finding, only: prepare_search
-  use asperity_placed_scene, only: exponent_of_16, largest_value, placed_scene
+  use asperity_placed_scene, only: largest_value, load_unit, placed_scene
   use asperity_problems, only: decimal_text, not_enough_memory
   use asperity_process, only: has_memory
   use asperity_scene_values, only: control_compression, control_load, control_pressure, &
@@ -52,15 +52,15 @@ contains
       if (allocated(failure)) return
       placed%modulus = 1.0_real64 / sum((1.0_real64 - nu) * (1.0_real64 + nu) / moduli)
     end if
-    placed%modulus_power = exponent_of_16(placed%modulus)
-    placed%modulus = scale(placed%modulus, -4 * placed%modulus_power)
+    placed%modulus_power = exponent(placed%modulus)
+    placed%modulus = scale(placed%modulus, -placed%modulus_power)
     call place_loading(scene_in, placed)
     call place_limit(scene_in%limit, placed)
     call check_range(placed, scene_in%loading%value%all_digits /= 0_int64, failure)
     if (allocated(failure)) return
     call set_theory_limits(scene_in, placed%length_power, placed%modulus_power, placed%limits)
-    placed%cap_u = scale(scene_in%upper%height, -4 * placed%length_power)
-    placed%cap_l = scale(scene_in%lower%height, -4 * placed%length_power)
+    placed%cap_u = scale(scene_in%upper%height, -placed%length_power)
+    placed%cap_l = scale(scene_in%lower%height, -placed%length_power)
     call prepare_search(placed)
   end subroutine place_scene
 
@@ -71,16 +71,16 @@ contains
     real(real64) :: largest
 
     largest = max(largest_value(scene_in%upper%radius), largest_value(scene_in%lower%radius))
-    placed%length_power = exponent_of_16(largest)
-    placed%ru = scale(scene_in%upper%radius, -4 * placed%length_power)
-    placed%rl = scale(scene_in%lower%radius, -4 * placed%length_power)
-    placed%out_of_reach = scale(largest, 4 * (5 - placed%length_power))
+    placed%length_power = exponent(largest)
+    placed%ru = scale(scene_in%upper%radius, -placed%length_power)
+    placed%rl = scale(scene_in%lower%radius, -placed%length_power)
+    placed%out_of_reach = scale(largest, 20 - placed%length_power)
 
     call place_surface(scene_in%upper, -placed%length_power, placed%xu, placed%yu, placed%hu)
     call level_surface(scene_in%upper, .true., placed%xu, placed%yu, placed%hu)
     call place_surface(scene_in%lower, -placed%length_power, placed%xl, placed%yl, placed%hl)
     placed%height_max = scale(max(largest_value(scene_in%upper%height), &
-                                  largest_value(scene_in%lower%height)), -4 * placed%length_power)
+                                  largest_value(scene_in%lower%height)), -placed%length_power)
     if (scene_in%lower_is_mirrored) &
       placed%yl = length_of(scene_in%lower_mirror_width, placed) - placed%yl
     call level_surface(scene_in%lower, .false., placed%xl, placed%yl, placed%hl)
@@ -101,7 +101,6 @@ contains
   subroutine place_loading(scene_in, placed)
     type(scene), intent(in) :: scene_in
     type(placed_scene), intent(inout) :: placed
-    integer :: power  ! exponent of the load
 
     placed%x_first = length_of(scene_in%motion%x_first, placed)
     placed%x_step = length_of(scene_in%motion%x_step, placed)
@@ -114,21 +113,12 @@ contains
     placed%points = scene_in%loading%points
     placed%events = scene_in%loading%events
     placed%target = 0.0_real64
-    if (placed%control == control_load) then
-      power = exponent_of_16(decimal_to_real64(scene_in%loading%value))
-      if (scene_in%loading%control == control_pressure) &
-        power = power + exponent_of_16(decimal_to_real64(scene_in%nominal_area))
-      call lift_loads(power, placed)
-    end if
-    if (scene_in%limit%criterion == criterion_load) &
-      call lift_loads(exponent_of_16(decimal_to_real64(scene_in%limit%value)), placed)
     if (any(placed%control == [control_separation, control_compression])) then
       placed%target = length_of(scene_in%loading%value, placed)
     else if (scene_in%loading%control == control_pressure) then
       ! Both factors are scaled first, so that the product does not overflow.
-      placed%target = scale(decimal_to_real64(scene_in%loading%value), &
-                            4 * (3 * placed%load_lift - placed%modulus_power)) * &
-                      scale(decimal_to_real64(scene_in%nominal_area), -8 * placed%length_power)
+      placed%target = scale(decimal_to_real64(scene_in%loading%value), -placed%modulus_power) * &
+                      scale(decimal_to_real64(scene_in%nominal_area), -2 * placed%length_power)
     else if (placed%control == control_load) then
       placed%target = load_of(decimal_to_real64(scene_in%loading%value), placed)
     end if
@@ -142,9 +132,9 @@ contains
     real(real64) :: angle, turned
     integer :: i
 
-    x = scale(surface%x, 4 * power)
-    y = scale(surface%y, 4 * power)
-    h = scale(surface%height, 4 * power)
+    x = scale(surface%x, power)
+    y = scale(surface%y, power)
+    h = scale(surface%height, power)
     if (surface%rotation%all_digits == 0_int64) return
     angle = decimal_to_real64(surface%rotation)
     do i = 1, size(x)
@@ -173,26 +163,15 @@ contains
     type(decimal_value), intent(in) :: value
     type(placed_scene), intent(in) :: placed
 
-    length = scale(decimal_to_real64(value), -4 * placed%length_power)
+    length = scale(decimal_to_real64(value), -placed%length_power)
   end function length_of
 
-  ! A very small target scales all loads half way to 1 in powers of 16, as small hexadecimal and
-  ! subnormal numbers have fewer digits.
-  subroutine lift_loads(power, placed)
-    integer, intent(in) :: power  ! exponent of the load in the scene's unit
-    type(placed_scene), intent(inout) :: placed
-
-    placed%load_lift = max(placed%load_lift, &
-                           -(power - placed%modulus_power - 2 * placed%length_power) / 6)
-  end subroutine lift_loads
-
-  ! A force of the scene in the unit of modulus times length squared, scaled by the lift.
+  ! A force of the scene in the unit of modulus times length squared.
   real(real64) function load_of(value, placed) result(load)
     real(real64), intent(in) :: value
     type(placed_scene), intent(in) :: placed
 
-    load = scale(value, 4 * (-placed%modulus_power - 2 * placed%length_power + &
-                                    3 * placed%load_lift))
+    load = scale(value, -load_unit(placed))
   end function load_of
 
   ! The limit, as a load or as a ratio of overlap to combined radius.
@@ -226,7 +205,7 @@ contains
       return
     end select
     ! A limit beyond reach is reduced to one beyond reach whose square does not overflow.
-    if (exponent_of_16(strain) > 14) strain = scale(1.0_real64, 56)
+    if (exponent(strain) > 56) strain = scale(1.0_real64, 56)
     placed%limit = strain * strain
   end subroutine place_limit
 
@@ -235,7 +214,7 @@ contains
     type(decimal_value), intent(in) :: value
     type(placed_scene), intent(in) :: placed
 
-    ratio = scale(decimal_to_real64(value), -4 * placed%modulus_power) / placed%modulus
+    ratio = scale(decimal_to_real64(value), -placed%modulus_power) / placed%modulus
   end function modulus_ratio
 
   ! Sets `failure` where numbers of the scene are not finite or vanish in these units.

@@ -13,9 +13,9 @@ module asperity_state_tally
 
   !> A state after some of its contacts, in the units of the solver.
   type :: state_tally
-    integer :: length_power = 0   !! unit of length is 16**length_power
-    integer :: modulus_power = 0  !! unit of the modulus is 16**modulus_power
-    integer :: load_power = 0     !! unit of loads is 16**load_power
+    integer :: length_power = 0   !! unit of length is 2**length_power
+    integer :: modulus_power = 0  !! unit of the modulus is 2**modulus_power
+    integer :: load_power = 0     !! unit of loads is 2**load_power
     type(state_row), private :: totals = no_contacts
     logical, private :: limit_reached = .false.
     type(contact_row), allocatable, private :: rows(:)  ! not allocated: not kept

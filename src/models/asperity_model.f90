@@ -230,7 +230,7 @@ contains
       integer, intent(in) :: number
 
       call start_state(pairs, hertz_law(modulus=pairs%modulus), &
-                       scale(result%states(number)%compression, -4 * pairs%length_power), state)
+                       scale(result%states(number)%compression, -pairs%length_power), state)
     end subroutine start_at
 
   end subroutine solve_without
@@ -264,7 +264,7 @@ contains
     if (.not. allocated(law)) allocate (law, source=hertz_law(modulus=pairs%modulus))
     deepest = maxloc(result%states%compression, 1)
     call start_state(pairs, law, &
-                     scale(result%states(deepest)%compression, -4 * pairs%length_power), state)
+                     scale(result%states(deepest)%compression, -pairs%length_power), state)
     do i = 1, size(effects)
       associate (effect => effects(i)%effect, effects_of_scene => self%scene_in%effects)
         call effect%begin(pairs)

@@ -136,14 +136,14 @@ contains
       ends(i) = decimal_to_real64(given(i))
       select case (scene_in%loading%control)
       case (control_pressure)
-        ends(i) = scale(ends(i), -4 * pairs%modulus_power) * &
-                  scale(decimal_to_real64(scene_in%nominal_area), -8 * pairs%length_power)
+        ends(i) = scale(ends(i), -pairs%modulus_power) * &
+                  scale(decimal_to_real64(scene_in%nominal_area), -2 * pairs%length_power)
       case (control_load, control_vertical_load)
-        ends(i) = scale(ends(i), -4 * (pairs%modulus_power + 2 * pairs%length_power))
+        ends(i) = scale(ends(i), -(pairs%modulus_power + 2 * pairs%length_power))
       case (control_compression)
-        ends(i) = scale(ends(i), -4 * pairs%length_power)
+        ends(i) = scale(ends(i), -pairs%length_power)
       case default
-        ends(i) = pairs%first_touch - scale(ends(i), -4 * pairs%length_power)
+        ends(i) = pairs%first_touch - scale(ends(i), -pairs%length_power)
       end select
       if (is_load(scene_in%loading%control) .and. given(i)%all_digits /= 0 .and. &
           .not. abs(ends(i)) / max(1, scene_in%loading%points) > 0.0_real64) then

@@ -67,7 +67,7 @@ contains
     if (associated(pairs%pressures)) then
       if (pairs%pressures%of_all_states .or. number == size(result%states)) then
         if (.not. allocated(result%pressures)) allocate (result%pressures(size(result%states)))
-        associate (kept => result%pressures(number), unit => 4 * pairs%length_power)
+        associate (kept => result%pressures(number), unit => pairs%length_power)
           ! Pressures on boundary elements are those of their compression only.
           if (.not. abs(pairs%pressures%compression - state%compression) > 0.0_real64) then
             kept = pairs%pressures

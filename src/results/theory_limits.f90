@@ -51,7 +51,7 @@ module asperity_theory_limits
 
 contains
 
-  !> Sets the limits of a scene in units of 16**length_power and 16**modulus_power of its own.
+  !> Sets the limits of a scene in units of 2**length_power and 2**modulus_power of its own.
   pure subroutine set_theory_limits(scene_in, length_power, modulus_power, limits)
     type(scene), intent(in) :: scene_in          !! scene with checked values
     integer, intent(in) :: length_power          !! power of the unit of length
@@ -59,8 +59,8 @@ contains
     type(theory_limits), intent(out) :: limits   !! limits in these units
 
     limits%independent = scene_in%effects%mode('interaction') == effect_off
-    limits%area = scale(scale(decimal_to_real64(scene_in%nominal_area), -4 * length_power), &
-                        -4 * length_power)
+    limits%area = scale(scale(decimal_to_real64(scene_in%nominal_area), -length_power), &
+                        -length_power)
     if (.not. (limits%area > 0.0_real64 .or. allocated(scene_in%map))) &
       limits%area = area_of_boxes(scene_in, length_power)
     limits%slope = max(norm2(decimal_to_real64(scene_in%upper%slope)), &
@@ -69,14 +69,14 @@ contains
     if (scene_in%effects%mode('plasticity') /= effect_off) return
     if (scene_in%loading%control /= control_limit) then
       if (scene_in%limit%criterion == criterion_load) &
-        limits%load = scale(scale(decimal_to_real64(scene_in%limit%value), -4 * modulus_power), &
-                            -8 * length_power)
+        limits%load = scale(scale(decimal_to_real64(scene_in%limit%value), -modulus_power), &
+                            -2 * length_power)
       if (scene_in%limit%criterion == criterion_pressure) &
-        limits%pressure = scale(decimal_to_real64(scene_in%limit%value), -4 * modulus_power)
+        limits%pressure = scale(decimal_to_real64(scene_in%limit%value), -modulus_power)
     end if
     limits%yield_pressure = yield_pressure(scene_in)
     if (limits%yield_pressure < huge(1.0_real64)) &
-      limits%yield_pressure = scale(limits%yield_pressure, -4 * modulus_power)
+      limits%yield_pressure = scale(limits%yield_pressure, -modulus_power)
   end subroutine set_theory_limits
 
   ! The effect or the name that excludes plasticity = 'auto'; empty: none.
@@ -209,8 +209,8 @@ contains
 
       box = 0.0_real64
       if (size(x) < 2) return
-      sides = [maxval(scale(x, -4 * length_power)) - minval(scale(x, -4 * length_power)), &
-               maxval(scale(y, -4 * length_power)) - minval(scale(y, -4 * length_power))]
+      sides = [maxval(scale(x, -length_power)) - minval(scale(x, -length_power)), &
+               maxval(scale(y, -length_power)) - minval(scale(y, -length_power))]
       distance = sqrt(sides(1)) * sqrt(sides(2)) / sqrt(real(size(x), real64))
       if (distance > 0.0_real64) box = product(min(sides, 1.0e100_real64) + distance)
     end function extended_box

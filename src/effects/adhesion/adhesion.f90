@@ -105,7 +105,7 @@ contains
     ! The pull-off force of Derjaguin, Muller and Toporov exceeds that of Maugis near its limit.
     ! Attraction over a gap of 0.045 R acts up to 0.3 R from the axis, where a sphere deviates from
     ! a paraboloid.
-    distance = scale(self%distance, -4 * pairs%length_power)
+    distance = scale(self%distance, -pairs%length_power)
     do i = 1, size(pairs%list)
       if (.not. outcome%of_contacts(i, 1) > 0.0_real64) cycle
       associate (known => self%law%known(i), pair => pairs%list(i))
@@ -148,8 +148,8 @@ contains
     type(adhesion_numbers) :: numbers
 
     numbers%modulus = pairs%modulus
-    numbers%work = scale(self%work, -4 * (pairs%modulus_power + pairs%length_power))
-    numbers%distance = scale(self%distance, -4 * pairs%length_power)
+    numbers%work = scale(self%work, -(pairs%modulus_power + pairs%length_power))
+    numbers%distance = scale(self%distance, -pairs%length_power)
     call new_adhesion_law(numbers, pairs, self%law)
   end subroutine begin_adhesion
 

@@ -182,7 +182,7 @@ contains
       associate (pair => pairs%list(i))
         if (self%yield_stress > 0.0_real64) then
           strain = 0.5_real64 * pi * self%law%constraint * &
-                   (scale(self%yield_stress, -4 * pairs%modulus_power) / pairs%modulus)
+                   (scale(self%yield_stress, -pairs%modulus_power) / pairs%modulus)
           if (strain < 1.0e150_real64) critical = pair%radius * strain**2
         else if (pair%limit < 0.5_real64 * huge(critical)) then
           critical = stable_overlap(pair%s, pair%d, pair%zc, pair%rest, pair%limit)
