@@ -5,13 +5,12 @@ module asperity_run_solve
   use asperity_contact_field, only: contact_field, fields_all, fields_last
   use asperity_csv_tables, only: stress_cells, stress_columns, stress_table, write_histogram, &
                                  write_table
-  use asperity_decimal, only: decimal_to_real64
   use asperity_files, only: same_name, write_standard_error
   use asperity_images, only: image_number
   use asperity_input_text, only: lower_case
   use asperity_kinds, only: real64
   use asperity_map_stress, only: largest_stress, look_for_largest, stress_solver
-  use asperity_number_format, only: count_text, number_text
+  use asperity_number_format, only: number_text
   use asperity_problems, only: decimal_text, problem_list
   use asperity_result_table, only: array_table, make_arrays
   use asperity_results_json, only: write_json, write_json_table
@@ -165,7 +164,7 @@ contains
       path = lower_case(line%output_path('--stress'))
       associate (field => results%positions(1)%fields(size(results%positions(1)%fields)), &
                  depths => size(line%depths))
-        call solver%prepare(field, decimal_to_real64(scene_in%lower%poisson_ratio))
+        call solver%prepare(field, scene_in%lower%poisson_ratio)
         associate (pixels => field%columns * field%rows)
           allocate (cells(merge(0, pixels * depths, path == ''), stress_columns))
           do i = 1, depths
@@ -226,7 +225,7 @@ contains
     if (line%has('--units') .and. .not. has_units(scene_in)) &
       call problems%add('--units: the scene does not name its units, expected for instance ' // &
                         'units = ''mm'', ''N'' in &surfaces')
-    if (line%has('--depths') .and. decimal_to_real64(scene_in%contact_modulus) > 0.0_real64) &
+    if (line%has('--depths') .and. scene_in%contact_modulus > 0.0_real64) &
       call problems%add('--depths: stress needs poisson_ratio in &material: found ' // &
                         'contact_modulus in its place')
     ! Pressure on pixels is that of a height map solved on them, and is not kept in a file.

@@ -176,8 +176,7 @@ asperity_outcome *asperity_read_scene(const char *scene);
 /* A scene from the text of its groups, "&material ... / &loading ... /", and two sides: asperities, height
  * maps, or named in the text: &surfaces may have upper = 'FILE' or 'plane' for a side that is not given, and
  * nominal_area, units, radius and all names of maps. A side may be NULL: the text names it; for both messages
- * call the text "scene". map_edge of the text has precedence over the edge of a map. A number with _real64
- * behind it, as in 0.1_real64, is the double nearest to it; without, it is the decimal itself. */
+ * call the text "scene". map_edge of the text has precedence over the edge of a map. */
 asperity_outcome *asperity_build_scene(const char *groups, const asperity_side *upper,
                                        const asperity_side *lower);
 

@@ -24,8 +24,6 @@ Path: TypeAlias = "str | os.PathLike[str]"
 COLUMNS = ("x", "y", "height", "radius")
 INT = range(-2**31, 2**31)  #: C's int
 A_PATH = "a path"
-# Behind a number in the text of a scene: the double itself is meant, not a decimal.
-DOUBLE = "_real64"
 PLAIN = (bool, int, float, complex, str, bytes, type(None))
 
 
@@ -261,7 +259,7 @@ class Written(str):
 class Groups:
     """Groups as a scene file has them, one a line, and what stands where in it."""
 
-    def __init__(self, kind: str, groups: Mapping[str, Any], suffix: str = ""):
+    def __init__(self, kind: str, groups: Mapping[str, Any]):
         self.kind = kind
         self.text = b""
         self._places: list[tuple[str, list[tuple[int, str]]]] = []
@@ -273,7 +271,7 @@ class Groups:
             for name, value in names.items():
                 self._check_name(group, name)
                 places.append((len(line) + 1, name))
-                line += f"{name} = ".encode() + _values(f"{group}.{name}", value, suffix) + b", "
+                line += f"{name} = ".encode() + _values(f"{group}.{name}", value) + b", "
             self.text += line.removesuffix(b", ") + b" /\n"
             self._places.append((group, places))
 
@@ -301,7 +299,7 @@ class Groups:
         return Problem(None, None, None, f"{where}: {text}")
 
 
-def _values(name: str, value: Any, suffix: str) -> bytes:
+def _values(name: str, value: Any) -> bytes:
     """The values of a name as a scene file has them."""
     if isinstance(value, Written):
         return value.encode("utf-8", "surrogateescape")
@@ -309,12 +307,12 @@ def _values(name: str, value: Any, suffix: str) -> bytes:
         return b"'auto'"
     is_single = not hasattr(type(value), "__iter__") or getattr(value, "shape", None) == ()
     if is_text(value) or is_single:
-        return _value(name, value, suffix)
+        return _value(name, value)
     expected = "a number, a text, or several in one row"
-    return b", ".join(_value(name, one, suffix) for one in several(name, value, expected))
+    return b", ".join(_value(name, one) for one in several(name, value, expected))
 
 
-def _value(name: str, value: Any, suffix: str) -> bytes:
+def _value(name: str, value: Any) -> bytes:
     value = unwrapped(name, value)
     if is_text(value):
         coded = path(name, value, "a text")
@@ -325,4 +323,4 @@ def _value(name: str, value: Any, suffix: str) -> bytes:
         return str(value).encode()
     if hasattr(type(value), "__index__") and abs(operator.index(value)) < 10**18:
         return str(operator.index(value)).encode()
-    return (repr(number(name, value, "a number or a text")) + suffix).encode()
+    return repr(number(name, value, "a number or a text")).encode()

@@ -60,7 +60,7 @@ class Scene:
         self._name = "scene"
         if isinstance(scene, Mapping):
             rest, sides = _without_arrays(scene)
-            text = _a.Groups(self._name, rest, _a.DOUBLE)
+            text = _a.Groups(self._name, rest)
             self._read = _c.call("build_scene", text.text, *map(byref, sides)).checked(
                 text.named)
             self.groups = {group: dict(names) for group, names in rest.items()}
@@ -106,7 +106,7 @@ class Scene:
         if groups:
             if "surfaces" in groups:
                 raise _a.wrong("surfaces", "a change of the surfaces", "a new asperity.Scene")
-            text = _a.Groups(self._name, _changed(self.groups, groups), _a.DOUBLE)
+            text = _a.Groups(self._name, _changed(self.groups, groups))
             read = _c.call("rebuild_scene", self._read, text.text,
                            is_short=is_short).checked(text.named)
         solved = _solve(read, text, *choices, is_short)

@@ -25,8 +25,6 @@ contains
       number = sign(ieee_value(number, ieee_positive_inf), real(value%all_digits, KIND))
     else if (decimal_order(value) < -(range(number) + 40)) then
       number = 0
-    else if (value%twos /= 0) then
-      number = scale(real(value%all_digits, KIND), value%twos)
     else
       numeral = decimal_numeral(value)
       read (numeral, '(f40.0)') number

@@ -1,6 +1,6 @@
 !> Functions of System/370 short arithmetic under the names of the IEEE kinds.
 module asperity_numbers_ibm370
-  use asperity_decimal, only: decimal_to_real64, decimal_value
+  use asperity_decimal, only: decimal_value
   use asperity_hex32, only: cut_to_integer => hex32_to_integer, from_real64 => hex32_from_real64, &
                             hex32, hex32_from_decimal, &
                             three_halves_power, to_real64 => hex32_to_real64, &
@@ -18,11 +18,7 @@ contains
     type(decimal_value), intent(in) :: value  !! exact decimal number
     type(hex32) :: number                     !! largest number not above it in magnitude
 
-    if (value%twos /= 0) then
-      number = from_real64(decimal_to_real64(value))
-    else
-      number = hex32_from_decimal(value%all_digits, value%power_of_ten)
-    end if
+    number = hex32_from_decimal(value%all_digits, value%power_of_ten)
   end function decimal_number
 
 end module asperity_numbers_ibm370

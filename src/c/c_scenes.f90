@@ -11,7 +11,6 @@ module asperity_c_scenes
                       list_warnings, make_arrays, name_units, of_contacts, problem_list, &
                       read_scene, rebuild_scene, run_options, scene_results, scene_side, solve, &
                       text_buffer, write_summary
-  use asperity_decimal, only: decimal_to_real64
   use asperity_kinds, only: real64
   use asperity_c_arguments, only: require_text, take_asperities, take_heights
   use asperity_c_outcome, only: begin_outcome, finish_outcome, finish_scene, look_at, outcome, &
@@ -180,8 +179,8 @@ contains
     if (allocated(new%failure)) new%failure = from%scene_in%file // ': ' // new%failure
     if (new%problems%count() > 0 .or. allocated(new%failure)) return
     call move_alloc(results%positions(1)%fields, new%fields)
-    if (.not. decimal_to_real64(from%scene_in%contact_modulus) > 0.0_real64) &
-      new%ratio = decimal_to_real64(from%scene_in%lower%poisson_ratio)
+    if (.not. from%scene_in%contact_modulus > 0.0_real64) &
+      new%ratio = from%scene_in%lower%poisson_ratio
     call list_warnings(from%scene_in%file, results, warnings, kinds)
     call set_text(new, text_warnings, warnings%text())
     call set_text(new, text_warning_kinds, kinds%text())

@@ -2,7 +2,6 @@
 module asperity_scene_placing
   use asperity_constants, only: pi
   use asperity_contact_records, only: all_finite
-  use asperity_decimal, only: decimal_to_real64, decimal_value
   use asperity_kinds, only: int64, real64
   use asperity_pair_finding, only: prepare_search
   use asperity_placed_scene, only: largest_value, load_unit, placed_scene
@@ -43,10 +42,10 @@ contains
     end if
     call place_surfaces(scene_in, placed)
     ! The combined modulus: that of the scene, or from the moduli of both surfaces.
-    placed%modulus = decimal_to_real64(scene_in%contact_modulus)
+    placed%modulus = scene_in%contact_modulus
     if (.not. placed%modulus > 0.0_real64) then
-      moduli = decimal_to_real64([scene_in%upper%elastic_modulus, scene_in%lower%elastic_modulus])
-      nu = decimal_to_real64([scene_in%upper%poisson_ratio, scene_in%lower%poisson_ratio])
+      moduli = [scene_in%upper%elastic_modulus, scene_in%lower%elastic_modulus]
+      nu = [scene_in%upper%poisson_ratio, scene_in%lower%poisson_ratio]
       ! Smaller moduli have a compliance that overflows.
       if (.not. all(moduli > 4 * tiny(nu))) failure = out_of_range
       if (allocated(failure)) return
@@ -56,7 +55,7 @@ contains
     placed%modulus = scale(placed%modulus, -placed%modulus_power)
     call place_loading(scene_in, placed)
     call place_limit(scene_in%limit, placed)
-    call check_range(placed, scene_in%loading%value%all_digits /= 0_int64, failure)
+    call check_range(placed, abs(scene_in%loading%value) > 0.0_real64, failure)
     if (allocated(failure)) return
     call set_theory_limits(scene_in, placed%length_power, placed%modulus_power, placed%limits)
     placed%cap_u = scale(scene_in%upper%height, -placed%length_power)
@@ -87,10 +86,10 @@ contains
     placed%plane_slope = 0.0_real64
     if (scene_in%upper%is_plane) then
       call level_surface(scene_in%upper, .true., placed%xl, placed%yl, placed%hl)
-      placed%plane_slope = decimal_to_real64(scene_in%upper%slope)
+      placed%plane_slope = scene_in%upper%slope
     else if (scene_in%lower%is_plane) then
       call level_surface(scene_in%lower, .false., placed%xu, placed%yu, placed%hu)
-      placed%plane_slope = decimal_to_real64(scene_in%lower%slope)
+      placed%plane_slope = scene_in%lower%slope
     end if
     placed%is_deck = scene_in%from_deck
     placed%on_plane = scene_in%upper%is_plane .or. scene_in%lower%is_plane
@@ -117,10 +116,10 @@ contains
       placed%target = length_of(scene_in%loading%value, placed)
     else if (scene_in%loading%control == control_pressure) then
       ! Both factors are scaled first, so that the product does not overflow.
-      placed%target = scale(decimal_to_real64(scene_in%loading%value), -placed%modulus_power) * &
-                      scale(decimal_to_real64(scene_in%nominal_area), -2 * placed%length_power)
+      placed%target = scale(scene_in%loading%value, -placed%modulus_power) * &
+                      scale(scene_in%nominal_area, -2 * placed%length_power)
     else if (placed%control == control_load) then
-      placed%target = load_of(decimal_to_real64(scene_in%loading%value), placed)
+      placed%target = load_of(scene_in%loading%value, placed)
     end if
   end subroutine place_loading
 
@@ -135,8 +134,8 @@ contains
     x = scale(surface%x, power)
     y = scale(surface%y, power)
     h = scale(surface%height, power)
-    if (surface%rotation%all_digits == 0_int64) return
-    angle = decimal_to_real64(surface%rotation)
+    if (.not. abs(surface%rotation) > 0.0_real64) return
+    angle = surface%rotation
     do i = 1, size(x)
       turned = x(i) * cos(angle) - y(i) * sin(angle)
       y(i) = x(i) * sin(angle) + y(i) * cos(angle)
@@ -153,17 +152,17 @@ contains
     real(real64), intent(inout) :: h(:)
     real(real64) :: slope(2)
 
-    slope = decimal_to_real64(surface%slope)
+    slope = surface%slope
     if (upper) slope = -slope
     h = h + (x * slope(1) + y * slope(2))
   end subroutine level_surface
 
   ! A length of the scene in the unit of length.
   real(real64) function length_of(value, placed) result(length)
-    type(decimal_value), intent(in) :: value
+    real(real64), intent(in) :: value
     type(placed_scene), intent(in) :: placed
 
-    length = scale(decimal_to_real64(value), -placed%length_power)
+    length = scale(value, -placed%length_power)
   end function length_of
 
   ! A force of the scene in the unit of modulus times length squared.
@@ -188,7 +187,7 @@ contains
         ! 65*9.8/2.205 N, exactly 2600/9.
         placed%limit = load_of(2600.0_real64 / 9.0_real64, placed)
       else
-        placed%limit = load_of(decimal_to_real64(limit%value), placed)
+        placed%limit = load_of(limit%value, placed)
       end if
       return
     case (criterion_pressure)
@@ -199,8 +198,7 @@ contains
       strain = modulus_ratio(limit%hardness, placed)
     case (criterion_hardy)
       ! Hardy and others 1971: maximum pressure 2.76 tau; maximum pressure 2 E sqrt(W/R)/pi.
-      strain = decimal_to_real64(decimal_value(276_int64, -2)) * &
-               modulus_ratio(limit%yield_stress, placed) * pi / 2.0_real64
+      strain = 276.0e-2_real64 * modulus_ratio(limit%yield_stress, placed) * pi / 2.0_real64
     case default
       return
     end select
@@ -211,10 +209,10 @@ contains
 
   ! A stress over the combined modulus.
   real(real64) function modulus_ratio(value, placed) result(ratio)
-    type(decimal_value), intent(in) :: value
+    real(real64), intent(in) :: value
     type(placed_scene), intent(in) :: placed
 
-    ratio = scale(decimal_to_real64(value), -placed%modulus_power) / placed%modulus
+    ratio = scale(value, -placed%modulus_power) / placed%modulus
   end function modulus_ratio
 
   ! Sets `failure` where numbers of the scene are not finite or vanish in these units.

@@ -7,7 +7,7 @@ module asperity_effect_list
   use asperity_effect_names, only: known_effects
   use asperity_friction_effect, only: new_friction
   use asperity_interaction, only: new_interaction
-  use asperity_kinds, only: int64
+  use asperity_kinds, only: real64
   use asperity_plasticity, only: new_plasticity
   use asperity_scene_values, only: effect_off, scene
   implicit none
@@ -35,7 +35,7 @@ contains
 
     associate (effects => scene_in%effects)
       some = effects%modes == effect_off .and. &
-             (scene_in%contact_modulus%all_digits == 0_int64 .or. known_effects%needs == '') .and. &
+             (.not. abs(scene_in%contact_modulus) > 0.0_real64 .or. known_effects%needs == '') .and. &
              [(known_effects(i)%own(1) == '' .or. effects%has_numbers(i), i=1, size(some))]
     end associate
     call list_some(scene_in, some, list)

@@ -6,13 +6,11 @@ module asperity_decimal
   private
 
   public :: decimal_value, decimal_to_real64, decimal_numeral, decimal_order, decimal_beyond
-  public :: exact_double
 
-  !> The number digits * 10**exponent, or, where `twos` is not 0, digits * 2**twos.
+  !> The number digits * 10**exponent.
   type :: decimal_value
     integer(int64) :: all_digits = 0_int64  !! all digits, with the sign
     integer :: power_of_ten = 0         !! power of ten
-    integer :: twos = 0                 !! power of two; 0: the number is a decimal
   end type decimal_value
 
   ! Range of powers of ten that are exact in 113 bits and for which the quotient below is correctly
@@ -42,9 +40,7 @@ contains
     real(real64) :: number                    !! the nearest double
     character(len=40) :: numeral
 
-    if (value%twos /= 0) then
-      number = scale(real(value%all_digits, real64), value%twos)
-    else if (value%power_of_ten <= 0 .and. value%power_of_ten >= -most_exact_power) then
+    if (value%power_of_ten <= 0 .and. value%power_of_ten >= -most_exact_power) then
       number = quotient_in_doubles(value%all_digits, -value%power_of_ten)
     else if (value%power_of_ten >= 0 .and. value%power_of_ten <= most_positive_power) then
       number = real(real(value%all_digits, real128) * powers(value%power_of_ten), real64)
@@ -86,28 +82,11 @@ contains
     quotient = q + (((high - multiple) - rest) + low) / exact_powers(power)
   end function quotient_in_doubles
 
-  !> Exact value of a double.
-  elemental function exact_double(number) result(value)
-    real(real64), intent(in) :: number  !! any finite number
-    type(decimal_value) :: value        !! the same number
-
-    if (abs(number) < 2.0_real64**53 .and. .not. abs(number - aint(number)) > 0.0_real64) then
-      value%all_digits = int(number, int64)
-    else
-      value%twos = exponent(number) - digits(number)
-      value%all_digits = int(scale(number, -value%twos), int64)
-    end if
-  end function exact_double
-
   !> The least n with |value| < 10**n; a very negative number for zero.
   elemental integer function decimal_order(value)
     type(decimal_value), intent(in) :: value  !! exact decimal number
     integer(int64) :: rest
 
-    if (value%twos /= 0) then
-      decimal_order = floor(log10(abs(decimal_to_real64(value)))) + 1
-      return
-    end if
     decimal_order = value%power_of_ten
     rest = abs(value%all_digits)
     if (rest == 0_int64) decimal_order = -huge(decimal_order)
@@ -130,8 +109,7 @@ contains
     if (decimal_order(value) < 38) return
     order = ceiling(log10(largest))
     decimal_beyond = decimal_order(value) > order
-    if (value%twos /= 0) decimal_beyond = abs(real(decimal_to_real64(value), real128)) > largest
-    if (decimal_order(value) /= order .or. value%twos /= 0) return
+    if (decimal_order(value) /= order) return
     leading = abs(real(value%all_digits, real128)) * 10.0_real128**(value%power_of_ten - order + 18)
     decimal_beyond = leading > largest / 10.0_real128**(order - 18)
   end function decimal_beyond

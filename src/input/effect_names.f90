@@ -3,8 +3,7 @@
 !>
 !> The reader and its messages, the values of a scene and `asperity solve --help` use this table.
 module asperity_effect_names
-  use asperity_decimal, only: decimal_value
-  use asperity_kinds, only: int64
+  use asperity_kinds, only: real64
   use asperity_numeral, only: above_zero, not_negative, share, share_or_all
   use asperity_scene_fields, only: known_name, one_word, whole_number, word_length
   implicit none
@@ -75,13 +74,12 @@ module asperity_effect_names
   type(known_name), parameter :: effect_numbers(*) = [ &
     known_name('effects', 'tolerance', share, &
                'relative error that ''auto'' may leave, of all effects together', &
-               default=decimal_value(1_int64, -2)), &
-    known_name('effects', 'boundary_tolerance', share, &
+               default=1.0e-2_real64), known_name('effects', 'boundary_tolerance', share, &
                'relative change of the load by halving the grid spacing', &
-               default=decimal_value(1_int64, -3), effect='interaction'), &
+               default=1.0e-3_real64, effect='interaction'), &
     known_name('effects', 'area_tolerance', share, &
                'relative error of the area that is always accepted', &
-               default=decimal_value(5_int64, -3), effect='interaction'), &
+               default=5.0e-3_real64, effect='interaction'), &
     known_name('effects', 'friction_coefficient', not_negative, &
                'tangential over normal load of a sliding contact', &
                effect='friction', needed_with='on'), &
@@ -99,18 +97,17 @@ module asperity_effect_names
                effect='adhesion', needed_with='on', in_words='a work of adhesion'), &
     known_name('effects', 'equilibrium_distance', above_zero, &
                'gap between surfaces in contact; sets the range of attraction', unit='length', &
-               default=decimal_value(1_int64, 0), effect='adhesion', &
-               needed_with='work_of_adhesion'), &
+               default=1.0_real64, effect='adhesion', needed_with='work_of_adhesion'), &
     known_name('effects', 'adhesion_law', one_word, &
                'attraction across the gap on the pixels of a height map', effect='adhesion', &
-               default=decimal_value(int(law_exponential, int64), 0), &
+               default=real(law_exponential, real64), &
                words=[character(len=word_length) :: 'exponential', 'van_der_waals', none]), &
     known_name('effects', 'relaxation_time', not_negative, &
                'time after which 1/e of a relaxing part is left; several: ascending', &
                unit='time', effect='creep', needed_with='hold_time'), &
     known_name('effects', 'relaxed_modulus_ratio', share_or_all, &
                'relaxed over instantaneous modulus; several: after each time', &
-               default=decimal_value(1_int64, 0), effect='creep', needed_with='hold_time'), &
+               default=1.0_real64, effect='creep', needed_with='hold_time'), &
     known_name('effects', 'loading_time', not_negative, &
                'duration of loading or of a path, at a constant rate', unit='time', &
                effect='creep'), &
@@ -118,10 +115,10 @@ module asperity_effect_names
                unit='time', effect='creep', needed_with='on', in_words='a duration', &
                instead='loading_time'), &
     known_name('effects', 'hold', one_word, 'quantity held constant', effect='creep', &
-               default=decimal_value(int(hold_load, int64), 0), &
+               default=real(hold_load, real64), &
                words=[character(len=word_length) :: hold_words, none(:4)]), &
     known_name('effects', 'hold_points', whole_number, 'states of the hold', &
-               default=decimal_value(20_int64, 0), least=2, most=100000, effect='creep')]
+               default=20.0_real64, least=2, most=100000, effect='creep')]
 
   ! Two effects and why they are not computed together, on asperities and on the pixels of a map;
   ! blank: they are. What pixels do not have at all is in `known_effects`.

@@ -121,7 +121,6 @@ contains
     else
       exact_value = real(value%all_digits, real128) * 10.0_real128**power
     end if
-    if (value%twos /= 0) exact_value = scale(real(value%all_digits, real128), value%twos)
     if (value%all_digits == 0_int64) exact_value = 0.0_real128
   end function exact_value
 

@@ -2,19 +2,17 @@
 !>
 !> At most 18 digits are kept; a longer number is rounded at its 18th digit.
 module asperity_numeral
-  use asperity_decimal, only: decimal_to_real64, decimal_value, exact_double
+  use asperity_decimal, only: decimal_to_real64, decimal_value
   use asperity_kinds, only: int64, real64
   implicit none
   private
 
   public :: read_numeral, read_whole_number, is_a_double, rounded_decimal
-  public :: read_double_numeral, without_kind, expected_numbers, in_range
+  public :: decimal_of, expected_numbers, in_range
   public :: any_number, above_zero, share, poisson_range, not_negative, share_or_all
   public :: a_length, above_one, least_length, most_length
 
   integer, parameter :: most_digits = 18
-  ! Behind a number: the nearest double is meant, to its last bit, as with a literal of Fortran.
-  character(len=*), parameter :: double_kind = '_real64'
   ! No number written with an exponent beyond this can be a double, whatever its length.
   integer, parameter :: largest_exponent = 100000000
 
@@ -99,29 +97,15 @@ contains
     if (.not. good) value = decimal_value()
   end subroutine read_numeral
 
-  !> The same, and the double nearest to a number that ends with `_real64`.
-  pure subroutine read_double_numeral(token, value, good)
-    character(len=*), intent(in) :: token      !! the token, without blanks
-    type(decimal_value), intent(out) :: value  !! the number, exactly; 0 when refused
-    logical, intent(out) :: good               !! whether the token is such a number
+  !> The decimal of 17 digits whose nearest double is a double.
+  elemental type(decimal_value) function decimal_of(number) result(value)
+    real(real64), intent(in) :: number  !! any finite number
+    character(len=25) :: text
+    logical :: good
 
-    call read_numeral(without_kind(token), value, good)
-    if (good .and. len(without_kind(token)) < len(token)) &
-      value = exact_double(decimal_to_real64(value))
-  end subroutine read_double_numeral
-
-  !> A number without `_real64` behind it.
-  pure function without_kind(token) result(number)
-    character(len=*), intent(in) :: token    !! token with or without it
-    character(len=:), allocatable :: number  !! what is before it
-    integer :: last
-
-    last = len(token) - len(double_kind)
-    number = token
-    if (last > 0) then
-      if (token(last + 1:) == double_kind) number = token(:last)
-    end if
-  end function without_kind
+    write (text, '(es25.16e3)') number
+    call read_numeral(trim(adjustl(text)), value, good)
+  end function decimal_of
 
   !> Reads a whole token as a default integer.
   pure subroutine read_whole_number(token, value, good)
@@ -137,17 +121,16 @@ contains
     if (good) value = int(number%all_digits)
   end subroutine read_whole_number
 
-  !> A double rounded to so many digits; 17 give it back.
+  !> A double rounded to so many digits.
   pure function rounded_decimal(value, digit_count) result(number)
     real(real64), intent(in) :: value   !! finite double of any sign
     integer, intent(in) :: digit_count  !! from 1 to 18
-    type(decimal_value) :: number
+    real(real64) :: number
     character(len=32) :: text, form
-    logical :: good
 
     write (form, '("(es32.", i0, "e3)")') digit_count - 1
     write (text, form) value
-    call read_numeral(trim(adjustl(text)), number, good)
+    read (text, *) number
   end function rounded_decimal
 
   !> Reads the digits behind an exponent's letter.

@@ -6,8 +6,8 @@ module asperity_scene_deck
   use asperity_decimal, only: decimal_to_real64, decimal_value
   use asperity_input_text, only: read_text
   use asperity_kept_records, only: checksum
-  use asperity_kinds, only: int64
-  use asperity_numeral, only: is_a_double, rounded_decimal
+  use asperity_kinds, only: int64, real64
+  use asperity_numeral, only: is_a_double
   use asperity_problems, only: decimal_text, problem_list
   use asperity_scene_values, only: scene, scene_motion, scene_surface, thesis_limit_load
   implicit none
@@ -20,11 +20,9 @@ module asperity_scene_deck
   type(decimal_value), parameter :: psi = decimal_value(6894_int64, -4)
 
   ! Gap of 0.5 in before the models close; slopes of the support plates along x and y.
-  type(decimal_value), parameter :: thesis_gap = decimal_value(127_int64, -2)
-  type(decimal_value), parameter :: upper_slope(2) = &
-    [decimal_value(400_int64, -5), decimal_value(-58_int64, -5)]
-  type(decimal_value), parameter :: lower_slope(2) = &
-    [decimal_value(-67_int64, -5), decimal_value(-45_int64, -5)]
+  real(real64), parameter :: thesis_gap = 1.27_real64
+  real(real64), parameter :: upper_slope(2) = [0.00400_real64, -0.00058_real64]
+  real(real64), parameter :: lower_slope(2) = [-0.00067_real64, -0.00045_real64]
 
   ! The thesis' sweep: 100 positions, 0.1 cm apart in x.
   integer, parameter :: thesis_positions = 100
@@ -69,17 +67,17 @@ contains
                          target_scene%lower, found)
       target_scene%upper%slope = upper_slope
       target_scene%lower%slope = lower_slope
-      call convert_number(3, width_field, deck%lower_width, inch, &
-                          target_scene%lower_mirror_width, found)
+      call convert_number(3, width_field, deck%lower_width, inch, shift, found)
+      target_scene%lower_mirror_width = decimal_to_real64(shift)
       ! XDISPL and YDISPL are added, as the original's print says.
       call convert_number(header_cards, shift_field(1), deck%x_displacement, inch, shift, found)
-      sweep%x_first = rounded_decimal(decimal_to_real64(thesis_step) + decimal_to_real64(shift), 17)
-      if (shift%power_of_ten >= -17 .and. shift%power_of_ten <= -1) sweep%x_first = decimal_value( &
-        10_int64**(-1 - shift%power_of_ten) + shift%all_digits, shift%power_of_ten)
-      if (shift%all_digits == 0_int64) sweep%x_first = thesis_step
-      sweep%x_step = thesis_step
-      call convert_number(header_cards, shift_field(2), deck%y_displacement, inch, sweep%y_first, &
-                          found)
+      sweep%x_first = decimal_to_real64(thesis_step) + decimal_to_real64(shift)
+      if (shift%power_of_ten >= -17 .and. shift%power_of_ten <= -1) &
+        sweep%x_first = decimal_to_real64(decimal_value( &
+          10_int64**(-1 - shift%power_of_ten) + shift%all_digits, shift%power_of_ten))
+      sweep%x_step = decimal_to_real64(thesis_step)
+      call convert_number(header_cards, shift_field(2), deck%y_displacement, inch, shift, found)
+      sweep%y_first = decimal_to_real64(shift)
       sweep%positions = thesis_positions
     end if
     call problems%append(found)
@@ -92,16 +90,16 @@ contains
     type(model_cards), intent(in) :: model
     type(scene_surface), intent(inout) :: surface
     type(problem_list), intent(inout) :: problems
-    type(decimal_value) :: radius
+    type(decimal_value) :: modulus, radius
     type(decimal_value), dimension(model%number) :: x, y, z
     integer :: i
 
     surface%file = path
     call convert_number(header, radius_field, model%radius, inch, radius, problems)
-    call convert_number(header, modulus_field, model%elastic_modulus, psi, &
-                 surface%elastic_modulus, problems)
-    surface%poisson_ratio = model%poisson_ratio
-    surface%rotation = model%angle
+    call convert_number(header, modulus_field, model%elastic_modulus, psi, modulus, problems)
+    surface%elastic_modulus = decimal_to_real64(modulus)
+    surface%poisson_ratio = decimal_to_real64(model%poisson_ratio)
+    surface%rotation = decimal_to_real64(model%angle)
     do i = 1, model%number
       call convert_number(before + i, x_field, model%x(i), inch, x(i), problems)
       call convert_number(before + i, y_field, model%y(i), inch, y(i), problems)

@@ -1,9 +1,8 @@
 !> Group &effects of a scene: which effects, their numbers, and which go together.
 module asperity_scene_effects
-  use asperity_decimal, only: decimal_to_real64
   use asperity_effect_names, only: effect_numbers, known_effect, known_effects, needed_for, &
                                    why_not_together
-  use asperity_kinds, only: int64, real64
+  use asperity_kinds, only: real64
   use asperity_numeral, only: above_zero, share_or_all
   use asperity_problems, only: decimal_text
   use asperity_scene_fields, only: known_name, scene_fields
@@ -82,7 +81,7 @@ contains
       if (effects%mode('adhesion') == effect_off) call refuse_pulls(fields, checked%loading)
       call check_together(fields, checked)
       ! A combined modulus says nothing of the two bodies that it stands for.
-      do i = 1, merge(size(known_effects), 0, checked%contact_modulus%all_digits > 0_int64)
+      do i = 1, merge(size(known_effects), 0, checked%contact_modulus > 0.0_real64)
         if (effects%modes(i) == effect_off .or. known_effects(i)%needs == '') cycle
         if (known_effects(i)%name == 'plasticity' .and. flows_on_pixels(checked)) cycle
         call fields%complain_of('effects', trim(known_effects(i)%name), &
@@ -119,7 +118,7 @@ contains
     end do
     associate (effect => known_effects(findloc(known_effects%name, name, 1)), &
                has_hardness_alone => name == 'plasticity' .and. names_hardness(checked))
-      if (checked%contact_modulus%all_digits > 0_int64 .and. effect%needs /= '' .and. &
+      if (checked%contact_modulus > 0.0_real64 .and. effect%needs /= '' .and. &
           .not. has_hardness_alone) why = needs_both(effect)
       if (name == 'friction' .and. rubs_back(checked)) why = no_way_back
       if (.not. allocated(checked%map)) return
@@ -146,13 +145,12 @@ contains
              decimal_text(number) // ', expected at most ' // decimal_text(most_relaxations))
       return
     end if
-    allocate (effects%relaxation(number, 2))
+    allocate (effects%relaxation(number, 2), source=0.0_real64)
     do i = 1, 2
       associate (values => effects%relaxation(:, i))
         call fields%take('effects', trim(relaxing(i)), values, &
                          merge(above_zero, share_or_all, i == 1))
-        in_order = all(merge(1, -1, i == 1) * (decimal_to_real64(values(2:)) - &
-                                               decimal_to_real64(values(:number - 1))) > 0.0_real64)
+        in_order = all(merge(1, -1, i == 1) * (values(2:) - values(:number - 1)) > 0.0_real64)
         if (fields%problems%count() == 0 .and. .not. in_order) &
           call fields%complain_of('effects', trim(relaxing(i)), 'the values are not ' // &
                  trim(merge('ascending ', 'descending', i == 1)) // ', expected relaxation ' // &
@@ -243,8 +241,8 @@ contains
     logical :: bad
 
     if (.not. is_load(loading%control) .or. .not. fields%has_name('loading', 'value')) return
-    bad = loading%value%all_digits <= 0_int64
-    if (allocated(loading%path)) bad = bad .or. any(loading%path%all_digits < 0_int64)
+    bad = .not. loading%value > 0.0_real64
+    if (allocated(loading%path)) bad = bad .or. any(loading%path < 0.0_real64)
     if (bad .and. (fields%has_name('effects', 'adhesion') .or. &
                    fields%has_name('effects', 'work_of_adhesion'))) &
       call fields%complain_of('loading', 'value', 'a load of 0 or less needs adhesion: found ' // &
@@ -292,7 +290,7 @@ contains
                 allocated(checked%loading%path)
     rubs_back = rubs_back .and. .not. allocated(checked%map)
     if (.not. rubs_back) return
-    allocate (compression, source=decimal_to_real64(checked%loading%path))
+    allocate (compression, source=checked%loading%path)
     if (checked%loading%control == control_separation) compression = -compression
     rubs_back = any(compression(2:) < compression(:size(compression) - 1))
   end function rubs_back

@@ -11,8 +11,7 @@ module asperity_scene_fields
   use asperity_input_text, only: check_text, lower_case, in_quotes, plain_text
   use asperity_kinds, only: int64, real64
   use asperity_namelist_text, only: a_group, a_name, namelist_text, parse_namelist
-  use asperity_numeral, only: any_number, expected_numbers, in_range, read_double_numeral, &
-                              without_kind
+  use asperity_numeral, only: any_number, decimal_of, expected_numbers, in_range, read_numeral
   use asperity_problems, only: decimal_text, problem_list
   use asperity_word_hint, only: any_of, did_you_mean, nearest_word, one_of
   implicit none
@@ -35,7 +34,7 @@ module asperity_scene_fields
     integer :: value_kind = any_number     !! range of `asperity_numeral`, or a kind of value
     character(len=80) :: meaning = ''     !! in a line
     integer :: counts(2) = 1               !! fewest and most values
-    type(decimal_value) :: default = decimal_value()  !! value where the name does not occur
+    real(real64) :: default = 0.0_real64   !! value where the name does not occur
     !> Default in words, where it is no value of the table; blank: `default`.
     character(len=56) :: otherwise = ''
     character(len=20) :: unit = ''         !! in words; blank: none
@@ -71,10 +70,10 @@ module asperity_scene_fields
     procedure :: has_name           !! whether a name stands there, be its values good or not
     procedure :: value_count        !! how many values stand at a name, repeated ones counted
     !> Takes values of a name: numbers, whole numbers, words by their places, texts.
-    generic :: take => take_decimals, take_decimal, take_integers, take_integer, take_text, &
-                       take_texts
-    procedure, private :: take_decimals, take_decimal, take_integers, take_integer, take_text
-    procedure, private :: take_texts
+    generic :: take => take_decimals, take_decimal, take_reals, take_real, take_integers, &
+                       take_integer, take_text, take_texts
+    procedure, private :: take_decimals, take_decimal, take_reals, take_real, take_integers
+    procedure, private :: take_integer, take_text, take_texts
     procedure :: complain_of_group  !! reports a problem at a group
     procedure :: complain_of        !! reports a problem at a name
     procedure :: refuse_name        !! reports a problem at a name where it is given
@@ -225,7 +224,7 @@ contains
     row = self%known(self%row_of(group, name))
     if (present(number_range)) row%value_kind = number_range
     at = self%item_of(group, name)
-    if (at == 0 .and. row%otherwise == '') values = row%default
+    if (at == 0 .and. row%otherwise == '') values = decimal_of(row%default)
     if (row%beside /= '' .and. self%has_name(group, row%beside)) &
       call self%refuse_name(group, name, 'found beside ' // trim(row%beside) // &
                             ', expected one of them')
@@ -257,6 +256,32 @@ contains
     values(wanted + 1:) = values(1)
   end subroutine take_decimals
 
+  !> Takes numbers as the nearest doubles.
+  subroutine take_reals(self, group, name, values, number_range)
+    class(scene_fields), intent(inout) :: self    !! the scene's text
+    character(len=*), intent(in) :: group, name  !! a known group, and a known name of it
+    real(real64), intent(inout) :: values(:)      !! numbers at the name
+    integer, intent(in), optional :: number_range !! in place of that of the row
+    type(decimal_value) :: decimals(size(values))
+
+    decimals = decimal_of(values)
+    call self%take(group, name, decimals, number_range)
+    values = decimal_to_real64(decimals)
+  end subroutine take_reals
+
+  !> Takes one number as the nearest double.
+  subroutine take_real(self, group, name, value, number_range)
+    class(scene_fields), intent(inout) :: self    !! the scene's text
+    character(len=*), intent(in) :: group, name  !! a known group, and a known name of it
+    real(real64), intent(inout) :: value          !! number at the name
+    integer, intent(in), optional :: number_range !! in place of that of the row
+    real(real64) :: values(1)
+
+    values = value
+    call self%take(group, name, values, number_range)
+    value = values(1)
+  end subroutine take_real
+
   !> Takes one number.
   subroutine take_decimal(self, group, name, value, number_range)
     class(scene_fields), intent(inout) :: self    !! the scene's text
@@ -279,7 +304,7 @@ contains
 
     values%all_digits = numbers
     call self%take(group, name, values)
-    numbers = int(values%all_digits)
+    numbers = nint(decimal_to_real64(values))
   end subroutine take_integers
 
   !> Takes one whole number, or the place of one word.
@@ -364,14 +389,14 @@ contains
         return
       end if
     else if (row%value_kind < 0) then
-      call read_double_numeral(text, found, good)
+      call read_numeral(text, found, good)
       real_number = decimal_to_real64(found)
       good = good .and. abs(real_number - anint(real_number)) <= 0.0_real64 .and. &
              real_number >= row%least .and. real_number <= row%most .and. .not. is_quoted .and. &
              (row%value_kind == whole_value .or. verify(text, '+-0123456789') == 0)
       if (good) value = decimal_value(nint(real_number, int64), 0)
     else
-      call read_double_numeral(text, value, good)
+      call read_numeral(text, value, good)
       good = good .and. .not. is_quoted
       if (good) good = in_range(value, row%value_kind)
     end if
@@ -492,7 +517,7 @@ contains
 
     do i = at + 1, at + self%list%items(at)%values
       if (self%list%items(i)%is_quoted) cycle
-      word = lower_case(without_kind(self%list%value_text(i)))
+      word = lower_case(self%list%value_text(i))
       begin = verify(word, '+-.0123456789')
       ! A unit is a word of its own, or stands behind the digits.
       if (begin == 0 .or. (begin == 1 .and. i == at + 1)) cycle
@@ -591,7 +616,7 @@ contains
 
     if (self%list%items(i)%is_broken) return
     self%list%items(i)%is_broken = .true.
-    found = in_quotes(without_kind(self%list%value_text(i)))
+    found = in_quotes(self%list%value_text(i))
     if (self%list%items(i)%is_quoted) found = 'the text ' // found
     call self%refuse_item(i, trim(name) // ': found ' // found // ', expected ' // expected)
   end subroutine refuse_value

@@ -1,8 +1,8 @@
 !> The groups of a scene as a table in text, for programs that change some of them and solve again.
 module asperity_scene_groups
-  use asperity_decimal, only: decimal_value
   use asperity_file_kind, only: group_start
   use asperity_input_text, only: replaced_text
+  use asperity_kinds, only: real64
   use asperity_namelist_text, only: a_group, a_name, namelist_text, parse_namelist
   use asperity_problems, only: decimal_text, problem_list
   use asperity_scene_values, only: scene
@@ -56,14 +56,14 @@ contains
     end do
   end function list_groups
 
-  ! A number that is read as just this decimal.
+  ! A number that is read as just this double.
   pure function numeral_text(value) result(text)
-    type(decimal_value), intent(in) :: value
+    real(real64), intent(in) :: value
     character(len=:), allocatable :: text
+    character(len=24) :: number
 
-    text = decimal_text(value%all_digits)
-    if (value%all_digits /= 0 .and. value%power_of_ten /= 0) &
-      text = text // 'e' // decimal_text(value%power_of_ten)
+    write (number, '(es24.16e3)') value
+    text = trim(adjustl(number))
   end function numeral_text
 
 end module asperity_scene_groups

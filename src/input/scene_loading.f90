@@ -1,7 +1,6 @@
 !> Groups &loading and &limit of a scene: how far the surfaces close, and when a contact is at its
 !> limit.
 module asperity_scene_loading
-  use asperity_decimal, only: decimal_to_real64, decimal_value
   use asperity_kinds, only: int64, real64
   use asperity_numeral, only: above_zero, any_number, not_negative
   use asperity_problems, only: decimal_text
@@ -39,7 +38,7 @@ contains
       loading%events = events == effect_on
       call fields%take('loading', 'tangential_load', loading%tangential_load)
       call fields%take('loading', 'tangential_displacement', loading%tangential_displacement)
-      if (loading%tangential_load%all_digits > 0) &
+      if (loading%tangential_load > 0.0_real64) &
         call fields%refuse_name('loading', 'tangential_displacement', 'found beside ' // &
                                 'tangential_load, expected one of them')
       if (loading%events .and. allocated(loading%path)) &
@@ -51,7 +50,7 @@ contains
                 'control = ''' // trim(control_words(loading%control)) // '''')
       if (loading%control == control_pressure .and. &
           .not. (allocated(checked%map) .or. fields%lacks_file) .and. &
-          .not. checked%nominal_area%all_digits > 0_int64) &
+          .not. checked%nominal_area > 0.0_real64) &
         call fields%complain_of('loading', 'control', 'a pressure needs an area: found no ' // &
                                 'nominal_area in &surfaces, expected one')
     end associate
@@ -83,12 +82,12 @@ contains
            merge(not_negative, any_number, is_load(loading%control) .and. .not. pulls .or. &
                  loading%control == control_compression))
       ! The largest load or compression, or the least separation.
-      associate (numbers => decimal_to_real64(loading%path))
+      associate (numbers => loading%path)
         loading%value = loading%path(merge(minloc(numbers, 1), maxloc(numbers, 1), &
                                            loading%control == control_separation))
       end associate
       if (is_load(loading%control) .and. .not. pulls .and. &
-          loading%value%all_digits == 0_int64 .and. fields%problems%count() == problems) &
+          .not. abs(loading%value) > 0.0_real64 .and. fields%problems%count() == problems) &
         call fields%complain_of('loading', 'value', 'no load is more than 0, expected one')
     end if
   end subroutine read_path
@@ -127,7 +126,7 @@ contains
       has_value = fields%has_name('limit', 'value')
       if (limit%criterion /= criterion_load .or. has_value) then
         limit%from_thesis = .false.
-        limit%value = decimal_value()
+        limit%value = 0.0_real64
       end if
       call fields%take('limit', 'value', limit%value)
       call fields%take('limit', 'hardness', limit%hardness)

@@ -1,7 +1,6 @@
 !> Height maps in group &surfaces of a scene.
 module asperity_scene_maps
   use asperity_byte_reader, only: byte_reader
-  use asperity_decimal, only: decimal_to_real64, decimal_value
   use asperity_delimited_text, only: line_reader
   use asperity_effect_names, only: known_effects
   use asperity_height_map, only: change_unit, expected_length, give_spacing, &
@@ -59,10 +58,11 @@ contains
     type(scene_fields), intent(inout) :: fields       !! the scene's text
     type(scene), intent(inout) :: checked             !! gets the maps; has those that are given
     type(problem_list), intent(inout) :: other_files  !! what is wrong with the files
-    type(decimal_value) :: form(2), pixel_spacing(2, 2)
+    real(real64) :: form(2), pixel_spacing(2, 2)
     integer :: despike, edges(2), sides, unit(2)
     logical :: good, is_given(2)
 
+    form = 0.0_real64
     despike = 1
     unit = 0
     call fields%take('surfaces', 'map_despike', despike)
@@ -74,7 +74,7 @@ contains
     sides = count(is_given)
     call take_spacing()
     call fields%take('surfaces', 'form_radius', form)
-    checked%map%form_radius = decimal_to_real64(form)
+    checked%map%form_radius = form
     if (any(checked%map%form_radius > 0.0_real64 .and. &
             .not. is_length(checked%map%form_radius))) &
       call fields%complain_of('surfaces', 'form_radius', 'expected ' // expected_length // &
@@ -86,8 +86,7 @@ contains
                               'radii of their own, expected none')
     associate (maps => checked%map)
       ! A refused spacing hides whether a map needs one.
-      good = .not. fields%has_name('surfaces', 'map_spacing') .or. &
-             all(is_length(decimal_to_real64(pixel_spacing)))
+      good = .not. fields%has_name('surfaces', 'map_spacing') .or. all(is_length(pixel_spacing))
       if (is_given(1) .and. good) call make_one(checked%upper, 1, maps%upper)
       if (is_given(2) .and. good) call make_one(checked%lower, 2, maps%lower)
       call take_edge()
@@ -139,8 +138,9 @@ contains
 
     ! One number or a pair for all maps, or a pair for each.
     subroutine take_spacing()
-      type(decimal_value) :: values(4)
+      real(real64) :: values(4)
 
+      values = 0.0_real64
       if (sides == 2 .and. fields%value_count('surfaces', 'map_spacing') == 4) then
         call fields%take('surfaces', 'map_spacing', values)
       else
@@ -158,7 +158,7 @@ contains
       character(len=:), allocatable :: fault
 
       ! One spacing beside two maps is that of the one that has none.
-      request = map_request(decimal_to_real64(pixel_spacing(:, side)), unit(side), 'map_spacing', &
+      request = map_request(pixel_spacing(:, side), unit(side), 'map_spacing', &
         sides == 2 .and. any(fields%value_count('surfaces', 'map_spacing') == [1, 2]), .true.)
       if (fields%given(side)) then
         call give_spacing(map, request%pixel_spacing, request%option, request%shared, fault)

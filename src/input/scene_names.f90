@@ -4,10 +4,9 @@
 !>
 !> A new name is a row with `stored=.true.`; its value is `scene%number(group, name)`.
 module asperity_scene_names
-  use asperity_decimal, only: decimal_value
   use asperity_effect_names, only: effect_numbers, effect_words, known_effects
   use asperity_height_map, only: edge_names, length_units, level_names
-  use asperity_kinds, only: int64
+  use asperity_kinds, only: real64
   use asperity_numeral, only: a_length, above_zero, any_number, not_negative, poisson_range
   use asperity_scene_fields, only: known_name, one_text, one_word, whole_number, word_length
   implicit none
@@ -30,7 +29,7 @@ module asperity_scene_names
 
   character(len=*), parameter :: none(5) = ''
   character(len=*), parameter :: of_deck = 'that of the deck; needed with CSV files'
-  type(decimal_value), parameter :: one = decimal_value(1_int64, 0)  ! also: the first word
+  real(real64), parameter :: one = 1.0_real64  ! also: the first word
 
   !> The names of all groups but &effects.
   type(known_name), parameter :: scene_rows(*) = [ &

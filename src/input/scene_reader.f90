@@ -2,7 +2,6 @@
 module asperity_scene_reader
   use asperity_card_deck, only: has_cards
   use asperity_constants, only: pi
-  use asperity_decimal, only: decimal_to_real64, decimal_value
   use asperity_file_kind, only: a_scene, group_start, other_kind
   use asperity_height_map, only: move_map
   use asperity_input_text, only: blanks, read_text
@@ -127,10 +126,10 @@ contains
     type(scene_surface), intent(in) :: surface
 
     bare = surface
-    bare%elastic_modulus = decimal_value()
-    bare%poisson_ratio = decimal_value()
-    bare%slope = decimal_value()
-    bare%rotation = decimal_value()
+    bare%elastic_modulus = 0.0_real64
+    bare%poisson_ratio = 0.0_real64
+    bare%slope = 0.0_real64
+    bare%rotation = 0.0_real64
   end function as_in_its_file
 
   !> All groups, in the order in which they need each other.
@@ -220,7 +219,7 @@ contains
     character(len=*), parameter :: both_or_one = 'one for upper and lower, or contact_modulus'
     character(len=*), parameter :: beside_modulus = 'found beside contact_modulus, which ' // &
       'stands for the moduli and ratios of both surfaces, expected one or the other'
-    type(decimal_value) :: pair(2)
+    real(real64) :: pair(2)
 
     pair = [checked%upper%elastic_modulus, checked%lower%elastic_modulus]
     call fields%take('material', 'elastic_modulus', pair)
@@ -261,13 +260,12 @@ contains
   contains
 
     pure logical function ends_well(first, step)
-      type(decimal_value), intent(in) :: first, step
+      real(real64), intent(in) :: first, step
       real(real64) :: share_of_range, steps
 
       ! In units of the largest double, so that nothing overflows on the way.
       steps = real(motion%positions - 1, real64)
-      share_of_range = decimal_to_real64(first) / huge(steps) + &
-                       decimal_to_real64(step) / huge(steps) * steps
+      share_of_range = first / huge(steps) + step / huge(steps) * steps
       ends_well = abs(share_of_range) < 1.0_real64
     end function ends_well
 
@@ -277,7 +275,7 @@ contains
   subroutine read_tilt(fields, checked)
     type(scene_fields), intent(inout) :: fields
     type(scene), intent(inout) :: checked
-    type(decimal_value) :: rotation(2)
+    real(real64) :: rotation(2)
     real(real64) :: largest
 
     call fields%take('tilt', 'upper_slope', checked%upper%slope)
@@ -286,7 +284,7 @@ contains
     call fields%take('tilt', 'rotation', rotation)
     checked%upper%rotation = rotation(1)
     checked%lower%rotation = rotation(2)
-    largest = maxval(abs(decimal_to_real64(rotation)))
+    largest = maxval(abs(rotation))
     if (largest > 2 * pi) &
       call checked%notes%add(checked%file // ': note: rotation: ' // real_text(largest) // &
            ' radians are more than a whole turn; as degrees they would be ' // &

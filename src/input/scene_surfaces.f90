@@ -1,6 +1,5 @@
 !> Group &surfaces of a scene: a card deck, or two CSV files, of which one may be a plane.
 module asperity_scene_surfaces
-  use asperity_decimal, only: decimal_to_real64, decimal_value
   use asperity_delimited_text, only: line_reader
   use asperity_files, only: same_name
   use asperity_height_map, only: height_map, plain_unit
@@ -143,11 +142,12 @@ contains
     type(scene_fields), intent(inout) :: fields
     type(scene), intent(inout) :: checked
     type(problem_list), intent(inout) :: other_files
-    type(decimal_value) :: radius(2)
+    real(real64) :: radius(2)
     character(len=:), allocatable :: which, lower_unit
     integer :: i
     logical :: has_radius(2)
 
+    radius = 0.0_real64
     checked%upper%is_plane = checked%upper%is_plane .or. maps(1)
     checked%lower%is_plane = checked%lower%is_plane .or. maps(2)
     i = merge(1, 2, fields%value_count('surfaces', 'radius') == 1 .and. &
@@ -203,8 +203,7 @@ contains
         call other_files%add_at(1, 1, files(side)%failure // ', expected a map')
         return
       end if
-      call read_surface_csv(surface%file, table, found, decimal_to_real64(radius(side)), &
-                            files(side))
+      call read_surface_csv(surface%file, table, found, radius(side), files(side))
       surface%checksum = checksum_of_pipe(files(side))
       call other_files%append(found)
       ! A file that could not be read is not reported for a missing radius too.

@@ -1,18 +1,16 @@
 !> A scene: two surfaces, how they move and what stops them, as checked values.
 !>
-!> Numbers are kept as exact decimals, so that every arithmetic converts them by its own rule;
-!> `decimal_to_real64` gives the nearest double. Units are those of the input, one consistent set;
+!> Numbers are the doubles nearest to what is written. Units are those of the input, one consistent set;
 !> a deck brings cm, N and rad.
 module asperity_scene_values
   use asperity_card_deck, only: card_deck
-  use asperity_decimal, only: decimal_to_real64, decimal_value
   use asperity_effect_names, only: by_default, by_numbers, by_word, effect_auto, effect_boundary, &
                                    effect_coupled, effect_numbers, effect_off, effect_on, &
                                    effect_words, hold_separation, hold_load, hold_words, &
                                    known_effects, most_relaxations
   use asperity_files, only: same_name
   use asperity_height_map, only: height_map, level_plane
-  use asperity_kinds, only: int64, real64
+  use asperity_kinds, only: real64
   use asperity_problems, only: problem_list
   use asperity_scene_names, only: control_words, criterion_words, scene_rows
   implicit none
@@ -46,7 +44,7 @@ module asperity_scene_values
   integer, parameter :: criterion_hardy = 4     !! greatest pressure at first yield (Hardy)
 
   !> Limit load of the thesis, 65*9.8/2.205 = 288.888... N, to 18 digits.
-  type(decimal_value), parameter :: thesis_limit_load = decimal_value(288888888888888889_int64, -15)
+  real(real64), parameter :: thesis_limit_load = 288.888888888888889_real64
 
   integer, parameter :: thesis_positions = 100  ! positions of the original's sweep
 
@@ -58,16 +56,16 @@ module asperity_scene_values
     real(real64), allocatable :: x(:), y(:)                   !! summits on the reference plane
     real(real64), allocatable :: height(:)                    !! summits above the reference plane
     real(real64), allocatable :: radius(:)                    !! summit radii, more than 0
-    type(decimal_value) :: elastic_modulus                    !! more than 0
-    type(decimal_value) :: poisson_ratio                      !! more than -1, at most 0.5
-    type(decimal_value) :: slope(2)                           !! rise of the plate along x and y
-    type(decimal_value) :: rotation                           !! turn in the plane, rad
+    real(real64) :: elastic_modulus = 0.0_real64  !! more than 0
+    real(real64) :: poisson_ratio = 0.0_real64  !! more than -1, at most 0.5
+    real(real64) :: slope(2) = 0.0_real64  !! rise of the plate along x and y
+    real(real64) :: rotation = 0.0_real64  !! turn in the plane, rad
   end type scene_surface
 
   !> Displacement of the upper surface: position m = 1, 2, ... stands at first + (m - 1) * step.
   type :: scene_motion
-    type(decimal_value) :: x_first, x_step   !! along x
-    type(decimal_value) :: y_first, y_step   !! along y
+    real(real64) :: x_first = 0.0_real64, x_step = 0.0_real64  !! along x
+    real(real64) :: y_first = 0.0_real64, y_step = 0.0_real64  !! along y
     integer :: positions = 1                 !! number of positions, at least 1
   end type scene_motion
 
@@ -75,23 +73,23 @@ module asperity_scene_values
   type :: scene_loading
     integer :: control = control_limit  !! one of the `control_` numbers
     !> Separation, load or pressure at the end, or the deepest of the path; unused for the limit.
-    type(decimal_value) :: value
+    real(real64) :: value = 0.0_real64
     !> Separations, loads or pressures, one after the other, up and down; allocated when there are
     !> several.
-    type(decimal_value), allocatable :: path(:)
+    real(real64), allocatable :: path(:)
     integer :: points = 0               !! states after first touch; 0 or 1: the end state only
     logical :: events = .false.         !! also a state wherever a contact begins
     !> At the last state and its normal load: tangential load, or displacement of the bodies by it.
-    type(decimal_value) :: tangential_load, tangential_displacement
+    real(real64) :: tangential_load = 0.0_real64, tangential_displacement = 0.0_real64
   end type scene_loading
 
   !> When a contact is at its limit.
   type :: scene_limit
     integer :: criterion = criterion_load  !! one of the `criterion_` numbers
     logical :: from_thesis = .false.       !! `value` is the thesis' 65*9.8/2.205 N by default
-    type(decimal_value) :: value           !! load or average pressure, more than 0
-    type(decimal_value) :: hardness        !! for Greenwood and Williamson, more than 0
-    type(decimal_value) :: yield_stress    !! in shear, for Hardy, more than 0
+    real(real64) :: value = 0.0_real64  !! load or average pressure, more than 0
+    real(real64) :: hardness = 0.0_real64  !! for Greenwood and Williamson, more than 0
+    real(real64) :: yield_stress = 0.0_real64  !! in shear, for Hardy, more than 0
   end type scene_limit
 
   !> Effects that are simulated beyond independent elastic contacts. The names are those of
@@ -100,10 +98,10 @@ module asperity_scene_values
   type :: scene_effects
     integer :: modes(size(known_effects)) = effect_off  !! of each effect, an `effect_` number
     integer :: given(size(known_effects)) = by_default  !! by what: one of the `by_` numbers
-    type(decimal_value) :: numbers(size(effect_numbers)) = effect_numbers%default  !! of all
+    real(real64) :: numbers(size(effect_numbers)) = effect_numbers%default  !! of all
     !> (term, quantity): several relaxation times, ascending, and the relaxed modulus after each;
     !> `numbers` has the last ones. Not allocated: one.
-    type(decimal_value), allocatable :: relaxation(:, :)
+    real(real64), allocatable :: relaxation(:, :)
   contains
     procedure :: mode => mode_of_effect      !! how an effect is called for
     procedure :: number => number_of_effect  !! a number, or the place of a word, as a double
@@ -148,19 +146,19 @@ module asperity_scene_values
     !> Maps in the place of the surfaces; not allocated: none. Summits are found when it is solved.
     type(scene_map), allocatable :: map
     logical :: lower_is_mirrored = .false.        !! a deck's lower surface is
-    type(decimal_value) :: lower_mirror_width     !! the deck's WIDTHL, when mirrored
+    real(real64) :: lower_mirror_width = 0.0_real64  !! the deck's WIDTHL, when mirrored
     !> Combined modulus itself, in place of those of both surfaces; 0: it follows from them.
-    type(decimal_value) :: contact_modulus
+    real(real64) :: contact_modulus = 0.0_real64
     !> (body, kind): electrical and thermal conductivities of upper and lower body; 0: not given.
-    type(decimal_value) :: conductivity(2, 2)
-    type(decimal_value) :: nominal_area           !! of the surfaces in plan; 0: not given
+    real(real64) :: conductivity(2, 2) = 0.0_real64
+    real(real64) :: nominal_area = 0.0_real64  !! of the surfaces in plan; 0: not given
     character(len=16) :: units(2) = ''            !! names of length and force; blank: not given
-    type(decimal_value) :: starting_gap           !! at the start: 1.27 cm for a deck, else 0
+    real(real64) :: starting_gap = 0.0_real64  !! at the start: 1.27 cm for a deck, else 0
     type(scene_motion) :: motion                  !! where the upper surface stands
     type(scene_loading) :: loading                !! how far the surfaces close
     type(scene_limit) :: limit                    !! when a contact is at its limit
     type(scene_effects) :: effects                !! what else is simulated
-    type(decimal_value) :: stored(size(scene_rows))  !! values of rows of `scene_rows` with `stored`
+    real(real64) :: stored(size(scene_rows)) = 0.0_real64  !! of rows of `scene_rows` with `stored`
     type(problem_list) :: notes                   !! oddities of a deck that are no errors
   contains
     procedure :: number => number_of_scene        !! value of a row with `stored`
@@ -181,7 +179,7 @@ contains
     class(scene_effects), intent(in) :: effects  !! of a scene
     character(len=*), intent(in) :: name         !! a known number
 
-    number = decimal_to_real64(effects%numbers(findloc(effect_numbers%name, name, 1)))
+    number = effects%numbers(findloc(effect_numbers%name, name, 1))
   end function number_of_effect
 
   !> A number of a scene that its row alone describes, as the nearest double.
@@ -189,8 +187,8 @@ contains
     class(scene), intent(in) :: self             !! scene with checked values
     character(len=*), intent(in) :: group, name  !! of a row of `scene_rows` with `stored`
 
-    number = decimal_to_real64(self%stored(findloc(scene_rows%group == group .and. &
-                                                   scene_rows%name == name, .true., 1)))
+    number = self%stored(findloc(scene_rows%group == group .and. &
+                                                   scene_rows%name == name, .true., 1))
   end function number_of_scene
 
   !> Sets how a scene calls for an effect.
@@ -206,7 +204,7 @@ contains
   pure subroutine set_number(effects, name, value)
     class(scene_effects), intent(inout) :: effects  !! of a scene
     character(len=*), intent(in) :: name            !! a known number
-    type(decimal_value), intent(in) :: value        !! in its range
+    real(real64), intent(in) :: value        !! in its range
 
     effects%numbers(findloc(effect_numbers%name, name, 1)) = value
   end subroutine set_number
@@ -216,9 +214,9 @@ contains
     class(scene_effects), intent(in) :: effects  !! of a scene
     character(len=*), intent(in) :: name         !! a known number
 
-    is_there = effects%numbers(findloc(effect_numbers%name, name, 1))%all_digits /= 0_int64 .or. &
+    is_there = abs(effects%numbers(findloc(effect_numbers%name, name, 1))) > 0.0_real64 .or. &
       any(effect_numbers%name == effect_numbers(findloc(effect_numbers%name, name, 1))%instead &
-          .and. effects%numbers%all_digits /= 0_int64)
+          .and. abs(effects%numbers) > 0.0_real64)
   end function is_there
 
   !> Whether the numbers that call for an effect are given and not 0; false where it has none.
@@ -273,19 +271,19 @@ contains
 
   !> (1 - nu**2)/E of a body; their sum for both is one over the combined modulus.
   elemental real(real64) function body_compliance(elastic_modulus, poisson_ratio)
-    type(decimal_value), intent(in) :: elastic_modulus  !! more than 0
-    type(decimal_value), intent(in) :: poisson_ratio    !! more than -1, at most 0.5
+    real(real64), intent(in) :: elastic_modulus  !! more than 0
+    real(real64), intent(in) :: poisson_ratio    !! more than -1, at most 0.5
     real(real64) :: ratio
 
-    ratio = decimal_to_real64(poisson_ratio)
-    body_compliance = (1 - ratio) * (1 + ratio) / decimal_to_real64(elastic_modulus)
+    ratio = poisson_ratio
+    body_compliance = (1 - ratio) * (1 + ratio) / elastic_modulus
   end function body_compliance
 
   !> The combined modulus, 1/E = (1 - nu1**2)/E1 + (1 - nu2**2)/E2.
   pure real(real64) function combined_modulus(scene_in)
     type(scene), intent(in) :: scene_in  !! scene with checked values
 
-    combined_modulus = decimal_to_real64(scene_in%contact_modulus)
+    combined_modulus = scene_in%contact_modulus
     if (combined_modulus > 0.0_real64) return
     associate (upper => scene_in%upper, lower => scene_in%lower)
       combined_modulus = 1.0_real64 / (body_compliance(upper%elastic_modulus, &
@@ -301,10 +299,9 @@ contains
     real(real64) :: ratio(2), modulus(2)
 
     dundurs_beta = 0.0_real64
-    ratio = decimal_to_real64([scene_in%upper%poisson_ratio, scene_in%lower%poisson_ratio])
-    modulus = decimal_to_real64([scene_in%upper%elastic_modulus, scene_in%lower%elastic_modulus])
-    if (.not. all(modulus > 0.0_real64) .or. &
-        decimal_to_real64(scene_in%contact_modulus) > 0.0_real64) return
+    ratio = [scene_in%upper%poisson_ratio, scene_in%lower%poisson_ratio]
+    modulus = [scene_in%upper%elastic_modulus, scene_in%lower%elastic_modulus]
+    if (.not. all(modulus > 0.0_real64) .or. scene_in%contact_modulus > 0.0_real64) return
     ratio = (1 - 2 * ratio) * (1 + ratio) / modulus
     dundurs_beta = 0.5_real64 * combined_modulus(scene_in) * (ratio(1) - ratio(2))
   end function dundurs_beta
@@ -313,8 +310,7 @@ contains
   pure logical function has_tangential(loading)
     type(scene_loading), intent(in) :: loading  !! loading of a scene
 
-    has_tangential = any([loading%tangential_load%all_digits, &
-                          loading%tangential_displacement%all_digits] > 0_int64)
+    has_tangential = any([loading%tangential_load, loading%tangential_displacement] > 0.0_real64)
   end function has_tangential
 
   !> Whether a scene has a map, which is solved on its pixels.

@@ -1,9 +1,8 @@
 !> The names of the specifications of `asperity generate`, one row each.
 module asperity_spec_names
-  use asperity_decimal, only: decimal_value
   use asperity_generation_values, only: below_words, most_asperities
   use asperity_height_map, only: length_units
-  use asperity_kinds, only: int64
+  use asperity_kinds, only: real64
   use asperity_numeral, only: a_length, above_zero, any_number, not_negative, poisson_range, &
                               share_or_all
   use asperity_scene_fields, only: known_name, one_word, whole_number, whole_value, word_length
@@ -17,7 +16,7 @@ module asperity_spec_names
   integer, parameter :: most_pixels = 1048576
   character(len=*), parameter :: none(5) = ''
   integer, parameter :: pair(2) = [1, 2]  ! one value for both surfaces, or both directions, or two
-  type(decimal_value), parameter :: one = decimal_value(1_int64, 0)  ! also: the first word
+  real(real64), parameter :: one = 1.0_real64  ! also: the first word
 
   !> A row each.
   type(known_name), parameter :: spec_table(*) = [ &
@@ -51,7 +50,7 @@ module asperity_spec_names
     known_name('random', 'ensemble', whole_number, 'number of surfaces of each side', &
                default=one, least=1, most=1000000), &
     known_name('random', 'tries', whole_number, 'places tried at most for one asperity', &
-               default=decimal_value(10000_int64, 0), least=1, most=1000000), &
+               default=10000.0_real64, least=1, most=1000000), &
     known_name('deck', 'elastic_modulus', above_zero, 'upper, lower; psi', pair, &
                otherwise='needed'), &
     known_name('deck', 'poisson_ratio', poisson_range, 'upper, lower', pair, &

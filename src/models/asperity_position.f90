@@ -9,7 +9,6 @@ module asperity_asperity_position
   use asperity_contact_records, only: effect_record, position_result, prescribed_normal, &
                                       prescribed_vertical
   use asperity_contact_state, only: contact_state, controlled_load, start_state
-  use asperity_decimal, only: decimal_to_real64, decimal_value
   use asperity_effect_sequence, only: choose_effects, drop_choice, first_failure, found_state, &
                                       simulate_effects
   use asperity_hertz_law, only: hertz_law
@@ -102,7 +101,7 @@ contains
     real(real64), intent(in) :: duration  ! time of loading, 0 or more
     type(path_step), allocatable, intent(out) :: steps(:)  ! at least one
     character(len=:), allocatable, intent(out) :: failure
-    type(decimal_value), allocatable :: given(:)
+    real(real64), allocatable :: given(:)
     real(real64), allocatable :: compressions(:), ends(:), gaps(:)
     integer :: i
 
@@ -133,11 +132,11 @@ contains
     allocate (ends(size(given)))
     ! In the unit of the pairs: a load, or a compression.
     do i = 1, size(ends)
-      ends(i) = decimal_to_real64(given(i))
+      ends(i) = given(i)
       select case (scene_in%loading%control)
       case (control_pressure)
         ends(i) = scale(ends(i), -pairs%modulus_power) * &
-                  scale(decimal_to_real64(scene_in%nominal_area), -2 * pairs%length_power)
+                  scale(scene_in%nominal_area, -2 * pairs%length_power)
       case (control_load, control_vertical_load)
         ends(i) = scale(ends(i), -(pairs%modulus_power + 2 * pairs%length_power))
       case (control_compression)
@@ -145,7 +144,7 @@ contains
       case default
         ends(i) = pairs%first_touch - scale(ends(i), -pairs%length_power)
       end select
-      if (is_load(scene_in%loading%control) .and. given(i)%all_digits /= 0 .and. &
+      if (is_load(scene_in%loading%control) .and. abs(given(i)) > 0.0_real64 .and. &
           .not. abs(ends(i)) / max(1, scene_in%loading%points) > 0.0_real64) then
         failure = 'a load of the path is too small beside the moduli and lengths to be met'
         return

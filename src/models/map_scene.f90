@@ -1,7 +1,6 @@
 !> Preparation of a scene with a map: one levelled map, its summits as a surface, its loading.
 module asperity_map_scene
   use asperity_contact_model, only: path_step
-  use asperity_decimal, only: decimal_to_real64, decimal_value
   use asperity_height_map, only: height_map, is_measured, move_map
   use asperity_kinds, only: int64, real64
   use asperity_map_caps, only: add_caps, placed_caps
@@ -78,8 +77,7 @@ contains
     integer, intent(in) :: m                  !! position, from 1
     real(real64) :: displacement(2)
 
-    displacement = decimal_to_real64([motion%x_first, motion%y_first]) + &
-                   (m - 1) * decimal_to_real64([motion%x_step, motion%y_step])
+    displacement = [motion%x_first, motion%y_first] + (m - 1) * [motion%x_step, motion%y_step]
   end function displacement_of
 
   !> Area of the measured pixels, length squared.
@@ -95,7 +93,7 @@ contains
     type(height_map), intent(in) :: map           !! map of `join_maps`
     type(path_step), allocatable, intent(out) :: steps(:)
     character(len=:), allocatable, intent(out) :: failure  !! reason, when a load underflows
-    type(decimal_value), allocatable :: given(:)
+    real(real64), allocatable :: given(:)
     real(real64), allocatable :: ends(:)
     real(real64) :: duration, from, unit
 
@@ -106,16 +104,16 @@ contains
     end if
     unit = 1.0_real64
     if (scene_in%loading%control == control_pressure) then
-      unit = decimal_to_real64(scene_in%nominal_area)
+      unit = scene_in%nominal_area
       if (.not. unit > 0.0_real64) unit = area_of_map(map)
     end if
-    ends = unit * decimal_to_real64(given)
+    ends = unit * given
     from = 0.0_real64
     duration = 0.0_real64
     if (scene_in%effects%mode('creep') /= effect_off) &
       duration = scene_in%effects%number('loading_time')
     if (is_load(scene_in%loading%control)) then
-      if (any(given%all_digits > 0_int64 .and. &
+      if (any(given > 0.0_real64 .and. &
               .not. ends / max(1, scene_in%loading%points) > 0.0_real64)) then
         failure = 'a load of the map is too small for a double, expected other units'
         return

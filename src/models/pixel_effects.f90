@@ -4,7 +4,7 @@ module asperity_pixel_effects
   use asperity_effect_header, only: add_columns, add_effect, area, begin_header, column_name, &
                                     effect_column, effect_header, force, moment, plain
   use asperity_friction, only: slip_contact_columns, slip_state_columns
-  use asperity_kinds, only: int64, real64
+  use asperity_kinds, only: real64
   use asperity_map_interface, only: conductance_columns, interface_columns
   use asperity_map_state, only: map_laws
   use asperity_problems, only: real_text
@@ -81,7 +81,7 @@ contains
     end if
     call add_of_state(interface_columns)
     do i = 1, 2
-      if (scene_in%conductivity(1, i)%all_digits /= 0_int64) &
+      if (abs(scene_in%conductivity(1, i)) > 0.0_real64) &
         call add_of_state([effect_column(conductance_columns(i), plain)])
     end do
     if (any(scene_in%map%form_radius > 0.0_real64)) &

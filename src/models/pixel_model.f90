@@ -9,7 +9,6 @@ module asperity_pixel_model
                                     path_step, placed_bodies
   use asperity_contact_records, only: add_rows, contact_row, position_result, prescribed_normal, &
                                       state_row
-  use asperity_decimal, only: decimal_to_real64
   use asperity_friction, only: stiffness_ratio_of
   use asperity_height_map, only: height_map
   use asperity_kinds, only: int64, not_computed, real64
@@ -115,10 +114,9 @@ contains
       new%slip%coefficient = scene_in%effects%number('friction_coefficient')
       new%slip%kappa = stiffness_ratio_of(scene_in)
       associate (loading => scene_in%loading)
-        new%slip%by_load = loading%tangential_displacement%all_digits == 0_int64
-        new%slip%given = decimal_to_real64(merge(loading%tangential_load, &
-                                                 loading%tangential_displacement, &
-                                                 new%slip%by_load))
+        new%slip%by_load = .not. abs(loading%tangential_displacement) > 0.0_real64
+        new%slip%given = merge(loading%tangential_load, loading%tangential_displacement, &
+                                                 new%slip%by_load)
       end associate
     end if
     call set_theory_limits(scene_in, 0, 0, new%limits)
@@ -333,7 +331,7 @@ contains
                              laws%hardness)
       result%state_values = [result%state_values, of_interface]
       do i = 1, 2
-        associate (both => decimal_to_real64(self%model%scene_in%conductivity(:, i)))
+        associate (both => self%model%scene_in%conductivity(:, i))
           if (all(both > 0.0_real64)) result%state_values = [result%state_values, &
             max(not_computed, of_interface(3) * (product(both) / sum(both)))]
         end associate

@@ -2,7 +2,6 @@
 module asperity_summary
   use asperity_contact_field, only: parts_in_words
   use asperity_contact_records, only: prescribed_nothing, state_row
-  use asperity_decimal, only: decimal_to_real64
   use asperity_effect_names, only: known_effects
   use asperity_effects_summary, only: effects_in_words, load_is_met, write_effects
   use asperity_kinds, only: not_computed, real64
@@ -172,7 +171,7 @@ contains
     call make_arrays(of_states, results, table, failure)
     if (allocated(failure)) return
     allocate (values(size(scene_in%loading%path)), lost(0))
-    values(:) = decimal_to_real64(scene_in%loading%path)
+    values(:) = scene_in%loading%path
     associate (control => scene_in%loading%control)
       text = trim(control_words(control))
       if (control == control_limit) text = 'separation'

@@ -1,6 +1,5 @@
 !> The pressure at which the material of a scene first yields.
 module asperity_first_yield
-  use asperity_decimal, only: decimal_to_real64
   use asperity_kinds, only: real64
   use asperity_scene_values, only: criterion_greenwood_williamson, criterion_hardy, scene
   implicit none
@@ -31,8 +30,8 @@ contains
     body = nint(scene_in%effects%number('plastic_body'))
     if (body > 0) return
     associate (upper => scene_in%upper, lower => scene_in%lower)
-      modulus = decimal_to_real64([upper%elastic_modulus, lower%elastic_modulus])
-      ratio = decimal_to_real64([upper%poisson_ratio, lower%poisson_ratio])
+      modulus = [upper%elastic_modulus, lower%elastic_modulus]
+      ratio = [upper%poisson_ratio, lower%poisson_ratio]
     end associate
     body = minloc(modulus, 1)
     if (.not. abs(modulus(1) - modulus(2)) > 0.0_real64) body = minloc(ratio, 1)
@@ -42,8 +41,8 @@ contains
   pure real(real64) function yielding_factor(scene_in) result(factor)
     type(scene), intent(in) :: scene_in  !! scene with checked values
 
-    factor = constraint_factor(decimal_to_real64(merge(scene_in%upper%poisson_ratio, &
-                               scene_in%lower%poisson_ratio, yielding_body(scene_in) == 1)))
+    factor = constraint_factor(merge(scene_in%upper%poisson_ratio, &
+                               scene_in%lower%poisson_ratio, yielding_body(scene_in) == 1))
   end function yielding_factor
 
   !> Average pressure of a contact at which the material of a scene yields; huge: the scene has
@@ -59,9 +58,9 @@ contains
     if (stress > 0.0_real64) then
       pressure = stress / peak * yielding_factor(scene_in)
     else if (scene_in%limit%criterion == criterion_greenwood_williamson) then
-      pressure = decimal_to_real64(scene_in%limit%hardness)
+      pressure = scene_in%limit%hardness
     else if (scene_in%limit%criterion == criterion_hardy) then
-      pressure = 2.76_real64 / peak * decimal_to_real64(scene_in%limit%yield_stress)
+      pressure = 2.76_real64 / peak * scene_in%limit%yield_stress
     end if
   end function yield_pressure
 

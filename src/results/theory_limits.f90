@@ -5,7 +5,6 @@
 module asperity_theory_limits
   use asperity_constants, only: pi
   use asperity_contact_records, only: contact_row
-  use asperity_decimal, only: decimal_to_real64
   use asperity_effect_names, only: effect_words, go_together, known_effects
   use asperity_first_yield, only: yield_pressure
   use asperity_kinds, only: real64
@@ -59,20 +58,17 @@ contains
     type(theory_limits), intent(out) :: limits   !! limits in these units
 
     limits%independent = scene_in%effects%mode('interaction') == effect_off
-    limits%area = scale(scale(decimal_to_real64(scene_in%nominal_area), -length_power), &
-                        -length_power)
+    limits%area = scale(scale(scene_in%nominal_area, -length_power), -length_power)
     if (.not. (limits%area > 0.0_real64 .or. allocated(scene_in%map))) &
       limits%area = area_of_boxes(scene_in, length_power)
-    limits%slope = max(norm2(decimal_to_real64(scene_in%upper%slope)), &
-                       norm2(decimal_to_real64(scene_in%lower%slope)))
+    limits%slope = max(norm2(scene_in%upper%slope), norm2(scene_in%lower%slope))
     limits%forbids_plasticity = ruling_out_plasticity(scene_in)
     if (scene_in%effects%mode('plasticity') /= effect_off) return
     if (scene_in%loading%control /= control_limit) then
       if (scene_in%limit%criterion == criterion_load) &
-        limits%load = scale(scale(decimal_to_real64(scene_in%limit%value), -modulus_power), &
-                            -2 * length_power)
+        limits%load = scale(scale(scene_in%limit%value, -modulus_power), -2 * length_power)
       if (scene_in%limit%criterion == criterion_pressure) &
-        limits%pressure = scale(decimal_to_real64(scene_in%limit%value), -modulus_power)
+        limits%pressure = scale(scene_in%limit%value, -modulus_power)
     end if
     limits%yield_pressure = yield_pressure(scene_in)
     if (limits%yield_pressure < huge(1.0_real64)) &
@@ -95,7 +91,7 @@ contains
           name = 'not with ' // known_effects(i)%name
       end do
     end associate
-    if (scene_in%contact_modulus%all_digits > 0) name = 'not with contact_modulus'
+    if (scene_in%contact_modulus > 0.0_real64) name = 'not with contact_modulus'
   end function ruling_out_plasticity
 
   !> Adds a contact outside of the theories to the warnings of a state.
@@ -146,13 +142,13 @@ contains
 
     select case (limit%criterion)
     case (criterion_load)
-      share = load / decimal_to_real64(limit%value)
+      share = load / limit%value
     case (criterion_pressure)
-      share = average / decimal_to_real64(limit%value)
+      share = average / limit%value
     case (criterion_greenwood_williamson)
-      share = greatest / (2 / pi * decimal_to_real64(limit%hardness))
+      share = greatest / (2 / pi * limit%hardness)
     case (criterion_hardy)
-      share = greatest / (2.76_real64 * decimal_to_real64(limit%yield_stress))
+      share = greatest / (2.76_real64 * limit%yield_stress)
     case default
       share = 0.0_real64
     end select

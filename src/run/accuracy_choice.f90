@@ -7,7 +7,6 @@ module asperity_accuracy_choice
   use asperity_constants, only: pi
   use asperity_contact_records, only: position_result, prescribed_nothing, prescribed_vertical, &
                                       state_row
-  use asperity_decimal, only: decimal_to_real64
   use asperity_effect_names, only: known_effects
   use asperity_kinds, only: not_computed, real64
   use asperity_numeral, only: rounded_decimal
@@ -160,12 +159,11 @@ contains
       least = min(minval(upper%radius), minval(lower%radius))
       ! The effective radius of a pair is at most the smaller radius.
       widest = min(maxval(upper%radius), maxval(lower%radius))
-      tilt = max(norm2(decimal_to_real64(upper%slope)), norm2(decimal_to_real64(lower%slope)))
+      tilt = max(norm2(upper%slope), norm2(lower%slope))
       in_plan = max(maxval(abs(upper%x)), maxval(abs(upper%y)), maxval(abs(lower%x)), &
-                    maxval(abs(lower%y)), abs(decimal_to_real64(scene_in%lower_mirror_width)), &
-                    maxval(abs(decimal_to_real64([motion%x_first, motion%y_first]))) + &
-                    (motion%positions - 1) * &
-                    maxval(abs(decimal_to_real64([motion%x_step, motion%y_step]))))
+                    maxval(abs(lower%y)), abs(scene_in%lower_mirror_width), &
+                    maxval(abs([motion%x_first, motion%y_first])) + (motion%positions - 1) * &
+                    maxval(abs([motion%x_step, motion%y_step])))
       in_height = max(maxval(abs(upper%height)), maxval(abs(lower%height))) + 2 * tilt * in_plan
     end associate
     ! The distance of the summits of a pair in plan is less than the sum of their radii, and less

@@ -7,11 +7,9 @@
 !> with plasticity the second one is elastic on the residual shape.
 module asperity_contact_slip
   use asperity_contact_records, only: contact_row, position_result
-  use asperity_decimal, only: decimal_to_real64, decimal_value
   use asperity_effect_header, only: add_columns
   use asperity_friction, only: slip_contact_columns, slip_state_columns, stiffness_ratio_of
   use asperity_kinds, only: not_computed, real64
-  use asperity_numeral, only: rounded_decimal
   use asperity_run_options, only: run_options
   use asperity_scene_results, only: scene_results
   use asperity_scene_values, only: control_load, control_separation, effect_off, has_tangential, &
@@ -69,9 +67,9 @@ contains
 
     mu = scene_in%effects%number('friction_coefficient')
     kappa = stiffness_ratio_of(scene_in)
-    by_load = scene_in%loading%tangential_displacement%all_digits == 0
-    given = decimal_to_real64(merge(scene_in%loading%tangential_load, &
-                                    scene_in%loading%tangential_displacement, by_load))
+    by_load = .not. abs(scene_in%loading%tangential_displacement) > 0.0_real64
+    given = merge(scene_in%loading%tangential_load, &
+                                    scene_in%loading%tangential_displacement, by_load)
     associate (last => position%states(size(position%states)))
       if (scene_in%effects%mode('plasticity') /= effect_off .and. &
           last%load < maxval(position%states%load)) then
@@ -118,16 +116,15 @@ contains
     type(scene) :: other
     type(run_options) :: of_path
     real(real64) :: step, values(4)
-    integer :: i
 
     other = scene_in
-    other%loading%tangential_load = decimal_value()
-    other%loading%tangential_displacement = decimal_value()
+    other%loading%tangential_load = 0.0_real64
+    other%loading%tangential_displacement = 0.0_real64
     call other%effects%call_for('friction', effect_off)
-    call other%effects%set('friction_coefficient', decimal_value())
+    call other%effects%set('friction_coefficient', 0.0_real64)
     other%motion%positions = 1
-    other%motion%x_first = rounded_decimal(position%x_displacement, 17)
-    other%motion%y_first = rounded_decimal(position%y_displacement, 17)
+    other%motion%x_first = position%x_displacement
+    other%motion%y_first = position%y_displacement
     ! Within the state at the normal load.
     step = min(stiffness_step, 0.5_real64 * ratio / (1.0_real64 - ratio))
     values = [1.0_real64, (1.0_real64 - ratio) * (1.0_real64 + step), 1.0_real64 - ratio, &
@@ -142,7 +139,7 @@ contains
       end if
     end associate
     if (allocated(other%loading%path)) deallocate (other%loading%path)
-    allocate (other%loading%path, source=[(rounded_decimal(values(i), 17), i=1, size(values))])
+    allocate (other%loading%path, source=values)
     other%loading%value = other%loading%path(1)
     other%loading%points = 0
     other%loading%events = .false.

@@ -5,7 +5,6 @@ module asperity_map_solve
   use asperity_contact_field, only: fields_none
   use asperity_contact_model, only: contact_model
   use asperity_contact_records, only: contact_row, drop_rows, position_result, state_row
-  use asperity_decimal, only: decimal_to_real64
   use asperity_effect_names, only: by_numbers, known_effects
   use asperity_images, only: image_count
   use asperity_kept_records, only: whole_number
@@ -42,7 +41,7 @@ contains
     logical :: is_called(size(known_effects)), is_final
     integer :: at, e, k, m
 
-    results%nominal_area = decimal_to_real64(scene_in%nominal_area)
+    results%nominal_area = scene_in%nominal_area
     chosen = scene_in
     is_final = .false.
     is_called = scene_in%effects%modes == effect_auto .and. &
@@ -134,9 +133,9 @@ contains
   pure logical function is_tensile(loading)
     type(scene_loading), intent(in) :: loading
 
-    is_tensile = is_load(loading%control) .and. loading%value%all_digits <= 0
+    is_tensile = is_load(loading%control) .and. .not. loading%value > 0.0_real64
     if (allocated(loading%path)) is_tensile = is_load(loading%control) .and. &
-                                              any(loading%path%all_digits <= 0)
+                                              any(.not. loading%path > 0.0_real64)
   end function is_tensile
 
   ! Solves a map on its pixels.

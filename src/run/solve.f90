@@ -4,7 +4,6 @@ module asperity_solve
                                       choose_model, errors_of_run, first_tolerance, &
                                       next_tolerance, report_method, &
                                       run_errors, total_error
-  use asperity_decimal, only: decimal_to_real64
   use asperity_kinds, only: real64
   use asperity_map_solve, only: solve_map
   use asperity_numeral, only: rounded_decimal
@@ -76,8 +75,7 @@ contains
     !$ call omp_set_num_threads(usual)
     if (allocated(failure)) results = scene_results()
     results%are_solved = .not. allocated(failure)
-    if (.not. results%nominal_area > 0.0_real64) &
-      results%nominal_area = decimal_to_real64(scene_in%nominal_area)
+    if (.not. results%nominal_area > 0.0_real64) results%nominal_area = scene_in%nominal_area
   end subroutine solve
 
   ! Solves a scene with its effects so that the estimated errors are within the requested accuracy.

@@ -3,7 +3,6 @@
 !> A surface between its summits is the highest of its spheres and, where all its summits are above
 !> it, its reference plane. Beside all spheres of a surface without that plane there is no surface.
 module asperity_surface_elevations
-  use asperity_decimal, only: decimal_to_real64, decimal_value
   use asperity_grid_pressures, only: field_grid
   use asperity_kinds, only: not_computed, real64
   use asperity_scene_values, only: scene_surface
@@ -32,15 +31,15 @@ contains
   type(placed_surface) function place_surface(surface, side, displacement, mirror) result(placed)
     type(scene_surface), intent(in) :: surface  !! surface of the scene
     integer, intent(in) :: side                 !! sign of the slope: 1 lower, -1 upper surface
-    type(decimal_value), intent(in), optional :: displacement(2)  !! displacement in plan [length]
+    real(real64), intent(in), optional :: displacement(2)  !! displacement in plan [length]
     real(real64), intent(in), optional :: mirror  !! y becomes this number less y [length]
     real(real64) :: angle
 
-    angle = decimal_to_real64(surface%rotation)
+    angle = surface%rotation
     allocate (placed%x, source=surface%x * cos(angle) - surface%y * sin(angle))
     allocate (placed%y, source=surface%x * sin(angle) + surface%y * cos(angle))
     if (present(mirror)) placed%y = mirror - placed%y
-    placed%slope = side * decimal_to_real64(surface%slope)
+    placed%slope = side * surface%slope
     allocate (placed%level, source=surface%height + placed%slope(1) * placed%x + &
                                    placed%slope(2) * placed%y)
     allocate (placed%radius, source=surface%radius)
@@ -51,7 +50,7 @@ contains
         placed%reach = sqrt(cap) * sqrt(surface%radius + (surface%radius - cap))
       end associate
     end if
-    if (present(displacement)) placed%displacement = decimal_to_real64(displacement)
+    if (present(displacement)) placed%displacement = displacement
     placed%x = placed%x + placed%displacement(1)
     placed%y = placed%y + placed%displacement(2)
   end function place_surface

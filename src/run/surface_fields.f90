@@ -9,7 +9,6 @@ module asperity_surface_fields
   use asperity_element_influence, only: centre_influence
   use asperity_contact_field, only: contact_field, fields_all, fields_none, room_of_fields
   use asperity_contact_records, only: drop_rows, position_result
-  use asperity_decimal, only: decimal_to_real64
   use asperity_element_pressures, only: element_pressures
   use asperity_grid_pressures, only: add_circle, add_square, field_grid
   use asperity_constants, only: pi
@@ -92,7 +91,7 @@ contains
       return
     end if
     upper = place_surface(scene_in%upper, -1, [scene_in%motion%x_first, scene_in%motion%y_first])
-    if (scene_in%lower_is_mirrored) mirror = decimal_to_real64(scene_in%lower_mirror_width)
+    if (scene_in%lower_is_mirrored) mirror = scene_in%lower_mirror_width
     lower = place_surface(scene_in%lower, 1, mirror=mirror)
     call lay_grid(upper, lower, scene_in%number('surfaces', 'field_spacing'), grid, failure, &
                   corners)

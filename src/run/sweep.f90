@@ -7,7 +7,6 @@
 module asperity_sweep
   use asperity_contact_model, only: contact_model
   use asperity_contact_records, only: are_finite, most_rows, position_result, room_of_a_state
-  use asperity_decimal, only: decimal_to_real64
   use asperity_images, only: image_count, image_number, mark_of_failure, read_mark, set_mark
   use asperity_interruption, only: interruption
   use asperity_kept_records, only: begin_work, close_work, is_due, keep_record, kept_work, &
@@ -68,7 +67,7 @@ contains
     model%interrupt = options%interrupt
     model%progress_count = options%counted_work
     model%progress_count%of_position = max(1, model%states)
-    model%nominal_area = max(decimal_to_real64(scene_in%nominal_area), results%nominal_area)
+    model%nominal_area = max(scene_in%nominal_area, results%nominal_area)
     kept%path = ''
     if (allocated(options%keep_file)) kept%path = options%keep_file
     kept%piece = 'position'

@@ -3,7 +3,7 @@
 module asperity_study_methods
   use asperity_contact_records, only: by_events, by_marching, overlap_original, overlap_stable, &
                                       solve_method
-  use asperity_decimal, only: decimal_to_real64, decimal_value
+  use asperity_decimal, only: decimal_value
   use asperity_effect_names, only: go_together, known_effects, why_not_together
   use asperity_height_map, only: height_map, level_none
   use asperity_interruption, only: interruption
@@ -51,10 +51,10 @@ module asperity_study_methods
 
   !> Largest estimated influence of an effect that `auto` leaves out, relative to the load, beside a
   !> given method of taking neighbours.
-  type(decimal_value), parameter :: tolerance_of_others = decimal_value(1_int64, -4)
+  real(real64), parameter :: tolerance_of_others = 1.0e-4_real64
   ! Tolerance of areas beside equal and finer ones of loads (chosen: to 1e-4 an area of dense
   ! contacts takes 80 times as long).
-  type(decimal_value), parameter :: finest_areas = decimal_value(1_int64, -3)
+  real(real64), parameter :: finest_areas = 1.0e-3_real64
 
   !> One method.
   type :: study_method
@@ -67,7 +67,7 @@ module asperity_study_methods
     !> no step.
     real(real64) :: step = 0.0_real64
     integer :: interaction = as_it_is          !! one of the `effect_` numbers, or as it is
-    type(decimal_value) :: tolerance = decimal_value()  !! of `auto` or of the cells
+    real(real64) :: tolerance = 0.0_real64  !! of `auto` or of the cells
     !> Pixels along a side over those of the map, a power of two.
     real(real64) :: resolution = 1.0_real64
     character(len=11) :: without = ''          !! an effect that is left out
@@ -218,9 +218,7 @@ contains
     logical, intent(in) :: simulated(:)
     real(real64), intent(in) :: finest
     type(study_method), allocatable, intent(inout) :: methods(:)
-    type(decimal_value), parameter :: of_auto(3) = [decimal_value(1_int64, -2), &
-                                                    decimal_value(3_int64, -3), &
-                                                    decimal_value(1_int64, -3)]
+    real(real64), parameter :: of_auto(3) = [1.0e-2_real64, 3.0e-3_real64, 1.0e-3_real64]
     type(study_method) :: method
     integer :: e, k
 
@@ -246,7 +244,7 @@ contains
     end do
     method%interaction = effect_boundary
     do k = -2, -4, -1
-      method%tolerance = decimal_value(1_int64, k)
+      method%tolerance = 10.0_real64**k
       method%name = 'boundary elements, ' // tolerance_text(method%tolerance)
       methods = [methods, method]
     end do
@@ -273,11 +271,12 @@ contains
 
   ! A tolerance as .01.
   pure function tolerance_text(share) result(text)
-    type(decimal_value), intent(in) :: share
+    real(real64), intent(in) :: share
     character(len=:), allocatable :: text
+    character(len=8) :: number
 
-    text = '0.' // repeat('0', -share%power_of_ten - 1) // achar(iachar('0') + &
-      int(share%all_digits))
+    write (number, '(f6.4)') share
+    text = number(:verify(number, '0 ', back=.true.))
   end function tolerance_text
 
   !> Runs a scene in a method, all positions, the ends of its path alone. The original program is
@@ -313,8 +312,8 @@ contains
       if (method%interaction == effect_auto) call copy%effects%set('tolerance', method%tolerance)
       if (method%interaction == effect_boundary) then
         call copy%effects%set('boundary_tolerance', method%tolerance)
-        if (decimal_to_real64(method%tolerance) <= decimal_to_real64(finest_areas) .and. &
-            copy%effects%number('area_tolerance') > decimal_to_real64(finest_areas)) &
+        if (method%tolerance <= finest_areas .and. &
+            copy%effects%number('area_tolerance') > finest_areas) &
           call copy%effects%set('area_tolerance', finest_areas)
       end if
     end if
@@ -336,7 +335,7 @@ contains
 
     call join_maps(changed, 1, map, origin, failure)
     if (allocated(failure)) return
-    if (changed%nominal_area%all_digits == 0_int64) &
+    if (.not. abs(changed%nominal_area) > 0.0_real64) &
       changed%nominal_area = rounded_decimal(area_of_map(map), 17)
     new%periodic = changed%map%periodic
     new%level = level_none

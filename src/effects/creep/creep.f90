@@ -12,7 +12,7 @@ module asperity_creep
   use asperity_contact_pairs, only: contact_pairs
   use asperity_contact_rings, only: contact_rings, has_shrunk, keep_rings, measure_rings
   use asperity_contact_state, only: contact_state
-  use asperity_kinds, only: int64, not_computed, real64
+  use asperity_kinds, only: not_computed, real64
   use asperity_scene_values, only: body_compliance, effect_auto, effect_boundary, hold_load, &
                                    most_relaxations, scene
   use asperity_theory_warnings, only: add_warning, of_creep_strain, of_relaxing, of_shrinking, &
@@ -86,9 +86,8 @@ contains
       if (effects%mode('interaction') == effect_auto) &
         new%may_fall = max(new%may_fall, new%tolerance)
     end associate
-    if (scene_in%contact_modulus%all_digits == 0_int64 .and. &
-        min(scene_in%upper%elastic_modulus%all_digits, &
-            scene_in%lower%elastic_modulus%all_digits) > 0_int64) then
+    if (.not. abs(scene_in%contact_modulus) > 0.0_real64 .and. &
+        min(scene_in%upper%elastic_modulus, scene_in%lower%elastic_modulus) > 0.0_real64) then
       compliances = body_compliance([scene_in%upper%elastic_modulus, &
                                scene_in%lower%elastic_modulus], &
                                [scene_in%upper%poisson_ratio, scene_in%lower%poisson_ratio])

@@ -17,7 +17,6 @@
 !> steps are exact there and in a hold of the separation. Otherwise the error is of second order in
 !> the step.
 module asperity_viscoelastic_solid
-  use asperity_decimal, only: decimal_to_real64
   use asperity_kinds, only: real64
   use asperity_scene_values, only: most_relaxations, scene
   implicit none
@@ -62,8 +61,7 @@ contains
 
     associate (effects => scene_in%effects)
       if (allocated(effects%relaxation)) then
-        solid = new_solid(decimal_to_real64(effects%relaxation(:, 2)), &
-                          decimal_to_real64(effects%relaxation(:, 1)), &
+        solid = new_solid(effects%relaxation(:, 2), effects%relaxation(:, 1), &
                           effects%number('loading_time'))
       else
         solid = new_solid([effects%number('relaxed_modulus_ratio')], &

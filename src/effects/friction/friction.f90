@@ -19,7 +19,6 @@
 module asperity_friction
   use asperity_contact_law, only: contact_response
   use asperity_contact_pairs, only: contact_pair
-  use asperity_decimal, only: decimal_to_real64
   use asperity_effect_header, only: area, column_name, force, length, plain, stiffness
   use asperity_gauss_rule, only: gauss_node, gauss_points, gauss_weight
   use asperity_kinds, only: real64
@@ -89,11 +88,8 @@ contains
   pure real(real64) function stiffness_ratio_of(scene_in)
     type(scene), intent(in) :: scene_in  !! scene with moduli and ratios of both bodies
 
-    stiffness_ratio_of = tangential_stiffness_ratio( &
-      decimal_to_real64(scene_in%upper%elastic_modulus), &
-      decimal_to_real64(scene_in%upper%poisson_ratio), &
-      decimal_to_real64(scene_in%lower%elastic_modulus), &
-      decimal_to_real64(scene_in%lower%poisson_ratio))
+    stiffness_ratio_of = tangential_stiffness_ratio(scene_in%upper%elastic_modulus, &
+      scene_in%upper%poisson_ratio, scene_in%lower%elastic_modulus, scene_in%lower%poisson_ratio)
   end function stiffness_ratio_of
 
   !> Solves the friction of a contact that was compressed from first touch to a penetration.

@@ -3,7 +3,6 @@
 !> plastic at any pressure.
 module asperity_plastic_surface
   use asperity_constants, only: pi
-  use asperity_decimal, only: decimal_to_real64
   use asperity_kinds, only: real64
   use asperity_plastic_curves, only: departure
   use asperity_scene_values, only: combined_modulus, criterion_greenwood_williamson, &
@@ -69,19 +68,18 @@ contains
     radius = combined_radius(scene_in)
     associate (limit => scene_in%limit, effects => scene_in%effects)
       if (limit%criterion == criterion_greenwood_williamson) then
-        hardness = decimal_to_real64(limit%hardness)
+        hardness = limit%hardness
       else if (effects%number('plastic_yield_stress') > 0.0_real64) then
         hardness = 2.84_real64 * effects%number('plastic_yield_stress')
       else if (limit%criterion == criterion_load) then
         ! (w/R)**1.5 of Hertz' law.
-        load_share = 0.75_real64 * (decimal_to_real64(limit%value) / modulus / radius) / radius
+        load_share = 0.75_real64 * (limit%value / modulus / radius) / radius
         hardness = modulus * load_share**(1.0_real64 / 3.0_real64)
       else if (limit%criterion == criterion_pressure) then
-        hardness = 0.75_real64 * pi * decimal_to_real64(limit%value)
+        hardness = 0.75_real64 * pi * limit%value
       else if (limit%criterion == criterion_hardy) then
         ! The greatest pressure at first yield is 2.76 times the shear stress.
-        hardness = 0.5_real64 * pi * 2.76_real64 * decimal_to_real64(limit%yield_stress) * &
-                   sqrt(departure)
+        hardness = 0.5_real64 * pi * 2.76_real64 * limit%yield_stress * sqrt(departure)
       end if
     end associate
   end function surface_hardness
