@@ -5,7 +5,7 @@ module asperity_number_format
   implicit none
   private
 
-  public :: count_text, percent_text, positions_text, positions_listed, number_text
+  public :: count_text, percent_text, positions_listed, number_text
 
   ! A longer list is in the CSV file.
   integer, parameter :: most_characters = 400
@@ -26,15 +26,6 @@ contains
     text = decimal_text(number) // ' ' // noun
     if (number /= 1) text = text // 's'
   end function count_text
-
-  !> `3: 18, 56-58`; a long list ends with `...`.
-  pure function positions_text(chosen) result(text)
-    logical, intent(in) :: chosen(:)         !! of every position
-    character(len=:), allocatable :: text    !! their number, and which they are
-
-    text = decimal_text(count(chosen))
-    if (any(chosen) .and. size(chosen) > 1) text = text // ': ' // positions_listed(chosen)
-  end function positions_text
 
   !> `18, 56-58`; a long list ends with `...`.
   pure function positions_listed(chosen) result(text)
