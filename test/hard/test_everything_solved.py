@@ -43,7 +43,8 @@ def test_many_who_press_each_other_open(asperity):
     case = next(c for c in solved_cases.rough_cases("blunt", solved_cases.blunt_caps())
                 if "20 %, load" in c.name)
     outcome = everything_solved.run(asperity, "coupled", 60, case)
-    assert outcome.status == 0 and outcome.contacts > 500, outcome.message
+    assert outcome.status == 0 and int(outcome.positions[0]["contacts"]) > 500, \
+        outcome.message
 
 
 @pytest.mark.parametrize("seed, was", [

@@ -15,57 +15,23 @@ contact.
 
 """
 
-import subprocess
-import tempfile
-import time
-from dataclasses import dataclass
-from pathlib import Path
+from functools import partial
 
 import numpy as np
 
-from csv_rows import records
+from judge import ask
 from solved_cases import COMBINED, OF_SEEDS, SPHERE
 
 
-@dataclass
-class Outcome:
-    """How a case ended."""
-
-    name: str
-    kind: str
-    caps: int
-    status: int = -1
-    contacts: int = 0
-    share: float = np.nan     # of the nominal area
-    steps: float = np.nan
-    seconds: float = 0.0
-    message: str = ""
-
-
 def run(exe, mode, timeout, case):
-    """Solve a case."""
-    outcome = Outcome(case.name, case.kind, len(case.caps))
-    with tempfile.TemporaryDirectory(dir=ROOM) as folder:
-        path = case.write(Path(folder), mode)
-        positions, contacts = path.with_name("positions.csv"), path.with_name("contacts.csv")
-        start = time.perf_counter()
-        try:
-            done = subprocess.run([exe, "solve", path, "--positions", positions, "--contacts",
-                                   contacts, "--quiet", "--threads", "1"],
-                                  capture_output=True, text=True, timeout=timeout)
-            outcome.status = done.returncode
-            outcome.message = done.stderr.strip().replace(f"{path}: ", "")
-        except subprocess.TimeoutExpired:
-            outcome.message = f"no end in {timeout:g} s"
-        outcome.seconds = time.perf_counter() - start
-        for row in records(positions) if positions.exists() else []:
-            outcome.contacts = int(row["contacts"])
-            outcome.share = float(row["area"]) / case.area
-            outcome.steps = float(row.get("interaction_iterations") or "nan")
-            fault = fault_of(case, row, records(contacts))
-            if fault:
-                outcome.status, outcome.message = WRONG, fault
-    return outcome
+    """Solve a case: the answer, with the steps that it took and what is wrong with it."""
+    answer = ask(exe, partial(case.write, mode=mode), timeout=timeout)
+    answer.steps = float("nan")
+    for row in answer.positions:
+        answer.steps = float(row.get("interaction_iterations") or "nan")
+        if fault := fault_of(case, row, answer.contacts):
+            answer.status, answer.stderr = WRONG, fault
+    return answer
 
 
 # Status of a result that is not what it says; relative error of a load by its penetration.
@@ -94,10 +60,6 @@ def fault_of(case, position, contacts):
     most = load.max(initial=0)
     wrong = np.abs(borne - load) > OF_LAW * most
     return f"{wrong.sum()} contacts do not bear what they penetrate" if wrong.any() else ""
-
-
-# Many small files: in memory where there is room for them.
-ROOM = "/dev/shm" if Path("/dev/shm").is_dir() else None
 
 
 def run_seed(exe, mode, timeout, seed, part="random"):

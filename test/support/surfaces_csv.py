@@ -95,13 +95,13 @@ def exact_csv_scene(upper, lower, modulus=(2.0e5, 1.0e5), ratio=(0.3, 0.25), **g
         criterion=criterion, limit=Fraction(repr(limit[number])) if number in limit else None)
 
 
-def solve(asperity, scene, *options, folder=None, contacts=True, curve=False):
+def solve(asperity, scene, *options, folder=None, contacts=True, curve=False, timeout=300):
     """Run the solver; the CSV files appear in the folder, else beside the scene, and are read."""
     folder = folder or scene.parent
     wanted = ["positions"] + ["contacts"] * contacts + ["curve"] * curve
     files = {name: folder / "-".join((scene.name, *options, name + ".csv")) for name in wanted}
     named = [part for name, path in files.items() for part in ("--" + name, path)]
-    done = run_program(asperity, "solve", scene, *options, *named, status=None)
+    done = run_program(asperity, "solve", scene, *options, *named, status=None, timeout=timeout)
     return Solved(done.returncode, done.stdout, done.stderr,
                   *(records(files[name]) if name in files and files[name].exists() else []
                     for name in ("positions", "contacts", "curve")))
