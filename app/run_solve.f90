@@ -10,7 +10,7 @@ module asperity_run_solve
   use asperity_input_text, only: lower_case
   use asperity_kinds, only: real64
   use asperity_map_stress, only: largest_stress, look_for_largest, stress_solver
-  use asperity_number_format, only: number_text
+  use asperity_number_format, only: count_text, number_text
   use asperity_problems, only: decimal_text, problem_list
   use asperity_result_table, only: array_table, make_arrays
   use asperity_results_json, only: write_json, write_json_table
