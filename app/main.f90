@@ -11,6 +11,7 @@ program asperity_main
   use asperity_run_solve, only: run_solve_command
   use asperity_run_summits, only: run_summits_command
   use asperity_system_calls, only: posix_exit
+  use asperity_waiting_threads, only: let_threads_sleep
   !$ use omp_lib, only: omp_set_num_threads
   use, intrinsic :: iso_c_binding, only: c_int
   implicit none
@@ -24,6 +25,8 @@ program asperity_main
     call outcome%problems%add('Try: asperity --help')
   else if (image_number() == 1 .or. is_shared(line)) then
     !$ if (line%has('--threads')) call omp_set_num_threads(line%choice('--threads'))
+    if (any(line%command == [character(len=8) :: 'accuracy', 'solve', 'summits'])) &
+      call let_threads_sleep()
     select case (line%command)
     case ('', 'help', 'version')
       call write_help(line%command, line%topic, outcome%text)

@@ -7,7 +7,7 @@ module asperity_images
   implicit none
   private
 
-  public :: image_number, image_count, read_mark, set_mark, wait_for_images
+  public :: image_number, image_count, is_image_build, read_mark, set_mark, wait_for_images
   public :: mark_of_failure, mark_of_run
 
   !> Marks on image 1 that all images read and write: the first piece of work that failed, and the
@@ -36,6 +36,14 @@ contains
     image_count = num_images()
 #endif
   end function image_count
+
+  !> Whether this is the build for several images, which a launcher has connected before the start.
+  pure logical function is_image_build()
+    is_image_build = .false.
+#ifdef ASPERITY_COARRAYS
+    is_image_build = .true.
+#endif
+  end function is_image_build
 
   !> Sets a mark. To be called outside of parallel regions.
   subroutine set_mark(which, value)

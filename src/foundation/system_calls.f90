@@ -9,6 +9,7 @@ module asperity_system_calls
   public :: file_owner, posix_chmod, posix_chown
   public :: posix_fsync, posix_rename, posix_unlink, posix_usleep, posix_signal
   public :: posix_isatty, posix_getpid, posix_exit, c_free, c_malloc
+  public :: posix_execv, posix_setenv
   public :: system_error, system_reason, canonical_path, text_of
 
   ! PATH_MAX of Linux, with the null character.
@@ -139,6 +140,23 @@ module asperity_system_calls
       implicit none
       integer(c_int), value :: status
     end subroutine posix_exit
+
+    !> Replaces the program of this process, with a list of arguments that ends with a null pointer;
+    !> returns only when refused.
+    integer(c_int) function posix_execv(path, arguments) bind(c, name='execv')
+      import :: c_char, c_int, c_ptr
+      implicit none
+      character(kind=c_char), intent(in) :: path(*)
+      type(c_ptr), intent(in) :: arguments(*)
+    end function posix_execv
+
+    !> Sets a variable of the environment; a variable that is there stays with `replaces` 0.
+    integer(c_int) function posix_setenv(name, value, replaces) bind(c, name='setenv')
+      import :: c_char, c_int
+      implicit none
+      character(kind=c_char), intent(in) :: name(*), value(*)
+      integer(c_int), value :: replaces
+    end function posix_setenv
 
     !> Memory of a number of bytes; null when there is none.
     type(c_ptr) function c_malloc(bytes) bind(c, name='malloc')
