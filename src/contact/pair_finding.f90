@@ -97,9 +97,16 @@ contains
       if (position%number > 0 .and. least_touch >= placed%levels%complete_from(level)) return
       level = level + 1
     end do
-    ! The first of all pairs decides whether pairs outside the candidate distance matter.
-    if (position%number == 0 .and. least_touch > none) &
-      call find_in_level(placed, last, all_pairs, none, position, failure)
+    ! The first of all pairs decides whether pairs outside the candidate distance matter. It is
+    ! among the pairs of the first level that is complete down to its touch.
+    if (position%number > 0 .or. .not. least_touch > none) return
+    do level = 1, last
+      call find_in_level(placed, level, all_pairs, none, position, failure)
+      if (allocated(failure)) return
+      if (position%number == 0) cycle
+      call set_gaps(position%found(:position%number), least_touch)
+      if (least_touch >= placed%levels%complete_from(level)) return
+    end do
   end subroutine find_pairs
 
   ! Raises the separation below which first touches are not needed, from the pairs found so far.
