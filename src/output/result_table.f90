@@ -4,6 +4,7 @@
 !> Tables: a row a position (its last state), a row a state, a row a contact.
 module asperity_result_table
   use, intrinsic :: ieee_arithmetic, only: ieee_is_nan, ieee_quiet_nan, ieee_value
+  use, intrinsic :: iso_c_binding, only: c_null_char, c_size_t
   use asperity_contact_records, only: contact_radius, contact_row, effect_record, state_row
   use asperity_effect_names, only: known_effects
   use asperity_kinds, only: int32, int64, not_computed, real64
@@ -11,6 +12,7 @@ module asperity_result_table
   use asperity_process, only: has_memory
   use asperity_scene_results, only: has_height_map, kinds_of_warnings, last_state, scene_results
   use asperity_scene_values, only: scene
+  use asperity_system_calls, only: c_strfromd
   use asperity_text_buffer, only: text_buffer
   use asperity_unit_names, only: is_area, is_force, is_length, is_moment, is_pressure, &
                                  powers_of, unit_of, unit_powers
@@ -304,12 +306,13 @@ contains
   end function numbers_of
 
   !> Appends a cell as files have it: a number with 17 digits, a whole number, a word.
-  pure subroutine put_cell(column, row, empty, buffer)
+  subroutine put_cell(column, row, empty, buffer)
     type(array_column), intent(in) :: column    !! column of a table
     integer, intent(in) :: row                  !! row of the cell, from 1
     character(len=*), intent(in) :: empty       !! text of an empty cell
     type(text_buffer), intent(inout) :: buffer  !! gets the cell, without blanks around it
     character(len=25) :: cell
+    integer :: last
 
     cell = empty
     if (allocated(column%wholes)) then
@@ -320,7 +323,15 @@ contains
       return
     else if (.not. ieee_is_nan(column%reals(row))) then
       if (column%is_count) write (cell, '(i0)') nint(column%reals(row))
-      if (.not. column%is_count) write (cell, '(es25.16e3)') column%reals(row)
+      if (.not. column%is_count) then
+        last = c_strfromd(cell, len(cell, c_size_t), '%.16E' // c_null_char, column%reals(row))
+        ! Exponents have three digits, as those of Fortran's formats.
+        if (scan(cell(last - 2:last - 2), '+-') > 0) then
+          cell(last - 1:) = '0' // cell(last - 1:last)
+          last = last + 1
+        end if
+        cell(last + 1:) = ''
+      end if
     end if
     call buffer%append(trim(adjustl(cell)))
   end subroutine put_cell
