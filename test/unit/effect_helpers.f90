@@ -4,11 +4,9 @@ module asperity_effect_helpers
   use asperity_contact_law, only: contact_response
   use asperity_contact_pairs, only: contact_pair, contact_pairs
   use asperity_contact_state, only: contact_state
-  use asperity_decimal, only: decimal_value
   use asperity_sphere_overlap, only: touching_height
   use asperity_hertz_law, only: hertz_law
   use asperity_kinds, only: real64
-  use asperity_numeral, only: read_numeral
   use asperity_first_yield, only: constraint_factor
   use asperity_plastic_law, only: plastic_law
   use asperity_scene_values, only: scene
@@ -18,7 +16,7 @@ module asperity_effect_helpers
 
   public :: pair_of, penetration_of, plastic_law_with
   public :: near, values_of
-  public :: act, as_decimal, set_number
+  public :: act, set_number
 
 contains
 
@@ -94,20 +92,8 @@ contains
     !> the number
     real(real64), intent(in) :: value
 
-    call scene_in%effects%set(name, as_decimal(value))
+    call scene_in%effects%set(name, value)
   end subroutine set_number
-
-  !> A double as a decimal of 17 digits, which gives it back.
-  function as_decimal(value) result(number)
-    !> the double
-    real(real64), intent(in) :: value
-    type(decimal_value) :: number
-    character(len=25) :: digits
-    logical :: good
-
-    write (digits, '(es25.16e3)') value
-    call read_numeral(trim(adjustl(digits)), number, good)
-  end function as_decimal
 
   !> Notes a failure unless a number is the expected one within a relative tolerance.
   subroutine near(found, expected, tolerance, message)

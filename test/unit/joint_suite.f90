@@ -1,4 +1,4 @@
-!> Tests of circles and cells together, and of the error they tell.
+!> Tests of circles and boundary elements together, and of the error estimate of their coupling.
 !>
 !> Truths: boundary elements (see coupled_scenes); one contact alone; all contacts on one lattice.
 module asperity_joint_suite

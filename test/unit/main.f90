@@ -43,7 +43,7 @@ program unit_tests
   call run_suite('circles on each other', run_mutual)
   call run_suite('potential of contacts', run_potential)
   call run_suite('coupled contacts', run_coupled)
-  call run_suite('circles and cells', run_joint)
+  call run_suite('joint contacts', run_joint)
   call run_suite('maps', run_maps)
   call run_suite('friction', run_friction)
   call run_suite('adhesion', run_adhesion)
@@ -52,6 +52,6 @@ program unit_tests
   call run_suite('an effect made up', run_new_effect)
   call run_suite('generation', run_generation)
   call run_suite('pair search', run_pair_search)
-  call run_suite('representative area', run_study)
+  call run_suite('accuracy study', run_study)
   call finish()
 end program unit_tests

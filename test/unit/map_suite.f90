@@ -1,14 +1,10 @@
 !> Tests of a map of heights under a rigid flat, against closed forms: Hertz' ball (1882) and
 !> Westergaard's wave (1939).
 module asperity_map_suite
-  use asperity_contact_records, only: state_row
   use asperity_height_map, only: height_map, no_height
-  use asperity_kinds, only: int64, not_computed, real64
-  use asperity_map_check, only: compare_with_map, map_reference, solve_reference
+  use asperity_kinds, only: real64
   use asperity_map_contact, only: half_map, map_answer, press_map
   use asperity_map_patches, only: find_patches, map_patch
-  use asperity_map_summits, only: map_summits
-  use asperity_scene_results, only: map_record
   use asperity_testing, only: check, has_failed, run_test
   implicit none
   private
@@ -27,7 +23,6 @@ contains
   subroutine run_maps
     call run_test('a ball on a grid converges to Hertz', ball_converges)
     call run_test('unequal sides, missing samples, one sample alone', odd_maps)
-    call run_test('a coarser map says what all samples do', coarser_map)
     call run_test('far beyond full contact load adds a punch', far_beyond_full_contact)
   end subroutine run_maps
 
@@ -136,44 +131,6 @@ contains
                3.0_real64 / (pi * ball_modulus * 0.1_real64)) - 1.0_real64) < 1.0e-12_real64, &
                'one sample is Love''s square')
   end subroutine odd_maps
-
-  ! Pressed at half its resolution, by a load and at a level, what is claimed of summits is what
-  ! the samples themselves say, within what is given or taken.
-  subroutine coarser_map
-    type(height_map) :: map
-    type(map_answer) :: truth, there
-    type(map_reference) :: seen
-    type(map_summits) :: summits
-    type(map_record) :: told
-    type(state_row) :: state
-    character(len=:), allocatable :: failure
-    real(real64), parameter :: load = 300.0_real64
-    integer :: i
-
-    map = waves(256, 0.3_real64, 0.25_real64, 0.023_real64, 0.041_real64)
-    call press_map(map, ball_modulus, truth, load, 1.0e-4_real64)
-    summits%x = [1.1_real64]
-    summits%y = summits%x
-    state%vertical_load = load
-    state%approach = truth%level + 0.001_real64
-    there%level = state%approach
-    there%pressure = truth%pressure
-    call press_map(map, ball_modulus, there, tolerance=1.0e-4_real64)
-    do i = 1, 2
-      seen = map_reference(most=60000_int64, by_load=i == 1)
-      call solve_reference(map, ball_modulus, merge(load, state%approach, i == 1), seen, failure)
-      call check(.not. allocated(failure), 'seen')
-      call check(seen%coarser, 2, 'at half its resolution')
-      call compare_with_map(map, seen, ball_modulus, summits, state, not_computed, told, failure)
-      call check(.not. allocated(failure), 'held against it')
-      call check(abs(told%difference * told%rms_height - 0.001_real64) < &
-                 (told%uncertain + 1.0e-3_real64) * told%rms_height, 'what is claimed is true')
-      call check(told%uncertain < 0.05_real64, 'and sure')
-    end do
-    call check(abs(told%load_difference - (load / there%load - 1.0_real64)) < &
-               told%load_uncertain + 1.0e-3_real64, 'the load at the level')
-    call check(told%load_uncertain < 0.05_real64, 'and sure')
-  end subroutine coarser_map
 
   ! In full contact pressures are linear in the load: more load adds that of a flat punch. The
   ! displacements are 1e6 times the heights, whose share of a gap is near rounding.

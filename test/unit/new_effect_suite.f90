@@ -7,7 +7,7 @@ module asperity_new_effect_suite
   use asperity_contact_pairs, only: contact_pairs
   use asperity_contact_records, only: position_result
   use asperity_contact_state, only: contact_state, start_state, total_load, total_vertical_load
-  use asperity_effect_helpers, only: as_decimal, near, pair_of, set_number
+  use asperity_effect_helpers, only: near, pair_of, set_number
   use asperity_effect_list, only: list_effects
   use asperity_hertz_law, only: hertz_law
   use asperity_kinds, only: not_computed, real64
@@ -91,8 +91,8 @@ contains
     call two_pairs(pairs, hertz)
     call scene_in%effects%call_for('friction', effect_on)
     call set_number(scene_in, 'friction_coefficient', 0.1_real64)
-    scene_in%upper%elastic_modulus = as_decimal(1.0_real64)
-    scene_in%lower%elastic_modulus = as_decimal(1.0_real64)
+    scene_in%upper%elastic_modulus = 1.0_real64
+    scene_in%lower%elastic_modulus = 1.0_real64
     scene_in%loading%control = control_separation
     call list_effects(scene_in, listed)
     call make_up(effect_on, 0.25_real64, 0.0_real64, .false., effects(1)%effect)
@@ -167,8 +167,7 @@ contains
     ! The first touch is at 1, in units of 1/16.
     allocate (scene_in%loading%path(3))
     do i = 1, 3
-      scene_in%loading%path(i) = as_decimal((1.0_real64 - merge(0.02_real64, 0.05_real64, i == 2)) &
-                                            / 16.0_real64)
+      scene_in%loading%path(i) = (1.0_real64 - merge(0.02_real64, 0.05_real64, i == 2)) / 16.0_real64
     end do
     call make_up(effect_on, 0.1_real64, 0.0_real64, .false., effects(1)%effect)
     do turn = 1, 2
@@ -197,7 +196,7 @@ contains
     scene_in%loading%control = control_load
     allocate (scene_in%loading%path(2))
     do i = 1, 2
-      scene_in%loading%path(i) = as_decimal(total_load(hertz) / 16.0_real64)
+      scene_in%loading%path(i) = total_load(hertz) / 16.0_real64
     end do
     call run_one(pairs, effect_on, 0.1_real64, 0.0_real64, .false., scene_in, result, simulated)
     if (has_failed()) return
@@ -288,8 +287,8 @@ contains
     type(contact_state), intent(out) :: hertz
 
     pairs%modulus = 0.5_real64
-    pairs%modulus_power = 1
-    pairs%length_power = -1
+    pairs%modulus_power = 4
+    pairs%length_power = -4
     pairs%first_touch = 1.0_real64
     pairs%complete_to = 1.0_real64
     pairs%compression = 0.05_real64

@@ -3,14 +3,9 @@
 !> In the texts of these tests a `|` stands for a line end.
 module asperity_scene_suite
   use asperity_byte_reader, only: byte_reader
-  use asperity_decimal, only: decimal_numeral, decimal_order, decimal_to_real64, decimal_value, &
-                              exact_double
-  use asperity_hex32, only: operator(==)
-  use asperity_kinds, only: int64, real128, real32, real64
-  use asperity_numbers_ibm370, only: double_ibm370 => from_real64, number_ibm370 => decimal_number
-  use asperity_numbers_real128, only: number_128 => decimal_number
-  use asperity_numbers_real32, only: number_32 => decimal_number
-  use asperity_numeral, only: read_double_numeral, read_numeral
+  use asperity_decimal, only: decimal_numeral, decimal_to_real64, decimal_value
+  use asperity_kinds, only: int64, real128, real64
+  use asperity_numeral, only: read_numeral
   use asperity_problems, only: problem_list
   use asperity_scene_reader, only: parse_scene
   use asperity_scene_values, only: control_separation, effect_off, scene
@@ -36,7 +31,6 @@ contains
     call run_test('numbers are read exactly', test_numerals)
     call run_test('what is no number is refused', test_bad_numerals)
     call run_test('quick conversion equals the library''s', test_decimal_to_real64)
-    call run_test('doubles are kept exactly', test_doubles)
     call run_test('a group overrides the deck name by name', test_overrides)
     call run_test('syntax that is accepted', test_syntax)
     call run_test('radii from the files', test_csv_radii)
@@ -96,40 +90,6 @@ contains
       call check(.not. good, '"' // trim(bad(i)) // '" was taken for a number')
     end do
   end subroutine test_bad_numerals
-
-  !> A number with `_real64` is the double nearest to it, to the last bit, in every arithmetic.
-  subroutine test_doubles
-    character(len=24), parameter :: numbers(*) = [character(len=24) :: '0.1', '-0.3', '20.', &
-      '-0.', '9999999.999983', '1e300', '-1.7976931348623157e308', '2.2250738585072014e-308', &
-      '4503599627370497.5', '9007199254740993', '123456789012345678901', '1e-30', '5e22', '1e-12']
-    character(len=12), parameter :: bad(*) = [character(len=12) :: 'nan_real64', 'inf_real64', &
-      '_real64', '1_real6', '1_real641', '1_real32', '1e400_real64']
-    type(decimal_value) :: value
-    character(len=24) :: numeral
-    real(real64) :: double
-    logical :: good
-    integer :: i
-
-    do i = 1, size(numbers)
-      numeral = numbers(i)
-      read (numeral, *) double
-      call read_double_numeral(trim(numbers(i)) // '_real64', value, good)
-      call check(good, trim(numbers(i)) // ' was refused')
-      call check(abs(decimal_to_real64(value) - double) <= 0, trim(numbers(i)) // ', double')
-      call check(abs(number_128(value) - double) <= 0, trim(numbers(i)) // ' in real128')
-      if (abs(double) < 1e38_real64 .and. abs(double) > 1e-37_real64) &
-        call check(abs(number_32(value) - real(double, real32)) <= 0, &
-                   trim(numbers(i)) // ' in real32')
-      if (abs(double) < 1e70_real64) &
-        call check(number_ibm370(value) == double_ibm370(double), trim(numbers(i)) // ' in ibm370')
-    end do
-    do i = 1, size(bad)
-      call read_double_numeral(trim(bad(i)), value, good)
-      call check(.not. good, trim(bad(i)) // ' was taken for a number')
-    end do
-    call check(decimal_order(exact_double(0.1_real64)), 0, 'order of 0.1')
-    call check(decimal_order(exact_double(1234.5_real64)), 4, 'order of 1234.5')
-  end subroutine test_doubles
 
   !> What was cut or has grown since it was opened is not taken for the whole file.
   subroutine test_changing_file
@@ -290,8 +250,8 @@ contains
     call accept('&surfaces upper="ball.csv", lower="lower.csv", radius=9,7 /' // &
                 material // limit, found)
     if (has_failed()) return
-    call check_double(found%upper%radius(1), 5.0_real64, 'the file''s own radius')
-    call check_double(found%lower%radius(5), 7.0_real64, 'the scene''s radius')
+    call check_number(found%upper%radius(1), 5.0_real64, 'the file''s own radius')
+    call check_number(found%lower%radius(5), 7.0_real64, 'the scene''s radius')
     call refuse('&surfaces upper="upper.csv", lower="bump.csv" /' // material // limit, &
                 '1:1', 'no radius column in the upper surface''s file')
     call refuse('&surfaces upper="upper.csv", lower="lower.csv" /' // material // limit, &
@@ -604,20 +564,12 @@ contains
                'found "' // text // '", expected "' // start // '... ' // fragment // '"')
   end subroutine check_start
 
-  !> The nearest double of a decimal, to the last bit.
+  !> Compares two doubles to the last bit.
   subroutine check_number(found, expected, what)
-    type(decimal_value), intent(in) :: found
-    real(real64), intent(in) :: expected
-    character(len=*), intent(in) :: what
-
-    call check_double(decimal_to_real64(found), expected, what)
-  end subroutine check_number
-
-  subroutine check_double(found, expected, what)
     real(real64), intent(in) :: found, expected
     character(len=*), intent(in) :: what
 
     call check(found, expected, 0.0_real64, what)
-  end subroutine check_double
+  end subroutine check_number
 
 end module asperity_scene_suite
