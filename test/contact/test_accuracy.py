@@ -7,7 +7,7 @@ import shutil
 
 import pytest
 
-from exact_contact import Truth, read_deck
+from exact_contact import Truth
 from programs import run_program
 from surfaces_csv import exact_csv_scene, records, solve, write_csv_scene, write_scene
 
@@ -78,8 +78,6 @@ def runs(asperity, root, tmp_path_factory):
         done = solve(asperity, scene, contacts=False)
         assert done.status == 0, done.stderr
         found[method] = done.positions
-    found["cells"] = solve(asperity, part_scene(folder, root, "boundary"),
-                           contacts=False).positions
     return found
 
 
@@ -87,12 +85,6 @@ def kind_of(row):
     """How a row is computed: `events`, `marching`, or the `original` program."""
     kinds = {"exact events": "events", "original program": "original", "steps": "marching"}
     return next(kind for words, kind in kinds.items() if words in row["method"])
-
-
-def factors(rows):
-    """Load together over load alone; 1 where contacts were left to themselves."""
-    return [float(row["factor"]) if row.get("interaction", "off") != "off" else 1.0
-            for row in rows]
 
 
 def name_of(row):
@@ -236,88 +228,6 @@ def test_effects_that_are_off_count(asperity, root, tmp_path):
     assert left_out.positions[0]["load"] == coarse.positions[0]["load"]
     simulated = solve(asperity, scene, "--accuracy", "1e-2", contacts=False)
     assert simulated.status == 0 and simulated.positions[0]["interaction"] != "off"
-
-
-def budget_line(text, label):
-    """Value, arithmetic, step and model of a total."""
-    line = re.search(rf"^  {label}\s+(\S+)\s+(\S+)\s+(\S+)\s+(\S.*)$", text, re.MULTILINE)
-    assert line, text
-    return line.groups()
-
-
-@pytest.mark.truth
-def test_the_budget_contains_the_error(asperity, root, tmp_path):
-    """The bound of the rounding covers the distance of real64 to 50 digits."""
-    path = root / "data" / "examples" / "position_56.scene"
-    deck = read_deck(root / "data" / "thesis.deck")
-    state = Truth(deck).state(56)
-    found = solve(asperity, path, "--budget", folder=tmp_path, contacts=False)
-    for label, name in (("total load", "load"), ("vertical load", "vertical_load"),
-                        ("contact area", "area"), ("separation", "separation")):
-        line = budget_line(found.stdout, label)
-        error = abs(float(found.positions[0][name]) - getattr(state, name))
-        assert error <= float(line[1]) <= 1e-9 * abs(getattr(state, name))
-        assert float(line[2]) == 0.0
-
-
-@pytest.mark.parametrize("interaction", ("off", "coupled", "auto"))
-def test_the_budget_of_the_model(interaction, asperity, root, runs, tmp_path, tally):
-    """Against the positions' files of two runs: the scene's own way, and cells."""
-    used = runs[{"off": "isolated contacts", "coupled": "contacts coupled",
-                 "auto": "auto; tolerance 0.01"}[interaction]]
-    cells = runs["cells"]
-    shares = [abs(a - b) / a for a, b in zip(factors(used), factors(cells))]
-    areas = [abs(float(a["projected_area"]) / float(b["projected_area"]) - 1)
-             for a, b in zip(cells, used)]
-    found = solve(asperity, part_scene(tmp_path, root, interaction), "--budget", contacts=False)
-    assert found.status == 0, found.stderr
-    for label, name, share in (("total load", "load", shares), ("contact area", "area", areas),
-                               ("vertical load", "vertical_load", shares)):
-        want = max(s * float(row[name]) for s, row in zip(share, used))
-        have = float(budget_line(found.stdout, label)[3])
-        print(f"{interaction}, {label}: {have:.1e} printed, {want:.4e} from the files")
-        assert have == pytest.approx(want, rel=0.051)  # two digits are printed
-        tally.add("budget of the model", 1, 1)
-    assert budget_line(found.stdout, "separation")[3] == "given"
-    assert f"interaction '{interaction}' against 'boundary'" in found.stdout
-    assert "relative error 1.0E-003" in found.stdout and "include the inclination" in found.stdout
-
-
-def test_the_budget_of_cells(asperity, root, runs, tmp_path):
-    """Nothing is finer than cells: what is left is their tolerance."""
-    found = solve(asperity, part_scene(tmp_path, root, "boundary", 0.01), "--budget",
-                  contacts=False)
-    want = 0.01 * max(float(row["load"]) for row in runs["boundary elements; 0.01"])
-    assert float(budget_line(found.stdout, "total load")[3]) == pytest.approx(want, rel=0.051)
-    assert budget_line(found.stdout, "contact area")[3] == "not estimated"
-    assert "is the reference." in found.stdout
-
-
-def test_the_budget_at_a_load(asperity, root, tmp_path):
-    """The load is given: contacts that know nothing of each other stop too early. How much too
-    early, a run on cells tells; it sees slopes otherwise, and the share changes on the way."""
-    groups = {"motion": {"x_first": 5.6}, "loading": {"control": "load", "value": 1000.0}}
-    found = solve(asperity, part_scene(tmp_path, root, **groups), "--budget", contacts=False)
-    cells = solve(asperity, part_scene(tmp_path, root, "boundary", **groups),
-                  contacts=False)
-    too_early = float(found.positions[0]["separation"]) - float(cells.positions[0]["separation"])
-    have = float(budget_line(found.stdout, "separation")[3])
-    print(f"approach at 1000 N: {have:.2e} in the budget, {too_early:.4e} found on cells")
-    assert have == pytest.approx(too_early, rel=0.15)
-    assert [budget_line(found.stdout, label)[3] for label in
-            ("total load", "vertical load", "contact area")] == ["given", "given", "not estimated"]
-
-
-def test_too_many_contacts_for_a_budget(asperity, tmp_path):
-    """Cells would take long: the model is not estimated, the rest is, and that is no failure."""
-    grid = [(2.0 * i, 2.0 * j, 0.1, 1.0) for i in range(24) for j in range(22)]
-    path = write_csv_scene(tmp_path, grid, grid,
-                           loading={"control": "approach", "value": 0.199})
-    found = solve(asperity, path, "--budget", contacts=False)
-    assert found.status == 0, found.stderr
-    assert int(found.positions[0]["contacts"]) == len(grid)
-    assert budget_line(found.stdout, "total load")[3] == "not estimated"
-    assert "Model: not estimated: up to 528 contacts at a position" in found.stdout
 
 
 @pytest.mark.truth

@@ -1,25 +1,22 @@
 """What accuracy costs, for any scene: ten kinds of it, the front, the truth of the reference."""
 
 import re
-from xml.etree import ElementTree
 
 import numpy as np
 import pytest
 
-import made_maps
 from ball_scenes import balls, path
-from dense_judge import truths
+from dense_figures import truths
 from dense_scenes import caps, dense_scenes, strewn
 from exact_contact import Truth
-from map_press_truth import press, rough
 from plastic_truth import STEEL
 from programs import run_program
-from promise_judge import KINDS as PROMISED, judge
+from promise_judge import KINDS as PROMISED, judge_promise
 from surfaces_csv import exact_csv_scene, records, write_csv_scene, write_scene
 
 
 SECONDS = 10
-FAMILIES = ("scene", "arithmetic", "steps", "effects", "neighbours", "input", "theory")
+FAMILIES = ("scene", "arithmetic", "steps", "effects", "neighbours")
 
 
 def study(asperity, scene, folder, seconds=SECONDS):
@@ -86,7 +83,7 @@ KINDS = {"deck": example("position_56.scene"), "csv pair": csv_pair, "clusters":
          "2000 caps": two_thousand, "plasticity path": example("effects/cycle.scene"),
          "adhesion cycle": example("effects/gelatine.scene"),
          "creep hold": example("effects/ten_minutes.scene"), "friction": friction,
-         "map": example("summits/press.scene"), "generated": generated}
+         "map": example("summits/press_samples.scene"), "generated": generated}
 
 
 @pytest.mark.long
@@ -103,8 +100,8 @@ def test_any_scene(kind, asperity, root, tmp_path):
         low, high = re.search(r"Run times with neighbours were (\S+) to (\S+) times the predicted",
                               text).groups()
         assert 0.0 < float(low) <= float(high)
-    run = [row for row in rows if row["seconds"] and row["family"] != "theory"]
-    assert all(row["left_out"] for row in rows if not row["seconds"] and row["family"] != "input")
+    run = [row for row in rows if row["seconds"]]
+    assert all(row["left_out"] for row in rows if not row["seconds"])
     assert all(row["left_out"] in text.replace(",", ";") for row in rows)
     front = [row for row in rows if row["front"] == "1"]
     assert front and all(row in run for row in front)
@@ -121,7 +118,7 @@ def test_any_scene(kind, asperity, root, tmp_path):
                    for row in rows)
     if kind == "adhesion cycle":
         assert "neighbours left out: adhesion and interaction do not go together" in text
-    if kind in ("deck", "clusters", "map", "generated"):
+    if kind in ("deck", "clusters", "generated"):
         alone, coupled = (next(row for row in rows if end in row["method"])
                           for end in ("isolated", "coupled"))
         assert float(alone["error_max"]) > float(coupled["error_max"])
@@ -210,7 +207,7 @@ def test_the_promise(kind, asked, asperity):
     The pixels of rough maps have larger errors, by their size: refused with this figure."""
     solved = 0
     for number in (1, 2, 3):
-        verdict = judge(asperity, kind, number, asked)
+        verdict = judge_promise(asperity, kind, number, asked)
         print(f"{kind} {number}, {asked}: status {verdict.status}, error {verdict.error:.1e}, "
               f"said {verdict.promised:.1e}")
         assert verdict.kept, verdict
@@ -238,138 +235,6 @@ def test_the_accuracy_of_one_total(asperity, tmp_path):
         assert float(found[total]) == pytest.approx(float(truth[total]), rel=allowed)
     missing = run_program(asperity, "solve", path, "--of", "load", status=2)
     assert "--of: expected --accuracy ERROR beside it" in missing.stderr
-
-
-def test_the_page(asperity, root, tmp_path):
-    """The page of a study: well-formed, without the network, and its data are those of the CSV."""
-    scene = root / "data/examples/csv_surfaces.scene"
-    for name in ("a.html", "a.csv"):
-        assert not (tmp_path / name).exists()
-    done = run_program(asperity, "accuracy", scene, "--seconds", "5", "--quiet", "--csv", "a.csv",
-                       "--html", "a.html", cwd=tmp_path)
-    assert done.stdout == "", done.stderr
-    page = (tmp_path / "a.html").read_text(encoding="utf-8")
-    tree = ElementTree.fromstring(page.split("\n", 1)[1])
-    assert "default-src 'none'" in page and not re.search(r"(?:src|href)=|https?:|url\(", page)
-    rows = list(records(tmp_path / "a.csv"))
-    run = [row for row in rows if row["seconds"] and row["family"] != "theory"]
-    floor = float(reference(rows)["error_estimate"])
-    data = re.findall(r'^\["(.*?)",\s*(\S+?),\s*(\S+?)\],$', page, re.M)
-    assert [name for name, _, _ in data] == [row["method"].replace(";", ",") for row in run]
-    for (_, seconds, error), row in zip(data, run):
-        assert float(seconds) == pytest.approx(float(row["seconds"]), rel=1e-12)
-        assert float(error) == pytest.approx(max(float(row["error_max"]), floor), rel=1e-12)
-    dots = tree.findall(".//div[@id='total-plot']//circle")
-    assert len(dots) == len(run)
-    assert len(tree.findall(".//tbody/tr")) == len(rows)
-
-
-@pytest.mark.truth
-def test_theories_in_closed_form(asperity, tmp_path):
-    """Areas of Greenwood and Tripp and the least hardness of each criterion, evaluated apart from
-    the surfaces' statistics."""
-    rng = np.random.default_rng(8)
-    upper, lower = (np.c_[rng.uniform(0, 9, 40), rng.uniform(0, 9, 40),
-                          rng.normal(0.1, 0.02, 40), np.full(40, radius)] for radius in (1.5, 1.0))
-    approach, hardness = 0.1, 9000.0
-    scene = write_csv_scene(tmp_path, upper, lower, loading={"control": "approach",
-                                                             "value": approach},
-                            limit={"criterion": "greenwood_williamson", "hardness": hardness})
-    rows, text = study(asperity, scene, tmp_path, 5)
-    area = float(reference(rows)["area"])
-    modulus = 1 / ((1 - 0.3 ** 2) / 2e5 + (1 - 0.25 ** 2) / 1e5)
-    boxes = [np.ptp(s[:, 0]) * np.ptp(s[:, 1]) for s in (upper, lower)]
-    density = 40 / np.sqrt(boxes[0] * boxes[1])
-    sigma = np.hypot(upper[:, 2].std(), lower[:, 2].std())
-    u = (approach - upper[:, 2].mean() - lower[:, 2].mean()) / sigma
-    s = np.linspace(u, u + 12, 200001)
-    f2 = np.trapezoid((s - u) ** 2 * np.exp(-s * s / 2), s) / np.sqrt(2 * np.pi)
-    want = (np.pi * density * 1.25 * sigma) ** 2 * min(boxes) * f2
-    found = {row["method"]: row for row in rows if row["family"] == "theory"}
-    assert float(found["Greenwood and Tripp; plastic"]["area_error_max"]) == pytest.approx(
-        abs(want / area - 1), rel=1e-6)
-    # Two unlike surfaces: the mean of the product of both radii stands for beta squared.
-    assert float(found["Greenwood and Tripp; elastic"]["area_error_max"]) == pytest.approx(
-        abs(want * 1.5 / 1.25 ** 2 / area - 1), rel=1e-4)
-    for name, lacks in (("D'yachenko; cones", "alpha"), ("Kragelskii; hemispheres", "K2")):
-        assert lacks in found[name]["left_out"]
-    heights = np.r_[upper[:, 2], lower[:, 2]]
-    foot = max(np.sqrt(2 * side[:, 2].mean() / side[0, 3]) for side in (upper, lower))
-    for name, value in (
-            ("Blok, height over distance", np.pi * modulus * heights.max() * np.sqrt(density) / 2),
-            ("Halliday, slope", 2 * modulus * foot / 0.84),
-            ("Greenwood and Williamson, index", modulus / 0.6 * np.sqrt(sigma / 0.6))):
-        printed = float(re.search(rf"{name}\s+(\S+)", text)[1])
-        assert printed == pytest.approx(value, rel=6e-4), name
-
-
-def test_the_error_of_the_input(asperity, tmp_path):
-    """One pair above the other: load as (half a unit moved)^(3/2). Draws stay within the bound."""
-    scene = write_csv_scene(tmp_path, [(0, 0, 0.101, 1.5)], [(0, 0, 0.1, 0.75)],
-                            loading={"control": "approach", "value": 0.151})
-    rows, text = study(asperity, scene, tmp_path, 3)
-    row = next(row for row in rows if row["family"] == "input")
-    assert row["method"] == "heights 5.0E-04; radii 5.0E-03"
-    # Both heights and both radii at their ends: closing 0.05 +- 0.001, radius 0.5 +- 0.5 %.
-    bound = (1 + 0.001 / 0.05) ** 1.5 * 1.01 - 1
-    assert 1e-4 < float(row["own_error_max"]) <= bound
-
-
-def integers(folder, heights, kind="INT16"):
-    """A map of whole numbers times a scale, by a library of its own: an int16 has 65535 of them."""
-    sdfio = pytest.importorskip("sdfio")
-    meta = sdfio.Metadata(revision=sdfio.Revision.ISO_1_0, data_type=sdfio.DataType[kind],
-                          manufacturer_id="test", create_date=None, mod_date=None)
-    sdfio.write(folder / "map.sdf", heights, x_scale=1.0, y_scale=1.0, z_scale=1e-5, metadata=meta)
-    return {"lower": "map.sdf"}, 5.0e-6
-
-
-def reals(folder, heights):
-    made_maps.write_bytes(folder / "map.sdf", heights)
-    return {"lower": "map.sdf"}, np.spacing(np.abs(heights).max()) / 2
-
-
-def matrix(folder, heights):
-    np.savetxt(folder / "map.txt", heights, "%.5f")
-    return {"lower": "map.txt", "map_spacing": (1.0, 1.0)}, 5.0e-6
-
-
-def points(folder, heights):
-    y, x = np.mgrid[0:len(heights), 0:heights.shape[1]]
-    np.savetxt(folder / "map.txt", np.c_[x.ravel(), y.ravel(), heights.ravel()], "%d %d %.4f")
-    return {"lower": "map.txt"}, 5.0e-5
-
-
-@pytest.mark.parametrize("kind", (integers, reals, matrix, points))
-def test_the_error_of_the_input_of_a_map(kind, asperity, tmp_path):
-    """Half of what one more in the last digit of a height is, as the file has heights; what that
-    means for the level of a flat, against draws of other heights in numpy."""
-    n, load = 32, 0.05
-    heights = 1e-2 * rough(n, shortest=4, seed=3)
-    names, half = kind(tmp_path, heights)
-    scene = write_scene(tmp_path / "map.scene", surfaces={"upper": "plane", **names},
-                        material={"contact_modulus": 1.0},
-                        loading={"control": "load", "value": load},
-                        effects={"interaction": "boundary"})
-    rows, _ = study(asperity, scene, tmp_path, 3)
-    told = {row["method"]: float(row["own_error_max"]) for row in rows if row["family"] == "input"}
-    first = f"heights {half:.1E}"
-    assert list(told) == [first + "; of summits", first + "; of pixels"]
-    rng = np.random.default_rng(1)
-    y, x = np.mgrid[0:n, 0:n]
-    plane = np.c_[x.ravel(), y.ravel(), np.ones(n * n)]
-
-    def level(moved):
-        moved = moved - (plane @ np.linalg.lstsq(plane, moved.ravel(), rcond=None)[0]).reshape(n, n)
-        return press(moved, (1.0, 1.0), 1.0, load)[0], moved.max()
-
-    if kind is reals:
-        # Moves of 1e-18 are below what a solve is closed to.
-        assert told[first + "; of pixels"] < 1e-8
-        return
-    given, top = level(heights)
-    moves = [abs(level(heights + half * rng.uniform(-1, 1, (n, n)))[0] - given) for _ in range(4)]
-    assert told[first + "; of pixels"] == pytest.approx(max(moves) / (top - given), rel=0.75)
 
 
 def cells_of(asperity, folder, name, *options, **effects):

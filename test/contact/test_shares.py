@@ -1,14 +1,11 @@
-"""`--share I/N`: parts of a sweep or a study done by themselves, joined by a run over their files,
+"""`--share I/N`: parts of a sweep done by themselves, joined by a run over their files,
 are the whole, byte for byte."""
 
 import re
 
 import pytest
-from builds import ROOT
 from programs import run_program
 from test_kept_positions import OUTPUTS, SCENES, kept_records, thesis_scene
-
-STUDY = ROOT / "data/examples/study"
 
 
 def run(asperity, folder, *words, status=0):
@@ -53,20 +50,6 @@ def test_parts_are_the_whole(name, parts, asperity, root, tmp_path, tally):
     tally.add("shares: positions", positions, positions)
 
 
-def test_study(asperity, root, tmp_path):
-    spec = next(STUDY.glob("*"))
-    text = re.sub(r"ensemble\s*=\s*\d+", "ensemble = 5", spec.read_text())
-    assert "ensemble = 5" in text
-    (tmp_path / "s.study").write_text(text)
-    at_once = run(asperity, tmp_path, "study", "s.study", "--csv", "whole.csv")
-    for part in (1, 2):
-        run(asperity, tmp_path, "study", "s.study", "--share", f"{part}/2", "--keep", f"p{part}")
-    together = run(asperity, tmp_path, "study", "s.study", "--csv", "joined.csv", "--keep", "p1",
-                   "--keep", "p2")
-    assert together.stdout == at_once.stdout
-    assert (tmp_path / "whole.csv").read_bytes() == (tmp_path / "joined.csv").read_bytes()
-
-
 def test_a_part_goes_on(asperity, root, tmp_path):
     """A part that was ended in the middle is told, goes on, and then the whole can be had."""
     scene = thesis_scene("curve", root, tmp_path)
@@ -98,7 +81,6 @@ def test_what_is_refused(asperity, root, tmp_path):
                           (["--share", "1/2"], "--share: expected one --keep"),
                           (["--share", "1/41", "--keep", "a"], "41 parts of 40 positions"),
                           (["--share", "1/2", "--keep", "a", "--keep", "b"], "expected one --keep"),
-                          (["--share", "1/2", "--keep", "a", "--cost"], "--cost does not estimate"),
                           (["--keep", "p1", "--keep", "./p1"], "--keep and --keep both name"),
                           (["--keep", "p1", "--keep", "p2", "--positions", "p2"],
                            "--keep and --positions both name p2")):

@@ -87,7 +87,7 @@ def test_one_sphere_against_hertz(asperity, tmp_path):
 
 def test_spacing_is_needed(asperity, tmp_path):
     scene = plane_scene(tmp_path, [(0.0, 0.0, 1.0, R)], side=None)
-    for option in ("--fields=f.vti", "--picture=f.svg", "--histogram=f.csv"):
+    for option in ("--fields=f.vti", "--histogram=f.csv"):
         told = run(asperity, scene, option, status=2).stderr
         assert "expected field_spacing, the side of a pixel, in &surfaces" in told
     assert "field_spacing: found '0.0', expected" in run(
@@ -280,20 +280,16 @@ def test_many_spheres(asperity, tmp_path):
     assert np.abs(fields["gap"] - expected)[open_].max() < 1e-12
 
 
-def test_states_picture_and_histogram(asperity, tmp_path):
+def test_states_and_histogram(asperity, tmp_path):
     scene = plane_scene(tmp_path, TWO, 0.02, {"interaction": "auto"}, control="load",
                         value=(1.0, 2.0, 0.5))
     run(asperity, scene, "--quiet", "--fields", tmp_path / "f.vti", "--fields-of", "all", "--curve",
-        tmp_path / "s.csv", "--picture", tmp_path / "p.svg", "--histogram", tmp_path / "h.csv",
-        "--html", tmp_path / "p.html")
+        tmp_path / "s.csv", "--histogram", tmp_path / "h.csv")
     states = records(tmp_path / "s.csv")
     for number, (load, state) in enumerate(zip((1.0, 2.0, 0.5), states, strict=True), 1):
         _, _, fields = read_vti(tmp_path / f"f_000{number}.vti")
         assert np.nansum(fields["pressure"]) * 0.02**2 == pytest.approx(load, rel=1e-6)
         assert np.nanmean(fields["gap"]) == pytest.approx(float(state["mean_gap"]), rel=1e-12)
-    assert "mean pressure" in (tmp_path / "p.svg").read_text()
-    page = (tmp_path / "p.html").read_text()
-    assert "pressure in plan" in page and "pressures of contacts: " in page
     bins = [[float(cell) for cell in row.values()] for row in records(tmp_path / "h.csv")]
     width = 2 * bins[0][0]
     assert width * sum(row[1] for row in bins) == pytest.approx(
@@ -314,32 +310,17 @@ def test_refusals(asperity, tmp_path):
     adhesion = {"adhesion": "on", "work_of_adhesion": 1.0, "equilibrium_distance": 1e-4}
     assert "fields: the pressure of contacts with adhesion is not Hertz's" in told(
         effects=adhesion, status=1)
-    # A page goes without.
-    scene = tmp_path / "pair.scene"
-    run(asperity, scene, "--quiet", "--html", tmp_path / "p.html")
-    assert "pressure in plan" not in (tmp_path / "p.html").read_text()
     assert "no area in common in plan" in told(status=1, motion={"x_first": 3.0})
 
 
-def test_summits_of_a_map(asperity, tmp_path):
-    """On the rectangle of the map; refused beside its pixels."""
-    x = 0.1 * np.arange(40)
-    heights = 0.05 * np.sin(2.1 * x)[:, None] * np.cos(1.7 * x[:30])[None, :]
-    np.savetxt(tmp_path / "m.txt", heights.T)
-
-    def scene(interaction):
-        return write_scene(tmp_path / "m.scene", surfaces={
-            "upper": "plane", "lower": "m.txt", "map_spacing": (0.1, 0.1), "field_spacing": 0.05},
-            material={"contact_modulus": E}, effects={"interaction": interaction},
-            loading={"control": "load", "value": 5.0})
-
-    (x, y), fields, _, positions = fields_of(asperity, tmp_path, scene("coupled"))
-    assert fields["pressure"].shape == (80, 60)
-    assert (x[0, 0], y[0, 0]) == pytest.approx((-0.025, -0.025))
-    assert np.nansum(fields["pressure"]) * 0.05**2 == pytest.approx(5.0, rel=1e-6)
-    assert positions[0]["contacts"] > 1
-    assert "field_spacing: found beside a map that is solved on its pixels" in run(
-        asperity, scene("boundary"), status=2).stderr
+def test_spacing_beside_a_map(asperity, tmp_path):
+    """The fields of a map are those of its pixels."""
+    np.savetxt(tmp_path / "m.txt", 0.05 * np.sin(0.21 * np.arange(12))[:, None] * np.ones(8))
+    scene = write_scene(
+        tmp_path / "m.scene", surfaces={"upper": "plane", "lower": "m.txt",
+                                        "map_spacing": (0.1, 0.1), "field_spacing": 0.05},
+        material={"contact_modulus": E}, loading={"control": "load", "value": 5.0})
+    assert "field_spacing: found beside a map" in run(asperity, scene, status=2).stderr
 
 
 @pytest.mark.once

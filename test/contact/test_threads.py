@@ -67,14 +67,13 @@ def test_effects_do_not_depend_on_threads(effects, asperity, root, tmp_path, tal
     assert files["curve.csv"].count(b"\n") >= 60
 
 
-@pytest.mark.parametrize("way", ["boundary", pytest.param("coupled", marks=pytest.mark.long)])
-def test_a_map_does_not_depend_on_threads(asperity, tmp_path, tally, way):
+def test_a_map_does_not_depend_on_threads(asperity, tmp_path, tally):
     """So large that threads share its transforms."""
     height = made_maps.self_affine((160, 160), 21, shortest=4)[0]
     made_maps.write_bytes(tmp_path / "map.sdf", 1e-7 * height, 1e-6, 1e-6)
     scene = write_scene(
         tmp_path / "map.scene", surfaces={"upper": "plane", "lower": str(tmp_path / "map.sdf")},
-        material={"contact_modulus": 1e5}, effects={"interaction": way},
+        material={"contact_modulus": 1e5}, effects={"interaction": "boundary"},
         loading={"control": "pressure", "value": 500.0})
     status, out, err, _ = compare_threads(asperity, scene, tmp_path, tally)
     assert status == 0, err
@@ -149,12 +148,3 @@ def test_progress_on_a_terminal(asperity, endless, tmp_path):
     assert child.returncode == 1 and out == b""
     assert kept.read_text() == "kept\n"
     assert not list(tmp_path.glob(".asperity*"))
-
-
-@pytest.mark.parametrize("size, good", [("16M", True), ("16384 k", True), ("16384", True),
-                                        ("much", True), ("100k", False)])
-def test_stack_of_a_thread(asperity, size, good):
-    """What the environment gives a thread is read as OpenMP reads it, and has to do."""
-    done = run_program(asperity, "--version", status=0 if good else 1,
-                       variables={"OMP_STACKSIZE": size})
-    assert ("found 100 kB, expected at least 512 kB: OMP_STACKSIZE=8M" in done.stderr) != good

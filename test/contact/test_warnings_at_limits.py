@@ -153,8 +153,7 @@ def has(run, what):
     return any(": warning: " in line and what in line for line in run.stderr.splitlines())
 
 
-@pytest.mark.parametrize("interaction", ["boundary", "coupled", "off"])
-def test_many_missing_pixels_are_warned_of(interaction, asperity, tmp_path):
+def test_many_missing_pixels_are_warned_of(asperity, tmp_path):
     """The tolerance of 1 %: 5 of 576 pixels are 0.87 %, 6 are 1.04 %."""
     height = 1e-3 * rough(N, shortest=4, seed=3)
     load = load_for(height, SIDES, 0.02)
@@ -162,7 +161,7 @@ def test_many_missing_pixels_are_warned_of(interaction, asperity, tmp_path):
     for number, expected in ((5, False), (6, True)):
         holes = height.copy()
         holes.ravel()[lowest[:number]] = np.nan
-        run = on_map(asperity, tmp_path / f"{number}", holes, load, interaction)
+        run = on_map(asperity, tmp_path / f"{number}", holes, load)
         assert has(run, "missing pixels") == expected
 
 
@@ -338,11 +337,9 @@ def test_area_at_the_nominal_area(asperity, tmp_path):
         assert run.status == status, run.stderr
 
 
-@pytest.mark.parametrize("interaction", ["off", "coupled", "boundary"])
-def test_area_above_that_of_a_map(interaction, asperity, tmp_path):
+def test_area_above_that_of_a_map(asperity, tmp_path):
     height = 1e-3 * rough(N, shortest=4, seed=3)
-    scene = map_scene(tmp_path, height, SIDES, interaction=interaction,
-                      surfaces={"nominal_area": 1e-6},
+    scene = map_scene(tmp_path, height, SIDES, surfaces={"nominal_area": 1e-6},
                       loading={"control": "load", "value": load_for(height, SIDES, 0.05)})
     run = solve(asperity, scene)
     assert run.status == 1 and "times the nominal area" in run.stderr

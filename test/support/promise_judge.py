@@ -2,35 +2,30 @@
 
 Kinds: contacts without effects (50 digits), dense neighbours, up to 100 contacts or more (the
 archived solutions on grids), flow, adhesion, cycles of adhesion, friction and creep on one pair
-(laws evaluated apart), maps (conjugate gradients in numpy). Each is asked for 1e-2, 1e-4 and 1e-8.
-A promise is kept when loads, areas and approaches (over the closing where effects are on) are
-within it and the truth's own error, or when it is refused.
+(laws evaluated apart), maps (conjugate gradients in numpy). A promise is kept when loads, areas and
+separations (over the compression where effects are on) are within it and the truth's own error, or
+when it is refused.
 """
 
 import random
 import re
-import subprocess
-import tempfile
-import time
-from collections import Counter
 from dataclasses import dataclass
-from pathlib import Path
 
 import numpy as np
 
 import made_maps
 from adhesion_truth import jkr, maugis
 from ball_scenes import balls, path
-from dense_judge import truths
+from dense_figures import truths
 from dense_scenes import dense_scenes
 from exact_contact import Truth
 from friction_truth import closed_form
+from judge import ask
 from map_press_truth import press, rough
 from mpmath import mpf, sqrt, workdps
 from plastic_truth import STEEL
-from surfaces_csv import exact_csv_scene, records, write_csv_scene, write_scene
+from surfaces_csv import exact_csv_scene, write_csv_scene, write_scene
 
-ASKED = ("1e-2", "1e-4", "1e-8")
 TOTALS = ("load", "vertical_load", "area", "separation")
 
 
@@ -45,7 +40,6 @@ class Verdict:
     error: float = 0.0    # the largest of the totals
     bound: float = 0.0    # of the truth, for that total
     promised: float = 0.0  # what the run says of itself: a bound, or an estimate
-    seconds: float = 0.0
     message: str = ""
     proposed: "Verdict | None" = None  # of the accuracy that a refusal proposes
 
@@ -235,7 +229,7 @@ def measured(rng, folder):
     scene = write_scene(folder / "map.scene", surfaces={"upper": "plane", "lower": "map.sdf"},
                         material={"contact_modulus": 1.0},
                         loading={"control": "load", "value": load},
-                        effects={"interaction": rng.choice(("auto", "coupled", "boundary"))})
+                        effects={"interaction": rng.choice(("auto", "boundary"))})
 
     def errors(rows):
         want = press(level, (1.0, 1.0), 1.0, load)[0]
@@ -245,43 +239,24 @@ def measured(rng, folder):
 
 KINDS = {"alone": alone, "dense": dense, "many": many, "flow": flow, "adhesion": adhesion,
          "cycle": cycle, "friction": friction, "creep": creep, "map": measured}
-SHARES = (30, 30, 5, 7, 6, 6, 6, 6, 4)
 
-
-def judge(exe, kind, number, asked, timeout=300):
+def judge_promise(exe, kind, number, asked):
     """One scene by its kind and number, the same in every run; a refusal that suggests another
-    accuracy is asked for that."""
-    rng = random.Random(f"promise {kind} {number}")
-    with tempfile.TemporaryDirectory() as name:
-        folder = Path(name)
+    accuracy is solved with that."""
+    rng, errors = random.Random(f"promise {kind} {number}"), None
+
+    def write(folder):
+        nonlocal errors
         scene, errors = KINDS[kind](rng, folder)
-        verdict = Verdict(kind, number, float(asked))
-        file = folder / "positions.csv"
-        began = time.perf_counter()
-        done = subprocess.run([exe, "solve", scene, "--accuracy", asked, "--positions", file,
-                               "--threads", "1"], capture_output=True, text=True, timeout=timeout)
-        verdict.seconds = time.perf_counter() - began
-        verdict.status, verdict.message = done.returncode, done.stderr.strip()
-        if done.returncode == 0:
-            said = re.search(r"fastest method .*(?:error bound|estimated error)\s*(\S+)",
-                             done.stdout)
-            verdict.promised = float(said[1])
-            verdict.error, verdict.bound = max(errors(records(file)),
-                                               key=lambda pair: pair[0] - pair[1])
+        return scene
+
+    answer = ask(exe, write, "--accuracy", asked, contacts=False)
+    verdict = Verdict(kind, number, float(asked), answer.status, message=answer.message)
+    if answer.status == 0:
+        said = re.search(r"fastest method .*(?:error bound|estimated error)\s*(\S+)", answer.stdout)
+        verdict.promised = float(said[1])
+        verdict.error, verdict.bound = max(errors(answer.positions),
+                                           key=lambda pair: pair[0] - pair[1])
     if proposal := re.search(r"set --accuracy (\S+?)(?:,|$)", verdict.message):
-        verdict.proposed = judge(exe, kind, number, proposal[1], timeout)
+        verdict.proposed = judge_promise(exe, kind, number, proposal[1])
     return verdict
-
-
-def judged(exe, scenes, seconds=1e9):
-    """So many scenes of all kinds, each asked for all accuracies, as long as there is time."""
-    began = time.perf_counter()
-    chosen = random.Random(17).choices(list(KINDS), SHARES, k=scenes)
-    numbers, found = Counter(), []
-    for kind in chosen:
-        numbers[kind] += 1
-        for asked in ASKED:
-            found.append(judge(exe, kind, numbers[kind], asked))
-        if time.perf_counter() - began > seconds:
-            break
-    return found
