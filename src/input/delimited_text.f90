@@ -24,7 +24,6 @@ module asperity_delimited_text
     character(len=2) :: line_comments = '#'    !! a line that begins with one of them is a comment
     character(len=1) :: comment = feed         !! begins a comment within a line; a line feed: none
     logical :: keep_empty = .true.             !! empty cells are counted
-    logical :: decimal_comma = .false.         !! a comma stands before decimals
     integer :: missing = 0                     !! number of the cell behind an empty one; 0: none
     integer :: cell_count = 0                  !! number of cells; 0 behind the last line
     integer :: word = 0                        !! cell that `next_word` has returned

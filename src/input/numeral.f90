@@ -10,7 +10,7 @@ module asperity_numeral
   public :: read_numeral, read_whole_number, is_a_double, rounded_decimal
   public :: decimal_of, expected_numbers, in_range
   public :: any_number, above_zero, share, poisson_range, not_negative, share_or_all
-  public :: a_length, above_one, least_length, most_length
+  public :: a_length, least_length, most_length
 
   integer, parameter :: most_digits = 18
   ! No number written with an exponent beyond this can be a double, whatever its length.
@@ -23,23 +23,20 @@ module asperity_numeral
   integer, parameter :: not_negative = 5   !! 0 or more
   integer, parameter :: share_or_all = 6   !! more than 0 and at most 1
   integer, parameter :: a_length = 7       !! from `least_length` to `most_length`
-  integer, parameter :: above_one = 8      !! more than 1
 
   !> Lengths beyond these are no lengths of anything, and their powers would not fit in a double.
   real(real64), parameter :: least_length = 1.0e-30_real64, most_length = 1.0e30_real64
 
   !> Each range in words, for messages: `expected_numbers(above_zero)`.
-  character(len=*), parameter :: expected_numbers(8) = [character(len=50) :: &
+  character(len=*), parameter :: expected_numbers(7) = [character(len=50) :: &
     'a finite number within the range of a double', 'a number more than 0', &
     'a number more than 0 and less than 1', 'a number more than -1 and at most 0.5', &
-    'a number of 0 or more', 'a number more than 0 and at most 1', 'a length from 1e-30 to 1e30', &
-    'a number more than 1']
+    'a number of 0 or more', 'a number more than 0 and at most 1', 'a length from 1e-30 to 1e30']
   ! The least and the largest double of each range.
   real(real64), parameter :: largest = huge(1.0_real64), above_0 = nearest(0.0_real64, 1.0_real64)
-  real(real64), parameter :: limits(2, 8) = reshape([-largest, largest, above_0, largest, &
+  real(real64), parameter :: limits(2, 7) = reshape([-largest, largest, above_0, largest, &
     above_0, nearest(1.0_real64, -1.0_real64), nearest(-1.0_real64, 1.0_real64), 0.5_real64, &
-    0.0_real64, largest, above_0, 1.0_real64, least_length, most_length, &
-    nearest(1.0_real64, 2.0_real64), largest], [2, 8])
+    0.0_real64, largest, above_0, 1.0_real64, least_length, most_length], [2, 7])
 
 contains
 

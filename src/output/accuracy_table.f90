@@ -9,8 +9,7 @@ module asperity_accuracy_table
   use asperity_number_format, only: number_text
   use asperity_problems, only: real_text
   use asperity_result_table, only: add_reals, add_wholes, add_words, array_table
-  use asperity_study_methods, only: family_words, of_arithmetic, of_neighbours, of_scene, &
-                                    of_steps, of_theory
+  use asperity_study_methods, only: family_words, of_arithmetic, of_neighbours, of_scene, of_steps
   use asperity_text_buffer, only: text_buffer
   implicit none
   private
@@ -124,7 +123,7 @@ contains
     integer, intent(in) :: i
 
     ratio_of = not_computed
-    if (rows(i)%seconds > not_computed .and. rows(i)%method%family /= of_theory) &
+    if (rows(i)%seconds > not_computed) &
       ratio_of = rows(i)%seconds / minval(rows%seconds, rows%time_spread > not_computed)
   end function ratio_of
 

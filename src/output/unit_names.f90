@@ -4,7 +4,7 @@ module asperity_unit_names
   implicit none
   private
 
-  public :: axis_unit, has_units, length_power, powers_of, unit_powers, units_in_words, unit_of, &
+  public :: has_units, length_power, powers_of, unit_powers, units_in_words, unit_of, &
             with_unit
   public :: is_number, is_length, is_force, is_area, is_pressure, is_moment
 
@@ -125,15 +125,5 @@ contains
     text = name
     if (unit /= '') text = name // ' (' // trim(unit) // ')'
   end function with_unit
-
-  !> Unit of a drawing's axis, with the words length and force where the scene has no names.
-  pure function axis_unit(scene_in, powers) result(unit)
-    type(scene), intent(in) :: scene_in      !! what was solved
-    type(unit_powers), intent(in) :: powers  !! of the quantity
-    character(len=20) :: unit                !! blank for a plain number
-
-    unit = unit_of(scene_in, powers)
-    if (unit == '') unit = composed_unit('length', 'force', powers)
-  end function axis_unit
 
 end module asperity_unit_names

@@ -8,7 +8,7 @@ module asperity_method_totals
   private
 
   public :: method_errors, method_totals
-  public :: errors_of, no_errors, original_totals, totals_of
+  public :: errors_of, original_totals, totals_of
   public :: error_of_area, error_of_pressure, quantity_names
 
   ! Quantities whose errors are measured one by one.
@@ -46,7 +46,7 @@ module asperity_method_totals
     real(real64) :: quantity_mean(number_of_quantities) = not_computed
   end type method_errors
 
-  !> Errors of a method that agrees with the other.
+  ! Errors of a method that agrees with the other.
   type(method_errors), parameter :: no_errors = method_errors( &
     largest=0.0_real64, mean=0.0_real64, quantity=0.0_real64, quantity_mean=0.0_real64)
 

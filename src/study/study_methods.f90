@@ -11,7 +11,6 @@ module asperity_study_methods
   use asperity_kinds, only: int64, real64
   use asperity_map_resolution, only: doubled_map, every_pixel
   use asperity_map_scene, only: area_of_map, join_maps
-  use asperity_numeral, only: rounded_decimal
   use asperity_original, only: arithmetic_names
   use asperity_original_records, only: original_request
   use asperity_placed_scene, only: placed_scene
@@ -29,8 +28,7 @@ module asperity_study_methods
 
   public :: list_methods, most_methods, run_method, study_method, simulated_effects, &
             request_of
-  public :: of_scene, of_arithmetic, of_steps, of_neighbours, of_effects, of_input, of_theory, &
-            family_words
+  public :: of_scene, of_arithmetic, of_steps, of_neighbours, of_effects, family_words
 
   ! Families: the approximation of a method.
   integer, parameter :: of_scene = 1       !! nothing: the scene as it asks
@@ -38,11 +36,9 @@ module asperity_study_methods
   integer, parameter :: of_steps = 3       !! steps in place of exact events; no effects
   integer, parameter :: of_neighbours = 4  !! how neighbouring contacts are taken together
   integer, parameter :: of_effects = 5     !! an effect is left out
-  integer, parameter :: of_input = 6       !! other last digits of the input
-  integer, parameter :: of_theory = 7      !! a theory in closed form in place of the simulation
   !> Their words.
-  character(len=*), parameter :: family_words(7) = [character(len=10) :: &
-    'scene', 'arithmetic', 'steps', 'neighbours', 'effects', 'input', 'theory']
+  character(len=*), parameter :: family_words(5) = [character(len=10) :: &
+    'scene', 'arithmetic', 'steps', 'neighbours', 'effects']
 
   integer, parameter :: as_it_is = -1  ! interaction as in the scene
 
@@ -335,8 +331,7 @@ contains
 
     call join_maps(changed, 1, map, origin, failure)
     if (allocated(failure)) return
-    if (.not. abs(changed%nominal_area) > 0.0_real64) &
-      changed%nominal_area = rounded_decimal(area_of_map(map), 17)
+    if (.not. abs(changed%nominal_area) > 0.0_real64) changed%nominal_area = area_of_map(map)
     new%periodic = changed%map%periodic
     new%level = level_none
     if (resolution > 1.0_real64) then
