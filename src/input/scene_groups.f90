@@ -1,10 +1,12 @@
 !> The groups of a scene as a table in text, for programs that change some of them and solve again.
 module asperity_scene_groups
+  use asperity_decimal, only: decimal_value
   use asperity_file_kind, only: group_start
   use asperity_input_text, only: replaced_text
   use asperity_kinds, only: real64
   use asperity_namelist_text, only: a_group, a_name, namelist_text, parse_namelist
-  use asperity_problems, only: decimal_text, problem_list
+  use asperity_numeral, only: read_numeral, rounded_decimal
+  use asperity_problems, only: decimal_text, problem_list, real_text
   use asperity_scene_values, only: scene
   implicit none
   private
@@ -56,14 +58,21 @@ contains
     end do
   end function list_groups
 
-  ! A number that is read as just this double.
+  ! The shortest number that is read as just this double, for instance `1e-1`.
   pure function numeral_text(value) result(text)
     real(real64), intent(in) :: value
     character(len=:), allocatable :: text
-    character(len=24) :: number
+    type(decimal_value) :: decimal
+    integer :: digit_count
+    logical :: good
 
-    write (number, '(es24.16e3)') value
-    text = trim(adjustl(number))
+    do digit_count = 1, 17
+      if (.not. abs(rounded_decimal(value, digit_count) - value) > 0.0_real64) exit
+    end do
+    call read_numeral(real_text(value, 'es24.' // decimal_text(min(digit_count, 17) - 1) // 'e3'), &
+                      decimal, good)
+    text = decimal_text(decimal%all_digits)
+    if (decimal%power_of_ten /= 0) text = text // 'e' // decimal_text(decimal%power_of_ten)
   end function numeral_text
 
 end module asperity_scene_groups
