@@ -74,8 +74,11 @@ contains
     character(len=:), allocatable :: note   !! one line of text
 
     note = ''
-    if (ending_of(path) == 'npy' .and. is_periodic(map)) &
-      note = path // ': note: an array (.npy) has no edge: give it as periodic where it is read'
+    if (.not. is_periodic(map)) return
+    if (ending_of(path) == 'npy') note = 'an array (.npy)'
+    if (ending_of(path) == 'sdf') note = 'surface data (.sdf)'
+    if (note /= '') &
+      note = path // ': note: ' // note // ' has no edge: give it as periodic where it is read'
   end function note_of_file
 
   ! The ending behind the last point, in small letters; text for standard output.
@@ -142,7 +145,6 @@ contains
         call block%append(pixel_bytes(map%height(column, row)))
       end do
       if (ending == 'txt') call block%append(new_line('a'))
-      if (ending == 'sdf' .and. row == map%rows) call block%append(text_header(map))
       if (block%used < block_size .and. row < map%rows) cycle
       call write_bytes(descriptor, block%store(:block%used), failure)
       if (allocated(failure)) return
@@ -169,7 +171,7 @@ contains
 
   end subroutine write_map
 
-  ! The comments of a matrix that `asperity_text_header` reads.
+  ! Comments of a matrix: what is to be given beside it where it is read.
   function text_header(map) result(head)
     type(height_map), intent(in) :: map
     character(len=:), allocatable :: head
