@@ -12,13 +12,11 @@ module asperity_command_line
   use asperity_output_files, only: same_file
   use asperity_problems, only: decimal_text, problem_list
   use asperity_system_calls, only: canonical_path
-  use asperity_text_buffer, only: text_buffer
-  use asperity_word_hint, only: any_of, did_you_mean, nearest_word
+  use asperity_word_hint, only: any_of, did_you_mean
   implicit none
   private
 
-  public :: check_ending, command_line, is_shared, parse_command_line, refuse_input, &
-            tell_part
+  public :: check_ending, command_line, is_shared, parse_command_line, refuse_input
 
   character(len=*), parameter :: letters = 'abcdefghijklmnopqrstuvwxyz'
 
@@ -26,7 +24,7 @@ module asperity_command_line
   type :: command_line
     character(len=:), allocatable :: command         !! empty, help, version, original, solve ...
     character(len=:), allocatable :: topic           !! command whose help is asked for, or empty
-    character(len=:), allocatable :: input           !! path of the deck or scene
+    character(len=:), allocatable :: input           !! path of the deck or scene; group of a help
     type(given_option), allocatable :: given(:)      !! options in their order, `-` as /dev/stdout
     logical :: printed(original_positions) = .false. !! positions whose contact table is printed
     integer :: share(2) = [1, 1]                     !! part, and how many there are
@@ -65,6 +63,7 @@ contains
       case ('--help', '-h')
         line%command = 'help'
         line%topic = word_at(1)
+        if (i < command_argument_count()) line%input = word_at(i + 1)
         return
       case ('--version', '--man', '--completion')
         line%command = word_at(i)
@@ -117,18 +116,14 @@ contains
     end do
   end subroutine parse_command_line
 
-  ! Whether the first word was meant for a command: letters alone, no file's name, and like one of
-  ! the commands or before another word.
+  ! Whether the first word was meant for a command: letters alone, and no file's name.
   logical function is_no_command(word, problems)
     character(len=*), intent(in) :: word
     type(problem_list), intent(inout) :: problems
-
     logical :: is_file
 
     inquire (file=word, exist=is_file)
-    is_no_command = verify(lower_case(word), letters) == 0 .and. .not. is_file
-    if (nearest_word(lower_case(word), commands(2:)%name) == 0) &
-      is_no_command = is_no_command .and. command_argument_count() == 2
+    is_no_command = word /= '' .and. verify(lower_case(word), letters) == 0 .and. .not. is_file
     if (is_no_command) &
       call problems%add('found ' // in_quotes(word) // ', expected ' // &
                         any_of(commands(2:)%name) // ', or the file of a card deck' // &
@@ -199,22 +194,7 @@ contains
     if (line%share(2) == 1) return
     if (.not. line%has('--keep') .or. allocated(line%parts)) &
       call problems%add('--share: expected one --keep with the file of this part')
-    if (line%has('--budget')) &
-      call problems%add('--budget needs all positions, expected no --share beside it')
   end subroutine check_share
-
-  !> Says that a part of the work is kept.
-  subroutine tell_part(line, pieces, number, buffer)
-    type(command_line), intent(in) :: line       !! the user's choices
-    character(len=*), intent(in) :: pieces       !! for instance `positions`
-    integer, intent(in) :: number                !! how many of them the part has
-    type(text_buffer), intent(inout) :: buffer   !! text to which the line is added
-
-    call buffer%line('part ' // decimal_text(line%share(1)) // ' of ' // &
-                     decimal_text(line%share(2)) // ': ' // decimal_text(number) // ' ' // &
-                     pieces // ' are saved in ' // line%output_path('--keep') // &
-                     '; the outputs come from a run with the files of all parts')
-  end subroutine tell_part
 
   !> Whether all images work on a command, each on a part of its pieces.
   pure logical function is_shared(line)
@@ -223,7 +203,7 @@ contains
     is_shared = line%command == 'solve' .and. .not. line%has('--accuracy')
   end function is_shared
 
-  !> No output may take the place of another file that was named, in whatever spelling.
+  ! No output may take the place of another file that was named, in whatever spelling.
   subroutine check_files(line, problems)
     type(command_line), intent(in) :: line
     type(problem_list), intent(inout) :: problems

@@ -37,10 +37,12 @@ module asperity_help
 contains
 
   !> The text of `asperity`, `asperity --version` or a help.
-  subroutine write_help(command, topic, text)
+  subroutine write_help(command, topic, group, text)
     character(len=*), intent(in) :: command   !! empty, `help` or `version`
     character(len=*), intent(in) :: topic     !! the command whose help is asked for, or another
+    character(len=*), intent(in) :: group     !! group of its file whose names are asked for, or other
     type(text_buffer), intent(inout) :: text  !! text to which the lines are added
+    type(known_name), allocatable :: rows(:)
     integer :: i
 
     if (command == 'version') then
@@ -55,10 +57,21 @@ contains
       end do
       return
     end if
+    allocate (rows(0))
+    if (topic == 'solve') rows = scene_table()
+    if (topic == 'generate') rows = spec_table
+    if (any(rows%group == group)) then
+      call describe_names(pack(rows, rows%group == group), text)
+      return
+    end if
     call add_usage(topic, text)
-    if (topic == 'solve') call describe_names(scene_table(), text)
-    if (topic == 'generate') call describe_names(spec_table, text)
     call text%line('')
+    if (size(rows) > 0) then
+      call text%line('Names, values and units of a group: asperity ' // topic // ' --help GROUP')
+      call text%line('Groups:' // joined_words(pack(rows%group, rows%group /= &
+                                                    eoshift(rows%group, -1))))
+      call text%line('')
+    end if
     call text%line('Exit status: 0 the chosen model was solved to the stated tolerance ' // &
                    '(warnings state where')
     call text%line('it does not apply), 1 could not be computed, 2 bad command line or bad input')
@@ -129,7 +142,7 @@ contains
     end do
   end function digit_flags
 
-  ! Names of a scene or specification by group: values, default, meaning, and the unit between
+  ! Names of a group of a scene or specification: values, default, meaning, and the unit between
   ! brackets. Numbers of one effect are indented.
   subroutine describe_names(rows, text)
     type(known_name), intent(in) :: rows(:)
@@ -138,13 +151,10 @@ contains
     character(len=27) :: name
     integer :: i
 
+    call text%line('Names of group &' // trim(rows(1)%group) // '; [unit]:')
+    call text%line('')
     do i = 1, size(rows)
       associate (row => rows(i))
-        if (i == 1 .or. row%group /= rows(max(1, i - 1))%group) then
-          call text%line('')
-          call text%line('Names of group &' // trim(row%group) // '; [unit]:')
-          call text%line('')
-        end if
         name = '  ' // row%name
         if (row%effect /= '' .and. row%effect /= row%name) name = '    ' // row%name
         values = values_in_words(row)

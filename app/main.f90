@@ -29,7 +29,7 @@ program asperity_main
       call let_threads_sleep()
     select case (line%command)
     case ('', 'help', 'version')
-      call write_help(line%command, line%topic, outcome%text)
+      call write_help(line%command, line%topic, line%input, outcome%text)
     case ('man')
       call write_manual_page(outcome%text)
     case ('completion')

@@ -1,6 +1,6 @@
 !> The command `asperity solve SCENE`: scene, present-day solver, summary and CSV files.
 module asperity_run_solve
-  use asperity_command_line, only: command_line, is_shared, refuse_input, tell_part
+  use asperity_command_line, only: command_line, is_shared, refuse_input
   use asperity_command_outcome, only: command_outcome
   use asperity_contact_field, only: contact_field, fields_all, fields_last
   use asperity_csv_tables, only: stress_cells, stress_columns, stress_table, write_histogram, &
@@ -81,7 +81,11 @@ contains
     end if
     if (line%share(2) > 1) then
       if (.not. line%has('--quiet')) &
-        call tell_part(line, 'positions', size(results%positions), outcome%text)
+        call outcome%text%line('part ' // decimal_text(line%share(1)) // ' of ' // &
+                               decimal_text(line%share(2)) // ': ' // &
+                               decimal_text(size(results%positions)) // ' positions are saved ' // &
+                               'in ' // line%output_path('--keep') // '; the outputs come from ' // &
+                               'a run with the files of all parts')
       return
     end if
     call list_warnings(line%input, results, outcome%warnings)

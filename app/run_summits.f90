@@ -1,4 +1,4 @@
-!> The command `asperity summits MAP`: a height map, its summits, spectra, a surface and a picture.
+!> The command `asperity summits MAP`: a height map, its summits and spectra.
 module asperity_run_summits
   use asperity_command_line, only: command_line
   use asperity_command_outcome, only: command_outcome

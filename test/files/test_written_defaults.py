@@ -1,7 +1,7 @@
 """A default that a scene writes out changes nothing: random scenes, every name with a default.
 
 Names and defaults are those of the tables of docs/reference/scene.md, which are made from the
-program's own, and of `asperity solve --help`: a new name is in the test without a line here.
+program's own, and of `asperity solve --help effects`: a new name is in the test without a line here.
 """
 
 import math
@@ -56,7 +56,7 @@ def written(default):
 def defaults(asperity):
     """The defaults of all groups; the effects have those of the help."""
     found = defaults_of_page()
-    listed = run_program(asperity, "solve", "--help").stdout.split("Names of group &effects")[1]
+    listed = run_program(asperity, "solve", "--help", "effects").stdout
     of_help = re.findall(r"^ {2,4}(\w+) +.+; default (.+)$", listed, re.M)
     assert {name for name, default in of_help if "with its numbers" in default} == set(NUMBERS)
     found["effects"] = {name: [default if "with its numbers" in default

@@ -1,5 +1,6 @@
 """The command line, the CSV files and the exit status, as the interface promises them."""
 
+import ast
 import csv
 import itertools
 import os
@@ -41,7 +42,7 @@ def run(asperity, tmp_path):
 @pytest.mark.parametrize("words, option", [
     (("solve", "--curve", "a", "--curve", "b", "s"), "--curve"),
     (("solve", "--threads=1", "--threads", "2", "s"), "--threads"),
-    (("solve", "--picture", "a.svg", "--picture", "b.svg", "s"), "--picture"),
+    (("solve", "--histogram", "a", "--histogram", "b", "s"), "--histogram"),
     (("summits", "--unit", "um", "--unit", "um", "m"), "--unit"),
     (("generate", "--surface", "1", "--surface", "2", "s"), "--surface"),
     (("--tables", "13", "--tables", "all", "d"), "--tables")])
@@ -65,14 +66,41 @@ def test_no_arguments_says_what_to_type_next(run):
     assert "asperity data/thesis.deck" in done.stdout and "asperity --help" in done.stdout
 
 
-@pytest.mark.parametrize("word", ("--help", "-h"))
-def test_help_names_every_option(word, run):
-    done = run(word)
+COMMANDS = ("solve", "accuracy", "generate", "summits")
+
+
+def words_of(path):
+    """The words of all texts in a file of Python."""
+    constants = (node.value for node in ast.walk(ast.parse(path.read_text(encoding="utf-8")))
+                 if isinstance(node, ast.Constant) and isinstance(node.value, str))
+    return {word.partition("=")[0] for text in constants for word in text.split()}
+
+
+@pytest.mark.parametrize("command", ("", *COMMANDS))
+def test_help(command, run, root):
+    """A help fits a screen, and a test that runs the command names each of its options."""
+    done = run(*filter(None, [command]), "--help")
     assert (done.returncode, done.stderr) == (0, "")
-    for option in ("--arithmetic", "ibm370", "real32", "real64", "real128", "--tables", "none",
-                   "all", "13,55,56", "--contacts", "--positions", "--carriage-control", "--help",
-                   "--version", "DECK"):
-        assert option in done.stdout
+    assert len(done.stdout.splitlines()) <= 60
+    options = re.findall(r"^  (--[a-z-]+)", done.stdout, re.MULTILINE)
+    assert len(options) > 3 and all(name in done.stdout for name in ("Usage: ", "Exit status: 0 "))
+    tested = set()
+    for path in root.glob("test/[!s]*/test_*.py"):
+        words = words_of(path)
+        tested |= words if not command or command in words else set()
+    assert not set(options) - tested
+    assert command or run("-h").stdout == done.stdout
+
+
+@pytest.mark.parametrize("command", ("solve", "generate"))
+def test_help_of_groups(command, run):
+    """Each group that the help lists has its names there, and fits a screen."""
+    groups = re.search(r"^Groups: (.+)$", run(command, "--help").stdout, re.MULTILINE)[1].split()
+    assert {"surfaces", "effects" if command == "solve" else "map"} < set(groups)
+    for group in groups:
+        head, *names = run(command, "--help", group).stdout.splitlines()
+        assert head == f"Names of group &{group}; [unit]:" and 2 < len(names) < 60
+    assert run(command, "--help", "other").stdout == run(command, "--help").stdout
 
 
 def test_version_is_the_package_s(run, root):
@@ -88,7 +116,7 @@ def test_manual_and_completion_have_the_options_of_the_help(run):
     """One table serves all three."""
     manual = run("--man").stdout.replace("\\-", "-")
     completion = run("--completion").stdout
-    for command in ("solve", "accuracy", "generate", "study", "summits"):
+    for command in COMMANDS:
         options = re.findall(r"^  (--[a-z-]+)", run(command, "--help").stdout, re.MULTILINE)
         words = re.search(rf'^    {command}\) words="--help (.*)"', completion, re.MULTILINE)[1]
         assert words.split() == options and len(options) > 3
@@ -96,7 +124,7 @@ def test_manual_and_completion_have_the_options_of_the_help(run):
         assert re.findall(r"^\.B (--[a-z-]+)", section, re.MULTILINE) == options
     script = completion + """
 COMP_WORDS=(asperity sol) COMP_CWORD=1; _asperity; echo ${COMPREPLY[@]}
-COMP_WORDS=(asperity study --k) COMP_CWORD=2; _asperity; echo ${COMPREPLY[@]}"""
+COMP_WORDS=(asperity solve --k) COMP_CWORD=2; _asperity; echo ${COMPREPLY[@]}"""
     done = run_program("bash", "-c", script)
     assert done.stdout.splitlines() == ["solve", "--keep"] and done.stderr == ""
 
@@ -122,6 +150,8 @@ COMP_WORDS=(asperity study --k) COMP_CWORD=2; _asperity; echo ${COMPREPLY[@]}"""
     (["DECK", "--carriage-control=no"], ["--carriage-control", "no value"]),
     (["DECK", "DECK"], ["DECK", "unexpected"]),
     (["--tables", "all"], ["no card deck"]),
+    (["study", "DECK", "--quiet"], ["'study'", "solve, accuracy, generate or summits"]),
+    (["sovle"], ["'sovle'", "did you mean 'solve'"]),
     ([""], ["deck", "empty"]),
     (["DECK", "--contacts", "one.csv", "--positions", "one.csv"], ["one.csv"]),
     (["DECK", "--contacts", "DECK"], ["--contacts", "DECK"]),

@@ -17,7 +17,7 @@ from pathlib import Path
 from constants_table import table_of_constants
 
 ROOT = Path(__file__).resolve().parents[2]
-COMMANDS = ("", "solve", "accuracy", "generate", "study", "summits")
+COMMANDS = ("", "solve", "accuracy", "generate", "summits")
 END = "<!-- end of what was made -->"
 # A word of a scene, with or without its name: in code marks in a page.
 WORD = re.compile(r"(?:\w+ = )?'\w+'")
@@ -27,9 +27,9 @@ def begin(name):
     return f"<!-- {name}: made by make tables -->"
 
 
-def help_of(asperity, command):
-    """The paragraphs of the help of a command."""
-    words = [word for word in (command, "--help") if word]
+def help_of(asperity, command, group=""):
+    """The paragraphs of the help of a command, or of a group of the file that it reads."""
+    words = [word for word in (command, "--help", group) if word]
     text = subprocess.run([asperity, *words], capture_output=True, text=True, check=True).stdout
     return text.strip("\n").split("\n\n")
 
@@ -65,8 +65,7 @@ def table_of_options(asperity):
 
 def names_of(asperity, group):
     """The names of a group of a scene: values, default, unit, meaning, as the help has them."""
-    text = "\n\n".join(help_of(asperity, "solve"))
-    lines = text.split(f"Names of group &{group}")[1].split("\n\n")[1].splitlines()
+    lines = help_of(asperity, "solve", group)[1].splitlines()
     found = {}
     for first, second in zip(lines[::2], lines[1::2], strict=True):
         name, values, default = re.fullmatch(r" +(\w+) +(.+?); (?:default )?(.+)", first).groups()
