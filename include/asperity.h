@@ -1,6 +1,6 @@
 /* asperity for C: contact between two rough surfaces of spherical asperities.
  *
- *   gcc press.c -I include -L FOLDER_OF_THE_LIBRARY -lasperity
+ *   gcc press.c -I include -L FOLDER -l:libasperity.so.1 -Wl,-rpath,FOLDER
  *
  * Every call that does work gives one outcome, a handle. It holds all that the call brought: tables
  * of columns, texts, or what went wrong. asperity_status says which. Free it with asperity_free;
@@ -136,13 +136,13 @@ typedef struct {
   const char *accuracy_of; /* results that `accuracy` limits: "all" (also for NULL: load and area),
                               "load" (the separation under a load), "area", or "pressure" (the
                               greatest, of height maps) */
-  int *progress;           /* NULL, or two numbers that other threads may read at any time: states that
-                              are done, and all of them, 0 as long as that is not known. They begin
-                              anew where a scene is solved in several ways */
-  int fields;              /* kept for asperity_fields: 0 none, 1 those of the last state of the path, 2
-                              those of all states, of 24 bytes a pixel and state. A scene of asperities
-                              has them on a grid where &surfaces has field_spacing, and one position;
-                              fields of another scene are refused before it is solved */
+  int *progress;          /* NULL, or two numbers that other threads may read at any time: states
+                             that are done, and all of them, 0 as long as that is not known. They
+                             begin anew where a scene is solved in several ways */
+  int fields;             /* kept for asperity_fields: 0 none, 1 those of the last state of the
+                             path, 2 those of all states, of 24 bytes a pixel and state. A scene of
+                             asperities has them on a grid where &surfaces has field_spacing, and
+                             one position; fields of another scene are refused before it is solved */
 } asperity_options;
 
 /* How summits are found. All bytes zero: the defaults. */
@@ -173,16 +173,16 @@ const char *asperity_get_version(void);
 /* Reads a scene file, or a card deck, with the files that it names. */
 asperity_outcome *asperity_read_scene(const char *scene);
 
-/* A scene from the text of its groups, "&material ... / &loading ... /", and two sides: asperities, height
- * maps, or named in the text: &surfaces may have upper = 'FILE' or 'plane' for a side that is not given, and
- * nominal_area, units, radius and all names of maps. A side may be NULL: the text names it; for both messages
- * call the text "scene". map_edge of the text has precedence over the edge of a map. */
+/* A scene from the text of its groups, "&material ... / &loading ... /", and two sides: asperities,
+ * height maps, or NULL: &surfaces of the text has upper or lower = 'FILE' or 'plane' then. &surfaces
+ * may have nominal_area, units, radius and all names of maps; map_edge has precedence over the edge
+ * of a map. Messages call the text "scene". */
 asperity_outcome *asperity_build_scene(const char *groups, const asperity_side *upper,
                                        const asperity_side *lower);
 
-/* Solves a scene: an outcome of the two functions above, which stays as it is and may be freed
- * afterwards. What is wrong with the scene is wrong with this outcome, too: it is enough to ask
- * here. options may be NULL. */
+/* Solves a scene: an outcome of asperity_read_scene, _build_scene or _rebuild_scene, which stays as it
+ * is and may be freed afterwards. What is wrong with the scene is wrong with this outcome, too: it is
+ * enough to ask here. options may be NULL. */
 asperity_outcome *asperity_solve_scene(const asperity_outcome *scene,
                                        const asperity_options *options);
 

@@ -5,7 +5,7 @@ source distribution. gfortran and FFTW must be there; fpm is taken from PyPI whe
 The objects stay in `build/` of the project.
 
 `make wheel` sets `bundled`: auditwheel then completes the wheel with the libraries of
-libasperity.so. The program has no fixed place relative to these and contains its libraries.
+the library for C. The program has no fixed place relative to these and contains its libraries.
 """
 
 import ast
@@ -32,7 +32,9 @@ FPM = "fpm==0.12.0"
 FLAGS = "-fPIC -fno-semantic-interposition -ffp-contract=off"
 # What the library shows: the names of include/asperity.h.
 SHOWN = "{ global: asperity_*; local: *; };\n"
-
+# Its name; the number grows when a function or structure of the header changes or goes, so that no
+# program takes a library for one that it was linked with.
+LIBRARY = "libasperity.so.1"
 
 # Libraries of the program of a bundled wheel, in the order of their use of each other.
 STATIC = ["-l:libfftw3.a", "-l:libgfortran.a", "-l:libquadmath.a", "-l:libgomp.a"]
@@ -190,8 +192,9 @@ def build_library(folder, bundled):
         if bundled:
             link_program(compiler, folder, output)
     (folder / "shown").write_text(SHOWN, encoding="ascii")
-    library = folder / "libasperity.so"
+    library = folder / LIBRARY
     run([compiler, "-shared", "-fopenmp", *(["-s"] if bundled else []), "-o", library,
+         f"-Wl,-soname,{LIBRARY}",
          "-Wl,--whole-archive", folder / "lib" / "libasperity.a", "-Wl,--no-whole-archive",
          f"-Wl,--version-script={folder / 'shown'}", "-lfftw3"])
     return library, folder / "bin" / "asperity"

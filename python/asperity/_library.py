@@ -71,7 +71,7 @@ def _loaded(path: Path) -> ctypes.CDLL:
             del os.environ[name]
 
 
-_C = _loaded(Path(__file__).with_name("libasperity.so"))
+_C = _loaded(next(Path(__file__).parent.glob("libasperity.so*")))
 _FUNCTIONS: list[tuple[Any, ...]] = [
     ("get_version", c_char_p),
     ("read_scene", c_void_p, c_char_p),

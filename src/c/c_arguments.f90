@@ -35,18 +35,13 @@ contains
   !> Takes the asperities of a surface, or a plane.
   subroutine take_asperities(which, given, surface, problems)
     character(len=*), intent(in) :: which          !! name of the surface, for the messages
-    type(c_ptr), intent(in) :: given               !! address of a `c_surface`
+    type(c_ptr), intent(in) :: given               !! address of a `c_surface`, not null
     type(scene_surface), intent(out) :: surface    !! copy of the surface
     type(problem_list), intent(inout) :: problems  !! faults of the argument
     type(c_surface), pointer :: numbers
     real(c_double), pointer :: x(:), y(:), height(:), radius(:)
     integer :: before, i
 
-    if (.not. c_associated(given)) then
-      call problems%add(which // ': found NULL beside a surface that is given as arrays, ' // &
-                        'expected both, or a plane')
-      return
-    end if
     call c_f_pointer(given, numbers)
     if (numbers%asperities == 0_c_int) then
       surface = plane_surface()

@@ -40,8 +40,9 @@ static void surface(const char *text, int count, int radii, const double *x, con
                     const double *height, const double *radius)
 {
   const asperity_surface bad = {count, radii, x, y, height, radius}, plane = {0, 0, 0, 0, 0, 0};
+  const asperity_side upper = {&bad, NULL}, lower = {&plane, NULL};
   asperity_outcome *scene = expect(ASPERITY_BAD_INPUT, text,
-                                   asperity_build_scene(GROUPS, &bad, &plane));
+                                   asperity_build_scene(GROUPS, &upper, &lower));
   refused(text, asperity_solve_scene(scene, NULL));
   asperity_free(scene);
 }
@@ -49,20 +50,20 @@ static void surface(const char *text, int count, int radii, const double *x, con
 static void option(const char *text, const asperity_outcome *scene, double accuracy, int threads,
                    const char *arithmetic)
 {
-  const asperity_options options = {arithmetic, accuracy, 0, threads, NULL, NULL};
+  const asperity_options options = {arithmetic, accuracy, 0, threads, NULL, NULL, NULL, 0};
   refused(text, asperity_solve_scene(scene, &options));
 }
 
 static void map(const char *text, const char *path, double along_x, double along_y)
 {
-  asperity_summits_options options = {NULL, NULL, NULL, NULL, {along_x, along_y}, 0};
-  refused(text, asperity_summits(path, &options));
+  asperity_summits_options options = {NULL, NULL, NULL, NULL, {along_x, along_y}, 0, 0};
+  refused(text, asperity_summits(path, NULL, &options));
 }
 
 static void map_beside_plane(const char *text, asperity_height_map bad)
 {
   const asperity_side side = {NULL, &bad};
-  refused(text, asperity_build_scene_of(GROUPS " &surfaces upper = 'plane' /", NULL, &side));
+  refused(text, asperity_build_scene(GROUPS " &surfaces upper = 'plane' /", NULL, &side));
 }
 
 int main(int words, char **word)
@@ -70,7 +71,9 @@ int main(int words, char **word)
   const double x[] = {0., 1.}, y[] = {0., 0.}, z[] = {.1, .1}, r[] = {1., 1.};
   const double high[] = {.1, 2.}, flat[] = {1., 0.}, endless[] = {1., INFINITY}, none[] = {0., NAN};
   const asperity_surface good = {2, 2, x, y, z, r}, plane = {0, 0, NULL, NULL, NULL, NULL};
+  const asperity_side balls = {&good, NULL}, flat_side = {&plane, NULL};
   const int tables[] = {13, 101};
+  int progress[2] = {0, 0};
   asperity_problem problem = {NULL, 0, 0, NULL};
   asperity_outcome *made, *spectra;
   (void)words;
@@ -78,10 +81,10 @@ int main(int words, char **word)
   refused("scene: found NULL, expected a path", asperity_read_scene(NULL));
   refused("scene: found an empty text", asperity_read_scene(""));
   refused("groups: found NULL, expected a text", asperity_build_scene(NULL, NULL, NULL));
-  refused("groups: found NULL, expected a text", asperity_build_scene(NULL, &good, &plane));
-  refused("surfaces.lower: found NULL", asperity_build_scene(GROUPS, &good, NULL));
-  refused("surfaces.upper: found NULL", asperity_build_scene(GROUPS, NULL, &good));
-  refused("found two planes", asperity_build_scene(GROUPS, &plane, &plane));
+  refused("groups: found NULL, expected a text", asperity_build_scene(NULL, &balls, &flat_side));
+  refused("a surface is missing", asperity_build_scene(GROUPS, &balls, NULL));
+  refused("a surface is missing", asperity_build_scene(GROUPS, NULL, &balls));
+  refused("found two planes", asperity_build_scene(GROUPS, &flat_side, &flat_side));
   surface("surfaces.upper.x: found NULL, expected numbers", 2, 2, NULL, y, z, r);
   surface("surfaces.upper.y: found NULL, expected numbers", 2, 2, x, NULL, z, r);
   surface("surfaces.upper.height: found NULL, expected numbers", 2, 2, x, y, NULL, r);
@@ -99,7 +102,7 @@ int main(int words, char **word)
   surface("surfaces.upper.height: found 2.000000E+000 as number 2 of 2, expected less than twice",
           2, 2, x, y, high, r);
 
-  asperity_outcome *scene = asperity_build_scene(GROUPS, &good, &plane);
+  asperity_outcome *scene = asperity_build_scene(GROUPS, &balls, &flat_side);
   option("accuracy: found NaN, expected a relative error", scene, NAN, 0, NULL);
   option("accuracy: found Infinity, expected", scene, INFINITY, 0, NULL);
   option("accuracy: found -1.", scene, -1., 0, NULL);
@@ -115,7 +118,7 @@ int main(int words, char **word)
   refused("deck: found NULL, expected a path", asperity_make_report(NULL, NULL, NULL, 0));
   refused("tables: found 101, expected positions", asperity_make_report(word[1], NULL, tables, 2));
   refused("number: found -1, expected 0 or more", asperity_make_report(word[1], NULL, tables, -1));
-  refused("map: found NULL, expected a path", asperity_summits(NULL, NULL));
+  refused("map: found NULL, expected a path", asperity_summits(NULL, NULL, NULL));
   map("spacing: found Infinity, 1.", word[2], INFINITY, 1.);
   map("spacing: found NaN, 1.", word[2], NAN, 1.);
   map("spacing: found 1.000000E-160, 1.", word[2], 1e-160, 1e-160);
@@ -126,22 +129,22 @@ int main(int words, char **word)
   double heights[12] = {0., 1., 0., 2., 1., NAN, 3., 1., 0., 1., 2., 0.};
   asperity_height_map area = {3, 4, heights, {.5, .25}, "um", -1}, bad = area;
   const asperity_side map_side = {NULL, &area}, both = {&good, &area}, none_given = {NULL, NULL};
-  asperity_outcome *pixels = expect(ASPERITY_DONE, "", asperity_build_scene_of(
+  asperity_outcome *pixels = expect(ASPERITY_DONE, "", asperity_build_scene(
     GROUPS " &effects interaction = 'boundary' / &surfaces upper = 'plane' /", NULL, &map_side));
   asperity_free(expect(ASPERITY_DONE, "", asperity_solve_scene(pixels, NULL)));
   /* Fields: none without being asked for, the last state, all. */
   refused("solved: found NULL, expected the outcome of a solve", asperity_fields(NULL, 1, 1));
-  refused("fields: found 3, expected 0 for none",
-          asperity_solve_with_fields(pixels, NULL, NULL, NULL, 3));
-  refused("fields: found -1, expected 0 for none",
-          asperity_solve_with_fields(pixels, NULL, NULL, NULL, -1));
-  asperity_free(expect(ASPERITY_NOT_COMPUTED, "no scene",
-                       asperity_solve_with_fields(NULL, NULL, NULL, NULL, 1)));
+  asperity_options kept = {NULL, 0., 0, 0, NULL, NULL, progress, 3};
+  refused("fields: found 3, expected 0 for none", asperity_solve_scene(pixels, &kept));
+  kept.fields = -1;
+  refused("fields: found -1, expected 0 for none", asperity_solve_scene(pixels, &kept));
+  if (progress[0] || progress[1]) wrong++;
   asperity_free(expect(ASPERITY_NOT_COMPUTED, "no fields: expected a height map",
                        asperity_fields(solved, 1, 1)));
   for (int asked = 0; asked < 3; asked++) {
-    asperity_outcome *pressed = expect(ASPERITY_DONE, "", asperity_solve_with_fields(
-      pixels, NULL, NULL, NULL, asked));
+    kept.fields = asked;
+    asperity_outcome *pressed = expect(ASPERITY_DONE, "", asperity_solve_scene(pixels, &kept));
+    if (progress[0] != 1 || progress[1] != 1) wrong++;
     if (asked) {
       asperity_outcome *fields = expect(ASPERITY_DONE, "", asperity_fields(pressed, 1, -1));
       const double *pressure = asperity_column(fields, ASPERITY_FIELDS, 0);
@@ -173,7 +176,7 @@ int main(int words, char **word)
     asperity_free(pressed);
   }
   asperity_free(pixels);
-  made = expect(ASPERITY_DONE, "", asperity_summits_of_map(&area, NULL));
+  made = expect(ASPERITY_DONE, "", asperity_summits(NULL, &area, NULL));
   for (int i = 0; i < asperity_columns(made, ASPERITY_STATISTICS); i++) {
     const char *unit = asperity_column_unit(made, ASPERITY_STATISTICS, i);
     const char *name = asperity_column_name(made, ASPERITY_STATISTICS, i);
@@ -187,11 +190,10 @@ int main(int words, char **word)
   asperity_free(expect(ASPERITY_DONE, "", asperity_read_map(word[2], area.spacing, "mm")));
   asperity_free(expect(ASPERITY_DONE, "", asperity_write_map(&area, "a.npy")));
   refused("surfaces.upper: found asperities and a map",
-          asperity_build_scene_of(GROUPS, &both, NULL));
-  refused("no surfaces: found no group", asperity_build_scene_of(GROUPS, &none_given, NULL));
-  refused("a surface is missing", asperity_build_scene_of(GROUPS, &map_side, &none_given));
-  refused("groups: found NULL", asperity_build_scene_of(NULL, &map_side, &map_side));
-  refused("map: found NULL, expected a height map", asperity_summits_of_map(NULL, NULL));
+          asperity_build_scene(GROUPS, &both, NULL));
+  refused("no surfaces: found no group", asperity_build_scene(GROUPS, &none_given, NULL));
+  refused("a surface is missing", asperity_build_scene(GROUPS, &map_side, &none_given));
+  refused("groups: found NULL", asperity_build_scene(NULL, &map_side, &map_side));
   refused("map: found NULL, expected a path", asperity_read_map(NULL, NULL, NULL));
   refused("unit: found ell, expected one of m", asperity_read_map(word[2], area.spacing, "ell"));
   refused("path: found NULL, expected a path", asperity_write_map(&area, NULL));
@@ -216,18 +218,18 @@ int main(int words, char **word)
   refused("map: found NULL", asperity_write_map(NULL, NULL));
   bad = area;
   bad.rows = -1;
-  refused("map.rows: found -1, expected 3 or more", asperity_summits_of_map(&bad, NULL));
+  refused("map.rows: found -1, expected 3 or more", asperity_summits(NULL, &bad, NULL));
   bad = area;
   bad.spacing[1] = 0.;
-  refused("map.spacing: found 5.", asperity_summits_of_map(&bad, NULL));
+  refused("map.spacing: found 5.", asperity_summits(NULL, &bad, NULL));
 
   refused("specification: found NULL, expected a path", asperity_generate(NULL, NULL, 1));
   refused("specification: found NULL, expected a path", asperity_generate_map(NULL, NULL));
   refused("specification:1:1: &map needs pixels", asperity_generate_map(NULL, "&map hurst = 1. /"));
   refused("found a height map, expected surfaces", asperity_generate(NULL, MAP_GROUP, 1));
-  refused("map: found NULL, expected a height map", asperity_power_spectrum(NULL));
+  refused("map: found NULL, expected a height map", asperity_power_spectrum(NULL, NULL));
   bad.spacing[0] = 0.;
-  refused("map.spacing: found 0, 0, expected the spacing", asperity_power_spectrum(&bad));
+  refused("map.spacing: found 0, 0, expected the spacing", asperity_power_spectrum(&bad, NULL));
   made = expect(ASPERITY_DONE, "", asperity_generate_map(NULL, MAP_GROUP));
   if (asperity_rows(made, ASPERITY_PIXELS) != 80 || asperity_columns(made, ASPERITY_MAP) != 5 ||
       strcmp(asperity_text(made, ASPERITY_UNIT), "nm"))
@@ -235,7 +237,7 @@ int main(int words, char **word)
   area.columns = 10;
   area.rows = 8;
   area.height = asperity_column(made, ASPERITY_PIXELS, 0);
-  spectra = expect(ASPERITY_DONE, "", asperity_power_spectrum(&area));
+  spectra = expect(ASPERITY_DONE, "", asperity_power_spectrum(&area, "mean"));
   if (asperity_rows(spectra, ASPERITY_SPECTRUM_X) != 4 ||
       asperity_rows(spectra, ASPERITY_SPECTRUM_Y) != 3 ||
       strcmp(asperity_column_name(spectra, ASPERITY_SPECTRUM, 1), "c_iso"))
@@ -272,9 +274,9 @@ def test_bad_arguments_under_valgrind(venv, tmp_path):
     and nothing is left over."""
     library = next(venv.glob("lib/python*/site-packages/asperity"))
     (tmp_path / "a.c").write_text(PROGRAM)
-    run_program("gcc", "-std=c99", "-g", "-Wall", "-Wextra", "-Werror", "-I", ROOT / "include",
-                "a.c", "-o", "a", "-L", library, "-lasperity", f"-Wl,-rpath,{library}",
-                cwd=tmp_path)
+    run_program("gcc", "-std=c99", "-pedantic", "-g", "-Wall", "-Wextra", "-Werror", "-I",
+                ROOT / "include", "a.c", "-o", "a", "-L", library, "-l:libasperity.so.1",
+                f"-Wl,-rpath,{library}", cwd=tmp_path)
     (tmp_path / "m.txt").write_text("0 1 0\n1 3 1\n0 1 0\n")
     words = [tmp_path / "a", ROOT / "data/thesis.deck", tmp_path / "m.txt"]
     done = run_program(*words, cwd=tmp_path)
