@@ -3,6 +3,7 @@
 from __future__ import annotations
 
 import importlib
+import math
 import os
 import sys
 from collections.abc import Mapping
@@ -21,9 +22,6 @@ EXPECTED_SIDE = "a path, a height map, 'plane', or a mapping with x, y, height a
 
 class Scene:
     """A scene that is read and checked once and can be solved many times.
-
-    Surfaces and earlier solutions are kept from solve to solve. A solution is the start of the next
-    solve where that does not change the result by more than the tolerance of the solver.
 
     Parameters
     ----------
@@ -54,8 +52,8 @@ class Scene:
 
     def __init__(self, scene: _a.Path | Mapping[str, Mapping[str, Any]]):
         self._source = scene
-        self._earlier: _c.Outcome | None = None
-        self._choices: tuple[Any, ...] = ()  # of the earlier solve
+        self._seconds = math.inf             # of processor, of the last solve
+        self._choices: tuple[Any, ...] = ()  # of the last solve
         self.groups: dict[str, dict[str, Any]]
         self._name = "scene"
         if isinstance(scene, Mapping):
@@ -101,8 +99,8 @@ class Scene:
         kept = states_kept(fields)
         choices = arithmetic, accuracy, accuracy_of, contacts, threads, progress, kept
         # Another value of the loading keeps the number of states: the solve takes about as long.
-        is_short = (self._earlier is not None and self._earlier.seconds < _c.SHORT
-                    and choices == self._choices and _is_another_value(groups))
+        is_short = (self._seconds < _c.SHORT and choices == self._choices
+                    and _is_another_value(groups))
         if groups:
             if "surfaces" in groups:
                 raise _a.wrong("surfaces", "a change of the surfaces", "a new asperity.Scene")
@@ -110,7 +108,7 @@ class Scene:
             read = _c.call("rebuild_scene", self._read, text.text,
                            is_short=is_short).checked(text.named)
         solved = _solve(read, text, *choices, is_short)
-        self._earlier, self._choices = solved, choices
+        self._seconds, self._choices = solved.seconds, choices
         return Results(solved, kept)
 
     def __reduce__(self) -> Any:
@@ -152,9 +150,9 @@ def solve(scene: _a.Path | Mapping[str, Mapping[str, Any]] | Scene, *, arithmeti
         Show a bar of tqdm, or a line on standard error where tqdm is not installed.
     fields : bool or 'all', default False
         Keep pressure, gap and displacement for `Results.fields`, of the last state or of all
-        states: on the pixels of a height map, for which `interaction = 'auto'` then solves its
-        pixels, or on the grid of a scene of asperities with `field_spacing` in `surfaces`. Other
-        scenes are refused. A state takes 24 bytes a pixel.
+        states: on the pixels of a height map, or on the
+        grid of a scene of asperities with `field_spacing` in `surfaces`. Other scenes are refused. A
+        state takes 24 bytes a pixel.
 
     Returns
     -------
@@ -199,18 +197,17 @@ def solve(scene: _a.Path | Mapping[str, Mapping[str, Any]] | Scene, *, arithmeti
 def _solve(read: _c.Outcome, text: _a.Groups, arithmetic: str,
            accuracy: float, accuracy_of: str, contacts: bool, threads: int, progress: bool,
            fields: int, is_short: bool) -> _c.Outcome:
-    interrupt = c_int(0)
+    interrupt, counts = c_int(0), (c_int * 2)()
     options = _c.Options(
         _a.word("arithmetic", arithmetic), _a.number("accuracy", accuracy),
         not _a.flag("contacts", contacts),
         _a.whole("threads", threads, "a number from 1 to 9999, or 0 for all cores"),
-        POINTER(c_int)(interrupt), _a.word("accuracy_of", accuracy_of))
-    counts = (c_int * 2)()
-    options.progress, options.fields = counts, fields
+        POINTER(c_int)(interrupt), _a.word("accuracy_of", accuracy_of), counts, fields)
     bar = _Progress(counts) if _a.flag("progress", progress) else None
     try:
-        return _c.call("solve_scene", read, byref(options), interrupt=interrupt, watch=bar.show if bar else None,
-                       is_short=is_short and bar is None).checked(text.named)
+        return _c.call("solve_scene", read, byref(options), interrupt=interrupt,
+                       watch=bar.show if bar else None, is_short=is_short and bar is None
+                       ).checked(text.named)
     finally:
         if bar:
             bar.end()
