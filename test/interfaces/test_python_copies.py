@@ -86,8 +86,8 @@ bad = [{"upper": "none.csv", "lower": "plane"}, {"upper": ".", "lower": "m.txt"}
 
 def solve(number):
     for i in range(number):
-        asperity.solve({"surfaces": surfaces[i % 4], "material": material, "loading": loading,
-                        "effects": {"interaction": "off"}}, threads=1)
+        asperity.solve({"surfaces": surfaces[i % 4], "material": material, "loading": loading},
+                       threads=1)
         if i % 4 == 0:
             try:
                 asperity.solve({"surfaces": bad[i % 3], "material": material, "loading": loading})

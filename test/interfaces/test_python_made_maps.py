@@ -57,8 +57,8 @@ def test_level_of_a_spectrum(package, asperity, tmp_path):
     free = package.HeightMap(wave + 3.0, 1 / 64)
     free.write(tmp_path / "m.txt")
     for level in ("plane", "mean", "none"):
-        run(asperity, tmp_path, "summits", "m.txt", "--level", level, "--quiet",
-            "--spectrum", "s.csv")
+        run(asperity, tmp_path, "summits", "m.txt", "--spacing", "0.015625", "--level", level,
+            "--quiet", "--spectrum", "s.csv")
         wanted = [float(row["c_1d"]) for row in records(tmp_path / "s.csv")
                   if row["spectrum"] == "x"]
         found = free.power_spectrum("x", level=level)["c_1d"]
