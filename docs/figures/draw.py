@@ -15,6 +15,7 @@ from pathlib import Path
 
 import matplotlib
 import numpy as np
+import sdfio
 
 matplotlib.use("svg")
 import matplotlib.pyplot as plt
@@ -28,6 +29,7 @@ ROOT = FOLDER.parents[1]
 DATA = ROOT / "build/figures"
 EFFECTS = ROOT / "data/examples/effects"
 KEPT = ROOT / "reference_output"
+MAP = ROOT / "data/examples/summits/smooth.sdf"
 # Paul Tol's high-contrast colours, safe for the colour-blind and in grey.
 BLUE, YELLOW, RED, INK, GREY = "#004488", "#DDAA33", "#BB5566", "#222222", "#888888"
 PALETTE = LinearSegmentedColormap.from_list("loads", [
@@ -87,9 +89,10 @@ def solve_scenes(executable, wanted):
     for name in ("coupled", "boundary", "friction"):
         run(executable, "solve", scenes / f"{name}.scene", "--quiet", "--positions",
             DATA / f"{name}.csv")
-    for name in ("press", "press_samples"):
-        run(executable, "solve", f"data/examples/summits/{name}.scene", "--quiet", "--curve",
-            DATA / f"{name}.csv")
+    run(executable, "solve", "data/examples/summits/press_samples.scene", "--quiet", "--curve",
+        DATA / "pixels.csv")
+    run(executable, "summits", MAP, "--unit", "um", "--rule", "contact", "--quiet", "--output",
+        DATA / "summits.csv")
     run(executable, "solve", "data/examples/thesis.scene", "--quiet", "--positions",
         DATA / "sweep.csv")
     run(executable, "solve", scenes / "pair.scene", "--quiet", "--curve", DATA / "pair.csv")
@@ -99,16 +102,18 @@ def solve_scenes(executable, wanted):
         DATA / "generated.deck")
     run(executable, "generate", "data/examples/generate/surface.spec", "--output",
         DATA / "surface.sdf")
-    page = (ROOT / "docs/tutorial/rough-ball.md").read_text(encoding="utf-8")
-    for name, text in re.findall(r"`(ball[.]spec|\w+[.]scene)`.*?```\n(.*?)```", page, re.DOTALL):
-        (DATA / name).write_text(text, encoding="ascii")
+    for name in ("rough-ball", "measured-surface"):
+        page = (ROOT / f"docs/tutorial/{name}.md").read_text(encoding="utf-8")
+        for name, text in re.findall(r"`(ball[.]spec|\w+[.]scene)`.*?```\n(.*?)```", page,
+                                     re.DOTALL):
+            (DATA / name).write_text(text, encoding="ascii")
+    run(executable, "solve", "summits.scene", "--quiet", "--curve", "coupled_summits.csv",
+        folder=DATA)
     run(executable, "generate", "ball.spec", "--output", "ball.sdf", folder=DATA)
     run(executable, "solve", "slip.scene", "--quiet", "--fields", "slip.vti", folder=DATA)
     run(executable, "solve", "creep.scene", "--quiet", "--curve", "rough_ball.csv", folder=DATA)
     (DATA / "surface.scene").write_text((scenes / "surface.scene").read_text(), encoding="ascii")
-    if "representative-area" in wanted:
-        run(executable, "study", "data/examples/study/thesis.spec", "--quiet", "--csv",
-            DATA / "area_study.csv")
+    run(executable, "solve", "surface.scene", "--quiet", "--fields", "pressure.vti", folder=DATA)
     if "work_precision" in wanted and not (DATA / "accuracy.csv").exists():
         run(executable, "accuracy", "data/thesis.deck", "--csv", DATA / "accuracy.csv")
     if "stability" in wanted:
@@ -171,7 +176,7 @@ def fig12(_, axes):
     logarithmic(axes, 5e-4, 0.2, (5e-4, 1e-3, 2e-3, 5e-3, 1e-2, 2e-2, 5e-2, 0.1, 0.2))
 
 
-def summits(deck):
+def models(deck):
     """Upper and lower summits of a deck, x, y and height in inches: NU in columns 1-5 of card 2."""
     lines = Path(deck).read_text(encoding="ascii").splitlines()
     upper = int(lines[1][:5])
@@ -189,7 +194,7 @@ def fig28(canvas, *panels):
     width = 3.455 * INCH
     margin = (width - 3 * INCH) / 2
     shift = 5.6
-    upper, lower = summits(ROOT / "data/thesis.deck")
+    upper, lower = models(ROOT / "data/thesis.deck")
     contacts = table(DATA / "contacts_56.csv")
     last = contacts["step"] == contacts["step"].max()
     places = ((7.52, 7.55, "a"), (9.92, 2.17, "b"))
@@ -231,7 +236,7 @@ def fig28(canvas, *panels):
 def fig28_loads(canvas, *panels):
     """The contacts of position 56 at three loads, with five times their radii."""
     width = 3.455 * INCH
-    upper, _ = summits(ROOT / "data/thesis.deck")
+    upper, _ = models(ROOT / "data/thesis.deck")
     contacts, curve = table(DATA / "contacts_56.csv"), table(DATA / "curve_56.csv")
     for axes, share in zip(panels, (0.05, 0.3, 1.0)):
         state = np.argmin(np.abs(curve["load"] - share * curve["load"][-1]))
@@ -462,7 +467,7 @@ def gallery_surfaces(_, axes):
 @figure(370)
 def gallery_generated(canvas, axes):
     """A random pair of models: the summits of both in plan."""
-    upper, lower = summits(DATA / "generated.deck")
+    upper, lower = models(DATA / "generated.deck")
     heights = np.r_[upper[:, 2], lower[:, 2]]
     for rows, marker, label in ((lower, "o", "lower model"), (upper, "^", "upper model")):
         points = axes.scatter(rows[:, 0], rows[:, 1], 26, rows[:, 2], cmap=PALETTE, marker=marker,
@@ -521,7 +526,7 @@ def map_curves(_, left, right):
     """A map under a flat: its summits and its pixels."""
     for axes, name, label in ((left, "area_fraction", "Area fraction"),
                               (right, "separation", "Separation (µm)")):
-        pixels, spheres = table(DATA / "press_samples.csv"), table(DATA / "press.csv")
+        pixels, spheres = table(DATA / "pixels.csv"), table(DATA / "coupled_summits.csv")
         axes.plot(pixels["nominal_pressure"], pixels[name], **PRINTED, label="pixels")
         axes.plot(spheres["nominal_pressure"], spheres[name], color=BLUE, label="summits")
         axes.set(xlabel="Nominal pressure (MPa)", ylabel=label, xlim=(0, 205))
@@ -530,21 +535,52 @@ def map_curves(_, left, right):
     right.set_ylim(-0.15, 0.35)
 
 
+def pressure_in_plan(canvas, axes, path):
+    """The pressure on the pixels of a file of `--fields`, in um and MPa: white out of contact."""
+    _, spacing, fields = read_vti(path)
+    sides = np.array(fields["pressure"].shape) * spacing[:2]
+    pressure = np.where(fields["contact"] == 1, fields["pressure"], np.nan)
+    image = axes.imshow(pressure.T, origin="lower", extent=(0, sides[0], 0, sides[1]),
+                        cmap=PALETTE, interpolation="none")
+    canvas.colorbar(image, ax=axes, shrink=0.8, label="Pressure (MPa)")
+    axes.grid(False)
+    axes.set(xlabel="x (um)", ylabel="y (um)")
+    return fields, (0, sides[0], 0, sides[1])
+
+
+@figure(460)
+def pressure_map(canvas, axes):
+    pressure_in_plan(canvas, axes, DATA / "pressure.vti")
+
+
+@figure(420)
+def summits(canvas, axes):
+    """A map above its plane of least squares, and its summits."""
+    heights = 1e6 * sdfio.read(MAP).data
+    rows, columns = heights.shape
+    y, x = np.mgrid[:rows, :columns]
+    plane = np.c_[np.ones(heights.size), x.ravel(), y.ravel()]
+    heights -= (plane @ np.linalg.lstsq(plane, heights.ravel(), rcond=None)[0]).reshape(rows, -1)
+    # Pixels of 1 um, places from the centre of the first.
+    image = axes.imshow(heights, origin="lower", extent=(-0.5, columns - 0.5, -0.5, rows - 0.5),
+                        cmap=PALETTE, interpolation="none")
+    found = table(DATA / "summits.csv")
+    axes.plot(found["x"], found["y"], ".", color="white", markeredgecolor=INK, markersize=5,
+              markeredgewidth=0.5)
+    canvas.colorbar(image, ax=axes, shrink=0.8, label="Height (um)")
+    axes.grid(False)
+    axes.set(xlabel="x (um)", ylabel="y (um)")
+
+
 @figure(330, columns=3)
 def rough_ball(canvas, pressures, slips, hold):
-    _, spacing, fields = read_vti(DATA / "slip.vti")
-    sides = np.array(fields["pressure"].shape) * spacing[:2]
-    for axes in (pressures, slips):
-        axes.grid(False)
-        axes.set(xlabel="x (um)", xlim=(6, 58), ylim=(6, 58))
-    pressure = np.where(fields["contact"] == 1, fields["pressure"], np.nan)
-    image = pressures.imshow(pressure.T, origin="lower", extent=(0, sides[0], 0, sides[1]),
-                             cmap=PALETTE)
-    canvas.colorbar(image, ax=pressures, shrink=0.8, label="Pressure (MPa)")
+    fields, extent = pressure_in_plan(canvas, pressures, DATA / "slip.vti")
     state = np.where(fields["contact"] == 1, fields["stick"], np.nan)
-    slips.imshow(state.T, origin="lower", extent=(0, sides[0], 0, sides[1]),
+    slips.imshow(state.T, origin="lower", extent=extent,
                  cmap=LinearSegmentedColormap.from_list("slip", [YELLOW, BLUE]))
-    pressures.set_ylabel("y (um)")
+    slips.grid(False)
+    for axes in (pressures, slips):
+        axes.set(xlabel="x (um)", xlim=(6, 58), ylim=(6, 58))
     rows = table(DATA / "rough_ball.csv")
     for name, colour, label in (("area", BLUE, "contact area"), ("compression", RED, "compression")):
         hold.plot(rows["time"] / 60, rows[name] / rows[name][0], color=colour, label=label)
@@ -573,7 +609,7 @@ def representative_area(_, above, below):
     for name, label, shift, colour in (("load", "load", 1.05, YELLOW),
                                        ("area", "contact area", 1, RED),
                                        ("contacts", "contacts", 0.952, BLUE)):
-        rows = table(DATA / "area_study.csv", quantity=name)
+        rows = table(KEPT / "bench/representative_area.csv", quantity=name)
         above.errorbar(shift * rows["size"], rows["mean"] / rows["integral"],
                        rows["standard_error"] / rows["integral"], fmt="o", color=colour,
                        elinewidth=1.2, capsize=3)
@@ -646,13 +682,10 @@ def work_precision(canvas, axes):
             ("boundary", "boundary, ", 19)) if key in words[k]), "")
         axes.annotate(option, (time[k], error[k]), (6, -10 if "0.003" in words[k] else 5),
                       textcoords="offset points", fontsize=8, color="#333333")
-    for level, text, place in (
-            (rows["own_error_max"][rows["family"] == "input"].max(),
-             "half a digit of the heights", 1.3),
-            (rows["error_estimate"][rows["reference"] == 1].max(),
-             "estimated error of the reference", 0.6)):
-        axes.axhline(level, color="#999999", linestyle=":")
-        axes.text(1.8e5, place * level, text, ha="right", fontsize=8, color="#666666")
+    level = rows["error_estimate"][rows["reference"] == 1].max()
+    axes.axhline(level, color="#999999", linestyle=":")
+    axes.text(1.8e5, 0.6 * level, "estimated error of the reference", ha="right", fontsize=8,
+              color="#666666")
     axes.set(xscale="log", yscale="log", xlim=(1.5, 2e5), ylim=(1e-5, 10),
              xlabel="Run time for each position (µs)",
              ylabel="Largest relative error of the load over all positions")
@@ -805,26 +838,18 @@ def pair_geometry(_, first, loaded, loads):
 
 def main(executable, *names):
     drawn = {name.replace("_", "-") if name.split("_")[0] in (
-        "gallery", "how", "map", "time", "scan", "representative", "pair", "rough") else name: make
+        "gallery", "how", "map", "time", "scan", "representative", "pair", "pressure", "rough")
+        else name: make
         for name, make in FIGURES.items()}
-    # Commands of the README and of the tutorial: a picture names its file as they do.
-    pictures = {"pressure-map": (DATA, "solve", "surface.scene"),
-                "summits": (ROOT, "summits", "data/examples/summits/smooth.sdf", "--unit", "um",
-                            "--rule", "contact")}
-    names = names or (*drawn, *pictures)
-    unknown = set(names) - {*drawn, *pictures}
+    names = names or drawn
+    unknown = set(names) - set(drawn)
     if unknown:
         sys.exit(f"no figure {', '.join(sorted(unknown))}; there are {', '.join(drawn)}")
     solve_scenes(executable, names)
     plt.rcParams.update(STYLE)
     for name in names:
-        path = FOLDER / f"{name}.svg"
-        if name in pictures:
-            folder, *words = pictures[name]
-            run(executable, *words, "--quiet", "--picture", path, folder=folder)
-            continue
         canvas = drawn[name]()
-        canvas.savefig(path, metadata={"Date": None})
+        canvas.savefig(FOLDER / f"{name}.svg", metadata={"Date": None})
         if "--png" in sys.argv:
             canvas.savefig(DATA / f"{name}.png", dpi=80)
         plt.close(canvas)
