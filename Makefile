@@ -57,10 +57,6 @@ ifeq ($(PART),accuracy)
 bench:
 	@bash .ci/setup build test
 	@.venv/bin/python test/bench/accuracy_costs.py $(if $(SAVE),--save,--seconds 40)
-	@$(if $(SAVE),"$$(bash .ci/build release)" accuracy data/thesis.deck --quiet \
-	  --html docs/accuracy-thesis.html && \
-	  "$$(bash .ci/build release)" accuracy data/examples/summits/press.scene --quiet \
-	  --html docs/accuracy-map.html)
 else ifeq ($(PART),maps)
 bench:
 	@bash .ci/setup build test
