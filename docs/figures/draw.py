@@ -680,8 +680,9 @@ def work_precision(canvas, axes):
         option = next((text + words[k][skip:] for key, text, skip in (
             ("isolated", "off", 99), ("coupled", "coupled", 99), ("auto", "auto, ", 16),
             ("boundary", "boundary, ", 19)) if key in words[k]), "")
-        axes.annotate(option, (time[k], error[k]), (6, -10 if "0.003" in words[k] else 5),
-                      textcoords="offset points", fontsize=8, color="#333333")
+        is_below = words[k].endswith(("0.003", "0.0001"))
+        axes.annotate(option, (time[k], error[k]), (6, -10 if is_below else 5), fontsize=8,
+                      textcoords="offset points", color="#333333")
     level = rows["error_estimate"][rows["reference"] == 1].max()
     axes.axhline(level, color="#999999", linestyle=":")
     axes.text(1.8e5, 0.6 * level, "estimated error of the reference", ha="right", fontsize=8,

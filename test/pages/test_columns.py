@@ -50,19 +50,13 @@ def run(asperity, *words):
 
 @pytest.fixture(scope="module")
 def solved(asperity, tmp_path_factory):
-    """The three files of many scenes: one of a map that is pressed itself on a nominal area, one of
-    the summits of a map, one of effects that are off."""
+    """The three files of many scenes: one of a map on a nominal area, one of effects that are off."""
     folder = tmp_path_factory.mktemp("columns")
     map_scene = write_scene(
         folder / "map.scene", surfaces={"upper": "plane", "nominal_area": 1e-9,
                                         "lower": str(ROOT / "data/examples/summits/rough.sdf")},
         material={"contact_modulus": 1e11}, effects={"interaction": "boundary"},
         loading={"control": "vertical_load", "value": 5e-4, "points": 2})
-    summits = write_scene(
-        folder / "summits.scene", surfaces={"upper": "plane", "lower": str(
-            ROOT / "data/examples/summits/rough.sdf")},
-        material={"contact_modulus": 1e11}, effects={"interaction": "off"},
-        loading={"control": "vertical_load", "value": 5e-4})
     off = write_scene(
         folder / "off.scene", surfaces={"deck": str(ROOT / "data/thesis.deck")},
         effects={**dict.fromkeys(EFFECTS, "off"), "friction_coefficient": 0.1,
@@ -89,7 +83,7 @@ def solved(asperity, tmp_path_factory):
             "interaction": "boundary", "work_of_adhesion": 1.0, "equilibrium_distance": 1e-8},
         loading={"control": "vertical_load", "value": 5e-4})
     tables = {name: [] for name in FILES}
-    for scene in (*SCENES, map_scene, summits, off, plastic, slip, sticky):
+    for scene in (*SCENES, map_scene, off, plastic, slip, sticky):
         words = [word for name in FILES for word in (name, folder / name[2:])]
         run(asperity, "solve", scene, "--quiet", *words)
         for name in FILES:
@@ -120,17 +114,13 @@ def test_columns_of_the_others(asperity, tmp_path):
                                      "&radii mean = 3. / &heights mean = 0.1, deviation = 0.01 /\n")
     run(asperity, "generate", tmp_path / "a.spec", "--output", tmp_path / "g")
     run(asperity, "accuracy", "data/thesis.deck", "--seconds", "6", "--csv", tmp_path / "a")
-    text = (ROOT / "data/examples/study/thesis.spec").read_text()
-    (tmp_path / "b.spec").write_text(re.sub(r"ensemble = \d+", "ensemble = 2", text))
-    run(asperity, "study", tmp_path / "b.spec", "--csv", tmp_path / "b")
     for heading, file in (("`--positions` of `asperity DECK`", "p"), ("Surfaces", "s"),
                           ("`--contacts` of `asperity DECK`", "c"), ("Surfaces", "g"),
                           ("`--spectrum` of `asperity summits`", "f"),
-                          ("`--csv` of `asperity accuracy`", "a"),
-                          ("`--csv` of `asperity study`", "b")):
+                          ("`--csv` of `asperity accuracy`", "a")):
         header, rows = read(tmp_path / file)
         assert header == list(told[heading]), heading
         for name, cells in zip(header, zip(*rows)):
             if "" in cells:
                 assert re.search("empty", told[heading][name][1]) or file == "a", name
-    assert len(told) == 10
+    assert len(told) == 9

@@ -111,10 +111,10 @@ def test_array_of_jobs(shell, checkout):
 
 
 def test_job_of_images(shell, asperity, checkout):
-    """The job of the study, with one image in place of those of srun."""
+    """The job, with one image in place of those of srun."""
     folder = checkout / "build/gfortran_0/app"
     folder.mkdir(parents=True)
     (folder / "asperity").symlink_to(asperity)
-    shell(block_of(MACHINES, "--ntasks").replace("SPEC", "data/examples/study/thesis.spec"))
-    assert (checkout / "area.csv").read_text().count("\n") > 1
-    assert (checkout / "area.keep").stat().st_size > 0
+    shell(block_of(MACHINES, "--ntasks").replace("SCENE", "data/examples/thesis.scene"))
+    assert (checkout / "p.csv").read_text().count("\n") == 101
+    assert (checkout / "p.keep").stat().st_size > 0
