@@ -24,7 +24,6 @@ module asperity_delimited_text
     character(len=2) :: line_comments = '#'    !! a line that begins with one of them is a comment
     character(len=1) :: comment = feed         !! begins a comment within a line; a line feed: none
     logical :: keep_empty = .true.             !! empty cells are counted
-    integer :: missing = 0                     !! number of the cell behind an empty one; 0: none
     integer :: cell_count = 0                  !! number of cells; 0 behind the last line
     integer :: word = 0                        !! cell that `next_word` has returned
     integer :: line = 0                        !! number of the line
@@ -94,7 +93,6 @@ contains
 
     if (.not. allocated(cells%first)) allocate (cells%first(8), cells%last(8))
     cells%cell_count = 0
-    cells%missing = 0
     do while (at <= len(text) .and. cells%cell_count == 0)
       cells%line = line
       cells%start = at
@@ -129,10 +127,10 @@ contains
         if (begins_comment(text, at, i)) exit
       end if
       if (text(i:i) /= cells%separator .and. text(i:i) /= other) cycle
-      call add_cell(text, from, i - 1, .false., cells)
+      call add_cell(text, from, i - 1, cells)
       from = i + 1
     end do
-    call add_cell(text, from, i - 1, .true., cells)
+    call add_cell(text, from, i - 1, cells)
     at = i + 1
     if (i <= len(text) .and. cells%comment /= feed) at = line_end(text, i) + 2
   end subroutine cut_line
@@ -162,10 +160,9 @@ contains
   end function is_error_value
 
   ! Adds the cell `from:to` without the blanks around it; between blanks there is no empty cell.
-  pure subroutine add_cell(text, from, to, is_last, cells)
+  pure subroutine add_cell(text, from, to, cells)
     character(len=*), intent(in) :: text
     integer, intent(in) :: from, to
-    logical, intent(in) :: is_last
     type(line_cells), intent(inout) :: cells
     integer :: first, last
 
@@ -177,11 +174,7 @@ contains
       if (iachar(text(to:to)) <= iachar(' ')) &
         last = from + verify(text(from:to), blanks, back=.true.) - 1
     end if
-    if (last < first .and. .not. cells%keep_empty) then
-      if (.not. is_last .and. cells%missing == 0 .and. cells%separator /= ' ') &
-        cells%missing = cells%cell_count + 1
-      return
-    end if
+    if (last < first .and. .not. cells%keep_empty) return
     if (cells%cell_count == size(cells%first)) then
       cells%first = [cells%first, cells%first]
       cells%last = [cells%last, cells%last]

@@ -5,12 +5,12 @@ module asperity_height_map_reader
   use asperity_height_map, only: edge_names, expected_height, check_heights, check_spacing, &
                                  give_spacing, height_map, highest, known_units, largest_height, &
                                  make_room, map_request, no_height, plain_unit, unit_number
-  use asperity_input_text, only: begin_file, blanks, check_text, first_control, line_end
+  use asperity_input_text, only: begin_file, check_text, first_control
   use asperity_kinds, only: int64, real64
   use asperity_npy_map, only: npy_magic, read_npy_map
   use asperity_problems, only: decimal_text, problem_list, real_text
   use asperity_sdf_map, only: is_sdf, magic_length, read_sdf_header, read_sdf_samples, sdf_header
-  use asperity_text_map, only: read_text_map
+  use asperity_text_map, only: is_text_map, read_text_map
   implicit none
   private
 
@@ -18,24 +18,17 @@ module asperity_height_map_reader
 
   integer, parameter :: head_length = 4096  !! bytes that show what a file is
   character(len=*), parameter :: expected = 'a surface data file (ISO 25178-71), a matrix of ' // &
-    'heights, or an array (.npy)'
+    'heights, x,y,z lines, or an array (.npy)'
 
 contains
 
-  !> Whether a file is a height map: by its beginning, or heights where a spacing is given.
+  !> Whether a file in the place of a surface is a height map, by its beginning.
   pure logical function is_height_map(head, has_spacing)
     character(len=*), intent(in) :: head    !! `head_length` bytes
     logical, intent(in) :: has_spacing      !! a spacing is given
-    integer :: at
 
-    is_height_map = is_sdf(head(:min(len(head), magic_length))) .or. index(head, npy_magic) == 1
-    if (is_height_map .or. .not. has_spacing) return
-    at = max(1, verify(head, blanks))
-    do while (scan(head(at:min(len(head), at)), '#%') > 0)
-      at = line_end(head, at) + 1
-      at = at - 1 + max(1, verify(head(at:), blanks))
-    end do
-    is_height_map = scan(head(at:min(len(head), at)), '+-.0123456789nNbB') > 0
+    is_height_map = is_sdf(head(:min(len(head), magic_length))) .or. index(head, npy_magic) == 1 &
+                    .or. is_text_map(head, has_spacing)
   end function is_height_map
 
   !> Reads and checks a map. With problems, or when `failure` is allocated because there is no
@@ -99,7 +92,7 @@ contains
       call file%problems%add_at(1, 1, 'the file is empty, expected ' // expected)
     else if (first_control(magic) > 0) then
       call file%problems%add_at(1, 1, 'found a control character, expected ' // expected // &
-                                '; the Python package reads more formats, with SurfaceTopography')
+                                '; asperity.read_map in Python reads more formats')
     else
       ! A byte that no text has says enough.
       call check_text(file%block(:file%used), expected, file%problems)

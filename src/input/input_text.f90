@@ -224,7 +224,7 @@ contains
       if (index(head(first:), trim(other_formats(i)%signature)) /= 1) cycle
       found = trim(other_formats(i)%name) // ', not a format of this program'
       if (other_formats(i)%is_surface) &
-        remedy = '; the Python package reads such surfaces with SurfaceTopography'
+        remedy = '; asperity.read_map in Python reads such surfaces'
     end do
     if (found /= '') &
       call problems%add_at(1, 1, 'found ' // found // ', expected ' // expected // remedy)
