@@ -56,7 +56,7 @@ contains
   !> Estimates the errors of a solution. Nothing is known, and both are unchanged, where a map is
   !> too small, or its halves cannot be solved.
   subroutine estimate_pixel_errors(map, laws, history, answer, patches, state, by_load, of_total, &
-                                   other_errors)
+                                   other_errors, unsolved)
     type(height_map), intent(in) :: map         !! map without plastic deformation
     type(map_laws), intent(in) :: laws          !! what acts on the pixels
     type(map_history), intent(in) :: history    !! attraction or memory of this solution
@@ -68,6 +68,8 @@ contains
     real(real64), intent(inout) :: of_total
     !> relative, of area, mean gap and greatest pressure; `not_computed`: unknown
     real(real64), intent(inout) :: other_errors(3)
+    !> Reason why a map of every second pixel could not be solved; unchanged: all were.
+    character(len=*), intent(inout) :: unsolved
     type(map_answer) :: elastic
     type(map_laws) :: its_laws
     real(real64) :: area, difference(5), growth, pressure
@@ -84,7 +86,8 @@ contains
           closed_halves * sum(abs(history%creep%elastic))) return
     end if
     call compare_halves(map, elastic, history%adhesion, its_laws, by_load, [answer%level, &
-      elastic%load, state%area, state%mean_gap, maxval(elastic%pressure)], difference, is_known)
+      elastic%load, state%area, state%mean_gap, maxval(elastic%pressure)], difference, is_known, &
+      unsolved)
     if (.not. is_known) return
     growth = growth_of_slope(map)
     if (growth > 0.0_real64) difference = first_order * difference
@@ -109,7 +112,8 @@ contains
 
   ! Solves the four maps of every second pixel of a map, and compares the totals: level, load, area,
   ! mean gap, greatest pressure.
-  subroutine compare_halves(map, full, adhesion, laws, by_load, totals, difference, is_known)
+  subroutine compare_halves(map, full, adhesion, laws, by_load, totals, difference, is_known, &
+                            unsolved)
     type(height_map), intent(in) :: map
     type(map_answer), intent(in) :: full           ! solution on all pixels
     type(adhesion_history), intent(in) :: adhesion
@@ -118,8 +122,9 @@ contains
     real(real64), intent(in) :: totals(5)          ! of the solution
     real(real64), intent(out) :: difference(5)     ! of all four, root mean square
     logical, intent(out) :: is_known               ! the map has so many pixels; all are solved
+    character(len=*), intent(inout) :: unsolved    ! why one was not
     type(height_map) :: half
-    type(map_answer) :: answer, unsolved
+    type(map_answer) :: answer, no_answer
     type(map_history) :: history, no_history
     type(map_patch), allocatable :: patches(:)
     real(real64), allocatable :: load
@@ -133,7 +138,7 @@ contains
       first = [1 + mod(k, 2), 1 + k / 3]
       half = every_pixel(map, 2, first)
       if (.not. any(is_measured(half%height))) return
-      answer = unsolved
+      answer = no_answer
       answer%level = full%level
       answer%interrupt = full%interrupt
       answer%pressure = full%pressure(first(1)::2, first(2)::2)
@@ -147,6 +152,7 @@ contains
           adhesion%contact_pressure(first(1)::2, first(2)::2)
       end if
       call solve_map_state(laws, 0.0_real64, history, answer, load, closed_halves)
+      if (allocated(answer%failure)) unsolved = answer%failure
       if (allocated(answer%failure)) return
       if (allocated(laws%attraction)) then
         call find_patches(half, history%adhesion%contact_pressure, patches)

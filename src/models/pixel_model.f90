@@ -414,7 +414,8 @@ contains
       if (.not. allocated(model%laws%hardness) .or. &
           answer%load >= maxval(result%states%load) * (1.0_real64 - load_rounding)) &
         call estimate_pixel_errors(self%map, model%laws, self%history, answer, self%patches, &
-                                   state, by_load, result%error_estimate, other_errors)
+                                   state, by_load, result%error_estimate, other_errors, &
+                                   result%no_estimate)
     end associate
     if (result%error_estimate > self%model%tolerance) &
       call add_warning(warnings, of_error, result%error_estimate)

@@ -87,7 +87,8 @@ contains
   end subroutine write_heading
 
   !> `error estimate: load 1.2 %, contact area 0.9 %`, the largest over the positions; under load
-  !> control it is that of the compression in place of the load. Empty where none is known.
+  !> control it is that of the compression in place of the load. Empty where none is known, unless a
+  !> map of every second pixel could not be solved: then `unknown` and the reason.
   pure function errors_in_words(results) result(text)
     type(scene_results), intent(in) :: results  !! results of a run
     character(len=:), allocatable :: text       !! one line
@@ -114,6 +115,12 @@ contains
       if (text /= '') text = text // ', '
       text = text // trim(names(k)) // ' ' // percent_text(error)
     end do
+    at = findloc(results%positions%no_estimate /= '', .true., 1)
+    if (at > 0) then
+      if (text /= '') text = text // ', '
+      text = text // 'unknown, the map of every second pixel could not be solved: ' // &
+             trim(results%positions(at)%no_estimate)
+    end if
     if (text /= '') text = 'error estimate: ' // text
   end function errors_in_words
 

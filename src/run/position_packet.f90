@@ -13,7 +13,7 @@ module asperity_position_packet
 
   ! Numbers of words: a position without its lists, a state, a contact, an effect, a warning. These
   ! records have no gaps between their components: they are copied whole.
-  integer, parameter :: of_head = 13 + size(known_effects), of_state = 17, of_row = 13, &
+  integer, parameter :: of_head = 33 + size(known_effects), of_state = 17, of_row = 13, &
                         of_effect = 14, of_warning = 7
   integer(int64), parameter :: word(1) = 0_int64  ! mold of `transfer` to words
 
@@ -41,6 +41,7 @@ contains
              int([merge(1, 0, result%limit_reached), result%overlapping_circles, &
                   size(result%states), result%rows_used, effects, columns, values, &
                   warnings], int64), &
+             transfer(result%no_estimate, word), &
              transfer(result%left_out, word), &
              transfer(result%states, word)]
     if (warnings > 0) words = [words, transfer(result%warnings, word)]
@@ -68,7 +69,8 @@ contains
     columns = int(words(10))
     values = int(words(11:12))
     warnings = int(words(13))
-    result%left_out = transfer(words(14:of_head), result%left_out, size(result%left_out))
+    result%no_estimate = transfer(words(14:33), result%no_estimate)
+    result%left_out = transfer(words(34:of_head), result%left_out, size(result%left_out))
     allocate (result%states(states), result%rows(result%rows_used))
     at = of_head
     result%states = transfer(words(at + 1:at + of_state * states), result%states, states)

@@ -150,6 +150,20 @@ def test_unknown_errors_are_empty(asperity, tmp_path):
     assert "error_estimate" not in found
 
 
+def test_a_map_of_every_second_pixel_without_a_solution(asperity, tmp_path):
+    """At a separation beside full contact the mean of a fourth of the pixels is above the flat:
+    the summary prints that the error is unknown, and the reason."""
+    height = rough(16, shortest=4, seed=2)
+    height[::2, ::2] += 4 * height.std()
+    found = solve(asperity, tmp_path, height, 1.0, control="separation",
+                  value=float(height.mean() + 0.01 * height.std()))
+    assert found["load"] > 0 and "error_estimate" not in found
+    for options in ((), ("--keep", tmp_path / "kept"), ("--keep", tmp_path / "kept")):
+        words = run_program(asperity, "solve", tmp_path / "m.scene", *options).stdout
+        assert ("\nerror estimate: unknown, the map of every second pixel could not be solved: "
+                "the flat is not above the mean height of a map that repeats itself\n") in words
+
+
 def test_a_coarse_ball(asperity, tmp_path):
     """A contact radius of 1.7 pixels: the area is far off, which warning and estimate say, and no
     accuracy is reached by an error that is not known to be small."""
