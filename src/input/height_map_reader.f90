@@ -16,7 +16,7 @@ module asperity_height_map_reader
 
   public :: read_height_map, take_height_map, is_height_map, head_length, take_map
 
-  integer, parameter :: head_length = 4096  !! bytes that show what a file is
+  integer, parameter :: head_length = 65536  !! bytes that show what a file is
   character(len=*), parameter :: expected = 'a surface data file (ISO 25178-71), a matrix of ' // &
     'heights, x,y,z lines, or an array (.npy)'
 

@@ -9,7 +9,7 @@ module asperity_text_map
   use asperity_delimited_text, only: cells_of, line_cells, line_reader, separator_of
   use asperity_height_map, only: digit_of, height_map, is_measured, make_room, &
                                  map_request, most_samples, no_power, read_height
-  use asperity_input_text, only: blanks, in_quotes, line_end, without_blanks
+  use asperity_input_text, only: blanks, in_quotes, lower_case, without_blanks
   use asperity_kinds, only: int64, real64
   use asperity_point_map, only: is_point_header, read_height_cell, read_point_map
   use asperity_problems, only: decimal_text, real_text
@@ -19,32 +19,36 @@ module asperity_text_map
 
   public :: is_text_map, read_text_map
 
-  character(len=*), parameter :: comment_signs = '#%'
+  character(len=*), parameter :: comment_signs = '#%', line_ends = achar(10) // achar(13)
   character(len=*), parameter :: python_reads = '; asperity.read_map in Python reads the formats ' &
                                                 // 'of instruments'
 
 contains
 
-  !> Whether a text in the place of a surface is a map: it has the names x, y, z, or begins with a
-  !> height. Four numbers are a surface without its header, unless a spacing is given.
+  !> Whether a text in the place of a surface is a map: it has the names x, y, z, begins with a
+  !> height, or is no surface. Four numbers are a surface without its header, unless a spacing is
+  !> given.
   pure logical function is_text_map(head, has_spacing)
     character(len=*), intent(in) :: head  !! beginning of the file, or all of it
     logical, intent(in) :: has_spacing    !! a spacing is given
     character(len=:), allocatable :: line
     type(line_cells) :: cells
-    integer :: at
+    integer :: at, length
 
     at = 1
     line = ''
     do while (at <= len(head) .and. (line == '' .or. scan(line, comment_signs) == 1))
-      line = without_blanks(head(at:line_end(head, at)))
-      at = line_end(head, at) + 2
+      length = scan(head(at:) // line_ends, line_ends) - 1
+      line = without_blanks(head(at:at + length - 1))
+      at = at + length + 1
     end do
     cells = cells_of(line, separator_of(line), .false.)
     if (begins_with_height(line)) then
       is_text_map = has_spacing .or. cells%cell_count /= 4
     else
-      is_text_map = is_point_header(line) .and. scan(line, 'zZ') > 0
+      ! The header of a surface has no blanks alone between its names.
+      is_text_map = (is_point_header(line) .and. scan(line, 'zZ') > 0) .or. (line /= '' .and. &
+                    separator_of(line) == ' ' .and. index(lower_case(line), 'height') == 0)
     end if
   end function is_text_map
 
@@ -144,6 +148,10 @@ contains
       call file%problems%add_at(first_line, 1, 'found commas and no decimal point in the file: ' &
            // 'separators or decimals, expected decimal points and one separator, for instance ' &
            // 'blanks')
+    if (begins_with_places(map%height(1, :), map%height(2, :)) .or. &
+        begins_with_places(map%height(2, :), map%height(1, :))) &
+      call file%problems%add_at(first_line, 1, 'found places on a grid in the first two columns, ' &
+           // 'expected heights, or the header x,y,z without ' // request%option)
     if (min(map%columns, map%rows) < 4) return
     call check_axis(file, map, first_line, 'line', map%height(:, 1), map%height(:, 2))
     call check_axis(file, map, first_line, 'column', map%height(1, :), map%height(2, :))
@@ -173,8 +181,9 @@ contains
         if (.not. good) return
       end do
       if (pixel_count(cells) /= size(heights)) &
-        call file%refuse_cell(cells%cell_count, 'found ' // decimal_text(pixel_count(cells)) // &
-             ' pixels, expected ' // decimal_text(size(heights)) // ' as in the first profile')
+        call file%problems%add_at(cells%line, cells%last(pixel_count(cells)) - cells%start + 2, &
+             'found ' // decimal_text(pixel_count(cells)) // ' pixels, expected ' // &
+             decimal_text(size(heights)) // ' as in the first profile')
       if (may_be_pairs) then
         do i = 1, cells%cell_count
           if (scan(file%cell_text(i), '.eE') > 0 .or. &
@@ -207,6 +216,20 @@ contains
                             'them out if they are places or numbers')
     end if
   end subroutine check_axis
+
+  ! Whether two columns begin with the places of a grid: equal steps of the first one at one value of
+  ! the other, and the same steps at the next value.
+  pure logical function begins_with_places(fast, slow)
+    real(real64), intent(in) :: fast(:), slow(:)
+    integer :: turn
+
+    turn = findloc(abs(slow - slow(1)) > 0.0_real64, .true., 1) - 1
+    begins_with_places = turn > 1 .and. size(fast) > turn + 1
+    if (begins_with_places) &
+      begins_with_places = has_equal_steps(fast(:turn)) .and. &
+        all(abs(fast(turn + 1:turn + 2) - fast(:2)) <= 0.0_real64) .and. &
+        abs(slow(turn + 2) - slow(turn + 1)) <= 0.0_real64
+  end function begins_with_places
 
   ! Whether numbers differ by one step, but for what their digits leave out.
   pure logical function has_equal_steps(numbers)

@@ -83,32 +83,38 @@ def number(done, name):
     return float(found[1]), found[2]
 
 
-# ---------------------------------------------------------------- P1: decimal commas
+# ---------------------------------------------------------------- texts of other programs
 
-@pytest.mark.parametrize("separator", [";", "\t", " ", "; ", "  "])
-def test_decimal_commas_are_read_where_they_are_without_doubt(separator, maps):
-    text = rows_of(HEIGHTS, separator).replace(".", ",")
-    assert maps.summits(text, SPACING).found == maps.summits(MATRIX, SPACING).found
-    assert maps.scene(text, SPACING).positions == maps.scene(MATRIX, SPACING).positions
-    text = points_of(HEIGHTS, separator).replace(".", ",")
-    assert maps.summits(text).found == maps.summits(POINTS).found
+NUMBERS = [line.split() for line in POINTS.splitlines()]
+ESRI = "ncols 16\nnrows 12\ncellsize 0.5\n"
 
 
-@pytest.mark.parametrize("text, found", [
-    (rows_of(HEIGHTS, ",").replace(".", ","), "found commas alone"),
-    (rows_of(HEIGHTS, ", ").replace(".", ","), "found commas with and without a blank"),
-    (rows_of(HEIGHTS, ";").replace(".", ",", 5), "found a comma and a semicolon"),
-    ("2,990;3,010;1,125\n" * 4, "thousands or decimals"),
-    ("1.234,5;2.345,6;1.111,1\n" * 4, "found a comma and a semicolon"),
-    ("2,99,3,01,2,87,3,30\n" * 4, "found commas alone"),
-    (rows_of(HEIGHTS, ",", form="{:.1f}".format).replace(".", ","), "found commas alone"),
-    (rows_of(10 + HEIGHTS, ",", form="{:.2f}".format).replace(".", ","), "found commas alone"),
-    ("1,2,3 4,5,6\n" * 4, "found a blank and a comma"),
+@pytest.mark.parametrize("text, place", [
+    (ESRI + MATRIX, "1:1"), ("\ufeff" + ESRI.upper().replace("\n", "\r\n") + MATRIX, "1:4"),
+    ("DSAA\n16 12\n0 7.5\n0 5.5\n2 4.1\n" + MATRIX, "1:1"),
+    ("# Width: 8 um\n# Height: 3 um\n# Value units: m\n" + MATRIX, "4:1"), (MATRIX, "1:1"),
+    (POINTS, "1:1"), (rows_of(HEIGHTS, ";").replace(".", ","), "1:1"),
+    ("x [mm] y [mm] z [um]\n" + POINTS, "1:1"), ('"x" "y" "z"\n' + POINTS, "1:1"),
+    ("x_mm,y_mm,z_mm\n" + POINTS.replace(" ", ","), "1:1"),
+    ("lat lon z\n" + POINTS, "1:1"), ("x y mlw\n" + POINTS, "1:1"),
+    ("y x z\n" + "".join(f"{y} {x} {z}\n" for x, y, z in NUMBERS), "1:1"),
+    ("id,x,y,z\n" + "".join(f"{i},{','.join(row)}\n" for i, row in enumerate(NUMBERS)), "1:1"),
 ])
-def test_doubtful_commas_are_refused(text, found, maps):
-    for done in (maps.summits(text, SPACING), maps.scene(text, SPACING)):
-        assert getattr(done, "returncode", None) == 2 or done.status == 2
-        assert found in done.stderr and re.match(r"\S*F:1:\d+: ", done.stderr), done.stderr
+def test_other_texts_are_refused_in_one_line(text, place, maps):
+    """It names the function that reads the formats of instruments."""
+    done = maps.summits(text)
+    assert done.returncode == 2 and done.stderr.startswith(f"F:{place}: ")
+    assert done.stderr.count("\n") == 1 and "asperity.read_map in Python" in done.stderr
+    found = maps.scene(text)
+    assert found.status == 2 and found.stderr.count("\n") == 1 and "F:" in found.stderr
+
+
+def test_comments_are_noted(maps):
+    """They may have units, which are not read."""
+    done = maps.summits("# Width: 8 mm\n# Value units: nm\n" + MATRIX, SPACING)
+    assert done.stderr == ("F:1:1: note: comments are not read: spacing and heights are taken in "
+                           "one unit\n")
+    assert done.found == maps.summits(MATRIX, SPACING).found
 
 
 # ---------------------------------------------------------------- shape
@@ -119,19 +125,26 @@ def test_doubtful_commas_are_refused(text, found, maps):
     ("1 2 3\n4 5 6\n# x\n7 8 9\n", "3:1: found an empty line or a comment"),
     ("1 2 3\n4 5 6\n% x\n7 8 9\n", "3:1: found an empty line or a comment"),
     ("1 2 3\n4 5 6\n7 8 9\n\nb\n1 2 3\n", "4:1: found an empty line or a comment"),
-    ("1 2 3\n4 5\t6\n7 8 9\n", "2:4: found a blank and a tabulator"),
-    ("1 2 3\n4;5;6\n7 8 9\n", "2:2: found a blank and a semicolon"),
-    ("1,2,3\n4;5;6\n7,8,9\n", "2:2: found a comma and a semicolon"),
-    ("1\t\t3\n\t5\t6\n7\t8\t9\n", "1:4: an empty cell"),
-    ("1,2,3\n,,\n7,8,9\n", "2:1: found a line of empty cells"),
-    ("1,2,3\n7,8,9\n7,8,9\n,,\n", "4:1: found a line of empty cells"),
-    ("1;2;3;\n4;5;6\n7;8;9;\n", "found 2 of 3 lines that end with a semicolon"),
+    ("1 2 3\n4;5;6\n7 8 9\n", "2:1: found '4;5;6'"),
+    ("1,2,3\n4;5;6\n7,8,9\n", "2:1: found '4;5;6'"),
+    ("1\t\t3\n\t5\t6\n7\t8\t9\n", "1:3: found ''"),
+    ("1,2,3\n,,\n7,8,9\n", "2:1: found ''"),
+    ("1,2,3\n7,8,9\n7,8,9\n,,\n", "4:1: found ''"),
+    ("1;2;3;\n4;5;6\n7;8;9;;\n", "3:7: found 4 pixels"),
+    ("16 12\n" + MATRIX, "2:144: found 16 pixels, expected 2"),
+    (rows_of(HEIGHTS, ",").replace(".", ","), "1:1: found commas and no decimal point"),
+    (rows_of(HEIGHTS, ", ").replace(".", ","), "1:1: found commas and no decimal point"),
+    ("2,990,3,010\n" * 4, "1:1: found commas and no decimal point"),
+    (rows_of(HEIGHTS, ";").replace(".", ","), "1:1: found '4,000000'"),
+    (rows_of(HEIGHTS, " ").replace(".", ",", 5), "1:3: found '000000 3"),
+    ("1.234,5;2.345,6;1.111,1\n" * 4, "1:1: found '1.234,5'"),
+    ("1,2,3 4,5,6\n" * 4, "1:5: found '3 4'"),
     ("1 2 3\n4 5 inf\n7 8 9\n", "2:5: found 'inf', expected a height"),
-    (POINTS, "1:1: OPTION given, but the first two columns are places"),
-    ("".join(POINTS.splitlines(keepends=True)[:-3]), "1:1: OPTION given, but the first two"),
-    (points_of(HEIGHTS[:2]), "1:1: OPTION given, but the first two columns are places"),
-    ("x y z\n" + POINTS, "1:1: OPTION given, but x,y,z lines have their own"),
-    ("# x, y, z\n" + POINTS.replace(" ", ","), "1:1: OPTION given, but x,y,z lines have their"),
+    (POINTS, "1:1: found places on a grid in the first two columns"),
+    ("".join(POINTS.splitlines(keepends=True)[:-3]), "1:1: found places on a grid"),
+    (points_of(HEIGHTS.T, ","), "1:1: found places on a grid in the first two columns"),
+    ("".join(f"{y} {x} {z}\n" for x, y, z in NUMBERS), "1:1: found places on a grid"),
+    ("x y z\n" + POINTS, "1:1: OPTION given, but x,y,z lines have their own spacing"),
 ])
 def test_a_shape_is_no_guess(text, found, maps):
     for done, option in ((maps.summits(text, SPACING), "--spacing"),
@@ -141,15 +154,11 @@ def test_a_shape_is_no_guess(text, found, maps):
 
 
 def test_whole_numbers_between_commas_are_read(maps):
-    """Where they are no decimals: an odd number of columns, signs, digits of any number, or many
-    numbers without a 0 before them."""
+    """Where they are no decimals: an odd number of columns, or signs."""
     rng = np.random.default_rng(3)
-    for heights in (rng.integers(0, 300, (12, 16)), rng.integers(-9, 9, (12, 16)),
-                    rng.integers(0, 9, (12, 15)), rng.integers(1000, 9999, (24, 16))):
+    for heights in (rng.integers(-9, 9, (12, 16)), rng.integers(0, 9, (12, 15))):
         done = maps.summits(rows_of(heights, ",", form=str), SPACING)
         assert done.found == maps.summits(rows_of(heights, form=str), SPACING).found is not None
-        assert ("note: commas without a decimal point" in done.stderr) == \
-            (heights.shape[1] == 16)
 
 
 def test_heights_of_three_columns_are_a_matrix(maps):
@@ -172,7 +181,7 @@ LINES_BEFORE = {
 @pytest.mark.parametrize("before", LINES_BEFORE.values(), ids=LINES_BEFORE)
 @pytest.mark.parametrize("end", ["\n", "\r\n", "\r"])
 def test_whatever_the_first_line(before, end, maps):
-    plain, points = maps.summits(MATRIX, SPACING).found, maps.summits(POINTS).found
+    plain, points = maps.summits(MATRIX, SPACING).found, maps.summits("x y z\n" + POINTS).found
     text = (before + MATRIX).replace("\r\n", "\n").replace("\n", end)
     for separator, last in ((" ", end), ("\t", ""), (";", end + end), (",", end)):
         done = maps.summits(text.replace(" ", separator) if before == "" else
@@ -181,8 +190,8 @@ def test_whatever_the_first_line(before, end, maps):
                             SPACING)
         assert done.found == plain, done.stderr
     assert maps.scene(text, SPACING).positions == maps.scene(MATRIX, SPACING).positions != []
-    for names in ("", "x y z\n", '"x","y","z"\n', "X;Y;Z\n", "# x y z\n"):
-        text = (before + names + POINTS).replace("\r\n", "\n").replace("\n", end)
+    for names, sign in (("x y z\n", " "), ("x,y,z\n", ","), ("X; Y; Z\n", "; "), ("x\ty\tz\n", "\t")):
+        text = (before + names + POINTS.replace(" ", sign)).replace("\r\n", "\n").replace("\n", end)
         assert maps.summits(text).found == points
         found = maps.scene(text)
         assert found.status == 0, found.stderr
@@ -199,10 +208,11 @@ def test_a_first_sample_that_is_missing(word, maps):
 
 
 def test_a_surface_is_no_map(maps):
+    """In a scene; for `summits` its three columns are a map."""
     caps = "x,y,height\n" + POINTS.replace(" ", ",")
-    done = maps.summits(caps)
-    assert done.returncode == 2 and "found a surface" in done.stderr
+    assert maps.summits(caps).found == maps.summits("x y z\n" + POINTS).found
     assert "no radius column" in maps.scene(caps).stderr
+    assert maps.summits("x,y,height,radius\n0,0,0,1\n").returncode == 2
 
 
 # ---------------------------------------------------------------- P5: surface data of others
@@ -295,125 +305,6 @@ def test_a_second_reserved_number_is_noted(revision, missing, noted, maps):
     assert maps.summits(binary(revision, samples=samples)).stderr == ""
 
 
-# ---------------------------------------------------------------- P12, P17: units
-
-MICRO = ["um", "\u00b5m", "\u03bcm"]
-
-
-@pytest.mark.parametrize("micro", MICRO)
-@pytest.mark.parametrize("before, unit, scale", [
-    ("x [mm] y [mm] z [{}]\n", "m", (1e-3, 1e-6)),
-    ("# x [mm] y [mm] z [{}]\n", "m", (1e-3, 1e-6)),
-    ("x ({0}) y ({0}) z ({0})\n", "um", (1, 1)),
-    ('"x[{0}]","y[{0}]","z[nm]"\n', "m", (1e-6, 1e-9)),
-    ("# units: {}\n", "um", (1, 1)),
-    ("# XY units: mm\n# z unit = {}\n", "m", (1e-3, 1e-6)),
-])
-def test_units_of_points_are_used(micro, before, unit, scale, maps):
-    text = before.format(micro)
-    for done in (maps.summits(text + POINTS, None, "--level=mean"),
-                 maps.summits(text + POINTS, None, "--level=mean", "--unit=nm")):
-        in_nm = {"m": 1e9, "um": 1e3}[unit] if done.args[-1] == "--unit=nm" else 1
-        shown = "nm" if in_nm > 1 else unit
-        assert number(done, "spacing along x") == (pytest.approx(.5 * scale[0] * in_nm, rel=1e-12),
-                                                   shown)
-        assert number(done, "rms height") == \
-            (pytest.approx(HEIGHTS.std() * scale[1] * in_nm, rel=1e-12), shown)
-        assert ("units of its header" in done.stderr) == (unit == "m")
-
-
-@pytest.mark.parametrize("micro", MICRO)
-def test_gwyddion_text_is_read(micro, maps):
-    before = f"# Channel: Topo\n# Width: 8.00 {micro}\n# Height: 3.00 {micro}\n# Value units: m\n"
-    text = before + MATRIX.replace(" ", "\t")
-    for spacing in (None, SPACING, (5e-4, 2.5e-4), (500., 250.)):
-        done = maps.summits(text, spacing, "--level=mean")
-        assert done.returncode == 0, done.stderr
-        assert number(done, "spacing along x") == (pytest.approx(5e-7, rel=1e-12), "m")
-        assert number(done, "spacing along y") == (pytest.approx(2.5e-7, rel=1e-12), "m")
-        assert number(done, "rms height") == (pytest.approx(HEIGHTS.std(), rel=1e-12), "m")
-    for spacing in ((0.5, 0.5), (1.0, 0.5), (0.25, 0.5)):
-        assert "--spacing contradicts the width or height" in maps.summits(text, spacing).stderr
-        assert "map_spacing contradicts the width or" in maps.scene(text, spacing).stderr
-
-
-@pytest.mark.parametrize("before, spacing, said", [
-    ("x [mm] y [um] z\n", None, "units of its header: found x mm, y um"),
-    ("x [mm] y [mm] z [V]\n", None, "units of its header: found x mm, y mm, z V"),
-    ("# z [um]\n# Value units: nm\n", None, "2:1: found 'nm' as the unit of z beside 'um'"),
-    ("# units: um\nx [mm] y [mm] z [mm]\n", None, "2:1: found 'mm' as the unit of x beside 'um'"),
-    ("# Width: 8 um\n# Height: 3 um\n# Value units: V\n", SPACING, "units of its header: found"),
-    ("# Width: 8 um\n# Height: 3 um\n", None, "units of its header: found x um, y um, expected"),
-])
-def test_units_that_contradict_are_refused(before, spacing, said, maps):
-    text = before + (MATRIX if "Width" in before else POINTS)
-    assert said in maps.summits(text, spacing).stderr
-    found = maps.scene(text, spacing)
-    assert found.status == 2 and said in found.stderr
-
-
-@pytest.mark.parametrize("before, spacing, said", [
-    ("# units: furlong\n", SPACING, "x furlong, y furlong, z furlong; not used"),
-    ("# pixel 0.5 µm\n", SPACING, "the unit in 'pixel 0.5 µm' is not understood"),
-    ("# z in um or nm\n", SPACING, "the unit in 'z in um or nm' is not understood"),
-    ("# height range 20 nm\n", SPACING, "the unit in 'height range 20 nm' is not understood"),
-    ("# sample 12, heights in nanometres\n", SPACING, "heights in nanometres' is not understood"),
-    ("# x, y in furlongs; z in nm\n", SPACING, "in furlongs; z in nm' is not understood"),
-    ("# lengths in m\n", SPACING, "the unit in 'lengths in m' is not understood"),
-])
-def test_units_that_are_not_used_are_noted(before, spacing, said, maps):
-    text = POINTS if spacing is None else MATRIX
-    done = maps.summits(before + text, spacing)
-    assert done.returncode == 0 and said in done.stderr
-    assert done.found == maps.summits(text, spacing).found
-    found = maps.scene(before + text, spacing)
-    assert found.status == 0 and said in found.stderr
-
-
-@pytest.mark.parametrize("before, spacing, plan, height", [
-    ("x y z [nm]\n", None, 1, 1e-3),
-    ("x [mm] y [mm] z\n", None, 1e3, 1),
-    ("# Value units: nm\n", SPACING, 1, 1e-3),
-    ("# z [nm]\n", SPACING, 1, 1e-3),
-    ("# heights in nm\n", SPACING, 1, 1e-3),
-    ("# height values / nanometres\n", SPACING, 1, 1e-3),
-    ("# z-unit nm\n", SPACING, 1, 1e-3),
-    ("# heights in meters\n", SPACING, 1, 1e6),
-    ("# z in um\n", SPACING, 1, 1),
-    ("# x, y in mm; z in nm\n", SPACING, 1e3, 1e-3),
-    ("# x, y in m; z in nm\n", SPACING, 1e6, 1e-3),
-    ("# heights in m; x, y in um\n", SPACING, 1, 1e6),
-    ("# x and y in metres, z in mm\n", SPACING, 1e6, 1e3),
-    ("# x, y in in; z (m) as measured\n", SPACING, 25400, 1e6),
-    ("# XY units: mm\n", SPACING, 1e3, 1),
-    ("# Width: 8 um\n# Height: 3 um\n", SPACING, 1, 1),
-])
-def test_a_unit_of_some_lengths_is_used(before, spacing, plan, height, maps):
-    """The named unit, um, is that of the other lengths. Without it the map is refused."""
-    text = before + (POINTS if spacing is None else MATRIX)
-    done = maps.summits(text, spacing, "--level=mean", "--unit=um")
-    assert number(done, "spacing along x") == (pytest.approx(.5 * plan, rel=1e-12), "um")
-    assert number(done, "rms height") == (pytest.approx(HEIGHTS.std() * height, rel=1e-12), "um")
-    found = maps.scene(text, spacing, map_unit="'um'", map_level="'mean'")
-    steps, heights = (.5 * plan, .25 * plan), rows_of(HEIGHTS * height, form="{:.17g}".format)
-    near(found, maps.scene(heights, steps, map_level="'mean'"))
-    if len(re.findall(r"\bin \w|\(m\)", before)) > 1:
-        return
-    said = "units of its header: found"
-    done = maps.summits(text, spacing)
-    assert done.returncode == 2 and said in done.stderr and "x, y and z, or --unit" in done.stderr
-    found = maps.scene(text, spacing)
-    assert found.status == 2 and said in found.stderr and "or map_unit" in found.stderr
-
-
-def test_a_header_against_the_units_of_the_scene(maps):
-    text = "x [mm] y [mm] z [mm]\n" + POINTS
-    assert maps.scene(text, units="'mm', 'N'").status == 0
-    found = maps.scene(text, units="'um', 'N'")
-    assert found.status == 2 and "found length 'um' beside 'mm' of the map" in found.stderr
-    assert maps.scene(text, units="'um', 'N'", map_unit="'um'").status == 0
-
-
 # ---------------------------------------------------------------- P13: two maps
 
 SDF = "SDF"
@@ -451,21 +342,18 @@ def test_two_maps_each_with_its_unit_and_spacing(maps):
             two(maps, sdf(), in_mm, map_spacing="5e-4, 2.5e-4", map_unit="'um', 'mm'"),
             two(maps, MATRIX, MATRIX, map_spacing="0.5, 0.25", map_unit="'um'"),
             two(maps, sdf(), sdf(), map_unit="'um'"), two(maps, sdf(), sdf(), map_unit="2*'um'"),
-            two(maps, "x [um] y [um] z [um]\n" + POINTS, sdf()),
-            two(maps, "x y z\n" + POINTS, MATRIX, map_spacing="0.5, 0.25"),
-            two(maps, POINTS, MATRIX, map_spacing="0.5, 0.25")):
+            two(maps, "x y z\n" + POINTS, MATRIX, map_spacing="0.5, 0.25")):
         near(found, expected)
 
 
 def test_one_spacing_is_that_along_both_axes(maps):
-    """In scenes of one map or two, on pixels and on asperities, and in summits."""
+    """In scenes of one map or two, and in summits."""
     one, pair = {"map_spacing": "0.5"}, {"map_spacing": "0.5, 0.5"}
     near(maps.scene(MATRIX, **one), maps.scene(MATRIX, **pair))
     near(two(maps, MATRIX, MATRIX, **one), two(maps, MATRIX, MATRIX, **pair))
     square = sdf(spacing=(5e-7, 5e-7))
     near(two(maps, square, MATRIX, map_unit="'um'", **one),
          two(maps, square, square, map_unit="'um'"))
-    near(*[maps.scene(MATRIX, interaction="coupled", **spacing) for spacing in (one, pair)])
     assert maps.summits(MATRIX, None, "--spacing", "0.5").found == \
         maps.summits(MATRIX, (0.5, 0.5)).found
 
@@ -526,8 +414,8 @@ def test_missing_pixels_of_other_libraries(word, maps):
     holes = HEIGHTS.copy()
     holes[3, -1] = np.nan
     plain = rows_of(holes, form=lambda z: "NaN" if np.isnan(z) else f"{z:.6f}")
-    points = points_of(HEIGHTS).splitlines()
-    points[3 * 16 + 15] = points[3 * 16 + 15].rpartition(" ")[0] + " " + word
+    points = ["x y z", *POINTS.splitlines()]
+    points[3 * 16 + 16] = points[3 * 16 + 16].rpartition(" ")[0] + " " + word
     for done in (maps.summits(plain.replace("NaN", word), SPACING),
                  maps.summits("\n".join(points))):
         assert number(done, "missing")[0] == 1
@@ -548,12 +436,14 @@ def test_words_that_are_no_heights(word, maps):
     (table(first=range(1, 17), separator=" "), "1:1: found equal steps in the first line"),
     (table(first=np.arange(16) * 0.5, separator=" "), "note: equal steps in the first line"),
     (table(index=np.arange(12) * 0.25), "note: equal steps in the first column"),
-    (table(first=["", *range(16)], index=range(12)), "1:1: found 16 cells before lines of 17"),
+    (table(first=["", *range(16)], index=range(12)), "1:1: found ''"),
+    (table(first=range(17), index=range(12)), "1:1: found equal steps in the first"),
+    (rows_of(np.vstack([np.arange(16), 1000 * HEIGHTS]), form="{:.0f}".format), "1:1: found equal"),
 ])
 def test_numbers_of_lines_and_columns(text, said, maps):
     done = maps.summits(text, SPACING)
     assert said in done.stderr and done.returncode == (0 if "note" in said else 2)
-    assert len(done.stderr.splitlines()) == 1
+    assert len(set(done.stderr.splitlines())) <= 2
 
 
 def test_a_ramp_is_a_profile(maps):
@@ -562,66 +452,6 @@ def test_a_ramp_is_a_profile(maps):
 
 
 # ---------------------------------------------------------------- one beginning of file
-
-@pytest.mark.parametrize("names, order", [
-    ("y x z", (1, 0, 2)), ('"X" "Y" "mlw"', (0, 1, 2)), ("z,y,x", (2, 1, 0)),
-    ("x_mm,y_mm,z_mm", (0, 1, 2)), ("z/mm y/mm x/mm", (2, 1, 0)),
-    ("x / mm;y / mm;z / mm", (0, 1, 2)), ("# y [mm] x [mm] z [mm]", (1, 0, 2)),
-])
-def test_columns_by_their_names(names, order, maps):
-    separator = next((sign for sign in ",;" if sign in names), " ")
-    lines = [line.split() for line in POINTS.splitlines()]
-    text = names + "\n" + "".join(separator.join(cells[i] for i in order) + "\n"
-                                  for cells in lines)
-    done = maps.summits(text)
-    assert done.returncode == 0, done.stderr
-    assert done.found[1] == maps.summits(POINTS).found[1]
-    assert number(done, "spacing along x")[0] == SPACING[0]
-    assert (" mm\n" in done.stdout) == ("mm" in names)
-    assert maps.scene(text).positions == maps.scene(POINTS).positions
-
-
-def test_columns_beside_x_y_z(maps):
-    text = "id,x,y,quality,z\n" + "".join(
-        f"{i},{','.join(line.split()[:2])},0.5,{line.split()[2]}\n"
-        for i, line in enumerate(POINTS.splitlines()))
-    done = maps.summits(text)
-    assert done.found == maps.summits(POINTS).found and "2 more columns" in done.stderr
-
-
-def test_names_that_are_not_understood(maps):
-    done = maps.summits("lat lon z\n" + POINTS)
-    assert done.stderr == ("F:1:1: found 'lat lon z', expected heights, or the names x, y and z of "
-                           "columns\n")
-
-
-def test_grids_of_other_programs(maps):
-    holes = HEIGHTS.copy()
-    holes[4, 5] = np.nan
-    plain = maps.summits(rows_of(holes, form=lambda z: "NaN" if np.isnan(z) else exact(z)),
-                         (0.5, 0.5)).found
-    words = [["-9999" if np.isnan(z) else exact(z) for z in row] for row in holes]
-    esri = ("ncols 16\nnrows 12\nxllcorner 100.5\nyllcorner 7\ncellsize 0.5\n"
-            "NODATA_value  -9999\n" + "".join(" ".join(row) + "\n" for row in words[::-1]))
-    surfer = ("DSAA\n16 12\n0 7.5\n0 5.5\n2 4.1\n" + "".join(
-        " ".join(row[:10]) + "\n" + " ".join(row[10:]) + "\n\n" for row in words))
-    for text in (esri, esri.upper(), esri.replace("NODATA_value  -9999\n", ""),
-                 "\ufeff" + esri.replace("\n", "\r\n"), surfer.replace("-9999", "1.70141e+038")):
-        assert maps.summits(text).found == plain, maps.summits(text).stderr
-        assert maps.scene(text).status == 0
-    for text, said in ((esri + "5\n", "found '5' behind 16 x 12 pixels"),
-                       (esri.replace("16", "17", 1), "the pixels end, expected 17 x 12"),
-                       (esri.replace("ncols 16", "ncols x"), "1:1: ncols: found 'x'"),
-                       (surfer.replace("0 7.5", "7.5 0"), "3:1: found '7.5 0', expected least")):
-        done = maps.summits(text)
-        assert done.returncode == 2 and said in done.stderr, done.stderr
-
-
-def test_a_line_before_the_matrix(maps):
-    done = maps.summits("16 12\n" + MATRIX, SPACING)
-    assert done.stderr.startswith("F:1:1: found 2 cells before lines of 16")
-    assert len(done.stderr.splitlines()) == 1
-
 
 NOISE = np.random.default_rng(2).integers(0, 256, 3000, dtype=np.uint8).tobytes()
 WRONG = {
@@ -643,12 +473,12 @@ def test_a_wrong_file_is_one_mistake(kind, maps):
     maps.write("&surfaces upper = 'F', lower = 'plane' /\n&material contact_modulus = 1. /\n"
                "&loading control = 'load', value = 1. /\n", "a.scene")
     for words in (["summits", "F"], ["summits", "F", "--spacing=1,1"], ["F"], ["solve", "F"],
-                  ["generate", "F"], ["study", "F"], ["solve", "a.scene"]):
+                  ["generate", "F"], ["solve", "a.scene"]):
         done = run_program(maps.asperity, *words, status=2, cwd=maps.folder)
         lines = done.stderr.splitlines()
         assert 1 <= len(lines) <= 3 and re.match(r"F:\d+:\d+: ", lines[0]), done.stderr
         if kind in ("zip", "gwy", "sur", "hdf5", "nc", "opd", "di"):
-            assert "not a format of this program" in lines[0] and "SurfaceTopography" in lines[0]
+            assert "not a format of this program" in lines[0] and "asperity.read_map" in lines[0]
         elif kind == "utf16":
             assert "text in UTF-16" in lines[0] and "saved as UTF-8" in lines[0]
 
@@ -702,42 +532,28 @@ def test_pairs_without_a_blank(names, said, maps):
 
 # ---------------------------------------------------------------- mixed dialects
 
-CELL = {".": r"[+-]?(?:\d+\.?\d*|\.\d+)(?:[eE][+-]?\d+)?",
-        ",": r"[+-]?\d+(?:,\d+)?(?:[eE][+-]?\d+)?",
-        "thousands": r"[+-]?\d{1,3}(?:,\d{3})+"}
+CELL = r"[+-]?(?:\d+\.?\d*|\.\d+)(?:[eE][+-]?\d+)?|(?i:nan|bad)"
 
 
 def readings(text):
-    """All matrices that a text may stand for, each tried in plain Python: a separator, a sign
-    before decimals; none when lines are of unequal length or stand in two blocks."""
+    """All matrices that a text may stand for, each tried in plain Python by a separator; none when
+    lines are of unequal length or stand in two blocks."""
     lines = [line.partition("#")[0].rstrip(" ") for line in
              re.split(r"\r\n|\n|\r", text.removeprefix("\ufeff"))]
     lines = ["" if line.lstrip().startswith("%") else line for line in lines]
     blocks = [list(group) for full, group in itertools.groupby(lines, key=lambda s: s.strip() != "")
               if full]
-    if len(blocks) != 1:
-        return []
     found = []
-    for separator, point in itertools.product([";", "\t", ",", ", ", " +"], CELL):
-        if separator == "," and point != ".":
-            continue
-        table = []
+    for separator in (";", "\t", ",", "[ \t]+") if len(blocks) == 1 else ():
+        rows = []
         for line in blocks[0]:
             cells = [cell.strip(" ") for cell in re.split(separator, line.strip(" "))]
-            if cells[-1] == "" and separator != " +":
+            if cells[-1] == "":
                 cells.pop()
-                table.append("end")
-            good = [bool(re.fullmatch(CELL[point] + "|" + CELL["."].replace(r"\.?\d*|\.\d+", "")
-                                      + "|(?i:nan|bad)", cell)) for cell in cells]
-            table.append([float("nan") if cell.lower() in ("nan", "bad") else
-                          float(cell.replace(",", "." if point == "," else ""))
-                          for cell in cells] if all(good) else None)
-        ends = [row for row in table if row == "end"]
-        rows = [row for row in table if row != "end"]
-        if None in rows or len(set(map(len, rows))) != 1 or len(ends) not in (0, len(rows)) or \
-                len(rows[0]) < 3:
-            continue
-        if not any(np.array_equal(rows, other, equal_nan=True) for other in found):
+            rows.append([float("nan" if cell.lower() == "bad" else cell) for cell in cells]
+                        if all(re.fullmatch(CELL, cell) for cell in cells) else None)
+        if None not in rows and len(set(map(len, rows))) == 1 and len(rows[0]) > 2 and \
+                not any(np.array_equal(rows, other, equal_nan=True) for other in found):
             found.append(rows)
     return found
 
