@@ -1,9 +1,6 @@
-"""Files of a run beside CSV: JSON and VTK hold the cells of the CSV files, to the last bit; `-`
-stands for the standard streams."""
+"""JSON holds the cells of the CSV files, to the last bit; `-` stands for the standard streams."""
 
 import json
-import math
-from xml.etree import ElementTree
 
 import jsonschema
 import pytest
@@ -64,42 +61,12 @@ def test_json_of_any_text(asperity, tmp_path):
     assert found["scene"] == {"file": str(scene), "text": text[:-2].decode() + "?\n"}
 
 
-@pytest.mark.parametrize("name", SCENES)
-def test_vtk_has_the_contacts_of_the_table(name, asperity, tmp_path, tally):
-    """Points and their values, by the rules of VTK's XML files."""
-    run(asperity, "solve", name, "--quiet", "--vtk", tmp_path / "r.vtp", "--contacts",
-        tmp_path / "contacts")
-    rows = records(tmp_path / "contacts")
-    root = ElementTree.parse(tmp_path / "r.vtp").getroot()
-    assert (root.tag, root.get("type")) == ("VTKFile", "PolyData")
-    [piece] = root.findall("PolyData/Piece")
-    assert int(piece.get("NumberOfPoints")) == int(piece.get("NumberOfVerts")) == len(rows)
-
-    def cells(array):
-        assert array.get("format") == "ascii"
-        return [{"Int32": int, "Float64": float}[array.get("type")](word)
-                for word in (array.text or "").split()]
-    [points] = piece.findall("Points/DataArray")
-    assert points.get("NumberOfComponents") == "3"
-    assert cells(points) == [number for row in rows
-                             for number in (float(row["x"]), float(row["y"]), 0.0)]
-    verts = {array.get("Name"): cells(array) for array in piece.findall("Verts/DataArray")}
-    assert verts == {"connectivity": list(range(len(rows))),
-                     "offsets": list(range(1, len(rows) + 1))}
-    values = {array.get("Name"): cells(array) for array in piece.findall("PointData/DataArray")}
-    assert list(values) == [name for name in rows[0] if name not in ("x", "y")]
-    met = sum(math.isnan(a) if row[name] == "" else a == float(row[name])
-              for name in values for a, row in zip(values[name], rows))
-    tally.add("vtk: cells of contacts", len(values) * len(rows), met)
-    assert met == len(values) * len(rows)
-
-
 @pytest.mark.long
 def test_standard_streams(asperity, tmp_path):
     """A scene from standard input is one of the current folder; an output is all that is told."""
     folder = ROOT / "data/examples"
     text = (folder / "one_pair.scene").read_bytes().decode()
-    for option in ("--positions", "--curve", "--contacts", "--vtk", "--json"):
+    for option in ("--positions", "--curve", "--contacts", "--json"):
         run(asperity, "solve", "one_pair.scene", option, tmp_path / "file", cwd=folder)
         printed = run(asperity, "solve", "-", option, "-", cwd=folder, input=text, stdin=None)
         expected = (tmp_path / "file").read_text().replace('"file": "one_pair.scene"',
@@ -120,8 +87,8 @@ def test_standard_streams(asperity, tmp_path):
 
 def test_standard_streams_refused(asperity, tmp_path):
     scene = ROOT / "data/examples/one_pair.scene"
-    assert "--vtk and --json both go to standard output, expected one" in run(
-        asperity, "solve", scene, "--vtk", "-", "--json", "-", status=2).stderr
+    assert "--curve and --json both go to standard output, expected one" in run(
+        asperity, "solve", scene, "--curve", "-", "--json", "-", status=2).stderr
     assert "--keep: found -, expected a file" in run(
         asperity, "solve", scene, "--keep", "-", status=2).stderr
     bad = run(asperity, "solve", "-", input="&loadin /", stdin=None, status=2, cwd=tmp_path)

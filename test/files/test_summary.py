@@ -35,7 +35,7 @@ def summary_of(lines):
 
 @pytest.mark.long
 def test_numbers(asperity):
-    """Counts are integers, all numbers have one format, and the press example fits a screen."""
+    """Counts are integers, all numbers have one format, and an example of a map fits a screen."""
     for path in sorted((ROOT / "data/examples").rglob("*.scene")):
         done = run_program(asperity, "solve", path)
         if "1 position" not in done.stdout.splitlines()[0]:
@@ -46,7 +46,7 @@ def test_numbers(asperity):
         for value in shown.values():
             assert re.fullmatch(r"-?\d+(\.\d+)?(e-?\d+)?", value), (path, value)
             assert len(re.sub(r"e.*|\D", "", value).lstrip("0")) <= 6
-    done = run_program(asperity, "solve", ROOT / "data/examples/summits/press.scene")
+    done = run_program(asperity, "solve", ROOT / "data/examples/summits/press_samples.scene")
     assert len(done.stdout.splitlines()) <= 25
 
 

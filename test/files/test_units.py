@@ -32,7 +32,7 @@ def scene_with(folder, units, header="x,y,height,radius"):
 def test_units_are_names_alone(asperity, tmp_path):
     """The same bytes but for the names."""
     files = {option: tmp_path / option[2:] for option in ("--positions", "--contacts", "--curve",
-                                                          "--json", "--html")}
+                                                          "--json")}
     words = [word for pair in files.items() for word in pair]
     bare = run(asperity, scene_with(tmp_path, ""), *words).stdout
     without = {option: path.read_text() for option, path in files.items()}
@@ -46,8 +46,6 @@ def test_units_are_names_alone(asperity, tmp_path):
         assert named[option] == without[option]
     assert json.loads(named["--json"])["scene"]["units"] == {"length": "mm", "force": "N"}
     assert "units" not in json.loads(without["--json"])["scene"]
-    for name in ("x (mm)</text>", "y (mm)</text>", "total load (N)"):
-        assert name in named["--html"] and name not in without["--html"]
     run(asperity, scene, *words, "--units", "--quiet")
     for option in ("--positions", "--contacts", "--curve"):
         assert files[option].read_text() == f"# units: {NAMED}\n{without[option]}"
@@ -59,25 +57,20 @@ def test_units_are_names_alone(asperity, tmp_path):
 def test_names_of_pressures(asperity, tmp_path, length, force, pressure):
     """A force on an area has its own name where the units give one; `u` is the one micro sign."""
     scene = scene_with(tmp_path, f", units = '{length}', '{force}'")
-    out = run(asperity, scene, "--units", "--html", tmp_path / "h", "--curve",
-              tmp_path / "c").stdout
+    out = run(asperity, scene, "--units", "--curve", tmp_path / "c").stdout
     micro = str.maketrans("\u00b5\u03bc", "uu")
     length, force = length.translate(micro), force.translate(micro)
     assert f"greatest pressure ({pressure}) " in out and f"contact area ({length}2) " in out
     assert (tmp_path / "c").read_text().startswith(
         f"# units: length {length}, force {force}, area {length}2, pressure {pressure}\n")
-    page = (tmp_path / "h").read_text()
-    shown = page[:page.index("<pre")] if "<pre" in page else page
-    assert f"x ({length})</text>" in page and "\u00b2" not in page and "\u00b5" not in shown
 
 
 def test_units_of_a_deck(asperity, tmp_path):
     scene = ROOT / "data/examples/position_56.scene"
-    out = run(asperity, scene, "--units", "--positions", tmp_path / "p", "--html", tmp_path / "h")
+    out = run(asperity, scene, "--units", "--positions", tmp_path / "p")
     units = "units: length cm, force N, area cm2, pressure N/cm2"
     assert "total load (N) " in out.stdout and "contact area (cm2) " in out.stdout
     assert (tmp_path / "p").read_text().startswith(f"# {units}\nposition,")
-    assert "load (N)</text>" in (tmp_path / "h").read_text()
 
 
 @pytest.mark.parametrize("units, answer", [

@@ -222,14 +222,3 @@ def test_range_beyond_the_edge(asperity, tmp_path, law, wide):
     *_, lines = run(asperity, tmp_path, hills, spacing, float(hills.max()), "separation", law,
                       distance, work=1e-9)
     assert "range of adhesion" not in lines
-
-
-def test_headline_of_a_picture(asperity, tmp_path):
-    """The nominal pressure is that of load and area: tension is a part of it."""
-    n, side, load = 48, 0.18 / 64, 1e-5
-    run(asperity, tmp_path, sphere(n * side, n), side, load, distance=6e-4)
-    picture = tmp_path / "map.svg"
-    run_program(asperity, "solve", tmp_path / "map.scene", "--quiet", "--picture", picture)
-    pixels = np.isfinite(sphere(n * side, n)).sum()
-    found = re.search(r'nominal pressure ([^"<]+)"', picture.read_text(encoding="utf-8"))
-    assert float(found[1]) == pytest.approx(load / (pixels * side**2), rel=6e-3)

@@ -1,20 +1,17 @@
-"""Pressure, gap and displacement on the pixels of a height map (`--fields`, `--histogram`,
-`--picture`, the columns of the gap), against numpy: the pressures of another method, the
-displacements of the same pressures, closed forms."""
+"""Pressure, gap and displacement on the pixels of a height map (`--fields`, `--histogram`, the
+columns of the gap), against numpy: the pressures of another method, the displacements of the same
+pressures, closed forms."""
 
-import base64
 import csv
-import re
-from xml.etree import ElementTree
 
 import numpy as np
 import pytest
 from builds import ROOT
-from image_data import read_png, read_vti
+from image_data import read_vti
 from elements_truth import product
 from map_press_truth import press, rough
 from programs import run_program
-from surfaces_csv import records, solve, write_scene
+from surfaces_csv import records, solve
 from map_scenes import E, level, load_for, map_scene
 
 # Pixels along x and y, spacings, edge, whether pixels are missing.
@@ -103,8 +100,7 @@ def curve(asperity, tmp_path_factory):
                       loading={"control": "load", "value": load_for(
                           height[:20], (0.01, 0.012), 0.3), "points": 3})
     run(asperity, "solve", scene, "--quiet", "--fields", folder / "f.vti", "--fields-of", "all",
-        "--curve", folder / "c", "--histogram", folder / "h.csv", "--picture", folder / "p.svg",
-        "--html", folder / "page.html", "--units")
+        "--curve", folder / "c", "--histogram", folder / "h.csv", "--units")
     with open(folder / "c", newline="") as file:
         assert "pressure MPa" in file.readline()
         states = [{name: float(cell or "nan") for name, cell in row.items()}
@@ -145,90 +141,17 @@ def test_histogram_integrates_to_the_contact_area(curve):
     assert density.sum() * width == pytest.approx(pressure.size / measured, rel=1e-12)
 
 
-def colours_of(picture, fields, box):
-    """Colours at the centre of each pixel of the map, indexed [x, y], of a drawing whose map fills
-    a box (left, top, width, height)."""
-    columns, rows = fields["pressure"].shape
-    x = box[0] + (np.arange(columns) + 0.5) * box[2] / columns
-    y = box[1] + box[3] - (np.arange(rows) + 0.5) * box[3] / rows
-    return picture[y.astype(int)][:, x.astype(int)].transpose(1, 0, 2)
-
-
-def check_colours(colours, fields):
-    """White out of contact, grey where missing, else the brighter the higher the pressure."""
-    missing = np.isnan(fields["pressure"])
-    assert (colours[missing] == 160).all()
-    assert (colours[~missing & (fields["contact"] == 0)] == 255).all()
-    pressed = fields["contact"] == 1
-    assert pressed.any() and not (colours[pressed] == 255).all(-1).any()
-    order = np.argsort(fields["pressure"][pressed])
-    green = colours[pressed][order][:, 1].astype(int)
-    assert (np.diff(green) >= 0).all() and green[-1] == 231
-
-
-def test_picture_as_svg(curve):
-    folder, *_ = curve
-    _, _, fields = read_vti(folder / "f_0004.vti")
-    root = ElementTree.parse(folder / "p.svg").getroot()
-    image = root.find("{*}image")
-    sizes = [float(image.get(name)) for name in ("x", "y", "width", "height")]
-    assert sizes[3] / sizes[2] == pytest.approx(528 / 600, abs=0.01)
-    stored = read_png(base64.b64decode(image.get("href").partition(",")[2]))
-    assert stored.shape == (*fields["pressure"].shape[::-1], 3)
-    check_colours(colours_of(stored, fields, (0, 0, *stored.shape[1::-1])), fields)
-    texts = [text.text for text in root.iter("{http://www.w3.org/2000/svg}text")]
-    assert {"x (mm)", "y (mm)", "pressure (MPa)", "no contact", "not measured", "0.1 mm"} <= set(
-        texts)
-
-
-def test_page_shows_pressure_and_gap(curve):
-    folder, _, _, states = curve
-    page = ElementTree.fromstring((folder / "page.html").read_text().replace("<!DOCTYPE html>", ""))
-    drawn = {svg.get("aria-label"): svg for svg in page.iter("svg")}
-    assert {"pressure in plan", "gap in plan", "area fraction against nominal pressure",
-            "mean gap against nominal pressure",
-            "separation against nominal pressure"} <= set(drawn)
-    _, _, fields = read_vti(folder / "f_0004.vti")
-    for name, blank in (("pressure", fields["contact"] == 0), ("gap", fields["contact"] == 1)):
-        address = drawn[f"{name} in plan"].find("image").get("href")
-        stored = read_png(base64.b64decode(address.partition(",")[2]))
-        colours = colours_of(stored, fields, (0, 0, *stored.shape[1::-1]))
-        assert np.array_equal((colours == 255).all(-1), blank & ~np.isnan(fields[name])), name
-    dots = [title.text for title in drawn["mean gap against nominal pressure"].iter("title")]
-    assert len(dots) == len(states)
-
-
-def test_large_maps_are_drawn_as_means(asperity, tmp_path):
-    """Three pixels a side for one of the drawing; the histogram and the file have all."""
-    height = 1e-3 * rough(2100, 6, longest=0.02, shortest=8, seed=5)
-    scene = map_scene(tmp_path, height, (0.01, 0.01), surfaces={"map_edge": "periodic"},
-                      loading={"control": "load", "value": load_for(height, (0.01, 0.01), 0.1)})
-    run(asperity, "solve", scene, "--quiet", "--fields", tmp_path / "f.vti", "--picture",
-        tmp_path / "p.svg")
-    _, _, fields = read_vti(tmp_path / "f.vti")
-    assert fields["pressure"].shape == (2100, 6)
-    image = ElementTree.parse(tmp_path / "p.svg").getroot().find("{*}image")
-    stored = read_png(base64.b64decode(image.get("href").partition(",")[2]))
-    assert stored.shape == (2, 700, 3)
-    blank = fields["contact"].reshape(700, 3, 2, 3).max((1, 3)) == 0
-    colours = stored[::-1].transpose(1, 0, 2)
-    assert np.array_equal((colours == 255).all(-1), blank)
-
-
-def test_page_of_a_patch_that_spans_a_periodic_map(asperity, tmp_path):
-    """It has no centre: no circle, empty cells. Full contact has all pixels in colour."""
+def test_a_patch_that_spans_a_periodic_map(asperity, tmp_path):
+    """Full contact: no gap anywhere, and the patch has no centre."""
     height = 1e-3 * rough(24, 20, shortest=6, seed=6)
     scene = map_scene(tmp_path, height, (0.01, 0.01), surfaces={"map_edge": "periodic"},
                       loading={"control": "load", "value": load_for(height, (0.01, 0.01), 20.0)})
-    run(asperity, "solve", scene, "--quiet", "--html", tmp_path / "p.html", "--fields",
+    run(asperity, "solve", scene, "--quiet", "--contacts", tmp_path / "c", "--fields",
         tmp_path / "f.vti")
     _, _, fields = read_vti(tmp_path / "f.vti")
     assert fields["contact"].all() and not fields["gap"].any()
-    page = ElementTree.fromstring((tmp_path / "p.html").read_text().replace("<!DOCTYPE html>", ""))
-    rows = [[cell.text or "" for cell in row] for row in page.iter("tr")]
-    at = rows.index(["area_no", "x", "y", "area", "load", "average_pressure",
-                     "maximum_pressure"])
-    assert rows[at + 1][:3] == ["1", "", ""] and float(rows[at + 1][4]) > 0
+    patch, = records(tmp_path / "c")
+    assert (patch["x"], patch["y"]) == ("", "") and float(patch["load"]) > 0
 
 
 def test_without_contact(asperity, tmp_path):
@@ -236,13 +159,11 @@ def test_without_contact(asperity, tmp_path):
     scene = map_scene(tmp_path, height, (0.01, 0.01),
                       loading={"control": "separation", "value": 1.0})
     run(asperity, "solve", scene, "--quiet", "--fields", tmp_path / "f.vti", "--histogram",
-        tmp_path / "h.csv", "--picture", tmp_path / "p.svg", "--html", tmp_path / "p.html")
+        tmp_path / "h.csv")
     _, _, fields = read_vti(tmp_path / "f.vti")
     assert not fields["pressure"].any() and not fields["displacement"].any()
     assert np.abs(fields["gap"] - (1.0 - level(height))).max() < 1e-15
     assert set(np.loadtxt(tmp_path / "h.csv", delimiter=",", skiprows=1).ravel()) == {0.0}
-    image = ElementTree.parse(tmp_path / "p.svg").getroot().find("{*}image")
-    assert (read_png(base64.b64decode(image.get("href").partition(",")[2])) == 255).all()
 
 
 def test_energy_is_the_work_of_loading(asperity, tmp_path):
@@ -257,49 +178,22 @@ def test_energy_is_the_work_of_loading(asperity, tmp_path):
     assert states["elastic_energy"][-1] == pytest.approx(work, rel=1e-4)
 
 
-def test_summits_have_no_gap(asperity, tmp_path):
-    """The columns are there and empty; the options are refused."""
-    scene = write_scene(
-        tmp_path / "s.scene", surfaces={"upper": "plane", "lower": str(
-            ROOT / "data/examples/summits/smooth.sdf")},
-        material={"contact_modulus": 1e11}, effects={"interaction": "coupled"},
-        loading={"control": "pressure", "value": 2e7})
+def test_asperities_have_no_gap(asperity, tmp_path):
+    """The columns are there and empty; a histogram is refused."""
+    scene = ROOT / "data/examples/one_pair.scene"
     found = solve(asperity, scene)
     for row in (*found.positions, *found.curve):
         assert [row[name] for name in ("mean_gap", "rms_gap", "contact_perimeter",
                                        "elastic_energy")] == [""] * 4
     assert found.status == 0 and "mean gap" not in found.stdout
-    for option, name in (("--fields", "a.vti"), ("--picture", "a.svg"), ("--histogram", "a.csv")):
-        done = run(asperity, "solve", scene, option, tmp_path / name, status=2)
-        assert f"{option}: only a height map solved on its pixels" in done.stderr
-        assert not (tmp_path / name).exists()
-
-
-def test_a_picture_of_means_says_so(asperity, tmp_path):
-    """Maps that are larger than their picture: the size of the squares, and the greatest pressure,
-    which the colours do not reach."""
-    height = np.zeros((600, 5))
-    height[::2] = 0.01
-    height[300] = 0.02
-    scene = map_scene(tmp_path, height, (0.01, 0.01), loading={"control": "load", "value": 1.0})
-    run(asperity, "solve", scene, "--html", tmp_path / "h", "--picture", tmp_path / "p.svg",
-        "--positions", tmp_path / "p.csv", "--fields", tmp_path / "f.vti")
-    greatest = read_vti(tmp_path / "f.vti")[2]["pressure"].max()
-    notes = re.findall(r"colours: means of 3 x 3 pixels; greatest pixel ([0-9.e]+)",
-                       (tmp_path / "h").read_text())
-    assert len(notes) == 2 and float(notes[0]) == pytest.approx(greatest, rel=1e-3)
-    assert "means of" not in (tmp_path / "p.svg").read_text()
-    # Patches of pixels are no circles: dots in the plan, areas in the table.
-    page = (tmp_path / "h").read_text()
-    assert "Dots: centres of the pressure of contact patches." in page and "Circles" not in page
-    assert "contact_radius" not in page
+    done = run(asperity, "solve", scene, "--histogram", tmp_path / "a.csv", status=2)
+    assert "--histogram: only a height map solved on its pixels" in done.stderr
+    assert not (tmp_path / "a.csv").exists()
 
 
 def test_refusals(asperity, tmp_path, curve):
     scene = curve[1]
     for words, text in (
-            (("--picture", "a.jpg"), "--picture: found 'a.jpg', expected a name that ends with"),
-            (("--picture", "a.png"), "--picture: found 'a.png', expected a name that ends with"),
             (("--fields", "a.vtp"), "--fields: found 'a.vtp', expected a name that ends with .vti"),
             (("--fields-of", "all"), "--fields-of: expected --fields FILE beside it"),
             (("--fields", "a.vti", "--fields-of", "first"),
