@@ -18,6 +18,7 @@ module asperity_command_outcome
     type(problem_list) :: warnings           !! what of the results lies outside a theory
     character(len=:), allocatable :: failure !! why it could not be computed, or written
     type(text_buffer) :: text                !! for standard output
+    logical :: is_partial = .false.          !! the text is what stands until a failure
   contains
     procedure :: stage_text                  !! a file that appears when all is written
   end type command_outcome
@@ -41,6 +42,7 @@ contains
   subroutine finish_command(outcome, status)
     type(command_outcome), intent(inout) :: outcome  !! of the command
     integer, intent(out) :: status                   !! exit status of the process: 0, 1 or 2
+    character(len=:), allocatable :: unwritten
 
     status = 0
     if (outcome%problems%count() > 0) then
@@ -51,8 +53,9 @@ contains
     if (image_number() == 1) then
       if (outcome%text%failed .and. .not. allocated(outcome%failure)) &
         outcome%failure = 'standard output: ' // not_enough_memory // ' for its text'
-      if (.not. allocated(outcome%failure) .and. outcome%text%used > 0) &
-        call write_standard_output(outcome%text%store(:outcome%text%used), outcome%failure)
+      if ((.not. allocated(outcome%failure) .or. outcome%is_partial) .and. outcome%text%used > 0) &
+        call write_standard_output(outcome%text%store(:outcome%text%used), unwritten)
+      if (allocated(unwritten)) call move_alloc(unwritten, outcome%failure)
       if (.not. allocated(outcome%failure)) call commit_files(outcome%failure)
       if (allocated(outcome%failure)) then
         call discard_files()

@@ -33,7 +33,7 @@ module asperity
   use asperity_generation_spec, only: parse_generation_spec, read_generation_spec
   use asperity_generation_values, only: generation_spec, map_spec
   ! The original program and its report.
-  use asperity_card_deck, only: card_deck, read_card_deck
+  use asperity_card_deck, only: card_deck, notes_of_deck, read_card_deck
   use asperity_original, only: arithmetic_names, run_in_arithmetic
   use asperity_original_records, only: original_records, original_request, thesis_tables
   use asperity_report, only: write_report

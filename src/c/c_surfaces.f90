@@ -4,7 +4,7 @@ module asperity_c_surfaces
   use, intrinsic :: iso_fortran_env, only: real64
   use asperity, only: add_surface, arithmetic_names, card_deck, decimal_text, generate_surface, &
                       generated_surface, generation_spec, original_records, original_request, &
-                      plan_surface, read_card_deck, run_in_arithmetic, surface_plan, &
+                      plan_surface, notes_of_deck, read_card_deck, run_in_arithmetic, surface_plan, &
                       text_buffer, thesis_tables, write_report
   use asperity_c_arguments, only: require_text, take_spec, take_word
   use asperity_c_outcome, only: begin_outcome, finish_outcome, outcome, set_text, table_upper, &
@@ -62,6 +62,7 @@ contains
     integer(c_int), value :: number    !! of them
     type(outcome), pointer :: new
     type(card_deck) :: deck
+    character(len=:), allocatable :: notes
     type(original_request) :: request
     type(original_records) :: records
     type(text_buffer) :: report
@@ -97,7 +98,8 @@ contains
         call write_report(records, request%keep_contacts, .false., report)
         call set_text(new, text_report, report%text())
       end if
-      call set_text(new, text_notes, deck%notes%text() // records%notes%text())
+      call notes_of_deck(text_of(path), deck, notes)
+      call set_text(new, text_notes, notes // records%notes%text())
     end if
     call finish_outcome(new)
     !$omp end critical (library_texts)

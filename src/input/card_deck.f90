@@ -14,7 +14,7 @@ module asperity_card_deck
   implicit none
   private
 
-  public :: card_deck, has_cards, model_cards, read_card_deck, parse_card_deck
+  public :: card_deck, has_cards, model_cards, notes_of_deck, read_card_deck, parse_card_deck
 
   !> One model as the cards give it: inches and psi.
   type :: model_cards
@@ -40,6 +40,8 @@ module asperity_card_deck
     type(decimal_value) :: x_displacement       !! XDISPL, in
     type(decimal_value) :: y_displacement       !! YDISPL, in
     type(problem_list) :: notes                 !! oddities that are no errors
+    !> What the original program did not check, and ran with: problems of a scene.
+    type(problem_list) :: unchecked
   end type card_deck
 
   integer, parameter :: header_cards = 4  ! cards before the first asperity
@@ -56,6 +58,18 @@ contains
     call read_text(path, 'a card deck', text, problems)
     if (problems%count() == 0) call parse_card_deck(path, text, deck, problems)
   end subroutine read_card_deck
+
+  !> Writes the notes of a run of the original program: oddities, and what it did not check.
+  subroutine notes_of_deck(path, deck, text)
+    character(len=*), intent(in) :: path                !! path of the deck
+    type(card_deck), intent(in) :: deck                 !! its values
+    character(len=:), allocatable, intent(out) :: text  !! lines with their ends
+
+    text = deck%notes%text()
+    if (deck%unchecked%count() > 0) &
+      text = text // path // ': note: the original program did not check this, and ran:' // &
+             new_line('a') // deck%unchecked%text()
+  end subroutine notes_of_deck
 
   !> Whether one of the three cards behind the first has numbers alone, as in every deck.
   pure logical function has_cards(text)
@@ -105,6 +119,7 @@ contains
         call read_asperities(reader, deck)
         call note_heights(path, deck%upper, 'upper', deck%notes)
         call note_heights(path, deck%lower, 'lower', deck%notes)
+        deck%unchecked = reader%unchecked
       end if
       if (.not. has_numbers(text) .or. is_table(reader)) call reader%problems%shorten(0)
     end if
@@ -207,7 +222,8 @@ contains
     call reader%real_field(line, ratio_field, letter, model%poisson_ratio)
     ratio = decimal_to_real64(model%poisson_ratio)
     if (ratio <= -1.0_real64 .or. ratio > 0.5_real64) &
-      call reader%refuse_field(line, ratio_field, letter, 'more than -1 and at most 0.5')
+      call reader%refuse_field(line, ratio_field, letter, 'more than -1 and at most 0.5', &
+                               unchecked=.true.)
     call reader%real_field(line, stress_field, letter, model%stress_max)
   end subroutine read_model
 
@@ -258,7 +274,8 @@ contains
     end do
   end subroutine read_positions
 
-  !> As many coordinate cards as NU and NL say, and nothing but blank lines after them.
+  !> As many coordinate cards as NU and NL say, and nothing but blank lines after them, which the
+  !> original program did not read.
   subroutine check_count(reader, deck, cards)
     type(card_reader), intent(inout) :: reader
     type(card_deck), intent(in) :: deck
@@ -286,14 +303,14 @@ contains
     do line = header_cards + expected + 1, reader%last_card()
       if (.not. reader%has_text(line)) cycle
       columns = reader%card_columns(line)
-      call reader%problems%add_at(line, verify(columns, ' ' // achar(9)), &
+      call reader%unchecked%add_at(line, verify(columns, ' ' // achar(9)), &
            'text after the last card: found ''' // trim(columns) // &
            ''', expected the end: ' // wrong_count)
       exit
     end do
   end subroutine check_count
 
-  !> A sphere does not stand higher than its diameter.
+  !> A sphere does not stand higher than its diameter. The original program uses its centre alone.
   subroutine check_height(reader, line, field, whose, model, height)
     type(card_reader), intent(inout) :: reader
     integer, intent(in) :: line, field
@@ -303,7 +320,7 @@ contains
 
     if (model%radius%all_digits <= 0) return
     if (decimal_to_real64(height) >= 2 * decimal_to_real64(model%radius)) &
-      call reader%refuse_field(line, field, whose, 'less than twice the radius')
+      call reader%refuse_field(line, field, whose, 'less than twice the radius', unchecked=.true.)
   end subroutine check_height
 
   !> Names the asperities that stand higher than the stated maximum: the thesis' deck has some.

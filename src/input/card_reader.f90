@@ -62,6 +62,7 @@ module asperity_card_reader
     character(len=:), allocatable :: text
     integer, allocatable :: first(:), last(:)   ! of every line, line end excluded
     type(problem_list), public :: problems      !! what is wrong with the deck
+    type(problem_list), public :: unchecked     !! what is wrong, and the original did not check
   contains
     procedure :: take_text     !! takes the text of a deck
     procedure :: card_columns  !! the columns of a card
@@ -82,6 +83,7 @@ contains
     integer :: i, number, begin
 
     call self%problems%start(file)
+    call self%unchecked%start(file)
     self%text = text
     number = 0
     do i = 1, len(text)
@@ -176,13 +178,14 @@ contains
   end subroutine require_card
 
   !> Reports `FILE:LINE:COLUMN: NAME: found '...', expected ...`.
-  subroutine refuse_field(self, line, field, whose, expected, bad_at)
+  subroutine refuse_field(self, line, field, whose, expected, bad_at, unchecked)
     class(card_reader), intent(inout) :: self    !! cards of the deck
     integer, intent(in) :: line                  !! the card's line, from 1
     integer, intent(in) :: field                 !! which of `deck_fields`
     character(len=*), intent(in) :: whose        !! U, L, or the asperity
     character(len=*), intent(in) :: expected     !! what is expected in it
     integer, intent(in), optional :: bad_at      !! column of the field; absent: the first
+    logical, intent(in), optional :: unchecked   !! present: the original program did not check it
     type(deck_field) :: place
     character(len=:), allocatable :: name
     character(len=card_length) :: columns
@@ -197,8 +200,12 @@ contains
     if (star > 0) name = name(:star - 1) // whose // name(star + 1:)
     if (place%meaning == '') name = name // ' of ' // whose
     if (place%meaning /= '') name = name // ' (' // trim(place%meaning) // ')'
-    call self%problems%add_at(line, column, name // ': found ''' // &
-                              columns(place%first:place%last) // ''', expected ' // expected)
+    name = name // ': found ''' // columns(place%first:place%last) // ''', expected ' // expected
+    if (present(unchecked)) then
+      call self%unchecked%add_at(line, column, name)
+    else
+      call self%problems%add_at(line, column, name)
+    end if
   end subroutine refuse_field
 
   !> Reads a field under `Fw.d`.

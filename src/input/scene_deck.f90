@@ -53,6 +53,7 @@ contains
       target_scene%upper%checksum = checksum(own_text)
       target_scene%lower%checksum = target_scene%upper%checksum
     end if
+    call found%append(deck%unchecked)
     if (found%count() == 0) then
       target_scene%from_deck = .true.
       target_scene%deck = deck

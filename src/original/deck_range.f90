@@ -18,9 +18,8 @@ contains
     type(card_deck), intent(in) :: deck                    !! the checked cards
     character(len=:), allocatable, intent(out) :: failure  !! number of the deck outside the range;
                                                            !! not allocated: none
-    integer :: orders, most
+    integer :: orders, lengths, most, stiff
 
-    ! Numbers are multiplied with each other, and by some powers of ten when units change.
     select case (arithmetic)
     case ('ibm370')
       orders = 75
@@ -31,24 +30,31 @@ contains
     case default
       orders = range(1.0_real128)
     end select
+    ! Lengths and ratios are multiplied with each other, and by powers of ten when units change. A
+    ! load is a modulus times an area: less than the square of the largest length.
     most = orders / 2 - 2
-    if (max(largest_order(deck%upper), largest_order(deck%lower), &
-            maxval(decimal_order([deck%lower_width, deck%x_displacement, &
-                                  deck%y_displacement]))) <= most .and. &
-        min(smallest_order(deck%upper), smallest_order(deck%lower)) > -most) return
-    failure = 'a number of the deck is out of the range of ' // arithmetic // &
-              ': expected none above 1E' // decimal_text(most) // ', and no radius or modulus ' // &
+    lengths = max(largest_order(deck%upper), largest_order(deck%lower), &
+                  maxval(decimal_order([deck%lower_width, deck%x_displacement, &
+                                        deck%y_displacement])))
+    stiff = orders - 4 - 2 * max(0, lengths)
+    if (lengths <= most .and. min(smallest_order(deck%upper), smallest_order(deck%lower)) > &
+        -most .and. &
+        maxval(decimal_order([deck%upper%elastic_modulus, deck%lower%elastic_modulus, &
+                              deck%upper%stress_max, deck%lower%stress_max])) <= stiff) return
+    failure = 'a number of the deck is out of the range of ' // arithmetic // ', 1E' // &
+              decimal_text(orders) // ': expected no length above 1E' // decimal_text(most) // &
+              ', no modulus above 1E' // decimal_text(stiff) // ', and no radius or modulus ' // &
               'below 1E-' // decimal_text(most)
   end subroutine check_deck_range
 
-  !> Order of a model's largest number.
+  !> Order of a model's largest number that is multiplied with another such number.
   pure integer function largest_order(model)
     type(model_cards), intent(in) :: model
 
     largest_order = max(maxval(decimal_order(model%x)), maxval(decimal_order(model%y)), &
                   maxval(decimal_order(model%z)), &
-                  maxval(decimal_order([model%radius, model%height_max, model%elastic_modulus, &
-                                        model%stress_max, model%angle])))
+                  maxval(decimal_order([model%radius, model%height_max, model%poisson_ratio, &
+                                        model%angle])))
   end function largest_order
 
   !> Order of the least number that must not become zero.

@@ -96,6 +96,8 @@ module asperity_original_records
     type(position_record) :: positions(original_positions)  !! every position
     real(real64) :: variance(7, 3) = 0.0_real64           !! Table VI: maximum, minimum, average
     type(problem_list) :: notes                           !! faults that came to bear
+    integer :: last_heading = 0                           !! last position that prints its headings
+    logical :: is_complete = .false.                      !! all sections have ended
   end type original_records
 
 contains

@@ -37,7 +37,7 @@ module asperity_report
 
 contains
 
-  !> The whole report. Without `carriage_control` column one is dropped and a new page is a form
+  !> The whole report, or what the original had printed when it stopped. Without `carriage_control` column one is dropped and a new page is a form
   !> feed, a double space an empty line.
   subroutine write_report(records, printed, carriage_control, buffer)
     type(original_records), intent(in) :: records            !! what was computed
@@ -53,11 +53,11 @@ contains
     ! Deviation m: tables are lettered in the order of print, not by position.
     number = 0
     do m = 1, original_positions
-      if (.not. printed(m)) cycle
+      if (.not. printed(m) .or. m > records%last_heading) cycle
       number = number + 1
       call contact_table(lines, records, records%positions(m), 'TABLE VII' // table_letters(number))
     end do
-    call variance_table(lines, records%variance)
+    if (records%is_complete) call variance_table(lines, records%variance)
     if (carriage_control) then
       call buffer%append_text(lines)
     else
@@ -164,7 +164,8 @@ contains
     call column_headings(lines)
     on_page = 0
     row = position%first_contact
-    do step = 1, position%steps
+    ! The rows of an approach at which the original stopped have no total.
+    do step = 1, position%steps + 1
       do while (row <= position%last_contact)
         if (records%contacts(row)%step /= step) exit
         call break_full_page()
@@ -172,6 +173,7 @@ contains
         on_page = on_page + 1
         row = row + 1
       end do
+      if (step > position%steps) exit
       if (records%contacts(row - 1)%area_no < records%upper%number) call break_full_page()
       write (line, totals_row) fixed_field(position%totals(1, step), 8, 5), &
         fixed_field(position%totals(2, step), 8, 5), fixed_field(position%totals(3, step), 12, 0)

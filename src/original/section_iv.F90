@@ -80,6 +80,7 @@ end module asperity_section_iv
     integer, intent(in) :: m
     type(original_records), intent(inout) :: records
 
+    records%last_heading = m
     s%dappr = s%sepmin(1)
     records%positions(m)%x_displacement = to_real64(s%xdispl)
     records%positions(m)%y_displacement = to_real64(s%ydispl)
@@ -102,6 +103,7 @@ end module asperity_section_iv
       if (s%flag) exit
       call section_iv_d_1(s)
       call section_iv_d_2(s, m, nap, keep, records, failure)
+      records%positions(m)%last_contact = records%contacts_used
       if (allocated(failure)) return
       records%positions(m)%steps = nap
       if (keep) records%positions(m)%totals(:, nap) = &
@@ -109,7 +111,6 @@ end module asperity_section_iv
       call section_iv_d_3(s, m, nap, failure)
       if (allocated(failure)) return
     end do
-    records%positions(m)%last_contact = records%contacts_used
     records%positions(m)%limit_reached = s%flag
     if (.not. s%flag) s%ran_out = s%ran_out + 1
     if (s%nctpt == s%nu .and. s%nl > 1) s%list_full = s%list_full + 1

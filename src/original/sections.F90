@@ -19,7 +19,8 @@ end module asperity_sections
 
   public :: run_original
 
-  integer, parameter :: list_places = 37  ! DIMENSION of SEPMIN, MNU, MNL
+  integer, parameter :: list_places = 37   ! DIMENSION of SEPMIN, MNU, MNL, XSU, YSU, ZSU
+  integer, parameter :: lower_places = 75  ! DIMENSION of XSL, YSL, ZSL
 
   ! The state of the program from one section to the next.
   type :: program_state
@@ -73,6 +74,7 @@ contains
       call section_iv_e(s, records%positions(m))
     end do
     call section_v(s, records)
+    records%is_complete = .true.
   end subroutine run_original
 
 #include "sections_i_to_iii.F90"

@@ -77,6 +77,9 @@ end module asperity_sections_i_to_iii
     s%thetal = decimal_number(deck%lower%angle)
     s%xdispl = decimal_number(deck%x_displacement)
     s%ydispl = decimal_number(deck%y_displacement)
+    ! Deviation h: the arrays are as large as the models.
+    if (s%nu > list_places) call note_places(records, 'NU', s%nu, 'XSU', list_places)
+    if (s%nl > lower_places) call note_places(records, 'NL', s%nl, 'XSL', lower_places)
     allocate (s%xsu(s%nu), s%ysu(s%nu), s%zsu(s%nu), s%xsl(s%nl), s%ysl(s%nl), s%zsl(s%nl))
     do i = 1, s%nu
       x = decimal_number(deck%upper%x(i))
@@ -120,6 +123,17 @@ end module asperity_sections_i_to_iii
     records%upper = model_table(deck%upper, s%ru, s%zumax, s%eu, s%muu, s%elimtu, s%thetau, s%cfl)
     records%lower = model_table(deck%lower, s%rl, s%zlmax, s%el, s%mul, s%elimtl, s%thetal, s%cfl)
   end subroutine section_ii
+
+  ! Notes that a model has more asperities than the arrays of the listing.
+  subroutine note_places(records, name, number, array, places)
+    type(original_records), intent(inout) :: records
+    character(len=*), intent(in) :: name, array
+    integer, intent(in) :: number, places
+
+    call records%notes%add('note: ' // name // ' is ' // decimal_text(number) // ', DIMENSION ' // &
+      array // '(' // decimal_text(places) // '): the original wrote beyond its arrays; here ' // &
+      'they are as large as the models (deviation h)')
+  end subroutine note_places
 
   ! Table V and Table III of one model. Deviation b: the listing prints the centres; the thesis
   ! shows the mold positions in cm, y not mirrored, and the heights: those are printed.
