@@ -132,7 +132,10 @@ def of_lines(text):
 
 
 def of_page(text, is_changelog):
-    """Findings in a Markdown page: line, words, reason."""
+    """Findings in a Markdown page, but for the settings before it: line, words, reason."""
+    settings = re.match(r"---\n.*?^---$", text, re.M | re.S)
+    if settings:
+        text = "\n" * settings[0].count("\n") + text[settings.end():]
     found = of_lines(text)
     for line, paragraph in paragraphs(text):
         found += [(line, *finding) for finding in words_in(paragraph)]

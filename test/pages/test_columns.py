@@ -50,7 +50,7 @@ def run(asperity, *words):
 
 @pytest.fixture(scope="module")
 def solved(asperity, tmp_path_factory):
-    """The three files of many scenes: one of a map on a nominal area, one of effects that are off."""
+    """The three files of many scenes: a map on a nominal area, effects that are off, ..."""
     folder = tmp_path_factory.mktemp("columns")
     map_scene = write_scene(
         folder / "map.scene", surfaces={"upper": "plane", "nominal_area": 1e-9,
