@@ -84,6 +84,13 @@ def test_links_lead_somewhere(page):
     assert not lost
 
 
+def test_figures_are_shown():
+    """Each picture of docs/figures is in a page."""
+    shown = {path for page in PAGES
+             for path in re.findall(r"!\[[^]]*\]\([^)\s]*figures/([^)]+)\)", prose(page))}
+    assert shown == {path.name for path in ROOT.glob("docs/figures/*.svg")}
+
+
 # ---------------------------------------------------------------- files, modules, options
 
 def is_there(path):
