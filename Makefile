@@ -5,6 +5,7 @@
 .PHONY: validation setup clean tables maps machine mutants wheel wheel-test
 
 DECK ?= data/thesis.deck
+comma := ,
 
 help: ## this list
 	@awk -F ':.*## ' '/^[a-z-]+:.*## / { printf "  make %-9s %s\n", $$1, $$2 }' Makefile
@@ -62,22 +63,17 @@ bench:
 	@bash .ci/setup build test
 	@.venv/bin/python test/bench/map_area.py $(if $(SAVE),--save,--realisations 3)
 	@.venv/bin/python test/bench/pixel_estimates.py $(if $(SAVE),--seeds 16 --save,--seeds 1)
-else ifeq ($(PART),interaction)
+else ifneq ($(PART),)
 bench:
 	@bash .ci/setup build test
-	@.venv/bin/python test/bench/run_scale.py --parts interaction $(if $(MOST),--most $(MOST)) \
-	  $(if $(BESIDE),--beside $(BESIDE))
-else ifeq ($(PART),scale)
-bench:
-	@bash .ci/setup build test
-	@.venv/bin/python test/bench/run_scale.py --parts solve,threads $(if $(MOST),--most $(MOST))
+	@.venv/bin/python test/bench/run_bench.py --parts $(subst scale,phases$(comma)threads,$(PART)) \
+	  $(if $(MOST),--most $(MOST)) $(if $(BESIDE),--beside $(BESIDE))
 else
 bench: ## time and memory; SAVE=1 keeps them, SMALL=1; PART=maps|interaction|accuracy|scale
 	@bash .ci/setup build test
-	@.venv/bin/python test/bench/run_bench.py $(if $(SAVE),--save) $(if $(SMALL),--small)
-	@.venv/bin/python test/bench/run_tamaas.py $(if $(SAVE),--save) $(if $(SMALL),--small)
-	@.venv/bin/python test/bench/run_scale.py $(if $(SAVE),--save) $(if $(MOST),--most $(MOST)) \
+	@.venv/bin/python test/bench/run_bench.py $(if $(SAVE),--save) $(if $(MOST),--most $(MOST)) \
 	  $(if $(SMALL),--small --most 1e4 --rounds 1)
+	@.venv/bin/python test/bench/run_tamaas.py $(if $(SAVE),--save) $(if $(SMALL),--small)
 endif
 
 figures: ## draw the pictures in docs/figures anew
@@ -109,8 +105,6 @@ setup: ## set up everything for building and testing
 clean: ## remove what was built (.venv stays)
 	rm -rf build dist .pytest_cache .hypothesis
 	find test -name __pycache__ -type d -prune -exec rm -rf {} +
-
-
 
 tables: ## make the tables of docs/reference from the tables of the source
 	@bash .ci/setup build test
