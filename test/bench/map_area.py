@@ -7,7 +7,7 @@ Periodic random height maps of side 100, Hurst exponent 0.8 and roll-off 20, as 
 Contact Mechanics Challenge (Tribology Letters 65 (2017) 118), made by `asperity generate`. All
 pixels are solved at nominal pressures p from 0.001 to 0.3 of contact modulus times rms slope. On
 pixels the result depends on p alone; the rms slope is small for the summits, whose spheres it
-keeps shallow. The area of the pixels in contact is corrected by their perimeter, A - (pi - 1 + ln
+keeps shallow (`asperity summits --rule contact`). The area of the pixels in contact is corrected by their perimeter, A - (pi - 1 + ln
 2)/24 S d, with the width d of a pixel (Yastrebov, Anciaux and Molinari, J. Mech. Phys. Solids 107
 (2017) 469). The same maps with a free edge are solved on their pixels and by their summits, with
 and without interaction.
@@ -25,7 +25,8 @@ from pathlib import Path
 
 import numpy as np
 
-from whole_runs import ROOT, Failed, heading, make_map, press_map, release_build
+from whole_runs import (ROOT, Failed, heading, make_map, press_map, press_summits,
+                        release_build)
 
 SIDE, HURST, ROLL_OFF, SLOPE = 100.0, 0.8, 20.0, 0.01
 PRESSURES = (0.001, 0.003, 0.01, 0.03, 0.06, 0.1, 0.2, 0.3)
@@ -39,16 +40,20 @@ METHODS = {"pixels_periodic": ("boundary", "periodic"), "pixels_free": ("boundar
 def area_fractions(exe, path, pixels, method):
     """Area fraction by p; none where the solve fails."""
     interaction, edge = METHODS[method]
-    pressures = [p for p in PRESSURES if interaction == "boundary" or p <= MOST_FOR_SUMMITS]
     step = SIDE / pixels
     try:
-        _, _, rows = press_map(exe, path, [SLOPE * p for p in pressures], spacing=step, edge=edge,
-                               interaction=interaction, files=("curve",))
+        if interaction == "boundary":
+            _, _, rows = press_map(exe, path, [SLOPE * p for p in PRESSURES], spacing=step,
+                                   edge=edge, files=("curve",))
+        else:
+            _, _, rows = press_summits(
+                exe, path, [SLOPE * p for p in PRESSURES if p <= MOST_FOR_SUMMITS], spacing=step,
+                area=SIDE**2, interaction=interaction, files=("curve",))
     except Failed as failure:
         print(failure)
         return {}
     found = {}
-    for pressure, row in zip(pressures,
+    for pressure, row in zip(PRESSURES,
                              (row for row in rows if float(row["nominal_pressure"]) > 0)):
         found[pressure] = float(row["area_fraction"])
         if interaction == "boundary":

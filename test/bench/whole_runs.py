@@ -199,18 +199,41 @@ def make_map(exe, folder, **names):
     return folder / "map.npy"
 
 
-def press_map(exe, path, values, *words, control="pressure", spacing=1.0, edge="free",
-              interaction="boundary", modulus=1.0, level="", files=("positions",), threads=1):
-    """Solve a height map under a plane: seconds of the whole process, and the rows of each file.
+def press_map(exe, path, values, *words, spacing=1.0, edge="free", level="", **how):
+    """Solve the pixels of a height map under a plane as `solve_surface` does.
 
     A map with a spacing of its own has `spacing=None`.
     """
-    scene = path.with_suffix(".scene")
     of_map = "" if spacing is None else (
         f", map_spacing = {spacing!r}, {spacing!r}, map_edge = '{edge}'")
+    of_map += f", map_level = {level!r}" if level else ""
+    return solve_surface(exe, path, of_map, values, *words, **how)
+
+
+def press_summits(exe, path, values, *words, spacing=None, area=None, rule="contact", **how):
+    """Solve the summits of a height map under a plane; separations are those of its mean plane."""
+    table = path.with_suffix(".csv")
+    subprocess.run([exe, "summits", path, "--rule", rule, "--output", table, "--quiet",
+                    *(["--spacing", repr(spacing)] if spacing else [])], check=True,
+                   capture_output=True)
+    # Below the plane: a cap is no higher than its sphere.
+    caps = np.loadtxt(table, delimiter=",", skiprows=1, ndmin=2)
+    top = caps[:, 2].max()
+    np.savetxt(table, caps - [0, 0, top, 0], "%.17g", ",", header="x,y,height,radius", comments="")
+    seconds, summary, *tables = solve_surface(
+        exe, table, f", nominal_area = {area!r}" if area else "", values, *words, **how)
+    for row in (row for table in tables for row in table if "separation" in row):
+        row["separation"] = str(float(row["separation"]) + top)
+    return seconds, summary, *tables
+
+
+def solve_surface(exe, path, more, values, *words, control="pressure", interaction="boundary",
+                  modulus=1.0, files=("positions",), threads=1):
+    """Solve a surface under a plane: seconds of the whole process, what it prints, and the rows of
+    each file. `more` are further names of &surfaces."""
+    scene = path.with_suffix(".scene")
     scene.write_text(
-        f"&surfaces upper = 'plane', lower = '{path.name}'{of_map}"
-        f"{f', map_level = {level!r}' if level else ''} /\n"
+        f"&surfaces upper = 'plane', lower = '{path.name}'{more} /\n"
         f"&material contact_modulus = {modulus!r} /\n"
         f"&loading control = '{control}', value = {', '.join(repr(float(v)) for v in values)} /\n"
         f"&effects interaction = '{interaction}' /\n", encoding="ascii")
