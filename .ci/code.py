@@ -22,8 +22,7 @@ from pathlib import Path
 LINES, ARGUMENTS, WORDS = 80, 8, 3
 ROOT = Path(__file__).resolve().parent.parent
 # Procedures of one word: those of the generic arithmetic of hex32, and names that are usual nouns.
-SHORT = set("""add binomial checksum cosine divide integrate multiply respond sine solve subtract
-               touching""".split())
+SHORT = set("add checksum cosine divide integrate multiply respond sine solve subtract".split())
 ORIGINAL = "src/original/"
 SOLVERS = ("src/circles/", "src/grid/", "src/joint/", "src/effects/")
 SOURCES = r"derived|measured|chosen|source|equation|page|\b(?:18|19|20)\d\d\b"
