@@ -45,7 +45,9 @@ contains
     is_point_header = cells%cell_count == 3
     if (.not. is_point_header) return
     is_point_header = all(cells%last(:3) - cells%first(:3) < len(names))
-    names = [(lower_case(line(cells%first(i):cells%last(i)) // repeat(' ', len(names))), i=1, 3)]
+    do i = 1, 3
+      names(i) = lower_case(line(cells%first(i):cells%last(i)))
+    end do
     is_point_header = is_point_header .and. all(names(:2) == axis_names) .and. &
                       any(names(3) == [character(len=6) :: 'z', 'height'])
   end function is_point_header
