@@ -7,10 +7,10 @@ Periodic random height maps of side 100, Hurst exponent 0.8 and roll-off 20, as 
 Contact Mechanics Challenge (Tribology Letters 65 (2017) 118), made by `asperity generate`. All
 pixels are solved at nominal pressures p from 0.001 to 0.3 of contact modulus times rms slope. On
 pixels the result depends on p alone; the rms slope is small for the summits, whose spheres it
-keeps shallow (`asperity summits --rule contact`). The area of the pixels in contact is corrected by their perimeter, A - (pi - 1 + ln
-2)/24 S d, with the width d of a pixel (Yastrebov, Anciaux and Molinari, J. Mech. Phys. Solids 107
-(2017) 469). The same maps with a free edge are solved on their pixels and by their summits, with
-and without interaction.
+keeps shallow (`asperity summits --rule contact`). The area of the pixels in contact is corrected by
+their perimeter, A - (pi - 1 + ln 2)/24 S d, with the width d of a pixel (Yastrebov, Anciaux and
+Molinari, J. Mech. Phys. Solids 107 (2017) 469). The same maps with a free edge are solved on their
+pixels and by their summits, with and without interaction.
 
 Theories for an area fraction a at p = pressure/(contact modulus times rms slope): Persson (2001),
 a = erf(sqrt(2) p); Bush, Gibson and Thomas (1975) at small pressures, a = sqrt(2 pi) p.

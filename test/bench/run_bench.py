@@ -1,4 +1,4 @@
-"""Run time and memory: the thesis in each arithmetic, effects, large surfaces, threads, interaction.
+"""Run time and memory: arithmetics, effects, large surfaces, threads, interaction.
 
     python test/bench/run_bench.py [--parts NAMES] [--most N] [--rounds R] [--small] [--save]
         [--beside EXE]
@@ -106,8 +106,8 @@ def csv_scene(folder, positions, control, n, x_step=0.1, **other):
 
 def phases_part(exe, folder, words):
     """Seconds, but milliseconds for a position; bytes of an asperity at the peak of the process."""
-    yield "one position, N on N asperities from CSV (reading: until a run is refused; once: order of"
-    yield " the surfaces, start and end; position: one more; contacts: what writing them adds)"
+    yield "one position, N on N asperities from CSV (reading: until a run is refused; once: order"
+    yield " of the surfaces, start and end; position: one more; contacts: what writing them adds)"
     yield aligned("N, control", "whole s", "reading s", "once s", "position ms", "contacts s",
                   "rows", "bytes")
     for n in (10**k for k in range(3, 9) if LEAST <= 10**k <= min(words.most, MOST)):

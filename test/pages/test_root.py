@@ -1,4 +1,4 @@
-"""What the repository holds: at its root only what is listed here, nowhere a file that a compiler or
+"""Files of the repository: at its root only what is listed here, nowhere a file that a compiler or
 an unfinished run has left."""
 
 import subprocess
@@ -9,8 +9,8 @@ from builds import ROOT
 
 pytestmark = pytest.mark.once
 
-IN_ROOT = set(""".ci .gitattributes .github .gitignore CHANGELOG.md CITATION.cff CONTRIBUTING.md LICENSE
-                 Makefile README.md app data docs example fpm.toml include packaging python
+IN_ROOT = set(""".ci .gitattributes .github .gitignore CHANGELOG.md CITATION.cff CONTRIBUTING.md
+                 LICENSE Makefile README.md app data docs example fpm.toml include packaging python
                  reference_output src test tools""".split())
 LEFT_BEHIND = {".gcno", ".gcda", ".o", ".mod", ".smod", ".part"}
 

@@ -167,7 +167,8 @@ contains
     ! The first touch is at 1, in units of 1/16.
     allocate (scene_in%loading%path(3))
     do i = 1, 3
-      scene_in%loading%path(i) = (1.0_real64 - merge(0.02_real64, 0.05_real64, i == 2)) / 16.0_real64
+      scene_in%loading%path(i) = (1.0_real64 - merge(0.02_real64, 0.05_real64, i == 2)) / &
+                                   16.0_real64
     end do
     call make_up(effect_on, 0.1_real64, 0.0_real64, .false., effects(1)%effect)
     do turn = 1, 2
