@@ -190,8 +190,8 @@ def test_notes_of_the_reader(package, tmp_path):
     """A note on the file is in `notes` and a warning at the line of the caller; copies keep it."""
     path = tmp_path / "m.sdf"
     package.HeightMap(HEIGHTS, (DX, DY), "um").write(path)
-    path.write_bytes(path.read_bytes() + b"by hand")
-    with pytest.warns(UserWarning, match="note: 7 bytes of text behind") as found:
+    path.write_bytes(path.read_bytes() + b"by hand\n")
+    with pytest.warns(UserWarning, match="note: 8 bytes of text behind") as found:
         surface = package.read_map(path)
     assert [str(one.message) for one in found] == surface.notes and len(surface.notes) == 1
     assert found[0].filename == __file__
