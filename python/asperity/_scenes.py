@@ -150,9 +150,8 @@ def solve(scene: _a.Path | Mapping[str, Mapping[str, Any]] | Scene, *, arithmeti
         Show a bar of tqdm, or a line on standard error where tqdm is not installed.
     fields : bool or 'all', default False
         Keep pressure, gap and displacement for `Results.fields`, of the last state or of all
-        states: on the pixels of a height map, or on the
-        grid of a scene of asperities with `field_spacing` in `surfaces`. Other scenes are refused. A
-        state takes 24 bytes a pixel.
+        states: on the pixels of a height map, or on the grid of a scene of asperities with
+        `field_spacing` in `surfaces`. Other scenes are refused. A state takes 24 bytes a pixel.
 
     Returns
     -------

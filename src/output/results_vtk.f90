@@ -21,7 +21,7 @@ contains
 
   !> A point a row. An empty cell is `nan`.
   subroutine write_vts(table, points, buffer)
-    type(array_table), intent(in) :: table      !! stresses
+    type(array_table), intent(in) :: table      !! stresses at all depths
     integer, intent(in) :: points(3)            !! along x and y and of depths; the first changes fastest
     type(text_buffer), intent(inout) :: buffer  !! gets the text
     character(len=:), allocatable :: extent

@@ -1,7 +1,7 @@
 """A default that a scene writes out changes nothing: random scenes, every name with a default.
 
 Names and defaults are those of the tables of docs/reference/scene.md, which are made from the
-program's own, and of `asperity solve --help effects`: a new name is in the test without a line here.
+program's own, and of `asperity solve --help effects`: a new name needs no line here.
 """
 
 import math

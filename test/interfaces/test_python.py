@@ -211,7 +211,8 @@ def test_header_and_python_agree(package):
     C99 and C++17."""
     header = ROOT / "include/asperity.h"
     for words in (["-xc", "-std=c99"], ["-xc++", "-std=c++17"]):
-        run_program("gcc", *words, "-pedantic", "-Wall", "-Wextra", "-Werror", "-fsyntax-only", header)
+        run_program("gcc", *words, "-pedantic", "-Wall", "-Wextra", "-Werror", "-fsyntax-only",
+                    header)
     from asperity import _library
     types = {"int": "c_int", "double": "c_double", "char *": "c_char_p", "int *": "LP_c_int",
              "double *": "LP_c_double", "asperity_outcome *": "c_void_p", "void *": "c_void_p",

@@ -82,6 +82,12 @@ def test_files(package, name):
     assert_near(scene.solve().states, expected)
 
 
+def test_groups_of_a_deck(package):
+    """The sweep that a deck stands for, in the fewest digits that read back as the same number."""
+    assert package.Scene(ROOT / "data/thesis.deck").groups["motion"] == {
+        "x_first": "1e-1", "x_step": "1e-1", "y_first": "0", "y_step": "0", "positions": "100"}
+
+
 def test_file_is_read_once(package, tmp_path):
     (tmp_path / "u.csv").write_text("x,y,height,radius\n0,0,0.1,1\n")
     path = tmp_path / "a.scene"
