@@ -19,6 +19,7 @@ module asperity_circle_potential
   !> Copy of a state with its circles, their field and the gradient of the potential.
   type :: potential_state
     real(real64), allocatable :: penetration(:)   !! by pair [length], > 0 where loaded
+    logical, allocatable :: stays_open(:)         !! by pair: open at any compression
     real(real64), allocatable :: shift(:, :)      !! lateral shifts (2, pair) [length]
     real(real64) :: compression = 0.0_real64      !! compression [length]
     type(circle_set) :: set                       !! circles and their field
@@ -34,6 +35,7 @@ contains
     type(potential_state), intent(out) :: before     !! copy of the state
 
     before%penetration = solution%penetration
+    before%stays_open = solution%stays_open
     before%shift = solution%shift
     before%compression = solution%compression
     before%set = solution%set
@@ -47,6 +49,7 @@ contains
     type(solve_state), intent(inout) :: state          !! gets its gradient
 
     solution%penetration = before%penetration
+    solution%stays_open = before%stays_open
     solution%shift = before%shift
     solution%compression = before%compression
     solution%set = before%set

@@ -78,9 +78,16 @@ contains
     real(real64), intent(in), optional :: group_residual
     type(solve_state) :: state
     type(potential_state) :: before
-    real(real64) :: carried, required, last_residual, attainable, examined_residual, radius, slope
-    integer :: activated, circles, failed_steps, step_limit
-    logical :: any_released, eliminates, is_final, is_start, is_taken
+    real(real64) :: attainable, carried, examined_residual, last_residual, radius, required, slope
+    integer :: failed_steps, loaded, step_limit
+    ! The decisions of an iteration.
+    logical :: is_solved       ! the equations of the loaded contacts hold
+    logical :: examines_open   ! open contacts are examined: they may touch
+    logical :: none_touches    ! no open contact touched at the last examination
+    logical :: eliminates      ! contacts with large residuals are solved before the step
+    logical :: is_taken        ! the step has reduced the potential
+    logical :: has_final_lists ! the near pairs are those of the solution
+    logical :: any_released, is_start
 
     is_start = .not. (allocated(solution%penetration) .or. present(resolved))
     call prepare_start(pairs, law, solution, state, target, resolved)
@@ -91,21 +98,20 @@ contains
       if (allocated(solution%failure)) return
       call release_hidden(pairs, solution, any_released)
       if (any_released .and. present(target)) &
-        call raise_to_load(pairs, law, state%target, solution%penetration)
+        call raise_to_load(pairs, law, state%target, solution)
     end if
     call evaluate_state(pairs, law, solution, state, resolved)
     if (is_start .and. .not. present(target) .and. size(solution%set%x) <= few_contacts) &
       call scale_start(pairs, law, solution, state)
     step_limit = iterations_allowed
     if (present(group_residual)) step_limit = digits(radius)
-    is_final = .false.
-    activated = -1
-    circles = 0
+    none_touches = .false.
+    eliminates = .false.
+    has_final_lists = .false.
     failed_steps = 0
     examined_residual = huge(examined_residual)
     last_residual = huge(last_residual)
     radius = 0.0_real64
-    eliminates = .false.
     do
       if (pairs%interrupt%is_asked()) solution%failure = 'interrupted'
       if (allocated(solution%failure)) return
@@ -116,37 +122,37 @@ contains
       ! The pair list is complete only up to this compression. Beyond it the solution is invalid;
       ! the caller repeats the solve with all pairs.
       if (solution%compression > pairs%complete_to .and. state%residual < linear_residual) exit
-      if (state%residual <= required .or. &
-          (state%residual < residual_share * examined_residual .and. &
-           (activated /= 0 .or. may_touch(solution, state)))) then
+      is_solved = state%residual <= required
+      examines_open = is_solved
+      if (state%residual < residual_share * examined_residual) &
+        examines_open = is_solved .or. .not. none_touches .or. may_touch(solution, state)
+      if (examines_open) then
         examined_residual = state%residual
-        call activate_touching(pairs, law, attainable, state%residual <= required, solution, &
-                               state, resolved, activated)
+        call activate_touching(pairs, law, attainable, is_solved, solution, state, resolved, &
+                               none_touches)
         if (allocated(solution%failure)) return
-        if (state%residual <= required .and. activated == 0) exit
+        if (is_solved .and. none_touches) exit
         ! Activated contacts are far from their loads: elimination finds these first.
-        if (activated > 0 .and. state%residual > residual_share * examined_residual) &
+        if (state%residual > residual_share * examined_residual .and. .not. none_touches) &
           eliminates = .not. present(group_residual)
       end if
-      if (failed_steps > 1) exit
-      if (solution%ending%iterations >= step_limit) exit
+      if (failed_steps > 1 .or. solution%ending%iterations >= step_limit) exit
+      loaded = size(solution%set%x)
       if (eliminates) call eliminate_contacts(pairs, law, solution, state, resolved)
       if (allocated(solution%failure)) return
-      if (size(solution%set%x) < circles) activated = -1
-      circles = size(solution%set%x)
+      none_touches = none_touches .and. size(solution%set%x) >= loaded
       call remember_state(solution, state, before)
       call take_step(pairs, law, before, radius, solution, state, resolved, is_taken)
       if (allocated(solution%failure)) return
       failed_steps = merge(0, failed_steps + 1, is_taken)
       last_residual = before%state%residual
       solution%ending%iterations = solution%ending%iterations + 1
-      if (size(solution%set%x) < circles) activated = -1
-      circles = size(solution%set%x)
+      none_touches = none_touches .and. size(solution%set%x) >= size(before%set%x)
       ! At the end the near pairs are those of the solution, whatever the start (test: loads in
       ! random order in test/contact/test_solve_again.py). Once only: a pair on the border may
       ! enter and leave the lists.
-      if (state%residual < linear_residual .and. .not. is_final) then
-        is_final = .true.
+      if (state%residual < linear_residual .and. .not. has_final_lists) then
+        has_final_lists = .true.
         state%rebuilds_lists = size(solution%set%x) <= large_set
       end if
       eliminates = .not. present(group_residual) .and. &
@@ -154,10 +160,10 @@ contains
     end do
     solution%ending%residual = state%residual
     solution%ending%converged = state%residual <= max(accepted_residual, required) .and. &
-      activated == 0
+      none_touches
     if (solution%compression > pairs%complete_to) solution%ending%converged = .true.
     if (.not. present(target)) return
-    call find_carried_load(pairs, law, solution%penetration, 0.0_real64, carried, slope)
+    call find_carried_load(pairs, law, solution, 0.0_real64, carried, slope)
     if (.not. carried >= (1.0_real64 - accepted_residual) * state%target) solution%failure = &
       'the load is larger than the surfaces carry before the centres of two asperities are ' // &
       'level: ' // real_text(in_scene_units(pairs, carried * pairs%modulus, 1, 2)) // ' at most'
@@ -175,7 +181,6 @@ contains
 
     state%gap = pairs%list%gap
     call evaluate_state(pairs, law, solution, state, resolved)
-    where (resolved%is_resolved) resolved%gap = huge(1.0_real64)
     do k = 1, size(solution%set%contact)
       i = solution%set%contact(k)
       if (resolved%is_resolved(i)) resolved%gap(i) = &
@@ -185,7 +190,7 @@ contains
 
   ! Activates open contacts that touch, as far as the potential does not increase.
   subroutine activate_touching(pairs, law, accuracy, is_complete, solution, state, resolved, &
-                               activated)
+                               none_touches)
     type(contact_pairs), intent(in) :: pairs
     class(contact_law), intent(in) :: law
     real(real64), intent(in) :: accuracy
@@ -193,7 +198,7 @@ contains
     type(coupled_solution), intent(inout) :: solution
     type(solve_state), intent(inout) :: state
     type(resolved_contacts), intent(in), optional :: resolved
-    integer, intent(out) :: activated
+    logical, intent(out) :: none_touches
     type(potential_state) :: before
     integer, allocatable :: contact(:)
     real(real64), allocatable :: deep(:), unloaded(:)
@@ -201,8 +206,8 @@ contains
     real(real64) :: change, noise
 
     call find_touching(pairs, law, accuracy, is_complete, solution, state, resolved, contact)
-    activated = size(contact)
-    if (allocated(solution%failure) .or. activated == 0) return
+    none_touches = size(contact) == 0
+    if (allocated(solution%failure) .or. none_touches) return
     allocate (deep, source=solution%penetration(contact))
     allocate (unloaded(size(contact)))
     unloaded = penetration_without_load(pairs, law, contact, deep)
@@ -212,7 +217,7 @@ contains
       solution%penetration = before%penetration
       solution%penetration(contact) = unloaded + (deep - unloaded) * 0.5_real64**halving
       if (state%target > 0.0_real64) &
-        call raise_to_load(pairs, law, state%target, solution%penetration)
+        call raise_to_load(pairs, law, state%target, solution)
       call evaluate_state(pairs, law, solution, state, resolved)
       if (allocated(solution%failure)) return
       if (size(before%set%x) == 0) return
@@ -220,7 +225,7 @@ contains
       if (change <= noise) return
     end do
     call restore_state(before, solution, state)
-    activated = 0
+    none_touches = .true.
   end subroutine activate_touching
 
   ! Nonlinear elimination: solves contacts with large residuals in the field of the others, group by
@@ -249,7 +254,7 @@ contains
     end do
     !$omp end parallel do
     if (state%target > 0.0_real64) &
-      call raise_to_load(pairs, law, state%target, solution%penetration)
+      call raise_to_load(pairs, law, state%target, solution)
     call evaluate_state(pairs, law, solution, state, resolved)
     if (allocated(solution%failure)) return
     call potential_change(pairs, law, before, solution, state, change, noise)
@@ -318,7 +323,7 @@ contains
         solution%shift(:, contact) = before%shift(:, contact) + step%change(2:, :)
       end associate
       if (state%target > 0.0_real64) &
-        call raise_to_load(pairs, law, state%target, solution%penetration)
+        call raise_to_load(pairs, law, state%target, solution)
       call evaluate_state(pairs, law, solution, state, resolved)
       if (allocated(solution%failure)) return
       call potential_change(pairs, law, before, solution, state, change, noise)

@@ -158,6 +158,7 @@ contains
     do k = 1, size(member)
       i = solution%set%contact(member(k))
       solution%penetration(i) = group%penetration(k) / law_of_group%softening(k)
+      solution%stays_open(i) = group%stays_open(k)
       solution%shift(:, i) = group%shift(:, k) + [group_pairs%list(k)%x - pairs%list(i)%x, &
                                                   group_pairs%list(k)%y - pairs%list(i)%y]
     end do

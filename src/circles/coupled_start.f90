@@ -52,12 +52,14 @@ contains
       if (present(target)) solution%penetration = -state%gap
       allocate (solution%shift(2, n), source=0.0_real64)
     end if
+    if (.not. allocated(solution%stays_open)) &
+      allocate (solution%stays_open(n), source=.false.)
     if (present(target)) then
       state%target = target / pairs%modulus
-      call raise_to_load(pairs, law, state%target, solution%penetration)
+      call raise_to_load(pairs, law, state%target, solution)
     end if
     if (is_isolated .and. count(solution%penetration > 0.0_real64) > few_contacts) &
-      call displace_squares(pairs, law, state%target, coarse, solution%penetration)
+      call displace_squares(pairs, law, state%target, coarse, solution)
   end subroutine prepare_start
 
   !> Scales the penetrations of isolated contacts by the factor t that minimises the potential: its
@@ -86,18 +88,18 @@ contains
 
   ! Reduces penetrations by the displacements of squares, each one contact with the laws of its
   ! members at one common displacement, by Newton's method.
-  subroutine displace_squares(pairs, law, target, coarse, penetration)
+  subroutine displace_squares(pairs, law, target, coarse, solution)
     type(contact_pairs), intent(in) :: pairs
     class(contact_law), intent(in) :: law
     real(real64), intent(in) :: target
     type(coarse_circles), intent(inout) :: coarse  ! gathered
-    real(real64), intent(inout) :: penetration(:)
+    type(coupled_solution), intent(inout) :: solution  ! penetrations are changed
     type(contact_response) :: answer
     real(real64), allocatable :: load(:), stiffness(:)
     real(real64), allocatable, dimension(:) :: loads, displacement, residual, change, uniform
     integer :: i, step
 
-    allocate (load(size(penetration)), stiffness(size(penetration)))
+    allocate (load(size(pairs%list)), stiffness(size(pairs%list)))
     coarse%stiffness = spread(0.0_real64, 1, coarse%columns * coarse%rows)
     allocate (displacement(coarse%columns * coarse%rows), source=0.0_real64)
     do step = 1, digits(target)
@@ -106,8 +108,8 @@ contains
       stiffness = 0.0_real64
       !$omp parallel do schedule(static) private(answer)
       do i = 1, size(load)
-        if (.not. penetration(i) > 0.0_real64) cycle
-        answer = answer_at(pairs, law, i, penetration(i))
+        if (.not. solution%penetration(i) > 0.0_real64) cycle
+        answer = answer_at(pairs, law, i, solution%penetration(i))
         load(i) = answer%vertical_load * inclination_factor(answer%cosine) / pairs%modulus
         stiffness(i) = answer%stiffness * inclination_factor(answer%cosine) / pairs%modulus
       end do
@@ -128,10 +130,10 @@ contains
       where (loads > 0.0_real64) change = max(change, -0.9_real64 * loads / coarse%stiffness)
       ! The displacement is changed, not computed from the new loads: it may be a hundred times a
       ! penetration, and 1 % of it all of one.
-      penetration = penetration + change(coarse%square)
+      solution%penetration = solution%penetration + change(coarse%square)
       displacement = displacement - change
-      if (target > 0.0_real64) call raise_to_load(pairs, law, target, penetration)
-      if (maxval(change) - minval(change) < 0.01_real64 * maxval(penetration)) exit
+      if (target > 0.0_real64) call raise_to_load(pairs, law, target, solution)
+      if (maxval(change) - minval(change) < 0.01_real64 * maxval(solution%penetration)) exit
     end do
 
   contains

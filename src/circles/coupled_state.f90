@@ -18,15 +18,13 @@ module asperity_coupled_state
             penetration_without_load, plan_radius, raise_to_load, resolved_contacts, &
             solve_state, update_circles
 
-  !> Penetration of a contact that touches nowhere [length]: derived: no step raises it above 0.
-  real(real64), parameter, public :: open_penetration = -1.0e-3_real64 * huge(1.0_real64)
-
   !> Contacts that boundary elements resolve, as the Hertzian contacts see them; arrays by pair.
   type :: resolved_contacts
     logical, allocatable :: is_resolved(:)   !! the pair is one of them
     real(real64), allocatable :: x(:), y(:)  !! centre of its pressure [length]
-    !> gap with which its law has the load on elements, huge where open; for a Hertzian contact its
-    !> own gap, with the difference of displacements by elements and by circles [length]
+    !> gap with which its law has the load on elements, without meaning where there is none; for a
+    !> Hertzian contact its own gap, with the difference of displacements by elements and by circles
+    !> [length]
     real(real64), allocatable :: gap(:)
   end type resolved_contacts
 
@@ -34,6 +32,9 @@ module asperity_coupled_state
   type :: coupled_solution
     real(real64) :: compression = 0.0_real64        !! compression c since first touch [length]
     real(real64), allocatable :: penetration(:)     !! by pair [length], 0 or less where open
+    !> by pair: open at any compression, as it is hidden in another cap or has no load of its own on
+    !> boundary elements; its penetration is 0
+    logical, allocatable :: stays_open(:)
     real(real64), allocatable :: shift(:, :)        !! lateral shifts (2, pair) [length]
     real(real64), allocatable :: outer_field(:, :)  !! field from outside, as in `circle_set`
     type(circle_set) :: set                         !! loaded contacts and their field
@@ -103,31 +104,33 @@ contains
     end do
   end function penetration_without_load
 
-  !> Adds one number to all penetrations so that the contacts carry a given load.
+  !> Adds one number to the penetrations of all but those that stay open, so that the contacts carry
+  !> a given load.
   !>
   !> Newton's method on load**(2/3), nearly linear, in a bracket; bisection where a step leaves it.
   !> Exits: the load is met to `rounding_error`; the bracket is as narrow as rounding allows.
-  subroutine raise_to_load(pairs, law, target, penetration)
+  subroutine raise_to_load(pairs, law, target, solution)
     type(contact_pairs), intent(in) :: pairs              !! pairs of the position
     class(contact_law), intent(in) :: law                 !! of each contact
     real(real64), intent(in) :: target                    !! load over modulus
-    real(real64), intent(inout) :: penetration(:)         !! penetrations, one a pair
+    type(coupled_solution), intent(inout) :: solution     !! penetrations are changed
     real(real64) :: low, high, rise, total, slope, most, last_rise
     integer :: i, try
 
     ! At most until the centres of one contact are level.
     most = huge(most)
-    !$omp parallel do schedule(static) reduction(min:most) if(size(penetration) > large_set)
-    do i = 1, size(penetration)
-      most = min(most, level_share * pairs%list(i)%zc - penetration(i))
+    !$omp parallel do schedule(static) reduction(min:most) if(size(pairs%list) > large_set)
+    do i = 1, size(pairs%list)
+      if (.not. solution%stays_open(i)) &
+        most = min(most, level_share * pairs%list(i)%zc - solution%penetration(i))
     end do
     !$omp end parallel do
-    low = -maxval(penetration)
+    low = -maxval(solution%penetration, .not. solution%stays_open)
     high = most
     rise = min(max(0.0_real64, low), most)
     last_rise = rise
     do try = 1, 200
-      call find_carried_load(pairs, law, penetration, rise, total, slope)
+      call find_carried_load(pairs, law, solution, rise, total, slope)
       if (abs(total - target) <= rounding_error * target) exit
       if (total < target) then
         low = rise
@@ -145,29 +148,31 @@ contains
         if (high >= most .and. total < target) rise = max(rise, most - 0.1_real64 * (most - low))
       end if
     end do
-    penetration = penetration + rise
+    where (.not. solution%stays_open) solution%penetration = solution%penetration + rise
   end subroutine raise_to_load
 
   !> Total load of all contacts with a common rise of their penetrations.
-  subroutine find_carried_load(pairs, law, penetration, rise, total, slope)
+  subroutine find_carried_load(pairs, law, solution, rise, total, slope)
     type(contact_pairs), intent(in) :: pairs              !! pairs of the position
     class(contact_law), intent(in) :: law                 !! of each contact
-    real(real64), intent(in) :: penetration(:)            !! penetrations, one a pair
+    type(coupled_solution), intent(in) :: solution        !! penetrations, and which stay open
     real(real64), intent(in) :: rise                      !! penetration added to each
     real(real64), intent(out) :: total                    !! load over modulus, or the vertical one
     real(real64), intent(out) :: slope                    !! derivative by the penetration
     type(contact_response) :: response
     ! Partial sums, in an order that does not depend on the number of threads.
-    real(real64), dimension(1 + size(penetration) / large_set) :: load, stiffness
+    real(real64), dimension(1 + size(pairs%list) / large_set) :: load, stiffness
+    real(real64) :: penetration
     integer :: i, part
 
     load = 0.0_real64
     stiffness = 0.0_real64
-    !$omp parallel do schedule(static) private(i, response) if(size(load) > 1)
+    !$omp parallel do schedule(static) private(i, penetration, response) if(size(load) > 1)
     do part = 1, size(load)
-      do i = large_set * (part - 1) + 1, min(large_set * part, size(penetration))
-        if (.not. penetration(i) + rise > 0.0_real64) cycle
-        call law%respond(pairs%list(i), i, penetration(i) + rise, response)
+      do i = large_set * (part - 1) + 1, min(large_set * part, size(pairs%list))
+        penetration = solution%penetration(i) + rise
+        if (solution%stays_open(i) .or. .not. penetration > 0.0_real64) cycle
+        call law%respond(pairs%list(i), i, penetration, response)
         load(part) = load(part) + merge(response%vertical_load, response%load, pairs%vertical)
         stiffness(part) = stiffness(part) + &
                           response%stiffness / merge(1.0_real64, response%cosine, pairs%vertical)

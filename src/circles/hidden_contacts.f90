@@ -7,7 +7,7 @@
 module asperity_hidden_contacts
   use asperity_circle_field, only: circle_set
   use asperity_contact_pairs, only: contact_pairs
-  use asperity_coupled_state, only: coupled_solution, open_penetration
+  use asperity_coupled_state, only: coupled_solution
   use asperity_kinds, only: real64
   implicit none
   private
@@ -24,7 +24,7 @@ contains
   !> Releases the loaded contacts that are hidden in another one; of equals the one listed last.
   subroutine release_hidden(pairs, solution, any_released)
     type(contact_pairs), intent(in) :: pairs           !! pairs of the position
-    type(coupled_solution), intent(inout) :: solution  !! circles; gets penetrations
+    type(coupled_solution), intent(inout) :: solution  !! circles; gets those that stay open
     logical, intent(out) :: any_released               !! circles are those of earlier penetrations
     logical :: is_released(size(solution%set%x))
     real(real64) :: share_of_second, share_of_first
@@ -46,7 +46,8 @@ contains
         is_released(i) = share_of_first <= hidden_share .and. .not. is_released(j)
       end do
       any_released = any(is_released)
-      if (any_released) solution%penetration(pack(set%contact, is_released)) = open_penetration
+      solution%stays_open(set%contact) = is_released
+      where (solution%stays_open) solution%penetration = 0.0_real64
     end associate
   end subroutine release_hidden
 

@@ -8,7 +8,7 @@ module asperity_open_contacts
   use asperity_constants, only: pi
   use asperity_contact_law, only: contact_law, contact_response
   use asperity_contact_pairs, only: contact_pairs
-  use asperity_coupled_state, only: answer_at, coupled_solution, open_penetration, plan_radius, &
+  use asperity_coupled_state, only: answer_at, coupled_solution, plan_radius, &
                                     resolved_contacts, solve_state
   use asperity_hidden_contacts, only: is_hidden
   use asperity_kinds, only: real64
@@ -64,7 +64,8 @@ contains
       touches(number(i)) = answer%vertical_load > 0.0_real64
     end do
     number = pack(number, touches(number))
-    state%examined = solution%penetration
+    ! No change of the field activates a contact that stays open.
+    state%examined = merge(-huge(lowest), solution%penetration, solution%stays_open)
   end subroutine find_touching
 
   !> Whether an open contact may touch after the changes since the open ones were examined.
@@ -130,9 +131,11 @@ contains
                    shift_gain => 0.5_real64 * plan_radius(pairs%list(i)) * sum(far(2:)**2))
           ! Near circles only displace the surface downwards: without them an upper bound.
           p = reach - far(1) + shift_gain + dot_product(far(2:), shift)
+          solution%stays_open(i) = .false.
           if (p + shift_gain < 0.0_real64) cycle
-          if (is_hidden(pairs, set, near, i)) then
-            p = open_penetration
+          solution%stays_open(i) = is_hidden(pairs, set, near, i)
+          if (solution%stays_open(i)) then
+            p = 0.0_real64
             cycle
           end if
           call find_lowest_place(pairs%list(i)%x, pairs%list(i)%y, radius, set, &

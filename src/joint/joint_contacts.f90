@@ -28,7 +28,7 @@ module asperity_joint_contacts
   use asperity_contact_pairs, only: contact_pairs
   use asperity_coupled_contacts, only: adopt_penetrations, coupled_solution, resolved_contacts, &
                                        solve_coupled
-  use asperity_coupled_state, only: answer_at, find_carried_load, open_penetration, raise_to_load
+  use asperity_coupled_state, only: answer_at, find_carried_load, raise_to_load
   use asperity_element_pressures, only: join_elements
   use asperity_hertz_law, only: hertz_law
   use asperity_index_groups, only: gather_groups
@@ -142,8 +142,7 @@ contains
       end if
     end if
     ! Penetrations of open contacts are negative, as 0 is a contact at first touch.
-    where (solution%coupled%penetration < 0.5_real64 * open_penetration) &
-      solution%coupled%penetration = -tiny(1.0_real64)
+    where (solution%coupled%stays_open) solution%coupled%penetration = -tiny(1.0_real64)
     call set_cluster_areas(task, solution)
     call estimate_errors(task, solution)
   end subroutine solve_joint
@@ -166,7 +165,7 @@ contains
         coupled%compression = coupled%compression + task%correction%compression_change
         if (allocated(task%target)) then
           before = coupled%penetration(contact(1))
-          call raise_to_load(pairs, task%law, task%target / pairs%modulus, coupled%penetration)
+          call raise_to_load(pairs, task%law, task%target / pairs%modulus, coupled)
           coupled%compression = coupled%compression + (coupled%penetration(contact(1)) - before)
         end if
       else
@@ -365,15 +364,16 @@ contains
         if (allocated(solution%failure)) return
         coupled%compression = grid%answer%compression
         associate (contacts => grid%answer%contacts)
-          coupled%penetration = merge(penetration_of_load(pairs%list, contacts%load / &
-                                                          pairs%modulus), &
-                                      open_penetration, contacts%load > 0.0_real64)
+          coupled%stays_open = .not. contacts%load > 0.0_real64
+          coupled%penetration = merge(0.0_real64, penetration_of_load(pairs%list, contacts%load / &
+                                                                      pairs%modulus), &
+                                      coupled%stays_open)
           resolved = resolved_contacts(pairs%list%gap < coupled%compression .or. &
                                        contacts%load > 0.0_real64, contacts%x, contacts%y, &
                                        pairs%list%gap)
         end associate
         if (.not. allocated(task%target)) exit
-        call find_carried_load(pairs, task%law, coupled%penetration, 0.0_real64, load, slope)
+        call find_carried_load(pairs, task%law, coupled, 0.0_real64, load, slope)
         load = load * pairs%modulus
         if (abs(load - task%target) <= linear_residual * task%elements_tolerance * task%target) exit
         if (solution%iterations == digits(load)) then
@@ -383,7 +383,7 @@ contains
         force = force * (task%target / load)
       end do
       if (allocated(task%target)) &
-        call raise_to_load(pairs, task%law, task%target / pairs%modulus, coupled%penetration)
+        call raise_to_load(pairs, task%law, task%target / pairs%modulus, coupled)
       solution%is_resolved = resolved%is_resolved
       coupled%ending = grid%answer%ending
       call adopt_penetrations(pairs, task%law, coupled, resolved)

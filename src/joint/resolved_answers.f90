@@ -9,7 +9,7 @@ module asperity_resolved_answers
   use asperity_contact_law, only: contact_law, contact_response
   use asperity_contact_pairs, only: contact_pairs
   use asperity_coupled_contacts, only: adopt_penetrations, coupled_solution, resolved_contacts
-  use asperity_coupled_state, only: answer_at, open_penetration
+  use asperity_coupled_state, only: answer_at
   use asperity_element_lattice, only: penetration_of_load
   use asperity_kinds, only: real64
   use asperity_mutual_displacement, only: mutual_displacement, mutual_terms
@@ -41,7 +41,8 @@ contains
       associate (answer => clusters(k)%answer, members => clusters(k)%members)
         resolved%x(members) = answer%contacts%x
         resolved%y(members) = answer%contacts%y
-        coupled%penetration(members) = open_penetration
+        coupled%penetration(members) = 0.0_real64
+        coupled%stays_open(members) = .true.
         coupled%shift(:, members) = 0.0_real64
         clusters(k)%load = 0 * answer%contacts%load
         do m = 1, size(members)
@@ -70,7 +71,7 @@ contains
           merge(displacement_by_others(coupled%set, new_circle(members)) - &
                 displacement_by_others(previous_set, previous_circle(members)), &
                 0.0_real64, previous_circle(members) > 0 .and. new_circle(members) > 0)
-        call apply_change(clusters(k), previous_gap(members), gap)
+        call apply_change(clusters(k), new_circle(members) > 0, previous_gap(members), gap)
         call correct_outside_gaps(clusters(k), coupled%set, pack(new_circle(members), &
                                                                  new_circle(members) > 0), resolved)
       end associate
@@ -80,22 +81,23 @@ contains
   ! Reduces the changes of the gaps by the secant of the last two iterations (Aitken), where a
   ! cluster is stiffer than its representatives, as a ring around a contact is. The iteration would
   ! otherwise alternate without convergence.
-  subroutine apply_change(this_cluster, previous_gap, gap)
+  subroutine apply_change(this_cluster, has_gap, previous_gap, gap)
     type(cluster), intent(inout) :: this_cluster
+    logical, intent(in) :: has_gap(:)            ! by member: represented by a contact of its own
     real(real64), intent(in) :: previous_gap(:)  ! by member: gap of the last iteration
     real(real64), intent(inout) :: gap(:)        ! by pair: gap that the elements require; modified
     real(real64) :: change(size(previous_gap)), share_applied(size(previous_gap))
 
     change = gap(this_cluster%members) - previous_gap
     share_applied = 1.0_real64
-    if (allocated(this_cluster%change)) then
-      where (max(abs(change), abs(this_cluster%change)) < -open_penetration .and. &
-             sign(1.0_real64, this_cluster%change) * (this_cluster%change - change) > 0.0_real64) &
-        share_applied = min(1.0_real64, this_cluster%applied_share * &
-          (this_cluster%change / (this_cluster%change - change)))
-      gap(this_cluster%members) = merge(previous_gap + share_applied * change, &
-                                        gap(this_cluster%members), share_applied < 1.0_real64)
-    end if
+    this_cluster%known_gaps = merge(this_cluster%known_gaps + 1, 0, has_gap)
+    ! Two changes need three gaps.
+    where (this_cluster%known_gaps > 2 .and. &
+           sign(1.0_real64, this_cluster%change) * (this_cluster%change - change) > 0.0_real64) &
+      share_applied = min(1.0_real64, this_cluster%applied_share * &
+        (this_cluster%change / (this_cluster%change - change)))
+    gap(this_cluster%members) = merge(previous_gap + share_applied * change, &
+                                      gap(this_cluster%members), share_applied < 1.0_real64)
     this_cluster%change = change
     this_cluster%applied_share = share_applied
   end subroutine apply_change
@@ -137,7 +139,8 @@ contains
                 .not. hypot(x(i) - x(j), y(i) - y(j)) < max(radius(a), radius(b))) cycle
             x(i) = x(i) + weight * (x(j) - x(i))
             y(i) = y(i) + weight * (y(j) - y(i))
-            coupled%penetration(j) = open_penetration
+            coupled%penetration(j) = 0.0_real64
+            coupled%stays_open(j) = .true.
           end associate
           where (this_cluster%representative == b) this_cluster%representative = a
           load(a) = load(a) + load(b)
@@ -159,6 +162,7 @@ contains
       if (.not. load(m) > 0.0_real64) return
       associate (i => this_cluster%members(m))
         coupled%penetration(i) = penetration_at_load(pairs, law, i, load(m))
+        coupled%stays_open(i) = .false.
         call law%respond(pairs%list(i), i, coupled%penetration(i), response)
         radius(m) = response%contact_radius
       end associate
@@ -192,6 +196,7 @@ contains
             i = this_cluster%members(m)
             resolved%x(i) = this_cluster%answer%contacts(m)%x
             resolved%y(i) = this_cluster%answer%contacts(m)%y
+            coupled%stays_open(i) = .false.
             coupled%penetration(i) = penetration_at_load(pairs, law, i, &
                                                          load_ratio * this_cluster%load(m))
           end do

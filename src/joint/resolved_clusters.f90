@@ -28,6 +28,9 @@ module asperity_resolved_clusters
     real(real64), allocatable :: load(:)            !! by member: vertical load by its law; 0: open
     integer, allocatable :: representative(:)       !! by member: member that carries its load
     real(real64) :: displacement = 0.0_real64       !! lower bound of the displacement by the others
+    !> by member: number of successive iterations that have ended with a gap of its representative,
+    !> the undeformed gap counted as the first
+    integer, allocatable :: known_gaps(:)
     !> by member: change of its gap that the elements required in the last iteration, and the share
     !> of it that was applied
     real(real64), allocatable :: change(:), applied_share(:)
@@ -73,7 +76,12 @@ contains
                        spread(.true., 1, size(resolved_pairs)), size(resolved_pairs), member, first)
     allocate (clusters(size(first) - 1))
     do k = 1, size(clusters)
-      clusters(k)%members = resolved_pairs(member(first(k):first(k + 1) - 1))
+      associate (n => first(k + 1) - first(k))
+        clusters(k)%members = resolved_pairs(member(first(k):first(k + 1) - 1))
+        clusters(k)%known_gaps = spread(1, 1, n)
+        clusters(k)%change = spread(0.0_real64, 1, n)
+        clusters(k)%applied_share = spread(1.0_real64, 1, n)
+      end associate
     end do
   end subroutine form_clusters
 
