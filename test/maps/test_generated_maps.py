@@ -143,7 +143,7 @@ def test_files_have_the_same_heights(ending, generate, run, tmp_path):
     assert done.stderr == (f"again.{ending}: note: {kind} has no edge: give it as periodic where "
                            "it is read\n" if kind else "")
     spacing = () if ending == "sdf" else ("--spacing", "0.5,0.75")
-    done = run("summits", f"again.{ending}", *spacing, "--unit", "um")
+    done = run("summits", f"again.{ending}", *spacing, "--edge", "free", "--unit", "um")
     report = done.stdout
     assert ending == "txt" or done.stderr == ""
     assert "42 x 30 pixels" in report
@@ -216,8 +216,6 @@ def test_numbers_at_the_ends_of_their_ranges(generate, run, tmp_path):
     # No wave along x.
     assert np.ptp(heights, axis=1).max() < 1e-12
     text = "&map pixels = 16, spacing = 1., hurst = {}, rms_height = {} /"
-    short, double = generate(text.format("0.7", 0.3)), generate(text.format("0.7_real64", 0.3))
-    np.testing.assert_allclose(short, double, rtol=0, atol=1e-14)
     (tmp_path / "map.spec").write_text(text.format(0.7, "9e29"), encoding="ascii")
     done = run("generate", "map.spec", "--output", "high.npy", status=1)
     assert "map.spec: heights beyond 1e30, expected a lower rms value" in done.stderr

@@ -36,20 +36,19 @@ ROUGH = uneven()
 CAPS = {"x": [0.0, 3.0], "y": [0.0, 0.0], "height": [0.2, 0.15], "radius": [2.0, 2.0]}
 
 
-def solve(package, upper, lower, interaction="boundary", **surfaces):
+def solve(package, upper, lower, **surfaces):
     """All numbers of positions, states and contacts under a load."""
     done = package.solve({"surfaces": {"upper": upper, "lower": lower, **surfaces},
                           "material": {"contact_modulus": 1e3},
                           "loading": {"control": "load", "value": 2.0, "points": 3},
-                          "effects": {"interaction": interaction}})
+                          "effects": {"interaction": "boundary"}})
     assert done.positions["contacts"][0] >= 1
     return repr([one.to_dict() for one in (done.positions, done.states, done.contacts)])
 
 
 # ---------------------------------------------------------------- the same bits
 
-@pytest.mark.parametrize("interaction", ["off", "boundary"])
-def test_same_bits_however_it_comes(package, tmp_path, interaction):
+def test_same_bits_however_it_comes(package, tmp_path):
     """Array, .npy, surface data with 64-bit heights in metres, text with 17 digits."""
     heights = missing()
     np.save(tmp_path / "m.npy", heights)
@@ -58,12 +57,12 @@ def test_same_bits_however_it_comes(package, tmp_path, interaction):
     np.savetxt(tmp_path / "m.txt", heights, fmt="%.17g")
     spaced = {"map_spacing": SPACING, "map_unit": "m"}
     surface = package.HeightMap(heights, SPACING, "m")
-    expected = solve(package, "plane", surface, interaction)
-    assert solve(package, "plane", heights, interaction, **spaced) == expected
+    expected = solve(package, "plane", surface)
+    assert solve(package, "plane", heights, **spaced) == expected
     for name, words, options in (("m.npy", spaced, {"spacing": SPACING, "unit": "m"}),
                                  ("m.txt", spaced, {"spacing": SPACING, "unit": "m"}),
                                  ("m.sdf", {}, {})):
-        assert solve(package, "plane", tmp_path / name, interaction, **words) == expected
+        assert solve(package, "plane", tmp_path / name, **words) == expected
         found, of_array = package.summits(tmp_path / name, **options), package.summits(surface)
         assert found == of_array and repr(found.statistics) == repr(of_array.statistics)
 
@@ -146,28 +145,25 @@ def test_asperities_beside_a_map(package, tmp_path):
     both = solve(package, CAPS, surface)
     assert solve(package, tmp_path / "s.csv", surface) == both
     assert solve(package, CAPS, tmp_path / "m.npy", **OWN) == both
-    assert solve(package, tmp_path / "bare.csv", CAPS, "off", radius=(2.0, 2.0)) == solve(
-        package, CAPS, CAPS, "off")
+    assert solve(package, tmp_path / "bare.csv", CAPS, radius=(2.0, 2.0)) == solve(
+        package, CAPS, CAPS)
 
 
-@pytest.mark.parametrize("interaction", ["off", "boundary"])
-def test_map_beside_a_map(package, tmp_path, interaction):
+def test_map_beside_a_map(package, tmp_path):
     """Two arrays, an array and a file on either side: the same; in two units, too."""
     upper, lower = uneven(), missing()[::-1]
     np.save(tmp_path / "u.npy", upper)
     np.save(tmp_path / "l.npy", lower)
     maps = [package.HeightMap(heights, SPACING, "um") for heights in (upper, lower)]
-    both = solve(package, *maps, interaction)
-    assert solve(package, tmp_path / "u.npy", maps[1], interaction, **OWN) == both
-    assert solve(package, maps[0], tmp_path / "l.npy", interaction, **OWN) == both
+    both = solve(package, *maps)
+    assert solve(package, tmp_path / "u.npy", maps[1], **OWN) == both
+    assert solve(package, maps[0], tmp_path / "l.npy", **OWN) == both
     # An array without spacing and unit takes them from the group, as a file does.
-    assert solve(package, maps[0], lower, interaction, map_spacing=SPACING,
-                 map_unit=("um", "um")) == both
+    assert solve(package, maps[0], lower, map_spacing=SPACING, map_unit=("um", "um")) == both
     # The lower one in millimetres, whether it has a unit or the group names it: micrometres.
     small = package.HeightMap(lower / 1000, [step / 1000 for step in SPACING], "mm")
     bare = [package.HeightMap(one.heights, one.spacing) for one in (maps[0], small)]
-    assert solve(package, maps[0], small, interaction) == solve(
-        package, *bare, interaction, map_unit=("um", "mm"))
+    assert solve(package, maps[0], small) == solve(package, *bare, map_unit=("um", "mm"))
 
 
 def test_units_of_maps_without_one(package, tmp_path):
@@ -176,8 +172,8 @@ def test_units_of_maps_without_one(package, tmp_path):
     bare = package.HeightMap(ROUGH, SPACING)
     for unit in (None, "mm", "um"):
         words = {"map_unit": unit} if unit else {}
-        assert solve(package, "plane", tmp_path / "m.txt", "off", map_spacing=SPACING, **words) == \
-            solve(package, "plane", package.HeightMap(ROUGH, SPACING, unit), "off")
+        assert solve(package, "plane", tmp_path / "m.txt", map_spacing=SPACING, **words) == \
+            solve(package, "plane", package.HeightMap(ROUGH, SPACING, unit))
     read = package.read_map(tmp_path / "m.txt", spacing=SPACING, unit="nm")
     assert (read.unit, read.spacing) == ("nm", SPACING) and np.array_equal(read.heights, ROUGH)
     # Summits, too: converted, or in the unit that is named.
@@ -185,7 +181,7 @@ def test_units_of_maps_without_one(package, tmp_path):
              for one in (package.HeightMap(ROUGH, SPACING, "um"), bare)]
     assert np.allclose(radii[0], 1000 * radii[1], rtol=1e-12) and len(radii[0])
     named = package.HeightMap(ROUGH, SPACING, "um")
-    assert solve(package, bare, bare, "off", map_unit="um") == solve(package, named, named, "off")
+    assert solve(package, bare, bare, map_unit="um") == solve(package, named, named)
 
 
 def test_edge_of_a_map(package):
@@ -243,7 +239,7 @@ def test_a_bad_array_is_refused_by_its_side(package, upper, lower, words, expect
     upper, lower = (good if isinstance(one, str) and one == "map" else one
                     for one in (upper, lower))
     with pytest.raises(package.InputError) as caught:
-        solve(package, upper, lower, "off", **words)
+        solve(package, upper, lower, **words)
     assert expected in str(caught.value) and str(caught.value).count("\n") <= 1
 
 
@@ -302,13 +298,14 @@ def test_refused_arrays(asperity, tmp_path, data, expected):
 @pytest.mark.parametrize("ending", ["sdf", "npy", "txt", "NPY"])
 @pytest.mark.parametrize("periodic", [False, True])
 def test_written_and_read(package, tmp_path, ending, periodic, unit):
-    """All bits come back: heights, spacing, unit, and the edge where the format has one."""
+    """All bits come back: heights, and spacing, unit and edge where the format has them. The
+    comments of a text are noted."""
     path, spacing = tmp_path / f"m.{ending}", (0.1, 1 / 3)
-    bare = ending.lower() == "npy"
+    bare = ending != "sdf"
     for heights in (ROUGH, missing()):
         package.HeightMap(heights, spacing, unit, periodic).write(path)
         read = package.read_map(path, spacing=spacing if bare else None, unit=unit)
-        assert (read.notes, read.unit, read.spacing) == ([], unit, spacing)
+        assert (len(read.notes), read.unit, read.spacing) == (ending == "txt", unit, spacing)
         assert read.periodic == (periodic and not bare)
         assert np.array_equal(read.heights, heights, equal_nan=True)
 

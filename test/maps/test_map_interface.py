@@ -55,7 +55,7 @@ def test_a_circle_has_the_closed_stiffness_and_conductance(asperity, tmp_path, t
 
 
 def test_conductances(asperity, tmp_path):
-    """Barber (2003): the length over 1/k1 + 1/k2, and refused without pixels."""
+    """Barber (2003): the length over 1/k1 + 1/k2, and refused without a map."""
     height = 1e-3 * rough(32, shortest=8, seed=1)
     loading = {"control": "load", "value": load_for(height, SIDES, 0.05)}
     text = map_scene(tmp_path, height, SIDES, surfaces={"map_edge": "free"},
@@ -66,10 +66,12 @@ def test_conductances(asperity, tmp_path):
     length = float(row["conductance_length"])
     assert float(row["electrical_conductance"]) == pytest.approx(length * 1.5e4, rel=1e-12)
     assert float(row["thermal_conductance"]) == pytest.approx(length * 0.08, rel=1e-12)
-    one = text.replace("&material", "&material thermal_conductivity = 1., 1.,")
-    (tmp_path / "k.scene").write_text(one.replace("'boundary'", "'off'"))
+    (tmp_path / "s.csv").write_text("x,y,height,radius\n0,0,0.1,1\n")
+    (tmp_path / "k.scene").write_text(
+        "&surfaces upper = 'plane', lower = 's.csv' / &loading control = 'load', value = 1. /\n"
+        "&material contact_modulus = 1., thermal_conductivity = 1., 1. /\n")
     words = run_program(asperity, "solve", tmp_path / "k.scene", status=2).stderr
-    assert "thermal_conductivity" in words and "on its pixels" in words
+    assert "thermal_conductivity" in words and "found no map, expected one" in words
 
 
 def test_a_limit_on_the_pressure(asperity, tmp_path):

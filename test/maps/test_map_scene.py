@@ -1,5 +1,5 @@
-"""A height map in a scene: its samples against Polonsky and Keer's method in numpy, its summits
-against the map, what the summary says of that, and what is refused."""
+"""A height map in a scene: its samples against Polonsky and Keer's method in numpy, and what is
+refused."""
 
 import re
 
@@ -8,6 +8,7 @@ import pytest
 
 from map_press_truth import press, rough
 from map_scenes import E, level, load_for, map_scene, patch_areas, write_map
+from programs import run_program
 from surfaces_csv import solve
 
 
@@ -97,88 +98,38 @@ def test_two_maps_are_their_sum(asperity, tmp_path):
     assert abs(float(found.positions[0]["separation"]) / flat - 1) < 1e-6
 
 
-def told(text, name):
-    return float(re.search(rf"{name} +([-+.\deE]+)", text.split("Summits against boundary")[1])[1])
-
-
-@pytest.mark.parametrize("share", [0.01, 0.1])
-def test_summits_say_what_they_cost(asperity, tmp_path, tally, share):
-    """The error that is told is the error: measured here with a solver of its own."""
-    sides = (1 / 96, 1 / 96)
-    height = 1e-4 * rough(96, shortest=6, seed=15)
-    load = load_for(height, sides, share)
-    flat, pressure = press(level(height), sides, E, load)
-    area = patch_areas(pressure, sides, False).sum()
-    more, _ = press(level(height), sides, E, 1.01 * load)
-    found = solve(asperity, map_scene(tmp_path, height, sides, interaction="coupled",
-                                      loading={"control": "load", "value": load}))
-    assert found.status == 0, found.stderr
-    row = found.positions[0]
-    approach = float(row["separation"])
-    rms = np.std(level(height))
-    assert abs(told(found.stdout, "separation") - (approach - flat) / rms) < 1e-3
-    assert abs(told(found.stdout, "contact area")
-               - 100 * (float(row["projected_area"]) / area - 1)) < 1e-2
-    closing = level(height).max() - flat
-    assert abs(float(row["error_estimate"]) / (abs(approach - flat) / closing) - 1) < 1e-6
-    # The stiffness: a hundredth more load.
-    again = solve(asperity, map_scene(tmp_path, height, sides, name="more", interaction="coupled",
-                                      loading={"control": "load", "value": 1.01 * load}))
-    stiffness = 0.01 * load / (approach - float(again.positions[0]["separation"]))
-    assert abs(told(found.stdout, "contact stiffness")
-               - 100 * (stiffness * (flat - more) / (0.01 * load) - 1)) < 1e-2
-    tally.add("what summits cost, against numpy", 4, 4)
-
-
-@pytest.mark.parametrize("more, way, said", [
-    ({"plastic_yield_stress": 1e-3, "plasticity": "auto"}, "coupled",
-     "plasticity: without plastic_hardness it is computed for asperities, not for the pixels of a "
-     "map, and where it matters: the summits of the map are solved in place of its pixels"),
-    ({"plastic_yield_stress": 1e6, "plasticity": "auto"}, "boundary", "where it matters"),
-])
-def test_summits_where_an_effect_needs_them(asperity, tmp_path, more, way, said):
+@pytest.mark.parametrize("interaction", ["off", "coupled"])
+def test_summits_are_asperities(asperity, tmp_path, interaction):
+    """A map is solved on its pixels alone: the refusal names the command that writes its summits,
+    and their surface is solved."""
     sides = (1 / 64, 1 / 64)
     height = 1e-4 * rough(64, shortest=8, seed=16)
-    scene = map_scene(tmp_path, height, sides, interaction="auto", effects=more,
-                      material={"elastic_modulus": (2 * E, 2 * E), "poisson_ratio": (0.3, 0.3)},
-                      loading={"control": "load", "value": load_for(height, sides, 0.03)})
+    loading = {"control": "load", "value": load_for(height, sides, 0.03)}
+    scene = map_scene(tmp_path, height, sides, interaction=interaction, loading=loading)
     found = solve(asperity, scene)
-    assert found.status == 0 and said in found.stderr, found.stderr
-    assert found.positions[0]["interaction"] == way
-    left_out = re.search(r"plasticity +off: estimated influence on the load 0 %", found.stdout)
-    assert (left_out is not None) == (way == "boundary")
-
-
-def test_auto_presses_pixels_where_summits_have_no_solution(asperity, tmp_path):
-    """The contact circles of white noise lie beyond the spheres of its summits."""
-    height = np.random.default_rng(3).standard_normal((12, 12))
-    loading = {"control": "load", "value": 0.3 * 144}
-    solved = {mode: solve(asperity, map_scene(tmp_path, height, (1.0, 1.0), interaction=mode,
-                                              loading=loading))
-              for mode in ("off", "coupled", "auto")}
-    for mode in ("off", "coupled"):
-        assert solved[mode].status == 1 and "beyond the sphere" in solved[mode].stderr
-    flat, _ = press(level(height), (1.0, 1.0), E, loading["value"])
-    found, = solved["auto"].positions
-    assert found["interaction"] == "boundary"
-    assert abs(float(found["separation"]) / flat - 1) < 1e-6
+    assert found.status == 2 and found.stderr.count("\n") == 1
+    assert f"found {interaction}, expected 'auto' or 'boundary'" in found.stderr
+    words = re.search(r"asperity (summits MAP --rule contact --output FILE)$", found.stderr)[1]
+    run_program(asperity, *words.replace("MAP", "map.txt").replace("FILE", "s.csv").split(),
+                "--spacing", "0.015625", cwd=tmp_path)
+    scene.write_text(scene.read_text().replace("map.txt", "s.csv").replace(
+        "map_spacing = 0.015625, 0.015625", "nominal_area = 1."))
+    assert solve(asperity, scene).status == 0
 
 
 def test_a_pressure_is_a_load_over_the_map(asperity, tmp_path):
-    """Over its own area, or over the one that is given; on samples and on summits."""
+    """Over its own area, or over the one that is given."""
     sides = (0.02, 0.03)
     height = 1e-3 * rough(32, 40, shortest=4, seed=17)
-    for interaction in ("boundary", "coupled"):
-        for area in ({}, {"nominal_area": 0.5}):
-            scene = map_scene(tmp_path, height, sides, interaction=interaction, surfaces=area,
-                              loading={"control": "pressure", "value": 1e-3})
-            found = solve(asperity, scene)
-            over = area.get("nominal_area", height.size * sides[0] * sides[1])
-            row = found.positions[0]
-            assert abs(float(row["vertical_load"]) / (1e-3 * over) - 1) < 1e-9
-            assert abs(float(row["nominal_pressure"]) / 1e-3 - 1) < 1e-9
-            assert abs(float(row["area_fraction"]) * over
-                       / float(row["projected_area"]) - 1) < 1e-12
+    for area in ({}, {"nominal_area": 0.5}):
+        scene = map_scene(tmp_path, height, sides, surfaces=area,
+                          loading={"control": "pressure", "value": 1e-3})
+        found = solve(asperity, scene)
+        over = area.get("nominal_area", height.size * sides[0] * sides[1])
+        row = found.positions[0]
+        assert abs(float(row["vertical_load"]) / (1e-3 * over) - 1) < 1e-9
+        assert abs(float(row["nominal_pressure"]) / 1e-3 - 1) < 1e-9
+        assert abs(float(row["area_fraction"]) * over / float(row["projected_area"]) - 1) < 1e-12
 
 
 @pytest.mark.parametrize("change, said", [
@@ -228,13 +179,3 @@ def test_next_to_no_load(asperity, tmp_path, control, value, said):
     found = solve(asperity, scene)
     assert found.status == 0, found.stderr
     assert sum(float(row["load"]) for row in found.contacts) == pytest.approx(smallest, rel=1e-6)
-
-
-def test_a_closing_lost_in_the_digits_of_the_heights(asperity, tmp_path):
-    """Of a closing that is 0 in a double the error is all of it, and no Infinity."""
-    height, side = rough(16, shortest=4), 1e-4
-    scene = map_scene(tmp_path, height, (side, side), interaction="off", loading={
-        "control": "load", "value": 1e-15 * load_for(height, (side, side), 1e-3)})
-    found = solve(asperity, scene)
-    assert found.status == 0, found.stderr
-    assert float(found.positions[0]["error_estimate"]) == 1.0

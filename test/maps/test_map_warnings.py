@@ -30,9 +30,9 @@ def cap(height, x, y, top):
     height[:] = np.maximum(height, bump)
 
 
-def run(asperity, folder, height, load, tolerance, interaction="boundary", **surfaces):
+def run(asperity, folder, height, load, tolerance, **surfaces):
     folder.mkdir(exist_ok=True)
-    scene = map_scene(folder, height, SIDES, interaction=interaction, surfaces=surfaces,
+    scene = map_scene(folder, height, SIDES, surfaces=surfaces,
                       loading={"control": "load", "value": load}, effects={"tolerance": tolerance})
     done = solve(asperity, scene)
     assert done.status == 0, done.stderr
@@ -53,11 +53,11 @@ def told(lines, what):
     return float(re.search(r", (\S+) % of", found[0])[1]) / 100 if found else None
 
 
-def check_at_tolerance(asperity, folder, height, share, what, interaction="boundary", load=LOAD):
+def check_at_tolerance(asperity, folder, height, share, what):
     share = float(share)
     assert 0.02 < share < 0.98
-    inside = run(asperity, folder, height, load, 1.001 * share, interaction)
-    outside = run(asperity, folder, height, load, 0.999 * share, interaction)
+    inside = run(asperity, folder, height, LOAD, 1.001 * share)
+    outside = run(asperity, folder, height, LOAD, 0.999 * share)
     assert told(inside, what) is None
     assert told(outside, what) == pytest.approx(share, abs=6e-4 * max(1, 10 * share))
 
@@ -113,43 +113,6 @@ def test_a_load_on_spikes_is_warned_of(asperity, tmp_path):
     assert told(run(asperity, tmp_path, height, LOAD, 1e-3, map_despike="on"), "outliers") is None
 
 
-def test_spots_without_a_summit(asperity, tmp_path):
-    """A ridge of samples that meet at their corners: every other one has a sphere."""
-    height = floor()
-    for k in range(6):
-        height[20 + k, 20 + k] = 1e-3 - 1e-6 * k
-    pressed = shares(height, LOAD)
-    diagonal = np.array([pressed[20 + k, 20 + k] for k in range(6)])
-    assert diagonal.sum() == pytest.approx(1) and (diagonal > 0).all()
-    check_at_tolerance(asperity, tmp_path, height, diagonal[1::2].sum(), "without a summit",
-                       "coupled")
-    assert told(run(asperity, tmp_path, height, LOAD, 1e-3), "without a summit") is None
-
-
-def test_too_much_contact_for_summits(asperity, tmp_path):
-    """One contact with holes: refused in time, and the samples for `auto`."""
-    height = 1e-3 * rough(64, shortest=8, seed=5)
-    load = load_for(height, SIDES, 0.8)
-    loading = {"control": "load", "value": load}
-    done = solve(asperity, map_scene(tmp_path, height, SIDES, interaction="coupled",
-                                     loading=loading))
-    assert done.status == 1 and "above the percolation threshold 0.42" in done.stderr
-    done = solve(asperity, map_scene(tmp_path, height, SIDES, interaction="auto", loading=loading))
-    assert done.status == 0 and done.positions[0]["interaction"] == "boundary"
-    flat, _ = press(level(height), SIDES, E, load)
-    assert abs(float(done.positions[0]["separation"]) / flat - 1) < 1e-6
-
-
-def test_advice_for_a_map(asperity, tmp_path):
-    """The summits of a map have the height of the map: below the base of a cap the pixels help."""
-    x, y = np.indices((41, 41)) - 20
-    height = 1e-4 - 0.01**2 * (x**2 + y**2) / 2
-    lines = run(asperity, tmp_path, height, LOAD, 0.9, "coupled", map_level="none")
-    caps = [line for line in lines if "below the base of its spherical cap" in line]
-    assert len(caps) == 1 and "increase the height" not in caps[0]
-    assert caps[0].endswith("reduce the load or set interaction = 'boundary'")
-
-
 def test_effects_left_out_beside_pixels(asperity, tmp_path):
     """Adhesion that the pixels do not resolve: its estimate, also where it is off; of a range that
     they resolve it is simulated."""
@@ -173,15 +136,13 @@ def test_effects_left_out_beside_pixels(asperity, tmp_path):
     assert "the pixels are too wide for the range of adhesion" in found[4][1]
 
 
-@pytest.mark.parametrize("interaction", ["boundary", "coupled"])
-def test_a_steep_map(interaction, asperity, tmp_path):
-    """The rms slope by neighbouring pixels, of the levelled map, in both models."""
+def test_a_steep_map(asperity, tmp_path):
+    """The rms slope by neighbouring pixels, of the levelled map."""
     step = SIDES[0]
     height = level(rough(N, shortest=6, seed=3))
     slope = math.hypot(*((np.diff(height, axis=k) ** 2).mean() ** .5 / step for k in (0, 1)))
     for factor in (0.999, 1.001, 5.0):
-        lines = run(asperity, tmp_path, height * (0.3 * factor / slope), 1e-3 * LOAD, 0.99,
-                    interaction)
+        lines = run(asperity, tmp_path, height * (0.3 * factor / slope), 1e-3 * LOAD, 0.99)
         found = [line for line in lines if "the map is steep" in line]
         assert len(found) == (factor > 1)
     assert "1.50 is its rms slope (limit 0.3), check the unit of its heights" in found[0]

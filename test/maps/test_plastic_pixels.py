@@ -320,9 +320,9 @@ def test_a_hardness_calls_for_pixels(asperity, tmp_path, effects, words, interac
     found = solve(asperity, scene)
     assert found.status == 0, found.stderr
     if words is None:
-        assert "plastic_hardness" not in found.stdout and "plastic_area" not in found.positions[0]
+        assert "plastic_area" not in found.positions[0]
     else:
-        assert re.search(words, found.stdout) and "plastic_hardness = 0.1" in found.stdout
+        assert re.search(words, found.stdout)
         assert found.positions[0]["interaction"] == "boundary"
         assert "greatest pressure" in found.stdout
 
@@ -333,9 +333,7 @@ def test_a_hardness_calls_for_pixels(asperity, tmp_path, effects, words, interac
      "expected plastic_hardness in its place"),
     ("boundary", "plasticity = 'on', plastic_yield_stress = 1.",
      "expected plastic_hardness in its place"),
-    ("coupled", "plastic_hardness = 1.", "expected plastic_yield_stress in its place"),
-    ("off", "plasticity = 'on', plastic_hardness = 1.",
-     "expected plastic_yield_stress in its place"),
+    ("coupled", "plastic_hardness = 1.", "a map is solved on its pixels: found coupled"),
     ("boundary", "plastic_hardness = 0.", "plastic_hardness"),
     ("boundary", "plastic_hardness = 1., friction = 'on', friction_coefficient = .1",
      "friction needs shear moduli")])
@@ -351,8 +349,8 @@ def test_refused(asperity, tmp_path, interaction, effects, sentence):
 @pytest.mark.truth
 @pytest.mark.parametrize("interaction", ["boundary", "auto"])
 def test_accuracy_against_numpy(asperity, tmp_path, interaction):
-    """`asperity accuracy`: the reference has the hardness; without plasticity, and on summits,
-    which have no hardness, the contacts are elastic."""
+    """`asperity accuracy`: the reference has the hardness; without plasticity the contacts are
+    elastic."""
     height = 1e-3 * rough(32, shortest=5, seed=50)
     load = load_for(height, SIDES, 0.15)
     hardness = load / (0.3 * height.size * AREA)
@@ -375,7 +373,3 @@ def test_accuracy_against_numpy(asperity, tmp_path, interaction):
             abs(true - flat) / (of.max() - flat), abs=1e-6), way
     assert float(rows["without plasticity"]["error_max"]) > 1e-2
     assert not any(way.startswith("auto") for way in rows)
-    scene.write_text(elastic.replace(f"'{interaction}'", "'coupled'"))
-    alone = solve(asperity, scene)
-    assert float(rows["summits coupled"]["separation"]) == pytest.approx(
-        float(alone.positions[0]["separation"]), rel=1e-9)

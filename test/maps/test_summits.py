@@ -1,17 +1,14 @@
 """`asperity summits`: maps of every format, their summits and statistics against numpy, and what
 the command says of maps that it cannot read."""
 
-import base64
 import re
 import sys
-from xml.etree import ElementTree
 
 import numpy as np
 import pytest
 
 import map_truth
-from image_data import read_png
-from made_maps import FOLDER, self_affine, write_bytes
+from made_maps import FOLDER, self_affine
 from programs import run_program
 from surfaces_csv import solve, write_scene
 
@@ -345,23 +342,40 @@ def test_a_matrix(separator, missing, summits, tmp_path):
     assert re.search(r"^rms height +\S+$", done.stdout, re.M)
 
 
-@pytest.mark.parametrize("order", ["rows", "columns", "down", "any"])
-@pytest.mark.parametrize("header", ["", "x,y,z\n", "# x y z\n"])
+@pytest.mark.parametrize("order", ["rows", "columns", "down", "columns down"])
+@pytest.mark.parametrize("header", ["x,y,z", "X; Y; Height", "x\ty\tz", "x y z"])
 def test_points(order, header, summits, tmp_path):
     heights = holes(self_affine((40, 44), 9, shortest=4)[0])
     rows, columns = np.indices(heights.shape)
     points = np.stack([10 + 0.1 * columns.ravel(), -3 + 0.2 * rows.ravel(), heights.ravel()],
                       axis=1)
-    if order == "columns":
+    if "columns" in order:
         points = points[np.argsort(columns.ravel(), kind="stable")]
-    elif order == "down":
+    if "down" in order:
         points = points[::-1]
-    elif order == "any":
-        points = np.random.default_rng(1).permutation(points)
-    lines = [",".join((f"{x:.6g}", f"{y:.6g}", repr(float(z)))) for x, y, z in points]
-    (tmp_path / "a.csv").write_text(header + "\n".join(lines), encoding="ascii")
+    separator = re.search(r"[^xX](?=\s?[yY])", header)[0]
+    lines = [separator.join((f"{x:.6g}", f"{y:.6g}", repr(float(z)))) for x, y, z in points]
+    (tmp_path / "a.csv").write_text("# points\n" + "\n".join([header, *lines]), encoding="ascii")
     done = summits("a.csv", "--rule", "contact")
     assert_same(done.rows, map_truth.summits(heights, 0.1, 0.2, "contact")[0], 1.0)
+
+
+def grid(change=lambda points: points, header="x,y,z"):
+    """The points of 4 x 3 pixels, a spacing of 1 along x and 2 along y."""
+    points = change([[i, 2 * j, i * j % 3] for j in range(3) for i in range(4)])
+    return "\n".join([header, *(",".join(map(str, point)) for point in points)]) + "\n"
+
+
+@pytest.mark.parametrize("off, status", [(0.07, 0), (-0.07, 0), (0.13, 2), (-0.13, 2)])
+@pytest.mark.parametrize("axis", [0, 1])
+def test_points_beside_the_grid(off, status, axis, summits, tmp_path):
+    """A tenth of the spacing is the limit."""
+    def move(points):
+        points[6][axis] += off * (1 + axis)
+        return points
+    (tmp_path / "a.csv").write_text(grid(move), encoding="ascii")
+    done = summits("a.csv", status=status)
+    assert status == 0 or done.stderr.startswith(f"a.csv:8:{1 + 2 * axis}: found {'xy'[axis]} = ")
 
 
 def test_a_pipe_serves_too(asperity, tmp_path):
@@ -384,20 +398,23 @@ BINARY = (b"bISO-1.0sdfio     010120261200010120261200" + bytes([3, 0, 3, 0]) +
     ("", [], r"1:1: the file is empty"),
     (GOOD.replace("1", "x"), ["--spacing=1,1"], r"2:3: found 'x', expected a height"),
     ("0 0 0\n0 1\n0 0 0\n", ["--spacing=1,1"], r"2:4: found 2 pixels, expected 3"),
-    ("0,0,0\n0,,0\n0,0,0\n", ["--spacing=1,1"], r"2:4: an empty cell"),
+    ("0,0,0\n0,,0\n0,0,0\n", ["--spacing=1,1"], r"2:3: found '', expected a height"),
     ("0 0 0\n1e31 0 0\n0 0 0\n", ["--spacing=1,1"], r"2:1: found '1e31'"),
     ("0 0\n0 1\n", ["--spacing=1,1"], r" found 2 x 2 pixels, expected at least 3 x 3"),
     ("nan nan nan\n" * 3, ["--spacing=1,1"], r" all pixels are missing"),
-    ("0 0 0 0\n" * 3, [],
-     r"1:1: found 4 cells .*, expected --spacing along x and y for a matrix of heights"),
-    ("0 0 0\n0 0 0\n0 1\n", [], r"3:1: found 2 cells"),
-    ("0 0 0\n1 0 0\n0 1 0\n", [], r"4:1: found 3 lines x,y,z"),
-    ("0 0 0\n1 0 0\n0 1 0\n0 1 5\n", [], r"5:1: found 4 lines"),
-    ("0 0 0\n1 0 x\n", [], r"2:5: found 'x'"),
-    ("0 0 1\n1 0 1\n2.4 0 1\n0 1 1\n1 1 1\n2 1 1\n0 2 1\n1 2 1\n2 2 1\n", [],
-     r"2:1: found '1', expected a column"),
-    ("0 0 1\n1 0 1\n2 0 1\n0 1 1\n1 1 1\n2 1 1\n0 2 1\n2 2 1\n2 2 1\n", [],
-     r"9:1: found a pixel of column 3, row 3 for the second time"),
+    ("0 0 0 0\n" * 3, [], r"1:1: a matrix of heights has no spacing: found no --spacing"),
+    ("0,0,0 0\n" * 3, ["--spacing=1,1"], r"1:5: found '0 0', expected a height"),
+    (grid(lambda points: points[:5] + points[6:]), [], r"7:1: found x = '2', expected x = 1\.0+E"),
+    (grid(lambda points: points[:5] + points[4:]), [], r"7:1: found x = '0', expected x = 1\.0+E"),
+    (grid(lambda points: points[:-1]), [], r"13:1: found the end of the file, expected x = 3\.0+E"),
+    (grid(lambda points: points[::2] + points[1::2]), [], r"4:1: found x = '0', expected"),
+    (grid(lambda points: points[1:2] + points[:1] + points[2:]), [], r"\d+:\d+: found "),
+    (grid(lambda points: points[:4]), [], r"6:1: found 4 points in no order of columns and rows"),
+    (grid(lambda points: 12 * points[:1]), [], r"14:1: found 12 points in no order"),
+    (grid(lambda points: points + [[0, 6]]), [], r"14:1: found 2 cells, expected 3"),
+    (grid(lambda points: points[:7] + [["nan", 2, 0]] + points[8:]), [], r"9:1: found 'nan'"),
+    (grid(lambda points: points[:7] + [[3, 2, "x"]] + points[8:]), [], r"9:5: found 'x', expected"),
+    (grid(), ["--spacing=1,2"], r"1:1: --spacing given, but x,y,z lines have their own spacing"),
     (b"\x00\x01\x02", [], r"1:1: found a control character"),
     (HEADER, [], r" found \d+ bytes, expected 3 x 4 pixels of INT16"),
     (HEADER + "*\n" + "a comment of some length\n", [],
@@ -436,41 +453,6 @@ def test_all_problems_are_told(summits, tmp_path):
     done = summits("a.txt", "--spacing=1,1", status=2)
     assert [line.split(": ")[0] for line in done.stderr.splitlines()] == \
         ["a.txt:1:3", "a.txt:2:4", "a.txt:3:5"]
-
-
-# ---------------------------------------------------------------- picture and surface
-
-def test_a_picture_has_colours_by_height_and_dots_on_summits(summits, tmp_path):
-    """Its image is a PNG whose check sums hold, its colours follow the heights, its dots lie on the
-    summits."""
-    heights = MADE["holes"]()
-    path = write_matrix(tmp_path / "a & <b>.txt", heights)
-    done = summits(path, "--spacing", "1,1", "--picture", "p.svg")
-    tree = ElementTree.parse(tmp_path / "p.svg").getroot()
-    space = "{http://www.w3.org/2000/svg}"
-    image = tree.find(f"{space}image")
-    colours = read_png(base64.b64decode(image.get("href").partition("base64,")[2], validate=True))
-    rows, columns = heights.shape
-    assert colours.shape == (rows, columns, 3)
-    # Green grows with the height; missing pixels are grey.
-    colours = colours[::-1].astype(float)
-    assert ((colours == 160).all(-1) == np.isnan(heights)).all()
-    good = np.isfinite(heights)
-    assert np.corrcoef(colours[good][:, 1], map_truth.levelled(heights)[good])[0, 1] > 0.99
-    path = next(p for p in tree.findall(f"{space}path") if p.get("stroke"))
-    dots = re.findall(r"M([\d.]+) ([\d.]+)h0", path.get("d"))
-    scale = float(image.get("width")) / columns
-    left, bottom = float(image.get("x")), float(image.get("y")) + float(image.get("height"))
-    placed = np.array([[(float(x) - left) / scale - 0.5, (bottom - float(y)) / scale - 0.5]
-                       for x, y in dots])
-    assert np.abs(placed - done.rows[:, :2]).max() < 0.1 / scale + 0.01
-    assert "a & <b>.txt" in "".join(tree.itertext())
-
-
-def test_a_large_map_has_a_small_picture(summits, tmp_path):
-    heights, _ = self_affine((700, 1100), 12, shortest=8, periodic=True)
-    summits(write_bytes(tmp_path / "a.sdf", heights), "--picture", "p.svg")
-    assert (tmp_path / "p.svg").stat().st_size < 500_000
 
 
 def test_memory_that_is_not_there_is_told(summits, asperity, tmp_path):

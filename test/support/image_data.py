@@ -2,8 +2,6 @@
 palette, by the rules of the formats alone."""
 
 import re
-import struct
-import zlib
 from pathlib import Path
 
 import numpy as np
@@ -34,21 +32,3 @@ def read_vti(path):
         found[name] = values.reshape(extent[3], extent[1]).T
     assert body[end:] == b"\n</AppendedData>\n</VTKFile>\n"
     return origin, spacing, found
-
-
-def read_png(content):
-    """Red, green and blue of an image, indexed [row from the top, column]."""
-    assert content[:8] == b"\x89PNG\r\n\x1a\n"
-    chunks, at = [], 8
-    while at < len(content):
-        size, name = struct.unpack(">I4s", content[at:at + 8])
-        data = content[at + 8:at + 8 + size]
-        at += size + 12
-        assert zlib.crc32(name + data) == struct.unpack(">I", content[at - 4:at])[0]
-        chunks.append((name, data))
-    assert [name for name, _ in chunks] == [b"IHDR", b"PLTE", b"IDAT", b"IEND"]
-    width, height, *kind = struct.unpack(">IIBBBBB", chunks[0][1])
-    assert kind == [8, 3, 0, 0, 0]
-    rows = np.frombuffer(zlib.decompress(chunks[2][1]), np.uint8).reshape(height, width + 1)
-    assert not rows[:, 0].any()
-    return np.frombuffer(chunks[1][1], np.uint8).reshape(-1, 3)[rows[:, 1:]]
