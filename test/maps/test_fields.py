@@ -11,7 +11,7 @@ from image_data import read_vti
 from elements_truth import product
 from map_press_truth import press, rough
 from programs import run_program
-from surfaces_csv import records, solve
+from surfaces_csv import records
 from map_scenes import E, level, load_for, map_scene
 
 # Pixels along x and y, spacings, edge, whether pixels are missing.
@@ -178,19 +178,6 @@ def test_energy_is_the_work_of_loading(asperity, tmp_path):
     assert states["elastic_energy"][-1] == pytest.approx(work, rel=1e-4)
 
 
-def test_asperities_have_no_gap(asperity, tmp_path):
-    """The columns are there and empty; a histogram is refused."""
-    scene = ROOT / "data/examples/one_pair.scene"
-    found = solve(asperity, scene)
-    for row in (*found.positions, *found.curve):
-        assert [row[name] for name in ("mean_gap", "rms_gap", "contact_perimeter",
-                                       "elastic_energy")] == [""] * 4
-    assert found.status == 0 and "mean gap" not in found.stdout
-    done = run(asperity, "solve", scene, "--histogram", tmp_path / "a.csv", status=2)
-    assert "--histogram: only a height map solved on its pixels" in done.stderr
-    assert not (tmp_path / "a.csv").exists()
-
-
 def test_refusals(asperity, tmp_path, curve):
     scene = curve[1]
     for words, text in (
@@ -204,4 +191,7 @@ def test_refusals(asperity, tmp_path, curve):
     done = run(asperity, "solve", "data/examples/one_pair.scene", "--fields", tmp_path / "a.vti",
                status=2)
     assert "--fields: no grid for the fields of asperities, expected field_spacing" in done.stderr
+    done = run(asperity, "solve", "data/examples/one_pair.scene", "--histogram", tmp_path / "h.csv",
+               status=2)
+    assert "--histogram: only a height map solved on its pixels" in done.stderr
     assert not list(tmp_path.iterdir())

@@ -1,6 +1,8 @@
 """One height map moved over another, against numpy's sums of the same pixels and against itself
 over a period."""
 
+import re
+
 import numpy as np
 import pytest
 
@@ -165,4 +167,4 @@ def test_influence_on_a_patch_without_a_centre(asperity, tmp_path):
         "work_of_adhesion": 1e-2, "equilibrium_distance": 0.02, "adhesion": "off"})
     done = solve(asperity, scene)
     assert done.status == 0 and done.contacts[0]["x"] == "", done.stderr
-    assert "adhesion     off: estimated influence on the load" in done.stdout
+    assert re.search(r"^adhesion +off +\S+ %$", done.stdout, re.M)

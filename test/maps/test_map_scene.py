@@ -136,7 +136,7 @@ def test_a_pressure_is_a_load_over_the_map(asperity, tmp_path):
     (("map_spacing", "radius = 1., 1., map_spacing"), "radius: found beside a map"),
     (("&material", "&motion x_first = 1. / &material"), "found beside a map"),
     (("&material", "&tilt upper_slope = .1, .1 / &material"), "it is levelled"),
-    (("'plane'", "'notes.txt'"), "notes.txt:1:1: found"),
+    (("'plane'", "'notes.txt'"), "notes.txt:1:1: found 'neither asperities"),
     (("control = 'load', value = 0.001", "control = 'limit'"), "patches of pixels merge"),
     (("'boundary'", "'boundary', adhesion = 'on', work_of_adhesion = .1, "
       "equilibrium_distance = 1., friction = 'on', friction_coefficient = .1"),
@@ -148,7 +148,7 @@ def test_refused(asperity, tmp_path, change, said):
     scene = map_scene(tmp_path, rough(32, shortest=4), (0.1, 0.1),
                       loading={"control": "load", "value": 0.001})
     (tmp_path / "caps.csv").write_text("x,y,height,radius\n0,0,0.1,1\n")
-    (tmp_path / "notes.txt").write_text("neither asperities nor heights\n")
+    (tmp_path / "notes.txt").write_text("neither asperities nor a map\n")
     write_map(tmp_path / "small.txt", rough(24, shortest=4))
     text = scene.read_text()
     old = change[0].replace("(", "").replace(")", "")

@@ -407,7 +407,7 @@ BINARY = (b"bISO-1.0sdfio     010120261200010120261200" + bytes([3, 0, 3, 0]) +
     (grid(lambda points: points[:5] + points[6:]), [], r"7:1: found x = '2', expected x = 1\.0+E"),
     (grid(lambda points: points[:5] + points[4:]), [], r"7:1: found x = '0', expected x = 1\.0+E"),
     (grid(lambda points: points[:-1]), [], r"13:1: found the end of the file, expected x = 3\.0+E"),
-    (grid(lambda points: points[::2] + points[1::2]), [], r"4:1: found x = '0', expected"),
+    (grid(lambda points: points[::2] + points[1::2]), [], r"8:1: found x = '1', expected x = 0\.0"),
     (grid(lambda points: points[1:2] + points[:1] + points[2:]), [], r"\d+:\d+: found "),
     (grid(lambda points: points[:4]), [], r"6:1: found 4 points in no order of columns and rows"),
     (grid(lambda points: 12 * points[:1]), [], r"14:1: found 12 points in no order"),
@@ -448,11 +448,11 @@ def test_bad_maps_are_refused(content, options, message, summits, tmp_path):
     assert any(re.match(rf"(?:bad\.map:)? ?{message}", line) for line in told), done.stderr
 
 
-def test_all_problems_are_told(summits, tmp_path):
-    (tmp_path / "a.txt").write_text("0 a 0\n0 1\n0 0 b\n", encoding="ascii")
+def test_each_profile_with_a_fault_is_named(summits, tmp_path):
+    (tmp_path / "a.txt").write_text("0 0 0\n0 1\n0 0 b\n", encoding="ascii")
     done = summits("a.txt", "--spacing=1,1", status=2)
     assert [line.split(": ")[0] for line in done.stderr.splitlines()] == \
-        ["a.txt:1:3", "a.txt:2:4", "a.txt:3:5"]
+        ["a.txt:2:4", "a.txt:3:5"]
 
 
 def test_memory_that_is_not_there_is_told(summits, asperity, tmp_path):
