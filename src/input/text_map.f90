@@ -76,10 +76,10 @@ contains
       call read_point_map(file, request, map)
     else if (.not. begins_with_height(line)) then
       call file%refuse_cell(1, 'found ' // in_quotes(line) // ', expected a matrix of heights, ' &
-                            // 'or the header x,y,z' // python_reads)
+                            // 'or x,y,z lines below these names' // python_reads)
     else if (.not. all(request%pixel_spacing > 0.0_real64)) then
       call file%refuse_cell(1, 'a matrix of heights has no spacing: found no ' // &
-           request%option // ', expected one, or the header x,y,z' // python_reads)
+           request%option // ', expected one, or x,y,z lines below these names' // python_reads)
     else
       call read_matrix(file, request, map)
     end if
@@ -151,7 +151,7 @@ contains
     if (begins_with_places(map%height(1, :), map%height(2, :)) .or. &
         begins_with_places(map%height(2, :), map%height(1, :))) &
       call file%problems%add_at(first_line, 1, 'found places on a grid in the first two columns, ' &
-           // 'expected heights, or the header x,y,z without ' // request%option)
+           // 'expected heights, or the names x,y,z above them without ' // request%option)
     if (min(map%columns, map%rows) < 4) return
     call check_axis(file, map, first_line, 'line', map%height(:, 1), map%height(:, 2))
     call check_axis(file, map, first_line, 'column', map%height(1, :), map%height(2, :))

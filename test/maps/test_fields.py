@@ -193,5 +193,5 @@ def test_refusals(asperity, tmp_path, curve):
     assert "--fields: no grid for the fields of asperities, expected field_spacing" in done.stderr
     done = run(asperity, "solve", "data/examples/one_pair.scene", "--histogram", tmp_path / "h.csv",
                status=2)
-    assert "--histogram: only a height map solved on its pixels" in done.stderr
+    assert "--histogram: no grid for the fields of asperities" in done.stderr
     assert not list(tmp_path.iterdir())
