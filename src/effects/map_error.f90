@@ -68,12 +68,12 @@ contains
     real(real64), intent(inout) :: of_total
     !> relative, of area, mean gap and greatest pressure; `not_computed`: unknown
     real(real64), intent(inout) :: other_errors(3)
-    !> Reason why a map of every second pixel could not be solved; unchanged: all were.
-    character(len=*), intent(inout) :: unsolved
+    !> Reason why a map of every second pixel could not be solved; not allocated: all were.
+    character(len=:), allocatable, intent(out) :: unsolved
     type(map_answer) :: elastic
     type(map_laws) :: its_laws
-    real(real64) :: area, difference(5), growth, pressure
-    logical :: is_known
+    real(real64), allocatable :: difference(:)
+    real(real64) :: area, growth, pressure
 
     elastic = answer
     its_laws = laws
@@ -86,9 +86,8 @@ contains
           closed_halves * sum(abs(history%creep%elastic))) return
     end if
     call compare_halves(map, elastic, history%adhesion, its_laws, by_load, [answer%level, &
-      elastic%load, state%area, state%mean_gap, maxval(elastic%pressure)], difference, is_known, &
-      unsolved)
-    if (.not. is_known) return
+      elastic%load, state%area, state%mean_gap, maxval(elastic%pressure)], difference, unsolved)
+    if (.not. allocated(difference)) return
     growth = growth_of_slope(map)
     if (growth > 0.0_real64) difference = first_order * difference
     area = max(difference(3), 0.5_real64 * sum(patches%rim), growth * state%area)
@@ -112,27 +111,26 @@ contains
 
   ! Solves the four maps of every second pixel of a map, and compares the totals: level, load, area,
   ! mean gap, greatest pressure.
-  subroutine compare_halves(map, full, adhesion, laws, by_load, totals, difference, is_known, &
-                            unsolved)
+  subroutine compare_halves(map, full, adhesion, laws, by_load, totals, difference, unsolved)
     type(height_map), intent(in) :: map
     type(map_answer), intent(in) :: full           ! solution on all pixels
     type(adhesion_history), intent(in) :: adhesion
     type(map_laws), intent(in) :: laws
     logical, intent(in) :: by_load
     real(real64), intent(in) :: totals(5)          ! of the solution
-    real(real64), intent(out) :: difference(5)     ! of all four, root mean square
-    logical, intent(out) :: is_known               ! the map has so many pixels; all are solved
-    character(len=*), intent(inout) :: unsolved    ! why one was not
+    ! Of all four, root mean square; not allocated: the map is too small, or one is not solved.
+    real(real64), allocatable, intent(out) :: difference(:)
+    character(len=:), allocatable, intent(out) :: unsolved  ! why one is not
     type(height_map) :: half
     type(map_answer) :: answer, no_answer
     type(map_history) :: history, no_history
     type(map_patch), allocatable :: patches(:)
     real(real64), allocatable :: load
+    real(real64) :: root(5)
     type(state_row) :: state
     integer :: first(2), k
 
-    is_known = .false.
-    difference = 0.0_real64
+    root = 0.0_real64
     if (any(shape(map%height) < least_side)) return
     do k = 1, 4
       first = [1 + mod(k, 2), 1 + k / 3]
@@ -161,11 +159,10 @@ contains
       end if
       call measure_fields(half, answer, state)
       ! No hypot: on vectors its last digit changes with the unit.
-      difference = sqrt(difference**2 + ([answer%level, answer%load, sum(patches%area), &
-                                          state%mean_gap, maxval(answer%pressure)] - totals)**2)
+      root = sqrt(root**2 + ([answer%level, answer%load, sum(patches%area), state%mean_gap, &
+                              maxval(answer%pressure)] - totals)**2)
     end do
-    difference = 0.5_real64 * difference
-    is_known = .true.
+    difference = 0.5_real64 * root
   end subroutine compare_halves
 
   ! Error of the area by the straight pieces of rims: of each half a pixel over its length; the

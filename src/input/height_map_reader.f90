@@ -24,7 +24,7 @@ contains
 
   !> Whether a file in the place of a surface is a height map, by its beginning.
   pure logical function is_height_map(head, has_spacing)
-    character(len=*), intent(in) :: head    !! `head_length` bytes
+    character(len=*), intent(in) :: head    !! its first `head_length` bytes
     logical, intent(in) :: has_spacing      !! a spacing is given
 
     is_height_map = is_sdf(head(:min(len(head), magic_length))) .or. index(head, npy_magic) == 1 &

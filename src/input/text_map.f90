@@ -217,8 +217,8 @@ contains
     end if
   end subroutine check_axis
 
-  ! Whether two columns begin with the places of a grid: equal steps of the first one at one value of
-  ! the other, and the same steps at the next value.
+  ! Whether two columns begin with the places of a grid: equal steps of the first one at one value
+  ! of the other, and the same steps at the next value.
   pure logical function begins_with_places(fast, slow)
     real(real64), intent(in) :: fast(:), slow(:)
     integer :: turn

@@ -399,6 +399,7 @@ contains
     ! Relative errors of area, mean gap and greatest pressure; `not_computed`: unknown.
     real(real64), intent(out) :: other_errors(3)
     type(theory_warning), allocatable, intent(inout) :: warnings(:)
+    character(len=:), allocatable :: unsolved
     real(real64) :: area_error
     character(len=32) :: whose
 
@@ -414,9 +415,9 @@ contains
       if (.not. allocated(model%laws%hardness) .or. &
           answer%load >= maxval(result%states%load) * (1.0_real64 - load_rounding)) &
         call estimate_pixel_errors(self%map, model%laws, self%history, answer, self%patches, &
-                                   state, by_load, result%error_estimate, other_errors, &
-                                   result%no_estimate)
+                                   state, by_load, result%error_estimate, other_errors, unsolved)
     end associate
+    if (allocated(unsolved)) result%no_estimate = unsolved
     if (result%error_estimate > self%model%tolerance) &
       call add_warning(warnings, of_error, result%error_estimate)
     area_error = max(0.5_real64 * sum(self%patches%rim) / sum(self%patches%area), other_errors(1))

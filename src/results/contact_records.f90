@@ -120,7 +120,7 @@ module asperity_contact_records
     !> Estimated error of the load over the load or, under load control, of the separation over the
     !> compression; `not_computed`: unknown.
     real(real64) :: error_estimate = not_computed
-    !> Reason why the error by the pixels could not be estimated; blank: none. A multiple of 8 bytes.
+    !> Reason why the error by the pixels could not be estimated, in words of 64 bits; blank: none.
     character(len=160) :: no_estimate = ''
     !> Estimated influence on the load of each known effect that is off, as a share of it.
     real(real64) :: left_out(size(known_effects)) = not_computed

@@ -190,7 +190,8 @@ def test_whatever_the_first_line(before, end, maps):
                             SPACING)
         assert done.found == plain, done.stderr
     assert maps.scene(text, SPACING).positions == maps.scene(MATRIX, SPACING).positions != []
-    for names, sign in (("x y z\n", " "), ("x,y,z\n", ","), ("X; Y; Z\n", "; "), ("x\ty\tz\n", "\t")):
+    for sign in (" ", ",", "; ", "\t"):
+        names = sign.join("xYz") + "\n"
         text = (before + names + POINTS.replace(" ", sign)).replace("\r\n", "\n").replace("\n", end)
         assert maps.summits(text).found == points
         found = maps.scene(text)
