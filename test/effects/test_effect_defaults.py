@@ -5,7 +5,7 @@ import re
 import numpy as np
 import pytest
 
-from effect_runs import DECK
+from effect_runs import DECK, effect_rows
 from surfaces_csv import solve, write_csv_scene, write_scene
 
 POSITION_56 = {"surfaces": {"deck": str(DECK)}, "motion": {"x_first": 5.6, "positions": 1}}
@@ -83,7 +83,8 @@ def test_an_effect_whose_numbers_are_given(effect, numbers, asperity, tmp_path):
     off = solve(asperity, write_scene(tmp_path / "off.scene", by_default=True, **POSITION_56,
                                       **loading, effects={effect: "off", **numbers}))
     assert effect not in row_of(off)
-    assert f"{effect} " in off.stdout and "off: estimated influence on the load" in off.stdout
+    row = effect_rows(off.stdout)[effect]
+    assert row["mode"] == "off" and float(row["left out"].removesuffix("%")) > 0
 
 
 def test_a_limit_is_where_flow_begins(asperity, tmp_path):
@@ -134,30 +135,21 @@ def map_scene(folder, pressure, edge="periodic", n=128, **effects):
 
 @pytest.mark.long
 def test_a_periodic_map(asperity, tmp_path):
-    """Coupled summits know no images and are refused; the default presses the pixels."""
-    refused = solve(asperity, map_scene(tmp_path, 90.0, interaction="coupled"))
-    assert refused.status == 2 and not refused.stdout
-    assert "solved without its images" in refused.stderr
-    assert "'boundary' or 'auto'" in refused.stderr
+    """A map is solved on its pixels, by default too; isolated or coupled contacts are refused."""
+    for mode in ("coupled", "off"):
+        refused = solve(asperity, map_scene(tmp_path, 90.0, interaction=mode))
+        assert refused.status == 2 and not refused.stdout
+        assert f"on its pixels: found {mode}, expected 'auto' or 'boundary'" in refused.stderr
     for pressure in (10.0, 90.0, 300.0):
         default, boundary = (float(row_of(solve(asperity, map_scene(tmp_path, pressure, **effects),
                                                 contacts=False))["separation"])
                              for effects in ({}, {"interaction": "boundary"}))
         assert abs(default - boundary) < 1e-3 * 0.1
-    off = solve(asperity, map_scene(tmp_path, 90.0, interaction="off"), contacts=False)
-    assert "the estimated error is above the tolerance" in off.stderr
-    assert influence_warned_of(off) > 0.1
-    # Pixels have no limit: refused, also without a word on interaction; its suggestion works.
-    for effects in ({}, {"interaction": "off"}):
-        limit = map_scene(tmp_path, 90.0, **effects)
-        limit.write_text(re.sub("&loading.*", "&limit criterion = 'load', value = 1. /",
-                                limit.read_text()))
-        done = solve(asperity, limit, contacts=False)
-        if effects:
-            assert done.status == 0 and row_of(done)["limit_reached"] == "1"
-            assert "the estimated error is above the tolerance" in done.stderr
-        else:
-            assert done.status == 2 and "or interaction = 'off' in &effects" in done.stderr
+    limit = map_scene(tmp_path, 90.0)
+    limit.write_text(re.sub("&loading.*", "&limit criterion = 'load', value = 1. /",
+                            limit.read_text()))
+    done = solve(asperity, limit, contacts=False)
+    assert done.status == 2 and "found control = 'limit' or none" in done.stderr, done.stderr
     # The pixels have adhesion, also where the default of interaction is written.
     for mode in ({}, {"interaction": "auto"}):
         done = solve(asperity, map_scene(tmp_path, 90.0, **mode, adhesion="on",
@@ -168,8 +160,7 @@ def test_a_periodic_map(asperity, tmp_path):
 
 
 def test_estimates_stand_in_the_tables(asperity, tmp_path):
-    """Influence of what is off, in positions and states, with a position without contact first; the
-    errors of the summits of a map as the summary has them."""
+    """Influence of what is off, in positions and states, with a position without contact first."""
     scene = write_csv_scene(tmp_path, CLOSE, BALLS[:1], by_default=True,
                             motion={"x_first": -30.0, "x_step": 30.0, "positions": 2},
                             loading={"control": "approach", "value": 1.9},
@@ -180,12 +171,6 @@ def test_estimates_stand_in_the_tables(asperity, tmp_path):
         for row in table:
             assert float(row["error_estimate"]) >= float(row["interaction_estimate"]) >= 0.0
             assert "friction_estimate" in row and "creep_estimate" not in row
-    done = solve(asperity, map_scene(tmp_path, 90.0, "free", interaction="off"), contacts=False)
-    row = row_of(done)
-    told = [float(re.search(rf"{name} ([-+][\d.]+) ", done.stdout.split("Summits")[1]).group(1))
-            for name in ("separation", "contact area", "contact stiffness")]
-    for name, value, unit in zip(("separation", "area", "stiffness"), told, (1.0, 100.0, 100.0)):
-        assert unit * float(row[f"summit_{name}_error"]) == pytest.approx(value, abs=0.06)
 
 
 def test_error_of_an_effect_left_out_on_a_path(asperity, tmp_path):
@@ -226,8 +211,7 @@ def test_an_effect_of_a_map_is_simulated_or_left_out(edge, asperity, tmp_path):
             given["equilibrium_distance"] = 10 ** rng.uniform(-3, -1)
         done = solve(asperity, map_scene(tmp_path, 90.0, edge, 64, **given), contacts=False)
         assert done.status == 0, done.stderr
-        rows = re.findall(r"^  ([a-z]+) +(?:auto|off|on)", done.stdout.split("Effects")[-1], re.M)
-        assert len(rows) == len(set(rows)), (given, done.stdout)
+        rows = effect_rows(done.stdout)
         noted = re.findall(r"note: ([a-z]+) is left out", done.stderr)
         assert set(chosen) <= {*rows, *noted}, (given, done.stdout)
         simulated = [name for name in chosen if row_of(done).get(name, "off") != "off"]

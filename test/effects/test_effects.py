@@ -3,13 +3,11 @@
 The truth is reference_output/boundary; its README tells how it was made and how well it holds.
 """
 
-import re
-
 import numpy as np
 import pytest
 
 from effect_runs import (CAP, CELLS, COMBINED, CONVERGED, COUPLED_APART, COUPLED_OVERLAPPING,
-                         ROOT, Sweeps, column, report, total)
+                         ROOT, Sweeps, column, effect_rows, report, total)
 from surfaces_csv import records, solve, write_scene, write_surface
 
 OVERLAPPING = (18, 56, 79)  # positions of the thesis where contact circles overlap
@@ -38,10 +36,8 @@ def overlapping(truth):
     return np.array([row["overlapping_circles"] != "0" for row in truth])
 
 
-def effects_part(stdout):
-    """The summary's paragraph of the effects."""
-    assert "\nEffects, " in stdout
-    return stdout[stdout.index("\nEffects, "):].split("\n\n")[0]
+def column_of_words(run, name):
+    return [row[name] for row in run.positions]
 
 
 # The thesis sweep.
@@ -162,43 +158,28 @@ def test_auto_simulates_what_matters(tolerance, sweeps, truth, tally):
         assert resolved <= set(OVERLAPPING) and not (resolved and tolerance > 0.02)
 
 
-def test_the_summary_has_ways_and_estimates_of_the_columns(sweeps, tally):
+def test_summary_has_the_numbers_of_the_columns(sweeps):
+    """A row an effect: estimate of what is off; counts, largest influence and what is left out."""
     off = sweeps.solve(interaction="off")
     assert "non-interacting contacts (Hertz); control" in off.stdout
-    left_out = re.search(r"off: estimated influence on the load ([\d.]+) % \(position 18\)",
-                         off.stdout)
-    # Not below what interaction takes away there, and not far above it.
-    assert 25 < float(left_out.group(1)) < 50, off.stdout
+    # Not below what interaction takes away at position 18, and not far above it.
+    row = effect_rows(off.stdout)["interaction"]
+    assert row["mode"] == "off" and 25 < float(row["left out"].removesuffix("%")) < 50, row
     assert off.stdout.split("\n", 1)[1] == sweeps.solve().stdout.split("\n", 1)[1]
     coupled = sweeps.solve(interaction="coupled")
     assert "model: interaction coupled; " in coupled.stdout
-    assert "simulated at 100 positions" in effects_part(coupled.stdout)
+    assert effect_rows(coupled.stdout)["interaction"]["simulated at"] == "100 of 100"
     auto = sweeps.solve(interaction="auto", tolerance=0.003)
-    text = " ".join(effects_part(auto.stdout).split())
-    ways = [row["interaction"] for row in auto.positions]
-    simulated = 100 - ways.count("off")
-    assert f"tolerance 0.300 %: estimated at 100 positions, simulated at {simulated}" in text
-    assert f"coupled (estimate above tolerance) at {ways.count('coupled')}: 1-3, " in text
-    resolved = [m for m, way in enumerate(ways, 1) if way == "coupled+boundary"]
-    assert 0 < len(resolved) < 10
-    # The decision between windows under clusters and one grid, with its reason.
-    named = re.findall(r"coupled\+boundary \(Hertzian error, (windows|one grid) costs? less\) "
-                       r"at \d+: ([\d, -]+)", text)
-    assert {choice for choice, _ in named} <= {"windows", "one grid"} and named
-    spans = [span.split("-") for _, list_of in named for span in list_of.strip(", ").split(", ")]
-    assert sorted(m for a in spans for m in range(int(a[0]), int(a[-1]) + 1)) == resolved
-    # The numbers of the summary are those of the columns.
-    influence = np.nan_to_num(column(auto.positions, "interaction_influence"))
-    first = np.argmax(np.abs(influence))
-    assert f"influence {100 * influence[first]:.1f} % (position {first + 1})" in text
-    estimate = np.where([way == "off" for way in ways],
-                        column(auto.positions, "interaction_estimate"), -1)
-    largest = f"{100 * estimate.max():.3f}" if estimate.max() else "0"
-    assert (f"largest estimated influence left out {largest} % "
-            f"(position {estimate.argmax() + 1})") in text
+    row, ways = effect_rows(auto.stdout)["interaction"], column_of_words(auto, "interaction")
+    assert (row["mode"], row["tolerance"]) == ("auto", "0.300 %")
+    assert row["simulated at"] == f"{100 - ways.count('off')} of 100"
+    assert row["note"].startswith(f"{next(way for way in ways if way != 'off')} (estimate above")
+    influence = column(auto.positions, "interaction_influence")
+    assert row["influence"] == f"{100 * influence[np.nanargmax(np.abs(influence))]:.1f} %"
+    left_out = max(float(position["interaction_estimate"]) for position, way
+                   in zip(auto.positions, ways) if way == "off")
+    assert row["left out"] == (f"{100 * left_out:.3f} %" if left_out else "0 %")
 
-
-# Load asked for.
 
 # Curves, the same again.
 

@@ -12,7 +12,7 @@ import pytest
 
 import friction_truth
 from effect_runs import (CAP, COMBINED, MODULUS, RATIO, TOLD, Sweeps, by_position, column,
-                         place_of, report, total)
+                         effect_rows, place_of, report, total)
 from surfaces_csv import solve, write_csv_scene
 
 KAPPA = 2 * (1 - RATIO) / (2 - RATIO)  # tangential over normal stiffness (Mindlin 1949)
@@ -182,7 +182,7 @@ def test_auto_simulates_friction_beyond_the_tolerance(sweeps, tally):
                      if name not in (*TOLD, "friction_estimate")]
             want = full if there else free
             assert {n: row[n] for n in names} == {n: want[n] for n in names}
-        assert f"simulated at {simulated.sum()}" in auto.stdout
+        assert effect_rows(auto.stdout)["friction"]["simulated at"] == f"{simulated.sum()} of 100"
 
 
 def test_unlike_materials(sweeps, tally):
@@ -206,9 +206,9 @@ def test_lowered_contacts_rub_less(sweeps, tally):
     alone = sweeps.solve(friction="on", friction_coefficient=0.1)
     less = column(both.positions, "rig_force_x") / column(alone.positions, "rig_force_x")
     print(f"rig force with interaction over without: {less.min():.2f} to {less.max():.2f}")
-    text = both.stdout[both.stdout.index("\nEffects, "):]
     assert "model: interaction coupled, friction on; " in both.stdout
-    assert text.index("  interaction  coupled") < text.index("  friction     on")
+    modes = {name: row["mode"] for name, row in effect_rows(both.stdout).items()}
+    assert list(modes.items()) == [("interaction", "coupled"), ("friction", "on")]
 
 
 @pytest.mark.truth

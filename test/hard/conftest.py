@@ -1,7 +1,6 @@
 """The helpers of the regression tests serve here too; programs for the faults from outside."""
 
 import shutil
-import signal
 import subprocess
 
 import pytest
@@ -42,16 +41,3 @@ def waiting(asperity, tmp_path):
         child.stdout.close()
         child.stderr.close()
         child.wait()
-
-
-@pytest.fixture(scope="module")
-def signals_not_ignored():
-    """A background job is started with signals ignored, and hands that on: not to these runs."""
-    before = {number: signal.getsignal(number)
-              for number in (signal.SIGINT, signal.SIGTERM, signal.SIGHUP, signal.SIGQUIT)}
-    for number in before:
-        signal.signal(number, signal.default_int_handler if number == signal.SIGINT
-                      else signal.SIG_DFL)
-    yield
-    for number, handler in before.items():
-        signal.signal(number, handler)

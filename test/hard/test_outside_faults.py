@@ -13,8 +13,6 @@ import pytest
 
 from outside_runs import LONG, OUTPUTS, files, is_whole, one_line
 
-pytestmark = pytest.mark.usefixtures("signals_not_ignored")
-
 
 # ---------------------------------------------------------------- no room
 
@@ -138,32 +136,7 @@ def test_names_that_differ_by_a_blank(run, tmp_path):
     assert run("solve ", "--tables", "none").returncode == 0
 
 
-# ---------------------------------------------------------------- little memory, small stacks
-
-@pytest.mark.once
-@pytest.mark.parametrize("kilobytes", [64, 128, 256])
-@pytest.mark.parametrize("words", [["t.deck"], ["solve", "t.deck"], ["--help"]])
-def test_small_stack(run, tmp_path, words, kilobytes):
-    """`ulimit -s`: to run on a small stack ends in a fault that says nothing."""
-    def limit():
-        resource.setrlimit(resource.RLIMIT_STACK, (1024 * kilobytes, 1024 * kilobytes))
-
-    done = run(*words, *OUTPUTS[:0 if "--help" in words else None], preexec_fn=limit)
-    assert done.returncode == 1 and done.stdout == b"" and files(tmp_path) == []
-    assert one_line(done) == (f"the stack is too small: found {kilobytes} kB, expected at least "
-                              "512 kB: ulimit -s 8192")
-
-
-@pytest.mark.once
-@pytest.mark.parametrize("size, found", [("16k", "16 kB"), (" 511 K ", "511 kB"),
-                                         ("65536B", "64 kB"), ("100", "100 kB")])
-def test_small_stacks_of_threads(run, tmp_path, size, found):
-    done = run("solve", "t.deck", "--threads", "2", *OUTPUTS,
-               env={**os.environ, "OMP_STACKSIZE": size})
-    assert done.returncode == 1 and done.stdout == b"" and files(tmp_path) == []
-    assert one_line(done) == (f"the stack of a thread is too small: found {found}, expected at "
-                              "least 512 kB: OMP_STACKSIZE=8M")
-
+# ---------------------------------------------------------------- little memory
 
 MANY = {
     "positions": "&surfaces deck = 't.deck' /\n&motion x_step = 1e-3, positions = 4000 /\n"

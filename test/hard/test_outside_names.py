@@ -11,8 +11,6 @@ import pytest
 
 from outside_runs import DECK, OUTPUTS, ROOT, files, is_whole, one_line_of_two
 
-pytestmark = pytest.mark.usefixtures("signals_not_ignored")
-
 
 @pytest.fixture
 def aliases(tmp_path):

@@ -60,6 +60,19 @@ def column(rows, name):
     return np.array([float(row[name] or "nan") for row in rows])
 
 
+def effect_rows(stdout):
+    """The table of the effects in a summary: cells by column, for each effect."""
+    starts, lines = (0, 12, 21, 31, 46, 58, 73), iter(stdout.splitlines())
+    for line in lines:
+        if line.startswith("effect      mode "):
+            cells = [[line[a:b].strip() for a, b in zip(starts, (*starts[1:], None))]
+                     for line in lines]
+            assert len({name for name, *_ in cells}) == len(cells), stdout
+            return {name: dict(zip(("mode", "tolerance", "simulated at", "influence", "left out",
+                                    "note"), rest)) for name, *rest in cells}
+    return {}
+
+
 def by_position(rows):
     """Rows of each position."""
     found = {}

@@ -122,7 +122,6 @@ def may_be_written(case, name):
 def on_cells(case):
     """Boundary elements take time and memory; `auto`, the default, may use them in any solve."""
     return case.arguments[:1] == ["solve"] or \
-        any("--budget" in str(word) for word in case.arguments) or \
         any(b"interaction" in text.lower() for text in case.files.values())
 
 
