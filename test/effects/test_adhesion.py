@@ -7,8 +7,9 @@ import pytest
 from mpmath import mpf
 
 import adhesion_truth as truth
-from ball_scenes import balls, column, compare, off, path, solved, work
+from ball_scenes import balls, path, work
 from effect_runs import DECK
+from judge import column, compare, relative, solved
 from surfaces_csv import solve, write_csv_scene, write_scene
 
 MODULUS, RADIUS, WORK = 1000.0, 2.0, 0.01
@@ -42,12 +43,13 @@ def radius(rows):
 def against(tally, name, run, truths, bound):
     """Contact radius, load and pressure of every state."""
     compare(tally, f"adhesion: {name}, contact radius",
-            off(radius(run.curve), [t.contact_radius for t in truths]), bound)
+            relative(radius(run.curve), [t.contact_radius for t in truths]), bound)
     compare(tally, f"adhesion: {name}, load",
             [abs(float((f - t.load) / max(UNIT, abs(t.load)))) for f, t in
              zip(column(run.curve, "load"), truths)], bound)
     compare(tally, f"adhesion: {name}, pressure",
-            off(column(run.contacts, "maximum_pressure"), [t.pressure for t in truths]), 10 * bound)
+            relative(column(run.contacts, "maximum_pressure"), [t.pressure for t in truths]),
+            10 * bound)
 
 
 @pytest.mark.filterwarnings("ignore:Descending")
@@ -57,7 +59,7 @@ def test_jkr_curve(asperity, tmp_path, tally):
     run = adhering(asperity, tmp_path, 50, closings)
     truths = [truth.jkr(mpf(MODULUS), mpf(RADIUS), mpf(repr(WORK)), mpf(c)) for c in closings]
     against(tally, "JKR", run, truths, 1e-13)
-    tabor = off(column(run.contacts, "tabor_parameter"), [50] * 11)
+    tabor = relative(column(run.contacts, "tabor_parameter"), [50] * 11)
     compare(tally, "adhesion: Tabor parameter", tabor, 1e-14)
 
 
@@ -115,7 +117,7 @@ def test_dmt_is_hertz_less_a_constant_pull(asperity, tmp_path, tally):
     compare(tally, "adhesion: DMT load",
             np.abs(column(run.curve, "load")[:11] - load) / UNIT, 1e-12)
     compare(tally, "adhesion: DMT contact radius",
-            off(radius(run.curve)[:11], np.sqrt(RADIUS * pressed)), 1e-13)
+            relative(radius(run.curve)[:11], np.sqrt(RADIUS * pressed)), 1e-13)
     compare(tally, "adhesion: DMT pull-off", abs(column(run.curve, "load")[2] / (-2 * UNIT) - 1),
             1e-14)
     same = [a["load"] == b["load"] for a, b in zip(run.curve, run.curve[::-1])]
@@ -162,7 +164,7 @@ def test_no_work_of_adhesion(asperity, tmp_path, tally):
                    for name, effects in choices.items())
     for name in ("load", "vertical_load", "area", "separation"):
         compare(tally, f"adhesion: none, {name} at the limit",
-                off(column(on.positions, name), column(without.positions, name)), 2e-15)
+                relative(column(on.positions, name), column(without.positions, name)), 2e-15)
 
 
 def test_load_of_zero(asperity, tmp_path, tally):
@@ -175,7 +177,7 @@ def test_load_of_zero(asperity, tmp_path, tally):
     loads = column(run.curve, "load")
     asked = np.concatenate([np.linspace(a, b, 11)[1:] for a, b in ((0, 3), (3, 0), (0, 1))])
     some = asked > 0
-    compare(tally, "adhesion: loads asked for", off(loads[1:][some], asked[some]), 1e-10)
+    compare(tally, "adhesion: loads asked for", relative(loads[1:][some], asked[some]), 1e-10)
     compare(tally, "adhesion: load of zero", np.abs(loads[1:][~some]), 1e-10)
     cube = 9 * math.pi * WORK * RADIUS**2 / (2 * MODULUS)
     compare(tally, "adhesion: contact radius without load",

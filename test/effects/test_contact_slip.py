@@ -4,8 +4,8 @@ motion, interaction, plasticity, sliding."""
 import numpy as np
 import pytest
 
-from programs import run_program
-from surfaces_csv import records, write_csv_scene, write_plane_scene
+from judge import WORDS, solved
+from surfaces_csv import write_csv_scene, write_plane_scene
 
 MODULUS, RATIO, MU = 1.0e3, 0.3, 0.3
 COMBINED = MODULUS / (1 - RATIO**2) / 2
@@ -31,14 +31,12 @@ def compression_at(load):
 
 def numbers(asperity, scene):
     """Positions and the contacts of each last state."""
-    folder = scene.parent
-    run_program(asperity, "solve", scene, "--quiet", "--positions", folder / "p.csv",
-                "--contacts", folder / "c.csv")
-    words = ("interaction", "friction", "plasticity")
-    tables = [[{name: float(cell or "nan") for name, cell in row.items() if name not in words}
-               for row in records(folder / file)] for file in ("p.csv", "c.csv")]
-    return tables[0], [[row for row in tables[1] if row["position"] == position["position"] and
-                        row["step"] == position["steps"]] for position in tables[0]]
+    run = solved(asperity, scene)
+    positions, contacts = ([{name: float(cell or "nan") for name, cell in row.items()
+                             if name not in WORDS} for row in rows]
+                           for rows in (run.positions, run.contacts))
+    return positions, [[row for row in contacts if row["position"] == position["position"] and
+                        row["step"] == position["steps"]] for position in positions]
 
 
 def caps(asperity, folder, loading, **effects):
@@ -97,7 +95,7 @@ def test_close_spheres_by_two_states(asperity, tmp_path, mode):
     near = [(0.0, 0.0, 0.1, 1.0), (0.25, 0.0, 0.1, 1.0), (0.1, 0.22, 0.0985, 0.7)]
     load, share = 4.0, 0.5
 
-    def solved(**loading):
+    def of_loading(**loading):
         scene = write_plane_scene(
             tmp_path, near, modulus=(MODULUS, MODULUS), ratio=(RATIO, RATIO),
             loading={"control": "load", **loading},
@@ -105,9 +103,9 @@ def test_close_spheres_by_two_states(asperity, tmp_path, mode):
         (position,), (rows,) = numbers(asperity, scene)
         return position, rows
 
-    found, contacts = solved(value=load, tangential_load=share * MU * load)
-    full, _ = solved(value=load)
-    less, fewer = solved(value=(1 - share) * load)
+    found, contacts = of_loading(value=load, tangential_load=share * MU * load)
+    full, _ = of_loading(value=load)
+    less, fewer = of_loading(value=(1 - share) * load)
     precision = 1e-5 if mode == "coupled" else 3e-3
     moved = MU / KAPPA * (less["separation"] - full["separation"])
     assert found["tangential_displacement"] == pytest.approx(moved, rel=precision)

@@ -8,9 +8,9 @@ from csv_rows import records
 from dense_figures import CONTROLS, TOLERANCES, TRUTH, all_figures, truths
 from dense_scenes import COMBINED, caps, dense_scenes, rough_scenes
 from dense_truth import finest, on_grids, settled, truth_of
-from judge import estimates, missed
+from judge import check, estimates, is_met, missed, number, solved
 from rough_truth import solved as solved_on_grids
-from surfaces_csv import solve, write_scene
+from surfaces_csv import write_scene
 
 pytestmark = pytest.mark.truth
 
@@ -61,10 +61,8 @@ def test_areas_of_contacts_that_merge(asperity, tmp_path, shear, apart, count):
     pairs = scene.pairs()
     area, error = settled(on_grids(pairs, finest(pairs, 2.0)))[2:]
     for tolerance in TOLERANCES:
-        ran = solve(asperity, scene.write(tmp_path, interaction="auto", tolerance=tolerance),
-                    contacts=False)
-        off = float(ran.positions[0]["area"]) / area - 1
-        assert abs(off) <= max(tolerance, 0.005) + error, (tolerance, off, error)
+        run = solved(asperity, scene.write(tmp_path, interaction="auto", tolerance=tolerance))
+        check("area", number(run.positions[0], "area"), area, max(tolerance, 0.005), error)
 
 
 @pytest.mark.once
@@ -112,25 +110,24 @@ BLUNT_BESIDE = """x,y,height,radius
 """
 
 
+def of_caps(asperity, folder, surface, control, value, tolerance):
+    """The position of caps under a plane, by `auto`."""
+    (folder / "caps.csv").write_text(surface)
+    return solved(asperity, write_scene(
+        folder / f"{control}.scene", surfaces={"upper": "plane", "lower": "caps.csv"},
+        material={"contact_modulus": 1.0}, loading={"control": control, "value": value},
+        effects={"interaction": "auto", "tolerance": tolerance})).positions[0]
+
+
 @pytest.mark.parametrize("surface, compression", [
     *((CAPS_ON_CAPS, value) for value in (4e-5, 7.3e-5, 1e-4, 2e-4)), (BLUNT_BESIDE, 4.109e-4)])
 def test_load_that_a_separation_gave(asperity, tmp_path, surface, compression):
     """A load found at a compression is found again there: both are within the tolerance."""
     tolerance = 0.01
-    (tmp_path / "caps.csv").write_text(surface)
-
-    def run(control, value):
-        return solve(asperity, write_scene(
-            tmp_path / f"{control}.scene", surfaces={"upper": "plane", "lower": "caps.csv"},
-            material={"contact_modulus": 1.0}, loading={"control": control, "value": value},
-            effects={"interaction": "auto", "tolerance": tolerance})).positions[0]
-
-    first = run("approach", -compression)
-    again = run("load", float(first["load"]))
-    found = [float(row["separation"]) for row in (first, again)]
-    areas = [float(row["area"]) for row in (first, again)]
-    assert found[1] == pytest.approx(found[0], rel=tolerance)
-    assert areas[1] == pytest.approx(areas[0], rel=2 * tolerance)
+    first = of_caps(asperity, tmp_path, surface, "approach", -compression, tolerance)
+    again = of_caps(asperity, tmp_path, surface, "load", number(first, "load"), tolerance)
+    for name, share in (("separation", tolerance), ("area", 2 * tolerance)):
+        check(name, number(again, name), number(first, name), share)
 
 
 # Caps on caps of radii to 1:5800, the blunter ones below. Load and area at a compression of 1e-4 by
@@ -163,15 +160,11 @@ LOAD, AREA = 1.12921e-5, 0.2399
 @pytest.mark.parametrize("control", CONTROLS)
 def test_blunter_caps_below(asperity, tmp_path, control, tolerance):
     """Load at the compression, or compression at the load, and area are within the tolerance."""
-    (tmp_path / "caps.csv").write_text(BLUNTER_BELOW)
-    row = solve(asperity, write_scene(
-        tmp_path / "caps.scene", surfaces={"upper": "plane", "lower": "caps.csv"},
-        material={"contact_modulus": 1.0},
-        loading={"control": control, "value": LOAD if control == "load" else -1e-4},
-        effects={"interaction": "auto", "tolerance": tolerance})).positions[0]
-    assert float(row["load"]) == pytest.approx(LOAD, rel=tolerance)
-    assert float(row["separation"]) == pytest.approx(-1e-4, rel=tolerance)
-    assert float(row["area"]) == pytest.approx(AREA, rel=max(tolerance, 0.005) + 3e-4)
+    row = of_caps(asperity, tmp_path, BLUNTER_BELOW, control,
+                  LOAD if control == "load" else -1e-4, tolerance)
+    check("load", number(row, "load"), LOAD, tolerance)
+    check("separation", number(row, "separation"), -1e-4, tolerance)
+    check("area", number(row, "area"), AREA, max(tolerance, 0.005), 3e-4)
 
 
 @pytest.mark.once
@@ -197,12 +190,11 @@ def test_areas_of_coupled_contacts(asperity, tmp_path):
     _, areas = all_figures(asperity, dense_scenes(), "coupled", controls=CONTROLS[:1])
     errors, bounds, told = (np.array([getattr(area, name) for area in areas])
                             for name in ("error", "bound", "estimate"))
-    assert (abs(errors) <= told + bounds).mean() >= 0.99
+    assert is_met(errors, told, bounds).mean() >= 0.99
     assert np.median(told / np.maximum(abs(errors), bounds)) <= 5
     found = []
     for scene, truth in zip(rough_scenes(), records(ROUGH)):
-        row, = solve(asperity, scene.write(tmp_path, interaction="coupled"), "--threads", "1",
-                     contacts=False).positions
+        row, = solved(asperity, scene.write(tmp_path, interaction="coupled")).positions
         error = abs(float(row["area"]) / float(truth["area"]) - 1)
         found.append(float(row["area_error_estimate"]) / max(error, float(truth["area_error"])))
     assert np.median(found) <= 5 and max(found) <= 30
@@ -244,7 +236,7 @@ def test_the_truth_by_another_method(name):
                       for upper, ru, lower, rl, p in spheres], COMBINED)
     load = (pairs.law()[0] * np.array(other["loads"]) / np.array(other["loads_alone"])).sum()
     row = truths()[name]
-    assert abs(load / float(row["load"]) - 1) <= float(row["load_error"]) + other["uncertainty"]
+    check("load", load, number(row, "load"), number(row, "load_error"), other["uncertainty"])
 
 
 @pytest.mark.once
@@ -255,16 +247,15 @@ def test_the_truth_by_another_method(name):
 def test_rough_caps(asperity, tmp_path, scene, mode):
     """Penetrations to .17 of the radius, a third of the area in contact: load or compression are
     within what the program estimates of them; the area of `coupled` too, else to the tolerance."""
-    row, = solve(asperity, scene.write(tmp_path, interaction=mode), "--threads", "1",
-                 contacts=False).positions
+    row, = solved(asperity, scene.write(tmp_path, interaction=mode)).positions
     truth = next(r for r in records(ROUGH) if r["scene"] == scene.name)
-    compression = max(cap[2] for cap in scene.caps()) - float(row["separation"])
-    error = compression / float(truth["compression"]) - 1 if scene.load else \
-        float(row["load"]) / float(truth["load"]) - 1
-    area_error = float(row["area"]) / float(truth["area"]) - 1
-    assert abs(error) <= float(row["error_estimate"]) + float(truth["error"])
-    allowed = float(row["area_error_estimate"]) if mode == "coupled" else TOLERANCES[0]
-    assert abs(area_error) <= allowed + float(truth["area_error"])
+    what, found = "load", number(row, "load")
+    if scene.load:
+        what = "compression"
+        found = max(cap[2] for cap in scene.caps()) - number(row, "separation")
+    check(what, found, number(truth, what), number(row, "error_estimate"), number(truth, "error"))
+    allowed = number(row, "area_error_estimate") if mode == "coupled" else TOLERANCES[0]
+    check("area", number(row, "area"), number(truth, "area"), allowed, number(truth, "area_error"))
 
 
 @pytest.mark.once
@@ -273,5 +264,5 @@ def test_the_truth_of_rough_caps():
     scene, truth = rough_scenes()[1], records(ROUGH)[1]
     load, error, area, area_error = solved_on_grids(scene, (64, 128, 256))
     assert truth["scene"] == scene.name and error < 5e-5 and area_error < 2e-3
-    assert abs(load / float(truth["load"]) - 1) <= error + float(truth["error"])
-    assert abs(area / float(truth["area"]) - 1) <= area_error + float(truth["area_error"])
+    check("load", load, number(truth, "load"), error, number(truth, "error"))
+    check("area", area, number(truth, "area"), area_error, number(truth, "area_error"))

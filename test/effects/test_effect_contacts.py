@@ -11,8 +11,9 @@ from boundary_equations import evaluate
 from boundary_truth import sneddon
 from coupled_truth import leftover
 from effect_runs import (CAP, CELLS, COMBINED, CONVERGED, COUPLED_APART, FLAT, MODULUS, RATIO,
-                         column, random_caps, report, write_caps)
-from surfaces_csv import solve, write_csv_scene
+                         random_caps, write_caps)
+from judge import column, compare, solved
+from surfaces_csv import write_csv_scene
 
 
 def one_pair(folder, penetration, **effects):
@@ -28,15 +29,14 @@ def test_one_aligned_pair_on_cells(circle, asperity, tmp_path, tally):
     """Hertz: together over alone is 1, the load is the law's, both to the discretisation error of
     elements. The last circle is as large as the thesis' contacts."""
     penetration, _ = sneddon(CAP, circle)
-    run = solve(asperity, one_pair(tmp_path, penetration, interaction="boundary"))
-    assert run.status == 0, run.stderr
+    run = solved(asperity, one_pair(tmp_path, penetration, interaction="boundary"))
     found = float(run.positions[0]["load"])
     hertz = 4 / 3 * COMBINED * np.sqrt(CAP / 2) * penetration ** 1.5
     allowed = min(0.1 * CELLS, float(run.positions[0]["error_estimate"]))
-    report(tally, "effects: one pair, boundary against Hertz", [abs(found / hertz - 1)], allowed)
+    compare(tally, "effects: one pair, boundary against Hertz", [abs(found / hertz - 1)], allowed)
     assert float(run.positions[0]["factor"]) == pytest.approx(found / hertz, abs=1e-12)
     assert float(run.contacts[0]["area"]) == pytest.approx(np.pi * circle ** 2, rel=0.05)
-    alone = solve(asperity, one_pair(tmp_path, penetration, interaction="coupled"))
+    alone = solved(asperity, one_pair(tmp_path, penetration, interaction="coupled"))
     assert float(alone.positions[0]["load"]) == pytest.approx(hertz, rel=1e-12)
     assert alone.positions[0]["factor"] == "1.0000000000000000E+000"
 
@@ -53,28 +53,27 @@ def test_deep_contact_opens_a_shallow_one(asperity, tmp_path, tally):
         caps = write_caps(tmp_path, [(0, 0), (0.3, 0)], [1.0, height],
                           loading={"control": "approach", "value": 2.0 - 0.012},
                           effects={"interaction": "coupled"})
-        runs = {"coupled": solve(asperity, caps.scene, curve=True)}
+        runs = {"coupled": solved(asperity, caps.scene)}
         write_caps(tmp_path, [(0, 0), (0.3, 0)], [1.0, height],
                    loading={"control": "approach", "value": 2.0 - 0.012},
                    effects={"interaction": "boundary"})
-        runs["boundary"] = solve(asperity, caps.scene, curve=True)
+        runs["boundary"] = solved(asperity, caps.scene)
         closing = closing_of(runs["coupled"])
         found = evaluate(caps.contacts(closing), COMBINED, ("4",))
         assert (found["loads"][1] == 0.0) == is_open and found["loads_alone"][1] > 1.0
         for mode, run in runs.items():
             assert int(run.positions[0]["contacts"]) == sum(v > 0 for v in found["loads"]), mode
-            report(tally, f"effects: factor beside a deep contact, {mode}",
+            compare(tally, f"effects: factor beside a deep contact, {mode}",
                    [abs(float(run.positions[0]["factor"]) - found["factor"])], COUPLED_APART)
 
 
 @pytest.mark.parametrize("mode", ("coupled", "boundary", "auto"))
 def test_position_without_contact(mode, asperity, tmp_path):
     upper, lower = [(0.0, 0.0, 0.5, CAP)], [(0.0, 0.0, 0.5, CAP)]
-    run = solve(asperity, write_csv_scene(
+    run = solved(asperity, write_csv_scene(
         tmp_path, upper, lower, motion={"x_first": 0.0, "x_step": 50.0, "positions": 2},
         loading={"control": "limit"}, limit={"criterion": "load", "value": 300.0},
         effects={"interaction": mode, "friction": "on", "friction_coefficient": 0.2}))
-    assert run.status == 0, run.stderr
     assert "no contact at 1 position" in run.stdout
     empty = run.positions[1]
     assert empty["contacts"] == "0" and float(empty["load"]) == 0.0
@@ -96,7 +95,6 @@ def with_one_that_flows(places, heights):
 
 def check_caps(run, caps, tally, name):
     """A surface of caps at a compression: its equations, and the open contacts."""
-    assert run.status == 0, run.stderr
     assert "plastic" in run.contacts[0]
     row = run.positions[0]
     assert float(row["interaction_residual"]) <= CONVERGED
@@ -114,7 +112,7 @@ def check_caps(run, caps, tally, name):
           f"{row['overlapping_circles']} pairs of circles overlap, {row['interaction_iterations']} "
           f"iterations, open ones stay {-closed:.1e} apart")
     # Where circles overlap the quadrature is coarse: that holds the worst, not the many.
-    report(tally, f"effects: {name}, equations", np.abs(rest), 1e-3)
+    compare(tally, f"effects: {name}, equations", np.abs(rest), 1e-3)
     assert np.median(np.abs(rest)) < 1e-5
     assert closed < 1e-3
     return opened
@@ -127,7 +125,7 @@ def test_hundreds_of_caps(seed, asperity, tmp_path, tally):
     caps = write_caps(tmp_path, *with_one_that_flows(*random_caps(400, 3.4, 4.5, seed)),
                       loading={"control": "compression", "value": 0.0288},
                       effects=FLOWS)
-    run = solve(asperity, caps.scene, curve=True)
+    run = solved(asperity, caps.scene)
     assert len(check_caps(run, caps, tally, "400 caps")) > 50
 
 
@@ -137,7 +135,7 @@ def test_two_thousand_caps(asperity, tmp_path, tally):
     caps = write_caps(tmp_path, *with_one_that_flows(*random_caps(2000, 7.6, 10.0, 7)),
                       loading={"control": "compression", "value": 0.036},
                       effects=FLOWS)
-    run = solve(asperity, caps.scene, curve=True)
+    run = solved(asperity, caps.scene)
     assert len(check_caps(run, caps, tally, "2000 caps")) > 500
 
 
@@ -149,12 +147,11 @@ def test_some_caps_against_the_truth(asperity, tmp_path, tally):
     for mode, bound in (("coupled", 0.002), ("boundary", 2 * CELLS)):
         caps = write_caps(tmp_path, places, heights, loading={"control": "load", "value": 2000.0},
                           effects={"interaction": mode})
-        run = solve(asperity, caps.scene, curve=True)
-        assert run.status == 0, run.stderr
+        run = solved(asperity, caps.scene)
         if closing != closing_of(run):
             closing = closing_of(run)
             found = evaluate(caps.contacts(closing), COMBINED, ("4",))
         assert sum(v > 0 for v in found["loads"]) == len(run.contacts) < len(found["loads"])
-        report(tally, f"effects: load of 8 caps, {mode}", [abs(found["together"] / 2000.0 - 1)],
+        compare(tally, f"effects: load of 8 caps, {mode}", [abs(found["together"] / 2000.0 - 1)],
                bound)
         assert found["factor"] < 0.6

@@ -6,6 +6,7 @@ import numpy as np
 import pytest
 
 from effect_runs import DECK, effect_rows
+from judge import check, number, solved
 from surfaces_csv import solve, write_csv_scene, write_scene
 
 POSITION_56 = {"surfaces": {"deck": str(DECK)}, "motion": {"x_first": 5.6, "positions": 1}}
@@ -183,8 +184,7 @@ def test_error_of_an_effect_left_out_on_a_path(asperity, tmp_path):
         loading={"control": "separation", "value": (0.284, 0.304), "points": 3},
         effects={"work_of_adhesion": 0.5e3, "equilibrium_distance": 1e-3})
     scene.write_text(scene.read_text().replace("lower = 'pair_lower.csv'", "lower = 'plane'"))
-    done = solve(asperity, scene, contacts=False)
-    assert done.status == 0, done.stderr
+    done = solved(asperity, scene, contacts=False)
     told = re.search(r"\(interaction beside adhesion\), (\S+) % is the estimated", done.stderr)
     assert float(told.group(1)) > 1
     assert float(row_of(done)["error_estimate"]) >= 0.0095 * float(told.group(1))
@@ -209,8 +209,7 @@ def test_an_effect_of_a_map_is_simulated_or_left_out(edge, asperity, tmp_path):
         if "adhesion" in chosen:
             given["work_of_adhesion"] = 10 ** rng.uniform(-4, 1)
             given["equilibrium_distance"] = 10 ** rng.uniform(-3, -1)
-        done = solve(asperity, map_scene(tmp_path, 90.0, edge, 64, **given), contacts=False)
-        assert done.status == 0, done.stderr
+        done = solved(asperity, map_scene(tmp_path, 90.0, edge, 64, **given), contacts=False)
         rows = effect_rows(done.stdout)
         noted = re.findall(r"note: ([a-z]+) is left out", done.stderr)
         assert set(chosen) <= {*rows, *noted}, (given, done.stdout)
@@ -249,5 +248,5 @@ def test_what_auto_leaves_out(effect, asperity, tmp_path):
             continue
         left_out += 1
         for name in ("vertical_load", "area"):
-            assert abs(float(auto[name]) / float(full[name]) - 1) <= tolerance, (name, k)
+            check(f"{name} of scene {k}", number(auto, name), number(full, name), tolerance)
     assert left_out >= 3

@@ -8,8 +8,9 @@ from itertools import product
 import numpy as np
 import pytest
 
-from ball_scenes import balls, column, compare, solved
+from ball_scenes import balls
 from effect_runs import DECK, ROOT, TOLD, effect_rows
+from judge import column, compare, solved
 from surfaces_csv import records, solve, write_scene
 
 EXAMPLES = ROOT / "data" / "examples" / "effects"
@@ -270,8 +271,7 @@ ABOUT = {"beyond_limit": {"plasticity": "on"}, "ten_minutes": {"creep": "on"},
 @pytest.mark.parametrize("name", sorted(path.stem for path in EXAMPLES.glob("*.scene")))
 def test_an_example_simulates_what_it_is_about(name, asperity, tmp_path, tally):
     """Only what an example is about is simulated; its output beside it is still what comes out."""
-    done = solve(asperity, EXAMPLES / f"{name}.scene", folder=tmp_path, contacts=False, curve=True)
-    assert done.status == 0, done.stderr
+    done = solved(asperity, EXAMPLES / f"{name}.scene", folder=tmp_path, contacts=False)
     row = done.positions[0]
     simulated = {effect: row[effect] for effect in ON if row.get(effect, "off") != "off"}
     assert simulated == ABOUT[name]

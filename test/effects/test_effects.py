@@ -7,7 +7,8 @@ import numpy as np
 import pytest
 
 from effect_runs import (CAP, CELLS, COMBINED, CONVERGED, COUPLED_APART, COUPLED_OVERLAPPING,
-                         ROOT, Sweeps, column, effect_rows, report, total)
+                         ROOT, Sweeps, effect_rows, total)
+from judge import column, compare, solved
 from surfaces_csv import records, solve, write_scene, write_surface
 
 OVERLAPPING = (18, 56, 79)  # positions of the thesis where contact circles overlap
@@ -50,8 +51,8 @@ def test_factor_of_coupled(sweeps, truth, tally):
     run = sweeps.solve(interaction="coupled")
     errors = np.abs(column(run.positions, "factor") - column(truth, "factor"))
     apart = ~overlapping(truth)
-    report(tally, "effects: factor, coupled, circles apart", errors[apart], COUPLED_APART)
-    report(tally, "effects: factor, coupled, overlapping", errors[~apart], COUPLED_OVERLAPPING)
+    compare(tally, "effects: factor, coupled, circles apart", errors[apart], COUPLED_APART)
+    compare(tally, "effects: factor, coupled, overlapping", errors[~apart], COUPLED_OVERLAPPING)
 
 
 def test_loads_alone(sweeps, truth, tally):
@@ -60,7 +61,7 @@ def test_loads_alone(sweeps, truth, tally):
         run = sweeps.solve(interaction=mode)
         alone = column(run.positions, "alone_load" if mode == "coupled" else "vertical_load")
         errors = np.abs(alone / column(truth, "hertz") - 1)
-        report(tally, f"effects: load alone, {mode}", errors, 5e-10)  # the truth's printed digits
+        compare(tally, f"effects: load alone, {mode}", errors, 5e-10)  # the truth's printed digits
 
 
 @pytest.mark.truth
@@ -69,7 +70,7 @@ def test_contacts_that_open(sweeps, truth, tally):
     want = column(truth, "contacts") - column(truth, "open")
     for mode in ("coupled", "boundary"):
         have = column(sweeps.solve(interaction=mode).positions, "contacts")
-        report(tally, f"effects: contacts left, {mode}", np.abs(have - want), 0.5)
+        compare(tally, f"effects: contacts left, {mode}", np.abs(have - want), 0.5)
     assert column(truth, "open").sum() > 3
 
 
@@ -91,9 +92,9 @@ def test_contacts_lowered(sweeps, tally):
         load.append(abs(float(row["load"]) / hertz - 1))
     assert max(float(row["lowered"]) for row in rows) > 1e-3
     # The loads' residual is of the largest penetration: a lone contact, too, has it.
-    report(tally, "effects: penetration and lowering", depth, CONVERGED)
-    report(tally, "effects: load alone of a contact", alone, 1e-12)
-    report(tally, "effects: load of a lowered contact", load, 1e-12)
+    compare(tally, "effects: penetration and lowering", depth, CONVERGED)
+    compare(tally, "effects: load alone of a contact", alone, 1e-12)
+    compare(tally, "effects: load of a lowered contact", load, 1e-12)
 
 
 def test_load_of_boundary_is_converged(sweeps, truth, tally):
@@ -101,7 +102,7 @@ def test_load_of_boundary_is_converged(sweeps, truth, tally):
     run = sweeps.solve(interaction="boundary")
     for ours, theirs in (("vertical_load", "by_contact"), ("alone_load", "hertz")):
         errors = np.abs(column(run.positions, ours) / column(truth, theirs) - 1)
-        report(tally, f"effects: load {theirs}, boundary", errors, CELLS)
+        compare(tally, f"effects: load {theirs}, boundary", errors, CELLS)
 
 
 @pytest.mark.parametrize("position", (8, 18, 19, 38, 57))
@@ -111,9 +112,9 @@ def test_finer_cells_change_loads_within_the_tolerance(position, sweeps, truth, 
                     for bound in (CELLS, 1e-4))
     assert float(fine["cells"]) >= float(coarse["cells"])
     load = float(fine["vertical_load"])
-    report(tally, "effects: load, default cells against finer",
+    compare(tally, "effects: load, default cells against finer",
            [abs(float(coarse["vertical_load"]) / load - 1)], CELLS)
-    report(tally, "effects: load, finer cells",
+    compare(tally, "effects: load, finer cells",
            [abs(load / float(truth[position - 1]["by_contact"]) - 1)], 2e-4)
 
 
@@ -122,8 +123,8 @@ def test_auto_is_within_its_tolerance(sweeps, truth, tally):
     auto = sweeps.solve(interaction="auto", tolerance=0.01).positions
     cells = column(sweeps.solve(interaction="boundary").positions, "factor")
     factor = np.array([float(r["factor"]) if r["interaction"] != "off" else 1.0 for r in auto])
-    report(tally, "effects: factor, auto against boundary", np.abs(factor - cells), 0.01)
-    report(tally, "effects: factor, auto", np.abs(factor - column(truth, "factor")), 0.01)
+    compare(tally, "effects: factor, auto against boundary", np.abs(factor - cells), 0.01)
+    compare(tally, "effects: factor, auto", np.abs(factor - column(truth, "factor")), 0.01)
 
 
 @pytest.mark.parametrize("tolerance", (0.001, 0.01, 0.1))
@@ -135,10 +136,10 @@ def test_auto_simulates_what_matters(tolerance, sweeps, truth, tally):
     assert 0 < simulated.sum() < 100
     # First order, with stiffnesses of contacts alone: together they carry less than that takes.
     ours = 1 - column(sweeps.solve(interaction="coupled").positions, "factor")
-    report(tally, "effects: influence of coupled above the estimate",
+    compare(tally, "effects: influence of coupled above the estimate",
            np.maximum(ours - estimate, 0), 1e-9)
     lost = 1 - column(truth, "factor")
-    report(tally, "effects: influence above the estimate", np.maximum(lost - estimate, 0), 2e-4)
+    compare(tally, "effects: influence above the estimate", np.maximum(lost - estimate, 0), 2e-4)
     measured = column(rows, "interaction_influence")[simulated]
     assert np.allclose(measured, column(rows, "factor")[simulated] - 1, rtol=0, atol=1e-15)
     ways = [row["interaction"] for row in rows]
@@ -207,7 +208,7 @@ def test_curve_is_made_of_states(mode, sweeps, tally):
                            loading={"control": "approach", "value": float(state["separation"])})
         errors.append(abs(float(one.positions[0]["load"]) - float(state["load"])) / full)
     # The approach of a state is rounded where it is written.
-    report(tally, f"effects: states of a curve, {mode}", errors, 1e-9)
+    compare(tally, f"effects: states of a curve, {mode}", errors, 1e-9)
     loads = column(run.curve, "load")
     assert (np.diff(loads) > 0).all()
 
@@ -226,9 +227,8 @@ def caps_on_a_plane(folder, loading, modulus=1.0, length=1.0, **effects):
 def test_influence_is_the_load_over_that_of_isolated_contacts(asperity, tmp_path, tally):
     """Hertz' load of two isolated contacts at the same separation, in closed form."""
     for compression in (0.01, 0.05):
-        found = solve(asperity, caps_on_a_plane(
+        found = solved(asperity, caps_on_a_plane(
             tmp_path, {"control": "approach", "value": 1 - compression}))
-        assert found.status == 0, found.stderr
         isolated = 2 * 4 / 3 * 1e3 * 2.0 ** 0.5 * compression ** 1.5
         row = found.positions[0]
         assert float(row["interaction_influence"]) == pytest.approx(
@@ -242,10 +242,9 @@ def test_a_path_of_pressures_in_any_units(asperity, tmp_path, modulus, length):
     """The nominal pressure of each state is the one asked for, and the compression scales with the
     unit of length."""
     pressures = [1.0, 4.0, 2.0]
-    found = solve(asperity, caps_on_a_plane(
+    found = solved(asperity, caps_on_a_plane(
         tmp_path, {"control": "pressure", "value": tuple(p * modulus for p in pressures)},
         modulus, length), curve=True)
-    assert found.status == 0, found.stderr
     np.testing.assert_allclose(column(found.curve, "nominal_pressure"),
                                np.array(pressures) * modulus, rtol=1e-9)
     plain = solve(asperity, caps_on_a_plane(

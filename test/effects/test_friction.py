@@ -11,9 +11,10 @@ import numpy as np
 import pytest
 
 import friction_truth
-from effect_runs import (CAP, COMBINED, MODULUS, RATIO, TOLD, Sweeps, by_position, column,
-                         effect_rows, place_of, report, total)
-from surfaces_csv import solve, write_csv_scene
+from effect_runs import (CAP, COMBINED, MODULUS, RATIO, TOLD, Sweeps, by_position,
+                         effect_rows, place_of, total)
+from judge import column, compare, solved
+from surfaces_csv import write_csv_scene
 
 KAPPA = 2 * (1 - RATIO) / (2 - RATIO)  # tangential over normal stiffness (Mindlin 1949)
 # Of the loads, against closed_form; and of loads and slip annulus against 1000 springs.
@@ -51,7 +52,7 @@ def errors_of(row, place, truth, annulus):
         float(row["sliding"]) == float(truth.sliding))
 
 
-def compare(rows, coefficient, tally, name, **more):
+def against_closed_form(rows, coefficient, tally, name, **more):
     """All rows against the closed form."""
     forces, annuli, agreed = [], [], 0
     for row in rows:
@@ -62,8 +63,8 @@ def compare(rows, coefficient, tally, name, **more):
         forces.append(force)
         annuli.append(annulus)
         agreed += same
-    report(tally, f"friction: forces, {name}", forces, EXACT)
-    report(tally, f"friction: slip annulus, {name}", annuli, EXACT_ANNULUS)
+    compare(tally, f"friction: forces, {name}", forces, EXACT)
+    compare(tally, f"friction: slip annulus, {name}", annuli, EXACT_ANNULUS)
     tally.add(f"friction: sliding or not, {name}", len(rows), agreed)
     assert agreed == len(rows)
 
@@ -79,7 +80,7 @@ def test_every_contact_of_the_sweep(coefficient, sweeps, tally):
         kinds["stick" if annulus == 0 else "slide" if annulus == 1 else "part"] += 1
     print(f"coefficient {coefficient}: {kinds}")
     assert (kinds["slide"] > 50) == (coefficient < 0.5) and kinds["stick"] > 30
-    compare(run.contacts, coefficient, tally, f"coefficient {coefficient}")
+    against_closed_form(run.contacts, coefficient, tally, f"coefficient {coefficient}")
 
 
 @pytest.mark.truth
@@ -94,7 +95,7 @@ def test_contacts_that_slip_in_part(sweeps, tally):
             position = int(rows[number]["position"])
             run = sweeps.solve(positions=1, x_first=position / 10, friction="on",
                                friction_coefficient=coefficient)
-            compare(run.contacts, coefficient, tally, "beside part slip")
+            against_closed_form(run.contacts, coefficient, tally, "beside part slip")
             row = next(r for r in run.contacts if r["upper"] == rows[number]["upper"]
                        and r["lower"] == rows[number]["lower"])
             if not 0 < float(row["slip_annulus"]) < 1:
@@ -109,8 +110,8 @@ def test_contacts_that_slip_in_part(sweeps, tally):
             forces.append(force)
             annuli.append(annulus)
     assert len(forces) >= 8
-    report(tally, "friction: forces against springs", forces, BY_SPRINGS)
-    report(tally, "friction: slip annulus against springs", annuli, ANNULUS_BY_SPRINGS)
+    compare(tally, "friction: forces against springs", forces, BY_SPRINGS)
+    compare(tally, "friction: slip annulus against springs", annuli, ANNULUS_BY_SPRINGS)
 
 
 def test_coefficient_zero(sweeps):
@@ -135,11 +136,11 @@ def test_coefficient_without_bound(sweeps, tally):
     assert column(huge.positions, "sliding_contacts").max() == 0.0
     for other in (10.0, 1e99, 1e308):
         assert sweeps.solve(friction="on", friction_coefficient=other).contacts == huge.contacts
-    compare(huge.contacts, 10, tally, "coefficient 1e300")
+    against_closed_form(huge.contacts, 10, tally, "coefficient 1e300")
     # Walton 1978: T/N = kappa tan, with the slope at the end. The slope grows a little on the way.
     ratio = column(huge.contacts, "tangential_load") / column(huge.contacts, "load")
     slope = column(huge.contacts, "slope")
-    report(tally, "friction: stick against Walton's ratio",
+    compare(tally, "friction: stick against Walton's ratio",
            np.abs(ratio / (KAPPA * slope) - 1), 0.01)
     assert (ratio < KAPPA * slope).all()
 
@@ -158,7 +159,7 @@ def test_positions_are_sums_of_contacts(sweeps, tally):
         size = up.sum() * max(1.0, np.abs([x, y]).max())
         worst += [abs(float(run.positions[m - 1][name]) - value) / size
                   for name, value in want.items()]
-    report(tally, "friction: rig and sums", worst, 1e-13)
+    compare(tally, "friction: rig and sums", worst, 1e-13)
     assert column(run.positions, "sliding_contacts").max() > 2
 
 
@@ -170,11 +171,11 @@ def test_auto_simulates_friction_beyond_the_tolerance(sweeps, tally):
         estimate = column(auto.positions, "friction_estimate")
         simulated = np.array([row["friction"] == "on" for row in auto.positions])
         assert (simulated == (estimate > tolerance)).all() and 5 < simulated.sum() < 95
-        report(tally, "friction: influence above the estimate",
+        compare(tally, "friction: influence above the estimate",
                np.maximum(column(on.positions, "friction_influence") - estimate, 0), 1e-12)
-        report(tally, "friction: estimate beyond the influence",
+        compare(tally, "friction: estimate beyond the influence",
                estimate / column(on.positions, "friction_influence") - 1, 0.02)
-        report(tally, "friction: vertical load, auto against on",
+        compare(tally, "friction: vertical load, auto against on",
                np.abs(column(auto.positions, "vertical_load")
                       / column(on.positions, "vertical_load") - 1), tolerance)
         for row, full, free, there in zip(auto.positions, on.positions, off.positions, simulated):
@@ -189,7 +190,8 @@ def test_unlike_materials(sweeps, tally):
     """Mindlin's stiffness of unlike bodies."""
     material = {"elastic_modulus": (3.0e5, 1.1e5), "poisson_ratio": (0.2, 0.45)}
     run = sweeps.solve(material=material, positions=20, friction="on", friction_coefficient=0.1)
-    compare(run.contacts, 0.1, tally, "unlike materials", material=(3.0e5, 0.2, 1.1e5, 0.45))
+    against_closed_form(run.contacts, 0.1, tally, "unlike materials",
+                        material=(3.0e5, 0.2, 1.1e5, 0.45))
 
 
 @pytest.mark.truth
@@ -199,7 +201,7 @@ def test_lowered_contacts_rub_less(sweeps, tally):
     both = sweeps.solve(interaction="coupled", friction="on", friction_coefficient=0.1)
     for free, row in zip(coupled.contacts, both.contacts, strict=True):
         assert all(free[name] == row[name] for name in ("penetration", "load", "lowered"))
-    compare(both.contacts, 0.1, tally, "lowered contacts")
+    against_closed_form(both.contacts, 0.1, tally, "lowered contacts")
     assert all(a["vertical_load"] == b["frictionless_load"]
                for a, b in zip(coupled.positions, both.positions))
     assert all(a["factor"] == b["factor"] for a, b in zip(coupled.positions, both.positions))
@@ -227,7 +229,7 @@ def test_friction_on_cells(sweeps, tally):
         want = abs(vertical / cosine * sine - along * cosine)
         worst.append(max(abs(side - want), abs(float(row["vertical_load"]) - vertical
                                                - along * sine)) / vertical)
-    report(tally, "friction: equilibrium on cells", worst, 1e-10)
+    compare(tally, "friction: equilibrium on cells", worst, 1e-10)
 
 
 def test_one_contact_that_slips_in_part(asperity, tmp_path, tally):
@@ -241,8 +243,7 @@ def test_one_contact_that_slips_in_part(asperity, tmp_path, tally):
         modulus=(MODULUS, MODULUS), ratio=(RATIO, RATIO),
         loading={"control": "approach", "value": -0.02},
         effects={"friction": "on", "friction_coefficient": coefficient})
-    run = solve(asperity, scene)
-    assert run.status == 0, run.stderr
+    run = solved(asperity, scene)
     row = run.contacts[0]
     depth = float(row["penetration"])
     assert depth == pytest.approx(0.02, rel=1e-12)
@@ -254,8 +255,8 @@ def test_one_contact_that_slips_in_part(asperity, tmp_path, tally):
     side = along / distance * float(truth.lateral)
     want = [float(truth.tangential), float(truth.vertical), *side]
     have = numbers(row, "tangential_load", "vertical_load", "lateral_x", "lateral_y")
-    report(tally, "friction: one pair that slips in part",
+    compare(tally, "friction: one pair that slips in part",
            np.abs(np.array(have) - want) / float(truth.normal), EXACT)
-    report(tally, "friction: its slip annulus", [abs(float(row["slip_annulus"]) - annulus)], 1e-9)
+    compare(tally, "friction: its slip annulus", [abs(float(row["slip_annulus"]) - annulus)], 1e-9)
     assert float(truth.normal) == pytest.approx(
         4 / 3 * COMBINED * np.sqrt(CAP / 2) * float(row["overlap"]) ** 1.5, rel=1e-12)

@@ -2,10 +2,12 @@
 
 import shutil
 import subprocess
+from functools import partial
 
 import pytest
 
 from outside_runs import DECK, is_asleep, parts, wait_for
+from programs import run_program
 
 
 @pytest.fixture
@@ -13,12 +15,7 @@ def run(asperity, tmp_path):
     """Runs the program in the test's folder."""
     shutil.copy(DECK, tmp_path / "t.deck")
 
-    def runner(*words, **options):
-        settings = {"cwd": tmp_path, "capture_output": True, "timeout": 60,
-                    "stdin": subprocess.DEVNULL, **options}
-        return subprocess.run([asperity, *map(str, words)], check=False, **settings)
-
-    return runner
+    return partial(run_program, asperity, status=None, cwd=tmp_path, text=False, timeout=60)
 
 
 @pytest.fixture

@@ -14,8 +14,8 @@ from decks import random_deck, write_deck
 from historic import NAMES, LostMeaningError, restate
 from make_cases import write_all
 from exact_contact import TOTALS
-from measure import (NO_NUMBER, condition, largest_coordinate, measure, measure_deck, run,
-                     scene_of)
+from judge import NO_NUMBER
+from measure import condition, largest_coordinate, measure, measure_deck, run, scene_of
 from programs import run_program
 from surfaces_csv import records
 from test_solve import deck_truth, relative, solve_deck
@@ -87,7 +87,7 @@ POWERS = {"separation": 1, "compression": 1, "x": 1, "y": 1, "penetration": 1, "
     if arithmetic not in SCENES[f"unit_2^{power}"].refused
     and (arithmetic != "ibm370" or power % 4 == 0)])
 def test_lengths_times_a_power_of_2_scale_bit_for_bit(power, arithmetic, asperity, data, tmp_path):
-    base, other = (run(asperity, data / f"{name}.scene", arithmetic, tmp_path)
+    base, other = (run(asperity, data / f"{name}.scene", tmp_path)
                    for name in ("unit_base", f"unit_2^{power}"))
     compared = 0
     for rows in ("positions", "contacts"):

@@ -6,9 +6,10 @@ import pytest
 from boundary_equations import evaluate
 from boundary_patch import Contact
 from effect_cases import AUTO, BOUNDARY, COUPLED, THREE, combined, effect_cases
-from effect_laws import keeps_laws, run
+from effect_laws import keeps_laws
 from friction_truth import closed_form
-from surfaces_csv import Solved, write_csv_scene
+from judge import check, has_result, solved
+from surfaces_csv import Solved, solve, write_csv_scene
 
 CASES = {case.name: case for case in effect_cases()}
 # Many cells: a steep contact is a long strip of them; the curve solves them fifty times.
@@ -20,48 +21,47 @@ LONG = ("slope_10_load_boundary", "curve_boundary")
 def test_effect_case(name, asperity, root, tmp_path, tally):
     case = CASES[name]
     scene = root / "data/hard/effects" / f"{name}.scene"
-    solved = run(asperity, scene, tmp_path, curve=name.startswith("curve"))
-    if solved.status:
-        assert case.refused and case.refused in solved.stderr, solved.stderr
+    run = solve(asperity, scene, folder=tmp_path, curve=name.startswith("curve"))
+    if not has_result(run):
+        assert case.refused and case.refused in run.stderr, run.stderr
         tally.add("hard cases of effects", 1, 1)
         return
     assert case.either or not case.refused, "a result for what no surfaces can do"
-    kept = keeps_laws(solved, case.groups)
+    kept = keeps_laws(run, case.groups)
     for law in case.laws:
-        kept += law(solved)
+        kept += law(run)
     if "mpmath" in case.truth:
-        kept += meets_closed_form(solved, case)
-    if solved.curve:
-        loads = [float(row["load"]) for row in solved.curve]
+        kept += meets_closed_form(run, case)
+    if run.curve:
+        loads = [float(row["load"]) for row in run.curve]
         assert len(loads) >= 50 and loads == sorted(loads)
     tally.add("hard cases of effects", kept, kept)
 
 
-def meets_closed_form(solved, case):
+def meets_closed_form(run, case):
     """Every contact's loads against mpmath, at the penetration that the program found."""
     upper, lower, mu = case.upper[0], case.lower[0], case.groups["effects"]["friction_coefficient"]
-    for row in solved.contacts:
+    for row in run.contacts:
         numbers = (upper[3], lower[3], upper[0] - lower[0], float(row["penetration"]),
                    case.modulus[0], case.ratio[0], case.modulus[1], case.ratio[1], mu)
         true = closed_form(*numbers)
         for name, wanted in (("load", true.normal), ("tangential_load", true.tangential),
                              ("vertical_load", true.vertical)):
-            off = abs(float(row[name]) - wanted)
-            assert off <= 1e-11 * abs(wanted), f"{name}: {row[name]} for {wanted}"
+            check(name, float(row[name]), float(wanted), 1e-11)
         # A difference of two large numbers in plan.
-        assert abs(float(row["lateral_x"]) - true.lateral) <= 1e-11 * (
-            true.normal + true.tangential)
+        check("lateral_x", float(row["lateral_x"]), float(true.lateral), 1e-11,
+              scale=float(true.normal + true.tangential))
         assert bool(float(row["sliding"])) == true.sliding
-    assert solved.contacts
-    return 5 * len(solved.contacts)
+    assert run.contacts
+    return 5 * len(run.contacts)
 
 
 def test_interaction_does_not_know_the_material(asperity, root, tmp_path):
     factors = []
     for name in CASES:
         if name.startswith("interaction_poisson"):
-            solved = run(asperity, root / "data/hard/effects" / f"{name}.scene", tmp_path)
-            factors.append(float(solved.positions[0]["factor"]))
+            run = solved(asperity, root / "data/hard/effects" / f"{name}.scene", folder=tmp_path)
+            factors.append(float(run.positions[0]["factor"]))
     assert len(factors) == 3
     assert max(factors) - min(factors) < 1e-12 < 1 - max(factors)
 
@@ -82,11 +82,10 @@ def test_three_contacts_against_the_independent_evaluation(asperity, tmp_path, t
         path = write_csv_scene(tmp_path, THREE[0], lower, way,
                                loading={"control": "approach", "value": end},
                                effects={"interaction": way})
-        solved = run(asperity, path, tmp_path)
-        assert int(solved.positions[0]["contacts"]) == 3
-        off = abs(float(solved.positions[0]["factor"]) - true["factor"])
-        print(f"{way}: factor {solved.positions[0]['factor']}, off by {off:.1e}")
-        assert off <= allowed + true["uncertainty"]
+        row = solved(asperity, path).positions[0]
+        assert int(row["contacts"]) == 3
+        check(f"{way}: factor", float(row["factor"]), true["factor"], allowed, true["uncertainty"],
+              scale=1.0)
         tally.add("hard cases of effects", 1, 1)
 
 

@@ -3,27 +3,24 @@
 from dataclasses import replace
 
 import pytest
+from judge import missed, solved
 from make_cases import write_models
 from model_cases import PLACES, WAYS, dense_load, model_cases
-from surfaces_csv import solve
 
 CASES = {case.name: case for case in model_cases()}
 
 
 @pytest.mark.parametrize("name", CASES)
 def test_model_case(name, asperity, root, tmp_path, tally):
-    solved = solve(asperity, root / "data/hard/models" / f"{name}.scene", folder=tmp_path,
-                   curve=True)
-    assert solved.status == 0, solved.stderr
+    run = solved(asperity, root / "data/hard/models" / f"{name}.scene", folder=tmp_path)
     for value in CASES[name].values:
-        error = value.error(solved)
-        assert error <= value.tolerance, f"{value.column}: {error:.1e}, {value.reason}"
+        figure = value.figure(run)
+        assert not missed([figure], value.tolerance), figure
         tally.add("hard cases of models", 1, 1)
         if value.tolerance:
             # A truth twice the tolerance away is seen.
-            true = value.true() if callable(value.true) else value.true
-            other = replace(value, true=true + 2 * value.tolerance * (abs(true) or 1.0))
-            assert other.error(solved) > value.tolerance
+            other = replace(figure, true=figure.true + 2 * value.tolerance * figure.scale)
+            assert missed([other], value.tolerance)
 
 
 @pytest.mark.truth
@@ -32,9 +29,9 @@ def test_auto_is_not_worse_than_coupled(name, asperity, root, tmp_path):
     """Errors of the load, to the uncertainty of the truth."""
     errors = {}
     for way in WAYS:
-        solved = solve(asperity, root / "data/hard/models" / f"dense_{name}_{way}.scene",
-                       folder=tmp_path)
-        errors[way] = abs(float(solved.positions[0]["load"]) / dense_load(name) - 1)
+        run = solved(asperity, root / "data/hard/models" / f"dense_{name}_{way}.scene",
+                     folder=tmp_path)
+        errors[way] = abs(float(run.positions[0]["load"]) / dense_load(name) - 1)
     assert errors["auto"] <= errors["coupled"] + 1e-5
     assert errors["boundary"] < errors["coupled"]
 

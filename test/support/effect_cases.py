@@ -8,6 +8,8 @@ independently of the program.
 from dataclasses import dataclass
 from math import sqrt
 
+from judge import check, number
+
 MODULUS = (2.0e5, 1.0e5)
 RATIO = (0.3, 0.25)
 COUPLED, BOUNDARY, AUTO = "coupled", "boundary", "auto"
@@ -50,18 +52,10 @@ def hertz(radius, penetration, modulus=None):
 
 # ---------------------------------------------------------------- laws
 
-def number(row, name):
-    return float(row[name])
-
-
-def near(found, true, share, what):
-    assert abs(found - true) <= share * abs(true), f"{what}: {found!r} for {true!r}"
-
-
 def total(true, share, column="load"):
     """A total of the last position."""
     def law(solved):
-        near(number(solved.positions[-1], column), true, share, column)
+        check(column, number(solved.positions[-1], column), true, share)
         return 1
     return law
 
@@ -97,7 +91,7 @@ def nothing_at_all(solved):
 def all_slide(solved):
     for row in solved.contacts:
         assert int(float(row["sliding"])) == 1
-        near(number(row, "tangential_load"), number(row, "load") * 1e-300, 1e-9, "T")
+        check("T", number(row, "tangential_load"), number(row, "load") * 1e-300, 1e-9)
     return len(solved.contacts)
 
 
@@ -105,7 +99,7 @@ def no_tangential_load(solved):
     for row in solved.contacts:
         assert number(row, "tangential_load") == 0.0
     for row in solved.positions:
-        near(number(row, "vertical_load"), number(row, "frictionless_load"), 1e-15, "vertical")
+        check("vertical", number(row, "vertical_load"), number(row, "frictionless_load"), 1e-15)
     return len(solved.contacts) + len(solved.positions)
 
 

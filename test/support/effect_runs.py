@@ -8,7 +8,8 @@ import numpy as np
 
 from boundary_patch import Contact
 from exact_contact import Truth, read_deck
-from surfaces_csv import solve, write_csv_scene, write_scene
+from judge import column, solved
+from surfaces_csv import write_csv_scene, write_scene
 
 ROOT = Path(__file__).resolve().parents[2]
 DECK = ROOT / "data" / "thesis.deck"
@@ -41,23 +42,13 @@ class Sweeps:
         if key not in self.done:
             folder = self.folder / str(len(self.done))
             folder.mkdir()
-            groups = {"surfaces": {"deck": str(DECK)},
-                      "motion": {"x_first": x_first, "x_step": 0.1, "positions": positions}}
-            if loading:
-                groups["loading"] = loading
-            if material:
-                groups["material"] = material
-            if effects:
-                groups["effects"] = effects
-            scene = write_scene(folder / "sweep.scene", **groups)
-            self.done[key] = solve(self.asperity, scene, *options, curve=curve)
-            assert self.done[key].status == 0, self.done[key].stderr
+            groups = {"loading": loading, "material": material, "effects": effects}
+            scene = write_scene(
+                folder / "sweep.scene", surfaces={"deck": str(DECK)},
+                motion={"x_first": x_first, "x_step": 0.1, "positions": positions},
+                **{name: values for name, values in groups.items() if values})
+            self.done[key] = solved(self.asperity, scene, *options, curve=curve)
         return self.done[key]
-
-
-def column(rows, name):
-    """A column as numbers; what was not computed is none."""
-    return np.array([float(row[name] or "nan") for row in rows])
 
 
 def effect_rows(stdout):
@@ -84,16 +75,6 @@ def by_position(rows):
 def total(rows, name):
     """Sum of a column."""
     return column(rows, name).sum()
-
-
-def report(tally, name, errors, bound):
-    """Print the worst and where, count, and hold it against the bound."""
-    errors, bound = np.asarray(errors, float), np.broadcast_to(bound, np.shape(errors))
-    worst = int(np.argmax(errors / bound))
-    tally.add(name, errors.size, int((errors <= bound).sum()))
-    print(f"{name}: {errors.size} compared, worst {errors[worst]:.2e} (number {worst + 1}), "
-          f"allowed {bound[worst]:.0e}")
-    assert (errors <= bound).all(), f"{name}: {errors[worst]:.3e} at number {worst + 1}"
 
 
 @cache

@@ -111,11 +111,11 @@ VALUES = ["ibm370", "real32", "real64", "real128", "IBM370", "none", "all", "13,
           "'", "\u20ac", "%s%n", "x" * 5000, "\x7f", "\x9b1m", "1 2", "1,100", "--help", "-h",
           "1.0e+999", "1-3", "+.5", "9" * 400]
 OPTIONS = ["--arithmetic", "--tables", "--contacts", "--positions", "--carriage-control", "--curve",
-           "--accuracy", "--threads", "--budget", "--quiet", "--csv", "--version", "--help", "-h",
-           "--", "-", "--nothing", "-x", "--contacts=", "--=", "=", "--budget=1"]
+           "--accuracy", "--threads", "--units", "--quiet", "--csv", "--version", "--help", "-h",
+           "--", "-", "--nothing", "-x", "--contacts=", "--=", "=", "--units=1"]
 VALUED = ("--arithmetic", "--tables", "--contacts", "--positions", "--curve", "--accuracy",
           "--threads", "--csv", "--keep")
-COMMANDS = ["solve", "solve", "accuracy", "generate", "study", "Solve", ""]
+COMMANDS = ["solve", "solve", "accuracy", "generate", "summits", "Solve", ""]
 INPUTS = ["deck", "s.scene", "u.csv", "sub", "none.deck", "/dev/null", "/dev/zero", "", "deck/x",
           "./deck", "-", "\udcff.deck", "a\nb", "\x1b]0;x\x07", "x" * 5000, "/dev/full", "*"]
 
@@ -156,7 +156,7 @@ def solve_arguments(rng):
     elif draw < 0.4:
         words += ["--accuracy", rng.choice(["1e-3", "0.5", "1e-9", "1e-14", "1e-40"])]
     if rng.random() < 0.15:
-        words.append("--budget")
+        words.append("--quiet")
     return words
 
 
@@ -196,8 +196,6 @@ def make_case(seed):
         case.arguments += ["--keep", "kept"]
         if rng.random() < 0.3:
             case.files["kept"] = rng.choice(KEPT)
-    if case.arguments[:1] == ["solve"] and random.Random(f"cost {seed}").random() < 0.05:
-        case.arguments.insert(1, "--cost")
     return case
 
 

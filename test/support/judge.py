@@ -1,11 +1,14 @@
-"""The judge: what a run of `asperity solve` found against what is true, with the doubt of both.
+"""The judge: what a run of `asperity solve` found against what is true, with the errors of both.
 
-`ask` runs a scene, `ask_all` many of them side by side: answers. A truth makes figures of an answer:
-a number that was found, the true one and its bound, what the run estimates of its error. `missed`
-lists the figures beyond a tolerance, `estimates` how the estimates stand to the errors.
+`ask` runs a scene, `ask_all` many of them side by side: answers. `has_result` states whether an
+answer is a result or a refusal, and raises where it is neither. A truth makes figures of an answer:
+a number that was found, the true one and its bound, the estimate of the run. `is_met` defines when
+a figure is right; `missed` lists the others, `check` and `compare` raise for them, and `estimates`
+compares estimates with errors.
 """
 
 import os
+import re
 import subprocess
 import tempfile
 import time
@@ -19,6 +22,9 @@ from surfaces_csv import Solved, solve
 
 # Many small files: in memory where there is room for them.
 ROOM = "/dev/shm" if Path("/dev/shm").is_dir() else None
+# Columns of words; no other text than a number stands in the other columns.
+WORDS = ("interaction", "friction", "plasticity", "adhesion", "creep")
+NO_NUMBER = re.compile(r"\b(nan|inf|infinity)\b|\*\*\*", re.IGNORECASE)
 
 
 @dataclass
@@ -41,7 +47,7 @@ def ask(exe, write, *options, name="", timeout=300, **tables):
             ran = vars(solve(exe, scene, "--threads", "1", *options, timeout=timeout, **tables))
         except subprocess.TimeoutExpired:
             ran = dict(status=-1, stdout="", stderr=f"not done in {timeout} s", positions=[],
-                       contacts=[], curve=[])
+                       contacts=[], curve=[], scene=scene)
         return Answer(**ran, name=name, seconds=time.perf_counter() - start)
 
 
@@ -51,6 +57,38 @@ def ask_all(jobs):
     workers = int(os.environ.get("PYTEST_XDIST_WORKER_COUNT", "1"))
     with ThreadPoolExecutor(max(1, (os.cpu_count() or 1) // workers)) as pool:
         return list(pool.map(lambda job: job(), jobs))
+
+
+def solved(exe, scene, *options, **wanted):
+    """A run that must have results, with all its tables."""
+    run = solve(exe, scene, *options, **{"curve": True, **wanted})
+    assert run.status == 0, run.stderr
+    return run
+
+
+def has_result(answer, refusals=(1,)):
+    """Whether a run has results, which are finite numbers. Otherwise it is a refusal: one of these
+    exit statuses, no output, and one message of the scene beside the notes."""
+    rows = [*answer.positions, *answer.contacts, *answer.curve]
+    if answer.status == 0:
+        assert answer.positions and "model: " in answer.stdout, answer.stdout
+        printed = answer.stdout.replace(str(answer.scene), "")
+        assert not NO_NUMBER.search(printed), printed
+        for row in rows:
+            assert all(name in WORDS or abs(float(cell or 0)) < np.inf
+                       for name, cell in row.items()), row
+        return True
+    assert answer.status in refusals, f"status {answer.status}: {answer.stderr[-300:]}"
+    assert answer.stdout == "" and not rows
+    said = [line for line in answer.stderr.splitlines() if ": note: " not in line]
+    assert len(said) == 1 and re.match(rf"{re.escape(str(answer.scene))}:.{{10}}", said[0]), \
+        answer.stderr
+    return False
+
+
+def is_met(error, tolerance, bound=0.0):
+    """Whether an error is within the tolerance and the bound of the truth; false for NaN."""
+    return np.abs(error) <= tolerance + bound
 
 
 @dataclass
@@ -67,19 +105,54 @@ class Figure:
 
     @property
     def error(self):
-        return (self.found - self.true) / (self.true if np.isnan(self.scale) else self.scale)
+        size = self.true if np.isnan(self.scale) else self.scale
+        difference = self.found - self.true
+        return difference / size if size else np.inf * difference if difference else 0.0
 
     def within(self, tolerance):
-        return abs(self.error) <= tolerance + self.bound
+        return bool(is_met(self.error, tolerance, self.bound))
 
     def __str__(self):
-        return f"{self.what} {self.error:+.1e} {self.message[-80:]}"
+        return f"{self.what} {self.found!r} for {self.true!r}, {self.error:+.1e} " \
+               f"{self.message[-80:]}"
 
 
 def missed(figures, tolerance):
     """How many are beyond a tolerance, and the first of them, for a message; else nothing."""
     beyond = [f for f in figures if not f.within(tolerance(f) if callable(tolerance) else tolerance)]
     return f"{len(beyond)}: " + "; ".join(map(str, beyond[:8])) if beyond else ""
+
+
+def check(what, found, true, tolerance, bound=0.0, scale=np.nan):
+    """A figure that must be right."""
+    wrong = missed([Figure(what, found, true, bound, scale=scale)], tolerance)
+    assert not wrong, wrong
+
+
+def compare(tally, name, errors, tolerance):
+    """Errors that must be within a tolerance, or each within its own; each is a cell of the
+    tally. Prints the worst."""
+    errors = np.atleast_1d(np.asarray(errors, float))
+    assert errors.size, f"{name}: nothing compared"
+    tolerance = np.broadcast_to(tolerance, errors.shape)
+    met = is_met(errors, tolerance)
+    tally.add(name, errors.size, int(met.sum()))
+    worst = int(np.argmax(np.abs(errors) - tolerance))
+    text = (f"{name}: {errors.size} compared, worst {errors[worst]:.2e} (number {worst + 1}), "
+            f"allowed {tolerance[worst]:.2g}")
+    print(text)
+    assert met.all(), text
+
+
+def column(rows, name):
+    """A column as numbers; not a number where a cell is empty."""
+    return np.array([float(row[name] or "nan") for row in rows])
+
+
+def relative(found, true):
+    """Relative errors; the truth may have many digits. Where it is 0, the numbers found."""
+    return np.array([abs(float((f - t) / t)) if t else abs(float(f))
+                     for f, t in zip(found, true, strict=True)])
 
 
 def number(row, name):

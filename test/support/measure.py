@@ -9,13 +9,13 @@ coordinate brings, seen in a few trials.
 """
 
 import random
-import re
-import subprocess
 from dataclasses import dataclass, replace
 from fractions import Fraction
 
 from exact_contact import TOTALS, Truth, read_deck
+from judge import has_result
 from mpmath import mp, mpf
+from programs import run_program
 from surfaces_csv import Solved, exact_csv_scene, solve
 
 DIGITS = {"real32": 24, "real64": 53, "real128": 113}
@@ -26,7 +26,6 @@ CHANGE, CONDITION_DIGITS = Fraction(1, 10 ** 240), 300
 PLACES = ("separation", "x", "y", "x_displacement", "y_displacement")
 CONTACT = ("load", "vertical_load", "area", "projected_area", "slope", "average_pressure",
            "penetration", "overlap", "x", "y")
-NO_NUMBER = re.compile(r"\b(nan|inf|infinity)\b|\*\*\*", re.IGNORECASE)
 
 
 @dataclass
@@ -199,40 +198,26 @@ def mp_fraction(value):
     return ((-1) ** sign * mantissa << max(exponent, 0), 1 << max(-exponent, 0))
 
 
-def run(asperity, path, arithmetic, folder, positions=()):
-    """Solve; a refusal leaves no file and says why, and nothing printed is no number."""
-    if positions:
-        solved = solve_some(asperity, path, arithmetic, folder, positions)
-    else:
-        solved = solve(asperity, path, folder=folder)
-    assert solved.status in (0, 1, 2), solved.stderr
-    printed = solved.stdout.replace(str(path), "")
-    assert not NO_NUMBER.search(printed), f"{path.name} {arithmetic}: {printed}"
-    if solved.status == 0:
-        assert solved.positions
-    else:
-        assert solved.stdout == "" and not solved.positions and str(path) in solved.stderr
-    for row in (*solved.positions, *solved.contacts):
-        for name, cell in row.items():
-            # Nothing is known of the error where nothing was estimated.
-            assert name == "error_estimate" and not cell or abs(float(cell)) < float("inf"), \
-                f"{path.name} {arithmetic}: {row}"
+def run(asperity, path, folder, positions=()):
+    """Solve: a result, with a number in every cell but that of an unknown error, or a refusal."""
+    solved = solve_some(asperity, path, folder, positions) if positions else \
+        solve(asperity, path, folder=folder)
+    has_result(solved, refusals=(1, 2))
+    assert all(cell or name == "error_estimate" for row in (*solved.positions, *solved.contacts)
+               for name, cell in row.items())
     return solved
 
 
-def solve_some(asperity, path, arithmetic, folder, positions):
+def solve_some(asperity, path, folder, positions):
     """Solve a long sweep and keep the rows of a few positions."""
-    file = folder / f"{path.name}-{arithmetic}.csv"
-    done = subprocess.run([asperity, "solve", path, "--positions",
-                           file], capture_output=True, text=True, timeout=300)
-    rows = []
+    file = folder / f"{path.name}.csv"
+    done = run_program(asperity, "solve", path, "--positions", file, status=None)
     with open(file, encoding="ascii") as lines:
         names = next(lines).rstrip().split(",")
-        for m, line in enumerate(lines, 1):
-            if m in positions:
-                rows.append(dict(zip(names, line.rstrip().split(","), strict=True)))
+        rows = [dict(zip(names, line.rstrip().split(","), strict=True))
+                for m, line in enumerate(lines, 1) if m in positions]
     file.unlink()
-    return Solved(done.returncode, done.stdout, done.stderr, rows, [], [])
+    return Solved(done.returncode, done.stdout, done.stderr, rows, [], [], path)
 
 
 def compare(solved, yardstick, positions):
@@ -300,7 +285,7 @@ def positions_of_deck(scene):
 
 def measure(asperity, case, path, arithmetic, folder):
     """Run one scene case in one arithmetic."""
-    solved = run(asperity, path, arithmetic, folder, case.positions)
+    solved = run(asperity, path, folder, case.positions)
     if solved.status:
         return Outcome(refused=reason(solved, path))
     scene = scene_of(case)
@@ -310,7 +295,7 @@ def measure(asperity, case, path, arithmetic, folder):
 
 def measure_deck(asperity, path, arithmetic, folder):
     """Run one deck in one arithmetic of the present-day solver; some of its positions."""
-    solved = run(asperity, path, arithmetic, folder)
+    solved = run(asperity, path, folder)
     if solved.status:
         return Outcome(refused=reason(solved, path))
     scene = read_deck(path)

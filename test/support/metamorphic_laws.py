@@ -5,54 +5,31 @@ says of itself is not asked: totals are summed from the file of contacts, loads 
 what was asked for, contacts are held against their caps.
 """
 
+import copy
 import math
 import random
 
 import metamorphic_scenes as scenes
+from judge import check, has_result, number
 
-# Results are bit for bit the same, or differ by rounding: of coordinates up to 20 in sums of up to
-# 64 contacts, through the slope of load over closing. Contacts of 1e-9 of the closing lose 1e9
-# roundings; scenes close by 1e-3 at least, or to a load that is met to 1e-11.
-ROUNDING = 1e-9
-# What neighbours take away is solved to so much of the load where circles bear it.
-COUPLED = 1e-8
 LOAD_MET = 1e-6
 UNSURE = "the area is less sure than the tolerance"
 TOTALS = ("load", "vertical_load", "area", "projected_area")
 
 
-class Broken(Exception):
-    """A law that a result does not keep."""
-
-
-def claim(holds, text):
-    if not holds:
-        raise Broken(text)
-
-
-def number(row, name):
-    return float(row[name]) if row[name] != "" else 0.0
-
-
 def near(a, b, share, what, size=0.0):
-    claim(abs(a - b) <= share * max(abs(a), abs(b), size), f"{what}: {a!r} and {b!r}")
+    check(what, a, b, share, scale=max(abs(a), abs(b), size))
 
 
 # ---------------------------------------------------------------- one result
 
 def look(scene, run):
     """What must hold of any result."""
-    claim(run.status in (0, 1, 2), f"status {run.status}: {run.err[-300:]}")
-    if run.status:
-        claim(run.err.strip() and not run.out and not run.files, f"status {run.status}, no word")
-        claim(run.status == 1, f"refused as bad input: {run.err}")
+    if not has_result(run):
         return
-    for text in [run.out] + [cell for rows in run.files.values() for row in rows
-                             for cell in row.values()]:
-        claim("NaN" not in text and "Infinity" not in text and "***" not in text, f"{text!r}")
-    rows, curve = run.files["positions"], run.files["curve"]
+    rows, curve = run.positions, run.curve
     contacts = {}
-    for contact in run.files["contacts"]:
+    for contact in run.contacts:
         contacts.setdefault((contact["position"], contact["step"]), []).append(contact)
     for row in curve:
         own = contacts.get((row["position"], row["step"]), [])
@@ -63,40 +40,42 @@ def look(scene, run):
     last = {row["position"]: row for row in curve}
     for row in rows:
         for name in (*TOTALS, "separation"):
-            claim(row[name] == last[row["position"]][name], f"{name} of the last state")
+            assert row[name] == last[row["position"]][name], f"{name} of the last state"
     loads_are_met(scene, rows, curve)
     if scene.lower:
         caps_are_kept(scene, run)
 
 
 def asked_loads(scene):
-    """The loads of the states of a position, in order, those of a hold left out."""
+    """The loads of the states of a position, in order, those of a hold left out, and their column;
+    a pressure is a vertical load over the area of a map."""
     loading = scene.groups["loading"]
-    if loading["control"] not in ("load", "vertical_load"):
-        return []
-    if not isinstance(loading["value"], list):
-        return [loading["value"]]
+    control, values = loading["control"], loading.get("value")
+    if control not in ("load", "vertical_load", "pressure"):
+        return [], ""
+    unit, column = (scene.area(), "vertical_load") if control == "pressure" else (1.0, control)
+    if not isinstance(values, list):
+        return [values * unit], column
     parts, asked, before = loading.get("points", 1), [], 0.0
-    for value in loading["value"]:
-        asked += [before + (value - before) * (part + 1) / parts for part in range(parts)]
+    for value in values:
+        asked += [unit * (before + (value - before) * (part + 1) / parts) for part in range(parts)]
         before = value
-    return asked if parts == 1 else [0.0] + asked
+    return asked if parts == 1 else [0.0] + asked, column
 
 
 def loads_are_met(scene, rows, curve):
     """Load asked is load found, at every state that names one; held loads are held. A load near 0
     is a difference of pushes and pulls, each 6 pi w R in a contact after Johnson, Kendall and
     Roberts that bears nothing: it is met to 1e-12 of them."""
-    asked, effects = asked_loads(scene), scene.groups.get("effects", {})
+    (asked, name), effects = asked_loads(scene), scene.groups.get("effects", {})
     if not asked:
         return
-    name = scene.groups["loading"]["control"]
     size = 1e-6 * (max(asked) + 3 * scenes.pull(scene))
     for row in rows:
         states = [state for state in curve if state["position"] == row["position"]]
         held = [number(state, name) for state in states if float(state.get("time", 0.0)) > 0.0]
         loads = [number(state, name) for state in states][:len(states) - len(held)]
-        claim(len(loads) >= len(asked), "states of the path are missing")
+        assert len(loads) >= len(asked), "states of the path are missing"
         for load, value in zip(loads[-len(asked):], asked):
             near(load, value, LOAD_MET, "load asked and found", size)
         for load in held if effects.get("hold") == "load" else ():
@@ -107,8 +86,8 @@ def caps_are_kept(scene, run):
     """No contact reaches beyond its cap without a warning: the lowest point of the edge of its
     circle, turned by the contact's slope and by the angle of the circle, lies above the plane from
     which the sphere rises."""
-    warned = {row["position"] for row in run.files["positions"] if int(row["warnings"])}
-    for contact in run.files["contacts"]:
+    warned = {row["position"] for row in run.positions if int(row["warnings"])}
+    for contact in run.contacts:
         if contact["position"] in warned:
             continue
         circle = math.sqrt(number(contact, "area") / math.pi)
@@ -116,33 +95,24 @@ def caps_are_kept(scene, run):
         for name, rows in (("upper", scene.upper), ("lower", scene.lower)):
             _, _, height, radius = rows[int(contact[name]) - 1]
             depth = radius * (1.0 - math.cos(tilt + math.asin(min(1.0, circle / radius))))
-            claim(depth <= height + 1e-9 * radius, f"{name} asperity {contact[name]}: a contact "
-                                                   f"reaches {depth}, its height is {height}")
+            assert depth <= height + 1e-9 * radius, \
+                f"{name} asperity {contact[name]}: a contact reaches {depth}, not {height}"
 
 
 # ---------------------------------------------------------------- two results
 
-def solved_share(scene):
-    """How far two solutions of one problem may differ: where contacts are resolved on cells, each
-    is as near to the truth as was asked for."""
-    effects = scene.groups.get("effects", {})
-    asked = {"coupled": COUPLED, "auto": 2 * effects.get("tolerance", 0.01),
-             "boundary": 2 * effects.get("boundary_tolerance", 1e-3)}
-    return asked.get(effects.get("interaction"), ROUNDING)
-
-
 def both(one, two):
     """Whether both have results; a refusal of one alone breaks a law."""
-    claim(one.status == two.status, f"status {one.status} and {two.status}: {one.err}{two.err}")
+    assert one.status == two.status, f"{one.message or 'a result'}\n{two.message or 'a result'}"
     return one.status == 0
 
 
 def same_totals(scene, one, two, factor=1.0, share=None):
     """The totals of all positions and states, those of the second over a factor."""
-    share = share or solved_share(scene)
-    for rows, others in zip((one.files["positions"], one.files["curve"]),
-                            (two.files["positions"], two.files["curve"])):
-        claim(len(rows) == len(others), "number of states")
+    share = share or scene.share()
+    for rows, others in zip((one.positions, one.curve),
+                            (two.positions, two.curve)):
+        assert len(rows) == len(others), "number of states"
         for row, other in zip(rows, others):
             for name in TOTALS:
                 near(number(row, name), number(other, name) / factor, share, name,
@@ -151,88 +121,88 @@ def same_totals(scene, one, two, factor=1.0, share=None):
 
 
 def largest(run, name):
-    return max((abs(number(row, name)) for row in run.files["curve"]), default=0.0)
+    return max((abs(number(row, name)) for row in run.curve), default=0.0)
 
 
 def same_digits(one, two, lengths, moduli):
     """Every number of every file is that of the other times one power of two a column."""
-    for what, rows in one.files.items():
-        others = two.files[what]
-        claim(len(rows) == len(others), f"rows of {what}")
+    for what in ("positions", "contacts", "curve"):
+        rows, others = getattr(one, what), getattr(two, what)
+        assert len(rows) == len(others), f"rows of {what}"
         for name in rows[0] if rows else ():
             power = None
             for row, other in zip(rows, others):
                 power = same_cell(row[name], other[name], power, f"{what}, {name}")
             powers = {a * lengths + b * moduli for a in range(-2, 5) for b in (-1, 0, 1)}
-            claim(power in powers | {None}, f"{what}, {name}: times 2**{power}")
+            assert power in powers | {None}, f"{what}, {name}: times 2**{power}"
 
 
 def same_cell(cell, other, power, where):
     try:
         value, scaled = float(cell), float(other)
     except ValueError:
-        claim(cell == other, f"{where}: {cell!r} and {other!r}")
+        assert cell == other, f"{where}: {cell!r} and {other!r}"
         return power
     if value == 0.0 or scaled == 0.0:
-        claim(value == scaled, f"{where}: {cell} and {other}")
+        assert value == scaled, f"{where}: {cell} and {other}"
         return power
     (digits, exponent), (digits_2, exponent_2) = math.frexp(value), math.frexp(scaled)
-    claim(digits == digits_2, f"{where}: {value!r} is {math.ldexp(scaled, exponent - exponent_2)!r}"
-                              " in the other unit")
-    claim(power in (None, exponent_2 - exponent), f"{where}: not one power of two")
+    assert digits == digits_2, \
+        f"{where}: {value!r} is {math.ldexp(scaled, exponent - exponent_2)!r} in the other unit"
+    assert power in (None, exponent_2 - exponent), f"{where}: not one power of two"
     return exponent_2 - exponent
 
 
 # ---------------------------------------------------------------- the laws
 
-def law_scaled(scene, exe, folder, rng):
+def law_scaled(scene, exe, rng):
     lengths, moduli = rng.choice([(40, 0), (-40, 0), (0, 40), (0, -40), (39, -41), (-39, 3)])
-    one, two = (scenes.run(exe, s, folder) for s in (scene, scenes.scaled(scene, lengths, moduli)))
+    one, two = (scenes.run(exe, s) for s in (scene, scene.scaled(lengths, moduli)))
     look(scene, one)
     if both(one, two):
         same_digits(one, two, lengths, moduli)
     return one.status
 
 
-def law_mirrored(scene, exe, folder, _rng):
-    return same_after(scene, scenes.mirrored(scene), exe, folder)
+def law_mirrored(scene, exe, _rng):
+    return same_after(scene, scenes.mirrored(scene), exe)
 
 
-def law_turned(scene, exe, folder, _rng):
-    return same_after(scene, scenes.turned(scene), exe, folder)
+def law_turned(scene, exe, _rng):
+    return same_after(scene, scenes.turned(scene), exe)
 
 
-def law_permuted(scene, exe, folder, rng):
-    return same_after(scene, scenes.permuted(scene, rng), exe, folder)
+def law_permuted(scene, exe, rng):
+    return same_after(scene, scenes.permuted(scene, rng), exe)
 
 
-def law_copied(scene, exe, folder, _rng):
+def law_copied(scene, exe, _rng):
     """Twice the surfaces, far apart: twice of all at one approach, one approach at twice the load.
 
     A limit is met by a contact, and by its copy. Far neighbours lower each other by the circle over
     the distance, less than 2**-20 times a few dozen.
     """
-    share = solved_share(scene)
+    share = scene.share()
     if "interaction" in scene.groups.get("effects", {}):
         share = max(share, 1e-5)
     if "tilt" in scene.groups:
         return None
-    return same_after(scene, scenes.in_copies(scene, 2, 2.0 ** 20), exe, folder, 2.0, share)
+    return same_after(scene, scenes.in_copies(scene, 2, 2.0 ** 20), exe, 2.0, share)
 
 
-def law_tighter(scene, exe, folder, _rng):
+def law_tighter(scene, exe, _rng):
     """What `auto` leaves out is at most the tolerance. In a hold that is left out both load and
     approach stay; in one that is not, one moves."""
     effects = scene.groups.get("effects", {})
     if "auto" not in effects.values() or effects.get("creep") == "auto":
         return None
-    other = scenes.mapped(scene, lambda row: row)
+    other = copy.deepcopy(scene)
     other.groups["effects"]["tolerance"] = effects["tolerance"] / 30
-    return same_after(scene, other, exe, folder, share=effects["tolerance"] * 31 / 30,
+    return same_after(scene, other, exe, share=effects["tolerance"] * 31 / 30,
                       names=("load", "area"))
 
 
-def law_one_more_state(scene, exe, folder, _rng):
+def law_one_more_state(scene, exe, _rng):
     """Where loading only grows, a state more on the way changes nothing at its end."""
     loading = scene.groups["loading"]
     if loading["control"] == "limit" or isinstance(loading["value"], list):
@@ -240,40 +210,40 @@ def law_one_more_state(scene, exe, folder, _rng):
     effects = scene.groups.get("effects", {})
     if "creep" in effects:
         return None
-    other = scenes.mapped(scene, lambda row: row)
+    other = copy.deepcopy(scene)
     other.groups["loading"]["points"] = loading.get("points", 1) + 1
-    one, two = (scenes.run(exe, s, folder) for s in (scene, other))
+    one, two = (scenes.run(exe, s) for s in (scene, other))
     look(scene, one)
     look(other, two)
     if both(one, two):
-        one.files["curve"] = two.files["curve"] = []
+        one.curve = two.curve = []
         same_totals(scene, one, two)
     return one.status
 
 
-def law_shifted(scene, exe, folder, rng):
+def law_shifted(scene, exe, rng):
     """Both surfaces elsewhere in plan. Under a tilt of one of them they touch higher or lower."""
     if "tilt" in scene.groups:
         return None
     dx, dy = (scenes.on_grid(rng.uniform(-10, 10)) for _ in "xy")
     return same_after(scene, scenes.mapped(scene, lambda row: (row[0] + dx, row[1] + dy, *row[2:])),
-                      exe, folder)
+                      exe)
 
 
-def law_raised(scene, exe, folder, rng):
+def law_raised(scene, exe, rng):
     """Heights count from any plane: raised surfaces have the same contacts, and a separation that
     is larger by as much."""
-    other = scenes.mapped(scene, lambda row: row)
+    other = copy.deepcopy(scene)
     lifts = [scenes.on_grid(rng.uniform(-1, 0.6)) for _ in range(2)]
     for side, lift in zip(("upper", "lower"), lifts):
         setattr(other, side, [(x, y, height + lift, radius)
                               for x, y, height, radius in getattr(scene, side)])
     if scene.groups["loading"]["control"] == "approach":
         other.groups["loading"]["value"] += sum(lifts)
-    one, two = (scenes.run(exe, s, folder) for s in (scene, other))
+    one, two = (scenes.run(exe, s) for s in (scene, other))
     look(scene, one)
     if both(one, two):
-        for row in two.files["positions"] + two.files["curve"]:
+        for row in two.positions + two.curve:
             row["separation"] = repr(float(row["separation"]) - sum(lifts))
         same_totals(scene, one, two)
     return one.status
@@ -281,7 +251,7 @@ def law_raised(scene, exe, folder, rng):
 
 def without_effects(scene, **loading):
     """One position of isolated contacts under the first value of the loading, changed."""
-    other = scenes.mapped(scene, lambda row: row)
+    other = copy.deepcopy(scene)
     other.groups.pop("motion", None)
     other.groups["effects"] = {"interaction": "off"}
     old = other.groups["loading"]
@@ -291,34 +261,34 @@ def without_effects(scene, **loading):
     return other
 
 
-def law_falls_never(scene, exe, folder, rng):
+def law_falls_never(scene, exe, rng):
     """No contact, load or area falls while isolated contacts are loaded."""
-    run = scenes.run(exe, without_effects(scene, points=rng.randint(2, 40)), folder)
+    run = scenes.run(exe, without_effects(scene, points=rng.randint(2, 40)))
     if run.status == 0:
-        for one, two in zip(run.files["curve"], run.files["curve"][1:]):
-            claim(number(one, "separation") >= number(two, "separation"), "separation grows")
+        for one, two in zip(run.curve, run.curve[1:]):
+            assert number(one, "separation") >= number(two, "separation"), "separation grows"
             for name in ("contacts", "load", "area"):
-                claim(number(one, name) <= number(two, name), f"{name} falls")
+                assert number(one, name) <= number(two, name), f"{name} falls"
     return run.status
 
 
-def law_inverse(scene, exe, folder, _rng):
+def law_inverse(scene, exe, _rng):
     """The load at a separation has this separation: isolated contacts, either way round."""
-    run = scenes.run(exe, without_effects(scene), folder)
-    if run.status or not number(run.files["positions"][0], "load") > 0.0:
+    run = scenes.run(exe, without_effects(scene))
+    if run.status or not number(run.positions[0], "load") > 0.0:
         return None
-    found, is_load = run.files["positions"][0], scene.groups["loading"]["control"] == "load"
+    found, is_load = run.positions[0], scene.groups["loading"]["control"] == "load"
     again = scenes.run(exe, without_effects(
         scene, control="approach" if is_load else "load",
-        value=number(found, "separation" if is_load else "load")), folder)
-    claim(again.status == 0, again.err)
-    near(number(again.files["positions"][0], "load"), number(found, "load"), ROUNDING, "load")
-    near(closing(again, again.files["positions"][0]), closing(run, found), ROUNDING, "closing")
+        value=number(found, "separation" if is_load else "load")))
+    assert again.status == 0, again.message
+    near(number(again.positions[0], "load"), number(found, "load"), scenes.ROUNDING, "load")
+    near(closing(again, again.positions[0]), closing(run, found), scenes.ROUNDING, "closing")
     return 0
 
 
-def same_after(scene, other, exe, folder, factor=1.0, share=None, names=None):
-    one, two = (scenes.run(exe, s, folder) for s in (scene, other))
+def same_after(scene, other, exe, factor=1.0, share=None, names=None):
+    one, two = (scenes.run(exe, s) for s in (scene, other))
     look(scene, one)
     look(other, two)
     if both(one, two):
@@ -334,10 +304,10 @@ def same_after(scene, other, exe, folder, factor=1.0, share=None, names=None):
 def within(one, two, share, names, control):
     """Totals, and at a given load the approach over the closing, within a share; areas of which
     was said that they are less sure than that, within what was said of both."""
-    for row, other in zip(one.files["positions"], two.files["positions"]):
+    for row, other in zip(one.positions, two.positions):
         for name in names:
             told = sum(number(r, "area_error_estimate") for run, r in ((one, row), (two, other))
-                       if name == "area" and UNSURE in run.err)
+                       if name == "area" and UNSURE in run.stderr)
             near(number(row, name), number(other, name), share + told, name)
         if control == "approach":
             # As given, or first touch less a closing, each rounded.
@@ -348,7 +318,7 @@ def within(one, two, share, names, control):
 
 def closing(run, row):
     """How far the surfaces of a position came nearer after they first touched, at its end."""
-    ends = [s for s in run.files["curve"] if s["position"] == row["position"]]
+    ends = [s for s in run.curve if s["position"] == row["position"]]
     return number(ends[-1], "compression")
 
 
@@ -360,14 +330,12 @@ LAWS = {"scaled by powers of two": law_scaled, "mirrored": law_mirrored,
         "load and separation": law_inverse}
 
 
-def broken(seed, exe, folder, name=None):
+def broken(seed, exe, name=None, laws=None, make=scenes.scene_of_seed):
     """A law, by default that of the seed: its name, the status of the run (None: not asked), and
     what is broken."""
-    rng = random.Random(f"law {seed}")
-    name = name or list(LAWS)[seed % len(LAWS)]
+    laws = laws or LAWS
+    name = name or list(laws)[seed % len(laws)]
     try:
-        return name, LAWS[name](scenes.scene_of_seed(seed), exe, folder, rng), ""
-    except Broken as fault:
-        return name, 0, str(fault)
-    except scenes.subprocess.TimeoutExpired:
-        return name, 0, "late"
+        return name, laws[name](make(seed), exe, random.Random(f"law {seed}")), ""
+    except AssertionError as fault:
+        return name, 0, str(fault) or "broken"

@@ -14,6 +14,7 @@ import numpy as np
 from adhesion_truth import maugis_load, maugis_units
 from boundary_equations import evaluate
 from boundary_patch import Contact
+from judge import Figure
 from map_press_truth import press, rough
 from map_truth import levelled
 from mpmath import mp, mpf
@@ -36,8 +37,8 @@ class Value:
     reason: str
     state: int = -1
 
-    def error(self, solved):
-        """Relative error in results; absolute where the truth is 0."""
+    def figure(self, solved):
+        """The number of results; its error is absolute where the truth is 0."""
         true = self.true() if callable(self.true) else self.true
         if self.column == "greatest_pressure":
             found = max(float(row["maximum_pressure"]) for row in solved.contacts
@@ -45,7 +46,7 @@ class Value:
         else:
             rows = solved.curve if self.column in solved.curve[-1] else solved.positions
             found = float(rows[self.state][self.column])
-        return abs(found - true) / (abs(true) or 1.0)
+        return Figure(self.column, found, true, scale=abs(true) or 1.0, message=self.reason)
 
 
 @dataclass

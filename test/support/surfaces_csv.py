@@ -2,6 +2,7 @@
 
 from dataclasses import dataclass
 from fractions import Fraction
+from pathlib import Path
 
 from csv_rows import records
 from exact_contact import Scene, Surface
@@ -18,6 +19,7 @@ class Solved:
     positions: list
     contacts: list
     curve: list
+    scene: Path | None = None
 
 
 def text_of(value):
@@ -104,4 +106,4 @@ def solve(asperity, scene, *options, folder=None, contacts=True, curve=False, ti
     done = run_program(asperity, "solve", scene, *options, *named, status=None, timeout=timeout)
     return Solved(done.returncode, done.stdout, done.stderr,
                   *(records(files[name]) if name in files and files[name].exists() else []
-                    for name in ("positions", "contacts", "curve")))
+                    for name in ("positions", "contacts", "curve")), scene)

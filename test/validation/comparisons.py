@@ -1,9 +1,9 @@
 """Comparisons of asperity with a number of another program or of a closed form of its suite."""
 
-import math
 from dataclasses import dataclass
 
 import asperity
+from judge import is_met
 
 
 @dataclass
@@ -20,7 +20,7 @@ class Comparison:
 
     @property
     def met(self):
-        return math.isfinite(self.found) and abs(self.found - self.expected) <= self.tolerance
+        return bool(is_met(self.found - self.expected, self.tolerance))
 
 
 def half_unit(printed):
