@@ -220,7 +220,6 @@ contains
     type(placed_scene), intent(in) :: placed
     logical, intent(in) :: has_load    ! the value of the loading is not 0
     character(len=:), allocatable, intent(out) :: failure
-    real(real64) :: limit
     logical :: vanished
 
     if (.not. (all_finite([placed%modulus, placed%target, placed%limit, placed%x_first, &
@@ -229,14 +228,11 @@ contains
                all_finite(placed%ru) .and. all_finite(placed%xl) .and. all_finite(placed%yl) .and. &
                all_finite(placed%hl) .and. all_finite(placed%rl))) &
       failure = out_of_range
-    ! A load that becomes zero in these units would be reached at first touch. An overlap must
-    ! not be subnormal.
-    limit = placed%limit
-    if (placed%criterion /= criterion_load) limit = scale(limit, -52)
+    ! A load or limit that is subnormal in these units has lost digits, or is reached at first touch.
     vanished = placed%control == control_load .and. has_load .and. &
-               .not. (placed%target > 0.0_real64 .or. placed%target < 0.0_real64)
+               .not. abs(placed%target) >= tiny(placed%target)
     if (vanished .or. &
-        (placed%criterion /= criterion_none .and. .not. limit > 0.0_real64)) &
+        (placed%criterion /= criterion_none .and. .not. placed%limit >= tiny(placed%limit))) &
       failure = 'the load or the limit of the scene is too small for this arithmetic'
   end subroutine check_range
 
