@@ -19,7 +19,7 @@ from functools import partial
 
 import numpy as np
 
-from judge import ask
+from judge import Figure, ask, is_met, missed, number
 from solved_cases import COMBINED, OF_SEEDS, SPHERE
 
 
@@ -28,7 +28,7 @@ def run(exe, mode, timeout, case):
     answer = ask(exe, partial(case.write, mode=mode), timeout=timeout)
     answer.steps = float("nan")
     for row in answer.positions:
-        answer.steps = float(row.get("interaction_iterations") or "nan")
+        answer.steps = number(row, "interaction_iterations")
         if fault := fault_of(case, row, answer.contacts):
             answer.status, answer.stderr = WRONG, fault
     return answer
@@ -48,17 +48,17 @@ def fault_of(case, position, contacts):
     if position["interaction"] == "off":
         contacts = [row | {"lowered": 0} for row in contacts]
     load, area, alone, lowered = (np.array([float(row[n]) for row in contacts]) for n in names)
-    for name, values in (("vertical_load", load), ("projected_area", area)):
-        if abs(values.sum() - float(position[name])) > 1e-9 * abs(values).sum():
-            return f"{name} is not the sum of the contacts"
+    sums = [Figure(name, number(position, name), values.sum(), scale=abs(values).sum())
+            for name, values in (("vertical_load", load), ("projected_area", area))]
+    if wrong := missed(sums, 1e-9):
+        return f"sums of the contacts: {wrong}"
     if load.min(initial=0) < 0:
         return f"a contact bears {load.min()}"
     radius = case.caps[[int(row["lower"]) - 1 for row in contacts], 3]
     stiff = 4 / 3 * COMBINED * np.sqrt(1 / (1 / radius + 1 / SPHERE))
     deep = (alone / stiff) ** (2 / 3) - lowered
     borne = stiff * np.maximum(deep, 0) ** 1.5
-    most = load.max(initial=0)
-    wrong = np.abs(borne - load) > OF_LAW * most
+    wrong = ~is_met(borne - load, OF_LAW * load.max(initial=0))
     return f"{wrong.sum()} contacts do not bear what they penetrate" if wrong.any() else ""
 
 

@@ -119,7 +119,8 @@ class Figure:
 
 def missed(figures, tolerance):
     """How many are beyond a tolerance, and the first of them, for a message; else nothing."""
-    beyond = [f for f in figures if not f.within(tolerance(f) if callable(tolerance) else tolerance)]
+    beyond = [figure for figure in figures
+              if not figure.within(tolerance(figure) if callable(tolerance) else tolerance)]
     return f"{len(beyond)}: " + "; ".join(map(str, beyond[:8])) if beyond else ""
 
 
