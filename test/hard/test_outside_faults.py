@@ -192,8 +192,15 @@ def test_little_memory_at_any_time(run, tmp_path, what):
     while room < 4_000_000_000:
         done = run(*words, preexec_fn=limit)
         (tmp_path / "kept").unlink(missing_ok=True)
-        if done.returncode == 0:
+        if done.returncode == 0 and b"unknown, the map of every second pixel" not in done.stdout:
             break
+        if done.returncode == 0:
+            # Memory ends in the estimate of the error: the contacts are right.
+            assert (tmp_path / "c.csv").read_bytes() == texts["c.csv"]
+            for name in texts:
+                (tmp_path / name).unlink()
+            room = int(step * room)
+            continue
         ended += 1
         assert done.stdout == b"" and files(tmp_path) == before, (room, done.stderr)
         lines = [line for line in done.stderr.decode().splitlines() if ": note: " not in line]
