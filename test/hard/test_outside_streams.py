@@ -263,4 +263,8 @@ def test_input_that_cannot_be_read(run, tmp_path, command, name):
     (tmp_path / "bare").symlink_to("nowhere")
     done = run(*command, name)
     assert done.returncode == 2 and done.stdout == b""
-    assert one_line(done).startswith(f"{name}:1:1: cannot be ")
+    if not command and name in ("loop", "bare"):
+        # A word that is no file could be a command.
+        assert done.stderr.decode().startswith(f"found '{name}', expected solve, ")
+    else:
+        assert one_line(done).startswith(f"{name}:1:1: cannot be ")
