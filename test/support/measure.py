@@ -1,8 +1,7 @@
-"""Runs a hard case and measures its results in units of the last place.
+"""Runs a hard case and measures its results in units of the last place of a double.
 
-The truth is exact_contact's, evaluated for the numbers as the arithmetic holds them. The unit of
-an error is one unit of the last place of the true value in that arithmetic; real128's results
-reach the files as doubles, so its unit there is a double's. Approach and places are differences of
+The truth is exact_contact's, evaluated for the numbers as doubles hold them. The unit of an error
+is one unit of the last place of the true value. Approach and places are differences of
 coordinates: their unit is that of the largest coordinate. Where a case says that coordinates limit
 it, the unit also has the largest change that moving every coordinate by one unit of the largest
 coordinate brings, seen in a few trials.
@@ -18,8 +17,8 @@ from mpmath import mp, mpf
 from programs import run_program
 from surfaces_csv import Solved, exact_csv_scene, solve
 
-DIGITS = {"real32": 24, "real64": 53, "real128": 113}
-LEAST = {"real32": -149, "real64": -1074, "real128": -16494}
+# Bits of a double, and the exponent of the least one.
+BITS, LEAST = 53, -1074
 TRIALS = 4
 # Of a condition number: changes so small that even a contact of 1e-100 is only bent by them.
 CHANGE, CONDITION_DIGITS = Fraction(1, 10 ** 240), 300
@@ -51,42 +50,33 @@ def binary_order(value):
     return order
 
 
-def spacing(value, arithmetic):
+def spacing(value):
     """One unit of the last place at the size of a fraction other than zero."""
-    order = binary_order(value)
-    if arithmetic == "ibm370":
-        return Fraction(16) ** (-(-order // 4) - 6)
-    return Fraction(2) ** max(order - DIGITS[arithmetic], LEAST[arithmetic])
+    return Fraction(2) ** max(binary_order(value) - BITS, LEAST)
 
 
-def held(value, arithmetic):
-    """The number by which an arithmetic holds a fraction: cut in ibm370, else the nearest."""
+def held(value):
+    """The nearest double."""
     if value == 0 or value is None:
         return value
-    unit = spacing(value, arithmetic)
-    count = value / unit
-    if arithmetic != "ibm370":
-        nearest = round(count) * unit
-        return value if abs(nearest) >= Fraction(2) ** 128 and arithmetic == "real32" else nearest
-    size = int(abs(count)) * unit
-    return 0 * value if size < Fraction(16) ** -65 else size if value > 0 else -size
+    unit = spacing(value)
+    return round(value / unit) * unit
 
 
-def held_scene(scene, arithmetic):
-    """The scene with every number as the arithmetic holds it."""
+def held_scene(scene):
+    """The scene with every number as a double holds it."""
     def hold(values):
-        return tuple(held(v, arithmetic) for v in values)
+        return tuple(map(held, values))
 
     def hold_surface(surface):
         return replace(surface, asperities=[hold(a) for a in surface.asperities],
-                       modulus=held(surface.modulus, arithmetic),
-                       ratio=held(surface.ratio, arithmetic), slope=hold(surface.slope),
-                       rotation=held(surface.rotation, arithmetic),
-                       mirror=held(surface.mirror, arithmetic))
+                       modulus=held(surface.modulus), ratio=held(surface.ratio),
+                       slope=hold(surface.slope), rotation=held(surface.rotation),
+                       mirror=held(surface.mirror))
 
     return replace(scene, upper=hold_surface(scene.upper), lower=hold_surface(scene.lower),
                    first=hold(scene.first), step=hold(scene.step),
-                   value=held(scene.value, arithmetic), limit=held(scene.limit, arithmetic))
+                   value=held(scene.value), limit=held(scene.limit))
 
 
 def largest_coordinate(scene):
@@ -138,7 +128,7 @@ def changed(scene, share, seed):
 
 def condition(scene, positions):
     """How many times larger a relative change of the totals is than the changes of the numbers of
-    the scene that bring it: the worst of a few trials. The problem's, in no arithmetic."""
+    the scene that bring it: the worst of a few trials."""
     with mp.workdps(CONDITION_DIGITS):
         truth = Truth(scene, CONDITION_DIGITS)
         others = [Truth(changed(scene, CHANGE, seed), CONDITION_DIGITS) for seed in range(TRIALS)]
@@ -156,20 +146,15 @@ def condition(scene, positions):
 
 
 class Yardstick:
-    """The truth of one scene in one arithmetic, and the unit of each error."""
+    """The truth of one scene, and the unit of each error."""
 
-    def __init__(self, scene, arithmetic, coordinates, digits):
-        scene = held_scene(scene, arithmetic)
-        # What arrives in a file is a double.
-        self.written = "real64" if arithmetic == "real128" else arithmetic
+    def __init__(self, scene, coordinates, digits):
+        scene = held_scene(scene)
         self.digits = digits
-        largest = largest_coordinate(scene)
-        self.place = spacing(largest, self.written)
+        self.place = spacing(largest_coordinate(scene))
         self.truth = Truth(scene, digits)
-        step = spacing(largest, arithmetic)
-        self.others = [Truth(moved(scene, step, seed), digits)
+        self.others = [Truth(moved(scene, self.place, seed), digits)
                        for seed in range(TRIALS if coordinates else 0)]
-        self.step = step if coordinates else 0
 
     def state(self, m):
         self.now = self.truth.state(m)
@@ -186,7 +171,7 @@ class Yardstick:
         elif true == 0:
             unit = mpf(0)
         else:
-            unit = spacing(Fraction(*map(int, mp_fraction(true))), self.written)
+            unit = spacing(Fraction(*map(int, mp_fraction(true))))
             unit = mpf(unit.numerator) / unit.denominator
         unit += max((abs(other - true) for other in others), default=0)
         return off / unit if unit else mp.inf
@@ -283,23 +268,23 @@ def positions_of_deck(scene):
     return range(1, 101, 11 if pairs < 50 else 99)
 
 
-def measure(asperity, case, path, arithmetic, folder):
-    """Run one scene case in one arithmetic."""
+def measure(asperity, case, path, folder):
+    """Run one scene case."""
     solved = run(asperity, path, folder, case.positions)
     if solved.status:
         return Outcome(refused=reason(solved, path))
     scene = scene_of(case)
-    yardstick = Yardstick(scene, arithmetic, case.coordinates, case.digits)
+    yardstick = Yardstick(scene, case.coordinates, case.digits)
     return compare(solved, yardstick, positions_of(case, scene))
 
 
-def measure_deck(asperity, path, arithmetic, folder):
-    """Run one deck in one arithmetic of the present-day solver; some of its positions."""
+def measure_deck(asperity, path, folder):
+    """Run one deck in the present-day solver; some of its positions."""
     solved = run(asperity, path, folder)
     if solved.status:
         return Outcome(refused=reason(solved, path))
     scene = read_deck(path)
-    yardstick = Yardstick(scene, arithmetic, True, 60)
+    yardstick = Yardstick(scene, True, 60)
     return compare(solved, yardstick, positions_of_deck(scene))
 
 
