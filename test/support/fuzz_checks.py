@@ -155,7 +155,8 @@ def check(case, folder, outcome, most_seconds=math.inf, most_kilobytes=300_000):
     if status in (1, 2):
         if not err.strip():
             wrong.append("no message")
-        if out:
+        # The original program prints what stood on paper where it stopped.
+        if out and not (status == 1 and b"TABLE V\n" in out and case.arguments[:1] != ["solve"]):
             wrong.append("text on standard output in spite of a failure")
     if err and not err.endswith(b"\n"):
         wrong.append("the last message does not end its line")
