@@ -40,7 +40,7 @@ module asperity_card_deck
     type(decimal_value) :: x_displacement       !! XDISPL, in
     type(decimal_value) :: y_displacement       !! YDISPL, in
     type(problem_list) :: notes                 !! oddities that are no errors
-    !> What the original program did not check, and ran with: problems of a scene.
+    !> Problems of a scene that the original program did not check, and ran with.
     type(problem_list) :: unchecked
   end type card_deck
 
@@ -62,7 +62,7 @@ contains
   !> Writes the notes of a run of the original program: oddities, and what it did not check.
   subroutine notes_of_deck(path, deck, text)
     character(len=*), intent(in) :: path                !! path of the deck
-    type(card_deck), intent(in) :: deck                 !! its values
+    type(card_deck), intent(in) :: deck                 !! values of its cards
     character(len=:), allocatable, intent(out) :: text  !! lines with their ends
 
     text = deck%notes%text()
