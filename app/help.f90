@@ -40,7 +40,7 @@ contains
   subroutine write_help(command, topic, group, text)
     character(len=*), intent(in) :: command   !! empty, `help` or `version`
     character(len=*), intent(in) :: topic     !! the command whose help is asked for, or another
-    character(len=*), intent(in) :: group     !! group of its file whose names are asked for, or other
+    character(len=*), intent(in) :: group     !! group of its file whose names are asked for
     type(text_buffer), intent(inout) :: text  !! text to which the lines are added
     type(known_name), allocatable :: rows(:)
     integer :: i

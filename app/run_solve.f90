@@ -82,10 +82,9 @@ contains
     if (line%share(2) > 1) then
       if (.not. line%has('--quiet')) &
         call outcome%text%line('part ' // decimal_text(line%share(1)) // ' of ' // &
-                               decimal_text(line%share(2)) // ': ' // &
-                               decimal_text(size(results%positions)) // ' positions are saved ' // &
-                               'in ' // line%output_path('--keep') // '; the outputs come from ' // &
-                               'a run with the files of all parts')
+          decimal_text(line%share(2)) // ': ' // decimal_text(size(results%positions)) // &
+          ' positions are saved in ' // line%output_path('--keep') // &
+          '; the outputs come from a run with the files of all parts')
       return
     end if
     call list_warnings(line%input, results, outcome%warnings)

@@ -3,9 +3,9 @@ module asperity_c_surfaces
   use, intrinsic :: iso_c_binding, only: c_associated, c_f_pointer, c_int, c_ptr
   use, intrinsic :: iso_fortran_env, only: real64
   use asperity, only: add_surface, arithmetic_names, card_deck, decimal_text, generate_surface, &
-                      generated_surface, generation_spec, original_records, original_request, &
-                      plan_surface, notes_of_deck, read_card_deck, run_in_arithmetic, surface_plan, &
-                      text_buffer, thesis_tables, write_report
+                      generated_surface, generation_spec, notes_of_deck, original_records, &
+                      original_request, plan_surface, read_card_deck, run_in_arithmetic, &
+                      surface_plan, text_buffer, thesis_tables, write_report
   use asperity_c_arguments, only: require_text, take_spec, take_word
   use asperity_c_outcome, only: begin_outcome, finish_outcome, outcome, set_text, table_upper, &
                                 text_notes, text_of, text_report

@@ -228,7 +228,8 @@ contains
                all_finite(placed%ru) .and. all_finite(placed%xl) .and. all_finite(placed%yl) .and. &
                all_finite(placed%hl) .and. all_finite(placed%rl))) &
       failure = out_of_range
-    ! A load or limit that is subnormal in these units has lost digits, or is reached at first touch.
+    ! A load or limit that is subnormal in these units has lost digits, or is reached at first
+    ! touch.
     vanished = placed%control == control_load .and. has_load .and. &
                .not. abs(placed%target) >= tiny(placed%target)
     if (vanished .or. &

@@ -35,7 +35,8 @@ contains
 
     associate (effects => scene_in%effects)
       some = effects%modes == effect_off .and. &
-             (.not. abs(scene_in%contact_modulus) > 0.0_real64 .or. known_effects%needs == '') .and. &
+             (.not. abs(scene_in%contact_modulus) > 0.0_real64 .or. &
+              known_effects%needs == '') .and. &
              [(known_effects(i)%own(1) == '' .or. effects%has_numbers(i), i=1, size(some))]
     end associate
     call list_some(scene_in, some, list)

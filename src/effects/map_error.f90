@@ -118,7 +118,7 @@ contains
     type(map_laws), intent(in) :: laws
     logical, intent(in) :: by_load
     real(real64), intent(in) :: totals(5)          ! of the solution
-    ! Of all four, root mean square; not allocated: the map is too small, or one is not solved.
+    ! Root mean square over all four; not allocated: the map is too small, or one is not solved.
     real(real64), allocatable, intent(out) :: difference(:)
     character(len=:), allocatable, intent(out) :: unsolved  ! why one is not
     type(height_map) :: half

@@ -1,8 +1,9 @@
 !> The output files of a command: all of them appear complete, by renaming, or none appears.
 !>
 !> A file is written under a temporary name in its folder (`stage_file`). After success, standard
-!> output included, the files are renamed (`commit_files`); after a failure they are removed. Devices
-!> and pipes are written directly. A run that is killed while it writes leaves `.asperity.*.part`.
+!> output included, the files are renamed (`commit_files`); after a failure they are removed.
+!> Devices and pipes are written directly. A run that is killed while it writes leaves
+!> `.asperity.*.part`.
 module asperity_output_files
   use, intrinsic :: iso_c_binding, only: c_funptr, c_int, c_intptr_t, c_null_char
   use asperity_files, only: same_name, standard_error, standard_output, write_bytes

@@ -40,7 +40,7 @@ module asperity_card_deck
     type(decimal_value) :: x_displacement       !! XDISPL, in
     type(decimal_value) :: y_displacement       !! YDISPL, in
     type(problem_list) :: notes                 !! oddities that are no errors
-    !> Problems of a scene that the original program did not check, and ran with.
+    !> Values that the original program ran with unchecked: problems of a scene.
     type(problem_list) :: unchecked
   end type card_deck
 

@@ -1,7 +1,7 @@
 !> A scene: two surfaces, how they move and what stops them, as checked values.
 !>
-!> Numbers are the doubles nearest to what is written. Units are those of the input, one consistent set;
-!> a deck brings cm, N and rad.
+!> Numbers are the doubles nearest to what is written. Units are those of the input, one
+!> consistent set; a deck brings cm, N and rad.
 module asperity_scene_values
   use asperity_card_deck, only: card_deck
   use asperity_effect_names, only: by_default, by_numbers, by_word, effect_auto, effect_boundary, &

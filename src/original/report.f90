@@ -37,8 +37,9 @@ module asperity_report
 
 contains
 
-  !> The whole report, or what the original had printed when it stopped. Without `carriage_control` column one is dropped and a new page is a form
-  !> feed, a double space an empty line.
+  !> The whole report, or what the original had printed when it stopped. Without
+  !> `carriage_control` column one is dropped and a new page is a form feed, a double space an
+  !> empty line.
   subroutine write_report(records, printed, carriage_control, buffer)
     type(original_records), intent(in) :: records            !! what was computed
     logical, intent(in) :: printed(original_positions)       !! positions with a contact table

@@ -1,5 +1,5 @@
-!> Files for ParaView, in the XML of VTK. Stresses: a structured grid (.vts), ASCII. A contact field:
-!> image data (.vti), values of cells, appended as raw bytes.
+!> Files for ParaView, in the XML of VTK. Stresses: a structured grid (.vts), ASCII. A contact
+!> field: image data (.vti), values of cells, appended as raw bytes.
 module asperity_results_vtk
   use, intrinsic :: ieee_arithmetic, only: ieee_quiet_nan, ieee_value
   use asperity_contact_field, only: contact_field, contact_marks
@@ -22,7 +22,7 @@ contains
   !> A point a row. An empty cell is `nan`.
   subroutine write_vts(table, points, buffer)
     type(array_table), intent(in) :: table      !! stresses at all depths
-    integer, intent(in) :: points(3)            !! along x and y and of depths; the first changes fastest
+    integer, intent(in) :: points(3)            !! along x, y and of depths; the first is fastest
     type(text_buffer), intent(inout) :: buffer  !! gets the text
     character(len=:), allocatable :: extent
     integer :: at(3), i, k
