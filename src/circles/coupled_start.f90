@@ -52,8 +52,8 @@ contains
       if (present(target)) solution%penetration = -state%gap
       allocate (solution%shift(2, n), source=0.0_real64)
     end if
-    if (.not. allocated(solution%stays_open)) &
-      allocate (solution%stays_open(n), source=.false.)
+    if (is_isolated .or. .not. allocated(solution%stays_open)) &
+      solution%stays_open = spread(.false., 1, n)
     if (present(target)) then
       state%target = target / pairs%modulus
       call raise_to_load(pairs, law, state%target, solution)
