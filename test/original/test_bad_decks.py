@@ -1,4 +1,4 @@
-"""Decks that are refused, and decks that look odd and are not.
+"""Decks that are refused, decks that run with a note, and decks that look odd and are not.
 
 The columns below are the deck's as the original reads it, written down a second time.
 """
@@ -9,6 +9,7 @@ import pytest
 from programs import run_program
 
 NAME = "bad.deck"
+RAN = f"{NAME}: note: the original program did not check this, and ran:"
 MODEL = (("N", 1, 5), ("R", 6, 10), ("Z", 11, 15), ("E", 16, 25), ("MU", 26, 30),
          ("ELIMT", 31, 40))
 # Line, first and last column, name, of every field of the header.
@@ -82,11 +83,32 @@ class Runner:
         assert done.stdout == b""
         assert kept.read_text() == "from another run"
         assert {p.name for p in self.folder.iterdir()} <= {NAME, "contacts.csv"}
-        errors = done.stderr.decode()
+        return self.places(done.stderr.decode())
+
+    @staticmethod
+    def places(errors):
+        """Line, column and message of each line."""
         assert errors.endswith("\n")
         found = [re.fullmatch(rf"{NAME}:(\d+):(\d+): (.+)", line) for line in errors.splitlines()]
         assert all(found) and found, errors
         return [(int(m[1]), int(m[2]), m[3]) for m in found]
+
+    def unchecked(self, content, status=0):
+        """Report, and what the original program did not check in a deck that it computed.
+
+        `asperity solve` must refuse such a deck for the same reasons.
+        """
+        done = self.run(content)
+        errors = done.stderr.decode()
+        assert done.returncode == status, errors
+        assert b"TABLE V" in done.stdout
+        assert errors.count(RAN) == 1, errors
+        lines = errors.split(RAN + "\n")[1].splitlines(keepends=True)
+        found = self.places("".join(line for line in lines if re.match(rf"{NAME}:\d", line)))
+        solved = run_program(self.executable, "solve", NAME, status=2, cwd=self.folder)
+        assert solved.stdout == ""
+        assert self.places(solved.stderr) == found
+        return done.stdout, found
 
     def problem(self, content, **options):
         """The only problem of a deck."""
@@ -143,16 +165,20 @@ OUT_OF_RANGE = [
     *[(line, 6, text, "more than zero") for line in (2, 3) for text in ("0.000", " -0.5", "     ")],
     *[(line, 16, text, "more than zero") for line in (2, 3)
       for text in ("        0.", "  -400000.", "          ")],
+    *[(3, 41, text, "more than zero") for text in (" 0.0000", "-3.4550", "       ")],
+    (2, 11, "-0.01", "no negative number"),
+]
+# Not physical, and computed by the original program, which reads neither as a condition.
+UNCHECKED = [
     *[(line, 26, text, "more than -1 and at most 0.5") for line in (2, 3)
       for text in ("0.501", "-1.00", "-1   ", "  600")],
-    *[(line, 11, text, "less than twice the radius") for line in (2, 3)
-      for text in ("1.000", "1.001", " 1000")],
-    *[(3, 41, text, "more than zero") for text in (" 0.0000", "-3.4550", "       ")],
     *[(line, 13, text, "less than twice the radius")
       for line in (FIRST_UPPER, FIRST_LOWER - 1, FIRST_LOWER, LAST)
       for text in (" 1.0000", " 1.0001", "  10000")],
-    (2, 11, "-0.01", "no negative number"),
 ]
+# OFSTMX reaches beyond RU + RL: the first candidate pair has no root (fault 7).
+UNCHECKED_STOPS = [(line, 11, text, "less than twice the radius") for line in (2, 3)
+                   for text in ("1.000", "1.001", " 1000")]
 
 
 @pytest.mark.parametrize("line, first, text, expected", OUT_OF_RANGE)
@@ -160,6 +186,15 @@ def test_out_of_range(line, first, text, expected, runner, cards):
     at_line, at_column, message = runner.problem(deck(punch(cards, line, first, text)))
     assert (at_line, at_column) == (line, first)
     assert f"found '{text}'" in message and message.endswith("expected " + expected)
+
+
+@pytest.mark.parametrize("line, first, text, expected", UNCHECKED + UNCHECKED_STOPS)
+def test_unchecked_values_run_with_a_note(line, first, text, expected, runner, cards):
+    stops = (line, first, text, expected) in UNCHECKED_STOPS
+    report, found = runner.unchecked(deck(punch(cards, line, first, text)), status=int(stops))
+    assert [place[:2] for place in found] == [(line, first)]
+    assert f"found '{text}'" in found[0][2] and found[0][2].endswith("expected " + expected)
+    assert (b"TABLE VI\n" in report) != stops
 
 
 @pytest.mark.parametrize("line, first, text", [
@@ -203,12 +238,15 @@ def test_wrong_count_of_cards(change, line, column, count, runner, cards):
         "NU to the left": punch(cards, 2, 1, "37   "),
         "NL to the left": punch(cards, 3, 1, "75   "),
     }[change]
-    at_line, at_column, message = runner.problem(deck(lines))
-    assert (at_line, at_column) == (line, column)
     found, expected, upper, lower = count
+    if found > expected:
+        _, ((at_line, at_column, message),) = runner.unchecked(deck(lines))
+    else:
+        at_line, at_column, message = runner.problem(deck(lines))
+    assert (at_line, at_column) == (line, column)
     assert (f"wrong count of cards: found {found} asperities, expected {expected} "
             f"(NU {upper} and NL {lower})") in message
-    assert ("text after the last card" in message) == (found > expected)
+    assert message.startswith("text after the last card") == (found > expected)
     assert ("line 61 is blank: an asperity of zeros" in message) == (change == "blank card")
 
 
@@ -221,10 +259,12 @@ def test_huge_number_of_asperities_is_answered(line, runner, cards):
 
 
 @pytest.mark.parametrize("blank_lines", (0, 3))
-@pytest.mark.parametrize("text, column", [("END", 1), ("   9", 4), (" " * 70 + "x", 71)])
-def test_text_after_the_last_card(blank_lines, text, column, runner, cards):
+@pytest.mark.parametrize("text, column", [("END", 1), ("   9", 4), (" " * 70 + "x", 71),
+                                          ("/*", 1), ("//", 1)])
+def test_text_after_the_last_card_is_never_read(blank_lines, text, column, runner, cards, report):
     lines = cards + [" "] * blank_lines + [text, "and more", "and more"]
-    at_line, at_column, message = runner.problem(deck(lines))
+    printed, ((at_line, at_column, message),) = runner.unchecked(deck(lines))
+    assert printed == report
     assert (at_line, at_column) == (LAST + blank_lines + 1, column)
     assert message.startswith("text after the last card: found '" + text)
 
@@ -270,15 +310,69 @@ def test_a_bad_count_brings_no_further_complaints(runner, cards):
         assert runner.problem(deck(punch(cards, line, 1, "    x")))[:2] == (line, 5)
 
 
-def test_different_kinds_at_once(runner, cards):
-    lines = punch(cards, 2, 6, "0.000")
-    lines = punch(lines, 2, 26, "0.700")
-    lines = punch(lines, 3, 16, "  4000O0. ")
-    lines = punch(lines, 4, 30, "-")
+def kinds_at_once(cards):
+    lines = punch(cards, 2, 26, "0.700")
     lines = punch(lines, 50, 13, " 1.5000")
-    found = runner.problems(deck(lines + ["surplus"]))
-    assert [place[:2] for place in found] == [(2, 6), (2, 26), (3, 22), (4, 30), (50, 13),
-                                              (LAST + 1, 1)]
+    unchecked = lines + ["surplus"]
+    lines = punch(unchecked, 2, 6, "0.000")
+    lines = punch(lines, 3, 16, "  4000O0. ")
+    return unchecked, punch(lines, 4, 30, "-")
+
+
+def test_different_kinds_at_once(runner, cards):
+    """The historic program refuses what it cannot compute; `solve` refuses all of it."""
+    unchecked, refused = kinds_at_once(cards)
+    cannot = [(2, 6), (3, 22), (4, 30)]
+    found = runner.problems(deck(refused))
+    assert [place[:2] for place in found] == cannot
+    solved = run_program(runner.executable, "solve", NAME, status=2, cwd=runner.folder)
+    everything = runner.places(solved.stderr)
+    assert everything[:3] == found
+    ran = [(2, 26), (50, 13), (LAST + 1, 1)]
+    assert [place[:2] for place in everything[3:]] == ran
+    assert [place[:2] for place in runner.unchecked(deck(unchecked))[1]] == ran
+
+
+def titles(report):
+    """Titles of the tables of a report in their order, each once."""
+    lines = report.decode().splitlines()
+    return list(dict.fromkeys(line.strip() for line in lines
+                              if re.fullmatch(r" +TABLE [IVX]+[A-C]?", line)))
+
+
+def test_tables_before_the_stop_are_printed(runner, cards, report):
+    """Position 50 has no pair. Tables V, III and VIIA, of position 13, stood on paper by then."""
+    lower = [f"{float(card[:6]) * .3:6.3f}{card[6:]}" for card in cards[FIRST_LOWER - 1:]]
+    done = runner.run(deck(cards[:FIRST_LOWER - 1] + lower))
+    assert done.returncode == 1
+    assert titles(done.stdout) == ["TABLE V", "TABLE IIIA", "TABLE IIIB", "TABLE VIIA"]
+    message = done.stderr.decode()
+    assert f"{NAME}: position 50: no pair" in message and "fault 6" in message
+    # Tables V and IIIA are those of the thesis' deck, which has the same upper model.
+    assert done.stdout.split(b"TABLE IIIB")[0] == report.split(b"TABLE IIIB")[0]
+
+
+def test_tall_cap_enters_as_its_centre(runner, cards):
+    """Only Z - R enters: a cap of 1.1 in on a sphere of 0.5 in has its centre at 0.6 in."""
+    _, ((line, column, _),) = runner.unchecked(deck(punch(cards, FIRST_LOWER - 1, 13, " 1.1000")))
+    assert (line, column) == (FIRST_LOWER - 1, 13)
+
+
+@pytest.mark.parametrize("line, count, places", [(2, 38, "XSU(37)"), (3, 76, "XSL(75)")])
+def test_models_larger_than_the_arrays_have_a_note(line, count, places, runner, cards):
+    lines = punch(cards, line, 1, f"{count:5d}")
+    at = FIRST_LOWER - 1 if line == 2 else LAST
+    done = runner.run(deck(lines[:at] + [" 2.000 2.000 0.0500"] + lines[at:]))
+    assert done.returncode == 0
+    assert titles(done.stdout)[-1] == "TABLE VI"
+    notes = [text for text in done.stderr.decode().splitlines() if "DIMENSION" in text]
+    assert len(notes) == 1
+    assert f"{'NU' if line == 2 else 'NL'} is {count}, DIMENSION {places}" in notes[0]
+    assert "deviation h" in notes[0]
+
+
+def test_models_that_fill_the_arrays_have_no_note(runner, cards):
+    assert "DIMENSION" not in runner.run(deck(cards)).stderr.decode()
 
 
 NUMERIC = {
