@@ -297,6 +297,8 @@ contains
       exit
     end do
     if (cards < expected) then
+      wrong_count = wrong_count // shift_hint(2, 'NU', deck%upper%number, deck%lower%number, cards)
+      wrong_count = wrong_count // shift_hint(3, 'NL', deck%lower%number, deck%upper%number, cards)
       call reader%problems%add_at(header_cards + cards + 1, 1, wrong_count)
       return
     end if
@@ -309,6 +311,27 @@ contains
       exit
     end do
   end subroutine check_count
+
+  !> Text for a count whose zeros at the end make it too large, as those of a shifted card do.
+  pure function shift_hint(line, name, number, other, cards) result(hint)
+    integer, intent(in) :: line              !! line of the card with the count
+    character(len=*), intent(in) :: name     !! NU or NL
+    integer, intent(in) :: number            !! count of this model, as read
+    integer, intent(in) :: other             !! count of the other model
+    integer, intent(in) :: cards             !! coordinate cards of the deck
+    character(len=:), allocatable :: hint    !! empty where no zero too many explains the count
+    integer :: without
+
+    hint = ''
+    without = number
+    do while (without > 0 .and. mod(without, 10) == 0)
+      without = without / 10
+      if (without + other /= cards) cycle
+      hint = '; ' // name // ' ' // decimal_text(without) // ' would fit: is card ' // &
+             decimal_text(line) // ' shifted to the left? Blanks after a digit are zeros'
+      return
+    end do
+  end function shift_hint
 
   !> A sphere does not stand higher than its diameter. The original program uses its centre alone.
   subroutine check_height(reader, line, field, whose, model, height)

@@ -250,6 +250,21 @@ def test_wrong_count_of_cards(change, line, column, count, runner, cards):
     assert ("line 61 is blank: an asperity of zeros" in message) == (change == "blank card")
 
 
+@pytest.mark.parametrize("line, name, count", [(2, "NU", 37), (3, "NL", 75)])
+@pytest.mark.parametrize("shift", (1, 2))
+def test_card_shifted_to_the_left_is_named(line, name, count, shift, runner, cards):
+    card = cards[line - 1]
+    shifted = {1: card[1:], 2: card[:5].strip().ljust(5) + card[5:]}[shift]
+    message = runner.problems(deck(cards[:line - 1] + [shifted] + cards[line:]))[-1][2]
+    assert message.endswith(f"; {name} {count} would fit: is card {line} shifted to the left? "
+                            "Blanks after a digit are zeros")
+
+
+def test_few_cards_are_no_shifted_card(runner, cards):
+    for lines in (cards[:-1], punch(cards, 2, 1, "   40")):
+        assert "shifted" not in runner.problem(deck(lines))[2]
+
+
 @pytest.mark.parametrize("line", (2, 3))
 def test_huge_number_of_asperities_is_answered(line, runner, cards):
     """The cards are counted, however many the deck speaks of."""
