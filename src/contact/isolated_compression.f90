@@ -6,8 +6,7 @@ module asperity_isolated_compression
   use asperity_placed_scene, only: candidate, is_on_plane, load_unit, placed_scene
   use asperity_problems, only: decimal_text, real_text
   use asperity_root_bracket, only: guess_root, narrow_bracket, root_bracket
-  use asperity_scene_values, only: control_compression, control_load, control_separation, &
-                                   control_words
+  use asperity_scene_values, only: is_distance, is_load
   implicit none
   private
 
@@ -68,8 +67,8 @@ contains
                 ' times the largest radius'
       return
     end if
-    if (any(placed%control == [control_separation, control_compression])) then
-      failure = 'at this ' // trim(control_words(placed%control)) // ' the centres of asperities '
+    if (is_distance(placed%control)) then
+      failure = 'at this ' // trim(placed%control%word) // ' the centres of asperities '
     else
       failure = 'before the limit is reached the centres of asperities '
     end if
@@ -96,7 +95,7 @@ contains
     if (.not. target > 0.0_real64) return
     most = minval(found%gap + found%zc)
     most_load = load_at(placed, found, most, overlap)
-    if (most_load < target .and. placed%vertical) &
+    if (most_load < target .and. placed%control%is_vertical) &
       call find_greatest(placed, found, overlap, most, most_load)
     compression = most
     ! Level centres are excluded, as the slope is infinite.
@@ -200,7 +199,7 @@ contains
       w = overlap_of(found(i), p, overlap)
       one_load = load_of_overlap(found(i)%radius, w)
       ! Without an offset in plan the cosine is 1, also where the centres coincide.
-      if (placed%vertical .and. found(i)%d > 0.0_real64) &
+      if (placed%control%is_vertical .and. found(i)%d > 0.0_real64) &
         one_load = one_load * ((found(i)%zc - p) / (found(i)%s - w))
       load = load + one_load
     end do
@@ -231,7 +230,7 @@ contains
         if (found(contacts + 1)%gap - compression < step) next = found(contacts + 1)%gap
       end if
       compression = next
-      if (placed%control == control_load) then
+      if (is_load(placed%control)) then
         at_limit = load_at(placed, found, compression, overlap) * placed%modulus >= placed%target
       else
         ! The load of each contact at each step, as in the original.

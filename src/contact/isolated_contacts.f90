@@ -11,12 +11,12 @@ module asperity_isolated_contacts
   use asperity_isolated_compression, only: check_level, compression_at_load, first_at_limit, &
                                            march_compression
   use asperity_kinds, only: int64, real64
+  use asperity_loading_controls, only: compression_of, is_limit, is_load, is_separation
   use asperity_pair_finding, only: find_pairs
   use asperity_placed_scene, only: load_unit, place_of_touch, placed_scene, position_pairs
   use asperity_problems, only: not_enough_memory
   use asperity_process, only: has_memory
-  use asperity_scene_values, only: control_compression, control_limit, control_load, &
-                                   control_separation, criterion_none
+  use asperity_scene_values, only: criterion_none
   use asperity_state_tally, only: add_contact, begin_tally, finish_tally, state_tally
   use asperity_theory_limits, only: seen_contact
   implicit none
@@ -108,7 +108,7 @@ contains
     if (position%number == 0) then
       ! The caps of a deck end at their reference plane: under limit control such a position of it
       ! has no contact.
-      complete = all_pairs .or. (placed%is_deck .and. placed%control == control_limit .and. &
+      complete = all_pairs .or. (placed%is_deck .and. is_limit(placed%control) .and. &
                                  placed%height_max > 0.0_real64)
       return
     end if
@@ -120,30 +120,26 @@ contains
         call march_compression(placed, found, scale(method%step, -placed%length_power), &
                            method%overlap, compression)
       else
-        select case (placed%control)
-        case (control_limit)
+        if (is_limit(placed%control)) then
           call first_at_limit(placed, found, compression, is_reachable)
           if (is_reachable) call check_level(placed, found, compression, failure)
           if (.not. is_reachable) &
             failure = 'no pair of asperities reaches the limit before its centres are level'
-        case (control_separation)
-          compression = position%first_touch - placed%target
-          call check_level(placed, found, compression, failure)
-        case (control_compression)
-          compression = placed%target
-          call check_level(placed, found, compression, failure)
-        case default
+        else if (is_load(placed%control)) then
           call sort_by_gap(found)
           call refine_heights(found)
           call compression_at_load(placed, found, method%overlap, compression, failure)
-        end select
+        else
+          compression = compression_of(placed%control, placed%target, position%first_touch)
+          call check_level(placed, found, compression, failure)
+        end if
       end if
     end associate
     complete = all_pairs .or. (.not. allocated(failure) .and. &
                position%first_touch - position%compression - &
                largest_rise(placed, method) >= placed%complete_above)
     if (allocated(failure) .or. method%path == by_marching) return
-    if (placed%control == control_load) return
+    if (is_load(placed%control)) return
     call keep_within(placed, method, position%found, position%number, position%compression)
     call refine_heights(position%found(:position%number))
   end subroutine close_position
@@ -156,7 +152,7 @@ contains
     character(len=:), allocatable, intent(inout) :: failure   !! set under load control
 
     allocate (result%states(1), result%rows(0))
-    if (placed%control == control_load) then
+    if (is_load(placed%control)) then
       failure = 'no pair of asperities can touch, so they carry no load'
       return
     end if
@@ -164,7 +160,7 @@ contains
     result%states(1)%compression = 0.0_real64
     result%states(1)%approach = 0.0_real64
     result%overlapping_circles = 0
-    if (placed%control == control_separation) &
+    if (is_separation(placed%control)) &
       result%states(1)%approach = scaled_to_real64(placed%target, placed%length_power)
   end subroutine empty_state
 
@@ -197,9 +193,9 @@ contains
       if (result%rows_used > most_rows) exit
     end do
     call cut_rows(result)
-    if (placed%control /= control_load) return
+    if (.not. is_load(placed%control)) return
     associate (last => result%states(size(compressions)))
-      last%prescribed = merge(prescribed_vertical, prescribed_normal, placed%vertical)
+      last%prescribed = merge(prescribed_vertical, prescribed_normal, placed%control%is_vertical)
       last%prescribed_load = scaled_to_real64(placed%target, load_unit(placed))
     end associate
   end subroutine compute_states
@@ -310,7 +306,7 @@ contains
     method%past_the_end = .true.
     ! A load that is 0 in the solver's units would be reached at first touch.
     if ((placed%target > 0.0_real64 .or. placed%target < 0.0_real64) .and. &
-        placed%control == control_load .and. .not. abs(target_of(placed)) > 0.0_real64) then
+        is_load(placed%control) .and. .not. abs(target_of(placed)) > 0.0_real64) then
       failure = 'the load is too small beside the moduli and lengths to be met with effects'
       return
     end if
@@ -335,7 +331,7 @@ contains
     type(placed_scene), intent(in) :: placed
 
     target_of = 0.0_real64
-    if (placed%control == control_load) target_of = placed%target
+    if (is_load(placed%control)) target_of = placed%target
   end function target_of
 
   ! Sets pairs from those of a position.
@@ -353,7 +349,7 @@ contains
     pairs%modulus_power = placed%modulus_power
     pairs%length_power = placed%length_power
     pairs%limits = placed%limits
-    pairs%vertical = placed%vertical
+    pairs%vertical = placed%control%is_vertical
     pairs%target = target_of(placed)
     pairs%first_touch = position%first_touch
     pairs%compression = position%compression

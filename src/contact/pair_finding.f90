@@ -13,12 +13,11 @@ module asperity_pair_finding
   use asperity_isolated_compression, only: compression_at_load, first_at_limit
   use asperity_key_sort, only: sort_keys
   use asperity_kinds, only: int64, real64
+  use asperity_loading_controls, only: is_limit, is_load, is_separation
   use asperity_pair_search_layers, only: found_pairs
   use asperity_pair_search_levels, only: build_levels, last_level, search_level, &
                                          surface_points
   use asperity_placed_scene, only: candidate, largest_value, placed_scene, position_pairs
-  use asperity_scene_values, only: control_compression, control_limit, control_load, &
-                                   control_separation
   implicit none
   private
 
@@ -75,19 +74,14 @@ contains
     least_touch = none
     level = last
     if (method%path == by_events) then
-      select case (placed%control)
-      case (control_limit, control_compression)
-        level = 1
-      case (control_separation)
+      if (.not. (is_load(placed%control) .and. method%past_the_end)) level = 1
+      if (is_separation(placed%control)) then
         ! Pairs that touch past the end are not needed.
         least_touch = below_with_rounding(placed, placed%target) - largest_rise(placed, method)
-        level = 1
         do while (placed%levels%complete_from(level) > least_touch)
           level = level + 1
         end do
-      case default
-        if (.not. method%past_the_end) level = 1
-      end select
+      end if
     end if
     do
       call find_in_level(placed, level, all_pairs, least_touch, position, failure)
@@ -120,15 +114,15 @@ contains
 
     if (position%number == 0) return
     associate (found => position%found(:position%number))
-      if (placed%control == control_load) then
+      if (is_load(placed%control)) then
         call raise_by_load(placed, method%overlap, found, least_touch)
-      else if (placed%control /= control_separation) then
+      else if (.not. is_separation(placed%control)) then
         ! Under limit control the compression at which the first of some pairs reaches its limit
         ! bounds that of all pairs; under compression control their first touch does. Pairs that
         ! touch only beyond this bound, and attract only beyond it, are not needed.
         call set_gaps(found, first_touch)
         compression = placed%target
-        is_reachable = placed%control == control_compression
+        is_reachable = .not. is_limit(placed%control)
         if (.not. is_reachable) call first_at_limit(placed, found, compression, is_reachable)
         if (is_reachable) least_touch = max(least_touch, below_with_rounding( &
           placed, first_touch - compression) - largest_rise(placed, method))
@@ -278,9 +272,9 @@ contains
     least_touch = -huge(least_touch)
     last = caps
     if (method%path == by_events) then
-      if (placed%control == control_separation) then
+      if (is_separation(placed%control)) then
         least_touch = below_with_rounding(placed, placed%target) - largest_rise(placed, method)
-      else if (.not. (placed%control == control_load .and. method%past_the_end)) then
+      else if (.not. (is_load(placed%control) .and. method%past_the_end)) then
         last = min(caps, fewest)
       end if
     end if

@@ -8,8 +8,9 @@
 !> g = max(touch) - touch and its penetration p = c - g. Positions are independent.
 module asperity_placed_scene
   use asperity_kinds, only: int32, real64
+  use asperity_loading_controls, only: control_limit, loading_control
   use asperity_pair_search_levels, only: pair_levels
-  use asperity_scene_values, only: control_limit, criterion_none
+  use asperity_scene_values, only: criterion_none
   use asperity_theory_limits, only: theory_limits
   implicit none
   private
@@ -37,9 +38,8 @@ module asperity_placed_scene
     ! reduces the separation of first touch by more than the largest height.
     real(real64) :: complete_above
     real(real64) :: x_first, x_step, y_first, y_step     !! displacement of the upper surface
-    integer :: control = control_limit
-    logical :: vertical = .false.                  !! the load is the sum of the vertical parts
-    real(real64) :: target                         !! separation, compression or load
+    type(loading_control) :: control = control_limit  !! quantity that ends a position
+    real(real64) :: target                         !! its value: separation, compression or load
     integer :: points = 0                          !! equal parts of the compression; 0, 1: its end
     logical :: events = .false.                    !! a state at each first touch as well
     integer :: criterion = criterion_none

@@ -3,15 +3,14 @@ module asperity_scene_placing
   use asperity_constants, only: pi
   use asperity_contact_records, only: all_finite
   use asperity_kinds, only: int64, real64
+  use asperity_loading_controls, only: in_model_units
   use asperity_pair_finding, only: prepare_search
   use asperity_placed_scene, only: largest_value, load_unit, placed_scene
   use asperity_problems, only: decimal_text, not_enough_memory
   use asperity_process, only: has_memory
-  use asperity_scene_values, only: control_compression, control_load, control_pressure, &
-                                   control_separation, criterion_greenwood_williamson, &
-                                   criterion_hardy, criterion_load, criterion_none, &
-                                   criterion_pressure, is_load, is_vertical_load, scene, &
-                                   scene_limit, scene_surface
+  use asperity_scene_values, only: criterion_greenwood_williamson, criterion_hardy, &
+                                   criterion_load, criterion_none, criterion_pressure, is_load, &
+                                   scene, scene_limit, scene_surface
   use asperity_theory_limits, only: set_theory_limits
   implicit none
   private
@@ -106,21 +105,11 @@ contains
     placed%y_first = length_of(scene_in%motion%y_first, placed)
     placed%y_step = length_of(scene_in%motion%y_step, placed)
 
-    placed%control = scene_in%loading%control
-    if (is_load(placed%control)) placed%control = control_load
-    placed%vertical = is_vertical_load(scene_in%loading%control)
     placed%points = scene_in%loading%points
     placed%events = scene_in%loading%events
-    placed%target = 0.0_real64
-    if (any(placed%control == [control_separation, control_compression])) then
-      placed%target = length_of(scene_in%loading%value, placed)
-    else if (scene_in%loading%control == control_pressure) then
-      ! Both factors are scaled first, so that the product does not overflow.
-      placed%target = scale(scene_in%loading%value, -placed%modulus_power) * &
-                      scale(scene_in%nominal_area, -2 * placed%length_power)
-    else if (placed%control == control_load) then
-      placed%target = load_of(scene_in%loading%value, placed)
-    end if
+    placed%control = scene_in%loading%control
+    placed%target = in_model_units(placed%control, scene_in%loading%value, scene_in%nominal_area, &
+                                   placed%modulus_power, placed%length_power)
   end subroutine place_loading
 
   ! Places and heights of one surface, rotated in plan.
@@ -230,7 +219,7 @@ contains
       failure = out_of_range
     ! A load or limit that is subnormal in these units has lost digits, or is reached at first
     ! touch.
-    vanished = placed%control == control_load .and. has_load .and. &
+    vanished = is_load(placed%control) .and. has_load .and. &
                .not. abs(placed%target) >= tiny(placed%target)
     if (vanished .or. &
         (placed%criterion /= criterion_none .and. .not. placed%limit >= tiny(placed%limit))) &

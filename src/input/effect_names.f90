@@ -5,7 +5,7 @@
 module asperity_effect_names
   use asperity_kinds, only: real64
   use asperity_numeral, only: above_zero, not_negative, share, share_or_all
-  use asperity_scene_fields, only: known_name, one_word, whole_number, word_length
+  use asperity_scene_fields, only: known_name, most_words, one_word, whole_number, word_length
   implicit none
   private
 
@@ -35,7 +35,7 @@ module asperity_effect_names
   character(len=*), parameter :: hold_words(3) = &
     [character(len=13) :: 'load', 'separation', 'approach']
   integer, parameter :: law_exponential = 1    !! adhesion on pixels: attraction w/rho exp(-g/rho)
-  character(len=*), parameter :: none(5) = ''  ! pads lists of words
+  character(len=*), parameter :: none(most_words - 2) = ''  ! pads lists of words
 
   integer, parameter :: most_relaxations = 20  !! largest number of relaxation times
 
@@ -116,7 +116,7 @@ module asperity_effect_names
                instead='loading_time'), &
     known_name('effects', 'hold', one_word, 'quantity held constant', effect='creep', &
                default=real(hold_load, real64), &
-               words=[character(len=word_length) :: hold_words, none(:4)]), &
+               words=[character(len=word_length) :: hold_words, none(2:)]), &
     known_name('effects', 'hold_points', whole_number, 'states of the hold', &
                default=20.0_real64, least=2, most=100000, effect='creep')]
 

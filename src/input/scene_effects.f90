@@ -3,14 +3,14 @@ module asperity_scene_effects
   use asperity_effect_names, only: effect_numbers, known_effect, known_effects, needed_for, &
                                    why_not_together
   use asperity_kinds, only: real64
+  use asperity_loading_controls, only: depth_of
   use asperity_numeral, only: above_zero, share_or_all
   use asperity_problems, only: decimal_text
   use asperity_scene_fields, only: known_name, scene_fields
-  use asperity_scene_values, only: by_default, by_numbers, by_word, control_separation, &
-                                   control_limit, criterion_none, effect_auto, effect_off, &
-                                   effect_on, effect_words, has_tangential, is_load, &
-                                   most_relaxations, scene, scene_effects, scene_loading, &
-                                   solves_pixels
+  use asperity_scene_values, only: by_default, by_numbers, by_word, criterion_none, effect_auto, &
+                                   effect_off, effect_on, effect_words, has_tangential, &
+                                   is_limit, is_load, most_relaxations, scene, scene_effects, &
+                                   scene_loading, solves_pixels
   implicit none
   private
 
@@ -52,7 +52,7 @@ contains
         ! A group &limit says where flow begins, if loading goes on beyond it.
         if (effects%has_numbers(i) .or. (known_effects(i)%name == 'plasticity' .and. &
             (names_hardness(checked) .or. (fields%has_group('limit') .and. &
-             checked%loading%control /= control_limit)))) effects%given(i) = by_numbers
+             .not. is_limit(checked%loading%control))))) effects%given(i) = by_numbers
         if (.not. fields%has_name('effects', trim(known_effects(i)%name)) .or. &
             written(i) == default_mode(effects, i)) cycle
         effects%given(i) = by_word
@@ -284,15 +284,14 @@ contains
   ! map it has no history.
   pure logical function rubs_back(checked)
     type(scene), intent(in) :: checked
-    real(real64), allocatable :: compression(:)
+    real(real64), allocatable :: depth(:)
 
     rubs_back = checked%effects%is_there('friction_coefficient') .and. &
                 allocated(checked%loading%path)
     rubs_back = rubs_back .and. .not. allocated(checked%map)
     if (.not. rubs_back) return
-    allocate (compression, source=checked%loading%path)
-    if (checked%loading%control == control_separation) compression = -compression
-    rubs_back = any(compression(2:) < compression(:size(compression) - 1))
+    allocate (depth, source=depth_of(checked%loading%control, checked%loading%path))
+    rubs_back = any(depth(2:) < depth(:size(depth) - 1))
   end function rubs_back
 
   ! Effects whose theories do not go together. On asperities it shows with `auto` only at a position

@@ -18,13 +18,14 @@ module asperity_scene_fields
   private
 
   public :: known_name, scene_fields, read_fields, values_in_words
-  public :: one_text, one_word, whole_number, whole_value, word_length
+  public :: one_text, one_word, most_words, whole_number, whole_value, word_length
 
   !> Kinds of values beside the ranges of numbers of `asperity_numeral`: one of the words of the
   !> row, by its place; a whole number from `least` to `most`, of digits alone, or in any form; a
   !> text between quotes.
   integer, parameter :: one_word = -1, whole_number = -2, whole_value = -3, one_text = -4
   integer, parameter :: word_length = 20  !! bytes of a word at most
+  integer, parameter :: most_words = 12   !! words of a row at most
 
   !> One name: a row of the table of a kind of file. The names of a group stand one behind the
   !> other.
@@ -38,7 +39,7 @@ module asperity_scene_fields
     !> Default in words, where it is no value of the table; blank: `default`.
     character(len=56) :: otherwise = ''
     character(len=20) :: unit = ''         !! in words; blank: none
-    character(len=word_length) :: words(7) = ''  !! for `one_word`
+    character(len=word_length) :: words(most_words) = ''  !! for `one_word`
     integer :: least = 0                   !! for `whole_number`
     integer :: most = 0                    !! for `whole_number`
     character(len=10) :: beside = ''       !! name in whose place it stands; refused beside it

@@ -2,16 +2,14 @@
 !> limit.
 module asperity_scene_loading
   use asperity_kinds, only: int64, real64
-  use asperity_numeral, only: above_zero, any_number, not_negative
+  use asperity_loading_controls, only: accepted_values, control_of, depth_of
   use asperity_problems, only: decimal_text
   use asperity_scene_fields, only: scene_fields
   use asperity_scene_names, only: most_values
   use asperity_scene_surfaces, only: from_csv
-  use asperity_scene_values, only: control_compression, control_limit, control_pressure, &
-                                   control_separation, control_words, &
-                                   criterion_greenwood_williamson, criterion_hardy, &
+  use asperity_scene_values, only: criterion_greenwood_williamson, criterion_hardy, &
                                    criterion_load, criterion_none, criterion_pressure, &
-                                   criterion_words, effect_off, effect_on, is_load, &
+                                   criterion_words, effect_off, effect_on, is_limit, is_load, &
                                    scene, scene_loading
   implicit none
   private
@@ -26,12 +24,13 @@ contains
   subroutine read_loading(fields, checked)
     type(scene_fields), intent(inout) :: fields  !! the scene's text
     type(scene), intent(inout) :: checked        !! its loading is filled
-    integer :: events
+    integer :: control, events
 
+    control = 1
     events = effect_off
     associate (loading => checked%loading)
-      call fields%take('loading', 'control', loading%control)
-      if (loading%control == size(control_words)) loading%control = control_separation
+      call fields%take('loading', 'control', control)
+      loading%control = control_of(control)
       call read_path(fields, loading)
       call fields%take('loading', 'points', loading%points)
       call fields%take('loading', 'events', events)
@@ -45,10 +44,10 @@ contains
         call fields%complain_of('loading', 'events', 'found beside several values, ' // &
                                 'expected one value: a path has its points alone')
       ! It is not known what a refused control would need.
-      if (loading%control == 0) return
-      call check_need(fields, 'loading', 'value', loading%control /= control_limit, &
-                'control = ''' // trim(control_words(loading%control)) // '''')
-      if (loading%control == control_pressure .and. &
+      if (control == 0) return
+      call check_need(fields, 'loading', 'value', .not. is_limit(loading%control), &
+                'control = ''' // trim(loading%control%word) // '''')
+      if (loading%control%is_per_area .and. &
           .not. (allocated(checked%map) .or. fields%lacks_file) .and. &
           .not. checked%nominal_area > 0.0_real64) &
         call fields%complain_of('loading', 'control', 'a pressure needs an area: found no ' // &
@@ -68,10 +67,9 @@ contains
     pulls = fields%has_name('effects', 'adhesion') .or. &
             fields%has_name('effects', 'work_of_adhesion')
     number = fields%value_count('loading', 'value')
-    if (number <= 1 .or. loading%control == control_limit) then
+    if (number <= 1 .or. is_limit(loading%control)) then
       call fields%take('loading', 'value', loading%value, &
-           merge(not_negative, merge(above_zero, any_number, is_load(loading%control) .and. &
-                 .not. pulls), loading%control == control_compression))
+                       accepted_values(loading%control, .false., pulls))
     else if (number > most_values) then
       call fields%complain_of('loading', 'value', 'too many values: found ' // &
                               decimal_text(number) // ', expected at most ' // &
@@ -79,13 +77,8 @@ contains
     else
       allocate (loading%path(number))
       call fields%take('loading', 'value', loading%path, &
-           merge(not_negative, any_number, is_load(loading%control) .and. .not. pulls .or. &
-                 loading%control == control_compression))
-      ! The largest load or compression, or the least separation.
-      associate (numbers => loading%path)
-        loading%value = loading%path(merge(minloc(numbers, 1), maxloc(numbers, 1), &
-                                           loading%control == control_separation))
-      end associate
+                       accepted_values(loading%control, .true., pulls))
+      loading%value = loading%path(maxloc(depth_of(loading%control, loading%path), 1))
       if (is_load(loading%control) .and. .not. pulls .and. &
           .not. abs(loading%value) > 0.0_real64 .and. fields%problems%count() == problems) &
         call fields%complain_of('loading', 'value', 'no load is more than 0, expected one')
@@ -118,7 +111,7 @@ contains
 
     associate (limit => checked%limit)
       if (.not. fields%has_group('limit') .and. from_csv(fields) .and. &
-          checked%loading%control /= control_limit) then
+          .not. is_limit(checked%loading%control)) then
         limit%criterion = criterion_none
         return
       end if

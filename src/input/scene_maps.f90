@@ -3,19 +3,21 @@ module asperity_scene_maps
   use asperity_byte_reader, only: byte_reader
   use asperity_delimited_text, only: line_reader
   use asperity_effect_names, only: known_effects
-  use asperity_height_map, only: change_unit, expected_length, give_spacing, &
-                                 height_map, is_length, length_units, level_plane, map_request, &
+  use asperity_height_map, only: change_unit, expected_length, give_spacing, height_map, &
+                                 is_length, is_measured, length_units, level_plane, map_request, &
                                  note_repeated_line, periodic_edge, plain_unit, put_in_unit, &
                                  unit_number, usual_level
   use asperity_height_map_reader, only: head_length, is_height_map, take_height_map
   use asperity_input_text, only: in_quotes, skip_mark
   use asperity_kept_records, only: checksum
   use asperity_kinds, only: int64, real64
+  use asperity_loading_controls, only: bodies_asperities, bodies_flowing_map, bodies_free_map, &
+                                       bodies_incomplete_map, bodies_periodic_map, bodies_strip, &
+                                       refusal_of
   use asperity_problems, only: decimal_text, problem_list, real_text
   use asperity_scene_fields, only: scene_fields
-  use asperity_scene_values, only: control_limit, effect_auto, effect_boundary, &
-                                   effect_off, effect_words, has_caps, has_hardness, is_load, &
-                                   scene, scene_surface
+  use asperity_scene_values, only: effect_auto, effect_boundary, effect_off, effect_words, &
+                                   has_caps, has_hardness, scene, scene_surface
   implicit none
   private
 
@@ -253,9 +255,14 @@ contains
     type(scene), intent(inout) :: checked        !! all groups are read; gets a note
     character(len=*), parameter :: conductivities(2) = [character(len=23) :: &
       'electrical_conductivity', 'thermal_conductivity']
+    character(len=:), allocatable :: refusal
     integer :: i, mode
     logical :: others(size(known_effects))
 
+    if (.not. fields%lacks_file) then
+      refusal = refusal_of(checked%loading%control, bodies_of(checked))
+      if (refusal /= '') call fields%complain_of_group('loading', refusal)
+    end if
     if (.not. allocated(checked%map)) then
       do i = 1, 2
         call fields%refuse_name('material', trim(conductivities(i)), 'conductance is that of ' // &
@@ -282,23 +289,37 @@ contains
       call fields%complain_of('loading', 'events', 'found beside a map, expected none')
     others = checked%effects%modes /= effect_off .and. known_effects%not_on_pixels /= ''
     if (has_hardness(checked)) others = others .and. known_effects%name /= 'plasticity'
-    ! Displacements of a strip are known up to the logarithm of a distance (Johnson, section 2.3).
-    if (max(checked%map%upper%strip_axis, checked%map%lower%strip_axis) > 0 .and. &
-        .not. (is_load(checked%loading%control) .or. checked%loading%control == control_limit)) &
-      call fields%complain_of_group('loading', 'a map that is periodic along one axis is known ' &
-           // 'by its load: found a separation, expected control = ''load'', ' // &
-           '''vertical_load'' or ''pressure''')
     call fields%refuse_name('surfaces', 'field_spacing', 'found beside a map that is solved ' // &
                             'on its pixels, expected none: the fields are on the pixels')
-    if (checked%loading%control == control_limit) then
-      call fields%complain_of_group('loading', 'patches of pixels merge under load: found ' // &
-           'control = ''limit'' or none, expected ''separation'', ''load'', ''vertical_load'' ' // &
-           'or ''pressure''')
-    end if
     if (any(others)) &
       call fields%complain_of_group('effects', 'found another effect beside interaction = ''' // &
            trim(effect_words(mode)) // ''', expected none: ' // &
            trim(known_effects(findloc(others, .true., 1))%not_on_pixels))
   end subroutine check_map_scene
+
+  ! The bodies of a scene as controls distinguish them.
+  pure integer function bodies_of(checked) result(bodies)
+    type(scene), intent(in) :: checked
+
+    bodies = bodies_asperities
+    if (.not. allocated(checked%map)) return
+    associate (upper => checked%map%upper, lower => checked%map%lower)
+      bodies = bodies_free_map
+      ! Displacements of a strip are known up to the logarithm of a distance (Johnson, section 2.3).
+      if (max(upper%strip_axis, lower%strip_axis) > 0) bodies = bodies_strip
+      if (.not. (upper%periodic .or. lower%periodic)) return
+      bodies = bodies_periodic_map
+      if (.not. (all_measured(upper) .and. all_measured(lower))) bodies = bodies_incomplete_map
+      if (has_hardness(checked)) bodies = bodies_flowing_map
+    end associate
+  end function bodies_of
+
+  ! Whether a map has all its heights; also one that is not there.
+  pure logical function all_measured(map)
+    type(height_map), intent(in) :: map
+
+    all_measured = .true.
+    if (allocated(map%height)) all_measured = all(is_measured(map%height))
+  end function all_measured
 
 end module asperity_scene_maps

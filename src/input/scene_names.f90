@@ -7,18 +7,15 @@ module asperity_scene_names
   use asperity_effect_names, only: effect_numbers, effect_words, known_effects
   use asperity_height_map, only: edge_names, length_units, level_names
   use asperity_kinds, only: real64
+  use asperity_loading_controls, only: control_words
   use asperity_numeral, only: a_length, above_zero, any_number, not_negative, poisson_range
-  use asperity_scene_fields, only: known_name, one_text, one_word, whole_number, word_length
+  use asperity_scene_fields, only: known_name, most_words, one_text, one_word, whole_number, &
+                                   word_length
   implicit none
   private
 
-  public :: scene_rows, scene_table, control_words, criterion_words, most_values
+  public :: scene_rows, scene_table, criterion_words, most_values
 
-  !> The words of a scene for `control_limit` and so on; the last one is another word for the
-  !> separation.
-  character(len=*), parameter :: control_words(7) = &
-    [character(len=13) :: 'limit', 'separation', 'load', 'vertical_load', 'pressure', &
-     'compression', 'approach']
   !> The words of a scene for `criterion_load` and so on; `criterion_none` has none.
   character(len=*), parameter :: criterion_words(4) = &
     [character(len=20) :: 'load', 'pressure', 'greenwood_williamson', 'hardy']
@@ -27,7 +24,7 @@ module asperity_scene_names
   !> 200 in a file.
   integer, parameter :: most_positions = 1000000, most_points = 100000, most_values = 100000
 
-  character(len=*), parameter :: none(5) = ''
+  character(len=*), parameter :: none(most_words - 2) = ''
   character(len=*), parameter :: of_deck = 'that of the deck; needed with CSV files'
   real(real64), parameter :: one = 1.0_real64  ! also: the first word
 
@@ -54,7 +51,7 @@ module asperity_scene_names
                words=[character(len=word_length) :: level_names, none(2:)]), &
     known_name('surfaces', 'map_unit', one_word, 'of all lengths of a map; two: upper, lower', &
                [1, 2], otherwise='that of its file', &
-               words=[character(len=word_length) :: length_units, '']), &
+               words=[character(len=word_length) :: length_units, none(5:)]), &
     known_name('surfaces', 'map_spacing', a_length, &
                'of pixels, one or along x and y; of two maps the upper pair first', [1, 4], &
                otherwise='that of its file', unit='length'), &
@@ -93,9 +90,10 @@ module asperity_scene_names
     known_name('tilt', 'rotation', any_number, 'turn of each surface in the plane, radians', 2, &
                otherwise='0, 0; with a deck its THETAU and THETAL'), &
     known_name('loading', 'control', one_word, 'quantity that value sets', default=one, &
-               words=[character(len=word_length) :: control_words]), &
+               words=[character(len=word_length) :: control_words, &
+                                                    none(size(control_words) - 1:)]), &
     known_name('loading', 'value', any_number, &
-               'separation, compression, load or pressure; several: a path', [1, most_values], &
+               'of that quantity; several: a path', [1, most_values], &
                otherwise='needed for all but ''limit'', refused there'), &
     known_name('loading', 'points', whole_number, 'states after first contact', &
                least=0, most=most_points), &

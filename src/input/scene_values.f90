@@ -11,15 +11,16 @@ module asperity_scene_values
   use asperity_files, only: same_name
   use asperity_height_map, only: height_map, level_plane
   use asperity_kinds, only: real64
+  use asperity_loading_controls, only: control_limit, control_load, control_separation, &
+                                       is_distance, is_limit, is_load, loading_control
   use asperity_problems, only: problem_list
-  use asperity_scene_names, only: control_words, criterion_words, scene_rows
+  use asperity_scene_names, only: criterion_words, scene_rows
   implicit none
   private
 
   public :: scene_map, scene, scene_side, scene_surface, scene_motion, scene_loading, scene_limit, &
             scene_effects
-  public :: control_limit, control_separation, control_load, control_vertical_load, &
-            control_pressure, control_compression, control_words, is_load, is_vertical_load
+  public :: control_limit, control_load, control_separation, is_distance, is_limit, is_load
   public :: criterion_none, criterion_load, criterion_pressure, criterion_greenwood_williamson, &
             criterion_hardy, criterion_words
   public :: hold_load, hold_separation, hold_words, most_relaxations
@@ -27,13 +28,6 @@ module asperity_scene_values
   public :: effect_off, effect_on, effect_auto, effect_coupled, effect_boundary, effect_words
   public :: thesis_limit_load, is_thesis_sweep, body_compliance, combined_modulus, has_hardness, &
             dundurs_beta, has_caps, has_tangential, solves_pixels
-
-  integer, parameter :: control_limit = 1          !! ends where a contact reaches its limit
-  integer, parameter :: control_separation = 2     !! at a given separation of the reference planes
-  integer, parameter :: control_load = 3           !! at a given sum of the normal forces
-  integer, parameter :: control_vertical_load = 4  !! at a given sum of their vertical parts
-  integer, parameter :: control_pressure = 5       !! at a given vertical load over the nominal area
-  integer, parameter :: control_compression = 6    !! at a given compression since first contact
 
   !> No limit is looked for. Only with surfaces from CSV files and a control other than the limit.
   integer, parameter :: criterion_none = 0
@@ -71,11 +65,10 @@ module asperity_scene_values
 
   !> How far the surfaces close.
   type :: scene_loading
-    integer :: control = control_limit  !! one of the `control_` numbers
-    !> Separation, load or pressure at the end, or the deepest of the path; unused for the limit.
+    type(loading_control) :: control = control_limit  !! the quantity of the values
+    !> Value of the control at the end, or the deepest of the path; unused for the limit.
     real(real64) :: value = 0.0_real64
-    !> Separations, loads or pressures, one after the other, up and down; allocated when there are
-    !> several.
+    !> Values of the control, one after the other, up and down; allocated when there are several.
     real(real64), allocatable :: path(:)
     integer :: points = 0               !! states after first touch; 0 or 1: the end state only
     logical :: events = .false.         !! also a state wherever a contact begins
@@ -245,27 +238,13 @@ contains
                 (given == by_numbers .or. name == 'interaction')
   end function is_barred
 
-  !> Whether a control asks for a load, one way or another.
-  elemental logical function is_load(control)
-    integer, intent(in) :: control  !! one of the `control_` numbers
-
-    is_load = any(control == [control_load, control_vertical_load, control_pressure])
-  end function is_load
-
-  !> Whether the load that a control asks for is the vertical one.
-  elemental logical function is_vertical_load(control)
-    integer, intent(in) :: control  !! one of the `control_` numbers
-
-    is_vertical_load = any(control == [control_vertical_load, control_pressure])
-  end function is_vertical_load
-
   !> Whether the scene is a bare deck: the sweep that the original program computes.
   pure logical function is_thesis_sweep(scene_in)
     type(scene), intent(in) :: scene_in  !! scene with checked values
 
     is_thesis_sweep = scene_in%from_deck .and. scene_in%limit%from_thesis .and. &
                       scene_in%motion%positions == thesis_positions .and. &
-                      scene_in%loading%control == control_limit .and. &
+                      is_limit(scene_in%loading%control) .and. &
                       same_name(scene_in%upper%file, scene_in%file)
   end function is_thesis_sweep
 

@@ -5,7 +5,8 @@ module asperity_spec_names
   use asperity_kinds, only: real64
   use asperity_numeral, only: a_length, above_zero, any_number, not_negative, poisson_range, &
                               share_or_all
-  use asperity_scene_fields, only: known_name, one_word, whole_number, whole_value, word_length
+  use asperity_scene_fields, only: known_name, most_words, one_word, whole_number, whole_value, &
+                                   word_length
   implicit none
   private
 
@@ -14,7 +15,7 @@ module asperity_spec_names
 
   ! Pixels along a side: more would leave too few bits for a wave number's square.
   integer, parameter :: most_pixels = 1048576
-  character(len=*), parameter :: none(5) = ''
+  character(len=*), parameter :: none(most_words - 2) = ''
   integer, parameter :: pair(2) = [1, 2]  ! one value for both surfaces, or both directions, or two
   real(real64), parameter :: one = 1.0_real64  ! also: the first word
 
@@ -81,6 +82,6 @@ module asperity_spec_names
     known_name('map', 'below_roll_off', one_word, 'spectrum at wavelengths above the roll-off', &
                default=one, words=[character(len=word_length) :: below_words, none]), &
     known_name('map', 'unit', one_word, 'of all lengths', &
-               words=[character(len=word_length) :: length_units, ''])]
+               words=[character(len=word_length) :: length_units, none(5:)])]
 
 end module asperity_spec_names

@@ -26,7 +26,7 @@ module asperity_asperity_model
   use asperity_plastic_surface, only: surface_index
   use asperity_scene_placing, only: place_scene
   use asperity_effect_header, only: effect_header
-  use asperity_scene_values, only: effect_auto, is_load, is_vertical_load, scene
+  use asperity_scene_values, only: effect_auto, is_load, scene
   use asperity_theory_warnings, only: add_warning, of_barred, of_excluded, of_off, take_worse, &
                                       theory_warning
   implicit none
@@ -97,7 +97,7 @@ contains
     new%states = max(1, scene_in%loading%points)
     if (allocated(scene_in%loading%path)) new%states = new%states * size(scene_in%loading%path)
     new%work = size(scene_in%upper%x) + size(scene_in%lower%x)
-    if (.not. is_vertical_load(scene_in%loading%control)) new%loads_differ = header%tolerance
+    if (.not. scene_in%loading%control%is_vertical) new%loads_differ = header%tolerance
     new%by_estimate = .not. allocated(scene_in%loading%path) .and. &
                       all(header%names == 'interaction') .and. all(header%modes == effect_auto)
     new%method%keeps_first = allocated(scene_in%loading%path) .and. .not. new%isolated

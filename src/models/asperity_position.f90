@@ -14,13 +14,12 @@ module asperity_asperity_position
   use asperity_hertz_law, only: hertz_law
   use asperity_isolated_contacts, only: list_compressions
   use asperity_kinds, only: real64
+  use asperity_loading_controls, only: compression_of, in_model_units
   use asperity_load_search, only: compress_to_load, search_load
   use asperity_path_steps, only: plan_hold, plan_path
   use asperity_problems, only: not_enough_memory
   use asperity_root_bracket, only: guess_by_secant, narrow_bracket, root_bracket
-  use asperity_scene_values, only: control_compression, control_limit, control_load, &
-                                   control_pressure, control_vertical_load, effect_off, is_load, &
-                                   scene
+  use asperity_scene_values, only: effect_off, is_distance, is_limit, is_load, scene
   implicit none
   private
 
@@ -101,9 +100,7 @@ contains
     real(real64), intent(in) :: duration  ! time of loading, 0 or more
     type(path_step), allocatable, intent(out) :: steps(:)  ! at least one
     character(len=:), allocatable, intent(out) :: failure
-    real(real64), allocatable :: given(:)
-    real(real64), allocatable :: compressions(:), ends(:), gaps(:)
-    integer :: i
+    real(real64), allocatable :: compressions(:), ends(:), gaps(:), given(:)
 
     if (.not. (allocated(scene_in%loading%path) .or. duration > 0.0_real64)) then
       allocate (gaps(0))
@@ -129,28 +126,17 @@ contains
     else
       allocate (given(1), source=scene_in%loading%value)
     end if
-    allocate (ends(size(given)))
-    ! In the unit of the pairs: a load, or a compression.
-    do i = 1, size(ends)
-      ends(i) = given(i)
-      select case (scene_in%loading%control)
-      case (control_pressure)
-        ends(i) = scale(ends(i), -pairs%modulus_power) * &
-                  scale(scene_in%nominal_area, -2 * pairs%length_power)
-      case (control_load, control_vertical_load)
-        ends(i) = scale(ends(i), -(pairs%modulus_power + 2 * pairs%length_power))
-      case (control_compression)
-        ends(i) = scale(ends(i), -pairs%length_power)
-      case default
-        ends(i) = pairs%first_touch - scale(ends(i), -pairs%length_power)
-      end select
-      if (is_load(scene_in%loading%control) .and. abs(given(i)) > 0.0_real64 .and. &
-          .not. abs(ends(i)) / max(1, scene_in%loading%points) > 0.0_real64) then
+    associate (control => scene_in%loading%control)
+      ends = in_model_units(control, given, scene_in%nominal_area, pairs%modulus_power, &
+                            pairs%length_power)
+      if (is_load(control) .and. any(abs(given) > 0.0_real64 .and. .not. abs(ends) / &
+                                     max(1, scene_in%loading%points) > 0.0_real64)) then
         failure = 'a load of the path is too small beside the moduli and lengths to be met'
         return
       end if
-    end do
-    if (scene_in%loading%control == control_limit) ends = found%compression
+      if (is_distance(control)) ends = compression_of(control, ends, pairs%first_touch)
+      if (is_limit(control)) ends = found%compression
+    end associate
     call plan_path(0.0_real64, ends, scene_in%loading%points, is_load(scene_in%loading%control), &
                    duration, steps)
   end subroutine plan_states

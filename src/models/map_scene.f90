@@ -3,14 +3,14 @@ module asperity_map_scene
   use asperity_contact_model, only: path_step
   use asperity_height_map, only: height_map, is_measured, move_map
   use asperity_kinds, only: int64, real64
+  use asperity_loading_controls, only: in_model_units, separation_of
   use asperity_map_caps, only: add_caps, placed_caps
   use asperity_map_despiking, only: despike_map
   use asperity_map_form, only: add_form
   use asperity_map_levelling, only: level_map
   use asperity_map_motion, only: overlay_maps
   use asperity_path_steps, only: plan_path
-  use asperity_scene_values, only: control_compression, control_pressure, effect_off, is_load, &
-                                   scene, scene_motion
+  use asperity_scene_values, only: effect_off, is_load, scene, scene_motion
   implicit none
   private
 
@@ -95,19 +95,16 @@ contains
     character(len=:), allocatable, intent(out) :: failure  !! reason, when a load underflows
     real(real64), allocatable :: given(:)
     real(real64), allocatable :: ends(:)
-    real(real64) :: duration, from, unit
+    real(real64) :: area, duration, from
 
     if (allocated(scene_in%loading%path)) then
       allocate (given, source=scene_in%loading%path)
     else
       allocate (given(1), source=scene_in%loading%value)
     end if
-    unit = 1.0_real64
-    if (scene_in%loading%control == control_pressure) then
-      unit = scene_in%nominal_area
-      if (.not. unit > 0.0_real64) unit = area_of_map(map)
-    end if
-    ends = unit * given
+    area = scene_in%nominal_area
+    if (.not. area > 0.0_real64) area = area_of_map(map)
+    ends = in_model_units(scene_in%loading%control, given, area, 0, 0)
     from = 0.0_real64
     duration = 0.0_real64
     if (scene_in%effects%mode('creep') /= effect_off) &
@@ -120,7 +117,7 @@ contains
       end if
     else
       from = maxval(map%height)
-      if (scene_in%loading%control == control_compression) ends = from - ends
+      ends = separation_of(scene_in%loading%control, ends, from, sum(map%height) / size(map%height))
     end if
     call plan_path(from, ends, scene_in%loading%points, is_load(scene_in%loading%control), &
                    duration, steps)

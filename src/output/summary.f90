@@ -9,8 +9,8 @@ module asperity_summary
   use asperity_problems, only: decimal_text, problem_list
   use asperity_result_table, only: array_table, make_arrays, numbers_of, of_states, place_of
   use asperity_scene_results, only: last_state, scene_results
-  use asperity_scene_values, only: control_limit, control_pressure, control_words, criterion_none, &
-                                   criterion_words, effect_off, scene, scene_map
+  use asperity_scene_values, only: criterion_none, criterion_words, effect_off, is_limit, scene, &
+                                   scene_map
   use asperity_text_buffer, only: text_buffer
   use asperity_totals_table, only: write_totals
   use asperity_unit_names, only: is_area, is_length, is_moment, is_pressure, unit_of, with_unit
@@ -82,7 +82,7 @@ contains
       limit = '; limit: ' // trim(criterion_words(scene_in%limit%criterion))
     if (model == 'none') model = 'elastic, frictionless, non-interacting contacts (Hertz)'
     call buffer%line('model: ' // model // '; control: ' // &
-                     trim(control_words(scene_in%loading%control)) // limit // &
+                     trim(scene_in%loading%control%word) // limit // &
                      '; arithmetic: ' // trim(results%arithmetic))
   end subroutine write_heading
 
@@ -179,12 +179,7 @@ contains
     if (allocated(failure)) return
     allocate (values(size(scene_in%loading%path)), lost(0))
     values(:) = scene_in%loading%path
-    associate (control => scene_in%loading%control)
-      text = trim(control_words(control))
-      if (control == control_limit) text = 'separation'
-      if (control == control_pressure) text = 'nominal_pressure'
-    end associate
-    controlled = numbers_of(table, text)
+    controlled = numbers_of(table, trim(scene_in%loading%control%column))
     call buffer%line('')
     line = 'load path'
     do k = 1, size(heads)
@@ -308,7 +303,7 @@ contains
     type(scene), intent(in) :: scene_in
 
     asks = scene_in%limit%criterion /= criterion_none .and. &
-           (scene_in%loading%control == control_limit .or. .not. scene_in%limit%from_thesis)
+           (is_limit(scene_in%loading%control) .or. .not. scene_in%limit%from_thesis)
   end function asks_for_limit
 
 end module asperity_summary

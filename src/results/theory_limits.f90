@@ -8,9 +8,9 @@ module asperity_theory_limits
   use asperity_effect_names, only: effect_words, go_together, known_effects
   use asperity_first_yield, only: yield_pressure
   use asperity_kinds, only: real64
-  use asperity_scene_values, only: control_limit, criterion_greenwood_williamson, criterion_hardy, &
+  use asperity_scene_values, only: criterion_greenwood_williamson, criterion_hardy, &
                                    criterion_load, criterion_pressure, effect_auto, &
-                                   effect_boundary, effect_off, scene, scene_limit
+                                   effect_boundary, effect_off, is_limit, scene, scene_limit
   use asperity_theory_warnings, only: add_warning, of_cap, of_contact_radius, of_crowding, &
                                       of_limit, of_overlapping, of_slope, of_yield, &
                                       theory_warning, warn_above
@@ -64,7 +64,7 @@ contains
     limits%slope = max(norm2(scene_in%upper%slope), norm2(scene_in%lower%slope))
     limits%forbids_plasticity = ruling_out_plasticity(scene_in)
     if (scene_in%effects%mode('plasticity') /= effect_off) return
-    if (scene_in%loading%control /= control_limit) then
+    if (.not. is_limit(scene_in%loading%control)) then
       if (scene_in%limit%criterion == criterion_load) &
         limits%load = scale(scale(scene_in%limit%value, -modulus_power), -2 * length_power)
       if (scene_in%limit%criterion == criterion_pressure) &

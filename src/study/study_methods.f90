@@ -18,9 +18,9 @@ module asperity_study_methods
   use asperity_run_options, only: run_options
   use asperity_scene_results, only: scene_results
   use asperity_scene_placing, only: place_scene
-  use asperity_scene_values, only: control_compression, control_limit, control_separation, &
-                                   criterion_load, effect_auto, effect_boundary, effect_coupled, &
-                                   effect_off, is_thesis_sweep, scene, scene_effects, scene_map
+  use asperity_scene_values, only: criterion_load, effect_auto, effect_boundary, effect_coupled, &
+                                   effect_off, is_distance, is_limit, is_thesis_sweep, scene, &
+                                   scene_effects, scene_map
   use asperity_solve, only: solve
   use asperity_surface_solve, only: solve_effects
   implicit none
@@ -76,7 +76,7 @@ contains
   pure logical function is_sweep(scene_in)
     type(scene), intent(in) :: scene_in
 
-    is_sweep = scene_in%loading%control == control_limit .and. &
+    is_sweep = is_limit(scene_in%loading%control) .and. &
                scene_in%limit%criterion == criterion_load .and. .not. allocated(scene_in%map)
   end function is_sweep
 
@@ -153,8 +153,7 @@ contains
                                    step=merge(10.0_real64**(order - 1), 0.0_real64, &
                                               sweep .and. compression > 0.0_real64)))
     if (is_thesis_sweep(scene_in)) call add_original(original_order, ', original program, 1976')
-    if (any(scene_in%loading%control == [control_separation, control_compression]) .or. &
-        .not. compression > 0.0_real64) return
+    if (is_distance(scene_in%loading%control) .or. .not. compression > 0.0_real64) return
     first_step = merge(0, 1, sweep)
     do k = order - first_step, order - 3, -1
       if (is_thesis_sweep(scene_in) .and. k /= original_order) &

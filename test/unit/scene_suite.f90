@@ -8,7 +8,7 @@ module asperity_scene_suite
   use asperity_numeral, only: read_numeral
   use asperity_problems, only: problem_list
   use asperity_scene_reader, only: parse_scene
-  use asperity_scene_values, only: control_separation, effect_off, scene
+  use asperity_scene_values, only: effect_off, scene
   use asperity_surface_csv, only: parse_surface_csv, surface_table
   use asperity_testing, only: check, has_failed, run_test
   implicit none
@@ -232,7 +232,7 @@ contains
     call check_number(found%lower%slope(2), 2.0_real64, 'lower slope y')
     call check_number(found%upper%rotation, 0.5_real64, 'upper rotation')
     call check_number(found%lower%rotation, 2.0_real64, 'lower rotation')
-    call check(found%loading%control, control_separation, 'control')
+    call check(trim(found%loading%control%word), 'separation', 'control')
     call check_number(found%loading%value, -0.3_real64, 'approach')
     call accept(char(239) // char(187) // char(191) // deck, found)
     ! A doubled quote is one, and the other kind of quote is a character.
@@ -312,7 +312,7 @@ contains
     call refuse(deck // '|&material poisson_ratio = 0, -1 /', '2:30', 'more than -1')
     call refuse(deck // '|&loading control="lode" /', '2:18', &
                 'found the text ''lode'', expected ''limit'', ''separation'', ''load'', ' // &
-                '''vertical_load'', ''pressure'', ''compression'' or ''approach''')
+                '''vertical_load'', ''pressure'', ''compression'', ''mean_gap'' or ''approach''')
     call refuse(deck // '|&loading control=limit /', '2:18', 'found ''limit'', expected')
     call refuse(deck // '|&loading control="load", value=0 /', '2:32', 'more than 0')
     call refuse(deck // '|&loading points=-1 /', '2:17', 'a whole number from 0')
