@@ -4,6 +4,7 @@ from __future__ import annotations
 
 import html
 import importlib
+import math
 import os
 import re
 import typing
@@ -14,9 +15,11 @@ from typing import TYPE_CHECKING, Any
 
 from . import _arguments as _a
 from . import _library as _c
-from ._columns import Table, Values, numpy, shown
+from ._columns import Table, Values, needed, numpy, shown
+from ._conditioning import Conditioning
 from ._errors import InputError, Problem, warn_caller
 from ._plots import draw_pixels
+from ._text_maps import named_columns, read_text
 
 if TYPE_CHECKING:
     from matplotlib.axes import Axes
@@ -31,7 +34,7 @@ def plain_unit(unit: str) -> str:
     return unit.replace("\N{MICRO SIGN}", "u").replace("\N{GREEK SMALL LETTER MU}", "u")
 
 
-class HeightMap:
+class HeightMap(Conditioning):
     """A height map: heights on a rectangular grid, with their spacing and unit.
 
     Parameters
@@ -40,7 +43,9 @@ class HeightMap:
         Heights of shape (rows, columns), indexed `[row, column]` = `[y, x]` as in a text matrix:
         x grows along a row, y with the row. NaN or a mask marks missing pixels. Without numpy a
         list of lists. The values are copied. An array of xarray with the dimensions `x` and `y` is
-        indexed by them, in either order; its coordinates must have this spacing.
+        indexed by them, in either order; its coordinates must have this spacing, and its
+        attribute `units` is the unit. A topography of SurfaceTopography has its own spacing, unit
+        and edge, and its heights are indexed `[x, y]`.
     spacing : float or (float, float)
         Distance from pixel to pixel along x and y, in the unit of the heights.
     unit : str, optional
@@ -55,8 +60,11 @@ class HeightMap:
     spacing : (float, float)
     unit : str or None
     periodic : bool
+    is_profile : bool
+        Whether it is a profile: a strip along y of the width 1, so that a load is a load per
+        length (`HeightMap.profile`).
     notes : list of str
-        Notes on the file that it was read from.
+        Notes on the file that it was read from, and what methods have done to the heights.
 
     Raises
     ------
@@ -73,12 +81,21 @@ class HeightMap:
     ((3, 3), (0.5, 0.5))
     """
 
+    is_profile: bool = False
+
     def __init__(self, heights: ArrayLike | Sequence[Sequence[float]],
-                 spacing: float | Sequence[float], unit: str | None = None,
+                 spacing: float | Sequence[float] | None = None, unit: str | None = None,
                  periodic: bool = False):
-        source = heights.heights if isinstance(heights, HeightMap) else heights
+        source: Any = heights
+        if is_topography(source):
+            source = map_of_topography("heights", source)
+            spacing = source.spacing if spacing is None else spacing
+            unit, periodic = agreed_unit("unit", unit, source.unit), periodic or source.periodic
+        if isinstance(source, HeightMap):
+            self.is_profile, source = source.is_profile, source.heights
         self.spacing: tuple[float, float] = _a.pair("spacing", spacing)
-        source, _ = in_order("heights", source, self.spacing)
+        source, _, own_unit = in_order("heights", source, self.spacing)
+        unit = agreed_unit("unit", unit, own_unit)
         self._cells = _own(_a.doubles("heights", source, 2))
         self.shape: tuple[int, int] = (self._cells.rows, self._cells.columns)
         self.notes: list[str] = []
@@ -88,6 +105,39 @@ class HeightMap:
         if self.unit not in (None, *UNITS):
             raise _a.wrong("unit", repr(unit), f"one of {', '.join(UNITS)}, or None")
         self.periodic: bool = _a.flag("periodic", periodic)
+
+    @classmethod
+    def of(cls, topography: Any) -> HeightMap:
+        """The height map of a topography of SurfaceTopography; of a line scan the profile."""
+        if not is_topography(topography):
+            raise _a.wrong_type("topography", topography, "a topography of SurfaceTopography")
+        return map_of_topography("topography", topography)
+
+    @classmethod
+    def profile(cls, heights: ArrayLike | Sequence[float], spacing: float,
+                unit: str | None = None, periodic: bool = False) -> HeightMap:
+        """A profile along x, with its spacing, unit and edge, as a body in plane strain.
+
+        It is a map that repeats itself along y: three equal rows, 1 unit of length wide in all, so
+        that a load is a load per length, an area a contact width. A scene with a free profile has
+        `map_edge = 'free', 'periodic'`.
+
+        Examples
+        --------
+        >>> import asperity
+        >>> places = [0.01 * i - 1.0 for i in range(201)]
+        >>> cylinder = asperity.HeightMap.profile([-x**2 / 20 for x in places], 0.01)
+        >>> found = asperity.solve({
+        ...     "surfaces": {"upper": "plane", "lower": cylinder},
+        ...     "material": {"contact_modulus": 1000.0},
+        ...     "loading": {"control": "load", "value": 10.0}}).states
+        >>> print(f"{found['area'][-1]:.3f}")  # 2 sqrt(4 P R/(pi E*)) = 0.714
+        0.714
+        """
+        row = list(_a.doubles("heights", heights))
+        made = cls([row] * 3, (_a.number("spacing", spacing), 1.0 / 3.0), unit, periodic)
+        made.is_profile = True
+        return made
 
     @property
     def heights(self) -> NDArray[Any]:
@@ -183,13 +233,14 @@ class HeightMap:
         return draw_pixels(self.heights, self.spacing, self.unit, ax, label="height" + unit)
 
     def _struct(self) -> Any:
-        return struct(self._cells, self.spacing, self.unit, int(self.periodic))
+        is_strip = self.is_profile and not self.periodic
+        return struct(self._cells, self.spacing, self.unit, -1 if is_strip else int(self.periodic))
 
     def __reduce__(self) -> Any:
         rows = [list(self._cells[i:i + self.shape[1]])
                 for i in range(0, len(self._cells), self.shape[1])]
         return HeightMap, (self.heights if numpy() else rows, self.spacing, self.unit,
-                           self.periodic), {"notes": self.notes}
+                           self.periodic), {"notes": self.notes, "is_profile": self.is_profile}
 
     def _facts(self) -> list[str]:
         unit = f" {self.unit}" if self.unit else ""
@@ -201,7 +252,9 @@ class HeightMap:
         return facts + ([f"{missing} pixels missing"] if missing else [])
 
     def __repr__(self) -> str:
-        return f"<asperity.HeightMap of {self.shape[1]} x {self.shape[0]} pixels: " \
+        size = f"a profile of {self.shape[1]}" if self.is_profile else \
+            f"{self.shape[1]} x {self.shape[0]}"
+        return f"<asperity.HeightMap of {size} pixels: " \
                f"{', '.join(self._facts())}>"
 
     def _repr_html_(self) -> str:
@@ -231,17 +284,21 @@ def map_of(name: str, value: Any, spacing: Any = None) -> Any | None:
         dimensions = 1 + (isinstance(value[0], Sequence) and not _a.is_text(value[0]))
     if dimensions is None or dimensions < 2:
         return None
-    value, steps = in_order(name, value, spacing)
-    return struct(_own(_a.doubles(name, value, 2)), steps, None, -1)
+    value, steps, unit = in_order(name, value, spacing)
+    return struct(_own(_a.doubles(name, value, 2)), steps, unit, -1)
 
 
 def in_order(name: str, value: Any,
-             spacing: Any = None) -> tuple[Any, tuple[float, float]]:
-    """Heights indexed `[y, x]`, and the spacing of their coordinates, 0 without: of an array with
-    named dimensions as those of xarray. Coordinates must have the spacing that is given."""
+             spacing: Any = None) -> tuple[Any, tuple[float, float], str | None]:
+    """Heights indexed `[y, x]`, the spacing of their coordinates, 0 without, and their unit: of an
+    array with named dimensions as those of xarray. Coordinates must have the spacing that is given;
+    heights and coordinates must have one unit."""
     dims, coords = getattr(value, "dims", None), getattr(value, "coords", None)
     if not isinstance(dims, tuple) or len(dims) != 2 or coords is None:
-        return value, (0.0, 0.0)
+        return value, (0.0, 0.0), None
+    unit = None
+    for one in (value, *(coords[dim] for dim in dims if dim in coords)):
+        unit = agreed_unit(name, unit, getattr(one, "attrs", {}).get("units") or None)
     _a.refuse_unit(name, getattr(value, "data", None))
     first, second = (str(one).lower() for one in dims)
     if first == "x" or second == "y":
@@ -263,7 +320,16 @@ def in_order(name: str, value: Any,
                            f"the spacing {shown(spacing[axis])}, or none")
     if any(found) and not all(found):
         raise _a.wrong(name, "coordinates of one dimension", "those of both, or a spacing")
-    return value, (found[0], found[1])
+    return value, (found[0], found[1]), unit
+
+
+def agreed_unit(name: str, unit: str | None, other: str | None) -> str | None:
+    """The one unit of two, of which either may be unknown."""
+    if other is None or unit is None:
+        return other if unit is None else unit
+    if plain_unit(str(unit)) == plain_unit(str(other)):
+        return unit
+    raise _a.wrong(name, f"{unit} and {other}", "one unit for heights and places")
 
 
 def _own(cells: Any) -> Any:
@@ -278,22 +344,29 @@ def is_topography(value: Any) -> bool:
     return callable(getattr(value, "heights", None)) and hasattr(value, "physical_sizes")
 
 
-def map_of_topography(name: str, topography: Any) -> HeightMap:
-    """The height map of a topography, whose heights are indexed `[x, y]`."""
+def map_of_topography(name: str, topography: Any, rows_first: bool = False) -> HeightMap:
+    """The height map of a topography, whose heights are indexed `[x, y]`; of a plain array that
+    was read as one `[y, x]`."""
     unit = getattr(topography, "unit", None) or None
     if unit is not None and plain_unit(unit) not in UNITS and hasattr(topography, "to_unit"):
         topography, unit = topography.to_unit("nm"), "nm"
     heights, sizes = topography.heights(), topography.physical_sizes
+    periodic = bool(getattr(topography, "is_periodic", False))
+    if getattr(heights, "ndim", 0) == 1 and sizes is not None and getattr(
+            topography, "is_uniform", False):
+        return HeightMap.profile(needed("numpy", "maps", "a topography").ma.filled(
+            heights.astype(float), math.nan), sizes[0] / len(heights), unit, periodic)
     if getattr(heights, "ndim", 0) != 2 or sizes is None or len(sizes) != 2:
         raise _a.wrong(name, "a topography without two dimensions of known length",
                        "a map with physical_sizes along x and y")
-    columns, rows = heights.shape
-    return HeightMap(heights.T, (sizes[0] / columns, sizes[1] / rows), unit,
-                     bool(getattr(topography, "is_periodic", False)))
+    steps = sizes[0] / heights.shape[0], sizes[1] / heights.shape[1]
+    return HeightMap(heights if rows_first else heights.T, steps[::-1] if rows_first else steps,
+                     unit, periodic)
 
 
 def read_map(path: _a.Path, *, spacing: float | Sequence[float] | None = None,
-             unit: str | None = None, periodic: bool = False) -> HeightMap:
+             unit: str | None = None, periodic: bool = False, delimiter: str | None = None,
+             decimal: str | None = None, columns: Sequence[str | int] | None = None) -> HeightMap:
     """Read a height map from a file.
 
     Parameters
@@ -309,6 +382,17 @@ def read_map(path: _a.Path, *, spacing: float | Sequence[float] | None = None,
         it is the unit of its numbers.
     periodic : bool, default False
         Whether the map repeats itself. Not needed where the file has the edge.
+    delimiter : str, optional
+        Separator of the numbers of a text, one sign; blanks without. With `delimiter`, `decimal`
+        or `columns` the file is a text in that form: comments begin with `#` or `%`, missing
+        pixels are empty, `NaN` or `BAD`.
+    decimal : {'.', ','}, optional
+        Decimal sign of a text.
+    columns : (x, y, height), optional
+        Columns of the places and heights of a full regular grid: names in the first line of the
+        text, or numbers from 0 for a text without names. A first line with `x`, `y` and one of
+        `z`, `height`, `value`, `elevation` is read without keywords. Without columns a text is a
+        matrix, which needs `spacing`.
 
     Returns
     -------
@@ -327,7 +411,11 @@ def read_map(path: _a.Path, *, spacing: float | Sequence[float] | None = None,
     <asperity.HeightMap of 64 x 64 pixels: 32 x 32 um, heights -0.0623152 to 0.0478979 um, free,
      20 pixels missing>
     """
-    made = map_of_file(path, spacing, unit, periodic)
+    if delimiter is decimal is columns is None:
+        made = map_of_file(path, spacing, unit, periodic)
+    else:
+        made = _map_of_text(os.fsdecode(_a.path("path", path)), spacing, unit, periodic, delimiter,
+                            decimal, columns)
     for note in made.notes:
         warn_caller(note, UserWarning)
     return made
@@ -343,10 +431,22 @@ def map_of_file(path: _a.Path, spacing: Any = None, unit: str | None = None,
                        None if unit is None else _a.word("unit", unit)).checked()
     except InputError as refused:
         name = os.fsdecode(coded)
+        named = named_columns(name) if Path(name).is_file() else None
+        if named is not None:
+            return _map_of_text(name, steps, unit, is_periodic, named[0], None, named[1])
         if (unit is None or unit in UNITS) and min(steps or (1.0,)) > 0.0 and Path(name).is_file():
             return _read_other_format(name, steps, unit, is_periodic, refused)
         raise
     return _map_of_outcome(read, is_periodic)
+
+
+def _map_of_text(path: str, spacing: Any, unit: str | None, periodic: bool,
+                 delimiter: str | None, decimal: str | None,
+                 columns: Sequence[Any] | None) -> HeightMap:
+    """The map of a text whose form is stated."""
+    heights, steps = read_text(path, None if spacing is None else _a.pair("spacing", spacing),
+                               delimiter, decimal or ".", columns)
+    return HeightMap(heights, steps, unit, periodic)
 
 
 def generate_map(specification: _a.Path | Mapping[str, Mapping[str, Any]] | None = None,
@@ -413,6 +513,8 @@ def _map_of_outcome(outcome: _c.Outcome, periodic: bool = False) -> HeightMap:
 # Formats of SurfaceTopography whose files the reader of this package knows better: what it refuses
 # is refused. Text is read where its header has the size of the map.
 OWN_FORMATS = {"xyz", "sdf", "npy"}
+# Plain arrays: their rows run along y, as those of `.npy`; SurfaceTopography takes them as [x, y].
+ROWS_FIRST = {"npz", "mat", "h5"}
 # Bytes by which SurfaceTopography recognises a format.
 FIRST_BYTES = 512
 
@@ -439,14 +541,15 @@ def _read_other_format(path: str, spacing: tuple[float, float] | None, unit: str
     try:
         given: dict[str, Any] = {}
         if spacing is not None:
+            steps = spacing[::-1] if known in ROWS_FIRST else spacing
             given["physical_sizes"] = tuple(step * number for step, number in
-                                            zip(spacing, channel.nb_grid_pts))
+                                            zip(steps, channel.nb_grid_pts))
         if channel.unit is None and unit is not None:
             given["unit"] = unit
         topography = reader.topography(**given)
         if unit is not None and topography.unit is not None:
             topography = topography.to_unit(unit)
-        found = map_of_topography("path", topography)
+        found = map_of_topography("path", topography, known in ROWS_FIRST)
     except Exception as error:  # of the reader of that format
         raise _both_reasons(path, error, refused) from error
     found.periodic = found.periodic or periodic
@@ -466,7 +569,8 @@ def _reason_of_format(library: Any, path: str) -> Exception | None:
                                                  (named and match != library.MagicMatch.NO)):
             continue
         try:
-            library.open_topography(path, name)
+            if not library.open_topography(path, name).channels:
+                raise ValueError("found no channel of heights")
         except Exception as error:
             found = error if named or found is None else found
     return found

@@ -13,7 +13,7 @@ from typing import Any
 from . import _arguments as _a
 from . import _library as _c
 from ._fields import states_kept
-from ._maps import map_of
+from ._maps import HeightMap, map_of
 from ._results import Results
 
 EXPECTED_SCENE = "a path, or a dict of groups"
@@ -225,6 +225,9 @@ def _without_arrays(scene: Mapping[str, Any]) -> tuple[dict[str, Any], list[Any]
             if name in given and not _a.is_text(given[name]):
                 _fill(side, f"surfaces.{name}", given[name], _of_side(steps, name))
                 del rest["surfaces"][name]
+                if isinstance(given[name], HeightMap) and given[name].is_profile \
+                        and not given[name].periodic:
+                    rest["surfaces"].setdefault("map_edge", ["free", "periodic"])
         if not rest["surfaces"]:
             del rest["surfaces"]
     return rest, sides

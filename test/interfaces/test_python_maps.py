@@ -153,9 +153,9 @@ def test_read_other_formats(package, tmp_path):
 
 def test_maps_without_a_size(package, tmp_path):
     """Spacing and unit reach SurfaceTopography: a map of MATLAB has neither."""
-    rows, columns = HEIGHTS.T.shape
+    rows, columns = HEIGHTS.shape
     (tmp_path / "m.mat").write_bytes(struct.pack("<5i", 0, rows, columns, 0, 7) + b"height\0" +
-                                     HEIGHTS.tobytes())
+                                     HEIGHTS.T.tobytes())
     with pytest.raises(package.InputError) as caught:
         package.read_map(tmp_path / "m.mat")
     reason, *own = str(caught.value).splitlines()
