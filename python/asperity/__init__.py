@@ -12,6 +12,7 @@ A card deck brings cm, N and N/cm2. Angles are radians. Heights are indexed `[y,
 from __future__ import annotations
 
 from . import _library as _c
+from . import theory
 from ._calls import generate, report, summits
 from ._columns import Table, Values
 from ._errors import AccuracyWarning, ComputeError, InputError, Problem, TheoryWarning
@@ -23,10 +24,10 @@ from ._scenes import Scene, solve
 __all__ = ["solve", "report", "summits", "generate", "generate_map", "read_map", "load",
            "Scene", "HeightMap", "Results", "Fields", "Stress", "Summits", "Table", "Values",
            "InputError", "ComputeError", "Problem", "TheoryWarning", "AccuracyWarning",
-           "__version__"]
+           "theory", "__version__"]
 
 __version__ = _c.VERSION
 
 # Messages and pickles name the public place.
-for _name in __all__[:-1]:
+for _name in __all__[:-2]:
     globals()[_name].__module__ = __name__
