@@ -66,7 +66,9 @@ def matrix(rng, rows, columns):
 def points(rng, rows, columns):
     grid = heights(rng, rows, columns, "<f8")
     lines = [f"{0.1 * j:.3g},{i},{grid[i, j]}" for i in range(rows) for j in range(columns)]
-    return "\n".join(["x,y,z", *(lines[::-1] if rng.random() < 0.3 else lines)]).encode()
+    if rng.random() < 0.3:
+        rng.shuffle(lines)
+    return "\n".join(rng.choice(([], ["x,y,z"])) + lines).encode()
 
 
 def array(rng, rows, columns):
