@@ -8,12 +8,17 @@ module asperity_effect_list
   use asperity_friction_effect, only: new_friction
   use asperity_interaction, only: new_interaction
   use asperity_kinds, only: real64
+  use asperity_pixel_adhesion, only: new_pixel_adhesion
+  use asperity_pixel_creep, only: new_pixel_creep
+  use asperity_pixel_friction, only: new_pixel_friction
+  use asperity_pixel_law, only: pixel_law_box
+  use asperity_pixel_plasticity, only: new_pixel_plasticity
   use asperity_plasticity, only: new_plasticity
   use asperity_scene_values, only: effect_off, scene
   implicit none
   private
 
-  public :: list_effects, list_left_out
+  public :: list_effects, list_left_out, list_pixel_laws
 
 contains
 
@@ -68,5 +73,38 @@ contains
     end function is_next
 
   end subroutine list_some
+
+  !> The laws of a map on its pixels, in the order of their columns: those that are not off, and
+  !> those that are off and have numbers. Interaction of pixels is the half-space itself.
+  subroutine list_pixel_laws(scene_in, pixel, laws, left_out)
+    type(scene), intent(in) :: scene_in                        !! scene with a map
+    real(real64), intent(in) :: pixel                          !! largest spacing of the pixels
+    type(pixel_law_box), allocatable, intent(out) :: laws(:)      !! not off
+    type(pixel_law_box), allocatable, intent(out) :: left_out(:)  !! off, to be estimated
+    character(len=*), parameter :: names(4) = &
+      [character(len=11) :: 'friction', 'plasticity', 'adhesion', 'creep']
+    type(pixel_law_box) :: all_laws(size(names))
+    logical, dimension(size(names)) :: is_off, has_numbers
+    integer :: i, places(size(names))
+
+    call new_pixel_friction(scene_in, all_laws(1)%law)
+    call new_pixel_plasticity(scene_in, all_laws(2)%law)
+    call new_pixel_adhesion(scene_in, pixel, all_laws(3)%law)
+    call new_pixel_creep(scene_in, all_laws(4)%law)
+    associate (effects => scene_in%effects)
+      places = [(findloc(known_effects%name, names(i), 1), i=1, size(names))]
+      is_off = effects%modes(places) == effect_off
+      has_numbers = [(effects%has_numbers(places(i)), i=1, size(names))]
+      has_numbers(2) = has_numbers(2) .or. effects%number('plastic_hardness') > 0.0_real64
+      has_numbers(1) = has_numbers(1) .and. .not. scene_in%contact_modulus > 0.0_real64
+    end associate
+    allocate (laws(count(.not. is_off)), left_out(count(is_off .and. has_numbers)))
+    do i = 1, size(names)
+      if (.not. is_off(i)) &
+        allocate (laws(count(.not. is_off(:i)))%law, source=all_laws(i)%law)
+      if (is_off(i) .and. has_numbers(i)) &
+        allocate (left_out(count(is_off(:i) .and. has_numbers(:i)))%law, source=all_laws(i)%law)
+    end do
+  end subroutine list_pixel_laws
 
 end module asperity_effect_list

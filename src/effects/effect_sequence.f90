@@ -14,7 +14,7 @@ module asperity_effect_sequence
   private
 
   public :: choose_effects, drop_choice, effect_choice, first_failure, found_state, &
-            simulate_effects
+            leave_smallest, simulate_effects
 
   !> Effects chosen for a state without effects.
   type :: effect_choice
@@ -134,7 +134,7 @@ contains
     type(effect_choice), intent(inout) :: choice   !! last choice of these effects; the new one
 
     integer :: order(size(effects)), i, number
-    logical :: is_open(size(effects))
+    logical, dimension(size(effects)) :: is_open, of_choice
     real(real64) :: tolerance
 
     if (allocated(choice%is_simulated)) then
@@ -161,6 +161,7 @@ contains
         end associate
       end do
       ! Descending estimates; equal ones keep their order.
+      of_choice = is_open
       number = 0
       do while (any(is_open))
         number = number + 1
@@ -168,34 +169,36 @@ contains
         is_open(order(number)) = .false.
       end do
       if (number == 0) return
-      call drop_smallest(tolerance)
+      call leave_smallest(outcomes%estimate, of_choice, tolerance, is_chosen)
       if (any([(is_chosen(order(i)) .and. effects(order(i))%effect%approximates, i=1, number)])) &
-        call drop_smallest(0.5_real64 * tolerance)
+        call leave_smallest(outcomes%estimate, of_choice, 0.5_real64 * tolerance, is_chosen)
       ! At least half of the tolerance: effects that are `on` may approximate, too.
       choice%tolerance = max(0.5_real64 * tolerance, &
                              tolerance - sum(outcomes%estimate, .not. is_chosen))
       call exclude_conflicts(effects, order(:number), outcomes, is_chosen)
     end associate
-
-  contains
-
-    ! Leaves out the effects with the smallest estimates while their sum is within a share.
-    subroutine drop_smallest(share)
-      real(real64), intent(in) :: share
-      real(real64) :: total
-      integer :: k
-
-      total = 0.0_real64
-      do k = number, 1, -1
-        associate (estimate => choice%outcomes(order(k))%estimate)
-          ! An estimate may be huge: it is not added before the comparison.
-          choice%is_simulated(order(k)) = estimate > share - total
-          if (.not. choice%is_simulated(order(k))) total = total + estimate
-        end associate
-      end do
-    end subroutine drop_smallest
-
   end subroutine choose_effects
+
+  !> Leaves out the effects with the smallest estimates while their sum is within a share.
+  pure subroutine leave_smallest(estimates, of_choice, share, is_chosen)
+    real(real64), intent(in) :: estimates(:)  !! of each effect; may be huge
+    logical, intent(in) :: of_choice(:)       !! effects with a choice
+    real(real64), intent(in) :: share         !! largest sum
+    logical, intent(inout) :: is_chosen(:)    !! whether each is simulated
+    logical :: is_open(size(of_choice))
+    real(real64) :: total
+    integer :: i
+
+    is_open = of_choice
+    total = 0.0_real64
+    do while (any(is_open))
+      i = minloc(estimates, 1, is_open, back=.true.)
+      is_open(i) = .false.
+      ! A huge estimate is not added before the comparison.
+      is_chosen(i) = estimates(i) > share - total
+      if (.not. is_chosen(i)) total = total + estimates(i)
+    end do
+  end subroutine leave_smallest
 
   !> Drops the last choice, as estimates depend on the states that effects keep.
   subroutine drop_choice(choice)

@@ -22,13 +22,13 @@ module asperity_map_error
   use asperity_contact_records, only: state_row
   use asperity_height_map, only: height_map, is_measured
   use asperity_kinds, only: real64
-  use asperity_map_adhesion, only: adhesion_history
-  use asperity_map_contact, only: map_answer, most_load
+  use asperity_map_contact, only: most_load
   use asperity_map_fields, only: measure_fields
   use asperity_map_patches, only: find_patches, map_patch
   use asperity_map_resolution, only: every_pixel
   use asperity_map_statistics, only: rms_slope_over
-  use asperity_map_state, only: map_history, map_laws, solve_map_state
+  use asperity_pixel_law, only: pixel_law_box, pixel_state
+  use asperity_pixel_sequence, only: solve_pixel_state
   implicit none
   private
 
@@ -52,117 +52,110 @@ module asperity_map_error
 
 contains
 
-  ! Long: the errors have one argument each.
   !> Estimates the errors of a solution. Nothing is known, and both are unchanged, where a map is
   !> too small, or its halves cannot be solved.
-  subroutine estimate_pixel_errors(map, laws, history, answer, patches, state, by_load, of_total, &
-                                   other_errors, unsolved)
-    type(height_map), intent(in) :: map         !! map without plastic deformation
-    type(map_laws), intent(in) :: laws          !! what acts on the pixels
-    type(map_history), intent(in) :: history    !! attraction or memory of this solution
-    type(map_answer), intent(in) :: answer      !! solution with pressures; under a load: > 0
-    type(map_patch), intent(in) :: patches(:)   !! patches of its pressures
-    type(state_row), intent(in) :: state        !! totals of this solution
-    logical, intent(in) :: by_load              !! the load is prescribed, else the separation
+  subroutine estimate_pixel_errors(map, laws, state, row, by_load, of_total, other_errors, &
+                                   unsolved)
+    type(height_map), intent(in) :: map            !! map without plastic deformation
+    type(pixel_law_box), intent(in) :: laws(:)     !! laws with the memory of this solution
+    type(pixel_state), intent(in) :: state         !! solution; under a load: > 0
+    type(state_row), intent(in) :: row             !! totals of this solution
+    logical, intent(in) :: by_load                 !! the load is prescribed, else the separation
     !> of the load over the load or, under a prescribed one, of the separation over the compression
     real(real64), intent(inout) :: of_total
     !> relative, of area, mean gap and greatest pressure; `not_computed`: unknown
     real(real64), intent(inout) :: other_errors(3)
-    !> Reason why a map of every second pixel could not be solved; not allocated: all were.
-    character(len=:), allocatable, intent(out) :: unsolved
-    type(map_answer) :: elastic
-    type(map_laws) :: its_laws
-    real(real64), allocatable :: difference(:)
-    real(real64) :: area, growth, pressure
+    !> Reason why a map of every second pixel could not be solved; unchanged: all were.
+    character(len=*), intent(inout) :: unsolved
+    type(pixel_state) :: elastic
+    real(real64) :: area, difference(5), growth, pressure
+    logical :: is_known
 
-    elastic = answer
-    its_laws = laws
-    if (allocated(laws%solid)) then
-      deallocate (its_laws%solid)
-      elastic%pressure = history%creep%elastic
-      elastic%load = sum(history%creep%elastic) * product(map%pixel_spacing)
-      ! Where a pixel has left the contact the surface has not recovered.
-      if (.not. sum(abs(history%creep%elastic), mask=.not. answer%pressure > 0.0_real64) <= &
-          closed_halves * sum(abs(history%creep%elastic))) return
-    end if
-    call compare_halves(map, elastic, history%adhesion, its_laws, by_load, [answer%level, &
-      elastic%load, state%area, state%mean_gap, maxval(elastic%pressure)], difference, unsolved)
-    if (.not. allocated(difference)) return
+    elastic = state
+    call compare_halves(map, laws, by_load, row, elastic, difference, is_known, unsolved)
+    if (.not. is_known) return
     growth = growth_of_slope(map)
     if (growth > 0.0_real64) difference = first_order * difference
-    area = max(difference(3), 0.5_real64 * sum(patches%rim), growth * state%area)
-    if (allocated(laws%attraction)) then
-      area = max(area, error_of_rims(map, history%adhesion%contact_pressure))
-    else
-      area = max(area, error_of_rims(map, answer%pressure))
-    end if
-    other_errors(1) = area / state%area
-    other_errors(2) = difference(4) / max(state%mean_gap, difference(4), tiny(area))
-    if (.not. growth > 0.0_real64) then
-      pressure = state%greatest_pressure * max( &
-        area / state%area, difference(5) / max(maxval(elastic%pressure), tiny(difference)))
-      other_errors(3) = max(0.0_real64, pressure) / &
-                        max(state%greatest_pressure, pressure, tiny(area))
-    end if
-    if (by_load .and. state%compression > 0.0_real64) of_total = difference(1) / state%compression
-    if (.not. by_load .and. abs(answer%load) > 0.0_real64) &
-      of_total = difference(2) * answer%load / elastic%load / abs(answer%load)
+    associate (answer => state%answer, patches => state%patches)
+      area = max(difference(3), 0.5_real64 * sum(patches%rim), growth * row%area)
+      if (allocated(answer%contact_pressure)) then
+        area = max(area, error_of_rims(map, answer%contact_pressure))
+      else
+        area = max(area, error_of_rims(map, answer%pressure))
+      end if
+      other_errors(1) = area / row%area
+      other_errors(2) = difference(4) / max(row%mean_gap, difference(4), tiny(area))
+      if (.not. growth > 0.0_real64) then
+        pressure = row%greatest_pressure * max(area / row%area, difference(5) / &
+                   max(maxval(elastic%answer%pressure), tiny(difference)))
+        other_errors(3) = max(0.0_real64, pressure) / &
+                          max(row%greatest_pressure, pressure, tiny(area))
+      end if
+      if (by_load .and. row%compression > 0.0_real64) of_total = difference(1) / row%compression
+      if (.not. by_load .and. abs(answer%load) > 0.0_real64) &
+        of_total = difference(2) * answer%load / elastic%answer%load / abs(answer%load)
+    end associate
   end subroutine estimate_pixel_errors
 
   ! Solves the four maps of every second pixel of a map, and compares the totals: level, load, area,
   ! mean gap, greatest pressure.
-  subroutine compare_halves(map, full, adhesion, laws, by_load, totals, difference, unsolved)
+  subroutine compare_halves(map, laws, by_load, row, full, difference, is_known, unsolved)
     type(height_map), intent(in) :: map
-    type(map_answer), intent(in) :: full           ! solution on all pixels
-    type(adhesion_history), intent(in) :: adhesion
-    type(map_laws), intent(in) :: laws
+    type(pixel_law_box), intent(in) :: laws(:)
     logical, intent(in) :: by_load
-    real(real64), intent(in) :: totals(5)          ! of the solution
-    ! Root mean square over all four; not allocated: the map is too small, or one is not solved.
-    real(real64), allocatable, intent(out) :: difference(:)
-    character(len=:), allocatable, intent(out) :: unsolved  ! why one is not
-    type(height_map) :: half
-    type(map_answer) :: answer, no_answer
-    type(map_history) :: history, no_history
+    type(state_row), intent(in) :: row
+    type(pixel_state), intent(inout) :: full       ! solution on all pixels; gets the elastic one
+    real(real64), intent(out) :: difference(5)     ! of all four, root mean square
+    logical, intent(out) :: is_known               ! the map has so many pixels; all are solved
+    character(len=*), intent(inout) :: unsolved    ! why one was not
+    type(pixel_law_box) :: own(size(laws))
+    type(pixel_state) :: half, no_state
+    type(height_map) :: coarser
     type(map_patch), allocatable :: patches(:)
-    real(real64), allocatable :: load
-    real(real64) :: root(5)
-    type(state_row) :: state
-    integer :: first(2), k
+    type(state_row) :: found
+    integer :: first(2), i, k
 
-    root = 0.0_real64
+    is_known = .false.
+    difference = 0.0_real64
     if (any(shape(map%height) < least_side)) return
     do k = 1, 4
       first = [1 + mod(k, 2), 1 + k / 3]
-      half = every_pixel(map, 2, first)
-      if (.not. any(is_measured(half%height))) return
-      answer = no_answer
-      answer%level = full%level
-      answer%interrupt = full%interrupt
-      answer%pressure = full%pressure(first(1)::2, first(2)::2)
-      if (by_load) load = full%load
-      if (by_load .and. allocated(laws%hardness)) load = min(load, most_load(half, laws%hardness))
-      history = no_history
-      history%deformed = half
-      if (allocated(laws%attraction)) then
-        history%adhesion%attraction = adhesion%attraction(first(1)::2, first(2)::2)
-        history%adhesion%contact_pressure = &
-          adhesion%contact_pressure(first(1)::2, first(2)::2)
-      end if
-      call solve_map_state(laws, 0.0_real64, history, answer, load, closed_halves)
-      if (allocated(answer%failure)) unsolved = answer%failure
-      if (allocated(answer%failure)) return
-      if (allocated(laws%attraction)) then
-        call find_patches(half, history%adhesion%contact_pressure, patches)
-      else
-        call find_patches(half, answer%pressure, patches, hardness=laws%hardness)
-      end if
-      call measure_fields(half, answer, state)
-      ! No hypot: on vectors its last digit changes with the unit.
-      root = sqrt(root**2 + ([answer%level, answer%load, sum(patches%area), state%mean_gap, &
-                              maxval(answer%pressure)] - totals)**2)
+      half = no_state
+      coarser = every_pixel(map, 2, first)
+      if (.not. any(is_measured(coarser%height))) return
+      half%shape = coarser
+      do i = 1, size(laws)
+        if (allocated(own(i)%law)) deallocate (own(i)%law)
+        allocate (own(i)%law, source=laws(i)%law)
+        if (own(i)%law%is_simulated) call own(i)%law%coarsen(first, full)
+      end do
+      half%modulus = full%modulus
+      half%tolerance = closed_halves
+      half%answer%level = full%answer%level
+      half%answer%interrupt = full%answer%interrupt
+      half%answer%pressure = full%answer%pressure(first(1)::2, first(2)::2)
+      if (by_load) half%load = full%answer%load
+      if (by_load .and. allocated(full%hardness)) &
+        half%load = min(half%load, most_load(coarser, full%hardness))
+      call solve_pixel_state(own, half)
+      associate (answer => half%answer)
+        if (allocated(answer%failure)) unsolved = answer%failure
+        if (allocated(answer%failure)) return
+        if (allocated(answer%contact_pressure)) then
+          call find_patches(coarser, answer%contact_pressure, patches)
+        else
+          call find_patches(coarser, answer%pressure, patches, hardness=half%hardness)
+        end if
+        call measure_fields(coarser, answer, found)
+        ! No hypot: on vectors its last digit changes with the unit.
+        difference = sqrt(difference**2 + &
+          ([answer%level, answer%load, sum(patches%area), found%mean_gap, &
+            maxval(answer%pressure)] - [full%answer%level, full%answer%load, row%area, &
+            row%mean_gap, maxval(full%answer%pressure)])**2)
+      end associate
     end do
-    difference = 0.5_real64 * root
+    difference = 0.5_real64 * difference
+    is_known = .true.
   end subroutine compare_halves
 
   ! Error of the area by the straight pieces of rims: of each half a pixel over its length; the

@@ -13,7 +13,7 @@ module asperity_effect_names
   public :: by_default, by_numbers, by_word
   public :: hold_load, hold_separation, hold_words
   public :: law_exponential, most_relaxations
-  public :: known_effect, known_effects, effect_numbers
+  public :: known_effect, known_effects, effect_numbers, of_interaction
   public :: go_together, needed_for, why_not_together
 
   integer, parameter :: effect_off = 1       !! the effect is left out
@@ -69,6 +69,8 @@ module asperity_effect_names
                  own=[character(len=20) :: 'work_of_adhesion', '']), &
     known_effect('creep', switch, 'relaxation or creep during loading and a hold', &
                  own=[character(len=20) :: 'hold_time', 'relaxation_time'])]
+
+  integer, parameter :: of_interaction = 1  !! place of interaction among them
 
   !> All numbers, in the order in which messages list them.
   type(known_name), parameter :: effect_numbers(*) = [ &

@@ -30,6 +30,10 @@ module asperity_map_contact
     real(real64), allocatable :: pressure(:, :)   !! on every sample; given: a start
     !> Whether each pixel is in contact; not allocated: the pressure there is more than 0.
     logical, allocatable :: touches(:, :)
+    !> Pressure in contact beside an attraction, 0 or more, and that attraction there; not
+    !> allocated: the surfaces do not attract each other.
+    real(real64), allocatable :: contact_pressure(:, :)
+    real(real64) :: attraction = 0.0_real64
     !> Sum of the elastic displacements of both surfaces, > 0 apart from each other, on every pixel;
     !> on a periodic map its mean is 0.
     real(real64), allocatable :: displacement(:, :)

@@ -7,37 +7,33 @@
 !> it is 4 a of a circle of the radius a.
 module asperity_map_interface
   use asperity_contact_stiffness, only: find_stiffness
-  use asperity_effect_header, only: column_name, length, plain, stiffness
+  use asperity_effect_header, only: column_list, length, plain, stiffness
   use asperity_height_map, only: height_map, is_measured
   use asperity_kinds, only: not_computed, real64
   use asperity_map_patches, only: find_patches, map_patch
   implicit none
   private
 
-  public :: conductance_columns, conductance_units, interface_columns, measure_interface
+  public :: add_interface
 
-  !> Columns of a state: the stiffness by the compression and by the mean gap, the conductance over
-  !> the conductivity, and whether the open area percolates along x and y.
-  type(column_name), parameter :: interface_columns(5) = [ &
-    column_name('contact_stiffness', stiffness(1), stiffness(2)), &
-    column_name('interface_stiffness', stiffness(1), stiffness(2)), &
-    column_name('conductance_length', length(1), length(2)), &
-    column_name('open_path_x', plain(1), plain(2)), column_name('open_path_y', plain(1), plain(2))]
-  !> Columns of the conductances where both bodies have a conductivity.
+  ! Names and units of the conductances where both bodies have a conductivity.
   character(len=*), parameter :: conductance_columns(2) = &
     [character(len=24) :: 'electrical_conductance', 'thermal_conductance']
-  !> Units of these columns.
   character(len=*), parameter :: conductance_units(2) = [character(len=3) :: 'S', 'W/K']
 
 contains
 
-  !> Computes the columns of a solution; `not_computed` where a stiffness is unknown or infinite.
-  subroutine measure_interface(map, modulus, pressure, values, hardness)
+  !> Adds the stiffness by the compression and by the mean gap, the conductance over the
+  !> conductivity, whether the open area percolates along x and y, and the conductances. A stiffness
+  !> that is unknown or infinite is `not_computed`.
+  subroutine add_interface(map, modulus, pressure, conductivity, columns, hardness)
     type(height_map), intent(in) :: map         !! map with its edges
     real(real64), intent(in) :: modulus         !! combined modulus, more than 0
     real(real64), intent(in) :: pressure(:, :)  !! pressures of the solution
-    real(real64), intent(out) :: values(size(interface_columns))
+    real(real64), intent(in) :: conductivity(:, :)  !! (body, electrical or thermal); 0: not given
+    type(column_list), intent(inout) :: columns     !! gets the columns
     real(real64), intent(in), optional :: hardness  !! largest pressure; absent: elastic
+    real(real64) :: by_compression, by_gap, conductance
     type(map_patch), allocatable :: patches(:)
     logical, allocatable :: carries(:, :)
     logical :: is_open(2)
@@ -45,9 +41,12 @@ contains
 
     allocate (carries(size(pressure, 1), size(pressure, 2)), source=pressure > 0.0_real64)
     if (present(hardness)) carries = carries .and. pressure < hardness
-    call find_stiffness(map, modulus, carries, values(1), values(2))
-    values(3) = not_computed
-    if (values(1) > not_computed) values(3) = 2.0_real64 * values(1) / modulus
+    call find_stiffness(map, modulus, carries, by_compression, by_gap)
+    conductance = not_computed
+    if (by_compression > not_computed) conductance = 2.0_real64 * by_compression / modulus
+    call columns%add('contact_stiffness', stiffness, by_compression)
+    call columns%add('interface_stiffness', stiffness, by_gap)
+    call columns%add('conductance_length', length, conductance)
     ! Pixels out of contact form a path along an axis: between both edges of the map, or closed
     ! around a period. Pixels of a path share sides; missing ones are no part of it.
     call find_patches(map, merge(1.0_real64, 0.0_real64, is_measured(map%height) .and. &
@@ -61,7 +60,15 @@ contains
                      patch%along(1) == map%rows - 1, map%repeats(2))
       end associate
     end do
-    values(4:) = merge(1.0_real64, 0.0_real64, is_open)
-  end subroutine measure_interface
+    call columns%add('open_path_x', plain, merge(1.0_real64, 0.0_real64, is_open(1)))
+    call columns%add('open_path_y', plain, merge(1.0_real64, 0.0_real64, is_open(2)))
+    do i = 1, 2
+      associate (both => conductivity(:, i))
+        if (all(both > 0.0_real64)) call columns%add( &
+          trim(conductance_columns(i)), plain, &
+          max(not_computed, conductance * (product(both) / sum(both))), conductance_units(i))
+      end associate
+    end do
+  end subroutine add_interface
 
 end module asperity_map_interface

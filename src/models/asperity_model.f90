@@ -5,7 +5,7 @@
 !> effect that is off.
 module asperity_asperity_model
   use asperity_asperity_position, only: asperity_bodies, begin_asperities
-  use asperity_asperity_records, only: add_nothing, add_without_effects, name_columns, &
+  use asperity_asperity_records, only: add_nothing, add_without_effects, name_effects, &
                                        of_compression
   use asperity_contact_effect, only: effect_box
   use asperity_contact_field, only: fields_all, fields_none
@@ -85,7 +85,7 @@ contains
       call list_effects(scene_in, new%effects)
       call list_left_out(scene_in, new%left_out)
     end if
-    call name_columns(new%effects, header)
+    call name_effects(new%effects, header)
     header%tolerance = scene_in%effects%number('tolerance')
     if (any(header%names == 'plasticity')) then
       header%plasticity_index = surface_index(scene_in)
@@ -110,22 +110,23 @@ contains
   end subroutine make_asperity_model
 
   ! Places the asperities at a position. Where no effect is simulated the results are complete.
-  subroutine place_asperities(self, m, is_wide, bodies, result, failure)
+  subroutine place_asperities(self, m, is_repeat, bodies, result, failure)
     class(asperity_model), intent(in), target :: self
     integer, intent(in) :: m
-    logical, intent(in) :: is_wide
-    class(placed_bodies), allocatable, intent(out) :: bodies
+    logical, intent(in) :: is_repeat
+    class(placed_bodies), allocatable, intent(inout) :: bodies
     type(position_result), intent(out) :: result
     character(len=:), allocatable, intent(out) :: failure
     type(placed_asperities), allocatable :: placed
     class(contact_law), allocatable :: law
     logical :: is_needed
 
+    if (allocated(bodies)) deallocate (bodies)
     if (self%isolated) then
       call solve_position(self%placed, m, self%method, self%keep_rows, result, failure)
       return
     end if
-    if (self%by_estimate .and. .not. is_wide) then
+    if (self%by_estimate .and. .not. is_repeat) then
       call solve_without(self, m, result, is_needed, failure)
       if (allocated(failure) .or. .not. is_needed) return
     end if
@@ -134,7 +135,7 @@ contains
     placed%model => self
     placed%m = m
     placed%scene_in => self%scene_in
-    call list_pairs(self%placed, m, is_wide, placed%pairs, failure, self%method)
+    call list_pairs(self%placed, m, is_repeat, placed%pairs, failure, self%method)
     if (allocated(failure)) return
     call copy_effects(self%effects, placed%effects)
     result%x_displacement = placed%pairs%x_displacement
@@ -243,6 +244,8 @@ contains
     call move_alloc(columns%effects, result%effects)
     call move_alloc(columns%contact_values, result%contact_values)
     call move_alloc(columns%state_values, result%state_values)
+    call move_alloc(columns%contact_columns, result%contact_columns)
+    call move_alloc(columns%state_columns, result%state_columns)
     result%error_estimate = columns%error_estimate
   end subroutine move_values
 

@@ -8,7 +8,7 @@ module asperity_asperity_records
   use asperity_contact_law, only: contact_response
   use asperity_hertz_law, only: hertz_law
   use asperity_kinds, only: not_computed, real64
-  use asperity_effect_header, only: add_columns, add_effect, begin_header, effect_header
+  use asperity_effect_header, only: add_effect, begin_header, effect_header
   use asperity_scene_values, only: criterion_load, criterion_none, is_load, scene
   use asperity_state_tally, only: add_contact, begin_tally, finish_tally, state_tally
   use asperity_theory_limits, only: seen_contact
@@ -16,7 +16,7 @@ module asperity_asperity_records
   implicit none
   private
 
-  public :: add_contacts, add_nothing, add_without_effects, name_columns, of_compression
+  public :: add_contacts, add_nothing, add_without_effects, name_effects, of_compression
 
   !> Largest ratio of the relative error of the compression at a load to that of the load at a
   !> compression.
@@ -24,21 +24,17 @@ module asperity_asperity_records
 
 contains
 
-  !> Sets the names of the effects and of their columns.
-  subroutine name_columns(effects, header)
+  !> Sets the names and modes of the effects.
+  subroutine name_effects(effects, header)
     type(effect_box), intent(in) :: effects(:)     !! effects of the scene
-    type(effect_header), intent(out) :: header     !! header with names and columns
+    type(effect_header), intent(out) :: header     !! header without columns
     integer :: i
 
     call begin_header(header)
     do i = 1, size(effects)
-      associate (effect => effects(i)%effect)
-        call add_effect(header, effect%name, effect%mode)
-        call add_columns(header%contact_columns, header%contact_powers, effect%contact_columns)
-        call add_columns(header%state_columns, header%state_powers, effect%state_columns)
-      end associate
+      call add_effect(header, effects(i)%effect%name, effects(i)%effect%mode)
     end do
-  end subroutine name_columns
+  end subroutine name_effects
 
   !> Adds a state to its position: totals, and the rows of contacts when they are kept.
   subroutine add_contacts(scene_in, pairs, effects, state, outcomes, number, keep_rows, result)
@@ -257,8 +253,10 @@ contains
     type(position_result), intent(inout) :: result
     integer :: e
 
-    allocate (result%state_values(0))
+    allocate (result%state_values(0), result%state_columns(0), result%contact_columns(0))
     do e = 1, size(effects)
+      result%state_columns = [result%state_columns, effects(e)%effect%state_columns]
+      result%contact_columns = [result%contact_columns, effects(e)%effect%contact_columns]
       associate (columns => effects(e)%effect%state_columns)
         if (allocated(outcomes(e)%of_state)) then
           result%state_values = [result%state_values, &

@@ -57,14 +57,15 @@ module asperity_contact_model
 
   abstract interface
     !> Places the bodies at a position. Where its result needs no path it is complete, and `bodies`
-    !> is not allocated.
-    subroutine place_bodies(self, m, is_wide, bodies, result, failure)
+    !> is not allocated. A path is repeated with all pairs, or with the effects that it calls for.
+    subroutine place_bodies(self, m, is_repeat, bodies, result, failure)
       import :: contact_model, placed_bodies, position_result
       implicit none
       class(contact_model), intent(in), target :: self        !! bodies ready to be placed
       integer, intent(in) :: m                                !! position, from 1
-      logical, intent(in) :: is_wide                          !! with all pairs, not only near ones
-      class(placed_bodies), allocatable, intent(out) :: bodies  !! the bodies there
+      logical, intent(in) :: is_repeat                        !! the path has to be repeated
+      !> the bodies there; on a repeat those of the path before
+      class(placed_bodies), allocatable, intent(inout) :: bodies
       type(position_result), intent(out) :: result            !! displacement, or all results
       character(len=:), allocatable, intent(out) :: failure   !! reason, when it is not solved
     end subroutine place_bodies
@@ -79,7 +80,7 @@ module asperity_contact_model
     end subroutine list_steps
 
     !> Solves the next state of the path and adds it to the results, with its contacts when they are
-    !> kept. `must_repeat` is set where more pairs turn out to matter.
+    !> kept. `must_repeat` is set where more pairs, or an effect, turn out to matter.
     subroutine solve_step(self, step, number, result, must_repeat, failure)
       import :: path_step, placed_bodies, position_result
       implicit none

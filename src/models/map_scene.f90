@@ -10,7 +10,7 @@ module asperity_map_scene
   use asperity_map_levelling, only: level_map
   use asperity_map_motion, only: overlay_maps
   use asperity_path_steps, only: plan_path
-  use asperity_scene_values, only: effect_off, is_load, scene, scene_motion
+  use asperity_scene_values, only: is_load, scene, scene_motion
   implicit none
   private
 
@@ -88,9 +88,10 @@ contains
   end function area_of_map
 
   !> Plans the states of a map: loads, or levels of the plane above the mean plane.
-  subroutine plan_map_path(scene_in, map, steps, failure)
+  subroutine plan_map_path(scene_in, map, in_time, steps, failure)
     type(scene), intent(in) :: scene_in           !! scene, not under control of a limit
     type(height_map), intent(in) :: map           !! map of `join_maps`
+    logical, intent(in) :: in_time                !! loading takes its time
     type(path_step), allocatable, intent(out) :: steps(:)
     character(len=:), allocatable, intent(out) :: failure  !! reason, when a load underflows
     real(real64), allocatable :: given(:)
@@ -106,9 +107,7 @@ contains
     if (.not. area > 0.0_real64) area = area_of_map(map)
     ends = in_model_units(scene_in%loading%control, given, area, 0, 0)
     from = 0.0_real64
-    duration = 0.0_real64
-    if (scene_in%effects%mode('creep') /= effect_off) &
-      duration = scene_in%effects%number('loading_time')
+    duration = merge(scene_in%effects%number('loading_time'), 0.0_real64, in_time)
     if (is_load(scene_in%loading%control)) then
       if (any(given > 0.0_real64 .and. &
               .not. ends / max(1, scene_in%loading%points) > 0.0_real64)) then

@@ -8,7 +8,6 @@ module asperity_result_table
   use asperity_contact_records, only: contact_radius, contact_row, effect_record, state_row
   use asperity_effect_names, only: known_effects
   use asperity_kinds, only: int32, int64, not_computed, real64
-  use asperity_map_interface, only: conductance_columns, conductance_units
   use asperity_process, only: has_memory
   use asperity_scene_results, only: has_height_map, kinds_of_warnings, last_state, scene_results
   use asperity_scene_values, only: scene
@@ -102,7 +101,7 @@ contains
     integer, intent(in) :: position(:)
     type(array_table), intent(inout) :: table
     type(unit_powers) :: dimension
-    integer :: i, k, m
+    integer :: i, m
 
     associate (positions => results%positions)
       call add_wholes(table, 'position', position)
@@ -124,7 +123,7 @@ contains
                        merge(real(positions%overlapping_circles, real64), not_computed, &
                              positions%overlapping_circles >= 0), is_count=.true.)
       end if
-      call add_nominal(results, last, table)
+      call add_nominal(results, last, position, table)
       if (allocated(results%effects)) then
         do i = 1, size(results%effects%names)
           call add_effect(trim(results%effects%names(i)), &
@@ -132,8 +131,7 @@ contains
         end do
         do i = 1, size(results%effects%state_columns)
           dimension = powers_of(results%effects%state_powers(:, i))
-          k = findloc(conductance_columns == results%effects%state_columns(i), .true., 1)
-          if (k > 0) dimension%word = conductance_units(k)
+          if (results%effects%state_words(i) /= '') dimension%word = results%effects%state_words(i)
           call add_reals(table, trim(results%effects%state_columns(i)), &
                          [(positions(m)%state_values(i), m=1, size(positions))], &
                          dimension=dimension)
@@ -180,25 +178,29 @@ contains
     call add_reals(table, 'vertical_load', states%vertical_load, dimension=is_force)
     call add_reals(table, 'time', states%time)
     if (allocated(results%effects)) then
-      if (any(results%effects%names == 'plasticity')) &
+      if (any(results%effects%state_columns == 'dissipated_work')) &
         call add_reals(table, 'dissipated_work', states%dissipated_work, dimension=is_moment)
       if (any(results%effects%state_columns == 'plastic_area')) &
         call add_reals(table, 'plastic_area', states%plastic_area, dimension=is_area)
     end if
-    call add_nominal(results, states, table)
+    call add_nominal(results, states, position, table)
     call add_estimates(results, position, table)
   end subroutine add_states
 
   ! States over the nominal area, where one is given; gap, rims and energy of a height map.
-  subroutine add_nominal(results, states, table)
+  subroutine add_nominal(results, states, position, table)
     type(scene_results), intent(in) :: results
     type(state_row), intent(in) :: states(:)
+    integer, intent(in) :: position(:)
     type(array_table), intent(inout) :: table
+    real(real64) :: nominal_area(size(states))
 
-    if (results%nominal_area > 0.0_real64) then
-      call add_reals(table, 'nominal_pressure', states%vertical_load / results%nominal_area, &
+    nominal_area = results%positions(position)%nominal_area
+    if (results%nominal_area > 0.0_real64) nominal_area = results%nominal_area
+    if (all(nominal_area > 0.0_real64)) then
+      call add_reals(table, 'nominal_pressure', states%vertical_load / nominal_area, &
                      dimension=is_pressure)
-      call add_reals(table, 'area_fraction', states%projected_area / results%nominal_area)
+      call add_reals(table, 'area_fraction', states%projected_area / nominal_area)
     end if
     if (has_height_map(results)) then
       call add_reals(table, 'mean_gap', states%mean_gap, dimension=is_length)

@@ -63,14 +63,14 @@ contains
         text = text // ' (' // trim(warning%whose) // ')'
       if (which%is_share) then
         text = text // ', ' // percent_text(warning%magnitude)
-      else
+      else if (which%measure /= '') then
         size_text = real_text(warning%magnitude, 'g12.3')
         if (abs(warning%magnitude - anint(warning%magnitude)) <= 0.0_real64 .and. &
             warning%magnitude < 1.0e6_real64) size_text = decimal_text(nint(warning%magnitude))
         text = text // ', ' // size_text
         if (text(len(text):) == '.') text = text(:len(text) - 1)
       end if
-      text = text // ' ' // trim(which%measure)
+      if (which%measure /= '') text = text // ' ' // trim(which%measure)
       if (warning%contacts > 0) text = text // ' at ' // count_text(warning%contacts, 'contact')
       if (warning%whose /= '' .and. which%other_advice /= '') then
         text = text // ', ' // trim(which%other_advice)

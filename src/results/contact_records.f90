@@ -5,6 +5,7 @@ module asperity_contact_records
   use asperity_constants, only: pi
   use asperity_contact_field, only: contact_field
   use asperity_effect_names, only: known_effects
+  use asperity_effect_header, only: column_name
   use asperity_element_pressures, only: element_pressures
   use asperity_kinds, only: not_computed, real64
   use asperity_solve_ending, only: solve_ending
@@ -116,6 +117,7 @@ module asperity_contact_records
     logical :: limit_reached = .false.                 !! a contact is at its limit at the end
     integer :: counted = 0                             !! states that progress has counted
     integer :: overlapping_circles = -1  !! pairs of contact circles, at the end; < 0: no circles
+    real(real64) :: nominal_area = 0.0_real64          !! of this position; 0: that of the scene
     real(real64) :: first_step_pressure = 0.0_real64   !! of the first contact one step past touch
     !> Estimated error of the load over the load or, under load control, of the separation over the
     !> compression; `not_computed`: unknown.
@@ -134,6 +136,8 @@ module asperity_contact_records
     type(effect_record), allocatable :: effects(:)
     real(real64), allocatable :: contact_values(:, :)  !! of their columns (row, column)
     real(real64), allocatable :: state_values(:)       !! of the last state (column)
+    !> Names and units of the columns of these values.
+    type(column_name), allocatable :: contact_columns(:), state_columns(:)
     !> Pressures on boundary elements and shifts of contacts, by state, in the unit of the scene;
     !> not allocated: none were kept.
     type(element_pressures), allocatable :: pressures(:)

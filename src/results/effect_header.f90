@@ -1,10 +1,11 @@
 !> The effects of a run and the columns of their results.
 module asperity_effect_header
-  use asperity_kinds, only: real64
+  use asperity_kinds, only: not_computed, real64
   implicit none
   private
 
-  public :: add_columns, add_effect, begin_header, column_name, effect_column, effect_header
+  public :: add_effect, begin_header, column_list, column_name, effect_column, effect_header, &
+            take_columns
   public :: plain, length, force, moment, area, stiffness
 
   ! Powers of the modulus and of the length in the unit of a column, derived from the dimension.
@@ -20,7 +21,20 @@ module asperity_effect_header
     character(len=24) :: text = ''            !! name of the column in the header of the file
     integer :: modulus_power = 0              !! power of the modulus in its unit
     integer :: length_power = 0               !! power of the length in its unit
+    character(len=8) :: word = ''             !! unit of its own, in place of the powers
   end type column_name
+
+  !> Columns with their names, units and values, of one state or of contacts.
+  type :: column_list
+    integer :: rows = 1                                  !! length of each column
+    logical :: is_left_out = .false.                     !! columns that are added get no values
+    type(column_name), allocatable :: names(:)           !! names and units
+    real(real64), allocatable :: values(:, :)            !! (row, column)
+  contains
+    procedure :: add_value
+    procedure :: add_values
+    generic :: add => add_value, add_values
+  end type column_list
 
   !> The effects of a scene that are not off, and their columns.
   type :: effect_header
@@ -30,6 +44,7 @@ module asperity_effect_header
     character(len=24), allocatable :: state_columns(:)     !! columns of `state_values`
     !> Powers of the modulus and of the length in the unit of each of these columns (2, column).
     integer, allocatable :: contact_powers(:, :), state_powers(:, :)
+    character(len=8), allocatable :: state_words(:)        !! units in place of these powers
     real(real64) :: tolerance = 0.0_real64  !! tolerance of `auto`, relative to the load
     real(real64) :: plasticity_index = -1.0_real64  !! index of the surfaces; < 0: not computed
     character(len=5) :: plastic_body = ''                  !! body that yields: upper or lower
@@ -43,7 +58,8 @@ contains
     type(effect_header), intent(out) :: header  !! header without columns
 
     allocate (header%names(0), header%modes(0), header%contact_columns(0), &
-              header%state_columns(0), header%contact_powers(2, 0), header%state_powers(2, 0))
+              header%state_columns(0), header%contact_powers(2, 0), header%state_powers(2, 0), &
+              header%state_words(0))
   end subroutine begin_header
 
   !> Adds an effect, before its columns.
@@ -64,16 +80,46 @@ contains
     column = column_name(name, unit(1), unit(2))
   end function effect_column
 
-  !> Adds columns of states or of contacts.
-  pure subroutine add_columns(columns, powers, added)
-    character(len=24), allocatable, intent(inout) :: columns(:)  !! columns so far
-    integer, allocatable, intent(inout) :: powers(:, :)          !! powers in their units
-    type(column_name), intent(in) :: added(:)                    !! columns that are added
-    integer :: i
+  !> Sets the columns of a header.
+  pure subroutine take_columns(header, of_states, of_contacts)
+    type(effect_header), intent(inout) :: header         !! gets the columns
+    type(column_name), intent(in) :: of_states(:)        !! columns of `state_values`
+    type(column_name), intent(in) :: of_contacts(:)      !! columns of `contact_values`
 
-    powers = reshape([powers, [(added(i)%modulus_power, added(i)%length_power, &
-                                i=1, size(added))]], [2, size(columns) + size(added)])
-    columns = [character(len=24) :: columns, added%text]
-  end subroutine add_columns
+    header%state_columns = of_states%text
+    header%state_words = of_states%word
+    header%contact_columns = of_contacts%text
+    header%state_powers = reshape([of_states%modulus_power, of_states%length_power], &
+                                  [2, size(of_states)], order=[2, 1])
+    header%contact_powers = reshape([of_contacts%modulus_power, of_contacts%length_power], &
+                                    [2, size(of_contacts)], order=[2, 1])
+  end subroutine take_columns
+
+  !> Adds a column with the value of a single row.
+  pure subroutine add_value(self, name, unit, value, word)
+    class(column_list), intent(inout) :: self  !! list of one row
+    character(len=*), intent(in) :: name       !! name in the header of the file
+    integer, intent(in) :: unit(2)             !! `plain`, `length`, `force` ...
+    real(real64), intent(in) :: value          !! `not_computed`: empty
+    character(len=*), intent(in), optional :: word  !! unit in place of that of the scene
+
+    call self%add_values(name, unit, [value])
+    if (present(word)) self%names(size(self%names))%word = word
+  end subroutine add_value
+
+  !> Adds a column with the values of the last rows; the rows before them are empty.
+  pure subroutine add_values(self, name, unit, values)
+    class(column_list), intent(inout) :: self  !! list of rows
+    character(len=*), intent(in) :: name       !! name in the header of the file
+    integer, intent(in) :: unit(2)             !! `plain`, `length`, `force` ...
+    real(real64), intent(in) :: values(:)      !! at most as many as rows
+    real(real64) :: column(self%rows)
+
+    column = not_computed
+    if (.not. self%is_left_out) column(self%rows - size(values) + 1:) = values
+    if (.not. allocated(self%names)) allocate (self%names(0), self%values(self%rows, 0))
+    self%names = [self%names, effect_column(name, unit)]
+    self%values = reshape([self%values, column], [self%rows, size(self%names)])
+  end subroutine add_values
 
 end module asperity_effect_header

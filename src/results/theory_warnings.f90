@@ -15,7 +15,7 @@ module asperity_theory_warnings
             of_unlike_bodies, of_yield_strain, of_flow_depth, of_unloading_depth, of_missing, &
             of_border, of_resolution, of_flat_map, of_off, of_barred, of_error, &
             of_nested, of_excluded, of_attraction, of_held_gap, of_cut_range, of_shrinking, &
-            of_map_slope, of_map_pressure
+            of_map_slope, of_map_pressure, of_not_estimated
 
   !> Places of the kinds in `warning_kinds`, where each is described.
   enum, bind(c)
@@ -24,7 +24,7 @@ module asperity_theory_warnings
       of_no_summit, of_scan_lines, of_spikes, of_area, of_limit, of_range, of_unlike_bodies, &
       of_yield_strain, of_flow_depth, of_unloading_depth, of_missing, of_border, of_resolution, &
       of_flat_map, of_off, of_barred, of_error, of_nested, of_excluded, of_attraction, &
-      of_held_gap, of_cut_range, of_shrinking, of_map_slope, of_map_pressure
+      of_held_gap, of_cut_range, of_shrinking, of_map_slope, of_map_pressure, of_not_estimated
   end enum
 
   !> Classes of kinds: a result outside the range of a theory; a result whose numbers are in error,
@@ -181,7 +181,10 @@ module asperity_theory_warnings
     warning_kind('map_pressure', in_theory, 0.19_real64, .true., &
       'pressures are near the contact modulus', &
       'of the modulus is the greatest (limit 19 %)', &
-      'check the units of heights and modulus or take strains as beyond the linear theory')]
+      'check the units of heights and modulus or take strains as beyond the linear theory'), &
+    warning_kind('not_estimated', in_accuracy, 0.0_real64, .false., &
+      '* is left out and has no estimate', '', &
+      'take the results as those without *: its influence may be of any size')]
 
   !> One kind of warning at one position.
   type :: theory_warning

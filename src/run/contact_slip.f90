@@ -7,11 +7,10 @@
 !> with plasticity the second one is elastic on the residual shape.
 module asperity_contact_slip
   use asperity_contact_records, only: contact_row, position_result
-  use asperity_effect_header, only: add_columns
   use asperity_friction, only: slip_contact_columns, slip_state_columns, stiffness_ratio_of
   use asperity_kinds, only: not_computed, real64
   use asperity_run_options, only: run_options
-  use asperity_scene_results, only: scene_results
+  use asperity_scene_results, only: name_columns, scene_results
   use asperity_scene_values, only: control_load, control_separation, effect_off, has_tangential, &
                                    scene
   use asperity_surface_solve, only: solve_effects
@@ -43,16 +42,13 @@ contains
 
     call solve_effects(scene_in, options, results, failure)
     if (allocated(failure) .or. .not. has_tangential(scene_in%loading)) return
-    associate (header => results%effects)
-      call add_columns(header%contact_columns, header%contact_powers, slip_contact_columns)
-      call add_columns(header%state_columns, header%state_powers, slip_state_columns)
-    end associate
     do m = 1, size(results%positions)
       ! Positions of other images have no states here.
       if (.not. allocated(results%positions(m)%states)) cycle
       call add_slip(scene_in, options, results%positions(m), failure)
       if (allocated(failure)) return
     end do
+    call name_columns(results)
   end subroutine solve_with_slip
 
   ! Solves the states of partial slip of one position and adds its columns.
@@ -101,6 +97,8 @@ contains
       end associate
     end if
     position%state_values = [position%state_values, values]
+    position%state_columns = [position%state_columns, slip_state_columns]
+    position%contact_columns = [position%contact_columns, slip_contact_columns]
     call add_contact_columns(mu, ratio, position, slip)
   end subroutine add_slip
 

@@ -18,17 +18,17 @@ contains
     type(position_result), intent(out) :: result            !! states, ending with the last
     character(len=:), allocatable, intent(out) :: failure   !! set where the end is not reached
     class(placed_bodies), allocatable, target :: bodies
-    logical :: is_wide, must_repeat
+    logical :: is_repeat, must_repeat
 
-    is_wide = .false.
+    is_repeat = .false.
     do
-      call model%place(m, is_wide, bodies, result, failure)
+      call model%place(m, is_repeat, bodies, result, failure)
       if (allocated(failure) .or. .not. allocated(bodies)) return
       bodies%keep_rows = model%keep_rows
       call follow_path(bodies, model%progress_count, result, must_repeat, failure)
       if (.not. must_repeat) exit
       call model%progress_count%add_work(-result%counted)
-      is_wide = .true.
+      is_repeat = .true.
     end do
   end subroutine solve_position
 

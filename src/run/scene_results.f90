@@ -1,12 +1,12 @@
 !> Results of a run: all positions of a scene. Numbers are doubles in the units of the scene.
 module asperity_scene_results
   use asperity_contact_records, only: position_result, state_row
-  use asperity_effect_header, only: effect_header
+  use asperity_effect_header, only: effect_header, take_columns
   use asperity_kinds, only: not_computed, real64
   implicit none
   private
 
-  public :: scene_results, kinds_of_warnings, last_state, has_height_map
+  public :: scene_results, kinds_of_warnings, last_state, has_height_map, name_columns
 
   !> All positions of a scene.
   type :: scene_results
@@ -22,6 +22,21 @@ module asperity_scene_results
   end type scene_results
 
 contains
+
+  !> Sets the columns of the effects, which all positions have in the same order.
+  pure subroutine name_columns(results)
+    type(scene_results), intent(inout) :: results  !! results of the scene with all positions
+    integer :: m
+
+    if (.not. allocated(results%effects)) return
+    do m = 1, size(results%positions)
+      associate (position => results%positions(m))
+        if (.not. allocated(position%state_columns)) cycle
+        call take_columns(results%effects, position%state_columns, position%contact_columns)
+        return
+      end associate
+    end do
+  end subroutine name_columns
 
   !> Last state of a position.
   pure type(state_row) function last_state(position)

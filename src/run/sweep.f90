@@ -20,7 +20,7 @@ module asperity_sweep
   use asperity_progress, only: progress_line
   use asperity_run_options, only: run_options
   use asperity_scene_inputs, only: input_file, list_inputs
-  use asperity_scene_results, only: scene_results
+  use asperity_scene_results, only: name_columns, scene_results
   use asperity_scene_values, only: scene
   use asperity_version, only: version
   !$ use omp_lib, only: omp_get_max_threads
@@ -89,6 +89,7 @@ contains
       end do
     end if
     call run_sweep(model, options, kept, results%positions, failure)
+    if (.not. allocated(failure)) call name_columns(results)
   end subroutine sweep_scene
 
   ! Solves every position. On image 1 `positions` has all of them, in order; on other images their
@@ -240,7 +241,8 @@ contains
         failure = 'a result is beyond the range of a double, expected other units'
     end if
     if (.not. allocated(failure)) then
-      call check_meaning(position, model%nominal_area, failure)
+      call check_meaning(position, max(model%nominal_area, position%nominal_area), &
+                         failure)
       call check_loads(position, load_precision, failure)
       call compare_loads(position, model%loads_differ)
     end if

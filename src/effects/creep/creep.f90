@@ -6,31 +6,22 @@
 !> instantaneous one. The area of an isolated contact may shrink and grow again (`contact_rings`);
 !> that of one with displacements by neighbours keeps tractions where it has opened.
 module asperity_creep
-  use asperity_contact_effect, only: contact_effect, effect_column, effect_outcome, force, &
-                                     plain, relative_influence
+  use asperity_contact_effect, only: contact_effect, effect_column, effect_outcome, force, plain
   use asperity_contact_law, only: contact_response
   use asperity_contact_pairs, only: contact_pairs
   use asperity_contact_rings, only: contact_rings, has_shrunk, keep_rings, measure_rings
   use asperity_contact_state, only: contact_state
+  use asperity_creep_limits, only: creep_limits, creep_share, limits_of_scene, warn_of_strain, &
+                                   warn_of_time
   use asperity_kinds, only: not_computed, real64
-  use asperity_scene_values, only: body_compliance, effect_auto, effect_boundary, hold_load, &
-                                   most_relaxations, scene
-  use asperity_theory_warnings, only: add_warning, of_creep_strain, of_relaxing, of_shrinking, &
-                                      of_unlike_bodies, warn_above
-  use asperity_viscoelastic_solid, only: creep_compliance, history_of, keep_load, &
-                                         relaxation_ratio, relaxing_solid, solid_of_scene, &
-                                         solid_step, step_over
+  use asperity_scene_values, only: effect_auto, effect_boundary, most_relaxations, scene
+  use asperity_theory_warnings, only: add_warning, of_shrinking
+  use asperity_viscoelastic_solid, only: creep_compliance, history_of, keep_load, solid_step, &
+                                         step_over
   implicit none
   private
 
   public :: new_creep
-
-  ! Representative strain over contact radius by combined radius (Tabor 1951). Test:
-  ! test_creep_strain of test_warnings.py.
-  real(real64), parameter :: strain_per_radius = 0.2_real64
-  ! Power of the load in the compression of a contact. Derived (Hertz). Test: test_relaxing of
-  ! test_warnings.py.
-  real(real64), parameter :: two_thirds = 2.0_real64 / 3.0_real64
 
   !> Memory of one contact at the last state kept: of its load and of its greatest pressure.
   type :: contact_memory
@@ -45,11 +36,7 @@ module asperity_creep
 
   !> Creep with one viscoelastic solid for both bodies.
   type, extends(contact_effect) :: creep_effect
-    type(relaxing_solid) :: solid                   !! material of both bodies
-    real(real64) :: hold_time = 0.0_real64          !! duration of the hold, 0 or more
-    logical :: holds_load = .true.                  !! the load is held; else the separation
-    real(real64) :: softer_share = 1.0_real64       !! share of the softer body in the compliance
-    real(real64) :: unlike = 0.0_real64             !! share of the compliance with another solid
+    type(creep_limits) :: limits                    !! material of both bodies, and the hold
     real(real64) :: may_fall = 0.0_real64           !! decrease of an elastic load over the total
     real(real64) :: time = 0.0_real64               !! time of the last state kept
     type(contact_memory), allocatable :: memory(:)  !! of each pair; allocated by `begin`
@@ -71,14 +58,11 @@ contains
     ! Decrease of an elastic load by rounding, over the total. Chosen.
     real(real64), parameter :: rounding = 1.0e-9_real64
     type(creep_effect) :: new
-    real(real64) :: compliances(2)
 
     associate (effects => scene_in%effects)
       call new%call_as('creep', effects)
       new%acts_in_time = .true.
-      new%solid = solid_of_scene(scene_in)
-      new%hold_time = effects%number('hold_time')
-      new%holds_load = nint(effects%number('hold')) == hold_load
+      new%limits = limits_of_scene(scene_in)
       ! Boundary elements change the load of a contact by their tolerance, `auto` by its own.
       new%may_fall = rounding
       if (any(effects%mode('interaction') == [effect_auto, effect_boundary])) &
@@ -86,16 +70,6 @@ contains
       if (effects%mode('interaction') == effect_auto) &
         new%may_fall = max(new%may_fall, new%tolerance)
     end associate
-    if (.not. abs(scene_in%contact_modulus) > 0.0_real64 .and. &
-        min(scene_in%upper%elastic_modulus, scene_in%lower%elastic_modulus) > 0.0_real64) then
-      compliances = body_compliance([scene_in%upper%elastic_modulus, &
-                               scene_in%lower%elastic_modulus], &
-                               [scene_in%upper%poisson_ratio, scene_in%lower%poisson_ratio])
-      new%softer_share = maxval(compliances) / sum(compliances)
-      ! It is 0 for equal bodies and for a rigid one.
-      new%unlike = minval(compliances) / sum(compliances) * &
-                   (1.0_real64 - minval(compliances) / maxval(compliances))
-    end if
     new%contact_columns = [ &
       effect_column('elastic_load', force), &   ! load of an elastic contact at this compression
       effect_column('relaxed_share', plain)]    ! load over elastic load
@@ -112,12 +86,10 @@ contains
     class(creep_effect), intent(in) :: self   !! creep with its parameters
     type(contact_pairs), intent(in) :: pairs  !! pairs of the position
     type(contact_state), intent(in) :: state  !! contacts without creep
-    real(real64) :: share, ratio
+    real(real64) :: share
 
     share = 0.0_real64
-    ratio = relaxation_ratio(self%solid, self%solid%loading_time + self%hold_time)
-    if (size(pairs%list) > 0 .and. allocated(state%answers)) &
-      share = relative_influence(1.0_real64 - ratio, 1.0_real64, ratio)
+    if (size(pairs%list) > 0 .and. allocated(state%answers)) share = creep_share(self%limits)
   end function estimate_creep
 
   !> Load in a hold of the load over the elastic load at the same compression: the inverse of the
@@ -127,7 +99,8 @@ contains
     real(real64), intent(in) :: time         !! time since the begin of loading
     real(real64) :: share
 
-    share = 1.0_real64 / creep_compliance(self%solid, time - self%solid%loading_time)
+    share = 1.0_real64 / creep_compliance(self%limits%solid, time - &
+                                           self%limits%solid%loading_time)
   end function held_share
 
   !> Turns the elastic responses at `state%time` into those after creep.
@@ -146,7 +119,7 @@ contains
     outcome%of_state = [state%time, sum(state%answers%load)]
     ! Without time there is no creep, and a compression of any sign is valid.
     holds = state%time > 0.0_real64
-    if (holds) step = step_over(self%solid, self%time, state%time)
+    if (holds) step = step_over(self%limits%solid, self%time, state%time)
     shrinking = 0.0_real64
     number = 0
     do i = 1, size(pairs%list)
@@ -166,7 +139,11 @@ contains
     end do
     if (number > 0) call add_warning(outcome%warnings, of_shrinking, shrinking / &
       sum(self%memory%elastic(1), self%memory%is_loaded), contacts=number)
-    call warn_of_limits(self, pairs, state, outcome)
+    do i = 1, size(pairs%list)
+      call warn_of_strain(self%limits, state%answers(i)%contact_radius, pairs%list(i)%radius, &
+                          outcome%warnings)
+    end do
+    call warn_of_time(self%limits, state%time, outcome%warnings)
   end subroutine apply_creep
 
   !> Sets the columns where creep is left out: the contacts are elastic.
@@ -182,34 +159,6 @@ contains
     outcome%of_contacts(:, 1) = state%answers%load
     outcome%of_state = [not_computed, sum(state%answers%load)]
   end subroutine leave_out
-
-  ! Warns of strains beyond the linear range, of unlike bodies, and of a hold that ends before
-  ! relaxation does. In a hold of the load the compression of one contact still increases by the
-  ! power 2/3 of the compliance.
-  subroutine warn_of_limits(self, pairs, state, outcome)
-    class(creep_effect), intent(in) :: self
-    type(contact_pairs), intent(in) :: pairs
-    type(contact_state), intent(in) :: state
-    type(effect_outcome), intent(inout) :: outcome
-    real(real64) :: to_come
-    integer :: i
-
-    do i = 1, size(pairs%list)
-      call warn_above(outcome%warnings, of_creep_strain, strain_per_radius * self%softer_share * &
-                      state%answers(i)%contact_radius / pairs%list(i)%radius, 1)
-    end do
-    if (state%time > 0.0_real64 .and. self%unlike > self%tolerance) &
-      call add_warning(outcome%warnings, of_unlike_bodies, self%unlike)
-    if (state%time < self%solid%loading_time + self%hold_time .or. &
-        .not. self%hold_time > 0.0_real64) return
-    if (self%holds_load) then
-      to_come = (1.0_real64 / (self%solid%relaxed_ratio * &
-                 creep_compliance(self%solid, self%hold_time)))**two_thirds - 1.0_real64
-    else
-      to_come = 1.0_real64 - self%solid%relaxed_ratio / relaxation_ratio(self%solid, self%hold_time)
-    end if
-    if (to_come > self%tolerance) call add_warning(outcome%warnings, of_relaxing, to_come)
-  end subroutine warn_of_limits
 
   ! Whether no neighbour displaces the surfaces of a contact.
   elemental logical function is_isolated(pairs, state, i)
@@ -306,7 +255,7 @@ contains
     integer :: i
 
     if (.not. state%time > 0.0_real64) call self%begin(pairs)
-    step = step_over(self%solid, self%time, state%time)
+    step = step_over(self%limits%solid, self%time, state%time)
     do i = 1, size(pairs%list)
       associate (memory => self%memory(i), answer => state%answers(i))
         if (.not. is_isolated(pairs, state, i)) then

@@ -1,0 +1,94 @@
+!> The effects of one state on the pixels of a map, one after the other.
+!>
+!> The laws change the elastic problem of a state, one of them or `map_contact` solves it, and they
+!> keep in the opposite order what the solution leaves to the next state.
+module asperity_pixel_sequence
+  use asperity_effect_sequence, only: leave_smallest
+  use asperity_kinds, only: real64
+  use asperity_map_contact, only: press_map
+  use asperity_pixel_law, only: pixel_law_box, pixel_state
+  use asperity_scene_values, only: effect_auto
+  implicit none
+  private
+
+  public :: choose_laws, solve_pixel_state
+
+contains
+
+  !> Solves a state at a load, or at the level of its answer, with the simulated laws.
+  !> `state%answer%failure` is allocated where the load is not carried.
+  subroutine solve_pixel_state(laws, state)
+    type(pixel_law_box), intent(inout) :: laws(:)  !! laws with the memory of the state before
+    type(pixel_state), intent(inout) :: state      !! state before; becomes this state
+    integer :: i, solver
+
+    state%problem_map = state%shape
+    state%problem_modulus = state%modulus
+    if (allocated(state%hardness)) deallocate (state%hardness)
+    solver = 0
+    do i = 1, size(laws)
+      if (.not. laws(i)%law%is_simulated) cycle
+      call laws(i)%law%begin_step(state)
+      if (laws(i)%law%solves) solver = i
+    end do
+    if (solver > 0) then
+      call laws(solver)%law%act(state)
+    else
+      call press_state(state)
+    end if
+    if (allocated(state%answer%failure)) return
+    do i = size(laws), 1, -1
+      if (laws(i)%law%is_simulated) call laws(i)%law%end_step(state)
+    end do
+  end subroutine solve_pixel_state
+
+  ! Solves the elastic problem. Under no load the surfaces are at first touch.
+  subroutine press_state(state)
+    type(pixel_state), intent(inout) :: state
+    logical :: is_loaded
+
+    is_loaded = allocated(state%load)
+    if (is_loaded) is_loaded = state%load > 0.0_real64
+    associate (map => state%problem_map, modulus => state%problem_modulus)
+      if (is_loaded) then
+        call press_map(map, modulus, state%answer, state%load, state%tolerance, state%hardness)
+      else
+        if (allocated(state%load)) state%answer%level = maxval(map%height)
+        call press_map(map, modulus, state%answer, tolerance=state%tolerance, &
+                       hardness=state%hardness)
+      end if
+    end associate
+  end subroutine press_state
+
+  !> Chooses the laws of `auto` that have to be simulated, from a solution without them. Those with
+  !> the smallest estimates are left out while their sum is within the tolerance. One without an
+  !> estimate is chosen, one with an obstacle is left out.
+  subroutine choose_laws(laws, state, estimates, is_called)
+    type(pixel_law_box), intent(inout) :: laws(:)   !! laws; the chosen ones become simulated
+    type(pixel_state), intent(in) :: state          !! solution without the laws of `auto` left out
+    !> largest estimate of each law over the states of the path; `unknown_influence`: none is known
+    real(real64), intent(inout) :: estimates(:)
+    logical, intent(out) :: is_called               !! a law is chosen: the path is to be repeated
+    real(real64) :: tolerance
+    logical, dimension(size(laws)) :: is_chosen, is_open
+    integer :: i
+
+    tolerance = 0.0_real64
+    is_open = .false.
+    do i = 1, size(laws)
+      associate (law => laws(i)%law)
+        if (law%mode /= effect_auto .or. law%is_simulated) cycle
+        tolerance = law%tolerance
+        is_open(i) = .not. allocated(law%obstacle)
+        estimates(i) = max(estimates(i), law%estimate(state))
+      end associate
+    end do
+    is_chosen = is_open
+    call leave_smallest(estimates, is_open, tolerance, is_chosen)
+    is_called = any(is_chosen)
+    do i = 1, size(laws)
+      if (is_chosen(i)) laws(i)%law%is_simulated = .true.
+    end do
+  end subroutine choose_laws
+
+end module asperity_pixel_sequence
