@@ -35,6 +35,8 @@ module asperity_contact_state
     class(contact_law), allocatable :: law           !! law of each contact
     real(real64), allocatable :: penetration(:)      !! of each pair; not positive where open
     type(contact_response), allocatable :: answers(:)  !! response of each pair
+    !> law of an effect, prepared for all states of the position; not allocated: none yet
+    class(contact_law), allocatable :: prepared
     !> solution of interacting contacts; not allocated: none at this compression
     type(interaction_solution), allocatable :: solution
   end type contact_state
@@ -46,12 +48,17 @@ contains
     type(contact_pairs), intent(in) :: pairs  !! pairs of the position
     class(contact_law), intent(in) :: law     !! law of each contact
     real(real64), intent(in) :: compression       !! compression, length, 0 or more
-    type(contact_state), intent(out) :: state  !! contacts at this compression
+    type(contact_state), intent(inout) :: state  !! contacts at this compression
 
     state%compression = compression
+    state%time = 0.0_real64
+    state%tolerance = 1.0_real64
+    if (allocated(state%solution)) deallocate (state%solution)
+    if (allocated(state%law)) deallocate (state%law)
     allocate (state%law, source=law)
-    allocate (state%penetration(size(pairs%list)), state%answers(size(pairs%list)))
     state%penetration = compression - pairs%list%gap
+    if (allocated(state%answers)) deallocate (state%answers)
+    allocate (state%answers(size(pairs%list)))
     call answer_all(pairs, state)
   end subroutine start_state
 

@@ -68,7 +68,7 @@ module asperity_effect_names
     known_effect('adhesion', switch, 'attraction between the surfaces: snap-in, pull-off', &
                  own=[character(len=20) :: 'work_of_adhesion', '']), &
     known_effect('creep', switch, 'relaxation or creep during loading and a hold', &
-                 own=[character(len=20) :: 'hold_time', 'relaxation_time'])]
+                 own=[character(len=20) :: 'hold_time', ''])]
 
   integer, parameter :: of_interaction = 1  !! place of interaction among them
 

@@ -425,6 +425,7 @@ contains
           cycle
         end if
         record = effect_record(estimate=record%estimate)
+        if (.not. self%estimates(i) < unknown_influence) record%why = 'without an estimate'
         call warn_of_left_out(law%name, of_barred, self%estimates(i))
       end associate
     end do

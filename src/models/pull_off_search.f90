@@ -12,6 +12,7 @@
 !> of the number of intervals that are skipped.
 module asperity_pull_off_search
   use asperity_adhesion, only: adhesion_effect
+  use asperity_adhesion_law, only: adhesion_law, complete_law
   use asperity_contact_pairs, only: contact_pairs, in_scene_units
   use asperity_contact_state, only: answer_all, contact_state, controlled_load, start_state
   use asperity_key_sort, only: sort_keys
@@ -44,16 +45,19 @@ contains
     character(len=:), allocatable, intent(out) :: failure   !! reason, when the load is not carried
     type(contact_state) :: state
     type(tangent) :: start
+    type(adhesion_law) :: law
     real(real64), allocatable :: ends(:)
     real(real64) :: level, margin
     logical :: begins_open, is_met, seeks_least
     integer :: first, last
 
     begins_open = .not. compression > 0.0_real64
-    call start_state(pairs, adhesion%law, max(compression, 0.0_real64), state)
+    law = adhesion%law
+    call complete_law(law)
+    call start_state(pairs, law, max(compression, 0.0_real64), state)
     call raise_load()
     if (allocated(failure)) return
-    call list_ends(pairs, adhesion, start%at, ends)
+    call list_ends(pairs, law, start%at, ends)
     ! Beside an end of an interval rounding decides which contacts have parted.
     margin = 8 * epsilon(margin) * max(start%at, maxval(abs(pairs%list%gap)))
     level = target
@@ -101,7 +105,7 @@ contains
       if (is_met .or. first > last) return
       ! Contacts are independent, so the sum of their least loads is a lower bound of the load;
       ! without adhesion the load is larger.
-      if (exceeds_level(sum([(adhesion%law%least_load( &
+      if (exceeds_level(sum([(law%least_load( &
         pairs%list(i), i, ends(last) - pairs%list(i)%gap, ends(first - 1) - pairs%list(i)%gap, &
         pairs%vertical), i=1, size(pairs%list))]))) return
       if (first < last) then
@@ -201,9 +205,9 @@ contains
   end subroutine unload_to_load
 
   ! Lists `top` and the compressions below it at which contacts part, in descending order.
-  subroutine list_ends(pairs, adhesion, top, ends)
+  subroutine list_ends(pairs, law, top, ends)
     type(contact_pairs), intent(in) :: pairs
-    type(adhesion_effect), intent(in) :: adhesion
+    type(adhesion_law), intent(in) :: law
     real(real64), intent(in) :: top
     real(real64), allocatable, intent(out) :: ends(:)
     real(real64), allocatable :: partings(:)
@@ -211,10 +215,10 @@ contains
     integer(int32), allocatable :: order(:)
     integer :: i, used
 
-    allocate (partings(merge(size(pairs%list), 0, adhesion%work > 0.0_real64)))
+    allocate (partings(merge(size(pairs%list), 0, law%numbers%work > 0.0_real64)))
     do i = 1, size(partings)
-      associate (pair => pairs%list(i), known => adhesion%law%known(i))
-        overlap = merge(known%snap_off, known%snap_in, adhesion%law%adhered(i))
+      associate (pair => pairs%list(i), known => law%known(i))
+        overlap = merge(known%snap_off, known%snap_in, law%adhered(i))
         centres = pair%s - overlap
         ! zc - sqrt(centres**2 - d**2), without cancellation.
         partings(i) = pair%gap + overlap * ((pair%s + centres) / &

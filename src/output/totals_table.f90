@@ -76,6 +76,8 @@ module asperity_totals_table
     column_words('tangential_stiffness', 'tangential stiffness', ''), &
     column_words('stick_area', 'area that sticks', ''), &
     column_words('slides', 'complete sliding', '1: the traction is mu p everywhere'), &
+    column_words('electrical_conductance', 'electrical conductance', 'of the interface'), &
+    column_words('thermal_conductance', 'thermal conductance', 'of the interface'), &
     column_words('samples_in_contact', 'pixels in contact', '')]
 
 contains

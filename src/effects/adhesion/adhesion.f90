@@ -3,8 +3,9 @@
 !> It replaces the law of each contact and evaluates it. The load across a gap depends on whether
 !> the contact adhered before, so this is kept from one state of a position to the next.
 module asperity_adhesion
-  use asperity_adhesion_law, only: adhesion_law, adhesion_numbers, model_dmt, new_adhesion_law, &
-                                   range_of_attraction
+  use asperity_adhesion_law, only: adhering_contact, adhesion_law, adhesion_numbers, begin_law, &
+                                   complete_contact, complete_law, model_dmt, &
+                                   range_of_attraction, respond_along_centres
   use asperity_contact_effect, only: contact_effect, effect_column, effect_outcome, force, &
                                      plain, relative_influence
   use asperity_contact_law, only: contact_response
@@ -22,7 +23,8 @@ module asperity_adhesion
   type, extends(contact_effect) :: adhesion_effect
     real(real64) :: work = 0.0_real64      !! of adhesion, modulus times length, 0 or more
     real(real64) :: distance = 1.0_real64  !! of equilibrium, length, more than 0
-    type(adhesion_law) :: law              !! law of a position with the state of its contacts
+    !> of a position with the state of its contacts; complete for those that adhere
+    type(adhesion_law) :: law
   contains
     procedure :: estimate => estimate_adhesion
     procedure :: apply => apply_adhesion
@@ -62,6 +64,7 @@ contains
     type(contact_pairs), intent(in) :: pairs    !! pairs of the position
     type(contact_state), intent(in) :: state    !! contacts without adhesion
     real(real64) :: share
+    type(adhering_contact) :: contact
     type(contact_response) :: answer
     real(real64) :: area, added, load, pull
     integer :: i
@@ -72,8 +75,11 @@ contains
     pull = 0.0_real64
     do i = 1, size(pairs%list)
       if (.not. self%law%is_adhering(pairs%list(i), i, state%penetration(i))) cycle
-      pull = pull + self%law%known(i)%pull_off
-      call self%law%respond(pairs%list(i), i, state%penetration(i), answer)
+      contact = self%law%known(i)
+      call complete_contact(self%law%numbers, contact)
+      pull = pull + contact%pull_off
+      call respond_along_centres(self%law%numbers, contact, self%law%adhered(i), pairs%list(i), &
+                                 state%penetration(i), answer)
       added = added + abs(answer%contact_radius**2 - state%answers(i)%contact_radius**2)
     end do
     load = sum(state%answers%vertical_load)
@@ -94,11 +100,21 @@ contains
     type(contact_pairs), intent(in) :: pairs        !! pairs of the position
     type(contact_state), intent(inout) :: state     !! gets the law and the loads with adhesion
     type(effect_outcome), intent(inout) :: outcome  !! gets columns and warnings
+    type(adhesion_law) :: law
     real(real64) :: distance, smaller
     integer :: i
 
+    if (.not. allocated(state%prepared)) then
+      law = self%law
+      call complete_law(law)
+      allocate (state%prepared, source=law)
+    end if
     if (allocated(state%law)) deallocate (state%law)
-    allocate (state%law, source=self%law)
+    allocate (state%law, source=state%prepared)
+    select type (its_law => state%law)
+    type is (adhesion_law)
+      its_law%adhered = self%law%adhered
+    end select
     call answer_all(pairs, state)
     call self%leave_out(pairs, state, outcome)
     outcome%simulated = 'on'
@@ -123,6 +139,7 @@ contains
     type(contact_pairs), intent(in) :: pairs        !! pairs of the position
     type(contact_state), intent(in) :: state        !! contacts without adhesion
     type(effect_outcome), intent(inout) :: outcome  !! gets the columns
+    type(adhering_contact) :: contact
     real(real64) :: pull
     integer :: adhering, i
 
@@ -130,12 +147,12 @@ contains
     pull = 0.0_real64
     adhering = 0
     do i = 1, size(pairs%list)
-      outcome%of_contacts(i, 2) = self%law%known(i)%pull_off
-      outcome%of_contacts(i, 3) = self%law%known(i)%tabor
+      contact = self%law%known(i)
       if (.not. self%law%is_adhering(pairs%list(i), i, state%penetration(i))) cycle
-      outcome%of_contacts(i, 1) = 1.0_real64
+      call complete_contact(self%law%numbers, contact)
+      outcome%of_contacts(i, :) = [1.0_real64, contact%pull_off, contact%tabor]
       adhering = adhering + 1
-      pull = pull + self%law%known(i)%pull_off
+      pull = pull + contact%pull_off
     end do
     outcome%of_state = [real(adhering, real64), &
                         real(count(state%answers%load < 0.0_real64), real64), pull]
@@ -150,7 +167,7 @@ contains
     numbers%modulus = pairs%modulus
     numbers%work = scale(self%work, -(pairs%modulus_power + pairs%length_power))
     numbers%distance = scale(self%distance, -pairs%length_power)
-    call new_adhesion_law(numbers, pairs, self%law)
+    call begin_law(numbers, pairs, self%law)
   end subroutine begin_adhesion
 
   !> Keeps which contacts adhere.
@@ -162,6 +179,8 @@ contains
 
     do i = 1, size(pairs%list)
       self%law%adhered(i) = self%law%is_adhering(pairs%list(i), i, state%penetration(i))
+      ! Where it separates follows from its curve.
+      if (self%law%adhered(i)) call complete_contact(self%law%numbers, self%law%known(i))
     end do
   end subroutine keep_adhesion
 

@@ -39,7 +39,8 @@ module asperity_adhesion_law
   private
 
   public :: adhering_contact, adheres_at, adhesion_law, adhesion_numbers, answer_along_centres, &
-            central_answer, new_adhering_contact, new_adhesion_law, range_of_attraction
+            begin_law, central_answer, complete_contact, complete_law, new_adhering_contact, &
+            new_adhesion_law, range_of_attraction, respond_along_centres
   public :: model_hertz, model_jkr, model_maugis, model_dmt
 
   !> Theories: no work of adhesion; Johnson, Kendall and Roberts; Maugis; Derjaguin, Muller and
@@ -78,6 +79,7 @@ module asperity_adhesion_law
     real(real64) :: snap_in = 0.0_real64    !! overlap from which it adheres; 0 or less
     real(real64) :: snap_off = 0.0_real64   !! overlap below which it separates; <= snap_in
     type(maugis_curve) :: curve             !! curve of Maugis' theory
+    logical :: is_complete = .true.         !! pull-off, snap-off and curve are known
   end type adhering_contact
 
   !> The law with the parameters and the state of each contact.
@@ -98,52 +100,83 @@ contains
     type(adhesion_numbers), intent(in) :: numbers  !! in the units of the pairs
     type(contact_pairs), intent(in) :: pairs       !! pairs of the position
     type(adhesion_law), intent(out) :: law         !! law of the position
+
+    call begin_law(numbers, pairs, law)
+    call complete_law(law)
+  end subroutine new_adhesion_law
+
+  !> Makes the law of a position that knows where contacts begin to adhere; it is not complete.
+  subroutine begin_law(numbers, pairs, law)
+    type(adhesion_numbers), intent(in) :: numbers  !! in the units of the pairs
+    type(contact_pairs), intent(in) :: pairs       !! pairs of the position
+    type(adhesion_law), intent(out) :: law         !! law of the position
     integer :: i
-    logical :: same
 
     law%numbers = numbers
     allocate (law%known(size(pairs%list)), law%adhered(size(pairs%list)))
     law%adhered = .false.
     do i = 1, size(pairs%list)
+      call begin_contact(numbers, pairs%list(i)%radius, law%known(i))
+    end do
+  end subroutine begin_law
+
+  !> Completes the parameters of all contacts, which takes long with Maugis' theory.
+  subroutine complete_law(law)
+    type(adhesion_law), intent(inout) :: law  !! law of a position
+    integer :: i
+    logical :: same
+
+    do i = 1, size(law%known)
       ! Many scenes have one radius: its curve is computed once.
       same = .false.
-      if (i > 1) same = .not. abs(pairs%list(i)%radius - law%known(i - 1)%radius) > 0.0_real64
+      if (i > 1) same = .not. abs(law%known(i)%radius - law%known(i - 1)%radius) > 0.0_real64
       if (same) then
         law%known(i) = law%known(i - 1)
       else
-        call new_adhering_contact(numbers, pairs%list(i)%radius, law%known(i))
+        call complete_contact(law%numbers, law%known(i))
       end if
     end do
-  end subroutine new_adhesion_law
+  end subroutine complete_law
 
   !> Response of a contact. Continuous in the penetration except where the contact snaps. The
   !> pressure is that at the centre of the contact circle, the largest.
   pure subroutine respond_adhering(self, pair, number, penetration, response)
-    class(adhesion_law), intent(in) :: self         !! law with its history
+    class(adhesion_law), intent(in) :: self         !! complete law with its history
     type(contact_pair), intent(in) :: pair          !! geometry of the contact
     integer, intent(in) :: number                   !! place of the pair in its list
+    real(real64), intent(in) :: penetration         !! vertical, less than zc; negative: a gap
+    type(contact_response), intent(out) :: response !! loads, radius, pressure, stiffness
+
+    call respond_along_centres(self%numbers, self%known(number), self%adhered(number), pair, &
+                               penetration, response)
+  end subroutine respond_adhering
+
+  !> Response of a contact by its own parameters.
+  pure subroutine respond_along_centres(numbers, contact, adhered, pair, penetration, response)
+    type(adhesion_numbers), intent(in) :: numbers   !! parameters of all contacts
+    type(adhering_contact), intent(in) :: contact   !! complete parameters of the contact
+    logical, intent(in) :: adhered                  !! whether it adhered before
+    type(contact_pair), intent(in) :: pair          !! geometry of the contact
     real(real64), intent(in) :: penetration         !! vertical, less than zc; negative: a gap
     type(contact_response), intent(out) :: response !! loads, radius, pressure, stiffness
     type(hertz_law) :: hertz
     type(central_answer) :: answer
     real(real64) :: overlap
 
-    associate (contact => self%known(number))
-      if (contact%model == model_hertz) then
-        hertz%modulus = self%numbers%modulus
-        call hertz%respond(pair, number, penetration, response)
-        return
-      end if
-      overlap = stable_overlap(pair%s, pair%d, pair%zc, pair%rest, penetration)
-      if (.not. adheres_at(contact, overlap, self%adhered(number))) return
-      call answer_along_centres(self%numbers, contact, overlap, answer)
-    end associate
+    if (contact%model == model_hertz) then
+      hertz%modulus = numbers%modulus
+      call hertz%respond(pair, 1, penetration, response)
+      return
+    end if
+    overlap = stable_overlap(pair%s, pair%d, pair%zc, pair%rest, penetration)
+    if (.not. adheres_at(contact, overlap, adhered)) return
+    call answer_along_centres(numbers, contact, overlap, answer)
     response%overlap = overlap
     response%contact_radius = answer%contact_radius
     response%load = answer%load
     call set_vertical_parts(pair, penetration, answer%stiffness, response)
     response%maximum_pressure = answer%pressure
-  end subroutine respond_adhering
+  end subroutine respond_along_centres
 
   !> Whether a contact adheres at a penetration.
   pure logical function is_adhering(self, pair, number, penetration)
@@ -193,6 +226,16 @@ contains
     real(real64), intent(in) :: radius              !! combined radius, more than 0
     type(adhering_contact), intent(out) :: contact  !! parameters of the contact
 
+    call begin_contact(numbers, radius, contact)
+    call complete_contact(numbers, contact)
+  end subroutine new_adhering_contact
+
+  ! Sets the theory of a contact, and where it begins to adhere.
+  pure subroutine begin_contact(numbers, radius, contact)
+    type(adhesion_numbers), intent(in) :: numbers
+    real(real64), intent(in) :: radius
+    type(adhering_contact), intent(out) :: contact
+
     contact%radius = radius
     if (.not. numbers%work > 0.0_real64) return
     ! Roots of dimensionless ratios: the same digits in any unit.
@@ -209,16 +252,26 @@ contains
       contact%pull_off = 2.0_real64 * pi * numbers%work * radius
     else
       contact%model = model_maugis
-      ! 2 sigma0 (R/(pi w K**2))**(1/3), K = 4/3 E.
-      call new_maugis(contact%tabor * (2.0_real64 / range_of_attraction) * &
-                      (9.0_real64 / (16.0_real64 * pi))**(1.0_real64 / 3.0_real64), contact%curve)
       contact%snap_in = -range_of_attraction * numbers%distance
-      contact%snap_off = min(contact%curve%snap_off * &
-                             radius_unit(numbers, radius, of_maugis)**2 / radius, &
-                             contact%snap_in)
-      contact%pull_off = contact%curve%pull_off * pi * numbers%work * radius
+      contact%is_complete = .false.
     end if
-  end subroutine new_adhering_contact
+  end subroutine begin_contact
+
+  !> Completes the parameters of a contact by the curve of Maugis.
+  pure subroutine complete_contact(numbers, contact)
+    type(adhesion_numbers), intent(in) :: numbers     !! parameters of all contacts
+    type(adhering_contact), intent(inout) :: contact  !! parameters of the contact
+
+    if (contact%is_complete) return
+    contact%is_complete = .true.
+    ! 2 sigma0 (R/(pi w K**2))**(1/3), K = 4/3 E.
+    call new_maugis(contact%tabor * (2.0_real64 / range_of_attraction) * &
+                    (9.0_real64 / (16.0_real64 * pi))**(1.0_real64 / 3.0_real64), contact%curve)
+    contact%snap_off = min(contact%curve%snap_off * &
+                           radius_unit(numbers, contact%radius, of_maugis)**2 / contact%radius, &
+                           contact%snap_in)
+    contact%pull_off = contact%curve%pull_off * pi * numbers%work * contact%radius
+  end subroutine complete_contact
 
   !> Whether a contact adheres at an overlap that was reached monotonically.
   elemental logical function adheres_at(contact, overlap, adhered) result(adheres)
