@@ -34,7 +34,8 @@ contains
     logical, intent(in) :: keep_rows                       !! keep the contacts of every state
     type(position_result), intent(out) :: result           !! states, ending with the last
     character(len=:), allocatable, intent(out) :: failure  !! set where the end is not reached
-    type(contact_pairs), intent(out), optional :: pairs    !! those in contact at the end
+    !> those in contact at the end, or within the reach of the method
+    type(contact_pairs), intent(out), optional :: pairs
     type(position_pairs) :: position
     real(real64) :: w
     logical :: all_pairs
@@ -45,11 +46,9 @@ contains
     result%y_displacement = scaled_to_real64(position%dy, placed%length_power)
     if (allocated(failure)) return
     if (present(pairs)) then
-      do while (position%number > 0)
-        if (.not. position%found(position%number)%gap > position%compression) exit
-        position%number = position%number - 1
-      end do
+      call cut_pairs(scale(method%reach, -placed%length_power), position)
       call fill_pairs(placed, position, pairs)
+      call cut_pairs(0.0_real64, position)
     end if
     if (position%number == 0) then
       call empty_state(placed, result, failure)
@@ -66,6 +65,17 @@ contains
         placed%modulus_power)
     end associate
   end subroutine solve_position
+
+  ! Drops the pairs that are farther from contact than a reach.
+  pure subroutine cut_pairs(reach, position)
+    real(real64), intent(in) :: reach
+    type(position_pairs), intent(inout) :: position
+
+    do while (position%number > 0)
+      if (.not. position%found(position%number)%gap > position%compression + reach) exit
+      position%number = position%number - 1
+    end do
+  end subroutine cut_pairs
 
   ! Finds the pairs that matter at a position, and its last compression. `all_pairs` is true when
   ! all were wanted or the candidate distance did not suffice.

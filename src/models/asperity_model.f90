@@ -99,7 +99,9 @@ contains
     new%work = size(scene_in%upper%x) + size(scene_in%lower%x)
     if (.not. scene_in%loading%control%is_vertical) new%loads_differ = header%tolerance
     new%by_estimate = .not. allocated(scene_in%loading%path) .and. &
-                      all(header%names == 'interaction') .and. all(header%modes == effect_auto)
+                      all(header%modes == effect_auto) .and. .not. &
+                      (is_load(scene_in%loading%control) .and. &
+                       .not. scene_in%loading%value > 0.0_real64)
     new%method%keeps_first = allocated(scene_in%loading%path) .and. .not. new%isolated
     do i = 1, size(new%effects)
       new%method%reach = max(new%method%reach, new%effects(i)%effect%reach)
@@ -201,10 +203,14 @@ contains
     integer :: i, number
 
     is_needed = .false.
-    call solve_position(self%placed, m, solve_method(), self%keep_rows, result, failure, pairs)
+    call solve_position(self%placed, m, solve_method(reach=self%method%reach), self%keep_rows, &
+                        result, failure, pairs)
     if (allocated(failure)) return
     if (size(self%effects) > 0) then
       call copy_effects(self%effects, effects)
+      do i = 1, size(effects)
+        call effects(i)%effect%begin(pairs)
+      end do
       number = size(result%states)
       allocate (columns%states(number), choices(merge(number, 0, size(pairs%list) > 0)))
       if (size(pairs%list) == 0) call add_nothing(self%scene_in, pairs, effects, columns)

@@ -43,6 +43,7 @@ contains
     real(real64), intent(in) :: time               !! time since the begin of loading, 0 or more
     type(found_state), intent(inout) :: found      !! a guess of the compression; the state found
     character(len=:), allocatable, intent(out) :: failure   !! reason, when the load is not carried
+    type(contact_state) :: state
     logical :: jumps, unloads
     integer :: e, i
 
@@ -50,6 +51,13 @@ contains
     if (allocated(found%solution)) deallocate (found%solution)
     ! No effect that acts in time goes together with attraction.
     e = merge(0, attracting_effect(effects), time > 0.0_real64)
+    ! What `auto` leaves out at the guess does not pull.
+    if (e > 0 .and. target > 0.0_real64 .and. .not. is_at_compression(found)) then
+      call start_state(pairs, hertz_law(modulus=pairs%modulus), found%compression, state)
+      state%time = time
+      call choose_effects(pairs, effects, state, found%choice)
+      if (.not. found%choice%is_simulated(e)) e = 0
+    end if
     if (e > 0) then
       unloads = .not. target > 0.0_real64
       if (.not. unloads) then

@@ -73,7 +73,7 @@ contains
     if (.not. self%work > 0.0_real64) return
     added = 0.0_real64
     pull = 0.0_real64
-    do i = 1, size(pairs%list)
+    do i = 1, pairs_within(self, pairs, state)
       if (.not. self%law%is_adhering(pairs%list(i), i, state%penetration(i))) cycle
       contact = self%law%known(i)
       call complete_contact(self%law%numbers, contact)
@@ -146,7 +146,7 @@ contains
     allocate (outcome%of_contacts(size(pairs%list), 3), source=0.0_real64)
     pull = 0.0_real64
     adhering = 0
-    do i = 1, size(pairs%list)
+    do i = 1, pairs_within(self, pairs, state)
       contact = self%law%known(i)
       if (.not. self%law%is_adhering(pairs%list(i), i, state%penetration(i))) cycle
       call complete_contact(self%law%numbers, contact)
@@ -157,6 +157,23 @@ contains
     outcome%of_state = [real(adhering, real64), &
                         real(count(state%answers%load < 0.0_real64), real64), pull]
   end subroutine leave_out
+
+  ! Number of the first pairs that may adhere: from open surfaces those within the range of the
+  ! attraction. Pairs are sorted by their gap.
+  pure integer function pairs_within(self, pairs, state) result(number)
+    class(adhesion_effect), intent(in) :: self
+    type(contact_pairs), intent(in) :: pairs
+    type(contact_state), intent(in) :: state
+    real(real64) :: range_of_pull
+
+    number = size(pairs%list)
+    if (any(self%law%adhered)) return
+    range_of_pull = range_of_attraction * scale(self%distance, -pairs%length_power)
+    do while (number > 0)
+      if (pairs%list(number)%gap <= state%compression + 2.0_real64 * range_of_pull) return
+      number = number - 1
+    end do
+  end function pairs_within
 
   !> Begins a position without adhering contacts.
   subroutine begin_adhesion(self, pairs)

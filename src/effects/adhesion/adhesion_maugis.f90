@@ -74,39 +74,51 @@ contains
     ! The overlap decreases with s up to its least value, which has a contact circle if the overlap
     ! increases at s = 1. The load decreases with s up to the largest tensile load.
     if (at%overlap_slope > 0.0_real64) then
-      call bisect_slope(lambda, .false., curve%last, at)
+      call find_slope_end(lambda, .false., curve%last, at)
       at = point_at(lambda, curve%last)
       curve%touching = at%overlap
       curve%snap_off = at%overlap
     end if
     high = curve%last
-    call bisect_slope(lambda, .true., high, at)
+    call find_slope_end(lambda, .true., high, at)
     curve%pull_off = -at%load
   end subroutine new_maugis
 
-  ! Bisects between 0 and `bound`, which becomes the s up to which the slope of the load or of the
-  ! overlap is not positive; `at` is the last point.
-  pure subroutine bisect_slope(lambda, of_load, bound, at)
+  ! Finds, between 0 and `bound`, the s up to which the slope of the load or of the overlap is not
+  ! positive: false position with the Illinois rule, every eighth step a bisection; `at` is the last
+  ! point.
+  pure subroutine find_slope_end(lambda, of_load, bound, at)
     real(real64), intent(in) :: lambda
     logical, intent(in) :: of_load
     real(real64), intent(inout) :: bound
     type(curve_point), intent(inout) :: at
-    real(real64) :: high, s
-    integer :: turn
+    real(real64) :: high, s, slope, slopes(2)
+    integer :: side, turn
 
     high = bound
     bound = 0.0_real64
+    slopes = 0.0_real64
+    side = 0
     do turn = 1, most_turns
       s = bound + 0.5_real64 * (high - bound)
+      if (modulo(turn, 8) > 0 .and. slopes(1) < 0.0_real64 .and. slopes(2) > 0.0_real64) &
+        s = bound - (high - bound) * (slopes(1) / (slopes(2) - slopes(1)))
       if (.not. (s > bound .and. s < high)) exit
       at = point_at(lambda, s)
-      if (merge(at%load_slope, at%overlap_slope, of_load) > 0.0_real64) then
+      slope = merge(at%load_slope, at%overlap_slope, of_load)
+      if (slope > 0.0_real64) then
         high = s
+        slopes(2) = slope
+        if (side > 0) slopes(1) = 0.5_real64 * slopes(1)
+        side = 1
       else
         bound = s
+        slopes(1) = slope
+        if (side < 0) slopes(2) = 0.5_real64 * slopes(2)
+        side = -1
       end if
     end do
-  end subroutine bisect_slope
+  end subroutine find_slope_end
 
   !> Response at an overlap, dimensionless; the unit of the pressure is E a/(pi R) with the unit of
   !> the contact radius for a.

@@ -79,9 +79,12 @@ contains
     real(real64) :: share
     real(real64), allocatable, dimension(:, :) :: closer, gap, pull
     logical, allocatable :: is_open(:, :)
-    real(real64) :: begin, growth, load, rate, total
+    real(real64) :: begin, growth, load, lowered, rate, total
     integer :: closed, touching, turn
     integer, parameter :: turns = 60  ! S/S0 to a rounding error below y = 0.36 (derived: y S < 1)
+    ! Displacement of the middle of a square by a uniform traction, over the side and the traction
+    ! over the modulus (derived: Love 1929).
+    real(real64), parameter :: of_square = 1.1221997046783603_real64
 
     share = 0.0_real64
     if (.not. self%solves) return
@@ -96,13 +99,29 @@ contains
       touching = count(answer%pressure > 0.0_real64)
       if (.not. begin > 0.0_real64) share = 0.0_real64
       if (.not. (begin > 0.0_real64 .and. load > 0.0_real64)) return
-      closer = displacement_by(map, state%modulus, pull)
+      lowered = 0.0_real64
       if (allocated(state%load)) &
-        closer = closer + begin / load * max(0.0_real64, maxval(map%height) - answer%level)
-      total = sum(attraction_at(self%attraction, gap - max(0.0_real64, closer)), is_open)
-      rate = log(total * product(map%pixel_spacing) / begin)
-      growth = 1.0_real64
+        lowered = begin / load * max(0.0_real64, maxval(map%height) - answer%level)
+      ! The largest pull on all of a square moves its middle by no less than A s.
+      allocate (closer, mold=gap)
+      closer = lowered + of_square * maxval(pull) / state%modulus * &
+                         maxval(map%pixel_spacing * shape(map%height))
+      call follow_pull()
+      if (share <= self%tolerance) return
+      closer = lowered + displacement_by(map, state%modulus, pull)
+      call follow_pull()
+    end associate
+
+  contains
+
+    ! Estimates the influence by a displacement of each pixel.
+    subroutine follow_pull()
+      total = sum(attraction_at(self%attraction, gap - max(0.0_real64, closer)), is_open) * &
+              product(state%shape%pixel_spacing)
+      share = unknown_influence
+      rate = log(total / begin)
       if (rate > exp(-1.0_real64)) return
+      growth = 1.0_real64
       do turn = 1, turns
         growth = exp(rate * growth)
       end do
@@ -111,7 +130,8 @@ contains
       closed = count(is_open .and. gap < growth * closer)
       share = max(share, relative_influence(real(closed, real64), real(touching, real64), &
                                             real(touching + closed, real64)))
-    end associate
+    end subroutine follow_pull
+
   end function estimate_adhesion
 
   !> Adds the patches that adhere and those in tension, and the pull of the open gaps.
