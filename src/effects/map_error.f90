@@ -24,10 +24,10 @@ module asperity_map_error
   use asperity_kinds, only: real64
   use asperity_map_contact, only: most_load
   use asperity_map_fields, only: measure_fields
-  use asperity_map_patches, only: find_patches, map_patch
+  use asperity_map_patches, only: map_patch
   use asperity_map_resolution, only: every_pixel
   use asperity_map_statistics, only: rms_slope_over
-  use asperity_pixel_law, only: pixel_law_box, pixel_state
+  use asperity_pixel_law, only: patches_in_contact, pixel_law_box, pixel_state
   use asperity_pixel_sequence, only: solve_pixel_state
   implicit none
   private
@@ -141,11 +141,7 @@ contains
       associate (answer => half%answer)
         if (allocated(answer%failure)) unsolved = answer%failure
         if (allocated(answer%failure)) return
-        if (allocated(answer%contact_pressure)) then
-          call find_patches(coarser, answer%contact_pressure, patches)
-        else
-          call find_patches(coarser, answer%pressure, patches, hardness=half%hardness)
-        end if
+        call patches_in_contact(coarser, answer, patches, half%hardness)
         call measure_fields(coarser, answer, found)
         ! No hypot: on vectors its last digit changes with the unit.
         difference = sqrt(difference**2 + &

@@ -11,16 +11,17 @@ module asperity_pixel_law
   use asperity_contact_field, only: contact_field
   use asperity_contact_records, only: state_row
   use asperity_effect_header, only: column_list
-  use asperity_height_map, only: height_map
+  use asperity_height_map, only: height_map, is_measured
   use asperity_kinds, only: real64
   use asperity_map_contact, only: map_answer
-  use asperity_map_patches, only: map_patch
+  use asperity_map_patches, only: find_patches, map_patch
   use asperity_scene_values, only: effect_auto, effect_off, scene_effects
   use asperity_theory_warnings, only: theory_warning
   implicit none
   private
 
-  public :: pixel_law, pixel_law_box, pixel_state, unknown_influence
+  public :: patches_in_contact, pixel_law, pixel_law_box, pixel_state, share_that_closes, &
+            unknown_influence
 
   real(real64), parameter :: unknown_influence = huge(1.0_real64)  !! no estimate can be made
 
@@ -109,6 +110,44 @@ contains
     self%is_simulated = self%mode /= effect_off .and. .not. allocated(self%obstacle) .and. &
                         (self%is_free .or. self%mode /= effect_auto)
   end subroutine call_as
+
+  !> Finds the patches of the pressure in contact, which beside an attraction is at most the hardness
+  !> and that attraction.
+  subroutine patches_in_contact(map, answer, patches, hardness)
+    type(height_map), intent(in) :: map             !! map without deformation
+    type(map_answer), intent(in) :: answer          !! solution
+    type(map_patch), allocatable, intent(out) :: patches(:)
+    real(real64), intent(in), optional :: hardness  !! largest net traction; absent: elastic
+    real(real64), allocatable :: limit
+
+    if (present(hardness)) limit = hardness + answer%attraction
+    if (allocated(answer%contact_pressure)) then
+      call find_patches(map, answer%contact_pressure, patches, hardness=limit)
+    else
+      call find_patches(map, answer%pressure, patches, hardness=limit)
+    end if
+  end subroutine patches_in_contact
+
+  !> Pixels in contact that surfaces gain when they are closer by a displacement of each pixel, as
+  !> `relative_influence` has it; an upper bound, as the contact gives way.
+  pure real(real64) function share_that_closes(state, closer) result(share)
+    type(pixel_state), intent(in) :: state       !! solution
+    real(real64), intent(in) :: closer(:, :)     !! decrease of each gap [length]
+    integer :: closed, i, j, touching
+
+    closed = 0
+    associate (answer => state%answer, map => state%shape)
+      touching = count(answer%pressure > 0.0_real64)
+      do j = 1, map%rows
+        do i = 1, map%columns
+          if (answer%pressure(i, j) > 0.0_real64 .or. .not. is_measured(map%height(i, j))) cycle
+          if (answer%level - map%height(i, j) + answer%displacement(i, j) < closer(i, j)) &
+            closed = closed + 1
+        end do
+      end do
+    end associate
+    share = real(closed, real64) / max(1, touching + closed)
+  end function share_that_closes
 
   !> Changes the elastic problem of the next state. This default changes nothing.
   subroutine begin_step(self, state)

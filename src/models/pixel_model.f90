@@ -22,11 +22,10 @@ module asperity_pixel_model
   use asperity_map_form, only: find_form_contact
   use asperity_map_interface, only: add_interface
   use asperity_map_levelling, only: is_flat
-  use asperity_map_patches, only: find_patches
   use asperity_map_scene, only: area_of_map, displacement_of, join_maps, plan_map_path
   use asperity_map_shares, only: find_shares, map_shares, warn_of_map, warn_of_shares
   use asperity_path_steps, only: plan_hold
-  use asperity_pixel_law, only: pixel_law_box, pixel_state, unknown_influence
+  use asperity_pixel_law, only: patches_in_contact, pixel_law_box, pixel_state, unknown_influence
   use asperity_pixel_sequence, only: choose_laws, solve_pixel_state
   use asperity_problems, only: decimal_text, not_enough_memory, real_text
   use asperity_process, only: has_memory
@@ -352,14 +351,12 @@ contains
     type(map_shares), intent(out) :: shares
 
     associate (answer => self%state%answer, tolerance => self%model%tolerance)
+      call patches_in_contact(self%map, answer, self%state%patches, self%state%hardness)
       if (.not. allocated(answer%contact_pressure)) then
-        call find_patches(self%map, answer%pressure, self%state%patches, &
-                          hardness=self%state%hardness)
         call find_shares(self%map, answer%pressure, self%state%patches, tolerance, &
                          self%spike_limit, shares)
         return
       end if
-      call find_patches(self%map, answer%contact_pressure, self%state%patches)
       call find_shares(self%map, answer%contact_pressure, self%state%patches, tolerance, &
                        self%spike_limit, shares)
     end associate

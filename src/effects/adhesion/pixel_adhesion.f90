@@ -20,7 +20,8 @@ module asperity_pixel_adhesion
   use asperity_kinds, only: real64
   use asperity_map_adhesion, only: adhere_map, adhesion_history, find_pull_off, work_at_edge
   use asperity_map_contact, only: displacement_by
-  use asperity_pixel_law, only: pixel_law, pixel_state, unknown_influence
+  use asperity_pixel_law, only: pixel_law, pixel_state, share_that_closes, &
+                                unknown_influence
   use asperity_problems, only: real_text
   use asperity_scene_values, only: combined_modulus, scene
   use asperity_theory_warnings, only: add_warning, of_attraction, of_cut_range, of_held_gap, &
@@ -80,7 +81,7 @@ contains
     real(real64), allocatable, dimension(:, :) :: closer, gap, pull
     logical, allocatable :: is_open(:, :)
     real(real64) :: begin, growth, load, lowered, rate, total
-    integer :: closed, touching, turn
+    integer :: turn
     integer, parameter :: turns = 60  ! S/S0 to a rounding error below y = 0.36 (derived: y S < 1)
     ! Displacement of the middle of a square by a uniform traction, over the side and the traction
     ! over the modulus (derived: Love 1929).
@@ -96,7 +97,6 @@ contains
       where (is_open) gap = answer%level - map%height + answer%displacement
       allocate (pull, source=merge(attraction_at(self%attraction, gap), 0.0_real64, is_open))
       begin = sum(pull) * product(map%pixel_spacing)
-      touching = count(answer%pressure > 0.0_real64)
       if (.not. begin > 0.0_real64) share = 0.0_real64
       if (.not. (begin > 0.0_real64 .and. load > 0.0_real64)) return
       lowered = 0.0_real64
@@ -126,10 +126,8 @@ contains
         growth = exp(rate * growth)
       end do
       share = relative_influence(growth * begin, load, load - growth * begin)
-      if (touching == 0) return
-      closed = count(is_open .and. gap < growth * closer)
-      share = max(share, relative_influence(real(closed, real64), real(touching, real64), &
-                                            real(touching + closed, real64)))
+      if (any(state%answer%pressure > 0.0_real64)) &
+        share = max(share, share_that_closes(state, growth * closer))
     end subroutine follow_pull
 
   end function estimate_adhesion

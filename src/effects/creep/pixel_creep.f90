@@ -20,7 +20,7 @@ module asperity_pixel_creep
   use asperity_kinds, only: real64
   use asperity_map_contact, only: displacement_by
   use asperity_map_patches, only: find_patches, map_patch
-  use asperity_pixel_law, only: pixel_law, pixel_state
+  use asperity_pixel_law, only: pixel_law, pixel_state, share_that_closes, unknown_influence
   use asperity_scene_values, only: scene
   use asperity_theory_warnings, only: theory_warning
   use asperity_viscoelastic_solid, only: history_of, keep_load, solid_step, step_over
@@ -65,15 +65,23 @@ contains
     allocate (law, source=new)
   end subroutine new_pixel_creep
 
-  !> Change of the modulus up to the end of the hold: the area is at most inverse to it.
+  !> Change of the modulus up to the end of the hold, or of the area: under a load that is
+  !> prescribed the flat is lowered by at most this share of the compression, as the load is a convex
+  !> function of the compression. Beside an attraction it is the share of all tractions over the load.
   function estimate_creep(self, state) result(share)
     class(pixel_creep), intent(in) :: self
     type(pixel_state), intent(in) :: state
-    real(real64) :: share
+    real(real64) :: share, lowered
 
-    associate (unused => state)
-    end associate
     share = creep_share(self%limits)
+    associate (pressure => state%answer%pressure)
+      share = min(unknown_influence, share * (sum(abs(pressure)) / &
+                                              max(abs(sum(pressure)), tiny(share))))
+    end associate
+    if (.not. allocated(state%load)) return
+    lowered = share * max(0.0_real64, maxval(state%shape%height) - state%answer%level)
+    share = max(share, share_that_closes(state, spread(spread(lowered, 1, state%shape%columns), &
+                                                       2, state%shape%rows)))
   end function estimate_creep
 
   !> Adds the time and the load without relaxation.
