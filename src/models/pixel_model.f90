@@ -435,7 +435,8 @@ contains
       end associate
     end do
     if (unknown /= '') call add_warning(warnings, of_not_estimated, 0.0_real64, whose=unknown)
-    if (.not. share > 0.0_real64) return
+    if (unknown /= '') result%error_estimate = not_computed
+    if (unknown /= '' .or. .not. share > 0.0_real64) return
     if (is_load(self%model%scene_in%loading%control)) share = of_compression * share
     result%error_estimate = max(result%error_estimate, 0.0_real64) + share
 
