@@ -79,7 +79,7 @@ contains
   subroutine list_pixel_laws(scene_in, pixel, laws, left_out)
     type(scene), intent(in) :: scene_in                        !! scene with a map
     real(real64), intent(in) :: pixel                          !! largest spacing of the pixels
-    type(pixel_law_box), allocatable, intent(out) :: laws(:)      !! not off
+    type(pixel_law_box), allocatable, intent(out) :: laws(:)      !! those that are not off
     type(pixel_law_box), allocatable, intent(out) :: left_out(:)  !! off, to be estimated
     character(len=*), parameter :: names(4) = &
       [character(len=11) :: 'friction', 'plasticity', 'adhesion', 'creep']

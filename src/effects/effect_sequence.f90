@@ -183,7 +183,7 @@ contains
   pure subroutine leave_smallest(estimates, of_choice, share, is_chosen)
     real(real64), intent(in) :: estimates(:)  !! of each effect; may be huge
     logical, intent(in) :: of_choice(:)       !! effects with a choice
-    real(real64), intent(in) :: share         !! largest sum
+    real(real64), intent(in) :: share         !! largest sum of those left out
     logical, intent(inout) :: is_chosen(:)    !! whether each is simulated
     logical :: is_open(size(of_choice))
     real(real64) :: total

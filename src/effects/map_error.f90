@@ -65,15 +65,15 @@ contains
     real(real64), intent(inout) :: of_total
     !> relative, of area, mean gap and greatest pressure; `not_computed`: unknown
     real(real64), intent(inout) :: other_errors(3)
-    !> Reason why a map of every second pixel could not be solved; unchanged: all were.
-    character(len=*), intent(inout) :: unsolved
+    !> Reason why a map of every second pixel could not be solved; not allocated: all were.
+    character(len=:), allocatable, intent(out) :: unsolved
     type(pixel_state) :: elastic
-    real(real64) :: area, difference(5), growth, pressure
-    logical :: is_known
+    real(real64), allocatable :: difference(:)
+    real(real64) :: area, growth, pressure
 
     elastic = state
-    call compare_halves(map, laws, by_load, row, elastic, difference, is_known, unsolved)
-    if (.not. is_known) return
+    call compare_halves(map, laws, by_load, row, elastic, difference, unsolved)
+    if (.not. allocated(difference)) return
     growth = growth_of_slope(map)
     if (growth > 0.0_real64) difference = first_order * difference
     associate (answer => state%answer, patches => state%patches)
@@ -99,31 +99,31 @@ contains
 
   ! Solves the four maps of every second pixel of a map, and compares the totals: level, load, area,
   ! mean gap, greatest pressure.
-  subroutine compare_halves(map, laws, by_load, row, full, difference, is_known, unsolved)
+  subroutine compare_halves(map, laws, by_load, row, full, difference, unsolved)
     type(height_map), intent(in) :: map
     type(pixel_law_box), intent(in) :: laws(:)
     logical, intent(in) :: by_load
     type(state_row), intent(in) :: row
     type(pixel_state), intent(inout) :: full       ! solution on all pixels; gets the elastic one
-    real(real64), intent(out) :: difference(5)     ! of all four, root mean square
-    logical, intent(out) :: is_known               ! the map has so many pixels; all are solved
-    character(len=*), intent(inout) :: unsolved    ! why one was not
+    ! Root mean square of all four; not allocated: the map is too small, or one is not solved.
+    real(real64), allocatable, intent(out) :: difference(:)
+    character(len=:), allocatable, intent(out) :: unsolved  ! why one is not
     type(pixel_law_box) :: own(size(laws))
     type(pixel_state) :: half, no_state
     type(height_map) :: coarser
     type(map_patch), allocatable :: patches(:)
     type(state_row) :: found
+    real(real64) :: root(5)
     integer :: first(2), i, k
 
-    is_known = .false.
-    difference = 0.0_real64
+    root = 0.0_real64
     if (any(shape(map%height) < least_side)) return
     do k = 1, 4
       first = [1 + mod(k, 2), 1 + k / 3]
       half = no_state
       coarser = every_pixel(map, 2, first)
       if (.not. any(is_measured(coarser%height))) return
-      half%shape = coarser
+      half%deformed = coarser
       do i = 1, size(laws)
         if (allocated(own(i)%law)) deallocate (own(i)%law)
         allocate (own(i)%law, source=laws(i)%law)
@@ -144,14 +144,13 @@ contains
         call patches_in_contact(coarser, answer, patches, half%hardness)
         call measure_fields(coarser, answer, found)
         ! No hypot: on vectors its last digit changes with the unit.
-        difference = sqrt(difference**2 + &
+        root = sqrt(root**2 + &
           ([answer%level, answer%load, sum(patches%area), found%mean_gap, &
             maxval(answer%pressure)] - [full%answer%level, full%answer%load, row%area, &
             row%mean_gap, maxval(full%answer%pressure)])**2)
       end associate
     end do
-    difference = 0.5_real64 * difference
-    is_known = .true.
+    difference = 0.5_real64 * root
   end subroutine compare_halves
 
   ! Error of the area by the straight pieces of rims: of each half a pixel over its length; the

@@ -11,7 +11,7 @@ module asperity_pixel_law
   use asperity_contact_field, only: contact_field
   use asperity_contact_records, only: state_row
   use asperity_effect_header, only: column_list
-  use asperity_height_map, only: height_map, is_measured
+  use asperity_height_map, only: height_map
   use asperity_kinds, only: real64
   use asperity_map_contact, only: map_answer
   use asperity_map_patches, only: find_patches, map_patch
@@ -20,8 +20,7 @@ module asperity_pixel_law
   implicit none
   private
 
-  public :: patches_in_contact, pixel_law, pixel_law_box, pixel_state, share_that_closes, &
-            unknown_influence
+  public :: patches_in_contact, pixel_law, pixel_law_box, pixel_state, unknown_influence
 
   real(real64), parameter :: unknown_influence = huge(1.0_real64)  !! no estimate can be made
 
@@ -31,7 +30,7 @@ module asperity_pixel_law
     real(real64) :: time = 0.0_real64         !! time since the begin of loading
     real(real64), allocatable :: load         !! prescribed; not allocated: the level of `answer`
     real(real64), allocatable :: tolerance    !! as of `press_map` or `adhere_map`; else the least
-    type(height_map) :: shape                 !! the map with its plastic deformation
+    type(height_map) :: deformed              !! the map with its plastic deformation
     type(height_map) :: problem_map           !! map of the elastic problem
     real(real64) :: problem_modulus = 0.0_real64  !! modulus of the elastic problem
     real(real64), allocatable :: hardness     !! largest net traction; not allocated: elastic
@@ -60,11 +59,11 @@ module asperity_pixel_law
     procedure :: add_contact_columns
     procedure :: fill_row
     procedure :: begin_step
-    procedure :: act
+    procedure :: act => act_on_state
     procedure :: end_step
-    procedure :: finish
+    procedure :: finish => finish_last_state
     procedure :: add_warnings
-    procedure :: coarsen
+    procedure :: coarsen => coarsen_pixels
     procedure :: has_error
     procedure, non_overridable :: call_as
   end type pixel_law
@@ -90,7 +89,7 @@ module asperity_pixel_law
       import :: column_list, pixel_law, pixel_state
       implicit none
       class(pixel_law), intent(in) :: self          !! law with its memory
-      type(pixel_state), intent(in) :: state        !! last state
+      type(pixel_state), intent(in) :: state        !! last state of the path
       type(column_list), intent(inout) :: columns   !! gets the columns
     end subroutine add_pixel_columns
   end interface
@@ -111,11 +110,11 @@ contains
                         (self%is_free .or. self%mode /= effect_auto)
   end subroutine call_as
 
-  !> Finds the patches of the pressure in contact, which beside an attraction is at most the hardness
-  !> and that attraction.
+  !> Finds the patches of the pressure in contact, which beside an attraction is at most the
+  !> hardness and that attraction.
   subroutine patches_in_contact(map, answer, patches, hardness)
     type(height_map), intent(in) :: map             !! map without deformation
-    type(map_answer), intent(in) :: answer          !! solution
+    type(map_answer), intent(in) :: answer          !! solution of the state
     type(map_patch), allocatable, intent(out) :: patches(:)
     real(real64), intent(in), optional :: hardness  !! largest net traction; absent: elastic
     real(real64), allocatable :: limit
@@ -128,27 +127,6 @@ contains
     end if
   end subroutine patches_in_contact
 
-  !> Pixels in contact that surfaces gain when they are closer by a displacement of each pixel, as
-  !> `relative_influence` has it; an upper bound, as the contact gives way.
-  pure real(real64) function share_that_closes(state, closer) result(share)
-    type(pixel_state), intent(in) :: state       !! solution
-    real(real64), intent(in) :: closer(:, :)     !! decrease of each gap [length]
-    integer :: closed, i, j, touching
-
-    closed = 0
-    associate (answer => state%answer, map => state%shape)
-      touching = count(answer%pressure > 0.0_real64)
-      do j = 1, map%rows
-        do i = 1, map%columns
-          if (answer%pressure(i, j) > 0.0_real64 .or. .not. is_measured(map%height(i, j))) cycle
-          if (answer%level - map%height(i, j) + answer%displacement(i, j) < closer(i, j)) &
-            closed = closed + 1
-        end do
-      end do
-    end associate
-    share = real(closed, real64) / max(1, touching + closed)
-  end function share_that_closes
-
   !> Changes the elastic problem of the next state. This default changes nothing.
   subroutine begin_step(self, state)
     class(pixel_law), intent(inout) :: self     !! law with the memory of the last state
@@ -159,13 +137,13 @@ contains
   end subroutine begin_step
 
   !> Solves the elastic problem with the tractions of the law. This default solves nothing.
-  subroutine act(self, state)
+  subroutine act_on_state(self, state)
     class(pixel_law), intent(inout) :: self     !! law with the memory of the last state
     type(pixel_state), intent(inout) :: state   !! problem; gets the solution or its failure
 
     associate (unused => self, unused_too => state)
     end associate
-  end subroutine act
+  end subroutine act_on_state
 
   !> Keeps what the solution leaves to the next state. This default keeps nothing.
   subroutine end_step(self, state)
@@ -179,8 +157,8 @@ contains
   !> Sets what a state has in its row. This default sets nothing.
   subroutine fill_row(self, state, row)
     class(pixel_law), intent(in) :: self        !! law with its memory
-    type(pixel_state), intent(in) :: state      !! solution
-    type(state_row), intent(inout) :: row       !! gets values
+    type(pixel_state), intent(in) :: state      !! solution of the state
+    type(state_row), intent(inout) :: row       !! gets its values
 
     associate (unused => self, unused_too => state, as_it_is => row)
     end associate
@@ -189,7 +167,7 @@ contains
   !> Adds the columns of the contact patches of the last state. This default has none.
   subroutine add_contact_columns(self, state, columns)
     class(pixel_law), intent(in) :: self          !! law with its memory
-    type(pixel_state), intent(in) :: state        !! last state
+    type(pixel_state), intent(in) :: state        !! last state of the path
     type(column_list), intent(inout) :: columns   !! gets the columns
 
     associate (unused => self, unused_too => state, as_it_is => columns)
@@ -197,20 +175,20 @@ contains
   end subroutine add_contact_columns
 
   !> Computes what needs the last state alone. This default computes nothing.
-  subroutine finish(self, state, field, failure)
+  subroutine finish_last_state(self, state, field, failure)
     class(pixel_law), intent(inout) :: self    !! law; gets the results
-    type(pixel_state), intent(in) :: state     !! last state
+    type(pixel_state), intent(in) :: state     !! last state of the path
     type(contact_field), intent(inout), optional :: field  !! its fields, where they are kept
     character(len=:), allocatable, intent(inout) :: failure  !! reason, when it is not solved
 
     associate (unused => self, unused_too => state, unused_also => field, as_it_is => failure)
     end associate
-  end subroutine finish
+  end subroutine finish_last_state
 
   !> Adds the warnings of a state. This default has none.
   subroutine add_warnings(self, state, warnings)
     class(pixel_law), intent(in) :: self        !! law with its memory
-    type(pixel_state), intent(in) :: state      !! solution
+    type(pixel_state), intent(in) :: state      !! solution of the state
     type(theory_warning), allocatable, intent(inout) :: warnings(:)  !! of the state
 
     associate (unused => self, unused_too => state, as_it_is => warnings)
@@ -219,19 +197,19 @@ contains
 
   !> Prepares a copy of the law for every second pixel of the last state, or removes its part from
   !> the state where the elastic problem has the same errors. This default keeps the law.
-  subroutine coarsen(self, first, state)
+  subroutine coarsen_pixels(self, first, state)
     class(pixel_law), intent(inout) :: self     !! simulated law; not simulated: it is removed
     integer, intent(in) :: first(2)             !! first column and row, 1 or 2
     type(pixel_state), intent(inout) :: state   !! solution on all pixels
 
     associate (unused => self, unused_too => first, as_it_is => state)
     end associate
-  end subroutine coarsen
+  end subroutine coarsen_pixels
 
   !> Whether coarser pixels estimate the error of the last state. This default: they do.
   logical function has_error(self, state, is_alone)
-    class(pixel_law), intent(in) :: self         !! simulated law
-    type(pixel_state), intent(in) :: state       !! last state
+    class(pixel_law), intent(in) :: self         !! law that is simulated
+    type(pixel_state), intent(in) :: state       !! last state of the path
     logical, intent(in) :: is_alone              !! no other law changes pressures
 
     associate (unused => self, unused_too => state, unused_also => is_alone)

@@ -22,7 +22,7 @@ contains
     type(pixel_state), intent(inout) :: state      !! state before; becomes this state
     integer :: i, solver
 
-    state%problem_map = state%shape
+    state%problem_map = state%deformed
     state%problem_modulus = state%modulus
     if (allocated(state%hardness)) deallocate (state%hardness)
     solver = 0

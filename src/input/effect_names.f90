@@ -13,7 +13,8 @@ module asperity_effect_names
   public :: by_default, by_numbers, by_word
   public :: hold_load, hold_separation, hold_words
   public :: law_exponential, most_relaxations
-  public :: known_effect, known_effects, effect_numbers, of_interaction
+  public :: known_effect, known_effects, effect_numbers
+  public :: of_interaction, of_friction, of_plasticity, of_adhesion, of_creep
   public :: go_together, needed_for, why_not_together
 
   integer, parameter :: effect_off = 1       !! the effect is left out
@@ -71,6 +72,10 @@ module asperity_effect_names
                  own=[character(len=20) :: 'hold_time', ''])]
 
   integer, parameter :: of_interaction = 1  !! place of interaction among them
+  integer, parameter :: of_friction = 2     !! place of friction
+  integer, parameter :: of_plasticity = 3   !! place of plasticity
+  integer, parameter :: of_adhesion = 4     !! place of adhesion
+  integer, parameter :: of_creep = 5        !! place of creep
 
   !> All numbers, in the order in which messages list them.
   type(known_name), parameter :: effect_numbers(*) = [ &

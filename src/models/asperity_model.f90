@@ -15,7 +15,8 @@ module asperity_asperity_model
   use asperity_contact_records, only: position_result, solve_method
   use asperity_contact_state, only: contact_state, start_state
   use asperity_effect_list, only: list_effects, list_left_out
-  use asperity_effect_names, only: effect_on, effect_words, go_together, known_effects
+  use asperity_effect_names, only: effect_on, effect_words, go_together, known_effects, &
+                                   of_plasticity
   use asperity_effect_sequence, only: choose_effects, effect_choice
   use asperity_element_pressures, only: element_pressures
   use asperity_first_yield, only: yielding_body
@@ -87,7 +88,7 @@ contains
     end if
     call name_effects(new%effects, header)
     header%tolerance = scene_in%effects%number('tolerance')
-    if (any(header%names == 'plasticity')) then
+    if (any(header%names == known_effects(of_plasticity)%name)) then
       header%plasticity_index = surface_index(scene_in)
       header%plastic_body = merge('upper', 'lower', yielding_body(scene_in) == 1)
     end if

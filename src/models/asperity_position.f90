@@ -9,6 +9,7 @@ module asperity_asperity_position
   use asperity_contact_records, only: effect_record, position_result, prescribed_normal, &
                                       prescribed_vertical
   use asperity_contact_state, only: contact_state, controlled_load, start_state
+  use asperity_effect_names, only: of_interaction
   use asperity_effect_sequence, only: choose_effects, drop_choice, first_failure, found_state, &
                                       simulate_effects
   use asperity_hertz_law, only: hertz_law
@@ -106,7 +107,7 @@ contains
       allocate (gaps(0))
       if (scene_in%loading%events) then
         gaps = pairs%list%gap
-        if (scene_in%effects%mode('interaction') /= effect_off) &
+        if (scene_in%effects%modes(of_interaction) /= effect_off) &
           call find_first_contacts(pairs, effects, found, gaps, failure)
         if (allocated(failure)) return
       end if

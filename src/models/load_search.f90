@@ -51,7 +51,7 @@ contains
     if (allocated(found%solution)) deallocate (found%solution)
     ! No effect that acts in time goes together with attraction.
     e = merge(0, attracting_effect(effects), time > 0.0_real64)
-    ! What `auto` leaves out at the guess does not pull.
+    ! Adhesion that `auto` leaves out at the guess does not pull.
     if (e > 0 .and. target > 0.0_real64 .and. .not. is_at_compression(found)) then
       call start_state(pairs, hertz_law(modulus=pairs%modulus), found%compression, state)
       state%time = time

@@ -88,7 +88,7 @@ contains
     type(scene), intent(in), target :: scene_in  !! with a map, checked; must outlive the model
     integer, intent(in) :: fields                !! `fields_none`, `fields_last`, `fields_all`
     class(contact_model), allocatable, intent(out) :: model
-    type(effect_header), intent(out) :: header   !! the effects
+    type(effect_header), intent(out) :: header   !! effects of the scene
     character(len=:), allocatable, intent(out) :: failure  !! reason, when there is no model
     type(pixel_model), allocatable :: new
     type(path_step), allocatable :: steps(:)
@@ -192,7 +192,7 @@ contains
 
     self%map => self%model%first_map
     if (allocated(self%moved)) self%map => self%moved
-    self%state%shape = self%map
+    self%state%deformed = self%map
     in_time = any([(self%laws(i)%law%acts_in_time .and. self%laws(i)%law%is_simulated, &
                     i=1, size(self%laws))])
     associate (model => self%model, map => self%map)
@@ -237,7 +237,7 @@ contains
       if (step%control == at_load) state%load = step%value
       ! Without a load open surfaces stay where they are.
       if (step%control == held_load .and. .not. (state%answer%level > &
-          maxval(state%shape%height) .and. abs(self%held) <= 0.0_real64)) state%load = self%held
+          maxval(state%deformed%height) .and. abs(self%held) <= 0.0_real64)) state%load = self%held
       if (step%control == at_distance) state%answer%level = step%value
       state%time = step%time
       state%number = number
@@ -271,7 +271,7 @@ contains
           result%fields(i)%unit = model%unit
         end do
       end if
-      call take_field(self%state%shape, answer, number, &
+      call take_field(self%state%deformed, answer, number, &
                       result%fields(number - self%states + size(result%fields)))
     end associate
   end subroutine solve_pixel_step
@@ -381,7 +381,7 @@ contains
       allocate (pressure, source=answer%pressure)
       if (allocated(answer%touches)) &
         pressure = merge(max(pressure, tiny(pressure)), 0.0_real64, answer%touches)
-      call add_interface(self%state%shape, self%model%modulus, pressure, &
+      call add_interface(self%state%deformed, self%model%modulus, pressure, &
                          self%model%scene_in%conductivity, columns, self%state%hardness)
       if (.not. any(form > 0.0_real64)) return
       ! Length of the contact of a cylinder: that of a period along its axis; 0: its end is free.
@@ -469,6 +469,7 @@ contains
     real(real64), intent(out) :: other_errors(3)
     type(theory_warning), allocatable, intent(inout) :: warnings(:)
     real(real64) :: area_error
+    character(len=:), allocatable :: unsolved
     character(len=32) :: whose
     logical :: shapes(size(self%laws))
     integer :: i
@@ -481,7 +482,8 @@ contains
       if (.not. self%laws(i)%law%has_error(self%state, count(shapes) == 1)) return
     end do
     call estimate_pixel_errors(self%map, self%laws, self%state, result%states(self%states), &
-                               by_load, result%error_estimate, other_errors, result%no_estimate)
+                               by_load, result%error_estimate, other_errors, unsolved)
+    if (allocated(unsolved)) result%no_estimate = unsolved
     area_error = max(0.5_real64 * sum(self%state%patches%rim) / sum(self%state%patches%area), &
                      other_errors(1))
     whose = ''
@@ -539,7 +541,7 @@ contains
       state%area = sum(patches%area)
       state%projected_area = state%area
       state%greatest_pressure = maxval([0.0_real64, patches%highest])
-      call measure_fields(self%state%shape, answer, state)
+      call measure_fields(self%state%deformed, answer, state)
       do i = 1, size(self%laws)
         if (self%laws(i)%law%is_simulated) call self%laws(i)%law%fill_row(self%state, state)
       end do

@@ -2,7 +2,7 @@
 module asperity_effects_summary
   use asperity_contact_records, only: effect_record
   use asperity_effect_header, only: effect_header
-  use asperity_effect_names, only: known_effects
+  use asperity_effect_names, only: known_effects, of_plasticity
   use asperity_kinds, only: not_computed, real64
   use asperity_number_format, only: number_text, percent_text
   use asperity_problems, only: decimal_text, real_text
@@ -93,7 +93,7 @@ contains
       at = findloc(is_simulated .and. outcomes%why /= '', .true., 1)
       if (at > 0) note = note_behind(note, trim(outcomes(at)%simulated) // ' (' // &
                                            trim(outcomes(at)%why) // ')')
-      if (header%names(e) == 'plasticity') then
+      if (header%names(e) == known_effects(of_plasticity)%name) then
         if (header%hardness > 0.0_real64) then
           note = note_behind(note, 'pressures up to ' // number_text(header%hardness))
         else

@@ -2,7 +2,7 @@
 module asperity_summary
   use asperity_contact_field, only: parts_in_words
   use asperity_contact_records, only: prescribed_nothing, state_row
-  use asperity_effect_names, only: known_effects
+  use asperity_effect_names, only: known_effects, of_interaction
   use asperity_effects_summary, only: effects_in_words, load_is_met, write_effects
   use asperity_kinds, only: not_computed, real64
   use asperity_number_format, only: count_text, percent_text, positions_listed, number_text
@@ -150,7 +150,7 @@ contains
       if (size(circles) > 1) text = text // ', at ' // &
         trim(merge('position ', 'positions', count(circles > 0) == 1)) // ' ' // &
         positions_listed(circles > 0)
-      if (scene_in%effects%mode('interaction') == effect_off) &
+      if (scene_in%effects%modes(of_interaction) == effect_off) &
         text = text // ': their interaction is off'
       call buffer%line(text)
     end associate

@@ -100,7 +100,7 @@ contains
     class(column_list), intent(inout) :: self  !! list of one row
     character(len=*), intent(in) :: name       !! name in the header of the file
     integer, intent(in) :: unit(2)             !! `plain`, `length`, `force` ...
-    real(real64), intent(in) :: value          !! `not_computed`: empty
+    real(real64), intent(in) :: value          !! value; `not_computed`: it is empty
     character(len=*), intent(in), optional :: word  !! unit in place of that of the scene
 
     call self%add_values(name, unit, [value])

@@ -5,7 +5,8 @@
 module asperity_theory_limits
   use asperity_constants, only: pi
   use asperity_contact_records, only: contact_row
-  use asperity_effect_names, only: effect_words, go_together, known_effects
+  use asperity_effect_names, only: effect_words, go_together, known_effects, of_interaction, &
+                                   of_plasticity
   use asperity_first_yield, only: yield_pressure
   use asperity_kinds, only: real64
   use asperity_scene_values, only: criterion_greenwood_williamson, criterion_hardy, &
@@ -57,13 +58,13 @@ contains
     integer, intent(in) :: modulus_power         !! power of the unit of the modulus
     type(theory_limits), intent(out) :: limits   !! limits in these units
 
-    limits%independent = scene_in%effects%mode('interaction') == effect_off
+    limits%independent = scene_in%effects%modes(of_interaction) == effect_off
     limits%area = scale(scale(scene_in%nominal_area, -length_power), -length_power)
     if (.not. (limits%area > 0.0_real64 .or. allocated(scene_in%map))) &
       limits%area = area_of_boxes(scene_in, length_power)
     limits%slope = max(norm2(scene_in%upper%slope), norm2(scene_in%lower%slope))
     limits%forbids_plasticity = ruling_out_plasticity(scene_in)
-    if (scene_in%effects%mode('plasticity') /= effect_off) return
+    if (scene_in%effects%modes(of_plasticity) /= effect_off) return
     if (.not. is_limit(scene_in%loading%control)) then
       if (scene_in%limit%criterion == criterion_load) &
         limits%load = scale(scale(scene_in%limit%value, -modulus_power), -2 * length_power)
@@ -85,7 +86,7 @@ contains
     associate (modes => scene_in%effects%modes)
       do i = 1, size(modes)
         if (any(modes(i) == [effect_off, effect_auto])) cycle
-        if (.not. go_together('plasticity', 'on', known_effects(i)%name, &
+        if (.not. go_together(known_effects(of_plasticity)%name, 'on', known_effects(i)%name, &
                               effect_words(modes(i))) .or. &
             (allocated(scene_in%map) .and. modes(i) == effect_boundary)) &
           name = 'not with ' // known_effects(i)%name

@@ -7,7 +7,7 @@ module asperity_accuracy_choice
   use asperity_constants, only: pi
   use asperity_contact_records, only: position_result, prescribed_nothing, prescribed_vertical, &
                                       state_row
-  use asperity_effect_names, only: known_effects
+  use asperity_effect_names, only: known_effects, of_interaction
   use asperity_kinds, only: not_computed, real64
   use asperity_numeral, only: rounded_decimal
   use asperity_problems, only: real_text
@@ -70,7 +70,7 @@ contains
     integer :: mode
 
     chosen = scene_in
-    mode = chosen%effects%mode('interaction')
+    mode = chosen%effects%modes(of_interaction)
     if (mode /= effect_off) then
       mode = effect_auto
       if (allocated(scene_in%map)) then
@@ -79,7 +79,7 @@ contains
         mode = effect_coupled
       end if
     end if
-    call chosen%effects%call_for('interaction', mode)
+    chosen%effects%modes(of_interaction) = mode
     call chosen%effects%set('tolerance', rounded_decimal(tolerance, 3))
     if (total /= 'load') &
       call chosen%effects%set('area_tolerance', rounded_decimal(tolerance, 3))
@@ -307,7 +307,7 @@ contains
     type(scene_results), intent(inout) :: results   !! results with the error bound; get the text
     integer :: mode
 
-    mode = scene_in%effects%mode('interaction')
+    mode = scene_in%effects%modes(of_interaction)
     results%way_taken = 'real64, effects as in the scene'
     if (any(scene_in%effects%modes == effect_auto)) results%way_taken = &
       'real64, ''auto'' with tolerance ' // real_text(scene_in%effects%number('tolerance'))

@@ -7,6 +7,7 @@
 !> with plasticity the second one is elastic on the residual shape.
 module asperity_contact_slip
   use asperity_contact_records, only: contact_row, position_result
+  use asperity_effect_names, only: of_friction, of_plasticity
   use asperity_friction, only: slip_contact_columns, slip_state_columns, stiffness_ratio_of
   use asperity_kinds, only: not_computed, real64
   use asperity_run_options, only: run_options
@@ -67,7 +68,7 @@ contains
     given = merge(scene_in%loading%tangential_load, &
                                     scene_in%loading%tangential_displacement, by_load)
     associate (last => position%states(size(position%states)))
-      if (scene_in%effects%mode('plasticity') /= effect_off .and. &
+      if (scene_in%effects%modes(of_plasticity) /= effect_off .and. &
           last%load < maxval(position%states%load)) then
         failure = 'a tangential load with plasticity: the last normal load is not the largest ' // &
                   'of the path, expected the largest'
@@ -118,7 +119,7 @@ contains
     other = scene_in
     other%loading%tangential_load = 0.0_real64
     other%loading%tangential_displacement = 0.0_real64
-    call other%effects%call_for('friction', effect_off)
+    other%effects%modes(of_friction) = effect_off
     call other%effects%set('friction_coefficient', 0.0_real64)
     other%motion%positions = 1
     other%motion%x_first = position%x_displacement

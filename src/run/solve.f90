@@ -4,6 +4,7 @@ module asperity_solve
                                       choose_model, errors_of_run, first_tolerance, &
                                       next_tolerance, report_method, &
                                       run_errors, total_error
+  use asperity_effect_names, only: of_interaction
   use asperity_kinds, only: real64
   use asperity_map_solve, only: solve_map
   use asperity_numeral, only: rounded_decimal
@@ -115,7 +116,7 @@ contains
         tolerance = next_tolerance(errors, options%accuracy, options%accuracy_of, tolerance)
       else
         ! Boundary elements are a method with interaction.
-        on_elements = scene_in%effects%mode('interaction') /= effect_off .and. &
+        on_elements = scene_in%effects%modes(of_interaction) /= effect_off .and. &
                       .not. allocated(scene_in%map)
         if (.not. on_elements) exit
         tolerance = first_tolerance(options%accuracy, options%accuracy_of)
@@ -124,8 +125,8 @@ contains
     if (.not. least%load < huge(tolerance)) then
       ! A scene that cannot be solved at all fails with its own reason.
       chosen = scene_in
-      if (chosen%effects%mode('interaction') /= effect_off) then
-        call chosen%effects%call_for('interaction', effect_coupled)
+      if (chosen%effects%modes(of_interaction) /= effect_off) then
+        chosen%effects%modes(of_interaction) = effect_coupled
         call solve(chosen, results, failure, method_options)
       end if
       if (.not. results%are_solved) then
@@ -135,7 +136,7 @@ contains
       least = errors_of_run(chosen, .false., results)
     end if
     failure = 'no method has this accuracy; '
-    call add_possible_accuracy(least, chosen%effects%mode('interaction') == effect_boundary, &
+    call add_possible_accuracy(least, chosen%effects%modes(of_interaction) == effect_boundary, &
                                options%accuracy, options%accuracy_of, failure)
     if (allocated(unsolved)) failure = failure // ' (' // unsolved // ')'
   end subroutine solve_model_to_accuracy

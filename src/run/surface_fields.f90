@@ -5,6 +5,7 @@
 !> grid. The displacement is that of a half-space of the combined modulus under these pressures
 !> (Love 1929, see element_influence), free of load beyond the grid.
 module asperity_surface_fields
+  use asperity_effect_names, only: known_effects, of_adhesion, of_creep, of_plasticity
   use asperity_lattice_convolution, only: lattice_convolution
   use asperity_element_influence, only: centre_influence
   use asperity_contact_field, only: contact_field, fields_all, fields_none, room_of_fields
@@ -29,8 +30,8 @@ module asperity_surface_fields
   public :: check_field_request, has_field_grid, solve_with_fields
 
   ! Effects under which the pressure of a contact is not that of Hertz.
-  character(len=*), parameter :: other_pressures(3) = [character(len=11) :: 'plasticity', &
-    'adhesion', 'creep']
+  character(len=*), parameter :: other_pressures(3) = &
+    known_effects([of_plasticity, of_adhesion, of_creep])%name
 
   ! Bytes of a pixel while the fields are computed: both spectra and the transform of the padded
   ! grid, the table of influence with its integral, forces and the two elevations (measured: 73,

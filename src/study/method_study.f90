@@ -1,6 +1,7 @@
 !> Run time and error of every method that applies to a scene, against the most accurate one that
 !> fits into the time.
 module asperity_method_study
+  use asperity_effect_names, only: of_interaction
   use asperity_interruption, only: interruption
   use asperity_kinds, only: int64, not_computed, real64
   use asperity_method_totals, only: error_of_area, error_of_pressure, errors_of, method_errors, &
@@ -228,7 +229,7 @@ contains
     case (effect_coupled)
       seconds = times_coupled * seconds
       if (.not. allocated(scene_in%map) .and. known(1) > 0.0_real64 .and. &
-          any(scene_in%effects%mode('interaction') == [effect_coupled, effect_auto])) &
+          any(scene_in%effects%modes(of_interaction) == [effect_coupled, effect_auto])) &
         seconds = known(1)
     case (effect_auto)
       if (before(last)%method%interaction == effect_auto) seconds = times_tolerance * seconds

@@ -4,7 +4,7 @@ module asperity_study_methods
   use asperity_contact_records, only: by_events, by_marching, overlap_original, overlap_stable, &
                                       solve_method
   use asperity_decimal, only: decimal_value
-  use asperity_effect_names, only: go_together, known_effects, why_not_together
+  use asperity_effect_names, only: go_together, known_effects, of_interaction, why_not_together
   use asperity_height_map, only: height_map, level_none
   use asperity_interruption, only: interruption
   use asperity_isolated_contacts, only: solve_position
@@ -121,7 +121,7 @@ contains
     allocate (methods(0))
     call add_arithmetics(scene_in, compression, methods)
     do e = 1, size(known_effects)
-      if (.not. simulated(e) .or. known_effects(e)%name == 'interaction') cycle
+      if (.not. simulated(e) .or. e == of_interaction) cycle
       k = size(methods) + 1
       methods = [methods, study_method(family=of_effects, without=known_effects(e)%name)]
       methods(k)%name = 'without ' // known_effects(e)%name
@@ -129,8 +129,8 @@ contains
     left_out = ''
     do e = 1, size(known_effects)
       if (simulated(e) .and. left_out == '') &
-        left_out = why_not_together(trim(known_effects(e)%name), 'on', 'interaction', 'coupled', &
-                                    .false.)
+        left_out = why_not_together(trim(known_effects(e)%name), 'on', &
+                                    trim(known_effects(of_interaction)%name), 'coupled', .false.)
     end do
     if (left_out == '') call add_neighbours(scene_in, simulated, finest, methods)
   end subroutine list_methods
@@ -229,8 +229,9 @@ contains
     method%interaction = effect_coupled
     method%name = 'contacts coupled'
     methods = [methods, method]
-    if (any([(simulated(e) .and. .not. go_together(known_effects(e)%name, 'on', 'interaction', &
-                                                   'boundary'), e=1, size(simulated))])) return
+    if (any([(simulated(e) .and. .not. go_together( &
+      known_effects(e)%name, 'on', known_effects(of_interaction)%name, 'boundary'), &
+      e=1, size(simulated))])) return
     method%interaction = effect_auto
     do k = 1, size(of_auto)
       method%tolerance = of_auto(k)
@@ -302,7 +303,7 @@ contains
     end if
     if (method%without /= '') call copy%effects%call_for(trim(method%without), effect_off)
     if (method%interaction /= as_it_is) then
-      call copy%effects%call_for('interaction', method%interaction)
+      copy%effects%modes(of_interaction) = method%interaction
       call copy%effects%set('tolerance', tolerance_of_others)
       if (method%interaction == effect_auto) call copy%effects%set('tolerance', method%tolerance)
       if (method%interaction == effect_boundary) then

@@ -156,8 +156,6 @@ contains
     answer%pressure = history%contact_pressure - history%attraction
     if (present(hardness)) where (.not. force < bounds%limit) answer%pressure = hardness
     answer%touches = force > 0.0_real64
-    answer%contact_pressure = history%contact_pressure
-    answer%attraction = attraction_at(law, 0.0_real64)
     answer%displacement = displacement * law%reach
     answer%load = sum(answer%pressure) * product(map%pixel_spacing)
     if (present(load)) answer%load = load

@@ -20,8 +20,7 @@ module asperity_pixel_adhesion
   use asperity_kinds, only: real64
   use asperity_map_adhesion, only: adhere_map, adhesion_history, find_pull_off, work_at_edge
   use asperity_map_contact, only: displacement_by
-  use asperity_pixel_law, only: pixel_law, pixel_state, share_that_closes, &
-                                unknown_influence
+  use asperity_pixel_law, only: pixel_law, pixel_state, unknown_influence
   use asperity_problems, only: real_text
   use asperity_scene_values, only: combined_modulus, scene
   use asperity_theory_warnings, only: add_warning, of_attraction, of_cut_range, of_held_gap, &
@@ -81,7 +80,7 @@ contains
     real(real64), allocatable, dimension(:, :) :: closer, gap, pull
     logical, allocatable :: is_open(:, :)
     real(real64) :: begin, growth, load, lowered, rate, total
-    integer :: turn
+    integer :: closed, turn
     integer, parameter :: turns = 60  ! S/S0 to a rounding error below y = 0.36 (derived: y S < 1)
     ! Displacement of the middle of a square by a uniform traction, over the side and the traction
     ! over the modulus (derived: Love 1929).
@@ -91,7 +90,7 @@ contains
     if (.not. self%solves) return
     share = unknown_influence
     load = merge(state%answer%load, state%largest_load, state%answer%load > 0.0_real64)
-    associate (map => state%shape, answer => state%answer)
+    associate (map => state%deformed, answer => state%answer)
       is_open = is_measured(map%height) .and. .not. answer%pressure > 0.0_real64
       allocate (gap, source=0.0_real64 * answer%pressure)
       where (is_open) gap = answer%level - map%height + answer%displacement
@@ -117,7 +116,7 @@ contains
     ! Estimates the influence by a displacement of each pixel.
     subroutine follow_pull()
       total = sum(attraction_at(self%attraction, gap - max(0.0_real64, closer)), is_open) * &
-              product(state%shape%pixel_spacing)
+              product(state%deformed%pixel_spacing)
       share = unknown_influence
       rate = log(total / begin)
       if (rate > exp(-1.0_real64)) return
@@ -126,8 +125,9 @@ contains
         growth = exp(rate * growth)
       end do
       share = relative_influence(growth * begin, load, load - growth * begin)
-      if (any(state%answer%pressure > 0.0_real64)) &
-        share = max(share, share_that_closes(state, growth * closer))
+      closed = count(is_open .and. gap < growth * closer)
+      share = max(share, real(closed, real64) / &
+                  max(1, closed + count(state%answer%pressure > 0.0_real64)))
     end subroutine follow_pull
 
   end function estimate_adhesion
@@ -162,8 +162,10 @@ contains
       before = history
       call adhere_map(map, modulus, law, history, answer, state%load, state%hardness, &
                       state%tolerance)
-      if (allocated(answer%failure) .or. .not. (allocated(state%load) .and. &
-                                                history%is_separated)) return
+      if (allocated(answer%failure)) return
+      answer%contact_pressure = history%contact_pressure
+      answer%attraction = attraction_at(law, 0.0_real64)
+      if (.not. (allocated(state%load) .and. history%is_separated)) return
       ! From open surfaces the first state is that at first touch.
       if (begins_open) then
         answer%level = maxval(map%height)
@@ -192,9 +194,9 @@ contains
     if (self%steepness > resolved_steepness) &
       call add_warning(warnings, of_attraction, self%steepness / resolved_steepness)
     if (.not. self%solves) return
-    if (state%shape%periodic .and. state%number > 1 .and. .not. allocated(state%load)) &
+    if (state%deformed%periodic .and. state%number > 1 .and. .not. allocated(state%load)) &
       call add_warning(warnings, of_held_gap, real(state%number, real64))
-    cut = work_at_edge(state%shape, self%attraction, self%history%attraction)
+    cut = work_at_edge(state%deformed, self%attraction, self%history%attraction)
     if (cut > self%tolerance) call add_warning(warnings, of_cut_range, cut)
   end subroutine warn_of_adhesion
 

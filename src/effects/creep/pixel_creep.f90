@@ -20,7 +20,7 @@ module asperity_pixel_creep
   use asperity_kinds, only: real64
   use asperity_map_contact, only: displacement_by
   use asperity_map_patches, only: find_patches, map_patch
-  use asperity_pixel_law, only: pixel_law, pixel_state, share_that_closes, unknown_influence
+  use asperity_pixel_law, only: pixel_law, pixel_state, unknown_influence
   use asperity_scene_values, only: scene
   use asperity_theory_warnings, only: theory_warning
   use asperity_viscoelastic_solid, only: history_of, keep_load, solid_step, step_over
@@ -65,23 +65,17 @@ contains
     allocate (law, source=new)
   end subroutine new_pixel_creep
 
-  !> Change of the modulus up to the end of the hold, or of the area: under a load that is
-  !> prescribed the flat is lowered by at most this share of the compression, as the load is a convex
-  !> function of the compression. Beside an attraction it is the share of all tractions over the load.
+  !> Change of the modulus up to the end of the hold: the area is at most inverse to it. Beside an
+  !> attraction it is that of all tractions over the load.
   function estimate_creep(self, state) result(share)
     class(pixel_creep), intent(in) :: self
     type(pixel_state), intent(in) :: state
-    real(real64) :: share, lowered
+    real(real64) :: share
 
-    share = creep_share(self%limits)
     associate (pressure => state%answer%pressure)
-      share = min(unknown_influence, share * (sum(abs(pressure)) / &
-                                              max(abs(sum(pressure)), tiny(share))))
+      share = min(unknown_influence, creep_share(self%limits) * &
+                  (sum(abs(pressure)) / max(abs(sum(pressure)), tiny(share))))
     end associate
-    if (.not. allocated(state%load)) return
-    lowered = share * max(0.0_real64, maxval(state%shape%height) - state%answer%level)
-    share = max(share, share_that_closes(state, spread(spread(lowered, 1, state%shape%columns), &
-                                                       2, state%shape%rows)))
   end function estimate_creep
 
   !> Adds the time and the load without relaxation.
@@ -92,7 +86,7 @@ contains
     real(real64) :: load
 
     load = state%answer%load
-    if (allocated(self%elastic)) load = product(state%shape%pixel_spacing) * sum(self%elastic)
+    if (allocated(self%elastic)) load = product(state%deformed%pixel_spacing) * sum(self%elastic)
     call columns%add('time', plain, state%time)
     call columns%add('elastic_load', force, load)
   end subroutine add_creep_columns
@@ -104,7 +98,7 @@ contains
     real(real64), allocatable :: history(:, :)
     integer :: i, j
 
-    associate (map => state%shape)
+    associate (map => state%deformed)
       if (.not. allocated(self%elastic)) then
         allocate (self%elastic(map%columns, map%rows), source=0.0_real64)
         allocate (self%relaxing(self%limits%solid%terms, map%columns, map%rows), source=0.0_real64)
@@ -149,7 +143,7 @@ contains
     real(real64) :: load(size(state%patches))
     integer :: i, j
 
-    associate (map => state%shape, answer => state%answer)
+    associate (map => state%deformed, answer => state%answer)
       if (allocated(answer%contact_pressure)) then
         call find_patches(map, answer%contact_pressure, patches, patch_of)
       else
@@ -181,7 +175,7 @@ contains
     end associate
     self%is_simulated = .false.
     state%answer%pressure = self%elastic
-    state%answer%load = sum(self%elastic) * product(state%shape%pixel_spacing)
+    state%answer%load = sum(self%elastic) * product(state%deformed%pixel_spacing)
   end subroutine take_elastic
 
   !> Whether the elastic state has the same errors: creep acts alone, and no pixel has left the

@@ -1,5 +1,5 @@
-!> Friction on the pixels of a height map, as an effect of a scene: partial slip by a tangential load
-!> after the last state. It leaves the normal contact as it is.
+!> Friction on the pixels of a height map, as an effect of a scene: partial slip by a tangential
+!> load after the last state. It leaves the normal contact as it is.
 module asperity_pixel_friction
   use asperity_contact_field, only: contact_field
   use asperity_effect_header, only: area, column_list, force, length, plain, stiffness
@@ -64,10 +64,10 @@ contains
     type(contact_field), intent(inout), optional :: field
     character(len=:), allocatable, intent(inout) :: failure
 
-    call solve_partial_slip(state%shape, state%modulus, self%request, state%answer, self%slip, &
+    call solve_partial_slip(state%deformed, state%modulus, self%request, state%answer, self%slip, &
                             failure)
     if (present(field) .and. .not. allocated(failure)) &
-      call take_traction(state%shape, self%slip, field)
+      call take_traction(state%deformed, self%slip, field)
   end subroutine solve_slip
 
   !> Adds tangential load, displacement and stiffness, and the area that sticks; `slides` is 1 in
@@ -95,7 +95,7 @@ contains
 
     allocate (load(0), stick_area(0))
     if (columns%rows > 0) &
-      call slip_of_patches(state%shape, state%answer, self%slip, load, stick_area)
+      call slip_of_patches(state%deformed, state%answer, self%slip, load, stick_area)
     call columns%add('shear_load', force, load)
     call columns%add('stick_area', area, stick_area)
   end subroutine add_slip_of_patches

@@ -1,5 +1,5 @@
-!> Plasticity on the pixels of a height map, as an effect of a scene: a perfectly plastic body with a
-!> hardness.
+!> Plasticity on the pixels of a height map, as an effect of a scene: a perfectly plastic body with
+!> a hardness.
 !>
 !> No traction is above the hardness. Pixels at the hardness are then lowered by the remaining
 !> overlap, at the same traction. Pixels have no yield stress: its influence is 0 up to first yield,
@@ -16,9 +16,9 @@ module asperity_pixel_plasticity
 
   public :: new_pixel_plasticity
 
-  ! Greatest over average pressure of a Hertzian contact.
+  ! Greatest over average pressure of a Hertzian contact (derived; test: test_pixel_laws.py).
   real(real64), parameter :: peak = 1.5_real64
-  ! Tolerance of the largest load, for rounding.
+  ! Tolerance of the largest load, for rounding (chosen; test: test_plastic_pixels.py).
   real(real64), parameter :: load_rounding = 1.0e-12_real64
 
   !> Plasticity with one hardness for all pixels.
@@ -47,7 +47,7 @@ contains
     new%yields_at = peak * min(yield_pressure(scene_in), huge(peak) / peak)
     new%is_free = .true.
     if (.not. new%hardness > 0.0_real64) &
-      new%obstacle = 'the pixels of a map know a hardness: expected plastic_hardness in &effects'
+      new%obstacle = 'the pixels of a map yield at a hardness: expected plastic_hardness'
     call new%call_as('plasticity', scene_in%effects)
     allocate (law, source=new)
   end subroutine new_pixel_plasticity
@@ -110,17 +110,17 @@ contains
     real(real64) :: overlap
     integer :: i, j
 
-    associate (shape => state%shape, answer => state%answer)
-      do j = 1, shape%rows
-        do i = 1, shape%columns
+    associate (map => state%deformed, answer => state%answer)
+      do j = 1, map%rows
+        do i = 1, map%columns
           if (answer%pressure(i, j) < self%hardness) cycle
-          overlap = max(0.0_real64, (shape%height(i, j) - answer%level) - &
+          overlap = max(0.0_real64, (map%height(i, j) - answer%level) - &
                                     answer%displacement(i, j))
-          shape%height(i, j) = shape%height(i, j) - overlap
-          self%work = self%work + self%hardness * overlap * product(shape%pixel_spacing)
+          map%height(i, j) = map%height(i, j) - overlap
+          self%work = self%work + self%hardness * overlap * product(map%pixel_spacing)
         end do
       end do
-      self%plastic_area = product(shape%pixel_spacing) * &
+      self%plastic_area = product(map%pixel_spacing) * &
                           count(.not. answer%pressure < self%hardness)
     end associate
   end subroutine lower_pixels
