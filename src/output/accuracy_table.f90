@@ -6,7 +6,6 @@ module asperity_accuracy_table
   use asperity_kinds, only: not_computed, real64
   use asperity_method_study, only: method_row, method_table
   use asperity_method_totals, only: error_of_area, quantity_names
-  use asperity_number_format, only: number_text
   use asperity_problems, only: real_text
   use asperity_result_table, only: add_reals, add_wholes, add_words, array_table
   use asperity_study_methods, only: family_words, of_arithmetic, of_neighbours, of_scene, of_steps
@@ -25,14 +24,11 @@ contains
   subroutine write_accuracy_table(table, buffer)
     type(method_table), intent(in) :: table        !! all methods of a scene
     type(text_buffer), intent(inout) :: buffer  !! gets the text
-    real(real64) :: ratios(size(table%rows))  ! measured over predicted times, where both are known
-    logical :: is_known(size(table%rows))
     character(len=160) :: line
     character(len=:), allocatable :: quality
     real(real64) :: own_floor  ! error of the reference where the own error is that against it
     integer :: i
 
-    call write_quantities(table%rows, buffer)
     call buffer%line('All methods on one axis. Error: largest relative error over the ' // &
                      'positions, of the load or, under load control, of')
     call buffer%line('the compression, against the reference (+), and against the same model ' // &
@@ -77,55 +73,7 @@ contains
         trim(table%rows(table%next_best)%method%name) // ', differs from it by ' // &
         trim(adjustl(short_number(table%next_best_differs))) // '.')
     end associate
-    is_known = min(table%rows%predicted, table%rows%seconds) > 0.0_real64
-    ratios = merge(table%rows%seconds, 1.0_real64, is_known) / &
-             merge(table%rows%predicted, 1.0_real64, is_known)
-    if (any(is_known)) &
-      call buffer%line('Run times with neighbours were ' // &
-                       number_text(minval(ratios, is_known), 2) // ' to ' // &
-                       number_text(maxval(ratios, is_known), 2) // ' times the predicted ones.')
   end subroutine write_accuracy_table
-
-  ! Time and errors of arithmetics and steps of a sweep, by quantity, where steps were run.
-  subroutine write_quantities(rows, buffer)
-    type(method_row), intent(in) :: rows(:)
-    type(text_buffer), intent(inout) :: buffer
-    character(len=170) :: line
-    integer :: i, k
-
-    if (.not. any(rows%method%family == of_steps .and. rows%method%step > 0.0_real64 .and. &
-                  rows%own%largest > not_computed)) return
-    call buffer%line('Arithmetics and steps. Largest (mean) relative error over positions, ' // &
-                     'against exact events in real64;')
-    call buffer%line('pressure: of the first contact, one step past first touch.')
-    call buffer%line('* Pareto front: no other of these is faster and more accurate')
-    call buffer%line('')
-    write (line, '(2x, a40, a9, a8, a9, 5(2x, a18))') &
-      'method' // repeat(' ', 40), 'seconds', 'spread', 'ratio', quantity_names // repeat(' ', 7)
-    call buffer%line(trim(line))
-    do i = 1, size(rows)
-      if (.not. rows(i)%own%quantity(error_of_area) > not_computed) cycle
-      if (.not. rows(i)%method%step > 0.0_real64) cycle
-      write (line, '(a1, 1x, a40, a9, a7, "%", a9, 5(1x, a19))') &
-        merge('*', ' ', rows(i)%on_own_front), rows(i)%method%name, &
-        short_number(rows(i)%seconds), aligned_text('f7.0', 100 * rows(i)%time_spread), &
-        aligned_text('f9.1', ratio_of(rows, i)), (short_number(rows(i)%own%quantity(k)) // ' (' // &
-         trim(adjustl(short_number(rows(i)%own%quantity_mean(k)))) // ')' // repeat(' ', 7), &
-         k = 1, size(quantity_names))
-      call buffer%line(line)
-    end do
-    call buffer%line('')
-  end subroutine write_quantities
-
-  ! Time over that of the fastest method.
-  pure real(real64) function ratio_of(rows, i)
-    type(method_row), intent(in) :: rows(:)
-    integer, intent(in) :: i
-
-    ratio_of = not_computed
-    if (rows(i)%seconds > not_computed) &
-      ratio_of = rows(i)%seconds / minval(rows%seconds, rows%time_spread > not_computed)
-  end function ratio_of
 
   ! An error against the reference; below the error of the reference itself that one, as a bound.
   pure function error_text(row, error, of_reference) result(text)
@@ -139,24 +87,16 @@ contains
     if (row%is_reference) text = '       -'
   end function error_text
 
+  ! A number at the right end of eight characters; blank where it was not computed.
   pure function short_number(value) result(text)
     real(real64), intent(in) :: value
     character(len=8) :: text
 
-    text = aligned_text('es7.1e2', value)
-    if (.not. abs(value) > 0.0_real64) text = '       0'
-  end function short_number
-
-  ! A number at the right end of eight characters; blank where it was not computed.
-  pure function aligned_text(form, value) result(text)
-    character(len=*), intent(in) :: form
-    real(real64), intent(in) :: value
-    character(len=8) :: text
-
     text = ''
-    if (value > not_computed) text = real_text(value, form)
+    if (value > not_computed) text = real_text(value, 'es7.1e2')
+    if (.not. abs(value) > 0.0_real64) text = '0'
     text = adjustr(text)
-  end function aligned_text
+  end function short_number
 
   ! Own error o, error against the reference +, both in one place *.
   pure function error_axis(row, floor_of_total, floor_of_own) result(text)
@@ -207,9 +147,6 @@ contains
     call add_words(columns, 'overlap', merge('original', 'stable  ', &
                                              rows%method%overlap == overlap_original))
     call add_reals(columns, 'seconds', rows%seconds)
-    call add_reals(columns, 'predicted_seconds', rows%predicted)
-    call add_reals(columns, 'spread', rows%time_spread)
-    call add_reals(columns, 'ratio', [(ratio_of(rows, i), i=1, size(rows))])
     call add_reals(columns, 'error_max', rows%total%largest)
     call add_reals(columns, 'error_mean', rows%total%mean)
     call add_reals(columns, 'error_position', merge(real(rows%total%worst, real64), not_computed, &
@@ -226,7 +163,6 @@ contains
     call add_reals(columns, 'separation', rows%ends(2))
     call add_reals(columns, 'area', rows%ends(3))
     call add_wholes(columns, 'front', merge(1, 0, rows%on_front))
-    call add_wholes(columns, 'own_front', merge(1, 0, rows%on_own_front))
     call add_wholes(columns, 'reference', merge(1, 0, rows%is_reference))
     call add_words(columns, 'left_out', left_out)
     call write_table(columns, buffer)

@@ -1,19 +1,17 @@
 !> Run time and error of every method that applies to a scene, against the most accurate one that
 !> fits into the time.
 module asperity_method_study
-  use asperity_effect_names, only: of_interaction
   use asperity_interruption, only: interruption
   use asperity_kinds, only: int64, not_computed, real64
-  use asperity_method_totals, only: error_of_area, error_of_pressure, errors_of, method_errors, &
-                                    method_totals, original_totals, totals_of
+  use asperity_method_totals, only: errors_of, method_errors, method_totals, original_totals, &
+                                    totals_of
   use asperity_original, only: run_in_arithmetic
   use asperity_original_records, only: original_records
   use asperity_problems, only: real_text
   use asperity_progress, only: progress_line
   use asperity_run_options, only: run_options
   use asperity_scene_results, only: scene_results
-  use asperity_scene_values, only: effect_auto, effect_boundary, effect_coupled, effect_off, &
-                                   scene, solves_pixels
+  use asperity_scene_values, only: effect_boundary, effect_off, scene
   use asperity_study_methods, only: list_methods, of_arithmetic, of_effects, of_neighbours, &
                                     of_steps, request_of, run_method, simulated_effects, &
                                     study_method
@@ -22,24 +20,9 @@ module asperity_method_study
 
   public :: on_front, run_method_study, method_row, method_table
 
-  ! Run times over those of simpler methods, the middles of the scenes in
-  ! reference_output/bench/accuracy_costs.csv: coupled over isolated contacts, 7 to 31; boundary
-  ! elements to 0.01 over coupled contacts, 8 to 43; a tolerance three times smaller, 1 to 3.
-  real(real64), parameter :: times_coupled = 15.0_real64, times_boundary = 20.0_real64, &
-                             times_tolerance = 1.5_real64
-  ! The original program in another arithmetic over exact events in real64, at most:
-  ! docs/theory/accuracy.md.
-  real(real64), parameter :: times_arithmetic = 40.0_real64
-  ! Power of the number of pixels with which the run time grows, until two runs of the study have
-  ! it: four times as many pixels took 4 to 5 times as long (n log n of the transforms, and a few
-  ! iterations more).
-  real(real64), parameter :: pixel_power = log(4.5_real64) / log(4.0_real64)
-  ! Largest estimated run time of a method, as a fraction of the remaining time.
-  real(real64), parameter :: share_of_method = 0.9_real64
   ! The scene as it asks may take so much: the rest is for methods that are cheaper.
   real(real64), parameter :: share_of_scene = 0.5_real64
-  ! Shares of the remaining time for one method with neighbours, as others follow, and for one by
-  ! steps, whose time is not estimated well.
+  ! Shares of the remaining time for one method with neighbours and for one by steps: others follow.
   real(real64), parameter :: share_of_neighbours = 0.75_real64, share_of_step = 0.25_real64
 
   character(len=*), parameter :: too_long = 'takes longer than --seconds'
@@ -48,8 +31,6 @@ module asperity_method_study
   type :: method_row
     type(study_method) :: method                     !! what it is
     real(real64) :: seconds = not_computed     !! all positions, median, from the scene read on
-    real(real64) :: predicted = not_computed   !! run time predicted, with neighbours, s
-    real(real64) :: time_spread = not_computed !! half the quartile distance of the time, relative
     type(method_errors) :: total = method_errors()   !! against the reference
     type(method_errors) :: own = method_errors()     !! against what differs in its family alone
     real(real64) :: own_estimate = not_computed  !! largest `error_estimate` of its run
@@ -58,7 +39,6 @@ module asperity_method_study
     real(real64) :: ends(3) = not_computed
     logical :: is_reference = .false.          !! the others are compared with it
     logical :: on_front = .false.              !! no other is clearly better
-    logical :: on_own_front = .false.          !! on that of arithmetics and steps
     character(len=:), allocatable :: left_out  !! why it was not run; not allocated: it was
   end type method_row
 
@@ -79,10 +59,6 @@ module asperity_method_study
   ! At least so many passes are run, unless they take so many times the time to spend.
   integer, parameter :: least_passes = 3
   real(real64), parameter :: most_times = 3.0_real64
-  ! A median is steady when the distance of the quartiles over the root of the number of samples,
-  ! some 1.1 of its standard errors, is less than this share of it, and there are so many samples.
-  real(real64), parameter :: steady_median = 0.01_real64
-  integer, parameter :: many_passes = 9
 
 contains
 
@@ -140,9 +116,14 @@ contains
         left = others%seconds_left()
         if (row%method%family == of_steps) left = share_of_step * left
         if (row%method%family == of_neighbours) left = share_of_neighbours * left
-        call estimate_time(scene_in, table%rows(:i), left, row)
-        if (.not. allocated(row%left_out)) &
+        ! Methods with neighbours follow each other from the fastest on.
+        if (row%method%family == of_neighbours .and. is_too_long(table%rows(i))) then
+          row%left_out = too_long // ', as a faster method does'
+        else if (.not. left > 0.0_real64) then
+          row%left_out = too_long // ', ' // seconds_text(0.0_real64) // ' s were left'
+        else
           call time_method(scene_in, least_seconds, left, row, totals(i + 1), results)
+        end if
         table%rows(i + 1) = row
         call progress%step()
       end do
@@ -154,100 +135,19 @@ contains
         failure = 'the scene ' // too_long // ': expected more of them, or fewer positions'
     else
       call measure_errors(scene_in, others, table, totals)
-      call mark_fronts(table%rows)
+      call mark_front(table%rows)
     end if
   end subroutine run_method_study
 
-  ! Leaves a method out where its estimated run time is too long.
-  pure subroutine estimate_time(scene_in, before, left, row)
-    type(scene), intent(in) :: scene_in
-    type(method_row), intent(in) :: before(:)
-    real(real64), intent(in) :: left
-    type(method_row), intent(inout) :: row
-    real(real64) :: seconds
-    integer :: known
+  ! Whether a method was left out as it takes too long.
+  pure logical function is_too_long(row)
+    type(method_row), intent(in) :: row
 
-    known = 1
-    if (row%method%family /= of_effects) known = findloc(before%method%family, of_arithmetic, 1)
-    seconds = 0.0_real64
-    if (known > 0) seconds = max(0.0_real64, before(known)%seconds)
-    if (row%method%arithmetic /= 'real64') seconds = times_arithmetic * seconds
-    if (row%method%family == of_neighbours) then
-      if (row%method%interaction == effect_boundary .and. allocated(scene_in%map)) then
-        seconds = seconds_on_pixels(before, solves_pixels(scene_in), row%method%resolution)
-      else if (row%method%interaction /= effect_off) then
-        seconds = seconds_of_neighbours(scene_in, before, row%method%interaction)
-      end if
-      if (seconds > 0.0_real64) row%predicted = seconds
-    end if
-    if (seconds > share_of_method * left) &
-      row%left_out = 'estimated to take ' // seconds_text(seconds) // ' s, ' // &
-                     seconds_text(max(0.0_real64, left)) // ' s are left'
-  end subroutine estimate_time
+    is_too_long = allocated(row%left_out)
+    if (is_too_long) is_too_long = index(row%left_out, too_long) == 1
+  end function is_too_long
 
-  ! Run time on the pixels of a map: a power of their number, through the two runs on pixels of the
-  ! nearest resolutions or through the only one. The scene may be one of them. 0: there is none.
-  pure real(real64) function seconds_on_pixels(before, scene_has_pixels, resolution) result(seconds)
-    type(method_row), intent(in) :: before(:)
-    logical, intent(in) :: scene_has_pixels
-    real(real64), intent(in) :: resolution
-    real(real64) :: distance(size(before)), power
-    logical :: has_run(size(before))
-    integer :: near, next
-
-    seconds = 0.0_real64
-    has_run = before%method%interaction == effect_boundary
-    has_run(1) = scene_has_pixels
-    has_run = has_run .and. before%seconds > 0.0_real64
-    if (.not. any(has_run)) return
-    distance = abs(log(before%method%resolution / resolution))
-    near = minloc(distance, 1, has_run)
-    has_run = has_run .and. abs(before%method%resolution - &
-                                before(near)%method%resolution) > 0.0_real64
-    next = minloc(distance, 1, has_run)
-    power = pixel_power
-    associate (at => before(near)%method%resolution)
-      if (next > 0) power = log(before(next)%seconds / before(near)%seconds) / &
-                            log((before(next)%method%resolution / at)**2)
-      seconds = before(near)%seconds * (resolution / at)**(2.0_real64 * max(0.0_real64, power))
-    end associate
-  end function seconds_on_pixels
-
-  ! Run time of contacts with interaction: that of the simpler method times a factor, or that of the
-  ! scene, where it has the same. A method that was not run counts with its prediction.
-  pure real(real64) function seconds_of_neighbours(scene_in, before, interaction) result(seconds)
-    type(scene), intent(in) :: scene_in
-    type(method_row), intent(in) :: before(:)
-    integer, intent(in) :: interaction
-    real(real64) :: known(size(before))
-    integer :: coupled, last
-
-    known = max(0.0_real64, merge(before%seconds, before%predicted, before%seconds > 0.0_real64))
-    last = size(before)
-    seconds = known(last)
-    select case (interaction)
-    case (effect_coupled)
-      seconds = times_coupled * seconds
-      if (.not. allocated(scene_in%map) .and. known(1) > 0.0_real64 .and. &
-          any(scene_in%effects%modes(of_interaction) == [effect_coupled, effect_auto])) &
-        seconds = known(1)
-    case (effect_auto)
-      if (before(last)%method%interaction == effect_auto) seconds = times_tolerance * seconds
-    case default
-      if (before(last)%method%interaction == effect_boundary) then
-        ! As from the last tolerance but one to the last.
-        seconds = times_tolerance**2 * seconds
-        if (before(last - 1)%method%interaction == effect_boundary .and. &
-            known(last - 1) > 0.0_real64) &
-          seconds = max(1.0_real64, known(last) / known(last - 1)) * known(last)
-      else
-        coupled = findloc(before%method%interaction, effect_coupled, 1)
-        if (coupled > 0) seconds = max(seconds, times_boundary * known(coupled))
-      end if
-    end select
-  end function seconds_of_neighbours
-
-  ! One method on the clock, again and again until the median is steady or the time is spent.
+  ! One method on the clock, again and again until the time is spent.
   subroutine time_method(scene_in, least_seconds, most_seconds, row, totals, results)
     type(scene), intent(in) :: scene_in
     real(real64), intent(in) :: least_seconds, most_seconds
@@ -265,7 +165,8 @@ contains
     options = run_options(keep_contacts=.false., threads=1)
     call options%interrupt%end_within(most_seconds)
     allocate (samples(0))
-    do while (.not. are_enough(samples, least_seconds))
+    do while ((sum(samples) < least_seconds .or. size(samples) < least_passes) .and. &
+              sum(samples) <= most_times * least_seconds)
       call system_clock(from, rate)
       if (row%method%is_original) then
         call run_in_arithmetic(row%method%arithmetic, scene_in%deck, &
@@ -298,41 +199,13 @@ contains
                              request_of(row%method, .true.), records, failure)
       totals = original_totals(records, row%method%step)
     end if
-    row%seconds = sample_quantile(samples, 0.5_real64)
-    row%time_spread = 0.5_real64 * (sample_quantile(samples, 0.75_real64) - &
-                               sample_quantile(samples, 0.25_real64)) / row%seconds
+    row%seconds = 0.5_real64 * (samples((size(samples) + 1) / 2) + samples(size(samples) / 2 + 1))
     row%own_estimate = totals%own_estimate
     row%area_estimate = totals%area_estimate
     associate (last => totals%states(totals%first(2:) - 1))
       row%ends = [sum(last%load), sum(last%approach), sum(last%area)] / size(last)
     end associate
   end subroutine time_method
-
-  ! Whether there are enough samples for a time to spend.
-  pure logical function are_enough(samples, seconds)
-    real(real64), intent(in) :: samples(:)
-    real(real64), intent(in) :: seconds
-
-    are_enough = sum(samples) >= seconds .and. size(samples) >= least_passes .or. &
-                 sum(samples) > most_times * seconds
-    if (are_enough .or. size(samples) < many_passes) return
-    are_enough = sample_quantile(samples, 0.75_real64) - sample_quantile(samples, 0.25_real64) < &
-                 steady_median * sqrt(real(size(samples), real64)) * &
-                 sample_quantile(samples, 0.5_real64)
-  end function are_enough
-
-  ! The value below which a share of sorted samples lies.
-  pure real(real64) function sample_quantile(samples, share)
-    real(real64), intent(in) :: samples(:)
-    real(real64), intent(in) :: share
-    real(real64) :: place
-    integer :: below
-
-    place = 1.0_real64 + share * (size(samples) - 1)
-    below = min(int(place), size(samples))
-    sample_quantile = samples(below) + (place - below) * &
-                      (samples(min(below + 1, size(samples))) - samples(below))
-  end function sample_quantile
 
   ! Chooses the reference: the method with interaction whose own error estimate is the least, or the
   ! scene as it is. Of a map it is the pixels, with which its summits are compared.
@@ -441,29 +314,20 @@ contains
     if (allocated(rows(row)%left_out)) row = 0
   end function row_of_events
 
-  ! Marks the Pareto fronts of the methods that were run: by the error against the
-  ! reference, where what is below the error of the reference itself is no gain; and, of
-  ! arithmetics and steps, by the largest own error of load, separation, area and pressure.
-  pure subroutine mark_fronts(rows)
+  ! Marks the Pareto front of the methods that were run: by the error against the reference, where
+  ! what is below the error of the reference itself is no gain.
+  pure subroutine mark_front(rows)
     type(method_row), intent(inout) :: rows(:)
-    integer, allocatable :: own(:), run(:)
+    integer, allocatable :: run(:)
     real(real64) :: least_error
     integer :: i
 
     least_error = 0.0_real64
     if (any(rows%is_reference)) &
       least_error = max(0.0_real64, rows(findloc(rows%is_reference, .true., 1))%own_estimate)
-    allocate (own(0), run(0))
-    do i = 1, size(rows)
-      if (allocated(rows(i)%left_out)) cycle
-      run = [run, i]
-      if (any(rows(i)%method%family == [of_arithmetic, of_steps]) .and. &
-          rows(i)%own%largest > not_computed) own = [own, i]
-    end do
-    rows(own)%on_own_front = on_front(rows(own)%seconds, max(rows(own)%own%largest, &
-      rows(own)%own%quantity(error_of_area), rows(own)%own%quantity(error_of_pressure)))
+    run = pack([(i, i=1, size(rows))], [(.not. allocated(rows(i)%left_out), i=1, size(rows))])
     rows(run)%on_front = on_front(rows(run)%seconds, max(rows(run)%total%largest, least_error))
-  end subroutine mark_fronts
+  end subroutine mark_front
 
   ! Seconds with two digits.
   pure function seconds_text(seconds) result(text)

@@ -9,7 +9,7 @@ module asperity_method_totals
 
   public :: method_errors, method_totals
   public :: errors_of, original_totals, totals_of
-  public :: error_of_area, error_of_pressure, quantity_names
+  public :: error_of_area, quantity_names
 
   ! Quantities whose errors are measured one by one.
   integer, parameter :: error_of_load = 1        !! sum of the normal forces
