@@ -1,11 +1,10 @@
 !> Words of the command line, sorted into options and operand by what a command accepts, and the
 !> values of options.
 module asperity_arguments
-  use asperity_decimal, only: decimal_to_real64, decimal_value
   use asperity_height_map, only: is_length
   use asperity_input_text, only: in_quotes
   use asperity_kinds, only: real64
-  use asperity_numeral, only: read_numeral
+  use asperity_numeral, only: read_number
   use asperity_option_table, only: commands, option_entry, options
   use asperity_problems, only: decimal_text, problem_list
   use asperity_word_hint, only: did_you_mean, nearest_word
@@ -156,11 +155,9 @@ contains
   real(real64) function positive_number(value, limit) result(number)
     character(len=*), intent(in) :: value  !! value of the option, as given
     real(real64), intent(in) :: limit      !! the number is less
-    type(decimal_value) :: decimal
     logical :: good
 
-    call read_numeral(value, decimal, good)
-    number = decimal_to_real64(decimal)
+    call read_number(value, number, good)
     if (.not. (good .and. number > 0.0_real64 .and. number < limit)) number = 0.0_real64
   end function positive_number
 

@@ -5,7 +5,7 @@ module asperity_help
   use asperity_effect_names, only: needed_for
   use asperity_input_text, only: replaced_text
   use asperity_number_format, only: number_text
-  use asperity_numeral, only: any_number, decimal_of, in_range
+  use asperity_numeral, only: any_number, in_range
   use asperity_option_table, only: call_of, command_at, commands, options
   use asperity_problems, only: decimal_text
   use asperity_scene_fields, only: known_name, one_word, values_in_words, whole_number
@@ -189,7 +189,7 @@ contains
     default = number_text(row%default)
     if (row%value_kind == one_word .and. number > 0) default = one_of(row%words(number:number))
     if (row%value_kind > 0) then
-      if (.not. in_range(decimal_of(row%default), row%value_kind)) default = 'none'
+      if (.not. in_range(row%default, row%value_kind)) default = 'none'
     else if (row%value_kind /= whole_number .and. number == 0) then
       default = 'none'
     end if

@@ -3,20 +3,19 @@
 module asperity_generation_spec
   use asperity_card_reader, only: angle_field, deck_fields, modulus_field, radius_field, &
                                   ratio_field, shift_field, stress_field, width_field, x_field
-  use asperity_decimal, only: decimal_value
   use asperity_file_kind, only: a_specification
   use asperity_generation_values, only: below_none, exact_value, gaussian_spec, generation_spec, &
                                         map_spec, most_asperities, period_of, side_names
   use asperity_height_map, only: most_samples
   use asperity_input_text, only: read_text
-  use asperity_kinds, only: int64, real128
+  use asperity_kinds, only: int64, real128, real64
   use asperity_problems, only: decimal_text, problem_list
   use asperity_scene_fields, only: read_fields, scene_fields
   use asperity_spec_names, only: spec_table
   implicit none
   private
 
-  public :: read_generation_spec, parse_generation_spec, take_generation
+  public :: read_generation_spec, parse_generation_spec
 
   ! Without cut-offs a height is so near the mean, in deviations: what lies beyond has a chance of
   ! 2.4e-16. A range that begins further out than `farthest` has no chance worth the name.
@@ -91,11 +90,12 @@ contains
   subroutine read_plane(fields, spec)
     type(scene_fields), intent(inout) :: fields
     type(generation_spec), intent(inout) :: spec
-    type(decimal_value) :: density(2)
+    real(real64) :: density(2)
     real(real128) :: number
     integer :: side, before
 
     before = fields%problems%count()
+    density = 0.0_real64
     call fields%take('surfaces', 'length', spec%sides%length)
     call fields%take('surfaces', 'width', spec%sides%width)
     call fields%take('surfaces', 'density', density)
@@ -147,8 +147,9 @@ contains
     subroutine take_cut(name, cut)
       character(len=*), intent(in) :: name
       real(real128), intent(inout) :: cut(2)
-      type(decimal_value) :: values(2)
+      real(real64) :: values(2)
 
+      values = 0.0_real64
       if (fields%has_name(group, name // '_deviation')) then
         call fields%take(group, name // '_deviation', values)
         cut = means + exact_value(values) * deviations
@@ -219,7 +220,7 @@ contains
     logical, intent(in) :: good_heights           !! heights are known
     logical, intent(in) :: good_radii             !! radii are known
     type(generation_spec), intent(inout) :: spec  !! its deck is filled
-    type(decimal_value) :: width(1)
+    real(real64) :: width(1)
     integer :: side
 
     associate (deck => spec%deck)
@@ -257,15 +258,14 @@ contains
     subroutine take_card_number(name, most, field, values)
       character(len=*), intent(in) :: name
       integer, intent(in) :: most, field
-      type(decimal_value), intent(inout) :: values(:)
+      real(real64), intent(inout) :: values(:)
       integer :: before
 
       before = fields%problems%count()
       call fields%take('deck', name, values)
       if (.not. fields%has_name('deck', name) .or. fields%problems%count() > before) return
       ! Zero where zero is allowed always fits.
-      if (.not. all(fits_card(values, most, field) .or. &
-                    values%all_digits == 0)) &
+      if (.not. all(fits_card(values, most, field) .or. abs(values) <= 0.0_real64)) &
         call fields%complain_of('deck', name, 'found a number that its card cannot hold, ' // &
                                 'expected fewer digits')
     end subroutine take_card_number
@@ -283,7 +283,7 @@ contains
 
   !> Whether a number is at most so large, and not lost behind the last decimal of its card.
   elemental logical function fits_card(value, most, field)
-    type(decimal_value), intent(in) :: value
+    real(real64), intent(in) :: value
     integer, intent(in) :: most, field
     real(real128) :: size_of
 
@@ -296,13 +296,15 @@ contains
   subroutine take_map_spec(fields, spec)
     type(scene_fields), intent(inout) :: fields
     type(map_spec), intent(inout) :: spec
-    type(decimal_value) :: hurst, rms
+    real(real64) :: hurst, rms
     character(len=:), allocatable :: name
     integer :: before, switch
     integer(int64) :: number
     logical :: good
 
     before = fields%problems%count()
+    hurst = 0.0_real64
+    rms = 0.0_real64
     call fields%take('map', 'pixels', spec%pixels)
     call fields%take('map', 'spacing', spec%pixel_spacing)
     number = product(int(spec%pixels, int64))
@@ -335,11 +337,12 @@ contains
   subroutine take_waves(fields, spec)
     type(scene_fields), intent(inout) :: fields
     type(map_spec), intent(inout) :: spec
-    type(decimal_value) :: wave
+    real(real64) :: wave
     real(real128) :: pixel_spacing(2)
     integer :: before
 
     before = fields%problems%count()
+    wave = 0.0_real64
     pixel_spacing = exact_value(spec%pixel_spacing)
     spec%roll_off = minval(spec%pixels * pixel_spacing)
     spec%cut_off = 2 * maxval(pixel_spacing)

@@ -2,14 +2,13 @@
 !>
 !> The first of two sides is the upper surface, the second the lower one.
 module asperity_generation_values
-  use asperity_decimal, only: decimal_value
-  use asperity_kinds, only: int64, real128
+  use asperity_kinds, only: real128, real64
   use asperity_problems, only: problem_list
   implicit none
   private
 
-  public :: generation_spec, side_spec, gaussian_spec, deck_spec, map_spec
-  public :: below_flat, below_none, below_words, period_of
+  public :: generation_spec, gaussian_spec, map_spec
+  public :: below_none, below_words, period_of
   public :: most_asperities, exact_value, side_names
 
   !> Asperities of one surface: more would not fit into a file that the solver reads.
@@ -20,8 +19,8 @@ module asperity_generation_values
 
   !> A Gaussian between two cut-offs. Lengths.
   type :: gaussian_spec
-    type(decimal_value) :: mean             !! mean before the cut
-    type(decimal_value) :: deviation        !! standard deviation before the cut, 0 or more
+    real(real64) :: mean = 0.0_real64  !! mean before the cut
+    real(real64) :: deviation = 0.0_real64  !! standard deviation before the cut, 0 or more
     real(real128) :: lowest = 0.0_real128   !! nothing is below; the mean when all are equal
     real(real128) :: highest = 0.0_real128  !! nothing is above; the mean when all are equal
   end type gaussian_spec
@@ -29,21 +28,21 @@ module asperity_generation_values
   !> One surface.
   type :: side_spec
     integer :: number = 0                  !! asperities, 1 to `most_asperities`
-    type(decimal_value) :: length          !! extent along x, more than 0
-    type(decimal_value) :: width           !! extent along y, more than 0
-    type(decimal_value) :: least_distance  !! between two summits in the plane, 0 or more
+    real(real64) :: length = 0.0_real64  !! extent along x, more than 0
+    real(real64) :: width = 0.0_real64  !! extent along y, more than 0
+    real(real64) :: least_distance = 0.0_real64  !! between two summits in the plane, 0 or more
     type(gaussian_spec) :: height          !! heights of the summits
     type(gaussian_spec) :: radius          !! radii of the summits, all more than 0
   end type side_spec
 
   !> Values of the cards of a deck beside the asperities: inches, psi, radians.
   type :: deck_spec
-    type(decimal_value) :: elastic_modulus(2)  !! upper, lower
-    type(decimal_value) :: poisson_ratio(2)    !! upper, lower
-    type(decimal_value) :: allowed_stress(2)   !! upper, lower
-    type(decimal_value) :: rotation(2)         !! upper, lower
-    type(decimal_value) :: lower_width         !! the lower y is mirrored in half of it
-    type(decimal_value) :: displacement(2)     !! along x and y
+    real(real64) :: elastic_modulus(2) = 0.0_real64  !! upper, lower
+    real(real64) :: poisson_ratio(2) = 0.0_real64  !! upper, lower
+    real(real64) :: allowed_stress(2) = 0.0_real64  !! upper, lower
+    real(real64) :: rotation(2) = 0.0_real64  !! upper, lower
+    real(real64) :: lower_width = 0.0_real64  !! the lower y is mirrored in half of it
+    real(real64) :: displacement(2) = 0.0_real64  !! along x and y
   end type deck_spec
 
   integer, parameter :: below_flat = 1  !! the spectrum of a map is constant below the roll-off
@@ -54,7 +53,7 @@ module asperity_generation_values
   !> A self-affine random height map. Lengths are in one unit.
   type :: map_spec
     integer :: pixels(2) = 0                !! columns and rows
-    type(decimal_value) :: pixel_spacing(2)  !! of pixels along x and y, more than 0
+    real(real64) :: pixel_spacing(2) = 0.0_real64  !! of pixels along x and y, more than 0
     real(real128) :: hurst = 1.0_real128    !! Hurst exponent, more than 0, at most 1
     real(real128) :: roll_off = 0.0_real128 !! wavelength beyond which `below` holds
     real(real128) :: cut_off = 0.0_real128  !! shortest wavelength, at least 2 spacings
@@ -110,18 +109,13 @@ contains
     end do
   end function smooth_length
 
-  !> A number in 113 bits.
-  elemental real(real128) function exact_value(value)
-    type(decimal_value), intent(in) :: value  !! at most 18 digits
-    integer :: power
+  !> The decimal of at most 15 digits that a double was read from, in 113 bits.
+  elemental real(real128) function exact_value(number)
+    real(real64), intent(in) :: number  !! any finite number
+    character(len=24) :: text
 
-    power = abs(value%power_of_ten)
-    if (value%power_of_ten < 0) then
-      exact_value = real(value%all_digits, real128) / 10.0_real128**power
-    else
-      exact_value = real(value%all_digits, real128) * 10.0_real128**power
-    end if
-    if (value%all_digits == 0_int64) exact_value = 0.0_real128
+    write (text, '(es24.14e3)') number
+    read (text, *) exact_value
   end function exact_value
 
 end module asperity_generation_values

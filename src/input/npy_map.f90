@@ -5,13 +5,12 @@
 !> numpy.org/doc/stable/reference/generated/numpy.lib.format.html.
 module asperity_npy_map
   use asperity_byte_reader, only: finite, not_a_number, whole_bits
-  use asperity_decimal, only: decimal_value
   use asperity_delimited_text, only: cells_of, line_cells, line_reader
   use asperity_height_map, only: expected_height, height_map, highest, largest_height, make_room, &
                                  most_samples, no_height
   use asperity_input_text, only: in_quotes, without_blanks
   use asperity_kinds, only: int64, real32, real64
-  use asperity_numeral, only: read_numeral
+  use asperity_numeral, only: read_number
   use asperity_problems, only: decimal_text, problem_list
   use asperity_progress, only: progress_line
   implicit none
@@ -197,7 +196,7 @@ contains
     type(npy_header), intent(inout) :: header
     type(problem_list), intent(inout) :: problems
     type(line_cells) :: cells
-    type(decimal_value) :: number
+    real(real64) :: number
     integer :: i
     logical :: good
 
@@ -208,10 +207,9 @@ contains
       associate (last => cells%last(i))
         if (word(last:last) == 'L') last = last - 1
         good = verify(word(cells%first(i):last), '0123456789') == 0
-        if (good) call read_numeral(word(cells%first(i):last), number, good)
+        if (good) call read_number(word(cells%first(i):last), number, good)
       end associate
-      header%rows_columns(i) = number%all_digits
-      if (number%power_of_ten > 0) header%rows_columns(i) = huge(header%rows_columns)
+      header%rows_columns(i) = nint(min(number, 1.0e18_real64), int64)
     end do
     if (.not. good) &
       call problems%add_in_file('header: shape of the array: found ' // in_quotes(word) // &

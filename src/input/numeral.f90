@@ -7,8 +7,8 @@ module asperity_numeral
   implicit none
   private
 
-  public :: read_numeral, read_whole_number, is_a_double, rounded_decimal
-  public :: decimal_of, expected_numbers, in_range
+  public :: read_number, read_numeral, read_whole_number, is_a_double, rounded_decimal
+  public :: expected_numbers, in_range
   public :: any_number, above_zero, share, poisson_range, not_negative, share_or_all
   public :: a_length, least_length, most_length
 
@@ -94,15 +94,16 @@ contains
     if (.not. good) value = decimal_value()
   end subroutine read_numeral
 
-  !> The decimal of 17 digits whose nearest double is a double.
-  elemental type(decimal_value) function decimal_of(number) result(value)
-    real(real64), intent(in) :: number  !! any finite number
-    character(len=25) :: text
-    logical :: good
+  !> Reads a whole token as the nearest double.
+  pure subroutine read_number(token, value, good)
+    character(len=*), intent(in) :: token  !! the token, without blanks
+    real(real64), intent(out) :: value     !! the number; 0 when refused
+    logical, intent(out) :: good           !! as of `read_numeral`
+    type(decimal_value) :: decimal
 
-    write (text, '(es25.16e3)') number
-    call read_numeral(trim(adjustl(text)), value, good)
-  end function decimal_of
+    call read_numeral(token, decimal, good)
+    value = decimal_to_real64(decimal)
+  end subroutine read_number
 
   !> Reads a whole token as a default integer.
   pure subroutine read_whole_number(token, value, good)
@@ -167,12 +168,10 @@ contains
 
   !> Whether a number is in a range.
   pure logical function in_range(value, number_range)
-    type(decimal_value), intent(in) :: value  !! number that is checked
-    integer, intent(in) :: number_range       !! `any_number` or another range
-    real(real64) :: number
+    real(real64), intent(in) :: value    !! number that is checked
+    integer, intent(in) :: number_range  !! `any_number` or another range
 
-    number = decimal_to_real64(value)
-    in_range = number >= limits(1, number_range) .and. number <= limits(2, number_range)
+    in_range = value >= limits(1, number_range) .and. value <= limits(2, number_range)
   end function in_range
 
 end module asperity_numeral

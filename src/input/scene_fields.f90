@@ -5,13 +5,12 @@
 !> default when the name does not occur, leaves the value unchanged where the row has none, and
 !> reports a problem, with its place, when the value there is not what is expected.
 module asperity_scene_fields
-  use asperity_decimal, only: decimal_to_real64, decimal_value
   use asperity_file_kind, only: other_kind
   use asperity_height_map, only: plain_unit
   use asperity_input_text, only: check_text, lower_case, in_quotes, plain_text
   use asperity_kinds, only: int64, real64
   use asperity_namelist_text, only: a_group, a_name, namelist_text, parse_namelist
-  use asperity_numeral, only: any_number, decimal_of, expected_numbers, in_range, read_numeral
+  use asperity_numeral, only: any_number, expected_numbers, in_range, read_number
   use asperity_problems, only: decimal_text, problem_list
   use asperity_word_hint, only: any_of, did_you_mean, nearest_word, one_of
   implicit none
@@ -71,10 +70,8 @@ module asperity_scene_fields
     procedure :: has_name           !! whether a name stands there, be its values good or not
     procedure :: value_count        !! how many values stand at a name, repeated ones counted
     !> Takes values of a name: numbers, whole numbers, words by their places, texts.
-    generic :: take => take_decimals, take_decimal, take_reals, take_real, take_integers, &
-                       take_integer, take_text, take_texts
-    procedure, private :: take_decimals, take_decimal, take_reals, take_real, take_integers
-    procedure, private :: take_integer, take_text, take_texts
+    generic :: take => take_reals, take_real, take_integers, take_integer, take_text, take_texts
+    procedure, private :: take_reals, take_real, take_integers, take_integer, take_text, take_texts
     procedure :: complain_of_group  !! reports a problem at a group
     procedure :: complain_of        !! reports a problem at a name
     procedure :: refuse_name        !! reports a problem at a name where it is given
@@ -211,10 +208,10 @@ contains
 
   !> Takes numbers, as many as there are places for them, whole numbers, or places of words, 0 for
   !> one that is refused. Where the row allows a single value it serves for all.
-  subroutine take_decimals(self, group, name, values, number_range)
+  subroutine take_reals(self, group, name, values, number_range)
     class(scene_fields), intent(inout) :: self        !! the scene's text
     character(len=*), intent(in) :: group, name  !! a known group, and a known name of it
-    type(decimal_value), intent(inout) :: values(:)   !! numbers at the name
+    real(real64), intent(inout) :: values(:)          !! nearest doubles of the numbers at the name
     integer, intent(in), optional :: number_range     !! in place of that of the row
     character(len=:), allocatable :: pair
     type(known_name) :: row
@@ -225,7 +222,7 @@ contains
     row = self%known(self%row_of(group, name))
     if (present(number_range)) row%value_kind = number_range
     at = self%item_of(group, name)
-    if (at == 0 .and. row%otherwise == '') values = decimal_of(row%default)
+    if (at == 0 .and. row%otherwise == '') values = row%default
     if (row%beside /= '' .and. self%has_name(group, row%beside)) &
       call self%refuse_name(group, name, 'found beside ' // trim(row%beside) // &
                             ', expected one of them')
@@ -235,7 +232,7 @@ contains
     if (at > 0 .and. all(row%value_kind /= [one_word, whole_number])) &
       call self%refuse_units(row%name, at)
     if (at == 0) return
-    if (row%value_kind == one_word) values = decimal_value()
+    if (row%value_kind == one_word) values = 0.0_real64
     wanted = size(values)
     if (row%counts(1) == 1 .and. self%value_count(group, name) == 1) wanted = 1
     call self%find_values(group, name, wanted, items)
@@ -255,19 +252,6 @@ contains
       call self%read_value(row, items(i), values(i))
     end do
     values(wanted + 1:) = values(1)
-  end subroutine take_decimals
-
-  !> Takes numbers as the nearest doubles.
-  subroutine take_reals(self, group, name, values, number_range)
-    class(scene_fields), intent(inout) :: self    !! the scene's text
-    character(len=*), intent(in) :: group, name  !! a known group, and a known name of it
-    real(real64), intent(inout) :: values(:)      !! numbers at the name
-    integer, intent(in), optional :: number_range !! in place of that of the row
-    type(decimal_value) :: decimals(size(values))
-
-    decimals = decimal_of(values)
-    call self%take(group, name, decimals, number_range)
-    values = decimal_to_real64(decimals)
   end subroutine take_reals
 
   !> Takes one number as the nearest double.
@@ -283,29 +267,16 @@ contains
     value = values(1)
   end subroutine take_real
 
-  !> Takes one number.
-  subroutine take_decimal(self, group, name, value, number_range)
-    class(scene_fields), intent(inout) :: self    !! the scene's text
-    character(len=*), intent(in) :: group, name  !! a known group, and a known name of it
-    type(decimal_value), intent(inout) :: value   !! number at the name
-    integer, intent(in), optional :: number_range !! in place of that of the row
-    type(decimal_value) :: values(1)
-
-    values = value
-    call self%take(group, name, values, number_range)
-    value = values(1)
-  end subroutine take_decimal
-
   !> Takes whole numbers, or places of words, as many as there are places for them.
   subroutine take_integers(self, group, name, numbers)
     class(scene_fields), intent(inout) :: self    !! the scene's text
     character(len=*), intent(in) :: group, name  !! a known group, and a known name of it
     integer, intent(inout) :: numbers(:)          !! numbers at the name; of words 0 when refused
-    type(decimal_value) :: values(size(numbers))
+    real(real64) :: values(size(numbers))
 
-    values%all_digits = numbers
+    values = numbers
     call self%take(group, name, values)
-    numbers = nint(decimal_to_real64(values))
+    numbers = nint(values)
   end subroutine take_integers
 
   !> Takes one whole number, or the place of one word.
@@ -364,10 +335,9 @@ contains
     class(scene_fields), intent(inout) :: self
     type(known_name), intent(in) :: row
     integer, intent(in) :: item
-    type(decimal_value), intent(inout) :: value
+    real(real64), intent(inout) :: value
     character(len=:), allocatable :: text, remedy
-    type(decimal_value) :: found
-    real(real64) :: real_number
+    real(real64) :: found
     integer :: number
     logical :: good, is_quoted
 
@@ -383,23 +353,21 @@ contains
       end if
       number = findloc(row%words == text .and. row%words /= '', .true., 1)
       good = number > 0 .and. is_quoted
-      if (good) value = decimal_value(int(number, int64), 0)
+      if (good) value = number
       if (number == 0) remedy = did_you_mean(text, pack(row%words, row%words /= ''))
       if (number > 0 .and. .not. good) then
         call self%refuse_value(row%name, item, 'it in quotes' // self%quoting_hint(row%name, item))
         return
       end if
     else if (row%value_kind < 0) then
-      call read_numeral(text, found, good)
-      real_number = decimal_to_real64(found)
-      good = good .and. abs(real_number - anint(real_number)) <= 0.0_real64 .and. &
-             real_number >= row%least .and. real_number <= row%most .and. .not. is_quoted .and. &
+      call read_number(text, found, good)
+      good = good .and. abs(found - anint(found)) <= 0.0_real64 .and. found >= row%least .and. &
+             found <= row%most .and. .not. is_quoted .and. &
              (row%value_kind == whole_value .or. verify(text, '+-0123456789') == 0)
-      if (good) value = decimal_value(nint(real_number, int64), 0)
+      if (good) value = found
     else
-      call read_numeral(text, value, good)
-      good = good .and. .not. is_quoted
-      if (good) good = in_range(value, row%value_kind)
+      call read_number(text, value, good)
+      good = good .and. .not. is_quoted .and. in_range(value, row%value_kind)
     end if
     if (.not. good) call self%refuse_value(row%name, item, values_in_words(row) // remedy)
   end subroutine read_value

@@ -12,7 +12,6 @@
 module asperity_generated_map
   use, intrinsic :: iso_c_binding, only: c_double, c_double_complex, c_loc
   use asperity_constants, only: pi
-  use asperity_decimal, only: decimal_to_real64
   use asperity_generation_values, only: map_spec
   use asperity_height_map, only: check_heights, free_edge, height_map, highest, largest_height, &
                                  length_units, periodic_edge
@@ -54,7 +53,7 @@ contains
     end if
     map%columns = spec%pixels(1)
     map%rows = spec%pixels(2)
-    map%pixel_spacing = decimal_to_real64(spec%pixel_spacing)
+    map%pixel_spacing = spec%pixel_spacing
     map%unit = ''
     if (spec%unit > 0) map%unit = trim(length_units(spec%unit))
     map%periodic = spec%periodic

@@ -176,10 +176,12 @@ contains
       gaussian%decimals = min(range_digits - order_of(spec%highest - spec%lowest), &
            number_digits - order_of(max(abs(spec%lowest), abs(spec%highest))))
     else
-      ! The digits of the specification; a number of more than 15 digits loses three.
-      gaussian%decimals = -spec%mean%power_of_ten
-      if (abs(spec%mean%all_digits) >= 10_int64**number_digits) &
-        gaussian%decimals = gaussian%decimals - 3
+      ! As many as the number has.
+      if (abs(mean) > 0.0_real128) gaussian%decimals = max(0, number_digits - order_of(mean))
+      do while (gaussian%decimals > 0 .and. &
+                modulo(nearest_units(mean, gaussian%decimals), 10_int64) == 0_int64)
+        gaussian%decimals = gaussian%decimals - 1
+      end do
     end if
     if (.not. spec%highest > spec%lowest) then
       gaussian%lowest = nearest_units(mean, gaussian%decimals)

@@ -7,10 +7,9 @@ module asperity_surface_text
   use asperity_card_reader, only: angle_field, count_field, deck_fields, height_max_field, &
                                   modulus_field, radius_field, ratio_field, shift_field, &
                                   stress_field, width_field, x_field, y_field, z_field
-  use asperity_decimal, only: decimal_value
   use asperity_generated_surface, only: generated_surface
   use asperity_generation_values, only: exact_value, generation_spec
-  use asperity_kinds, only: int64, real128
+  use asperity_kinds, only: int64, real128, real64
   use asperity_problems, only: problem_list
   use asperity_text_buffer, only: text_buffer
   implicit none
@@ -167,7 +166,7 @@ contains
 
     !> A number on a card, rounded to its decimals.
     function real_card(value, field, name) result(columns)
-      type(decimal_value), intent(in) :: value
+      real(real64), intent(in) :: value
       integer, intent(in) :: field
       character(len=*), intent(in) :: name
       character(len=:), allocatable :: columns
