@@ -10,7 +10,7 @@ module asperity_delimited_text
   implicit none
   private
 
-  public :: begins_comment, cells_of, line_cells, line_reader, column_of, separator_of
+  public :: cells_of, column_of, line_cells, line_reader, separator_of
 
   ! Bytes that are read at once, as many as a block of a file; a longer line needs more.
   integer, parameter :: block_length = 65536
@@ -43,9 +43,8 @@ module asperity_delimited_text
     character(len=:), allocatable, private :: rest  ! bytes behind `lines`
   contains
     procedure :: begin_lines  !! starts line 1 at the next byte
-    procedure :: begin_text   !! starts at a line of the whole text
+    procedure :: begin_text   !! starts at the first line of the whole text
     procedure :: begin_memory !! starts at a text in memory
-    procedure :: find_line    !! places of the next line in `lines`
     procedure :: next_line    !! a copy of the next line
     procedure :: next_cells   !! cells of the next line that has some
     procedure :: next_word    !! the next cell, of whatever line
@@ -135,12 +134,12 @@ contains
     if (i <= len(text) .and. cells%comment /= feed) at = line_end(text, i) + 2
   end subroutine cut_line
 
-  !> Whether a sign of comments within a line begins one: a `#` only behind a blank, so that
-  !> `1.#QNAN` is a cell, and unless it is an error value of a spreadsheet.
+  ! Whether a sign of comments within a line begins one: a `#` only behind a blank, so that
+  ! `1.#QNAN` is a cell, and unless it is an error value of a spreadsheet.
   pure logical function begins_comment(text, first, at)
-    character(len=*), intent(in) :: text  !! text of whole lines
-    integer, intent(in) :: first          !! place where the line begins
-    integer, intent(in) :: at             !! place of the sign
+    character(len=*), intent(in) :: text  ! text of whole lines
+    integer, intent(in) :: first          ! place where the line begins
+    integer, intent(in) :: at             ! place of the sign
 
     begins_comment = .true.
     if (text(at:at) /= '#') return
@@ -212,19 +211,13 @@ contains
     call move_alloc(text, self%lines)
   end subroutine begin_memory
 
-  !> Starts at a line of the whole text, which begins behind a mark of byte order.
-  subroutine begin_text(self, line)
+  !> Starts at the first line of the whole text, which begins behind a mark of byte order.
+  subroutine begin_text(self)
     class(line_reader), intent(inout) :: self  !! file that is read by lines
-    integer, intent(in) :: line                !! number of the line
-    integer :: first, last, number
 
     call self%rewind()
     call skip_mark(self)
     call self%begin_lines()
-    first = 1
-    do while (self%line < line .and. first > 0)
-      call self%find_line(first, last, number)
-    end do
   end subroutine begin_text
 
   ! Reads whole lines into `lines`, which stay as they are at the end of the file. A carriage return
@@ -257,39 +250,27 @@ contains
     self%place = 1
   end subroutine read_block
 
-  !> Finds the next line.
-  subroutine find_line(self, first, last, line)
-    class(line_reader), intent(inout) :: self  !! file that is read by lines
-    integer, intent(out) :: first              !! place of its first byte; 0: no line is left
-    integer, intent(out) :: last               !! place of its last byte, line end left out
-    integer, intent(out) :: line               !! its number; at the end of the file the last one's
-
-    first = 0
-    last = -1
-    line = self%line
-    if (self%place > len(self%lines)) call self%read_block()
-    if (self%place > len(self%lines)) return
-    first = self%place
-    last = line_end(self%lines, first)
-    self%place = last + 2
-    if (last < len(self%lines)) self%line = self%line + 1
-    if (last >= first) then
-      if (self%lines(last:last) == return_sign) last = last - 1
-    end if
-  end subroutine find_line
-
   !> Copies the next line, its end left out.
   subroutine next_line(self, text, line, column)
     class(line_reader), intent(inout) :: self            !! file that is read by lines
     character(len=:), allocatable, intent(out) :: text   !! 200 bytes at most; not allocated: none
     integer, intent(out) :: line                         !! its number, or the last one's
     integer, intent(out) :: column                       !! 1, or behind the end of the file
-    integer :: first, last
+    integer :: last
 
-    call self%find_line(first, last, line)
+    line = self%line
     column = 1
-    if (first > 0) text = self%lines(first:min(last, first + longest_line - 1))
-    if (first == 0) call self%find_end(line, column)
+    if (self%place > len(self%lines)) call self%read_block()
+    if (self%place > len(self%lines)) then
+      call self%find_end(line, column)
+      return
+    end if
+    last = line_end(self%lines, self%place)
+    text = self%lines(self%place:min(last, self%place + longest_line - 1))
+    if (last < self%place + longest_line .and. index(text, return_sign, back=.true.) == len(text)) &
+      text = text(:max(0, len(text) - 1))
+    self%place = last + 2
+    if (last < len(self%lines)) self%line = self%line + 1
   end subroutine next_line
 
   !> Finds the cells of the next line that has some; their places are those in `lines`. Behind the

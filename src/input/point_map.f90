@@ -85,7 +85,7 @@ contains
     first_turn = 0.0_real64
     second = 0.0_real64
     power = no_power
-    call file%begin_text(1)
+    call file%begin_text()
     call file%next_cells()
     do
       call read_point(file, values, good, power)
@@ -140,7 +140,7 @@ contains
 
     power = no_power
     call shown%begin(progress, 'points read', int(grid%points), 0)
-    call file%begin_text(1)
+    call file%begin_text()
     call file%next_cells()
     do done = 0_int64, product(grid%counts) - 1_int64
       call read_point(file, values, good, power)

@@ -60,7 +60,7 @@ contains
     character(len=:), allocatable :: line
 
     file%cells = line_cells(' ', comment_signs, '#', .false.)
-    call file%begin_text(1)
+    call file%begin_text()
     call file%next_cells()
     if (file%cells%cell_count == 0) then
       call file%problems%add_at(1, 1, 'found no pixel, expected a matrix of heights')
@@ -115,7 +115,7 @@ contains
       rows = rows + 1_int64
       call file%next_cells()
     end do
-    call file%begin_text(1)
+    call file%begin_text()
     call file%next_cells()
     map%columns = pixel_count(file%cells)
     if (rows * map%columns > most_samples) then
