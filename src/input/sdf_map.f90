@@ -10,14 +10,13 @@
 !> are text of the maker, which is noted, or refused: the header may be longer than it should be.
 module asperity_sdf_map
   use asperity_byte_reader, only: above_all, finite, not_a_number, whole_bits
-  use asperity_decimal, only: decimal_to_real64, decimal_value
   use asperity_delimited_text, only: column_of, line_cells, line_reader
   use asperity_height_map, only: digit_of, expected_length, height_map, highest, is_length, &
                                  is_measured, largest_height, length_units, make_room, &
                                  most_samples, no_height, no_power, read_height, unit_ratio
   use asperity_input_text, only: blanks, in_quotes, lower_case, without_blanks
   use asperity_kinds, only: int64, real32, real64
-  use asperity_numeral, only: read_numeral, read_whole_number
+  use asperity_numeral, only: read_number, read_whole_number
   use asperity_problems, only: decimal_text, problem_list, real_text
   use asperity_progress, only: progress_line
   implicit none
@@ -25,8 +24,8 @@ module asperity_sdf_map
 
   public :: sdf_header, is_sdf, read_sdf_header, read_sdf_samples, magic_length
 
-  !> Revisions.
-  integer, parameter :: iso_1 = 1, iso_2 = 2, bcr = 3
+  !> Revisions, from ISO-1.0 on.
+  integer, parameter :: iso_2 = 2, bcr = 3
   character(len=*), parameter :: revisions(4) = ['ISO-1.0', 'ISO-2.0', 'BCR-1.0', 'BCR-0.0']
   integer, parameter :: magic_length = 8  !! bytes that a file begins with
   !> Types of the samples, by their code.
@@ -43,7 +42,7 @@ module asperity_sdf_map
   !> Values of the header.
   type :: sdf_header
     logical :: binary = .false.                !! samples are bytes, not words
-    integer :: revision = 0                    !! one of `iso_1`, `iso_2`, `bcr`
+    integer :: revision = 0                    !! 1, `iso_2` or `bcr`
     integer(int64) :: points = 0_int64         !! samples of a profile
     integer(int64) :: profiles = 0_int64       !! profiles
     real(real64) :: scale_factor(3) = 0.0_real64  !! metres: spacing along x and y; unit of height
@@ -157,14 +156,12 @@ contains
     character(len=*), intent(in) :: text
     type(sdf_header), intent(inout) :: header
     type(problem_list), intent(inout) :: problems
-    type(decimal_value) :: decimal
     real(real64) :: value
     integer :: whole
     logical :: good
 
     if (field >= 3 .and. field < type_field) then
-      call read_numeral(text, decimal, good)
-      value = decimal_to_real64(decimal)
+      call read_number(text, value, good)
     else
       call read_whole_number(text, whole, good)
       if (header%revision == bcr .and. .not. good) then
@@ -273,6 +270,7 @@ contains
     logical, intent(in) :: progress               !! print the progress
     type(height_map), intent(inout) :: map        !! gets the pixels
     type(progress_line) :: shown
+    real(real64) :: limit
     integer(int64) :: least, others
     integer :: i, unit
 
@@ -291,7 +289,6 @@ contains
            ' as in the header, at least ' // decimal_text(least) // ' bytes behind it')
       return
     end if
-    others = 0_int64
     map%columns = int(header%points)
     map%rows = int(header%profiles)
     map%unit = 'm'
@@ -308,16 +305,21 @@ contains
     if (allocated(file%lack)) return
     call shown%begin(progress, 'profiles read', map%rows, 0)
     if (header%binary) then
-      call read_bytes(file, header, map, shown, others)
+      call read_bytes(file, header, map, shown)
     else
-      call read_words(file, header, map, shown, others)
+      call read_words(file, header, map, shown)
     end if
     call shown%finish()
+    map%digit = map%digit * header%scale_factor(3)
+    if (file%problems%count() > 0 .or. scan(type_names(header%data_type), 'I') /= 1) return
+    ! The least number of a whole type with sign where the largest is reserved, or the other way.
+    limit = 2.0_real64**(8 * type_bytes(header%data_type) - 1)
+    limit = merge(-limit, limit - 1.0_real64, header%revision == bcr)
+    others = count(abs(map%height - limit * header%scale_factor(3)) <= 0.0_real64, kind=int64)
     if (others > 0_int64) &
       call map%notes%add_in_file('note: ' // decimal_text(others) // ' pixels are ' // &
-           decimal_text(nint(other_limit(header), int64)) // ', which other programs take for ' // &
-           'missing; here they are heights')
-    map%digit = map%digit * header%scale_factor(3)
+           decimal_text(nint(limit, int64)) // ', which other programs take for missing; here ' // &
+           'they are heights')
   end subroutine read_sdf_samples
 
   ! Points and profiles for a message.
@@ -338,12 +340,11 @@ contains
   end function row_of
 
   ! Samples as bytes.
-  subroutine read_bytes(file, header, map, shown, others)
+  subroutine read_bytes(file, header, map, shown)
     type(line_reader), intent(inout) :: file
     type(sdf_header), intent(in) :: header
     type(height_map), intent(inout) :: map
     type(progress_line), intent(inout) :: shown
-    integer(int64), intent(inout) :: others  ! pixels at the other limit of their type
     character(len=:), allocatable :: bytes
     integer(int64) :: place
     real(real64) :: values(map%columns), largest
@@ -361,7 +362,7 @@ contains
         return
       end if
       do i = 1, map%columns
-        call take_sample(header, values(i), others, good)
+        call take_sample(header, values(i), good)
         if (classes(i) /= finite) then
           values(i) = no_height
           good = classes(i) == not_a_number .or. &
@@ -415,17 +416,6 @@ contains
     is_text = is_text .and. word
   end function is_text
 
-  ! The least number of a whole type with sign where the largest is reserved, or the other way;
-  ! others have a number that is no sample.
-  pure real(real64) function other_limit(header)
-    type(sdf_header), intent(in) :: header
-
-    other_limit = huge(other_limit)
-    if (all(type_names(header%data_type) /= ['INT8 ', 'INT16', 'INT32'])) return
-    other_limit = 2.0_real64**(8 * type_bytes(header%data_type) - 1)
-    other_limit = merge(-other_limit, other_limit - 1.0_real64, header%revision == bcr)
-  end function other_limit
-
   ! Whether a number stands for a missing sample. No sample of a text comes as near to it.
   pure logical function is_reserved(header, number)
     type(sdf_header), intent(in) :: header
@@ -446,17 +436,13 @@ contains
     is_reserved = number >= limit
   end function is_reserved
 
-  ! The number of a sample becomes its height; `others` counts those at the other limit of their
-  ! type.
-  pure subroutine take_sample(header, height, others, good)
+  ! The number of a sample becomes its height.
+  pure subroutine take_sample(header, height, good)
     type(sdf_header), intent(in) :: header
     real(real64), intent(inout) :: height
-    integer(int64), intent(inout) :: others
     logical, intent(out) :: good
 
     good = .true.
-    if (height <= other_limit(header) .and. height >= other_limit(header)) &
-      others = others + 1_int64
     if (is_reserved(header, height)) then
       height = no_height
     else
@@ -466,12 +452,11 @@ contains
   end subroutine take_sample
 
   ! Reads samples as words.
-  subroutine read_words(file, header, map, shown, others)
+  subroutine read_words(file, header, map, shown)
     type(line_reader), intent(inout) :: file
     type(sdf_header), intent(in) :: header
     type(height_map), intent(inout) :: map
     type(progress_line), intent(inout) :: shown
-    integer(int64), intent(inout) :: others  ! pixels at the other limit of their type
     character(len=:), allocatable :: expected, word
     real(real64) :: height
     integer :: i, power, profile
@@ -494,7 +479,7 @@ contains
         end if
         call read_height(word, height, good, power)
         if (whole .and. is_measured(height)) good = good .and. verify(word, '+-0123456789') == 0
-        if (good .and. is_measured(height)) call take_sample(header, height, others, good)
+        if (good .and. is_measured(height)) call take_sample(header, height, good)
         if (.not. good) &
           call file%refuse_cell(file%cells%word, 'found ' // in_quotes(word) // ', expected ' // &
                                 expected)
