@@ -4,13 +4,13 @@
 !> in any order; `radius` may be left out. Reading takes time and memory in proportion to the file.
 module asperity_surface_csv
   use asperity_byte_reader, only: byte_reader
-  use asperity_column_names, only: split_name
-  use asperity_decimal, only: decimal_to_real64, decimal_value
   use asperity_delimited_text, only: cells_of, line_cells, line_reader, separator_of
   use asperity_file_kind, only: a_surface, other_kind
-  use asperity_input_text, only: check_text, line_end, in_quotes, read_text
+  use asperity_height_map, only: plain_unit, unit_number
+  use asperity_input_text, only: check_text, in_quotes, line_end, lower_case, read_text, &
+                                 replaced_text
   use asperity_kinds, only: int64, real64
-  use asperity_numeral, only: read_numeral
+  use asperity_numeral, only: read_number
   use asperity_problems, only: decimal_text, not_enough_memory, problem_list
   use asperity_process, only: has_memory
   use asperity_word_hint, only: did_you_mean, nearest_word
@@ -93,7 +93,6 @@ contains
     type(line_reader), intent(inout) :: file
     type(surface_table), intent(inout) :: table
     real(real64), intent(in) :: common_radius
-    type(decimal_value) :: decimal
     real(real64) :: numbers(4)
     integer :: first_line, i, lines, rows
     logical :: good, all_good
@@ -128,9 +127,8 @@ contains
         all_good = .true.
         do i = 1, size(column_names)
           if (table%cell_of(i) == 0) cycle
-          call read_numeral(file%lines(cells%first(table%cell_of(i)): &
-                                       cells%last(table%cell_of(i))), decimal, good)
-          numbers(i) = decimal_to_real64(decimal)
+          call read_number(file%lines(cells%first(table%cell_of(i)): &
+                                      cells%last(table%cell_of(i))), numbers(i), good)
           all_good = all_good .and. good
           if (.not. good) &
             call refuse_value(file, table, i, 'a finite number within the range of a double')
@@ -187,7 +185,7 @@ contains
     type(line_reader), intent(inout) :: file
     type(surface_table), intent(inout) :: table
     type(line_cells) :: cells
-    type(decimal_value) :: number
+    real(real64) :: number
     character(len=:), allocatable :: header, name, unit
     integer :: i, role, unread
     logical :: are_numbers, is_mixed
@@ -203,7 +201,7 @@ contains
     table%unit = ''
     table%others = ''
     do i = 1, table%column_count
-      call read_numeral(file%cell_text(i), number, are_numbers)
+      call read_number(file%cell_text(i), number, are_numbers)
       if (.not. are_numbers) exit
     end do
     if (are_numbers) then
@@ -255,6 +253,32 @@ contains
            in_quotes(header) // ', expected x, y, height and perhaps radius, between commas, ' // &
            'semicolons or tabulators')
   end subroutine read_header
+
+  ! A name in small letters without quotes, and the unit behind it: `z [um]`, `z (um)`, `z/um`,
+  ! `z_um`, `z um`.
+  pure subroutine split_name(cell, name, unit)
+    character(len=*), intent(in) :: cell                      ! name and unit as written
+    character(len=:), allocatable, intent(out) :: name, unit  ! empty: there is none
+    character(len=len(cell)) :: word
+    integer :: at, i, used
+
+    word = adjustl(replaced_text(replaced_text(cell, '"', ''), '''', ''))
+    used = len_trim(word)
+    unit = ''
+    at = scan(word, '[(/')
+    if (at > 1) then
+      i = used
+      if (word(at:at) /= '/') i = at + scan(word(at + 1:used), '])') - 1
+      unit = plain_unit(word(at + 1:i))
+      used = at - 1
+    else
+      at = scan(word(:used), '_ ', back=.true.)
+      if (at > 1) unit = plain_unit(word(at + 1:used))
+      if (unit_number(unit) == 0) unit = ''
+      if (unit /= '') used = at - 1
+    end if
+    name = trim(lower_case(word(:used)))
+  end subroutine split_name
 
   ! A unit for a message.
   pure function unit_in_words(unit) result(text)
