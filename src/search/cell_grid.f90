@@ -8,17 +8,21 @@
 module asperity_cell_grid
   use asperity_cell_layer, only: build_layer, grid_layer, take_high_points
   use asperity_kinds, only: int32, real64
-  use asperity_number_span, only: number_span, span_of
   implicit none
   private
 
-  public :: cell_grid
-  public :: build_grid, take_high_part
+  public :: build_grid, cell_grid, number_span, span_of, take_high_part
 
   !> A surface in layers and strips.
   type :: cell_grid
     type(grid_layer), allocatable :: layers(:)  !! layers in ascending order of the radius
   end type cell_grid
+
+  !> Range of numbers.
+  type :: number_span
+    real(real64) :: least = huge(1.0_real64)      !! least number; huge when there are none
+    real(real64) :: largest = -huge(1.0_real64)   !! largest number; -huge when there are none
+  end type number_span
 
 contains
 
@@ -75,6 +79,14 @@ contains
       call take_high_points(grid%layers(i), least, part%layers(k))
     end do
   end subroutine take_high_part
+
+  !> Range of numbers.
+  pure function span_of(numbers) result(span)
+    real(real64), contiguous, intent(in) :: numbers(:)  !! any finite numbers
+    type(number_span) :: span                           !! range of all numbers
+
+    span = number_span(minval(numbers), maxval(numbers))
+  end function span_of
 
   ! Sorts indices by the power of two of the radius. `ends`: the last index of each power.
   subroutine part_by_power(radius, first, last, members, ends)

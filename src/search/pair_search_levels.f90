@@ -5,10 +5,9 @@
 !> separation at first contact is above a known value. A position uses the smallest sufficient
 !> level: its cost is that of its contacts, not of the surfaces.
 module asperity_pair_search_levels
-  use asperity_cell_grid, only: build_grid, cell_grid, take_high_part
+  use asperity_cell_grid, only: build_grid, cell_grid, number_span, span_of, take_high_part
   use asperity_cell_layer, only: any_height, margin_of_arithmetic
   use asperity_kinds, only: real64
-  use asperity_number_span, only: number_span, span_of
   use asperity_pair_search_layers, only: found_pairs, search_pairs
   implicit none
   private
