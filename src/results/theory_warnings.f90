@@ -11,7 +11,7 @@ module asperity_theory_warnings
             warn_above
   public :: of_contact_radius, of_cap, of_slope, of_yield, of_overlapping, of_crowding, of_tabor, &
             of_creep_strain, of_relaxing, of_together, of_load_direction, of_map_edge, &
-            of_no_summit, of_scan_lines, of_spikes, of_area, of_limit, of_range, &
+            of_scan_lines, of_spikes, of_area, of_limit, of_range, &
             of_unlike_bodies, of_yield_strain, of_flow_depth, of_unloading_depth, of_missing, &
             of_border, of_resolution, of_flat_map, of_off, of_barred, of_error, &
             of_nested, of_excluded, of_attraction, of_held_gap, of_cut_range, of_shrinking, &
@@ -21,7 +21,7 @@ module asperity_theory_warnings
   enum, bind(c)
     enumerator :: of_contact_radius = 1, of_cap, of_slope, of_yield, of_overlapping, of_crowding, &
       of_tabor, of_creep_strain, of_relaxing, of_together, of_load_direction, of_map_edge, &
-      of_no_summit, of_scan_lines, of_spikes, of_area, of_limit, of_range, of_unlike_bodies, &
+      of_scan_lines, of_spikes, of_area, of_limit, of_range, of_unlike_bodies, &
       of_yield_strain, of_flow_depth, of_unloading_depth, of_missing, of_border, of_resolution, &
       of_flat_map, of_off, of_barred, of_error, of_nested, of_excluded, of_attraction, &
       of_held_gap, of_cut_range, of_shrinking, of_map_slope, of_map_pressure, of_not_estimated
@@ -91,10 +91,6 @@ module asperity_theory_warnings
       'hills that the edge cuts carry load', &
       'of the load on its two outer rows where a flat punch has less', &
       'take a larger map or another part of the surface'), &
-    warning_kind('no_summit', in_accuracy, 0.0_real64, .true., &
-      'contact patches of the map without a summit carry load', 'of the load', &
-      'set interaction = ''boundary'': no sphere represents them', &
-      'expect an error of this order: no sphere represents them'), &
     warning_kind('scan_lines', in_accuracy, 0.0_real64, .true., &
       'single scan lines carry load', 'of the load', &
       'remove the noise of the instrument from the map'), &
