@@ -107,7 +107,9 @@ contains
     if (line%choice('--fields-of') == fields_all .and. &
         line%output_path('--fields') == '/dev/stdout') &
       call problems%add('--fields-of all writes a file a state, expected no - after --fields')
-    call check_share(line, problems)
+    ! A part is kept in one file; several files are those of parts.
+    if (line%share(2) > 1 .and. (.not. line%has('--keep') .or. allocated(line%parts))) &
+      call problems%add('--share: expected one --keep with the file of this part')
     call check_files(line, problems)
     do i = 1, size(options)
       if (options(i)%command == commands(command_at(line%command))%name .and. &
@@ -185,16 +187,6 @@ contains
                                         ', expected ' // expected)
     end associate
   end subroutine take_option
-
-  ! A part is kept in one file; several files are those of parts.
-  subroutine check_share(line, problems)
-    type(command_line), intent(in) :: line
-    type(problem_list), intent(inout) :: problems
-
-    if (line%share(2) == 1) return
-    if (.not. line%has('--keep') .or. allocated(line%parts)) &
-      call problems%add('--share: expected one --keep with the file of this part')
-  end subroutine check_share
 
   !> Whether all images work on a command, each on a part of its pieces.
   pure logical function is_shared(line)

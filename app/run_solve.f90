@@ -125,7 +125,7 @@ contains
       case default
         call write_table(tables(findloc(tables_of(:, option), .true., 1)), text, units)
       end select
-      call stage_output(trim(table_options(option)), text)
+      call outcome%stage_text(line%output_path(trim(table_options(option))), text)
     end subroutine stage_tables
 
     ! One state as image data; the last one as a histogram, too.
@@ -147,11 +147,11 @@ contains
           if (dot <= index(path, '/', back=.true.) + 1) dot = len(path) + 1
           path = path(:dot - 1) // number // path(dot:)
         end if
-        call stage_output('--fields', vti, path)
+        call outcome%stage_text(path, vti)
       end if
       if (.not. (is_last .and. line%has('--histogram'))) return
       call write_histogram(field, histogram, units)
-      call stage_output('--histogram', histogram)
+      call outcome%stage_text(line%output_path('--histogram'), histogram)
     end subroutine stage_field
 
     ! The largest stresses of the last state in the lower body as text, all of them as a file.
@@ -186,7 +186,7 @@ contains
           call write_table(stress_table(cells), file, units)
         end select
       end associate
-      call stage_output('--stress', file)
+      call outcome%stage_text(line%output_path('--stress'), file)
       if (line%has('--quiet')) return
       call outcome%text%line('')
       call outcome%text%line('Stress in the lower body under the normal pressures, largest of ' // &
@@ -198,19 +198,6 @@ contains
         call outcome%text%line(with_unit(text, trim(unit_of(scene_in, is_length))))
       end do
     end subroutine stage_stress
-
-    ! Stages a file.
-    subroutine stage_output(option, text, path)
-      character(len=*), intent(in) :: option
-      type(text_buffer), intent(in) :: text
-      character(len=*), intent(in), optional :: path  ! absent: that of the option
-
-      if (present(path)) then
-        call outcome%stage_text(path, text)
-      else
-        call outcome%stage_text(line%output_path(option), text)
-      end if
-    end subroutine stage_output
 
   end subroutine run_solve_command
 
