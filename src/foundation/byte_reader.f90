@@ -247,16 +247,14 @@ contains
   end function whole_bits
 
   !> The bytes of a whole number without sign.
-  pure function bytes_of(bits, wide, big_endian) result(bytes)
+  pure function bytes_of(bits, wide) result(bytes)
     integer(int64), intent(in) :: bits           !! number below 2**(8 wide)
     integer, intent(in) :: wide                  !! number of bytes, 1 to 8
-    logical, intent(in), optional :: big_endian  !! present: highest byte first
-    character(len=wide) :: bytes                 !! `whole_bits` gives the number back
-    integer :: i, place
+    character(len=wide) :: bytes                 !! lowest first: `whole_bits` gives the number back
+    integer :: i
 
     do i = 1, wide
-      place = merge(wide + 1 - i, i, present(big_endian))
-      bytes(place:place) = char(int(ibits(bits, 8 * (i - 1), 8)))
+      bytes(i:i) = char(int(ibits(bits, 8 * (i - 1), 8)))
     end do
   end function bytes_of
 

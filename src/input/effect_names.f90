@@ -186,16 +186,12 @@ contains
                      trim(merge(pairs(i)%on_pixels, pairs(i)%on_asperities, on_pixels))
   end function why_not_together
 
-  !> Whether two effects are computed together.
-  pure logical function go_together(first, first_way, second, second_way, on_pixels)
+  !> Whether two effects are computed together on asperities.
+  pure logical function go_together(first, first_way, second, second_way)
     character(len=*), intent(in) :: first, second          !! two effects, as in &effects
     character(len=*), intent(in) :: first_way, second_way  !! how each is simulated
-    logical, intent(in), optional :: on_pixels  !! on the pixels of a map; absent: on asperities
-    logical :: of_map
 
-    of_map = .false.
-    if (present(on_pixels)) of_map = on_pixels
-    go_together = conflict_of(first, first_way, second, second_way, of_map) == 0
+    go_together = conflict_of(first, first_way, second, second_way, .false.) == 0
   end function go_together
 
   ! Entry of two effects that are not computed together; 0: they are.

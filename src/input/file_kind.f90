@@ -6,7 +6,7 @@ module asperity_file_kind
   implicit none
   private
 
-  public :: a_scene, a_specification, a_surface, a_map, group_start, other_kind
+  public :: a_scene, a_specification, a_surface, group_start, other_kind
 
   !> Kinds of files that are recognised by their text. Card decks and maps of plain numbers are not.
   integer, parameter :: a_scene = 1, a_specification = 2, a_surface = 3, a_map = 4
