@@ -91,10 +91,12 @@ contains
     share = unknown_influence
     load = merge(state%answer%load, state%largest_load, state%answer%load > 0.0_real64)
     associate (map => state%deformed, answer => state%answer)
-      is_open = is_measured(map%height) .and. .not. answer%pressure > 0.0_real64
-      allocate (gap, source=0.0_real64 * answer%pressure)
+      allocate (is_open(map%columns, map%rows), &
+                source=is_measured(map%height) .and. .not. answer%pressure > 0.0_real64)
+      allocate (gap(map%columns, map%rows), source=0.0_real64)
       where (is_open) gap = answer%level - map%height + answer%displacement
-      allocate (pull, source=merge(attraction_at(self%attraction, gap), 0.0_real64, is_open))
+      allocate (pull(map%columns, map%rows), &
+                source=merge(attraction_at(self%attraction, gap), 0.0_real64, is_open))
       begin = sum(pull) * product(map%pixel_spacing)
       if (.not. begin > 0.0_real64) share = 0.0_real64
       if (.not. (begin > 0.0_real64 .and. load > 0.0_real64)) return
