@@ -104,8 +104,9 @@ contains
     real(real64) :: distance, smaller
     integer :: i
 
-    if (.not. allocated(state%prepared)) then
+    if (.not. is_prepared(self, state)) then
       law = self%law
+      if (allocated(state%prepared)) deallocate (state%prepared)
       call complete_law(law)
       allocate (state%prepared, source=law)
     end if
@@ -132,6 +133,21 @@ contains
       end associate
     end do
   end subroutine apply_adhesion
+
+  ! Whether the law that a state has prepared is that of the same contacts.
+  logical function is_prepared(self, state)
+    class(adhesion_effect), intent(in) :: self
+    type(contact_state), intent(in) :: state
+
+    is_prepared = .false.
+    if (.not. allocated(state%prepared)) return
+    select type (law => state%prepared)
+    type is (adhesion_law)
+      if (size(law%known) /= size(self%law%known)) return
+      is_prepared = .not. (any(abs(law%known%radius - self%law%known%radius) > 0.0_real64) .or. &
+                           any(abs(law%known%tabor - self%law%known%tabor) > 0.0_real64))
+    end select
+  end function is_prepared
 
   !> Sets the columns, also where adhesion is left out: they need the penetrations only.
   subroutine leave_out(self, pairs, state, outcome)
