@@ -52,10 +52,12 @@ enum {
                                  theory, or numbers in error */
   ASPERITY_UNIT = 7,          /* asperity_read_map, asperity_generate_map, asperity_power_spectrum,
                                  asperity_fields: unit of all lengths; "" where the map has none */
-  ASPERITY_GROUPS = 8         /* of a scene, a line a name: GROUP, NAME and VALUES as they stand in its
+  ASPERITY_GROUPS = 8,        /* of a scene, a line a name: GROUP, NAME and VALUES as they stand in its
                                  text, with tabulators between and values on one line. A card deck has
                                  the lines of the scene that says the same. Names of files are
                                  relative to the scene's file */
+  ASPERITY_SCENE = 9          /* asperity_solve_scene: an object of JSON with "scene" (file, text, units)
+                                 and "provenance" as docs/results.schema.json has them */
 };
 
 /* Tables of an outcome, with the columns of the CSV files. A cell that was not computed is NaN. */

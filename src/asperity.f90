@@ -39,6 +39,7 @@ module asperity
   use asperity_report, only: write_report
   ! Running scenes.
   use asperity_run_options, only: check_options, run_options
+  use asperity_scene_inputs, only: input_file, keep_checksums, list_inputs
   use asperity_solve, only: solve
   use asperity_surface_fields, only: check_field_request
   use asperity_version, only: version

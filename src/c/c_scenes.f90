@@ -8,14 +8,15 @@
 module asperity_c_scenes
   use, intrinsic :: iso_c_binding, only: c_associated, c_double, c_f_pointer, c_int, c_ptr
   use asperity, only: build_scene_of, check_field_request, check_options, fields_none, &
-                      list_warnings, make_arrays, name_units, of_contacts, problem_list, &
-                      read_scene, rebuild_scene, run_options, scene_results, scene_side, solve, &
-                      text_buffer, write_summary
+                      input_file, keep_checksums, list_inputs, list_warnings, make_arrays, &
+                      name_units, of_contacts, problem_list, read_scene, rebuild_scene, &
+                      run_options, scene_results, scene_side, solve, text_buffer, write_summary
   use asperity_kinds, only: real64
   use asperity_c_arguments, only: require_text, take_asperities, take_heights
   use asperity_c_outcome, only: begin_outcome, finish_outcome, finish_scene, look_at, outcome, &
-                                set_text, text_notes, text_of, text_report, text_warning_kinds, &
-                                text_warnings
+                                set_text, text_notes, text_of, text_report, text_scene, &
+                                text_warning_kinds, text_warnings
+  use asperity_results_json, only: write_json_scene
   implicit none
   private
 
@@ -53,6 +54,7 @@ contains
     allocate (new%scene_in)
     call require_text('scene', path, new%problems)
     if (new%problems%count() == 0) call read_scene(text_of(path), new%scene_in, new%problems)
+    if (new%problems%count() == 0) call keep_checksums(new%scene_in)
     call finish_scene(new)
     !$omp end critical (library_texts)
   end function c_read_scene
@@ -171,7 +173,9 @@ contains
     type(scene_results), intent(inout) :: results
     type(outcome), intent(inout) :: new
     type(problem_list) :: kinds, warnings
-    type(text_buffer) :: summary
+    type(input_file) :: inputs(3)
+    type(text_buffer) :: about, summary
+    character(len=:), allocatable :: unread
     integer :: which
 
     if (.not. allocated(from%scene_in) .or. from%problems%count() > 0) return
@@ -186,6 +190,9 @@ contains
     call set_text(new, text_warning_kinds, kinds%text())
     call write_summary(from%scene_in, results, summary)
     call set_text(new, text_report, summary%text())
+    call list_inputs(from%scene_in, inputs, unread)
+    call write_json_scene(from%scene_in, inputs, results, about)
+    call set_text(new, text_scene, about%text())
     do which = 1, of_contacts
       if (.not. allocated(new%failure)) call make_arrays(which, results, new%tables(which), &
                                                          new%failure)

@@ -1,5 +1,5 @@
-!> A run in one file of JSON: the scene, where it comes from, and its tables by column, under the
-!> names of the CSV files. `docs/results.schema.json` is its schema.
+!> A run in one file of JSON: the scene, where it comes from, the summary, and its tables by column,
+!> with their units, under the names of the CSV files. `docs/results.schema.json` is its schema.
 module asperity_results_json
   use asperity_printable, only: printable_text
   use asperity_problems, only: problem_list, real_text
@@ -7,13 +7,14 @@ module asperity_results_json
   use asperity_scene_inputs, only: input_file
   use asperity_scene_results, only: scene_results
   use asperity_scene_values, only: effect_words, scene
+  use asperity_summary, only: write_summary
   use asperity_text_buffer, only: text_buffer
-  use asperity_unit_names, only: has_units
+  use asperity_unit_names, only: has_units, unit_of
   use asperity_version, only: version
   implicit none
   private
 
-  public :: write_json, write_json_table
+  public :: write_json, write_json_scene, write_json_table
 
 contains
 
@@ -25,9 +26,49 @@ contains
     type(array_table), intent(in) :: tables(3)             !! positions, states, contacts of them
     type(problem_list), intent(in) :: warnings             !! a line a kind
     type(text_buffer), intent(inout) :: buffer             !! gets the text
+    type(text_buffer) :: summary
     integer :: i
 
     call buffer%line('{')
+    call put_scene(scene_in, inputs, results, buffer)
+    call buffer%line(',')
+    call write_summary(scene_in, results, summary)
+    call buffer%line('"summary": ' // json_text(summary%text()) // ',')
+    call put_lines('notes', scene_in%notes%text(), buffer)
+    call put_lines('warnings', warnings%text(), buffer)
+    call buffer%line('"units": {')
+    do i = 1, of_contacts
+      call put_column_units(trim(table_names(i)), scene_in, tables(i), buffer)
+      call buffer%line(trim(merge(',', ' ', i < of_contacts)))
+    end do
+    call buffer%line('},')
+    do i = 1, of_contacts
+      call put_table(trim(table_names(i)), tables(i), buffer)
+      call buffer%line(trim(merge(', ', '  ', i < of_contacts)))
+    end do
+    call buffer%line('}')
+  end subroutine write_json
+
+  !> Scene and provenance alone.
+  subroutine write_json_scene(scene_in, inputs, results, buffer)
+    type(scene), intent(in) :: scene_in         !! what was solved
+    type(input_file), intent(in) :: inputs(3)   !! the files that it is made of
+    type(scene_results), intent(in) :: results  !! results of the run
+    type(text_buffer), intent(inout) :: buffer  !! gets the text
+
+    call buffer%line('{')
+    call put_scene(scene_in, inputs, results, buffer)
+    call buffer%line('}')
+  end subroutine write_json_scene
+
+  ! The members `scene` and `provenance`, without a comma at the end.
+  subroutine put_scene(scene_in, inputs, results, buffer)
+    type(scene), intent(in) :: scene_in
+    type(input_file), intent(in) :: inputs(3)
+    type(scene_results), intent(in) :: results
+    type(text_buffer), intent(inout) :: buffer
+    integer :: i
+
     call buffer%line('"scene": {"file": ' // json_text(scene_in%file) // ',')
     call put_units(scene_in, buffer)
     call buffer%line('"text": ' // json_text(scene_in%text) // '},')
@@ -51,15 +92,26 @@ contains
       call buffer%append('{"file": ' // json_text(inputs(i)%path) // ', "checksum": "' // &
                          inputs(i)%checksum // '"}')
     end do
-    call buffer%line(']},')
-    call put_lines('notes', scene_in%notes%text(), buffer)
-    call put_lines('warnings', warnings%text(), buffer)
-    do i = 1, of_contacts
-      call put_table(trim(table_names(i)), tables(i), buffer)
-      call buffer%line(trim(merge(', ', '  ', i < of_contacts)))
+    call buffer%append(']}')
+  end subroutine put_scene
+
+  ! The unit of each column of a table.
+  subroutine put_column_units(name, scene_in, table, buffer)
+    character(len=*), intent(in) :: name
+    type(scene), intent(in) :: scene_in
+    type(array_table), intent(in) :: table
+    type(text_buffer), intent(inout) :: buffer
+    integer :: i
+
+    call buffer%append('"' // name // '": {')
+    do i = 1, size(table%columns)
+      if (i > 1) call buffer%append(',')
+      if (i > 1 .and. mod(i, 8) == 1) call buffer%append(new_line('a'))
+      call buffer%append('"' // table%columns(i)%name // '": ' // &
+                         json_text(trim(unit_of(scene_in, table%columns(i)%dimension))))
     end do
-    call buffer%line('}')
-  end subroutine write_json
+    call buffer%append('}')
+  end subroutine put_column_units
 
   !> A table alone, with the units of the scene.
   subroutine write_json_table(scene_in, name, table, buffer)

@@ -6,7 +6,7 @@ module asperity_scene_inputs
   implicit none
   private
 
-  public :: input_file, list_inputs
+  public :: input_file, keep_checksums, list_inputs
 
   !> One input file.
   type :: input_file
@@ -52,5 +52,21 @@ contains
     end subroutine add_file
 
   end subroutine list_inputs
+
+  !> Keeps the checksums of the files of surfaces in the scene: `list_inputs` does not read them
+  !> again. A file that cannot be read has none.
+  subroutine keep_checksums(scene_in)
+    type(scene), intent(inout) :: scene_in  !! scene that was read from files
+    type(input_file) :: inputs(3)
+    character(len=:), allocatable :: failure
+    integer :: i
+
+    call list_inputs(scene_in, inputs, failure)
+    do i = 2, size(inputs)
+      if (inputs(i)%path == '') cycle
+      if (scene_in%upper%file == inputs(i)%path) scene_in%upper%checksum = inputs(i)%checksum
+      if (scene_in%lower%file == inputs(i)%path) scene_in%lower%checksum = inputs(i)%checksum
+    end do
+  end subroutine keep_checksums
 
 end module asperity_scene_inputs
