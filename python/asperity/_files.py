@@ -1,4 +1,4 @@
-"""Files of results: a zip archive of `results.json`, a CSV file for each table, and an array of
+"""Files of results: JSON and VTI of the program; a zip archive of `results.json`, a CSV file for each table, and an array of
 numpy's format (`.npy`) for each field. Each part is read without this package."""
 
 from __future__ import annotations
@@ -9,6 +9,7 @@ import io
 import json
 import math
 import os
+import re
 import sys
 import zipfile
 from array import array
@@ -21,7 +22,7 @@ from ._errors import ComputeError, InputError, Problem
 from ._fields import FLAGS, NAMES, SLIP_NAMES, Fields, in_rows
 
 FORMAT = "asperity results 1"  #: what `results.json` states
-EXPECTED = "a file that Results.save wrote"
+EXPECTED = "a file that Results.save or asperity solve --json wrote"
 # Of the Python types of a column: the code of the array, and how a cell is read.
 CODES = {"float": "d", "int": "i", "str": ""}
 # Attributes of fields beside the arrays, and those that JSON has as lists.
@@ -58,6 +59,11 @@ def write_results(path: _a.Path, version: str, texts: Mapping[str, Any],
             os.remove(part)
 
 
+def is_saved(path: _a.Path) -> bool:
+    """Whether a file is an archive."""
+    return zipfile.is_zipfile(os.fsdecode(_a.path("path", path)))
+
+
 def read_results(path: _a.Path) -> tuple[dict[str, Any], dict[str, Table], list[Fields]]:
     """The facts, tables and fields of a file."""
     name = os.fsdecode(_a.path("path", path))
@@ -72,9 +78,75 @@ def read_results(path: _a.Path) -> tuple[dict[str, Any], dict[str, Table], list[
     except OSError as error:
         raise InputError([Problem(name, None, None, error.strerror or str(error))]) from None
     except (zipfile.BadZipFile, KeyError, ValueError, TypeError):
-        raise InputError([Problem(name, None, None,
-                                  f"found another kind of file, expected {EXPECTED}")]) from None
+        raise _another_kind(name, EXPECTED) from None
     return facts, tables, fields
+
+
+def read_json(path: _a.Path) -> tuple[dict[str, Any], dict[str, Table]]:
+    """The facts and tables of a file of `asperity solve --json`."""
+    name = os.fsdecode(_a.path("path", path))
+    try:
+        with open(name, encoding="utf-8") as file:
+            facts = json.load(file)
+        tables = {key: Table({title: _column_of(cells) for title, cells in facts[key].items()},
+                             facts["units"][key], key)
+                  for key in ("positions", "states", "contacts")}
+        if not {"summary", "notes", "warnings", "scene", "provenance"} <= facts.keys():
+            raise KeyError("summary")
+    except OSError as error:
+        raise InputError([Problem(name, None, None, error.strerror or str(error))]) from None
+    except (KeyError, ValueError, TypeError, AttributeError):
+        raise _another_kind(name, EXPECTED) from None
+    return facts, tables
+
+
+def _column_of(cells: list[Any]) -> Any:
+    """A column of a list; null is a value that was not computed."""
+    if any(isinstance(cell, str) for cell in cells):
+        return column(cells)
+    kind = "i" if cells and all(isinstance(cell, int) for cell in cells) else "d"
+    return column(memoryview(array(kind, [math.nan if cell is None else cell for cell in cells])))
+
+
+def read_vti(path: _a.Path, step: int, length: str, pressure: str) -> Fields:
+    """The fields of a file of `asperity solve --fields`: one state of position 1."""
+    name = os.fsdecode(_a.path("fields", path))
+    expected = "a file that asperity solve --fields wrote"
+    made = Fields.__new__(Fields)
+    try:
+        with open(name, "rb") as file:
+            head, _, body = file.read().partition(b'<AppendedData encoding="raw">_')
+        text = head.decode("ascii")
+        numbers = {key: [float(word) for word in re.findall(rf' {key}="([^"]*)"', text)[0].split()]
+                   for key in ("WholeExtent", "Origin", "Spacing", "NumberOfTuples")
+                   if f" {key}=" in text}
+        made.shape = int(numbers["WholeExtent"][3]), int(numbers["WholeExtent"][1])
+        made.spacing = numbers["Spacing"][0], numbers["Spacing"][1]
+        made.origin = (numbers["Origin"][0] + made.spacing[0] / 2,
+                       numbers["Origin"][1] + made.spacing[1] / 2)
+        counts = re.findall(r'Name="(?:boundary_element|hertz)_contacts".*>(\d+)<', text)
+        made.boundary_contacts, made.hertz_contacts = map(int, counts) if counts else (None, None)
+        found = re.findall(r'type="(\w+)" Name="(\w+)" format="appended" offset="(\d+)"', text)
+        made._names = tuple(field for _, field, _ in found)
+        for kind, field, offset in found:
+            cells, start = array("d" if kind == "Float64" else "b"), int(offset) + 8
+            cells.frombytes(body[start:start + cells.itemsize * made.shape[0] * made.shape[1]])
+            if "BigEndian" in text and sys.byteorder == "little":
+                cells.byteswap()
+            setattr(made, field, in_rows(column(memoryview(cells)), made.shape, field in FLAGS))
+    except OSError as error:
+        raise InputError([Problem(name, None, None, error.strerror or str(error))]) from None
+    except (LookupError, ValueError):
+        raise _another_kind(name, expected) from None
+    made.unit, made.position, made.step = length or None, 1, step
+    made.units = {field: pressure if field in ("pressure", "traction") else
+                  "" if field in FLAGS else length for field in made._names}
+    return made
+
+
+def _another_kind(name: str, expected: str) -> InputError:
+    return InputError([Problem(name, None, None,
+                               f"found another kind of file, expected {expected}")])
 
 
 def _type_of(cells: Any) -> str:

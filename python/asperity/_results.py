@@ -3,7 +3,9 @@
 from __future__ import annotations
 
 import html
+import json
 import math
+from collections.abc import Sequence
 from typing import TYPE_CHECKING, Any, cast
 
 from . import _arguments as _a
@@ -50,6 +52,9 @@ class Results:
         One line for each kind; each is also issued as `TheoryWarning` or `AccuracyWarning`.
     notes : list of str
         Notes on the deck, the scene or the map.
+    scene : dict
+        The `text` of the scene without its arrays, its `file`, its `units` of length and force
+        where they are known, and `provenance`: version, arithmetic, effects, checksums of files.
 
     Examples
     --------
@@ -78,10 +83,14 @@ class Results:
         positions: Table
         states: Table
         contacts: Table
+        scene: dict[str, Any]
 
-    def __getattr__(self, name: str) -> Table:
-        # A table is made when it is first asked for.
+    def __getattr__(self, name: str) -> Any:
+        # A table, and the scene, are made when they are first asked for.
         outcome = vars(self).get("_outcome")
+        if name == "scene" and outcome is not None:
+            self.scene = scene_of(json.loads(outcome.text(_c.SCENE)))
+            return self.scene
         if name not in TABLES or outcome is None:
             raise AttributeError(f"{type(self).__name__!r} object has no attribute {name!r}")
         table: Table = outcome.table(TABLES[name], name)
@@ -89,7 +98,7 @@ class Results:
         return table
 
     def __getstate__(self) -> dict[str, Any]:
-        for name in TABLES:
+        for name in (*TABLES, "scene"):
             getattr(self, name)
         self._all_fields()
         return {**vars(self), "_outcome": None}
@@ -102,13 +111,16 @@ class Results:
                 self.fields(step=step)
         return [self._fields[place] for place in sorted(self._fields)]
 
+    def __dir__(self) -> list[str]:
+        return sorted({*super().__dir__(), *TABLES, "scene"})
+
     def to_dict(self) -> dict[str, Any]:
         """All results as lists, numbers and texts: what `json` writes."""
         tables = {name: getattr(self, name) for name in TABLES}
         return {**{name: table.to_dict() for name, table in tables.items()},
                 "units": {name: dict(table.units) for name, table in tables.items()},
                 "summary": self.summary, "warnings": list(self.warnings),
-                "notes": list(self.notes)}
+                "notes": list(self.notes), "scene": dict(self.scene)}
 
     def to_pandas(self) -> pandas.DataFrame:
         """The states as a `pandas.DataFrame`; `positions` and `contacts` have `to_pandas`, too."""
@@ -155,7 +167,7 @@ class Results:
             When the file cannot be written.
         """
         _files.write_results(path, _c.VERSION, {"summary": self.summary, "warnings": self.warnings,
-                                                "notes": self.notes},
+                                                "notes": self.notes, "scene": self.scene},
                              {name: getattr(self, name) for name in TABLES}, self._all_fields())
 
     def plot(self, ax: Any = None) -> tuple[Axes, Axes]:
@@ -356,13 +368,16 @@ class Results:
         return "\n".join(parts)
 
 
-def load(path: _a.Path) -> Results:
-    """Read results that `Results.save` wrote.
+def load(path: _a.Path, *, fields: _a.Path | Sequence[_a.Path] | None = None) -> Results:
+    """Read results that `Results.save` or `asperity solve --json` wrote.
 
     Parameters
     ----------
     path : str or os.PathLike
         Name of the file.
+    fields : str, os.PathLike or list of these, optional
+        Beside a file of `--json`: the file of `--fields`, of the last state of position 1; a list
+        has those of all states of this position, in their order (`--fields-of all`).
 
     Returns
     -------
@@ -383,13 +398,32 @@ def load(path: _a.Path) -> Results:
     >>> asperity.load(path).states == results.states
     True
     """
-    facts, tables, fields = _files.read_results(path)
     made = Results.__new__(Results)
+    if _files.is_saved(path):
+        facts, tables, found = _files.read_results(path)
+        if fields is not None:
+            raise _a.wrong("fields", repr(fields), "None: a saved file has its fields")
+    else:
+        facts, tables = _files.read_json(path)
+        facts["scene"] = scene_of(facts)
+        paths = [] if fields is None else \
+            list(fields) if isinstance(fields, (list, tuple)) else [fields]
+        first = sum(place == 1 for place in tables["states"]["position"].tolist()) - len(paths) + 1
+        if len(paths) > 1 and first != 1:
+            raise _a.wrong("fields", f"{len(paths)} files", "one for each state of position 1")
+        found = [_files.read_vti(one, first + number, tables["states"].units["separation"],
+                                 tables["contacts"].units["maximum_pressure"])
+                 for number, one in enumerate(cast("list[_a.Path]", paths))]
     vars(made).update(tables, _outcome=None, summary=facts["summary"], warnings=facts["warnings"],
-                      notes=facts["notes"],
-                      _kept=(_fields.NONE, _fields.LAST, _fields.ALL)[min(len(fields), 2)],
-                      _fields={(one.position, one.step): one for one in fields})
+                      notes=facts["notes"], scene=facts.get("scene", {}),
+                      _kept=(_fields.NONE, _fields.LAST, _fields.ALL)[min(len(found), 2)],
+                      _fields={(one.position, one.step): one for one in found})
     return made
+
+
+def scene_of(facts: dict[str, Any]) -> dict[str, Any]:
+    """The scene of an object of JSON, with its provenance."""
+    return {**facts["scene"], "provenance": facts["provenance"]}
 
 
 class Summits(Table):
