@@ -2,6 +2,7 @@
 
 from __future__ import annotations
 
+import html
 import math
 from collections.abc import Iterator
 from typing import TYPE_CHECKING, Any, cast
@@ -9,7 +10,7 @@ from typing import TYPE_CHECKING, Any, cast
 from . import _arguments as _a
 from . import _library as _c
 from ._columns import Table, Values, column, needed, numpy, shown
-from ._plots import draw_pixels
+from ._plots import (draw_pixels, draw_section, draw_states, new_axes, picture_html, shade_hills)
 
 if TYPE_CHECKING:
     import xarray
@@ -135,16 +136,23 @@ class Fields(Arrays):
             {name: (("y", "x"), self[name], {"units": self.units[name]}) for name in self._names},
             {**places, "position": self.position, "step": self.step}))
 
-    def plot(self, name: str = "pressure", ax: Axes | None = None) -> Axes:
+    def plot(self, name: str = "pressure", ax: Axes | None = None, *, scale: str = "auto",
+             percentile: float = 99.5, on: Any = None) -> Axes:
         """Draw one of the arrays in plan.
 
         Parameters
         ----------
         name : {'pressure', 'gap', 'displacement', 'contact', 'traction', 'stick'}
-            The array. Pixels out of contact have no colour in the pressure, those in contact none
-            in the gap.
+            The array. Pixels out of contact have no colour in pressure and traction, those in
+            contact none in the gap. `contact` and `stick` have a legend with shares of the area.
         ax : matplotlib.axes.Axes, optional
             Where to draw; a new figure otherwise.
+        scale : {'auto', 'linear', 'log'}
+            Of the colours; `auto` is logarithmic where the greatest value exceeds 20 medians.
+        percentile : float, default 99.5
+            Where a linear scale ends if few values are far beyond.
+        on : HeightMap or array_like, optional
+            Heights of the same pixels, drawn as hills in oblique light below the array.
 
         Returns
         -------
@@ -153,17 +161,32 @@ class Fields(Arrays):
         if name not in self._names:
             raise _a.wrong("name", repr(name), ", ".join(map(repr, self._names)))
         library: Any = needed("numpy", "plot", "a plot")
+        place = self.spacing, self.unit
+        if name in FLAGS:
+            state = library.asarray(self.contact, int) * (1 + library.asarray(self[name], int))
+            names = "no contact", "slip", "stick"
+            if name == "contact":
+                state, names = state // 2, ("no contact", "contact")  # type: ignore[assignment]
+            return draw_states(state, names, *place, ax, self.origin)
+        if on is not None:
+            heights = library.ma.filled(library.ma.asarray(getattr(on, "heights", on), float),
+                                        math.nan)
+            if heights.shape != self.shape:
+                raise _a.wrong("on", f"an array of shape {heights.shape}", f"{self.shape}")
+            ax = new_axes(ax)
+            shade_hills(heights, self.spacing, ax, self.origin)
         values = library.asarray(self[name], dtype=float)
-        if name in ("pressure", "gap"):
-            in_contact = library.asarray(self.contact) == (name == "pressure")
+        if name != "displacement":
+            in_contact = library.asarray(self.contact) == (name != "gap")
             values = library.where(in_contact, values, math.nan)
-        corner = 0.0, 0.0  # of a map
-        if self.hertz_contacts is not None:
-            corner = self.origin[0] - self.spacing[0] / 2, self.origin[1] - self.spacing[1] / 2
-        return draw_pixels(values, self.spacing, self.unit, ax, corner=corner,
-                           label=None if name in FLAGS else
-                           Table(units=self.units).label(name),
-                           least=0.0 if name in ("pressure", "gap") else None)
+        return draw_pixels(values, *place, ax, origin=self.origin,
+                           label=Table(units=self.units).label(name), scale=scale,
+                           percentile=percentile,
+                           least=0.0 if name in ("pressure", "gap", "traction") else None)
+
+    def _repr_html_(self) -> str:
+        return f"<p>{html.escape(repr(self)[1:-1])}</p>" + picture_html(
+            lambda axes: self.plot(ax=axes))
 
     def __repr__(self) -> str:
         unit = f" {self.units['pressure']}" if self.units["pressure"] else ""
@@ -215,6 +238,54 @@ class Stress(Arrays):
         unit = f" {self.unit}" if self.unit else ""
         return f"<asperity.Stress at {len(self.depth)} depths: step {self._fields.step}, " \
                f"von Mises up to {shown(float(self.von_mises.max()))}{unit}>"
+
+    def plot(self, name: str = "von_mises", ax: Axes | None = None, *, depth: float | None = None,
+             y: float | None = None, scale: str = "linear", percentile: float = 99.9) -> Axes:
+        """Draw one of the arrays in plan, or in a section along x with the surface above.
+
+        Parameters
+        ----------
+        name : str, default 'von_mises'
+            The array; components with a sign have white at 0.
+        ax : matplotlib.axes.Axes, optional
+            Where to draw; a new figure otherwise.
+        depth : float, optional
+            Of the plan: the nearest of the depths; that of the largest value otherwise.
+        y : float, optional
+            Draw the section at the nearest row of pixels instead.
+        scale, percentile
+            As of `Fields.plot`.
+
+        Returns
+        -------
+        matplotlib.axes.Axes
+        """
+        if name not in self._names:
+            raise _a.wrong("name", repr(name), ", ".join(map(repr, self._names)))
+        library: Any = needed("numpy", "plot", "a plot")
+        at, unit = self._fields, self._fields.unit or ""
+        how: dict[str, Any] = {"scale": scale, "percentile": percentile,
+                               "label": Table(units={name: self.unit}).label(name),
+                               "is_signed": name not in ("von_mises", "largest_shear")}
+        if y is None:
+            near = self.depth - (self.largest(name)[1] if depth is None else depth)
+            level = int(library.abs(near).argmin())
+            axes = draw_pixels(self[name][level], at.spacing, at.unit, ax, origin=at.origin, **how)
+            axes.set_title(f"depth {shown(float(self.depth[level]))} {unit}", fontsize="medium")
+            return axes
+        if len(self.depth) < 2:
+            raise _a.wrong("y", "stresses at one depth", "stresses at two depths or more")
+        order = self.depth.argsort()
+        row = min(max(round((y - at.origin[1]) / at.spacing[1]), 0), at.shape[0] - 1)
+        across = at.origin[0] + library.arange(at.shape[1]) * at.spacing[0]
+        axes = draw_section(self[name][order, row], across, self.depth[order], ax, unit=unit, **how)
+        axes.set_title(f"y = {shown(float(at.origin[1] + row * at.spacing[1]))} {unit}",
+                       fontsize="medium")
+        return axes
+
+    def _repr_html_(self) -> str:
+        return f"<p>{html.escape(repr(self)[1:-1])}</p>" + picture_html(
+            lambda axes: self.plot(ax=axes))
 
     def largest(self, name: str = "von_mises") -> tuple[float, float, float, float]:
         """The largest value of an array, with its depth, x and y."""

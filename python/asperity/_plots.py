@@ -2,9 +2,13 @@
 
 from __future__ import annotations
 
+import base64
+import io
 import math
+from collections.abc import Mapping
 from typing import TYPE_CHECKING, Any
 
+from . import _arguments as _a
 from ._columns import Table, needed
 
 if TYPE_CHECKING:
@@ -12,6 +16,15 @@ if TYPE_CHECKING:
 
 # More curves than these are drawn without a legend.
 MOST_NAMED = 8
+# Chosen: a scale is logarithmic where the greatest value exceeds this number of medians.
+LOG_MEDIANS = 20.0
+# Chosen: share of the values below the least one on a logarithmic scale, in per cent.
+LOG_PERCENT = 1.0
+# Chosen: outliers that would widen a linear scale by more than this share have the last colour.
+OUTLIER_SHARE = 0.25
+# No contact, slip, stick; orange and blue of Okabe and Ito, which the colour-blind tell apart.
+STATES = {"no contact": "#ffffff", "slip": "#e69f00", "stick": "#0072b2"}
+SCALES = ("auto", "linear", "log")
 
 
 def new_axes(ax: Any, number: int = 1) -> Any:
@@ -23,22 +36,60 @@ def new_axes(ax: Any, number: int = 1) -> Any:
     return made
 
 
-def draw_curves(states: Table, ax: Any) -> tuple[Axes, Axes]:
-    """Load against separation, and contact area against load, one curve for each position."""
+def draw_curves(states: Table, ax: Any, *, control: str = "", log: bool = False,
+                errors: bool = True, theory: Mapping[str, Any] | None = None) -> tuple[Axes, Axes]:
+    """Load against separation, and contact area against load, one curve for each position; with a
+    nominal area, nominal pressure and area fraction. Bands are the estimated errors."""
+    numpy = needed("numpy", "plot", "a plot")
     left, right = new_axes(ax, 2)
+    force, size = ("nominal_pressure", "area_fraction") if "area_fraction" in states \
+        else ("load", "area")
     positions = sorted(set(states["position"].tolist()))
     for position in positions:
         rows = states["position"] == position
         name = f"position {position}" if 1 < len(positions) <= MOST_NAMED else None
-        for axes, across, up in ((left, "separation", "load"), (right, "load", "area")):
-            axes.plot(states[across][rows], states[up][rows], marker=".", label=name)
+        for axes, across, up in ((left, "separation", force), (right, force, size)):
+            x, y = states[across][rows], states[up][rows]
+            [line] = axes.plot(x, y, marker=".", label=name)
+            band = error_of(states, up, control) if errors else None
+            if band is not None:
+                # Along a path up and down a band would cover itself: bars.
+                style = {"color": line.get_color(), "alpha": 0.25}
+                if (numpy.diff(x) * (x[-1] - x[0]) >= 0).all():
+                    axes.fill_between(x, y - band[rows], y + band[rows], lw=0, **style)
+                else:
+                    axes.errorbar(x, y, band[rows], fmt="none", **style)
             axes.set_xlabel(states.label(across))
             axes.set_ylabel({"area": "contact "}.get(up, "") + states.label(up))
-            axes.locator_params(axis="x", nbins=5)
             axes.grid(alpha=0.3)
-    if 1 < len(positions) <= MOST_NAMED:
-        left.legend()
+    for number, (name, (x, y)) in enumerate((theory or {}).items()):
+        right.plot(x, y, color="0.3", ls=("--", ":", "-.", (0, (5, 1)))[number % 4], label=name)
+    if log:
+        left.set_yscale("log")
+        right.set(xscale="log", yscale="log")
+    for axes in (left, right):
+        if not log or axes is left:
+            axes.locator_params(axis="x", nbins=5)
+        if axes.get_legend_handles_labels()[1]:
+            axes.legend(fontsize="small")
     return left, right
+
+
+def error_of(states: Table, name: str, control: str) -> Any:
+    """Estimated error of a column of the states, in its unit; None where there is none."""
+    quantity = {"area_fraction": "area", "nominal_pressure": "load"}.get(name, name)
+    found = f"{quantity}_error_estimate"
+    scale = states[name]
+    if found not in states:
+        # Of the load; under a prescribed load of the compression.
+        if quantity != ("separation" if control in ("load", "vertical_load", "pressure")
+                        else "load") or "error_estimate" not in states:
+            return None
+        found = "error_estimate"
+        scale = states["compression" if quantity == "separation" else name]
+    numpy = needed("numpy", "plot", "a plot")
+    band = abs(numpy.nan_to_num(states[found] * scale))
+    return band if band.any() else None
 
 
 def draw_contacts(contacts: Table, rows: Any, ax: Axes | None) -> Axes:
@@ -61,18 +112,105 @@ def draw_contacts(contacts: Table, rows: Any, ax: Axes | None) -> Axes:
     return axes
 
 
+def colour_limits(values: Any, scale: str = "auto", percentile: float = 99.5, *,
+                  least: float | None = None, is_signed: bool = False) -> tuple[bool, float, float]:
+    """Whether the colours of values are logarithmic, and their least and greatest value.
+
+    `auto`: logarithmic where the greatest of values above 0 exceeds `LOG_MEDIANS` medians. A linear
+    scale ends at the percentile where outliers would widen it by more than `OUTLIER_SHARE`."""
+    if scale not in SCALES:
+        raise _a.wrong("scale", repr(scale), ", ".join(map(repr, SCALES)))
+    numpy = needed("numpy", "plot", "a plot")
+    shown = values[numpy.isfinite(values)]
+    above = shown[shown > 0]
+    if not shown.size:
+        return False, 0.0, 1.0
+    if above.size and (scale == "log" or (
+            scale == "auto" and shown.min() >= 0 and not is_signed
+            and above.max() > LOG_MEDIANS * numpy.median(above))):
+        low, high = numpy.percentile(above, LOG_PERCENT), above.max()
+        return True, float(low), float(high if high > low else 2 * low)
+    if is_signed:
+        shown = numpy.concatenate((shown, -shown))
+    low, high = numpy.percentile(shown, (100 - percentile, percentile))
+    low = low if least is None else least
+    share = OUTLIER_SHARE * (high - low)
+    high = high if shown.max() > high + share else shown.max()
+    low = low if least is not None or shown.min() < low - share else shown.min()
+    return False, float(low), float(high if high > low else low + 1)
+
+
 def draw_pixels(values: Any, spacing: tuple[float, float], unit: str | None, ax: Axes | None, *,
-                corner: tuple[float, float] = (0.0, 0.0), label: str | None = None,
-                cmap: str = "viridis", least: float | None = None) -> Axes:
-    """Values on pixels in plan; x to the right, y upwards. The first pixel begins at `corner`."""
+                origin: tuple[float, float] = (0.0, 0.0), label: str | None = None,
+                cmap: str = "viridis", least: float | None = None, scale: str = "linear",
+                percentile: float = 99.5, is_signed: bool = False) -> Axes:
+    """Values on pixels in plan; x to the right, y upwards. `origin` is the centre of the first
+    pixel. An arrow of the colour bar marks values beyond it, and the greatest stands above."""
     axes: Axes = new_axes(ax)
-    (left, bottom), (rows, columns) = corner, values.shape
-    drawn = axes.imshow(values, origin="lower", cmap=cmap, interpolation="nearest", vmin=least,
-                        extent=(left, left + columns * spacing[0],
-                                bottom, bottom + rows * spacing[1]))
+    numpy = needed("numpy", "plot", "a plot")
+    colors = needed("matplotlib.colors", "plot", "a plot")
+    is_log, low, high = colour_limits(values, scale, percentile, least=least, is_signed=is_signed)
+    drawn = axes.imshow(values, origin="lower", cmap="RdBu_r" if is_signed else cmap,
+                        norm=(colors.LogNorm if is_log else colors.Normalize)(low, high),
+                        interpolation="nearest", extent=extent_of(values.shape, spacing, origin))
     in_plan(axes, unit or "")
     if label:
-        axes.figure.colorbar(drawn, ax=axes, label=label)
+        shown = values[numpy.isfinite(values)]
+        is_below, is_above = (bool(shown.size) and beyond for beyond in (
+            (shown < low).any(), (shown > high).any()))
+        bar = axes.figure.colorbar(drawn, ax=axes, label=label, extend={
+            (False, False): "neither", (True, False): "min", (False, True): "max",
+            (True, True): "both"}[bool(is_below), bool(is_above)])
+        if is_above:
+            bar.ax.set_title(f"max {shown.max():.4g}", fontsize="x-small")
+    return axes
+
+
+def draw_states(state: Any, names: tuple[str, ...], spacing: tuple[float, float],
+                unit: str | None, ax: Axes | None, origin: tuple[float, float]) -> Axes:
+    """Pixels in one of the named states, a number from 0 each, with their shares in the legend."""
+    axes: Axes = new_axes(ax)
+    patch = needed("matplotlib.patches", "plot", "a plot").Patch
+    colours = [STATES.get(name, STATES["stick"]) for name in names]
+    axes.imshow(state, origin="lower", interpolation="nearest", vmin=-0.5, vmax=len(names) - 0.5,
+                cmap=needed("matplotlib.colors", "plot", "a plot").ListedColormap(colours),
+                extent=extent_of(state.shape, spacing, origin))
+    axes.legend(handles=[patch(facecolor=colour, edgecolor="0.5", label=(
+        f"{name} {float((state == number).mean()):.1%}"))
+        for number, (name, colour) in enumerate(zip(names, colours))],
+        loc="lower center", bbox_to_anchor=(0.5, 1.0), ncols=3, frameon=False, fontsize="small")
+    in_plan(axes, unit or "")
+    return axes
+
+
+def shade_hills(heights: Any, spacing: tuple[float, float], axes: Axes,
+                origin: tuple[float, float]) -> None:
+    """Heights as grey hills in light from the upper left, below what is drawn next."""
+    numpy = needed("numpy", "plot", "a plot")
+    light = needed("matplotlib.colors", "plot", "a plot").LightSource(315, 45)
+    filled = numpy.nan_to_num(heights, nan=float(numpy.nanmean(heights)))
+    # The rms slope drawn is 1/2, whatever the unit of heights.
+    slope = numpy.hypot(*(numpy.diff(filled, axis=axis).std() / spacing[1 - axis]
+                          for axis in (0, 1)))
+    grey = light.hillshade(filled[::-1], vert_exag=0.5 / slope if slope > 0 else 1.0,
+                           dx=spacing[0], dy=spacing[1])[::-1]
+    axes.imshow(grey, origin="lower", cmap="gray", vmin=-0.2, vmax=1.2,
+                extent=extent_of(heights.shape, spacing, origin))
+
+
+def draw_section(values: Any, across: Any, depth: Any, ax: Axes | None, *, label: str, unit: str,
+                 scale: str, percentile: float, is_signed: bool) -> Axes:
+    """Values by depth and place along x: the surface is above."""
+    axes: Axes = new_axes(ax)
+    colors = needed("matplotlib.colors", "plot", "a plot")
+    is_log, low, high = colour_limits(values, scale, percentile, is_signed=is_signed)
+    drawn = axes.pcolormesh(across, depth, values, shading="nearest",
+                            cmap="RdBu_r" if is_signed else "viridis",
+                            norm=(colors.LogNorm if is_log else colors.Normalize)(low, high))
+    axes.invert_yaxis()
+    axes.figure.colorbar(drawn, ax=axes, label=label)
+    for name, setter in (("x", axes.set_xlabel), ("depth", axes.set_ylabel)):
+        setter(Table(units={name: unit}).label(name))
     return axes
 
 
@@ -85,7 +223,27 @@ def draw_points(table: Table, axes: Axes) -> Axes:
     return axes
 
 
+def extent_of(shape: tuple[int, ...], spacing: tuple[float, float],
+              origin: tuple[float, float]) -> tuple[float, float, float, float]:
+    """Left, right, lower and upper edge of pixels."""
+    left, bottom = (start - step / 2 for start, step in zip(origin, spacing))
+    return left, left + shape[1] * spacing[0], bottom, bottom + shape[0] * spacing[1]
+
+
 def in_plan(axes: Axes, unit: str) -> None:
     axes.set_aspect("equal")
     for name, setter in (("x", axes.set_xlabel), ("y", axes.set_ylabel)):
         setter(Table(units={name: unit}).label(name))
+
+
+def picture_html(draw: Any) -> str:
+    """A drawing as an element of HTML, for a notebook; empty without matplotlib."""
+    try:
+        axes = needed("matplotlib.figure", "plot", "a plot").Figure(
+            figsize=(5.0, 4.0), layout="constrained").add_subplot()
+    except ImportError:
+        return ""
+    draw(axes)
+    buffer = io.BytesIO()
+    axes.figure.savefig(buffer, dpi=70)
+    return f"<img src='data:image/png;base64,{base64.b64encode(buffer.getvalue()).decode()}'>"

@@ -5,7 +5,8 @@ from __future__ import annotations
 import html
 import json
 import math
-from collections.abc import Sequence
+import re
+from collections.abc import Mapping, Sequence
 from typing import TYPE_CHECKING, Any, cast
 
 from . import _arguments as _a
@@ -170,19 +171,33 @@ class Results:
                                                 "notes": self.notes, "scene": self.scene},
                              {name: getattr(self, name) for name in TABLES}, self._all_fields())
 
-    def plot(self, ax: Any = None) -> tuple[Axes, Axes]:
-        """Draw the load against the separation, and the contact area against the load.
+    def plot(self, ax: Any = None, *, log: bool = False, errors: bool = True,
+             theory: Mapping[str, Any] | None = None) -> tuple[Axes, Axes]:
+        """Draw the load against the separation, and the contact area against the load; with a
+        nominal area the nominal pressure and the area fraction in their place.
 
         Parameters
         ----------
         ax : pair of matplotlib.axes.Axes, optional
             Where to draw; a new figure otherwise.
+        log : bool, default False
+            Logarithmic axes, but for the separation.
+        errors : bool, default True
+            Draw the estimated errors of the states as bands, of a path up and down as bars.
+        theory : dict of str to (x, y), optional
+            Curves by name for the second axes, such as those of `asperity.theory`.
 
         Returns
         -------
         (matplotlib.axes.Axes, matplotlib.axes.Axes)
         """
-        return draw_curves(self.states, ax)
+        return draw_curves(self.states, ax, control=self._control(), log=log, errors=errors,
+                           theory=theory)
+
+    def _control(self) -> str:
+        """The prescribed quantity of the loading; empty where the scene does not state it."""
+        found = re.search(r"\bcontrol\s*=\s*['\"](\w+)", self.scene.get("text", ""))
+        return found[1].lower() if found else ""
 
     def plot_contacts(self, position: int = 1, state: int | None = None, ax: Axes | None = None, *,
                       step: int | None = None) -> Axes:
