@@ -18,8 +18,8 @@ test: ## unit tests in the strict build, then the tests marked `fast`
 	@bash .ci/setup build
 	@bash .ci/test -m fast
 
-test-all: ## the same with all tests
-	@bash .ci/setup build
+test-all: ## the same with all tests, some in a browser
+	@bash .ci/setup build page
 	@bash .ci/test
 
 wheel: ## a wheel that needs no compiler and no other library, and the sources, in dist/

@@ -5,6 +5,7 @@ from __future__ import annotations
 import html
 import json
 import math
+import os
 import re
 from collections.abc import Mapping, Sequence
 from typing import TYPE_CHECKING, Any, cast
@@ -16,6 +17,7 @@ from ._columns import Table, needed, shown
 from ._errors import ComputeError, warn_caller
 from ._fields import Stress
 from ._maps import HeightMap, is_topography, map_of_file, map_of_topography
+from ._page import page_of
 from ._plots import draw_contacts, draw_curves, draw_pixels, draw_points, new_axes
 
 if TYPE_CHECKING:
@@ -170,6 +172,44 @@ class Results:
         _files.write_results(path, _c.VERSION, {"summary": self.summary, "warnings": self.warnings,
                                                 "notes": self.notes, "scene": self.scene},
                              {name: getattr(self, name) for name in TABLES}, self._all_fields())
+
+    def to_html(self, path: _a.Path, *, position: int | None = None,
+                title: str | None = None) -> str:
+        """Write one page for a browser, without a network: maps of the fields that were kept, or
+        contacts as circles of their area; curves with errors; a table of contacts, summary,
+        warnings and scene. A slider visits the states.
+
+        Parameters
+        ----------
+        path : str or os.PathLike
+            Name of the file; a file of this name is replaced.
+        position : int, optional
+            Position of the motion; all of them otherwise.
+        title : str, optional
+            Title of the page; the name of the scene otherwise.
+
+        Returns
+        -------
+        str
+            Name of the file.
+
+        Raises
+        ------
+        IndexError
+            For a position that the results do not have.
+        ComputeError
+            When the file cannot be written.
+        """
+        name = os.fsdecode(_a.path("path", path))
+        if position is not None:
+            self._step(position, None, None)
+        text = page_of(self, position, title)
+        try:
+            with open(name, "w", encoding="utf-8") as file:
+                file.write(text)
+        except OSError as error:
+            raise ComputeError(f"{name}: {error.strerror}") from None
+        return name
 
     def plot(self, ax: Any = None, *, log: bool = False, errors: bool = True,
              theory: Mapping[str, Any] | None = None) -> tuple[Axes, Axes]:

@@ -1,0 +1,257 @@
+"""A page of results for a browser, by Bokeh: one file that uses no network.
+
+Images, contacts and points of curves have a column `key`, POSITION.STEP. A filter of this column
+shows one state, and the slider sets the key of all filters.
+"""
+
+from __future__ import annotations
+
+import html
+import math
+from typing import TYPE_CHECKING, Any
+
+from ._columns import Table, needed
+from ._fields import FLAGS
+from ._plots import STATES, colour_limits, error_of
+
+if TYPE_CHECKING:
+    from ._results import Results
+
+# Chosen: bytes of images, as single precision, from which on states are left out; contacts listed.
+MOST_BYTES, MOST_CONTACTS = 32_000_000, 20_000
+# Two figures are side by side on a desk, one fits a width of 400 pixels with the margins.
+WIDTH, HEIGHT = 376, 350
+COLUMNS = ("area_no", "x", "y", "area", "load", "average_pressure", "maximum_pressure",
+           "penetration")
+DIGITS = 6
+TOOLS = "pan,wheel_zoom,box_zoom,reset,save"
+WRAPPED: dict[str, Any] = {"sizing_mode": "stretch_width", "styles": {"flex-wrap": "wrap"}}
+MOVE = "for (const one of filters) one.group = keys[cb_obj.value]; cb_obj.title = names[cb_obj.value]"
+CHOOSE = """const place = keys.indexOf(source.data.key[cb_obj.indices[0]]);
+if (place >= 0) slider.value = place"""
+
+
+class Page:
+    """A page under construction: its filters and figures."""
+
+    def __init__(self, results: Results, position: int | None):
+        self.numpy = needed("numpy", "page", "a page")
+        self.models = needed("bokeh.models", "page", "a page")
+        self.figure = needed("bokeh.plotting", "page", "a page").figure
+        self.results, self.states = results, results.states
+        self.notes: list[str] = []
+        self.filters: list[Any] = []
+        self.ranges: dict[str, Any] = {}
+        chosen = self.states["position"] == self.states["position"] if position is None \
+            else self.states["position"] == position
+        self.rows = self.numpy.flatnonzero(chosen)
+        self.keys = keys_of(self.states, self.rows)
+        self.fields = {f"{one.position}.{one.step}": one for one in results._all_fields()}
+        self.fields = {key: self.fields[key] for key in self.keys if key in self.fields}
+        self.shown = self.thinned()
+        self.has_positions = len(set(self.states["position"][self.rows].tolist())) > 1
+
+    def thinned(self) -> list[str]:
+        """The keys that the slider visits: fewer where the images would be too large."""
+        if not self.fields:
+            return self.keys
+        one = next(iter(self.fields.values()))
+        images = sum(name not in ("contact", "displacement") for name in one)
+        most = max(1, MOST_BYTES // (4 * images * one.shape[0] * one.shape[1]))
+        if len(self.fields) > most:
+            ends = self.numpy.linspace(len(self.keys) - 1, 0, most).round().astype(int)
+            self.notes.append(f"{most} of {len(self.keys)} states are shown: "
+                              "images of all would be too large for a page.")
+            return [self.keys[place] for place in sorted(ends.tolist())]
+        if len(self.fields) < len(self.keys):
+            self.notes.append("Fields of the last state only were kept: fields='all' keeps all.")
+        return self.keys
+
+    def view(self) -> Any:
+        """What shows the state of the slider."""
+        self.filters.append(self.models.GroupFilter(column_name="key", group=self.shown[-1]))
+        return self.models.CDSView(filter=self.filters[-1])
+
+    def hover(self, renderer: Any, values: dict[str, str]) -> Any:
+        return self.models.HoverTool(renderers=[renderer], tooltips=[
+            (name, f"{place}{{%.{DIGITS}g}}" if place != "@key" else place)
+            for name, place in values.items()],
+            formatters={place: "printf" for place in values.values() if place != "@key"})
+
+    def plan(self, title: str, unit: str) -> Any:
+        """A figure in plan; all of them have the same ranges."""
+        made = self.figure(title=title, width=WIDTH, height=HEIGHT, match_aspect=True,
+                           x_axis_label=f"x ({unit})" if unit else "x",
+                           y_axis_label=f"y ({unit})" if unit else "y", **self.ranges,
+                           toolbar_location="above", active_scroll="wheel_zoom", tools=TOOLS)
+        self.ranges = {"x_range": made.x_range, "y_range": made.y_range}
+        made.grid.visible = False
+        return made
+
+    def colours(self, values: Any, figure: Any) -> Any:
+        """Colours of values, with their bar."""
+        is_log, low, high = colour_limits(values)
+        kind = self.models.LogColorMapper if is_log else self.models.LinearColorMapper
+        mapper = kind("Viridis256", low=low, high=high, nan_color="rgba(255, 255, 255, 0)")
+        figure.add_layout(self.models.ColorBar(color_mapper=mapper, width=12), "right")
+        return mapper
+
+    def images(self) -> list[Any]:
+        """Maps of the fields."""
+        kept = {key: one for key, one in self.fields.items() if key in self.shown}
+        if not kept:
+            return []
+        numpy, found = self.numpy, []
+        one = list(kept.values())[-1]
+        (rows, columns), (dx, dy) = one.shape, one.spacing
+        place = {"x": one.origin[0] - dx / 2, "y": one.origin[1] - dy / 2,
+                 "dw": columns * dx, "dh": rows * dy}
+        for name in ("pressure", "gap", "traction", "stick"):
+            having = {key: each for key, each in kept.items() if name in list(each)}
+            if not having:
+                continue
+            if name == "stick":
+                images = [(each.contact * (1.0 + each.stick)).astype("f4")
+                          for each in having.values()]
+                figure = self.plan("Stick (blue), slip (orange)", one.unit or "")
+                mapper = self.models.LinearColorMapper(list(STATES.values()), low=-0.5, high=2.5)
+            else:
+                images = [numpy.where(each.contact == (name != "gap"), each[name], math.nan)
+                          .astype("f4") for each in having.values()]
+                label = Table(units=one.units).label(name)
+                figure = self.plan(label[0].upper() + label[1:], one.unit or "")
+                mapper = self.colours(numpy.concatenate([each.ravel() for each in images]), figure)
+            source = self.models.ColumnDataSource({"image": images, "key": list(having)})
+            drawn = figure.image("image", source=source, view=self.view(), color_mapper=mapper,
+                                 **place)
+            if name not in FLAGS:
+                figure.add_tools(self.hover(drawn, {"x": "$x", "y": "$y", name: "@image"}))
+            found.append(figure)
+        return found
+
+    def contacts(self) -> tuple[list[Any], Any]:
+        """The loaded contacts in plan, where no fields are, and as a table that sorts."""
+        numpy, table = self.numpy, self.results.contacts
+        rows = numpy.flatnonzero((table["load"] != 0) & numpy.isin(
+            numpy.array(keys_of(table, numpy.arange(len(table))), dtype="U"), self.shown))
+        if len(rows) > MOST_CONTACTS:
+            largest = table["load"][rows].argsort()[::-1][:MOST_CONTACTS]
+            self.notes.append(f"The {MOST_CONTACTS:,} contacts with the largest loads of "
+                              f"{len(rows):,} are listed.")
+            rows = numpy.sort(rows[largest])
+        names = [name for name in COLUMNS if name in table]
+        data = {name: table[name][rows] for name in names}
+        data |= {"key": keys_of(table, rows), "radius": numpy.sqrt(table["area"][rows] / math.pi)}
+        source = self.models.ColumnDataSource(data)
+        listed = self.models.DataTable(
+            source=source, view=self.view(), height=260, index_position=None, reorderable=False,
+            sizing_mode="stretch_width", autosize_mode="none", columns=[self.models.TableColumn(
+                field=name, title=table.label(name), width=145, formatter=self.format(data[name]))
+                for name in names])
+        if self.fields or not len(rows):
+            return [], listed
+        figure = self.plan("Contacts to scale", table.units["x"])
+        mapper = self.colours(data["maximum_pressure"], figure)
+        figure.right[-1].title = table.label("maximum_pressure")
+        # The ranges are those of all states.
+        figure.scatter("x", "y", source=source, alpha=0, nonselection_alpha=0)
+        drawn = figure.circle("x", "y", radius="radius", source=source, view=self.view(),
+                              fill_color={"field": "maximum_pressure", "transform": mapper},
+                              line_color=None, nonselection_alpha=1)
+        figure.add_tools(self.hover(drawn, {table.label(name): f"@{name}" for name in names}))
+        return [figure], listed
+
+    def format(self, values: Any) -> Any:
+        """Numbers of a column with six digits of the greatest."""
+        if values.dtype.kind == "i":
+            return self.models.NumberFormatter(format="0")
+        greatest = float(self.numpy.abs(values).max(initial=0.0))
+        decimals = DIGITS - 1 - (math.floor(math.log10(greatest)) if greatest > 0 else 0)
+        if decimals > 9 or decimals < -DIGITS:
+            return self.models.ScientificFormatter(precision=DIGITS - 1, power_limit_low=0,
+                                                   power_limit_high=0)
+        return self.models.NumberFormatter(format="0." + "0" * decimals if decimals > 0 else "0")
+
+    def curves(self, slider: Any) -> list[Any]:
+        """Curves of the states, with their errors; a click on a point moves the slider."""
+        force, size = ("nominal_pressure", "area_fraction") if "area_fraction" in self.states \
+            else ("load", "area")
+        pairs = [("position", force), ("position", "separation")] if self.has_positions \
+            else [("separation", force), (force, size)]
+        return [self.curve(across, up, slider) for across, up in pairs]
+
+    def curve(self, across: str, up: str, slider: Any) -> Any:
+        numpy, states, models = self.numpy, self.states, self.models
+        figure = self.figure(width=WIDTH, height=HEIGHT, x_axis_label=states.label(across),
+                             y_axis_label=states.label(up), toolbar_location="above", tools=TOOLS)
+        x, y = states[across][self.rows], states[up][self.rows]
+        data = {"x": x, "y": y, "key": self.keys}
+        error = error_of(states, up, self.results._control())
+        if error is not None:
+            data |= {"low": y - error[self.rows], "high": y + error[self.rows]}
+        source = models.ColumnDataSource(data)
+        if error is not None:
+            style = {"base": "x", "lower": "low", "upper": "high", "source": source}
+            figure.add_layout(
+                models.Band(fill_color="#1f77b4", fill_alpha=0.25, **style)
+                if (numpy.diff(x) * (x[-1] - x[0]) >= 0).all() and not self.has_positions
+                else models.Whisker(line_color="#1f77b4", **style))
+        ends = numpy.flatnonzero(numpy.append(numpy.diff(x) != 0, True)) if self.has_positions \
+            else slice(None)
+        figure.line(x[ends], y[ends])
+        points = figure.scatter("x", "y", source=source, size=5, nonselection_alpha=1)
+        figure.scatter("x", "y", source=source, view=self.view(), size=12, color="#d62728",
+                       nonselection_alpha=1)
+        figure.add_tools(self.hover(points, {"state": "@key", across: "@x", up: "@y"}),
+                         models.TapTool(renderers=[points]))
+        source.selected.js_on_change("indices", models.CustomJS(args={
+            "slider": slider, "keys": self.shown, "source": source}, code=CHOOSE))
+        return figure
+
+    def slider(self) -> Any:
+        made = self.models.Slider(start=0, end=max(1, len(self.shown) - 1), step=1, width=WIDTH,
+                                  value=len(self.shown) - 1, show_value=False,
+                                  title=self.name_of(self.shown[-1]), visible=len(self.shown) > 1)
+        return made
+
+    def name_of(self, key: str) -> str:
+        position, step = key.split(".")
+        return f"position {position}, state {step}" if self.has_positions else f"state {step}"
+
+
+def keys_of(table: Table, rows: Any) -> list[str]:
+    return [f"{position}.{step}" for position, step in zip(table["position"][rows].tolist(),
+                                                           table["step"][rows].tolist())]
+
+
+def page_of(results: Results, position: int | None, title: str | None) -> str:
+    """The text of the page."""
+    page = Page(results, position)
+    layouts = needed("bokeh.layouts", "page", "a page")
+    slider = page.slider()
+    maps = page.images()
+    circles, listed = page.contacts()
+    figures = [*maps, *circles, *page.curves(slider)]
+    slider.js_on_change("value", page.models.CustomJS(args={
+        "filters": page.filters, "keys": page.shown,
+        "names": [page.name_of(key) for key in page.shown]}, code=MOVE))
+    about = results.scene.get("provenance", {})
+    name = title or results.scene.get("file", "asperity")
+    lines = [("#a00", line) for line in results.warnings] + [("#555", line) for line in page.notes]
+
+    def block(text: str) -> Any:
+        return page.models.Div(text=text, sizing_mode="stretch_width",
+                               styles={"overflow-x": "auto"})
+
+    head = f"<h2>{html.escape(name)}</h2><ul>" + "".join(
+        f"<li style='color:{colour}'>{html.escape(line)}</li>" for colour, line in lines) + "</ul>"
+    foot = (f"<h3>Summary</h3><pre>{html.escape(results.summary)}</pre><h3>Input</h3>"
+            f"<p>asperity {html.escape(about.get('version', ''))}; " + "; ".join(
+                html.escape(f"{one['file']}, checksum {one['checksum']}")
+                for one in about.get("inputs", [])) +
+            f"</p><pre>{html.escape(results.scene.get('text', ''))}</pre>")
+    layout = layouts.column(block(head), slider, layouts.row(*figures, **WRAPPED), listed,
+                            block(foot), sizing_mode="stretch_width", styles={"max-width": "1180px"})
+    text: str = needed("bokeh.embed", "page", "a page").file_html(
+        layout, needed("bokeh.resources", "page", "a page").INLINE, name)
+    return text
