@@ -13,6 +13,7 @@ from __future__ import annotations
 
 from . import _library as _c
 from . import theory
+from ._accuracy import Accuracy, accuracy
 from ._calls import generate, report, summits
 from ._columns import Table, Values
 from ._errors import AccuracyWarning, ComputeError, InputError, Problem, TheoryWarning
@@ -21,8 +22,9 @@ from ._maps import HeightMap, generate_map, read_map
 from ._results import Results, Summits, load
 from ._scenes import Scene, solve
 
-__all__ = ["solve", "report", "summits", "generate", "generate_map", "read_map", "load",
-           "Scene", "HeightMap", "Results", "Fields", "Stress", "Summits", "Table", "Values",
+__all__ = ["solve", "accuracy", "report", "summits", "generate", "generate_map", "read_map", "load",
+           "Scene", "HeightMap", "Results", "Fields", "Stress", "Summits", "Accuracy", "Table",
+           "Values",
            "InputError", "ComputeError", "Problem", "TheoryWarning", "AccuracyWarning",
            "theory", "__version__"]
 

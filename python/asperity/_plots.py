@@ -27,12 +27,12 @@ STATES = {"no contact": "#ffffff", "slip": "#e69f00", "stick": "#0072b2"}
 SCALES = ("auto", "linear", "log")
 
 
-def new_axes(ax: Any, number: int = 1) -> Any:
+def new_axes(ax: Any, number: int = 1, size: tuple[float, float] = (5.0, 4.0)) -> Any:
     """The axes that are given, or those of a new figure."""
     if ax is not None:
         return ax
     plt = needed("matplotlib.pyplot", "plot", "a plot")
-    _, made = plt.subplots(1, number, figsize=(5.0 * number, 4.0), layout="constrained")
+    _, made = plt.subplots(1, number, figsize=(size[0] * number, size[1]), layout="constrained")
     return made
 
 
