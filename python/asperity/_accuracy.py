@@ -199,7 +199,7 @@ def accuracy(scene: Any, quantities: Sequence[str] | None = None, *,
     for name, typed, change, effects in methods:  # which grows
         kind = effects.get("interaction", "pixels")
         longest = LONGER * max((row["seconds"] for row in found if row["kind"] == kind), default=0)
-        if longest > seconds - (time.monotonic() - begun):
+        if found and longest > seconds - (time.monotonic() - begun):
             notes.append(f"Left out: {name}, it could take {longest:.1g} s.")
             continue
         try:

@@ -12,7 +12,7 @@ from typing import TYPE_CHECKING, Any
 
 from ._columns import Table, needed
 from ._fields import FLAGS
-from ._plots import STATES, colour_limits, error_of
+from ._plots import STATES, colour_limits, error_of, is_monotonic
 
 if TYPE_CHECKING:
     from ._results import Results
@@ -186,16 +186,16 @@ class Page:
                              y_axis_label=states.label(up), toolbar_location="above", tools=TOOLS)
         x, y = states[across][self.rows], states[up][self.rows]
         data = {"x": x, "y": y, "key": self.keys}
-        error = error_of(states, up, self.results._control())
-        if error is not None:
-            data |= {"low": y - error[self.rows], "high": y + error[self.rows]}
+        along, error = error_of(states, across, up, self.results._control())
         source = models.ColumnDataSource(data)
         if error is not None:
-            style = {"base": "x", "lower": "low", "upper": "high", "source": source}
-            figure.add_layout(
-                models.Band(fill_color="#1f77b4", fill_alpha=0.25, **style)
-                if (numpy.diff(x) * (x[-1] - x[0]) >= 0).all() and not self.has_positions
-                else models.Whisker(line_color="#1f77b4", **style))
+            source.data["low"], source.data["high"] = (
+                data[along] - error[self.rows], data[along] + error[self.rows])
+            style = {"base": "x" if along == "y" else "y", "lower": "low", "upper": "high",
+                     "dimension": "height" if along == "y" else "width", "source": source}
+            figure.add_layout(models.Band(fill_color="#1f77b4", fill_alpha=0.25, **style)
+                              if is_monotonic(x) and not self.has_positions
+                              else models.Whisker(line_color="#1f77b4", **style))
         ends = numpy.flatnonzero(numpy.append(numpy.diff(x) != 0, True)) if self.has_positions \
             else slice(None)
         figure.line(x[ends], y[ends])

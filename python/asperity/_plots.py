@@ -40,7 +40,6 @@ def draw_curves(states: Table, ax: Any, *, control: str = "", log: bool = False,
                 errors: bool = True, theory: Mapping[str, Any] | None = None) -> tuple[Axes, Axes]:
     """Load against separation, and contact area against load, one curve for each position; with a
     nominal area, nominal pressure and area fraction. Bands are the estimated errors."""
-    numpy = needed("numpy", "plot", "a plot")
     left, right = new_axes(ax, 2)
     force, size = ("nominal_pressure", "area_fraction") if "area_fraction" in states \
         else ("load", "area")
@@ -51,14 +50,15 @@ def draw_curves(states: Table, ax: Any, *, control: str = "", log: bool = False,
         for axes, across, up in ((left, "separation", force), (right, force, size)):
             x, y = states[across][rows], states[up][rows]
             [line] = axes.plot(x, y, marker=".", label=name)
-            band = error_of(states, up, control) if errors else None
+            along, band = error_of(states, across, up, control) if errors else ("", None)
             if band is not None:
-                # Along a path up and down a band would cover itself: bars.
                 style = {"color": line.get_color(), "alpha": 0.25}
-                if (numpy.diff(x) * (x[-1] - x[0]) >= 0).all():
+                if not is_monotonic(x):
+                    axes.errorbar(x, y, fmt="none", **{f"{along}err": band[rows]}, **style)
+                elif along == "y":
                     axes.fill_between(x, y - band[rows], y + band[rows], lw=0, **style)
                 else:
-                    axes.errorbar(x, y, band[rows], fmt="none", **style)
+                    axes.fill_betweenx(y, x - band[rows], x + band[rows], lw=0, **style)
             axes.set_xlabel(states.label(across))
             axes.set_ylabel({"area": "contact "}.get(up, "") + states.label(up))
             axes.grid(alpha=0.3)
@@ -75,21 +75,28 @@ def draw_curves(states: Table, ax: Any, *, control: str = "", log: bool = False,
     return left, right
 
 
-def error_of(states: Table, name: str, control: str) -> Any:
-    """Estimated error of a column of the states, in its unit; None where there is none."""
-    quantity = {"area_fraction": "area", "nominal_pressure": "load"}.get(name, name)
-    found = f"{quantity}_error_estimate"
-    scale = states[name]
-    if found not in states:
-        # Of the load; under a prescribed load of the compression.
-        if quantity != ("separation" if control in ("load", "vertical_load", "pressure")
-                        else "load") or "error_estimate" not in states:
-            return None
-        found = "error_estimate"
-        scale = states["compression" if quantity == "separation" else name]
+def is_monotonic(values: Any) -> bool:
+    """Whether a curve goes one way: along a path up and down a band would cover itself."""
+    steps = values[1:] - values[:-1]
+    return bool((steps >= 0).all() or (steps <= 0).all())
+
+
+def error_of(states: Table, across: str, up: str, control: str) -> tuple[str, Any]:
+    """The axis of two columns that has an estimated error, and the error in its unit; else None.
+    `error_estimate` is of the load, under a prescribed load of the compression."""
     numpy = needed("numpy", "plot", "a plot")
-    band = abs(numpy.nan_to_num(states[found] * scale))
-    return band if band.any() else None
+    estimated = "separation" if control in ("load", "vertical_load", "pressure") else "load"
+    for axis, name in (("y", up), ("x", across)):
+        quantity = {"area_fraction": "area", "nominal_pressure": "load"}.get(name, name)
+        found = f"{quantity}_error_estimate"
+        if found not in states and quantity == estimated:
+            found = "error_estimate"
+        if found in states:
+            scale = states["compression" if name == "separation" else name]
+            band = abs(numpy.nan_to_num(states[found] * scale))
+            if band.any():
+                return axis, band
+    return "", None
 
 
 def draw_contacts(contacts: Table, rows: Any, ax: Axes | None) -> Axes:

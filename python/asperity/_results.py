@@ -118,9 +118,11 @@ class Results:
         return sorted({*super().__dir__(), *TABLES, "scene"})
 
     def to_dict(self) -> dict[str, Any]:
-        """All results as lists, numbers and texts: what `json` writes."""
+        """All results as lists, numbers and texts: what `json` writes. None: not computed."""
         tables = {name: getattr(self, name) for name in TABLES}
-        return {**{name: table.to_dict() for name, table in tables.items()},
+        return {**{name: {title: [None if cell != cell else cell for cell in cells]
+                          for title, cells in table.to_dict().items()}
+                   for name, table in tables.items()},
                 "units": {name: dict(table.units) for name, table in tables.items()},
                 "summary": self.summary, "warnings": list(self.warnings),
                 "notes": list(self.notes), "scene": dict(self.scene)}

@@ -157,7 +157,7 @@ def test_plots(solved):
                         ("contact", np.zeros((13, 18), bool))):
         axes = fields.plot(name)
         drawn = axes.images[0]
-        assert drawn.get_extent() == [0.0, 9.0, 0.0, 3.25] and drawn.origin == "lower"
+        assert list(drawn.get_extent()) == [-0.25, 8.75, -0.125, 3.125] and drawn.origin == "lower"
         hidden = np.ma.getmaskarray(np.ma.masked_invalid(drawn.get_array()))
         missing = np.isnan(heights()) if name != "contact" else False
         assert np.array_equal(hidden, blank | missing), name

@@ -82,7 +82,7 @@ def test_to_dict(results):
     assert found["states"]["load"] == results.states["load"].tolist()
     assert found["units"]["states"]["load"] == "N" and found["summary"] == results.summary
     assert set(found) == {"positions", "states", "contacts", "units", "summary", "warnings",
-                          "notes"}
+                          "notes", "scene"}
 
 
 def test_units_and_labels(package, results):
