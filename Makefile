@@ -78,7 +78,10 @@ endif
 
 figures: ## draw the pictures in docs/figures anew
 	@bash .ci/setup build test
-	@exe=$$(bash .ci/build release) && .venv/bin/python docs/figures/draw.py "$$exe"
+	@PATH="$(CURDIR)/.venv/bin:$$PATH" pip install -q --no-index --no-deps --no-build-isolation \
+	  --upgrade --disable-pip-version-check --target build/package ./python
+	@exe=$$(bash .ci/build release) && \
+	  PYTHONPATH=build/package .venv/bin/python docs/figures/draw.py "$$exe"
 
 fuzz: ## random decks, scenes and command lines (MINUTES=10); faults are kept in build/fuzz
 	@bash .ci/setup build test

@@ -1,4 +1,4 @@
-"""Draws docs/figures/*.svg from runs of the program, by matplotlib.
+"""Draws docs/figures/*.svg from runs of the program, by matplotlib and the Python package.
 
     python docs/figures/draw.py EXE [NAME ...]     # all figures, or some, as fig10 fig11
 
@@ -15,14 +15,13 @@ from pathlib import Path
 
 import matplotlib
 import numpy as np
-import sdfio
+
+import asperity
 
 matplotlib.use("svg")
 import matplotlib.pyplot as plt
 from matplotlib.colors import LinearSegmentedColormap
 from matplotlib.patches import Circle, Rectangle
-
-from image_data import read_vti
 
 FOLDER = Path(__file__).resolve().parent
 ROOT = FOLDER.parents[1]
@@ -110,10 +109,12 @@ def solve_scenes(executable, wanted):
     run(executable, "solve", "summits.scene", "--quiet", "--curve", "coupled_summits.csv",
         folder=DATA)
     run(executable, "generate", "ball.spec", "--output", "ball.sdf", folder=DATA)
-    run(executable, "solve", "slip.scene", "--quiet", "--fields", "slip.vti", folder=DATA)
+    run(executable, "solve", "slip.scene", "--quiet", "--fields", "slip.vti", "--json",
+        "slip.json", folder=DATA)
     run(executable, "solve", "creep.scene", "--quiet", "--curve", "rough_ball.csv", folder=DATA)
     (DATA / "surface.scene").write_text((scenes / "surface.scene").read_text(), encoding="ascii")
-    run(executable, "solve", "surface.scene", "--quiet", "--fields", "pressure.vti", folder=DATA)
+    run(executable, "solve", "surface.scene", "--quiet", "--fields", "pressure.vti", "--json",
+        "pressure.json", folder=DATA)
     if "work_precision" in wanted and not (DATA / "accuracy.csv").exists():
         run(executable, "accuracy", "data/thesis.deck", "--csv", DATA / "accuracy.csv")
     if "stability" in wanted:
@@ -535,52 +536,32 @@ def map_curves(_, left, right):
     right.set_ylim(-0.15, 0.35)
 
 
-def pressure_in_plan(canvas, axes, path):
-    """The pressure on the pixels of a file of `--fields`, in um and MPa: white out of contact."""
-    _, spacing, fields = read_vti(path)
-    sides = np.array(fields["pressure"].shape) * spacing[:2]
-    pressure = np.where(fields["contact"] == 1, fields["pressure"], np.nan)
-    image = axes.imshow(pressure.T, origin="lower", extent=(0, sides[0], 0, sides[1]),
-                        cmap=PALETTE, interpolation="none")
-    canvas.colorbar(image, ax=axes, shrink=0.8, label="Pressure (MPa)")
-    axes.grid(False)
-    axes.set(xlabel="x (um)", ylabel="y (um)")
-    return fields, (0, sides[0], 0, sides[1])
+def fields_of(name):
+    """The fields of the last state of a run in DATA."""
+    return asperity.load(DATA / f"{name}.json", fields=DATA / f"{name}.vti").fields()
 
 
 @figure(460)
-def pressure_map(canvas, axes):
-    pressure_in_plan(canvas, axes, DATA / "pressure.vti")
+def pressure_map(_, axes):
+    fields_of("pressure").plot("pressure", axes)
+    axes.grid(False)
 
 
 @figure(420)
-def summits(canvas, axes):
-    """A map above its plane of least squares, and its summits."""
-    heights = 1e6 * sdfio.read(MAP).data
-    rows, columns = heights.shape
-    y, x = np.mgrid[:rows, :columns]
-    plane = np.c_[np.ones(heights.size), x.ravel(), y.ravel()]
-    heights -= (plane @ np.linalg.lstsq(plane, heights.ravel(), rcond=None)[0]).reshape(rows, -1)
-    # Pixels of 1 um, places from the centre of the first.
-    image = axes.imshow(heights, origin="lower", extent=(-0.5, columns - 0.5, -0.5, rows - 0.5),
-                        cmap=PALETTE, interpolation="none")
-    found = table(DATA / "summits.csv")
-    axes.plot(found["x"], found["y"], ".", color="white", markeredgecolor=INK, markersize=5,
-              markeredgewidth=0.5)
-    canvas.colorbar(image, ax=axes, shrink=0.8, label="Height (um)")
+def summits(_, axes):
+    """A map and its summits."""
+    asperity.summits(asperity.read_map(MAP, unit="um"), rule="contact").plot(axes)
     axes.grid(False)
-    axes.set(xlabel="x (um)", ylabel="y (um)")
 
 
 @figure(330, columns=3)
-def rough_ball(canvas, pressures, slips, hold):
-    fields, extent = pressure_in_plan(canvas, pressures, DATA / "slip.vti")
-    state = np.where(fields["contact"] == 1, fields["stick"], np.nan)
-    slips.imshow(state.T, origin="lower", extent=extent,
-                 cmap=LinearSegmentedColormap.from_list("slip", [YELLOW, BLUE]))
-    slips.grid(False)
+def rough_ball(_, pressures, slips, hold):
+    fields = fields_of("slip")
+    fields.plot("pressure", pressures)
+    fields.plot("stick", slips)
     for axes in (pressures, slips):
-        axes.set(xlabel="x (um)", xlim=(6, 58), ylim=(6, 58))
+        axes.grid(False)
+        axes.set(xlim=(6, 58), ylim=(6, 58))
     rows = table(DATA / "rough_ball.csv")
     for name, colour, label in (("area", BLUE, "contact area"), ("compression", RED, "compression")):
         hold.plot(rows["time"] / 60, rows[name] / rows[name][0], color=colour, label=label)

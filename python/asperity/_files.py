@@ -1,5 +1,5 @@
-"""Files of results: JSON and VTI of the program; a zip archive of `results.json`, a CSV file for each table, and an array of
-numpy's format (`.npy`) for each field. Each part is read without this package."""
+"""Files of results: JSON and VTI of the program; a zip archive of `results.json`, a CSV file for
+each table, and an array of numpy's format (`.npy`) for each field, which other programs read."""
 
 from __future__ import annotations
 

@@ -26,7 +26,8 @@ COLUMNS = ("area_no", "x", "y", "area", "load", "average_pressure", "maximum_pre
 DIGITS = 6
 TOOLS = "pan,wheel_zoom,box_zoom,reset,save"
 WRAPPED: dict[str, Any] = {"sizing_mode": "stretch_width", "styles": {"flex-wrap": "wrap"}}
-MOVE = "for (const one of filters) one.group = keys[cb_obj.value]; cb_obj.title = names[cb_obj.value]"
+MOVE = """for (const one of filters) one.group = keys[cb_obj.value]
+cb_obj.title = names[cb_obj.value]"""
 CHOOSE = """const place = keys.indexOf(source.data.key[cb_obj.indices[0]]);
 if (place >= 0) slider.value = place"""
 
@@ -68,7 +69,7 @@ class Page:
         return self.keys
 
     def view(self) -> Any:
-        """What shows the state of the slider."""
+        """A view of the state of the slider."""
         self.filters.append(self.models.GroupFilter(column_name="key", group=self.shown[-1]))
         return self.models.CDSView(filter=self.filters[-1])
 
@@ -251,7 +252,8 @@ def page_of(results: Results, position: int | None, title: str | None) -> str:
                 for one in about.get("inputs", [])) +
             f"</p><pre>{html.escape(results.scene.get('text', ''))}</pre>")
     layout = layouts.column(block(head), slider, layouts.row(*figures, **WRAPPED), listed,
-                            block(foot), sizing_mode="stretch_width", styles={"max-width": "1180px"})
+                            block(foot), sizing_mode="stretch_width",
+                            styles={"max-width": "1180px"})
     text: str = needed("bokeh.embed", "page", "a page").file_html(
         layout, needed("bokeh.resources", "page", "a page").INLINE, name)
     return text

@@ -76,7 +76,7 @@ def draw_curves(states: Table, ax: Any, *, control: str = "", log: bool = False,
 
 
 def is_monotonic(values: Any) -> bool:
-    """Whether a curve goes one way: along a path up and down a band would cover itself."""
+    """Whether values only rise or only fall: on a path up and down a band would cover itself."""
     steps = values[1:] - values[:-1]
     return bool((steps >= 0).all() or (steps <= 0).all())
 
@@ -185,7 +185,7 @@ def draw_states(state: Any, names: tuple[str, ...], spacing: tuple[float, float]
     axes.legend(handles=[patch(facecolor=colour, edgecolor="0.5", label=(
         f"{name} {float((state == number).mean()):.1%}"))
         for number, (name, colour) in enumerate(zip(names, colours))],
-        loc="lower center", bbox_to_anchor=(0.5, 1.0), ncols=3, frameon=False, fontsize="small")
+        loc="lower left", bbox_to_anchor=(0.0, 1.0), frameon=False, fontsize="small")
     in_plan(axes, unit or "")
     return axes
 

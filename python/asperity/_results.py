@@ -178,7 +178,7 @@ class Results:
     def to_html(self, path: _a.Path, *, position: int | None = None,
                 title: str | None = None) -> str:
         """Write one page for a browser, without a network: maps of the fields that were kept, or
-        contacts as circles of their area; curves with errors; a table of contacts, summary,
+        contacts to scale; curves with errors; a table of contacts, summary,
         warnings and scene. A slider visits the states.
 
         Parameters

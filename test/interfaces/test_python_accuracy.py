@@ -1,4 +1,4 @@
-"""`asperity.accuracy`: errors of `asperity accuracy`, rows that can be typed, digits of the heights."""
+"""`asperity.accuracy`: errors of `asperity accuracy`, rows that can be typed, digits of heights."""
 
 import csv
 import re
@@ -96,7 +96,7 @@ def test_answers(package, caps):
     with pytest.raises(ValueError, match="quantities: found"):
         package.accuracy(scene, ["volume"])
     short = package.accuracy(scene, seconds=0.0)
-    assert re.search(r"Left out: interaction='auto', tolerance=0.003, it could take", str(short))
+    assert re.search(r"Left out: interaction='auto', tolerance=0.003: it could take", str(short))
 
 
 def test_digits_of_heights(package):

@@ -170,7 +170,8 @@ def test_in_a_browser(case, results, tmp_path):
 
         # A click on a point of a curve shows its state; the mark is there.
         down = "nominal pressure (MPa)" if case != "thesis" else "load (N)"
-        across, up = ("separation", "nominal_pressure") if case != "thesis" else ("position", "load")
+        across, up = ("position", "load") if case == "thesis" else \
+            ("separation", "nominal_pressure")
         x, y = float(states[across][1]), float(states[up][1])
         point(driver, *wait_for(driver, "return placeOf(...arguments)", down, x, y), click=True)
         wait_for(driver, "return models('Slider')[0].value == 1")

@@ -69,7 +69,8 @@ def test_states_of_slip(results):
     assert colours == ["#ffffff", "#e69f00", "#0072b2"]
     shares = [float(re.search(r"([\d.]+)%", text.get_text())[1])
               for text in axes.get_legend().get_texts()]
-    counts = [(~fields.contact).mean(), (fields.contact & ~fields.stick).mean(), fields.stick.mean()]
+    slip = fields.contact & ~fields.stick
+    counts = [(~fields.contact).mean(), slip.mean(), fields.stick.mean()]
     assert np.allclose(shares, 100 * np.array(counts), atol=0.051) and min(counts) > 0
     assert np.array_equal(np.isnan(fields.plot("traction").images[0].get_array().filled(np.nan)),
                           ~fields.contact)
@@ -87,7 +88,7 @@ def test_hills(package, surface, results):
     slope = np.tile(np.arange(48.0)[:, None], (1, 48))  # falls towards the light in front
     assert fields.plot(on=slope).images[0].get_array()[24, 24] < \
         fields.plot(on=-slope).images[0].get_array()[24, 24]
-    with pytest.raises(ValueError, match=r"on: found an array of shape \(3, 3\), expected \(48, 48"):
+    with pytest.raises(ValueError, match=r"on: found an array of shape \(3, 3\), expected"):
         fields.plot(on=np.zeros((3, 3)))
 
 

@@ -1,5 +1,5 @@
-"""A page in Chromium or Chrome without a screen, by its driver: what it shows, what it asks a network for,
-and what it complains of."""
+"""A page in Chromium or Chrome without a screen, by its driver: its values, its requests to a
+network, and its complaints."""
 
 import contextlib
 import json
@@ -8,8 +8,8 @@ import tempfile
 import time
 
 FLAGS = ("--headless", "--no-sandbox", "--disable-gpu", "--disable-background-networking",
-         "--disable-component-update", "--disable-sync", "--no-first-run", "--disable-dev-shm-usage",
-         "--hide-scrollbars", "--force-device-scale-factor=1")
+         "--disable-component-update", "--disable-sync", "--no-first-run",
+         "--disable-dev-shm-usage", "--hide-scrollbars", "--force-device-scale-factor=1")
 # A model of Bokeh by its type and, of figures, its title or the label below; the view of a figure.
 HELP = """
 window.models = type => [...Bokeh.documents[0]._all_models.values()].filter(m => m.type == type);
@@ -18,7 +18,8 @@ window.figureOf = name => models('Figure').find(
 window.viewOf = name => { const find = v => v.model == figureOf(name) ? v :
   (v.child_views || []).reduce((found, c) => found || find(c), null);
   return find([...Bokeh.index.roots][0]); };
-window.placeOf = (name, x, y) => { const v = viewOf(name), b = v.canvas_view.el.getBoundingClientRect();
+window.placeOf = (name, x, y) => { const v = viewOf(name);
+  const b = v.canvas_view.el.getBoundingClientRect();
   return [b.left + v.frame.x_scale.compute(x), b.top + v.frame.y_scale.compute(y)]; };
 window.all = name => { const found = [], walk = n => { if (n.shadowRoot) walk(n.shadowRoot);
   if (n.classList && n.classList.contains(name)) found.push(n); n.childNodes.forEach(walk); };
