@@ -226,8 +226,8 @@ class Results:
             Logarithmic axes, but for the separation.
         errors : bool, default True
             Draw the estimated errors of the states as bands, of a path up and down as bars.
-        theory : dict of str to (x, y), optional
-            Curves by name for the second axes, such as those of `asperity.theory`.
+        theory : dict of str to (x, y) or function, optional
+            Curves by name for the second axes; a function, such as of `asperity.theory`, gets x.
 
         Returns
         -------

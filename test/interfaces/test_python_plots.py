@@ -117,11 +117,13 @@ def test_curves(package, results):
     """Bands of the estimated errors, other theories, logarithmic axes; bars on a path back."""
     states = results.states
     pressure, fraction = states["nominal_pressure"], states["area_fraction"]
-    left, right = results.plot(log=True, theory={"linear": (pressure, 2 * fraction)})
+    left, right = results.plot(log=True, theory={"linear": (pressure, 2 * fraction),
+                                                        "root": np.sqrt})
     assert (left.get_yscale(), right.get_xscale(), right.get_yscale()) == ("log",) * 3
     assert left.get_xscale() == "linear" and left.get_ylabel() == "nominal pressure (MPa)"
-    assert np.array_equal(right.lines[-1].get_ydata(), 2 * fraction)
-    assert [text.get_text() for text in right.get_legend().get_texts()] == ["linear"]
+    assert np.array_equal(right.lines[-2].get_ydata(), 2 * fraction)
+    assert np.array_equal(right.lines[-1].get_ydata(), np.sqrt(pressure))
+    assert [text.get_text() for text in right.get_legend().get_texts()] == ["linear", "root"]
     # The estimate of a prescribed load is that of the compression.
     corners = results.plot()[0].collections[0].get_paths()[0].vertices
     half = states["error_estimate"] * states["compression"]
