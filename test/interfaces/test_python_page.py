@@ -140,7 +140,8 @@ def test_in_a_browser(case, results, tmp_path):
 
         # The table sorts by a column: after two clicks the largest is in the first row, where it
         # is not without them.
-        by = next((each for each in ("load", "x", "y") if contacts[each][mine].argmax() > 0), "load")
+        by = next((each for each in ("load", "x", "y")
+                   if contacts[each][mine].argmax() > 0), "load")
         title = contacts.label(by)
         for _ in range(2):
             run("all('slick-header-column').find(e => e.innerText.trim() == arguments[0]).click()",
