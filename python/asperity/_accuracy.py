@@ -8,7 +8,6 @@ import math
 import time
 import warnings
 from collections.abc import Callable, Mapping, Sequence
-from dataclasses import dataclass, field
 from typing import TYPE_CHECKING, Any
 
 from . import _arguments as _a
@@ -42,18 +41,16 @@ COARSER, FINER = (4, 2), (2, 4)
 LONGER, SHORT, REPEATS, NEAR = 8.0, 0.2, 3, 1.4
 
 
-@dataclass
 class Method:
-    """A method, its change of the surfaces and of the effects, and what its solve has shown."""
+    """A method, its changes of surfaces and effects, and its time, totals and estimated errors."""
 
-    name: str
-    typed: str
-    change: Callable[[Any], Any] | None = None
-    effects: dict[str, Any] = field(default_factory=dict)
-    seconds: float = 0.0
-    totals: dict[str, Any] = field(default_factory=dict)
-    own: dict[str, float] = field(default_factory=dict)
-    others: set[str] = field(default_factory=set)
+    def __init__(self, name: str, typed: str, change: Callable[[Any], Any] | None = None,
+                 effects: dict[str, Any] | None = None):
+        self.name, self.typed, self.change, self.effects = name, typed, change, effects or {}
+        self.seconds = math.inf
+        self.totals: dict[str, Any] = {}
+        self.own: dict[str, float] = {}
+        self.others: set[str] = set()
 
     @property
     def kind(self) -> str:
@@ -286,7 +283,6 @@ def _solve(given: Scene, method: Method) -> Results:
     groups: dict[str, Any] = {"loading": {"points": None}} if "loading" in given.groups else {}
     if method.effects:
         groups["effects"] = method.effects
-    method.seconds = math.inf
     for _ in range(REPEATS):
         begun = time.perf_counter()
         with warnings.catch_warnings():
