@@ -37,7 +37,8 @@ contains
                            request, records, outcome%failure)
     call write_standard_error(records%notes%text())
     if (allocated(outcome%failure)) then
-      outcome%failure = line%input // ': ' // outcome%failure
+      outcome%failure = line%input // ': ' // outcome%failure // &
+                        '; the present-day solver: asperity solve ' // line%input
       outcome%is_partial = .true.
     end if
     if (line%has('--contacts')) call write_original_contacts(records, contacts)

@@ -206,6 +206,8 @@ contains
     real(real64) :: ratio
 
     columns = reader%card_columns(line)
+    ! Deviation n: the library took a character that is no digit as 0. Deviation o: a loop DO ran
+    ! once for a count below 1. Deviation p, also in the fields of radius, modulus and width.
     call read_i_field(columns(:deck_fields(count_field)%last), model%number, bad_at)
     if (bad_at > 0) then
       call reader%refuse_field(line, count_field, letter, 'a whole number in columns 1-5', bad_at)
@@ -296,6 +298,7 @@ contains
                     ' is blank: an asperity of zeros'
       exit
     end do
+    ! Deviation q: the original read to the end of the data.
     if (cards < expected) then
       wrong_count = wrong_count // shift_hint(2, 'NU', deck%upper%number, deck%lower%number, cards)
       wrong_count = wrong_count // shift_hint(3, 'NL', deck%lower%number, deck%upper%number, cards)

@@ -30,6 +30,7 @@ contains
     case default
       orders = range(1.0_real128)
     end select
+    ! Deviation r: the machine was interrupted where a number left its range.
     ! Lengths and ratios are multiplied with each other, and by powers of ten when units change. A
     ! load is a modulus times an area: less than the square of the largest length.
     most = orders / 2 - 2

@@ -197,6 +197,16 @@ def test_unchecked_values_run_with_a_note(line, first, text, expected, runner, c
     assert (b"TABLE VI\n" in report) != stops
 
 
+def test_numbers_beyond_the_machine_stop_before_any_table(runner, cards):
+    """7.2E75 is the largest number of a System/370; a machine interrupt ended the run there."""
+    lines = punch(punch(cards, 2, 16, "     4.E74"), 3, 16, "     4.E74")
+    done = runner.run(deck(lines))
+    assert done.returncode == 1 and done.stdout == b""
+    assert "out of the range of ibm370, 1E75" in done.stderr.decode()
+    same = runner.run(deck(punch(punch(cards, 2, 16, "     4.E40"), 3, 16, "     4.E40")))
+    assert same.returncode == 0 and b"*****" in same.stdout
+
+
 @pytest.mark.parametrize("line, first, text", [
     *[(line, 26, text) for line in (2, 3) for text in ("0.500", "-.999", "0.000", "  500")],
     *[(line, 11, ".9999") for line in (2, 3)],
@@ -363,6 +373,9 @@ def test_tables_before_the_stop_are_printed(runner, cards, report):
     assert titles(done.stdout) == ["TABLE V", "TABLE IIIA", "TABLE IIIB", "TABLE VIIA"]
     message = done.stderr.decode()
     assert f"{NAME}: position 50: no pair" in message and "fault 6" in message
+    # The message ends with the command that computes such a deck, and it does.
+    assert message.endswith(f"(fault 6); the present-day solver: asperity solve {NAME}\n")
+    run_program(runner.executable, "solve", NAME, cwd=runner.folder)
     # Tables V and IIIA are those of the thesis' deck, which has the same upper model.
     assert done.stdout.split(b"TABLE IIIB")[0] == report.split(b"TABLE IIIB")[0]
 
