@@ -1,7 +1,7 @@
 # Every target sets up by itself what it lacks (.ci/setup). Without make: bash .ci/setup.
 .DEFAULT_GOAL := help
 .NOTPARALLEL:
-.PHONY: help report test test-all images trouble lint strict archive docs bench figures fuzz
+.PHONY: help report compare test test-all images trouble lint strict archive docs bench figures fuzz
 .PHONY: validation setup clean tables maps machine mutants wheel wheel-test
 
 DECK ?= data/thesis.deck
@@ -13,6 +13,10 @@ help: ## this list
 report: ## print the report of the original program (DECK=other.deck for another deck)
 	@bash .ci/setup build
 	@exe=$$(bash .ci/build release) && "$$exe" "$(DECK)"
+
+compare: ## Tables VI and VIIA to C cell by cell: as scanned, as taken, as printed here
+	@bash .ci/setup build test
+	@exe=$$(bash .ci/build release) && .venv/bin/python test/support/side_by_side.py "$$exe"
 
 test: ## unit tests in the strict build, then the tests marked `fast`
 	@bash .ci/setup build

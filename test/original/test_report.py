@@ -1,9 +1,12 @@
 """The printed report against the thesis: every line, heading and cell, and nothing else."""
 
+from collections import Counter
+
 import pytest
 
 from cells_met import ARITHMETICS, report_of, table_of_cells
 from report_comparison import EXACT, LABELS, OPEN, TOLERATED, Comparison
+from side_by_side import CORRECTED, DIFFERENT, OPEN, TABLES, cells, lines_of
 from thesis_report import UNSETTLED, digitised, printed_lines
 
 LINES = 678
@@ -68,3 +71,26 @@ def test_every_changed_character_is_seen(asperity):
                 passing += 1
     # The last digit of such a cell, where the thesis allows the next one, too.
     assert passing <= 12
+
+
+def test_side_by_side(asperity):
+    """Each cell of Tables VI and VII once; corrected and open ones are those of the two lists."""
+    report = report_of(asperity, "ibm370")
+    found = list(cells(report))
+    assert len({place for place, *_ in found}) == len(found)
+    files = {f"table_{table.lower()}" for table in TABLES}
+    corrections = [row for row in digitised("corrections") if row["table"] in files]
+    taken = [row for row in corrections if row["corrected"] not in ("", UNSETTLED)]
+    kinds = Counter(kind for *_, kind in found)
+    assert kinds[CORRECTED] == len(taken)
+    assert kinds[OPEN] == len(digitised("unsettled"))
+    assert kinds[DIFFERENT] == 0
+    *_, total, _, _, _, different = lines_of(report)
+    assert total == f"{len(found)} cells:" and different == f"     0 {DIFFERENT}"
+
+
+def test_side_by_side_names_a_changed_cell(asperity):
+    report = report_of(asperity, "ibm370")
+    other = report.replace("(NT)     1438.", "(NT)     1439.")
+    (changed,) = [cell for cell in cells(other) if cell[-1] == DIFFERENT]
+    assert changed[:4] == ("Table VI row 1 maximum", "1438.", "1438.", "1439.")
