@@ -49,6 +49,23 @@ def test_commands_of_the_thesis(asperity, checkout, command):
 
 
 @pytest.mark.once
+def test_limits_and_nominal_pressures(package, capsys, monkeypatch, checkout):
+    """The thesis has 0.021 cm and 380 N; the pressures are total loads over 12 in**2."""
+    monkeypatch.chdir(checkout)
+    (block,) = re.findall(r"## Limits.*?```python\n(.*?)```", THESIS, re.S)
+    exec(compile(block, "page", "exec"), {})
+    limit, pressures = ([float(word) for word in line.split()]
+                        for line in capsys.readouterr().out.splitlines())
+    modulus, radius = 2e4 * 9.8 / (2 * (1 - 0.42**2)), 0.635
+    compression = radius * (2200 * 9.8 / modulus)**2
+    load = 4 / 3 * modulus * (radius * compression**3)**0.5
+    assert limit == pytest.approx([compression, load], rel=1e-9)
+    assert f"{compression:.4f} cm and {load:.1f} N" in THESIS
+    # Table VI without faults, a vertical load (docs/theory/faults.md), over 12 square inches.
+    assert [p * 12 * 2.54**2 for p in pressures] == pytest.approx([400.50, 1357.71], rel=1e-5)
+
+
+@pytest.mark.once
 @pytest.mark.parametrize("scale, load", [(100.0, 300.0), (0.01, 1e-4), (1e4, 7.0), (3.0, 9.0)])
 def test_similitude(package, scale, load):
     """Table II of the thesis: factors of lengths, areas and limits by those of radii and loads."""
