@@ -7,6 +7,16 @@ export PATH=$venv/bin:$PATH
 # Python keeps what it compiles: without that each of many short programs compiles its imports.
 unset PYTHONDONTWRITEBYTECODE
 
+# FFTW of conda or Homebrew: pkg-config prints its folder, for the linker and for the loader.
+fftw_folder=$(pkg-config --variable=libdir fftw3 2>/dev/null)
+case $fftw_folder in
+  '' | /usr/lib* | /lib*) ;;
+  *)
+    export LIBRARY_PATH=$fftw_folder${LIBRARY_PATH:+:$LIBRARY_PATH}
+    export LD_RUN_PATH=$fftw_folder${LD_RUN_PATH:+:$LD_RUN_PATH}
+    ;;
+esac
+
 # Every warning an error, every check on; fpm's own flags are left out on purpose. A number that
 # nothing has set is a signalling NaN: its first use traps in the unit tests, which switch traps on.
 # The program may meet a division by zero on its way and go on. Lines are counted, not optimised,

@@ -175,6 +175,7 @@ def build_library(folder, bundled):
     fpm = shutil.which("fpm")
     if not fpm:
         stop(f"fpm is not found; pip install {FPM}")
+    place_fftw()
     check_fftw(compiler, folder)
     (ROOT / "build").mkdir(exist_ok=True)
     # Tests of the project build there, too.
@@ -216,6 +217,18 @@ def link_program(compiler, folder, output):
     run(["ar", "rcsD", library, *(f"{found[1]}/asperity/{member}" for member in members)])
     run([compiler, "-fopenmp", "-static-libgcc", "-s", "-o", folder / "bin" / "asperity", *objects,
          library, "-Wl,--as-needed", *STATIC])
+
+
+def place_fftw():
+    """Give linker and loader the folder of FFTW where pkg-config has one, as of conda."""
+    try:
+        found = subprocess.run(["pkg-config", "--variable=libdir", "fftw3"], capture_output=True,
+                               text=True).stdout.strip()
+    except OSError:
+        return
+    if found and not found.startswith(("/usr/lib", "/lib")):
+        for name in ("LIBRARY_PATH", "LD_RUN_PATH"):
+            os.environ[name] = ":".join(filter(None, (found, os.environ.get(name))))
 
 
 def check_fftw(compiler, folder):
