@@ -14,7 +14,7 @@ report: ## print the report of the original program (DECK=other.deck for another
 	@bash .ci/setup build
 	@exe=$$(bash .ci/build release) && "$$exe" "$(DECK)"
 
-compare: ## Tables VI and VIIA to C cell by cell: as scanned, as taken, as printed here
+compare: ## Tables VI and VIIA to C, number by number: as scanned, as taken, as printed here
 	@bash .ci/setup build test
 	@exe=$$(bash .ci/build release) && .venv/bin/python test/support/side_by_side.py "$$exe"
 

@@ -6,6 +6,7 @@ blocks are accepted, and print what is shown; the tables of names are those of t
 
 import re
 import shlex
+import shutil
 from itertools import takewhile
 
 import pytest
@@ -184,6 +185,8 @@ def input_files(page, folder):
 @each_page
 def test_commands_and_scenes_are_accepted(page, asperity, options, checkout):
     inputs = input_files(page, checkout)
+    for name in re.findall(r"(?m)^\$ cp (\S+) [.]$", page.read_text(encoding="utf-8")):
+        shutil.copy(ROOT / name, checkout)
     for number, words, shown in command_lines(page):
         where = f"{name_of(page)}:{number}"
         command = words[0] if words[0] in COMMANDS else ""

@@ -65,9 +65,14 @@ def test_make_report(shell):
         (ROOT / "reference_output/thesis.ibm370.txt").read_text(encoding="utf-8"))
 
 
-@pytest.mark.parametrize("page", ["README.md", "docs/how-to/ci.md"])
-def test_fpm_against_the_report(shell, page):
-    shell(block_of(page, ".venv/bin/fpm build"))
+def test_make_compare(shell):
+    """The count of README as the last lines."""
+    block = block_of("README.md", "make compare")
+    assert shell("make compare", folder=ROOT).endswith(block.split("...\n")[-1])
+
+
+def test_fpm_against_the_report(shell):
+    shell(block_of("docs/how-to/ci.md", ".venv/bin/fpm build"))
 
 
 def test_steps_of_a_job(shell):

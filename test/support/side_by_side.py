@@ -1,4 +1,4 @@
-"""Tables VI and VIIA to C, cell by cell: as scanned, as taken, as printed here.
+"""Tables VI and VIIA to C, number by number: as scanned, as taken, as printed here.
 
 As a script: side_by_side.py EXECUTABLE [TABLE ...] prints a line for each cell, and a count at the
 end. A mark stands where the three are not the same.
