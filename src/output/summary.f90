@@ -6,7 +6,7 @@ module asperity_summary
   use asperity_effects_summary, only: effects_in_words, load_is_met, write_effects
   use asperity_kinds, only: not_computed, real64
   use asperity_number_format, only: count_text, percent_text, positions_listed, number_text
-  use asperity_problems, only: decimal_text, problem_list
+  use asperity_problems, only: decimal_text
   use asperity_result_table, only: array_table, make_arrays, numbers_of, of_states, place_of
   use asperity_scene_results, only: last_state, scene_results
   use asperity_scene_values, only: criterion_none, criterion_words, effect_off, is_limit, scene, &
@@ -14,7 +14,6 @@ module asperity_summary
   use asperity_text_buffer, only: text_buffer
   use asperity_totals_table, only: write_totals
   use asperity_unit_names, only: is_area, is_length, is_moment, is_pressure, unit_of, with_unit
-  use asperity_warning_lines, only: list_warnings
   implicit none
   private
 
@@ -22,13 +21,12 @@ module asperity_summary
 
 contains
 
-  !> The scene and its model, the totals over its positions, their error estimate and warnings, the
-  !> ends of a load path, what each effect changed.
+  !> The scene and its model, the totals over its positions, their error estimate, the ends of a load
+  !> path, what each effect changed.
   subroutine write_summary(scene_in, results, buffer)
     type(scene), intent(in) :: scene_in         !! scene that was solved
     type(scene_results), intent(in) :: results  !! results of a run
     type(text_buffer), intent(inout) :: buffer  !! gets the lines
-    type(problem_list) :: warnings
     integer :: at
 
     call write_heading(scene_in, results, buffer)
@@ -36,8 +34,6 @@ contains
     call write_totals(scene_in, results, buffer)
     call buffer%line('')
     if (errors_in_words(results) /= '') call buffer%line(errors_in_words(results))
-    call list_warnings('', results, warnings)
-    call buffer%append(warnings%text())
     call write_remarks(scene_in, results, buffer)
     ! Hertz' contact of the smooth form under the roughness of a map.
     at = 0

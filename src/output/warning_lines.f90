@@ -17,12 +17,12 @@ contains
   !> applies anywhere, in the order of the kinds; N is the position where it is worst. `kinds` gets
   !> `NAME CLASS` for each line.
   pure subroutine list_warnings(file, results, lines, kinds)
-    character(len=*), intent(in) :: file         !! the scene, as the user named it; may be empty
+    character(len=*), intent(in) :: file         !! the scene, as the user named it
     type(scene_results), intent(in) :: results   !! results of a run
     type(problem_list), intent(inout) :: lines   !! gets a line a kind
     type(problem_list), intent(inout), optional :: kinds  !! gets their names
     type(theory_warning) :: worst
-    character(len=:), allocatable :: more, prefix
+    character(len=:), allocatable :: more
     integer :: which, at, i, m, positions
 
     do which = 1, size(warning_kinds)
@@ -43,9 +43,7 @@ contains
       if (positions == 0) cycle
       more = ''
       if (positions > 1) more = ' and ' // decimal_text(positions - 1) // ' more'
-      prefix = 'warning: position '
-      if (file /= '') prefix = file // ': ' // prefix
-      call lines%add(prefix // decimal_text(at) // more // ': ' // in_words(worst))
+      call lines%add(file // ': warning: position ' // decimal_text(at) // more // ': ' // in_words(worst))
       if (present(kinds)) call kinds%add(trim(warning_kinds(which)%name) // ' ' // &
                                          trim(class_names(warning_kinds(which)%class)))
     end do

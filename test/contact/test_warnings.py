@@ -12,6 +12,7 @@ import pytest
 
 from ball_scenes import balls
 from effect_runs import CAP, COMBINED, DECK, MODULUS, RATIO, column
+from programs import run_program
 from surfaces_csv import solve, write_csv_scene, write_plane_scene, write_scene
 
 # A ball on a ball as large, one above the other: combined radius R/2.
@@ -299,3 +300,11 @@ def test_what_is_told_where_an_effect_is_left_out(effect, numbers, load, of_posi
         # In plan forces are no less for that.
         assert math.hypot(float(row["rig_force_x"]), float(row["rig_force_y"])) \
             > 5 * float(row["friction_estimate"]) * float(row["vertical_load"])
+
+
+def test_no_warning_is_printed_twice(asperity, root):
+    """The summary of the thesis' deck has totals; its three warnings are on standard error."""
+    done = run_program(asperity, "solve", root / "data/thesis.deck")
+    lines = [line for line in done.stderr.splitlines() if "warning: " in line]
+    assert len(lines) == len(set(lines)) == 3
+    assert "total load" in done.stdout and "warning" not in done.stdout

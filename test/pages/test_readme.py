@@ -33,7 +33,7 @@ def run(asperity, checkout):
     (words / "fpm").chmod(0o755)
 
     def run(commands):
-        return run_program("bash", "-ec", commands, cwd=checkout,
+        return run_program("bash", "-ec", f"exec 2>&1\n{commands}", cwd=checkout,
                            variables={"PATH": f"{words}:{os.environ['PATH']}"}).stdout
     return run
 
