@@ -296,6 +296,7 @@ class Groups:
                 where = f"{where}.{names[-1]}"
             elif other:
                 where = other[1]
+                text = text.removeprefix(f"&{where} ")
         return Problem(None, None, None, f"{where}: {text}")
 
 

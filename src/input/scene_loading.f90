@@ -149,7 +149,7 @@ contains
     if (is_needed .and. .not. fields%has_name(group, name)) then
       text = for_what // ' needs '
       if (.not. (fields%has_group('loading') .or. fields%has_name('limit', 'criterion'))) &
-        text = 'no &loading, so control is ''limit'', which needs '
+        text = 'no control and value in &loading; without them control is ''limit'', which needs '
       call fields%complain_of_group(group, text // name // ' in &' // group // ': found none, ' // &
                                     'expected one')
     else if (.not. is_needed) then

@@ -88,8 +88,8 @@ module asperity_theory_warnings
       'total normal force and vertical load differ', 'of the total normal force', &
       'use control = ''vertical_load'' for a dead weight or read vertical_load'), &
     warning_kind('map_edge', in_accuracy, 0.0_real64, .true., &
-      'hills that the edge cuts carry load', &
-      'of the load on its two outer rows where a flat punch has less', &
+      'the edge cuts hills that carry load', &
+      'of the load is on the outer 2 rows of pixels and a flat punch has less there', &
       'take a larger map or another part of the surface'), &
     warning_kind('scan_lines', in_accuracy, 0.0_real64, .true., &
       'single scan lines carry load', 'of the load', &

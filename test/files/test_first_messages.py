@@ -88,7 +88,8 @@ def test_a_deck_is_a_deck(asperity, root, tmp_path):
     ("value = 20.", "value = 1e400", "value: found '1e400', expected a number more than 0"),
     ("value = 20.", "value = 0., 20 kN", "value: found 'kN', expected numbers without a unit"),
     ("2*0.3", "30 %, 30 %", "poisson_ratio: found '%', expected numbers without a unit"),
-    (LOADING, "", "no &loading, so control is 'limit', which needs value in &limit: found none"),
+    (LOADING, "", "no control and value in &loading; without them control is 'limit', which needs "
+     "value in &limit: found none"),
     (", value = 20.", "", "control = 'load' needs value in &loading: found none, expected one"),
     ("&loading", "&effects plasticity = 'on' / &loading",
      "plasticity needs plastic_yield_stress in &effects, or a &limit: found neither"),

@@ -257,7 +257,7 @@ def test_true_and_false(package):
 @pytest.mark.parametrize("groups, told", [
     ({"loading__valu": 1.0}, "^loading.valu: unknown name.*did you mean 'value'"),
     ({"loadin": {}}, "^loadin: unknown group"),
-    ({"material": {}}, "^material: &material needs elastic_modulus: "),
+    ({"material": {}}, "^material: needs elastic_modulus: "),
     ({"surfaces__upper": {"x": [0], "y": [0], "heights": [1], "radius": 2}},
      "^surfaces.upper: found no height, expected x, y, height and radius; "
      "did you mean 'height' by 'heights'"),

@@ -333,8 +333,9 @@ contains
     call refuse(limit // files // '&material elastic_modulus=1,1 /', '1:65', &
                 '&material needs poisson_ratio')
     call refuse(files // '|' // material, '1:1', &
-                'no &loading, so control is ''limit'', which needs value in &limit')
-    call refuse(files // '|' // material // '&limit /', '2:52', 'no &loading, so control')
+                'no control and value in &loading; without them control is ''limit'', ' // &
+                'which needs value in &limit')
+    call refuse(files // '|' // material // '&limit /', '2:52', 'no control and value')
     call refuse(deck // '|&limit criterion="pressure" /', '2:1', &
                 'criterion = ''pressure'' needs value in &limit')
     call refuse(deck // '|&limit criterion="hardy" /', '2:1', &
@@ -368,8 +369,8 @@ contains
          'expected a finite number within the range of a double|' // &
          place // ':2:30: positions: found ''b'', ' // &
          'expected a whole number from 1 to 1000000|' // &
-         place // ':3:1: no &loading, so control is ''limit'', which needs value in &limit: ' // &
-         'found none, expected one|' // &
+         place // ':3:1: no control and value in &loading; without them control is ''limit'', ' // &
+         'which needs value in &limit: found none, expected one|' // &
          'data/examples/none.csv:1:1: cannot be opened: No such file or directory, ' // &
          'expected comma-separated numbers|'), 'all problems')
   end subroutine test_all_problems
