@@ -78,10 +78,19 @@ def on_files(files, config):
         else:
             files.append(File.generated(config, at, abs_src_path=str(ROOT / path)))
     for path in sorted(FORTRAN.rglob("*")):
-        if path.is_file():
-            files.append(File.generated(config, f"fortran/{path.relative_to(FORTRAN)}",
-                                        abs_src_path=str(path)))
+        at = f"fortran/{path.relative_to(FORTRAN)}"
+        if path.suffix == ".html":
+            files.append(File.generated(config, at, content=with_anchors(path)))
+        elif path.is_file():
+            files.append(File.generated(config, at, abs_src_path=str(path)))
     return files
+
+
+def with_anchors(path):
+    """A page of FORD. Its list of the procedures of a generic interface links to anchors that the
+    page has under another name."""
+    return re.sub(r"#moduleprocedure-(\w+)(~\d+)?", r"#proc-\1",
+                  path.read_text(encoding="utf-8"))
 
 
 def on_page_markdown(markdown, page, config, files):

@@ -89,7 +89,7 @@ module asperity_theory_warnings
       'use control = ''vertical_load'' for a dead weight or read vertical_load'), &
     warning_kind('map_edge', in_accuracy, 0.0_real64, .true., &
       'the edge cuts hills that carry load', &
-      'of the load is on the outer 2 rows of pixels and a flat punch has less there', &
+      'of the load is on the outer 2 pixel rows, more than under a flat punch', &
       'take a larger map or another part of the surface'), &
     warning_kind('scan_lines', in_accuracy, 0.0_real64, .true., &
       'single scan lines carry load', 'of the load', &
