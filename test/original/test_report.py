@@ -6,7 +6,7 @@ import pytest
 
 from cells_met import ARITHMETICS, report_of, table_of_cells
 from report_comparison import EXACT, LABELS, OPEN, TOLERATED, Comparison
-from side_by_side import CORRECTED, DIFFERENT, OPEN, TABLES, cells, lines_of
+from side_by_side import CORRECTED, DIFFERENT, NOT_SETTLED, TABLES, cells, lines_of
 from thesis_report import UNSETTLED, digitised, printed_lines
 
 LINES = 678
@@ -83,7 +83,7 @@ def test_side_by_side(asperity):
     taken = [row for row in corrections if row["corrected"] not in ("", UNSETTLED)]
     kinds = Counter(kind for *_, kind in found)
     assert kinds[CORRECTED] == len(taken)
-    assert kinds[OPEN] == len(digitised("unsettled"))
+    assert kinds[NOT_SETTLED] == len(digitised("unsettled"))
     assert kinds[DIFFERENT] == 0
     *_, total, _, _, _, different = lines_of(report)
     assert total == f"{len(found)} cells:" and different == f"     0 {DIFFERENT}"

@@ -12,10 +12,10 @@ from digitised_tables import DATA, records
 from thesis_report import UNSETTLED, bounds, printed_lines
 
 TABLES = ("VI", "VIIA", "VIIB", "VIIC")
-EQUAL, CORRECTED, OPEN, DIFFERENT = (
+EQUAL, CORRECTED, NOT_SETTLED, DIFFERENT = (
     "the same in all three", "corrected on evidence of the thesis, and printed here so",
     "not settled by the thesis: printed here within its bounds", "different")
-MARKS = {EQUAL: "", CORRECTED: "corrected", OPEN: "not settled", DIFFERENT: "DIFFERENT"}
+MARKS = {EQUAL: "", CORRECTED: "corrected", NOT_SETTLED: "not settled", DIFFERENT: "DIFFERENT"}
 
 
 def scanned(table):
@@ -38,7 +38,7 @@ def cells(report, tables=TABLES):
 def agreement(cell, scan, ours):
     if cell.text == UNSETTLED:
         low, high = map(float, bounds()[cell.table, cell.number, cell.column])
-        return OPEN if low <= float(ours) <= high else DIFFERENT
+        return NOT_SETTLED if low <= float(ours) <= high else DIFFERENT
     if ours != cell.text:
         return DIFFERENT
     return EQUAL if scan == cell.text else CORRECTED
