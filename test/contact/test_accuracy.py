@@ -93,7 +93,7 @@ def name_of(row):
 
 @pytest.mark.truth
 @pytest.mark.parametrize("name", (WHOLE, "pair"))
-def test_every_way_is_there(name, request, asperity, root, tmp_path):
+def test_every_method_is_there(name, request, asperity, root, tmp_path):
     """Exact events and steps from about the compression on, with both overlaps; the original
     program in each arithmetic, with these steps and its own."""
     table, rows, _ = request.getfixturevalue(name)

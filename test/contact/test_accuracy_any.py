@@ -124,7 +124,7 @@ def test_any_scene(kind, asperity, root, tmp_path):
         assert float(alone["error_max"]) > float(coupled["error_max"])
 
 
-def test_the_reference_of_contacts_alone(asperity, tmp_path):
+def test_the_reference_of_isolated_contacts(asperity, tmp_path):
     """One pair, aside: nothing but Hertz's equations. 50 digits know it."""
     upper, lower = [(0.0, 0.0, 0.1, 1.25)], [(0.3, 0.0, 0.1, 0.75)]
     groups = {"loading": {"control": "approach", "value": 0.125}}
@@ -246,7 +246,7 @@ def cells_of(asperity, folder, name, *options, **effects):
     return records(file)[0]
 
 
-def test_cells_are_no_finer_than_asked(asperity, tmp_path):
+def test_grids_are_no_finer_than_requested(asperity, tmp_path):
     """Where circles do not have it: about as many cells as the promise takes, not those of half."""
     asked = cells_of(asperity, tmp_path, "steep_015", "--accuracy", "1e-2", interaction="auto")
     half = cells_of(asperity, tmp_path, "steep_015", interaction="auto", tolerance=0.005)

@@ -214,7 +214,7 @@ def test_a_deck_is_written_as_cards_hold_it(generate, root):
     assert lines[3] == "  0.0000  0.0000  0.000  0.000"
 
 
-def test_same_bytes_and_members_alone(generate, tmp_path):
+def test_same_bytes_as_a_single_member(generate, tmp_path):
     """Threads and locale change nothing, and a member is the same alone as in its ensemble."""
     spec = PLAIN.format(number=3000, least="0.1", seed=9, more=", ensemble = 4")
     generate(spec, "--upper", "u_%.csv", "--lower", "l_%.csv", OMP_NUM_THREADS="1")

@@ -238,7 +238,7 @@ def rows_of(run, position):
              if row["position"] == str(position)] for table in (run.positions, run.contacts)]
 
 
-def test_positions_stand_alone(asperity, root, tmp_path):
+def test_positions_are_independent(asperity, root, tmp_path):
     deck = root / "data" / "thesis.deck"
     sweep = solve(asperity, deck, folder=tmp_path)
     for m in (1, 13, 55, 56, 100):

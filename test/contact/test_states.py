@@ -105,7 +105,7 @@ def test_events_of_contacts_that_interact(asperity, tmp_path, control, mode):
     assert float(step[1]["load"]) < 1e-6 * float(step[0]["load"])
 
 
-def test_a_path_has_its_points_alone(asperity, tmp_path):
+def test_a_path_has_only_its_points(asperity, tmp_path):
     path = {"control": "load", "value": (500.0, 100.0, 700.0), "points": 4}
     for mode in ("off", "coupled"):
         run = pressed(asperity, tmp_path, path, mode)
@@ -114,7 +114,7 @@ def test_a_path_has_its_points_alone(asperity, tmp_path):
         assert run.status == 2 and "events: found beside several values" in run.stderr
 
 
-def test_a_map_has_its_points_alone(asperity, tmp_path):
+def test_a_map_has_only_its_points(asperity, tmp_path):
     heights, _ = self_affine((24, 24), 3, shortest=6)
     np.savetxt(tmp_path / "map.txt", 1e-3 * heights)
     for events, status in (("off", 0), ("on", 2)):

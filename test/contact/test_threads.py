@@ -80,7 +80,7 @@ def test_a_map_does_not_depend_on_threads(asperity, tmp_path, tally):
     assert b"area fraction" in out
 
 
-def test_first_failure_is_told(asperity, tmp_path, tally):
+def test_first_failure_is_returned(asperity, tmp_path, tally):
     """Past 1.5 no pair is left to bear the load: of all positions the first is told."""
     rng = np.random.default_rng(5)
     upper = rough(rng, 60)

@@ -277,8 +277,8 @@ TOLD_WHERE_LEFT_OUT = [
 
 
 @pytest.mark.parametrize("effect, numbers, load, of_position, of_contacts", TOLD_WHERE_LEFT_OUT)
-def test_what_is_told_where_an_effect_is_left_out(effect, numbers, load, of_position, of_contacts,
-                                                  asperity, tmp_path):
+def test_results_beside_an_effect_left_out(effect, numbers, load, of_position, of_contacts,
+                                           asperity, tmp_path):
     """The rig's forces and moments, overlaps that stay, pulls: as with the effect, never 0 or
     missing; and what was not computed is an empty cell."""
     auto, on = (solve(asperity, write_scene(

@@ -44,7 +44,7 @@ def test_position_56(asperity, tmp_path):
                                                                       rel=0.01)
 
 
-def test_nothing_is_said_where_nothing_is_called_for(asperity, tmp_path):
+def test_no_effect_without_its_numbers_is_printed(asperity, tmp_path):
     """Contacts far apart: no warning, and the bytes of `off`. The unlike bodies have a note."""
     loading = {"loading": {"control": "load", "value": 1.0}, "motion": {"x_step": 0.1,
                                                                        "positions": 3}}
@@ -57,7 +57,7 @@ def test_nothing_is_said_where_nothing_is_called_for(asperity, tmp_path):
         assert all(default[name] == off[name] for name in off if name != "error_estimate")
 
 
-def test_a_deck_alone_has_no_effects(asperity, root, tmp_path):
+def test_a_deck_has_no_effects(asperity, root, tmp_path):
     """The thesis is met: a deck in the place of a scene stays without effects."""
     done = solve(asperity, root / "data" / "thesis.deck", folder=tmp_path)
     off = solve(asperity, write_scene(

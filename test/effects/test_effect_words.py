@@ -86,7 +86,7 @@ def cells_of_the_page():
             for i, (_, *cells) in enumerate(rows) for j, cell in enumerate(cells)}
 
 
-def test_the_page_says_what_goes_together():
+def test_the_page_has_each_pair_of_effects():
     """On asperities: yes, no, or only with contacts coupled."""
     cells = cells_of_the_page()
     names = [row for row, column in cells if row == column]
@@ -210,7 +210,7 @@ def test_bad_paths(asperity, tmp_path):
         assert done.status == 2 and words in done.stderr, done.stderr
 
 
-def test_auto_leaves_the_thesis_alone(asperity, tmp_path, tally):
+def test_auto_changes_no_result_of_the_thesis(asperity, tmp_path, tally):
     """Elastic, no hold, no work of adhesion: byte for byte the sweep without effects."""
     sweep = {"surfaces": {"deck": str(DECK)},
              "motion": {"x_first": 0.1, "x_step": 0.1, "positions": 100}}

@@ -55,7 +55,7 @@ def test_factor_of_coupled(sweeps, truth, tally):
     compare(tally, "effects: factor, coupled, overlapping", errors[~apart], COUPLED_OVERLAPPING)
 
 
-def test_loads_alone(sweeps, truth, tally):
+def test_isolated_loads(sweeps, truth, tally):
     """The contacts each alone are those of Hertz, and those of the solver without effects."""
     for mode in ("coupled", "off"):
         run = sweeps.solve(interaction=mode)

@@ -46,7 +46,7 @@ def run(asperity, tmp_path):
      "1:1: text outside a group", OTHER_FORM),
     ("[surfaces]\nupper = 'ball.csv'\n[loading]\nvalue = 2\n", "1:1: text outside a group",
      OTHER_FORM)])
-def test_a_scene_is_told_to_be_one(run, name, text, found, hint):
+def test_a_scene_is_named_as_one(run, name, text, found, hint):
     said = run(text, name=name)
     assert said.startswith(f"{name}:{found}") and hint in said.splitlines()[0]
     assert "card" not in said and len(said.splitlines()) <= 2
@@ -94,7 +94,7 @@ def test_a_deck_is_a_deck(asperity, root, tmp_path):
     ("&loading", "&effects plasticity = 'on' / &loading",
      "plasticity needs plastic_yield_stress in &effects, or a &limit: found neither"),
     ("'plane'", "'none.csv'", "none.csv:1:1: cannot be opened: No such file or directory")])
-def test_one_sentence_says_what_to_do(run, old, new, said):
+def test_one_sentence_states_what_to_do(run, old, new, said):
     assert old in SCENE
     text = run(SCENE.replace(old, new))
     assert said in text and "wrong number" not in text

@@ -115,7 +115,7 @@ def test_written_as_others_do(asperity, tmp_path, how):
         (how == "other columns")
 
 
-def test_followers_are_not_told(asperity, tmp_path):
+def test_errors_that_follow_are_not_printed(asperity, tmp_path):
     """A group that is misspelt hides neither its names nor what they say."""
     (tmp_path / "upper.csv").write_text(UPPER, encoding="utf-8")
     (tmp_path / "lower.csv").write_text(LOWER, encoding="utf-8")

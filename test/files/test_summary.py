@@ -124,7 +124,7 @@ def solve_at_load(asperity, folder, effects, load):
     return float(last["compression"]), float(last["area"]), done.stdout
 
 
-def test_influence_at_the_load_asked_for(asperity, tmp_path):
+def test_influence_at_the_requested_load(asperity, tmp_path):
     """What each effect changes under the load, against runs with fewer effects under it."""
     words = {"plasticity": "on", "interaction": "coupled", "friction": "on"}
     load = 300.0

@@ -29,7 +29,7 @@ def scene_with(folder, units, header="x,y,height,radius"):
     return scene
 
 
-def test_units_are_names_alone(asperity, tmp_path):
+def test_units_change_no_number(asperity, tmp_path):
     """The same bytes but for the names."""
     files = {option: tmp_path / option[2:] for option in ("--positions", "--contacts", "--curve",
                                                           "--json")}
@@ -93,7 +93,7 @@ def test_refused_otherwise(asperity, tmp_path):
     assert "units: found beside deck, which brings cm and N" in said
 
 
-def test_unit_of_a_map_alone(asperity, tmp_path):
+def test_unit_of_a_map_without_units(asperity, tmp_path):
     """The unit of a map names lengths and areas; forces and pressures have none."""
     heights = np.zeros((4, 4))
     heights[1, 1] = 1e-6

@@ -38,7 +38,7 @@ def test_found_steps(part, seed, most, was, asperity):
     assert outcome.status == 0 and outcome.steps <= most, was
 
 
-def test_many_who_press_each_other_open(asperity):
+def test_many_contacts_that_open_each_other(asperity):
     """Did not end: all open ones that would touch joined at a time, and opened each other."""
     case = next(c for c in solved_cases.rough_cases("blunt", solved_cases.blunt_caps())
                 if "20 %, load" in c.name)

@@ -34,7 +34,7 @@ def data(root):
     return root / "data" / "hard"
 
 
-def test_data_are_what_the_catalogue_says(data, tmp_path):
+def test_data_are_those_of_the_catalogue(data, tmp_path):
     write_all(tmp_path)
     names = sorted(str(path.relative_to(tmp_path)) for path in tmp_path.rglob("*.*"))
     assert len(names) > 150

@@ -58,7 +58,7 @@ def test_many_raised_asperities(asperity):
         assert laws.law_raised(scene, asperity, random.Random(seed)) == 0
 
 
-def test_what_is_told_of_a_contact_is_its_own(asperity):
+def test_rows_of_contacts_are_those_of_their_state(asperity):
     """Seed 41937: `auto` left interaction out, the states were those of contacts alone, and what it
     told of contacts those of the points asked for: other rows, then memory of nobody."""
     scene = scenes.scene_of_seed(41937)

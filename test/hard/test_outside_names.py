@@ -87,7 +87,7 @@ def test_link_stays_a_link(run, tmp_path):
     assert (tmp_path / "link.csv").is_symlink() and is_whole(tmp_path / "real.csv")
 
 
-def test_bad_input_leaves_outputs_alone(run, tmp_path):
+def test_bad_input_changes_no_output(run, tmp_path):
     (tmp_path / "p.csv").write_text("kept\n", encoding="ascii")
     (tmp_path / "bad.deck").write_bytes(DECK.read_bytes().replace(b"3.228", b"3.2x8"))
     done = run("bad.deck", *OUTPUTS)

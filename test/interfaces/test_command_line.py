@@ -60,7 +60,7 @@ def plain(asperity, thesis):
     return run_program(asperity, thesis).stdout
 
 
-def test_no_arguments_says_what_to_type_next(run):
+def test_no_arguments_prints_what_to_type_next(run):
     done = run()
     assert (done.returncode, done.stderr) == (0, "")
     assert "asperity data/thesis.deck" in done.stdout and "asperity --help" in done.stdout

@@ -56,7 +56,7 @@ def test_read_a_scene_of_a_map(example, asperity, tmp_path):
                                      f"{float(row['load']):15.6E}{float(row['area']):15.6E}")
 
 
-def test_read_a_scene_tells_problems(example, tmp_path):
+def test_read_a_scene_returns_problems(example, tmp_path):
     scene = tmp_path / "bad.scene"
     scene.write_text("&surfaces deck = 'none.deck' /\n")
     status, text, errors = example("read_a_scene", scene)

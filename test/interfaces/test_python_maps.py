@@ -46,7 +46,7 @@ def scene(lower, **more):
 
 @pytest.mark.parametrize("interaction, periodic", [
     ("boundary", False), ("auto", False), ("boundary", True), ("auto", True)])
-def test_one_map_six_ways(package, tmp_path, periodic, interaction):
+def test_one_map_from_six_sources(package, tmp_path, periodic, interaction):
     """An array, a HeightMap, `.npy`, SDF, a text and a topography: the same bits."""
     np.save(tmp_path / "m.npy", HEIGHTS)
     np.savetxt(tmp_path / "m.txt", HEIGHTS, fmt="%.17g")

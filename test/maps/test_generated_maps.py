@@ -218,7 +218,7 @@ def test_numbers_at_the_ends_of_their_ranges(generate, run, tmp_path):
     assert "map.spec: heights beyond 1e30, expected a lower rms value" in done.stderr
 
 
-def test_memory_is_asked_for_beforehand(asperity, tmp_path):
+def test_memory_is_requested_before_the_map(asperity, tmp_path):
     """Under a limit of the shell: status 1, and no file."""
     (tmp_path / "map.spec").write_text("&map pixels = 20000, spacing = 1., hurst = 0.8, "
                                        "rms_height = 1. /\n", encoding="ascii")

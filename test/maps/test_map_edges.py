@@ -240,7 +240,7 @@ def test_a_cosine_of_any_phase(asperity, tmp_path, tally):
             tally.add("Westergaard", errors.size, errors.size, 0)
 
 
-def test_a_plane_asked_of_a_periodic_map(asperity, tmp_path):
+def test_a_plane_is_refused_for_a_periodic_map(asperity, tmp_path):
     """Without its plane a periodic map would not be periodic: refused, in both commands."""
     np.savetxt(tmp_path / "m.txt", np.eye(5))
     (tmp_path / "m.scene").write_text(

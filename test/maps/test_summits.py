@@ -455,7 +455,7 @@ def test_each_profile_with_a_fault_is_named(summits, tmp_path):
         ["a.txt:2:4", "a.txt:3:5"]
 
 
-def test_memory_that_is_not_there_is_told(summits, asperity, tmp_path):
+def test_missing_memory_is_reported(summits, asperity, tmp_path):
     """Status 1 and a sentence."""
     import resource
     with open(tmp_path / "a.sdf", "wb") as file:
