@@ -21,8 +21,8 @@ module asperity_summary
 
 contains
 
-  !> The scene and its model, the totals over its positions, their error estimate, the ends of a load
-  !> path, what each effect changed.
+  !> The scene and its model, the totals over its positions, their error estimate, the ends of a
+  !> load path, what each effect changed.
   subroutine write_summary(scene_in, results, buffer)
     type(scene), intent(in) :: scene_in         !! scene that was solved
     type(scene_results), intent(in) :: results  !! results of a run

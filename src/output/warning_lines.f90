@@ -43,7 +43,8 @@ contains
       if (positions == 0) cycle
       more = ''
       if (positions > 1) more = ' and ' // decimal_text(positions - 1) // ' more'
-      call lines%add(file // ': warning: position ' // decimal_text(at) // more // ': ' // in_words(worst))
+      call lines%add(file // ': warning: position ' // decimal_text(at) // more // ': ' // &
+                     in_words(worst))
       if (present(kinds)) call kinds%add(trim(warning_kinds(which)%name) // ' ' // &
                                          trim(class_names(warning_kinds(which)%class)))
     end do
