@@ -49,6 +49,7 @@ def test_commands_of_the_thesis(asperity, checkout, command):
 
 
 @pytest.mark.once
+@pytest.mark.filterwarnings("ignore")
 def test_limits_and_nominal_pressures(package, capsys, monkeypatch, checkout):
     """The thesis has 0.021 cm and 380 N; the pressures are total loads over 12 in**2."""
     monkeypatch.chdir(checkout)
