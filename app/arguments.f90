@@ -63,14 +63,9 @@ contains
         end if
         at = findloc(known%name == name, .true., 1)
         if (at == 0) then
-          if (name == '--arithmetic') then
-            call problems%add('--arithmetic: a scene is solved in real64 only; `asperity DECK ' // &
-                              '--arithmetic NAME` runs the original program in another arithmetic')
-            if (equals == 0) i = i + 1
-            cycle
-          end if
-          call problems%add('unknown option ' // in_quotes(name) // ', expected one of' // &
-                            joined_words(known%name) // did_you_mean(name, known%name))
+          call add_unknown(name, known%name, problems)
+          if (name == '--arithmetic' .and. equals == 0) i = i + 1
+          if (name == '--arithmetic' .or. name == '--') cycle
           ! It is taken for what was meant, so that its value is not taken for a file.
           at = nearest_word(name, known%name)
           if (at == 0) cycle
@@ -104,6 +99,23 @@ contains
       end if
     end do
   end subroutine read_arguments
+
+  ! Adds the problem of an option that the command does not have.
+  subroutine add_unknown(name, known, problems)
+    character(len=*), intent(in) :: name, known(:)
+    type(problem_list), intent(inout) :: problems
+
+    if (name == '--arithmetic') then
+      call problems%add('--arithmetic: a scene is solved in real64 only; `asperity DECK ' // &
+                        '--arithmetic NAME` runs the original program in another arithmetic')
+    else if (name == '--') then
+      call problems%add('found ''--'', expected an option or a file: a file whose name begins ' // &
+                        'with - is named ./-NAME')
+    else
+      call problems%add('unknown option ' // in_quotes(name) // ', expected one of' // &
+                        joined_words(known) // did_you_mean(name, known))
+    end if
+  end subroutine add_unknown
 
   !> The i-th word of the command line, whole.
   function word_at(i) result(word)

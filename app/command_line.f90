@@ -74,12 +74,17 @@ contains
       end select
     end do
     line%command = word_at(1)
+    if (line%command == 'help') then
+      if (command_argument_count() > 1) line%topic = word_at(2)
+      if (command_argument_count() > 2) line%input = word_at(3)
+      return
+    end if
     ! A word that ends with a blank is a file's name.
     if (len_trim(line%command) < len(line%command)) line%command = 'original'
     k = command_at(line%command)
     if (k == 1) then
-      line%command = 'original'
       if (is_no_command(word_at(1), problems)) return
+      line%command = 'original'
     end if
     call read_arguments(min(k, 2), k, line%input, line%given, problems)
     if (line%input == '' .and. line%command == 'accuracy') line%input = 'data/thesis.deck'
@@ -118,10 +123,12 @@ contains
     end do
   end subroutine parse_command_line
 
-  ! Whether the first word was meant for a command: letters alone, and no file's name.
+  ! Whether the first word was meant for a command, letters alone and no file's name, or is an option
+  ! before a command.
   logical function is_no_command(word, problems)
     character(len=*), intent(in) :: word
     type(problem_list), intent(inout) :: problems
+    integer :: i
     logical :: is_file
 
     inquire (file=word, exist=is_file)
@@ -130,6 +137,12 @@ contains
       call problems%add('found ' // in_quotes(word) // ', expected ' // &
                         any_of(commands(2:)%name) // ', or the file of a card deck' // &
                         did_you_mean(lower_case(word), commands(2:)%name))
+    do i = 2, merge(command_argument_count(), 1, index(word, '-') == 1)
+      if (is_no_command .or. command_at(word_at(i)) == 1) cycle
+      is_no_command = .true.
+      call problems%add('found ' // in_quotes(word) // ' before ' // word_at(i) // ', expected ' // &
+                        'options after the command: ' // call_of(command_at(word_at(i))))
+    end do
   end function is_no_command
 
   ! Takes the value of an option, by its kind in the table of options.

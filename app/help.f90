@@ -89,7 +89,7 @@ contains
       do i = 2, size(commands)
         call text%line('       ' // call_of(i))
       end do
-      call text%line('       asperity COMMAND --help')
+      call text%line('       asperity COMMAND --help, or asperity help COMMAND')
     end if
     call text%line('')
     call add_wrapped('', trim(commands(k)%text), 0, text)
@@ -233,6 +233,15 @@ contains
 
     call text%line('_asperity() {')
     call text%line('  local words cur=${COMP_WORDS[COMP_CWORD]}')
+    call text%line('  case ${COMP_WORDS[COMP_CWORD-1]} in')
+    do k = 1, size(options)
+      if (all(options(k)%words == '')) cycle
+      call text%line('    ' // trim(options(k)%name) // ') words="' // &
+                     trim(joined_words(options(k)%words)) // '"')
+      call text%line('      mapfile -t COMPREPLY < <(compgen -W "$words" -- "$cur")')
+      call text%line('      return ;;')
+    end do
+    call text%line('  esac')
     call text%line('  case ${COMP_WORDS[1]} in')
     do k = 2, size(commands)
       call text%line('    ' // trim(commands(k)%name) // ') words="--help' // &
@@ -242,15 +251,12 @@ contains
     call text%line('    *) words="--help --version --man --completion' // &
                    joined_words(pack(options%name, options%command == '')) // '" ;;')
     call text%line('  esac')
-    call text%line('  COMPREPLY=()')
-    call text%line('  if [[ $cur == -* ]]; then')
-    call text%line('    COMPREPLY=($(compgen -W "$words" -- "$cur"))')
-    call text%line('  elif [[ $COMP_CWORD -eq 1 ]]; then')
-    call text%line('    COMPREPLY=($(compgen -W "' // joined_words(commands(2:)%name) // &
-                   '" -- "$cur") $(compgen -f -- "$cur"))')
-    call text%line('  else')
-    call text%line('    COMPREPLY=($(compgen -f -- "$cur"))')
-    call text%line('  fi')
+    call text%line('  [[ $cur == -* ]] || words=')
+    call text%line('  [[ $COMP_CWORD -gt 1 || $cur == -* ]] || words="help' // &
+                   joined_words(commands(2:)%name) // '"')
+    ! A line a word: names of files may contain blanks.
+    call text%line('  mapfile -t COMPREPLY < <(compgen -W "$words" -- "$cur"; ' // &
+                   '[[ $cur == -* ]] || compgen -f -- "$cur")')
     call text%line('}')
     call text%line('complete -o filenames -F _asperity asperity')
   end subroutine write_completion

@@ -4,6 +4,7 @@ program asperity_main
   use asperity_command_outcome, only: command_outcome, finish_command
   use asperity_help, only: write_help, write_completion, write_manual_page
   use asperity_images, only: image_number, wait_for_images
+  use asperity_option_table, only: command_at, commands
   use asperity_output_files, only: guard_files
   use asperity_run_accuracy, only: run_accuracy_command
   use asperity_run_generate, only: run_generate_command
@@ -22,7 +23,8 @@ program asperity_main
   call guard_files()
   call parse_command_line(line, outcome%problems)
   if (outcome%problems%count() > 0) then
-    call outcome%problems%add('Try: asperity --help')
+    call outcome%problems%add(trim('Try: asperity ' // &
+                                   commands(command_at(line%command))%name) // ' --help')
   else if (image_number() == 1 .or. is_shared(line)) then
     !$ if (line%has('--threads')) call omp_set_num_threads(line%choice('--threads'))
     if (any(line%command == [character(len=8) :: 'accuracy', 'solve', 'summits'])) &

@@ -112,7 +112,7 @@ def test_version_is_the_package_s(run, root):
     assert all(name in lines[2] for name in ("ibm370", "real32", "real64", "real128"))
 
 
-def test_manual_and_completion_have_the_options_of_the_help(run):
+def test_manual_and_completion_have_the_options_of_the_help(run, tmp_path):
     """One table serves all three."""
     manual = run("--man").stdout.replace("\\-", "-")
     completion = run("--completion").stdout
@@ -122,11 +122,26 @@ def test_manual_and_completion_have_the_options_of_the_help(run):
         assert words.split() == options and len(options) > 3
         section = manual.partition(f".SH {command}")[2].partition(".SH ")[0]
         assert re.findall(r"^\.B (--[a-z-]+)", section, re.MULTILINE) == options
+    # The words of an option are those of its message; a file's name is one word.
+    (tmp_path / "my map.sdf").touch()
+    (tmp_path / "*").touch()
     script = completion + """
-COMP_WORDS=(asperity sol) COMP_CWORD=1; _asperity; echo ${COMPREPLY[@]}
-COMP_WORDS=(asperity solve --k) COMP_CWORD=2; _asperity; echo ${COMPREPLY[@]}"""
-    done = run_program("bash", "-c", script)
-    assert done.stdout.splitlines() == ["solve", "--keep"] and done.stderr == ""
+complete_words() { COMP_WORDS=(asperity "$@") COMP_CWORD=$#; _asperity
+  printf '[%s]' "${COMPREPLY[@]}"; echo; }
+complete_words sol; complete_words solve --k; complete_words summits my
+complete_words summits --rule ''; complete_words solve --of l; complete_words '*'
+complete_words --arithmetic r"""
+    done = run_program("bash", "-c", script, cwd=tmp_path)
+    assert done.stderr == "" and done.stdout.splitlines() == [
+        "[solve]", "[--keep]", "[my map.sdf]", "[eight][contact]", "[load]", "[*]",
+        "[real32][real64][real128]"]
+
+
+@pytest.mark.parametrize("command", ("", *COMMANDS))
+def test_help_as_a_command(command, run):
+    words = list(filter(None, [command]))
+    assert run("help", *words).stdout == run(*words, "--help").stdout
+    assert run("help", "solve", "loading").stdout == run("solve", "--help", "loading").stdout
 
 
 @pytest.mark.parametrize("arguments, words", [
@@ -153,6 +168,10 @@ COMP_WORDS=(asperity solve --k) COMP_CWORD=2; _asperity; echo ${COMPREPLY[@]}"""
     (["study", "DECK", "--quiet"], ["'study'", "solve, accuracy, generate or summits"]),
     (["sovle"], ["'sovle'", "did you mean 'solve'"]),
     ([""], ["deck", "empty"]),
+    (["--threads", "2", "solve", "DECK"],
+     ["found '--threads' before solve", "asperity solve [OPTIONS] SCENE"]),
+    (["solve", "--", "DECK"], ["found '--'", "./-NAME", "Try: asperity solve --help"]),
+    (["solve", "DECK", "--nothing"], ["'--nothing'", "Try: asperity solve --help"]),
     (["DECK", "--contacts", "one.csv", "--positions", "one.csv"], ["one.csv"]),
     (["DECK", "--contacts", "DECK"], ["--contacts", "DECK"]),
 ], ids=lambda value: "_".join(value) or "empty")
