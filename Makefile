@@ -1,7 +1,8 @@
 # Every target sets up by itself what it lacks (.ci/setup). Without make: bash .ci/setup.
 .DEFAULT_GOAL := help
 .NOTPARALLEL:
-.PHONY: help report compare test test-all images trouble lint strict archive docs bench figures fuzz
+.PHONY: help report compare test test-all images install trouble lint strict archive docs bench
+.PHONY: figures fuzz
 .PHONY: validation setup clean tables maps machine mutants wheel wheel-test
 
 DECK ?= data/thesis.deck
@@ -33,6 +34,10 @@ wheel: ## a wheel that needs no compiler and no other library, and the sources, 
 wheel-test: ## wheel and sources in empty environments
 	@bash .ci/setup build test wheel
 	@bash .ci/wheel test
+
+install: ## program, libraries, header, completion and manual page under PREFIX (~/.local)
+	@bash .ci/setup build
+	@PATH="$$PWD/.venv/bin:$$PATH" python3 python/build_backend.py "$(or $(PREFIX),$(HOME)/.local)"
 
 images: ## a run of two images over MPI against one of one
 	@bash .ci/setup build test images

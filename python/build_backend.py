@@ -20,6 +20,7 @@ import platform
 import re
 import shutil
 import subprocess
+import sys
 import tarfile
 import tempfile
 import zipfile
@@ -35,6 +36,14 @@ SHOWN = "{ global: asperity_*; local: *; };\n"
 # Its name; the number grows when a function or structure of the header changes or goes, so that no
 # program takes a library for one that it was linked with.
 LIBRARY = "libasperity.so.1"
+
+# For pkg-config: library and header are in the folder of this file, or in the other two.
+PKG_CONFIG = """Name: asperity
+Description: {description}
+Version: {version}
+Libs: -L${{pcfiledir}}{lib} -l:{library}
+Cflags: -I${{pcfiledir}}{include}
+"""
 
 # Libraries of the program of a bundled wheel, in the order of their use of each other.
 STATIC = ["-l:libfftw3.a", "-l:libgfortran.a", "-l:libquadmath.a", "-l:libgomp.a"]
@@ -95,6 +104,10 @@ def build_wheel(wheel_directory, config_settings=None, metadata_directory=None):
         library, program = build_library(Path(folder), bundled)
         files[f"{name}/{library.name}"] = library.read_bytes()
         files[f"{name}-{version}.data/scripts/{name}"] = program.read_bytes()
+        files |= {f"{name}-{version}.data/data/{path}": text
+                  for path, text in shared_files(program).items()}
+    files[f"{name}/{name}.h"] = (ROOT / f"include/{name}.h").read_bytes()
+    files[f"{name}/{name}.pc"] = pkg_config()
     texts = licence_texts(bundled)
     files |= {f"{info}/licenses/{path}": text for path, text in texts.items()}
     files[f"{info}/METADATA"] = metadata(
@@ -110,6 +123,38 @@ def build_wheel(wheel_directory, config_settings=None, metadata_directory=None):
             archive.writestr(entry, data)
         archive.writestr(f"{info}/RECORD", record(files, f"{info}/RECORD"))
     return wheel
+
+
+def install(prefix):
+    """Program, libraries, modules, header, file for pkg-config, completion and manual page under
+    a prefix."""
+    prefix = Path(prefix).resolve()
+    prefix.mkdir(parents=True, exist_ok=True)
+    with tempfile.TemporaryDirectory() as folder:
+        library, program = build_library(Path(folder), False)
+        shutil.copytree(Path(folder) / "include", prefix / "include", dirs_exist_ok=True)
+        files = {f"bin/{program.name}": program.read_bytes(),
+                 f"lib/{library.name}": library.read_bytes(),
+                 "lib/libasperity.a": (library.parent / "lib/libasperity.a").read_bytes(),
+                 "include/asperity.h": (ROOT / "include/asperity.h").read_bytes(),
+                 "lib/pkgconfig/asperity.pc": pkg_config("/..", "/../../include"),
+                 **shared_files(program)}
+    for name, content in files.items():
+        path = prefix / name
+        path.parent.mkdir(parents=True, exist_ok=True)
+        path.write_bytes(content)
+        path.chmod(0o755 if name.startswith("bin/") else 0o644)
+
+
+def pkg_config(lib="", include=""):
+    values = project()
+    return PKG_CONFIG.format(lib=lib, include=include, library=LIBRARY, **values).encode()
+
+
+def shared_files(program):
+    """Completion and manual page, which the program writes."""
+    return {"share/bash-completion/completions/asperity": run([program, "--completion"]).encode(),
+            "share/man/man1/asperity.1": run([program, "--man"]).encode()}
 
 
 def text_of(path):
@@ -252,3 +297,7 @@ def run(command):
 
 def stop(why):
     raise SystemExit(f"asperity: {why}")
+
+
+if __name__ == "__main__":
+    install(sys.argv[1])

@@ -15,7 +15,10 @@ import pytest
 # Tests import what they share across folders (.ci/setup gives these to scripts, too).
 sys.path[:0] = [str(path) for path in Path(__file__).resolve().parent.iterdir() if path.is_dir()]
 
+from absent import stand_in  # noqa: E402
 from builds import ROOT, build  # noqa: E402
+
+stand_in()
 
 os.environ.setdefault("MPLBACKEND", "Agg")
 
@@ -194,6 +197,33 @@ def venv(tmp_path_factory):
         assert done.returncode == 0, done.stdout + done.stderr
     print(f"pip install ./python: {time.monotonic() - start:.1f} s")
     return folder
+
+
+@pytest.fixture(scope="session")
+def installed(tmp_path_factory):
+    """A prefix with all that `make install` puts there, of one build whatever others build."""
+    build("release")
+    folder = tmp_path_factory.mktemp("prefix")
+    path = os.pathsep.join((str(ROOT / ".venv" / "bin"), os.environ["PATH"]))
+    done = subprocess.run([sys.executable, "python/build_backend.py", folder], cwd=ROOT,
+                          env={**os.environ, "PATH": path}, stdin=subprocess.DEVNULL,
+                          capture_output=True, text=True, timeout=500)
+    assert done.returncode == 0, done.stdout + done.stderr
+    return folder
+
+
+@pytest.fixture(scope="session")
+def fortran(installed):
+    """Builds a Fortran program that uses the library; its path."""
+    def make(source, *flags):
+        program = source.with_suffix("")
+        done = subprocess.run(
+            ["gfortran", *flags, source, "-o", program, "-I", installed / "include", "-J",
+             source.parent, installed / "lib/libasperity.a", "-lgomp", "-lquadmath", "-lfftw3"],
+            capture_output=True, text=True, timeout=300)
+        assert done.returncode == 0, done.stderr
+        return program
+    return make
 
 
 @pytest.fixture(scope="session")
