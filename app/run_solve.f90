@@ -9,7 +9,7 @@ module asperity_run_solve
   use asperity_images, only: image_number
   use asperity_input_text, only: lower_case
   use asperity_kinds, only: real64
-  use asperity_map_stress, only: largest_stress, look_for_largest, stress_solver
+  use asperity_map_stress, only: largest_stress, look_for_largest, no_ratio, stress_solver
   use asperity_number_format, only: count_text, number_text
   use asperity_problems, only: decimal_text, problem_list
   use asperity_result_table, only: array_table, make_arrays
@@ -216,8 +216,7 @@ contains
       call problems%add('--units: the scene does not name its units, expected for instance ' // &
                         'units = ''mm'', ''N'' in &surfaces')
     if (line%has('--depths') .and. scene_in%contact_modulus > 0.0_real64) &
-      call problems%add('--depths: stress needs poisson_ratio in &material: found ' // &
-                        'contact_modulus in its place')
+      call problems%add('--depths: ' // no_ratio)
     ! Pressure on pixels is that of a height map solved on them, and is not kept in a file.
     do i = 1, size(field_options)
       if (.not. line%has(field_options(i))) cycle

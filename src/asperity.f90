@@ -47,9 +47,10 @@ module asperity
   use asperity_contact_records, only: contact_row, effect_record, position_result, state_row
   use asperity_effect_header, only: effect_header
   use asperity_scene_results, only: last_state, scene_results
-  ! Pressure and gap on the pixels of a map.
+  ! Pressure and gap on the pixels of a map, and the stress below them.
   use asperity_contact_field, only: contact_field, fields_all, fields_last, fields_none, &
                                     pressure_histogram
+  use asperity_map_stress, only: component_names, largest_shear, stress_below, von_mises
   ! Results as tables of arrays, and in words.
   use asperity_result_table, only: add_reals, add_surface, add_wholes, array_column, &
                                    array_table, make_arrays, name_units, of_contacts, &

@@ -7,7 +7,8 @@ module asperity_c_fields
   use asperity_contact_field, only: contact_marks
   use asperity_kinds, only: real64
   use asperity_csv_tables, only: first_stress, stress_cells, stress_columns, stress_names
-  use asperity_map_stress, only: stress_solver
+  use asperity_library_turn, only: library_turn
+  use asperity_map_stress, only: no_ratio, stress_solver
   use asperity_c_outcome, only: add_pixels, begin_outcome, finish_outcome, look_at, outcome, &
                                 set_text, table_fields, table_map, text_unit
   use asperity_problems, only: real_text
@@ -23,18 +24,18 @@ contains
     result(handle)
     type(c_ptr), value :: solved        !! outcome of a solve
     integer(c_int), value :: position, state  !! from 1; -1: the last state
+    type(library_turn) :: turn
     type(outcome), pointer :: from, new
     integer :: which
 
     call begin_outcome(new, handle)
     if (.not. associated(new)) return
-    !$omp critical (library_texts)
+    call turn%begin()
     call choose_field(solved, position, state, from, new, which)
     if (which > 0) call set_field(new, from%fields(which), &
                                   unit_of_column(from%tables(of_positions), 'mean_gap'), &
                                   unit_of_column(from%tables(of_contacts), 'average_pressure'))
     call finish_outcome(new)
-    !$omp end critical (library_texts)
   end function c_fields
 
   !> `asperity_stress`.
@@ -43,6 +44,7 @@ contains
     type(c_ptr), value :: solved        !! outcome of a solve
     integer(c_int), value :: position, state  !! from 1; -1: the last state
     real(c_double), value :: depth      !! below the surface, more than 0
+    type(library_turn) :: turn
     type(outcome), pointer :: from, new
     type(stress_solver) :: solver
     real(real64), allocatable :: cells(:, :), stress(:, :, :)
@@ -50,21 +52,20 @@ contains
 
     call begin_outcome(new, handle)
     if (.not. associated(new)) return
-    !$omp critical (library_texts)
+    call turn%begin()
     call choose_field(solved, position, state, from, new, which)
     if (.not. (depth > 0.0_real64 .and. depth < huge(depth))) then
       call new%problems%add('depth: found ' // real_text(depth) // &
                             ', expected a number more than 0')
     else if (which > 0) then
-      if (.not. allocated(from%ratio)) new%failure = &
-        'stress needs poisson_ratio in &material: found contact_modulus in its place'
+      if (.not. allocated(from%ratio)) new%failure = no_ratio
     end if
-    !$omp end critical (library_texts)
+    call turn%finish()
     if (new%problems%count() == 0 .and. .not. allocated(new%failure)) then
       call solver%prepare(from%fields(which), from%ratio)
       call solver%solve(depth, stress)
     end if
-    !$omp critical (library_texts)
+    call turn%begin()
     if (allocated(stress)) then
       cells = stress_cells(from%fields(which), depth, stress)
       do i = first_stress, stress_columns
@@ -73,7 +74,6 @@ contains
       end do
     end if
     call finish_outcome(new)
-    !$omp end critical (library_texts)
   end function c_stress
 
   ! Finds the fields of a state of an outcome; 0: there are none, and `new` has the reason.
@@ -161,7 +161,6 @@ contains
     integer :: i
 
     unit = ''
-    if (.not. allocated(table%columns)) return
     i = place_of(table, name)
     if (i == 0) return
     if (allocated(table%columns(i)%unit)) unit = table%columns(i)%unit

@@ -14,6 +14,7 @@ module asperity_c_maps
   use asperity_c_outcome, only: add_pixels, begin_outcome, finish_outcome, outcome, set_text, &
                                 table_map, table_pixels, table_spectra, table_statistics, &
                                 table_summits, text_notes, text_of, text_report, text_unit
+  use asperity_library_turn, only: library_turn
   implicit none
   private
 
@@ -36,6 +37,7 @@ contains
     type(c_ptr), value :: path   !! height map
     type(c_ptr), value :: along  !! spacing along x and y; null: that of the file
     type(c_ptr), value :: unit   !! name; null: that of the file
+    type(library_turn) :: turn
     type(outcome), pointer :: new
     type(height_map) :: map
     real(c_double), pointer :: given(:)
@@ -44,7 +46,7 @@ contains
 
     call begin_outcome(new, handle)
     if (.not. associated(new)) return
-    !$omp critical (library_texts)
+    call turn%begin()
     call require_text('map', path, new%problems)
     which = 0
     call take_word('unit', unit, length_units, which, new%problems)
@@ -61,7 +63,6 @@ contains
       call set_map(new, text_of(path), map)
     end if
     call finish_outcome(new)
-    !$omp end critical (library_texts)
   end function c_read_map
 
   ! Fills the tables and texts of a map. Missing pixels are NaN there.
@@ -87,19 +88,19 @@ contains
   type(c_ptr) function c_write_map(given, path) bind(c, name='asperity_write_map') result(handle)
     type(c_ptr), value :: given  !! `c_height_map`
     type(c_ptr), value :: path   !! the file
+    type(library_turn) :: turn
     type(outcome), pointer :: new
     type(height_map) :: map
 
     call begin_outcome(new, handle)
     if (.not. associated(new)) return
-    !$omp critical (library_texts)
+    call turn%begin()
     call require_text('path', path, new%problems)
     call take_heights('map', given, map, new%problems, new%failure)
     if (new%problems%count() == 0 .and. .not. allocated(new%failure)) &
       call write_map_file(text_of(path), map, new%problems, new%failure)
     call set_text(new, text_notes, note_of_file(text_of(path), map))
     call finish_outcome(new)
-    !$omp end critical (library_texts)
   end function c_write_map
 
   !> `asperity_generate_map`.
@@ -107,13 +108,14 @@ contains
     result(handle)
     type(c_ptr), value :: path    !! specification, where `groups` is null
     type(c_ptr), value :: groups  !! text of a specification; may be null
+    type(library_turn) :: turn
     type(outcome), pointer :: new
     type(generation_spec) :: spec
     type(height_map) :: map
 
     call begin_outcome(new, handle)
     if (.not. associated(new)) return
-    !$omp critical (library_texts)
+    call turn%begin()
     call take_spec(path, groups, spec, new%problems)
     if (new%problems%count() == 0 .and. .not. spec%is_map) &
       call new%problems%add(spec%file // ': found surfaces, expected a group &map')
@@ -126,7 +128,6 @@ contains
       end if
     end if
     call finish_outcome(new)
-    !$omp end critical (library_texts)
   end function c_generate_map
 
   !> `asperity_power_spectrum`.
@@ -134,6 +135,7 @@ contains
     result(handle)
     type(c_ptr), value :: given  !! `c_height_map`
     type(c_ptr), value :: level  !! name; null: that of the edge of the map
+    type(library_turn) :: turn
     type(outcome), pointer :: new
     type(height_map) :: map
     type(power_spectrum) :: spectra(3)
@@ -141,7 +143,7 @@ contains
 
     call begin_outcome(new, handle)
     if (.not. associated(new)) return
-    !$omp critical (library_texts)
+    call turn%begin()
     call take_heights('map', given, map, new%problems, new%failure)
     if (new%problems%count() == 0 .and. .not. all(map%pixel_spacing > 0.0)) &
       call new%problems%add('map.spacing: found 0, 0, expected the spacing of the pixels')
@@ -164,7 +166,6 @@ contains
       end do
     end if
     call finish_outcome(new)
-    !$omp end critical (library_texts)
   end function c_power_spectrum
 
   !> `asperity_summits`.
@@ -173,6 +174,7 @@ contains
     type(c_ptr), value :: path     !! of a height map
     type(c_ptr), value :: given    !! `c_height_map` in its place; null: that of the file
     type(c_ptr), value :: choices  !! `c_summits_options`; null: all defaults
+    type(library_turn) :: turn
     type(outcome), pointer :: new
     type(summit_choices) :: chosen
     type(height_map) :: map
@@ -184,7 +186,7 @@ contains
 
     call begin_outcome(new, handle)
     if (.not. associated(new)) return
-    !$omp critical (library_texts)
+    call turn%begin()
     name = 'map'
     chosen%edge_of_file = .not. c_associated(given)
     call set_choices(choices, chosen, new%problems)
@@ -208,7 +210,6 @@ contains
       call add_statistics(map, found, new%tables(table_statistics))
     end if
     call finish_outcome(new)
-    !$omp end critical (library_texts)
   end function c_summits
 
   ! The choices for summits.

@@ -1,9 +1,8 @@
 !> Outcome of a call of the library for C, as memory that C reads: texts that end with a null
 !> character, tables, problems; how it is filled, what C reads of it, and its release.
 !>
-!> Calls may run at once in several threads, but texts are written by one at a time, in
-!> `critical (library_texts)`: gfortran keeps the length of a function's `character(len=:)` result
-!> in static memory. What a solve does outside has no such function.
+!> Calls may run at once in several threads, but texts are written by one at a time:
+!> `asperity_library_turn` has the reason.
 module asperity_c_outcome
   use, intrinsic :: ieee_arithmetic, only: ieee_quiet_nan, ieee_value
   use, intrinsic :: iso_c_binding, only: c_associated, c_char, c_f_pointer, c_int, c_loc, &

@@ -16,6 +16,7 @@ module asperity_c_scenes
   use asperity_c_outcome, only: begin_outcome, finish_outcome, finish_scene, look_at, outcome, &
                                 set_text, text_notes, text_of, text_report, text_scene, &
                                 text_warning_kinds, text_warnings
+  use asperity_library_turn, only: library_turn
   use asperity_results_json, only: write_json_scene
   implicit none
   private
@@ -46,17 +47,17 @@ contains
   !> `asperity_read_scene`.
   type(c_ptr) function c_read_scene(path) bind(c, name='asperity_read_scene') result(handle)
     type(c_ptr), value :: path  !! of a scene or a card deck
+    type(library_turn) :: turn
     type(outcome), pointer :: new
 
     call begin_outcome(new, handle)
     if (.not. associated(new)) return
-    !$omp critical (library_texts)
+    call turn%begin()
     allocate (new%scene_in)
     call require_text('scene', path, new%problems)
     if (new%problems%count() == 0) call read_scene(text_of(path), new%scene_in, new%problems)
     if (new%problems%count() == 0) call keep_checksums(new%scene_in)
     call finish_scene(new)
-    !$omp end critical (library_texts)
   end function c_read_scene
 
   !> `asperity_build_scene`.
@@ -64,12 +65,13 @@ contains
     result(handle)
     type(c_ptr), value :: groups  !! text of the scene
     type(c_ptr), value :: upper, lower  !! `c_side`; null: the text names it
+    type(library_turn) :: turn
     type(outcome), pointer :: new
     type(scene_side) :: sides(2)
 
     call begin_outcome(new, handle)
     if (.not. associated(new)) return
-    !$omp critical (library_texts)
+    call turn%begin()
     allocate (new%scene_in)
     if (.not. c_associated(groups)) call new%problems%add('groups: found NULL, expected a text')
     call take_side('surfaces.upper', upper, sides(1))
@@ -77,7 +79,6 @@ contains
     if (new%problems%count() == 0 .and. .not. allocated(new%failure)) &
       call build_scene_of(sides, text_of(groups), new%scene_in, new%problems)
     call finish_scene(new)
-    !$omp end critical (library_texts)
 
   contains
 
@@ -109,11 +110,12 @@ contains
     result(handle)
     type(c_ptr), value :: of_scene  !! outcome that has a scene
     type(c_ptr), value :: groups    !! text of all its groups
+    type(library_turn) :: turn
     type(outcome), pointer :: from, new
 
     call begin_outcome(new, handle)
     if (.not. associated(new)) return
-    !$omp critical (library_texts)
+    call turn%begin()
     allocate (new%scene_in)
     call look_at(of_scene, from)
     if (associated(from)) call new%problems%append(from%problems)
@@ -126,7 +128,6 @@ contains
     if (new%problems%count() == 0) &
       call rebuild_scene(from%scene_in, text_of(groups), new%scene_in, new%problems)
     call finish_scene(new)
-    !$omp end critical (library_texts)
   end function c_rebuild_scene
 
   !> `asperity_solve_scene`.
@@ -135,13 +136,14 @@ contains
     type(c_ptr), value :: of_scene  !! outcome that has a scene
     type(c_ptr), value :: options   !! `c_options`; null: all defaults
     type(run_options) :: chosen
+    type(library_turn) :: turn
     type(outcome), pointer :: from, new
     type(scene_results) :: results
 
     call begin_outcome(new, handle)
     if (.not. associated(new)) return
     call look_at(of_scene, from)
-    !$omp critical (library_texts)
+    call turn%begin()
     if (associated(from)) call new%problems%append(from%problems)
     if (.not. has_scene(from)) then
       new%failure = 'no scene'
@@ -150,13 +152,12 @@ contains
       if (chosen%fields > fields_none) &
         call check_field_request(from%scene_in, 'fields', new%problems)
     end if
-    !$omp end critical (library_texts)
+    call turn%finish()
     if (new%problems%count() == 0 .and. .not. allocated(new%failure)) &
       call solve(from%scene_in, results, new%failure, chosen)
-    !$omp critical (library_texts)
+    call turn%begin()
     if (associated(from)) call set_results(from, results, new)
     call finish_outcome(new)
-    !$omp end critical (library_texts)
   end function c_solve
 
   ! Whether an outcome has a scene.

@@ -9,6 +9,7 @@ module asperity_c_surfaces
   use asperity_c_arguments, only: require_text, take_spec, take_word
   use asperity_c_outcome, only: begin_outcome, finish_outcome, outcome, set_text, table_upper, &
                                 text_notes, text_of, text_report
+  use asperity_library_turn, only: library_turn
   implicit none
   private
 
@@ -22,6 +23,7 @@ contains
     type(c_ptr), value :: path        !! specification, where `groups` is null
     type(c_ptr), value :: groups      !! text of a specification; may be null
     integer(c_int), value :: member   !! number in the ensemble, from 1
+    type(library_turn) :: turn
     type(outcome), pointer :: new
     type(generation_spec) :: spec
     type(surface_plan) :: plan
@@ -31,7 +33,7 @@ contains
 
     call begin_outcome(new, handle)
     if (.not. associated(new)) return
-    !$omp critical (library_texts)
+    call turn%begin()
     call take_spec(path, groups, spec, new%problems)
     if (new%problems%count() == 0 .and. spec%is_map) &
       call new%problems%add(spec%file // ': found a height map, expected surfaces: ' // &
@@ -50,7 +52,6 @@ contains
       call add_surface(x, y, height, radius, new%tables(table_upper + side - 1), '')
     end do
     call finish_outcome(new)
-    !$omp end critical (library_texts)
   end function c_generate
 
   !> `asperity_make_report`.
@@ -60,6 +61,7 @@ contains
     type(c_ptr), value :: arithmetic   !! name; null: ibm370
     type(c_ptr), value :: tables       !! positions whose are printed; null: as in the thesis
     integer(c_int), value :: number    !! of them
+    type(library_turn) :: turn
     type(outcome), pointer :: new
     type(card_deck) :: deck
     character(len=:), allocatable :: notes
@@ -71,7 +73,7 @@ contains
 
     call begin_outcome(new, handle)
     if (.not. associated(new)) return
-    !$omp critical (library_texts)
+    call turn%begin()
     call require_text('deck', path, new%problems)
     if (new%problems%count() == 0) call read_card_deck(text_of(path), deck, new%problems)
     which = 1
@@ -102,7 +104,6 @@ contains
       call set_text(new, text_notes, notes // records%notes%text())
     end if
     call finish_outcome(new)
-    !$omp end critical (library_texts)
   end function c_report
 
 end module asperity_c_surfaces

@@ -52,6 +52,7 @@ module asperity_problems
     procedure :: add_in_file             !! adds a problem of the file with a place of its own kind
     procedure :: add => add_problem      !! adds a problem without a place
     procedure :: append => append_list   !! adds all problems of another list
+    procedure :: clear => clear_list     !! removes all problems
     procedure :: count => problem_count  !! number of problems, including those not printed
     procedure :: shorten => shorten_list !! keeps two problems of a file of another kind
     procedure :: place => place_of_line  !! place of the problem of a line
@@ -213,6 +214,11 @@ contains
     self%others = self%others + other%count()
     self%lacks_memory = self%lacks_memory .or. other%lacks_memory
   end subroutine append_list
+
+  !> Removes all problems.
+  subroutine clear_list(self)
+    class(problem_list), intent(out) :: self  !! list of problems, empty on exit
+  end subroutine clear_list
 
   !> Place of the problem of a line of `text`; a line that only counts others has no place.
   pure type(problem_place) function place_of_line(self, number)

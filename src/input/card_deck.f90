@@ -9,6 +9,7 @@ module asperity_card_deck
   use asperity_file_kind, only: other_kind
   use asperity_input_text, only: blanks, check_text, line_end, read_text
   use asperity_kinds, only: real64
+  use asperity_library_turn, only: library_turn
   use asperity_numeral, only: read_numeral
   use asperity_problems, only: decimal_text, problem_list
   implicit none
@@ -54,7 +55,9 @@ contains
     type(card_deck), intent(out) :: deck           !! values of the cards, as written
     type(problem_list), intent(out) :: problems    !! all that is wrong
     character(len=:), allocatable :: text
+    type(library_turn) :: turn
 
+    call turn%begin()
     call read_text(path, 'a card deck', text, problems)
     if (problems%count() == 0) call parse_card_deck(path, text, deck, problems)
   end subroutine read_card_deck
@@ -64,7 +67,9 @@ contains
     character(len=*), intent(in) :: path                !! path of the deck
     type(card_deck), intent(in) :: deck                 !! values of its cards
     character(len=:), allocatable, intent(out) :: text  !! lines with their ends
+    type(library_turn) :: turn
 
+    call turn%begin()
     text = deck%notes%text()
     if (deck%unchecked%count() > 0) &
       text = text // path // ': note: the original program did not check this, and ran:' // &

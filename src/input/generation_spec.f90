@@ -9,6 +9,7 @@ module asperity_generation_spec
   use asperity_height_map, only: most_samples
   use asperity_input_text, only: read_text
   use asperity_kinds, only: int64, real128, real64
+  use asperity_library_turn, only: library_turn
   use asperity_problems, only: decimal_text, problem_list
   use asperity_scene_fields, only: read_fields, scene_fields
   use asperity_spec_names, only: spec_table
@@ -30,7 +31,9 @@ contains
     type(generation_spec), intent(out) :: spec   !! its values, defaults filled in
     type(problem_list), intent(out) :: problems  !! all that is wrong
     character(len=:), allocatable :: text
+    type(library_turn) :: turn
 
+    call turn%begin()
     call read_text(path, 'a specification', text, problems)
     if (problems%count() == 0) call parse_generation_spec(path, text, spec, problems)
   end subroutine read_generation_spec
@@ -45,7 +48,9 @@ contains
       'radii', 'random', 'deck']
     type(scene_fields) :: fields
     integer :: i
+    type(library_turn) :: turn
 
+    call turn%begin()
     spec%file = path
     call read_fields(path, text, 'a specification', [a_specification], &
                      spec_table, fields)

@@ -9,7 +9,7 @@ module asperity_height_map
   implicit none
   private
 
-  public :: height_map, map_request, change_unit, move_map, put_in_unit, give_spacing, &
+  public :: height_map, map_request, change_unit, copy_map, move_map, put_in_unit, give_spacing, &
             check_heights, check_spacing, known_units, length_units, unit_number, unit_ratio, &
             plain_unit, no_height, is_measured, is_length, make_room, read_height, &
             expected_length, expected_height, highest, largest_height, &
@@ -157,6 +157,18 @@ contains
     to = from
     call move_alloc(height, to%height)
   end subroutine move_map
+
+  !> Copies a map.
+  subroutine copy_map(from, to, failure)
+    type(height_map), intent(in) :: from                   !! a height map
+    type(height_map), intent(out) :: to                    !! copy with its heights
+    character(len=:), allocatable, intent(out) :: failure  !! why there is no memory for it
+
+    to%columns = from%columns
+    to%rows = from%rows
+    call make_room(to, failure)
+    if (.not. allocated(failure)) to = from
+  end subroutine copy_map
 
   !> Converts all lengths of a map to another unit.
   pure subroutine change_unit(map, unit)

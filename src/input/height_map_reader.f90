@@ -7,6 +7,7 @@ module asperity_height_map_reader
                                  make_room, map_request, no_height, plain_unit, unit_number
   use asperity_input_text, only: begin_file, check_text, first_control
   use asperity_kinds, only: int64, real64
+  use asperity_library_turn, only: library_turn
   use asperity_npy_map, only: npy_magic, read_npy_map
   use asperity_problems, only: decimal_text, problem_list, real_text
   use asperity_sdf_map, only: is_sdf, magic_length, read_sdf_header, read_sdf_samples, sdf_header
@@ -46,7 +47,9 @@ contains
     integer, intent(in), optional :: unit
     type(line_reader) :: file
     type(map_request) :: request
+    type(library_turn) :: turn
 
+    call turn%begin()
     request%pixel_spacing = pixel_spacing
     request%progress = progress
     request%option = 'spacing'
@@ -129,7 +132,9 @@ contains
     character(len=:), allocatable, intent(out) :: failure   !! why there is no map
     character(len=:), allocatable :: fault
     integer :: before, i, j
+    type(library_turn) :: turn
 
+    call turn%begin()
     before = problems%count()
     map%columns = size(height, 1)
     map%rows = size(height, 2)

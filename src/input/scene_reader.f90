@@ -3,9 +3,10 @@ module asperity_scene_reader
   use asperity_card_deck, only: has_cards
   use asperity_constants, only: pi
   use asperity_file_kind, only: a_scene, group_start, other_kind
-  use asperity_height_map, only: move_map
+  use asperity_height_map, only: copy_map
   use asperity_input_text, only: blanks, read_text
   use asperity_kinds, only: real64
+  use asperity_library_turn, only: library_turn
   use asperity_namelist_text, only: skip_blanks
   use asperity_problems, only: problem_list, real_text
   use asperity_scene_deck, only: surfaces_from_deck
@@ -30,7 +31,9 @@ contains
     type(scene), intent(out) :: checked          !! its values, defaults filled in
     type(problem_list), intent(out) :: problems  !! all that is wrong, in all files it names
     character(len=:), allocatable :: text
+    type(library_turn) :: turn
 
+    call turn%begin()
     call read_text(path, 'a scene or a card deck', text, problems)
     if (problems%count() > 0) return
     if (is_scene(path, text)) then
@@ -47,7 +50,9 @@ contains
     type(scene), intent(out) :: checked          !! its values, defaults filled in
     type(problem_list), intent(out) :: problems  !! all that is wrong, in all files it names
     type(scene_fields) :: fields
+    type(library_turn) :: turn
 
+    call turn%begin()
     checked%file = path
     checked%text = text
     call read_fields(path, text, 'a scene', [a_scene], scene_table(), fields)
@@ -72,13 +77,16 @@ contains
   !> Makes a scene of its text and of surfaces or height maps in memory; a side that is not given is
   !> named in the text, as in a file.
   subroutine build_scene_of(sides, text, checked, problems)
-    type(scene_side), intent(inout) :: sides(2)     !! upper, lower; heights of maps are moved away
+    type(scene_side), intent(in) :: sides(2)        !! upper and lower side
     character(len=*), intent(in) :: text            !! text of all groups
     type(scene), intent(out) :: checked             !! its values, defaults filled in
     type(problem_list), intent(inout) :: problems   !! all that is wrong
     type(scene_fields) :: fields
+    character(len=:), allocatable :: failure
     integer :: side
+    type(library_turn) :: turn
 
+    call turn%begin()
     checked%file = 'scene'
     checked%text = text
     call read_fields(checked%file, text, 'a scene', [a_scene], scene_table(), fields)
@@ -86,8 +94,14 @@ contains
       fields%given(side) = allocated(sides(side)%surface) .or. allocated(sides(side)%map)
     end do
     if (allocated(sides(1)%map) .or. allocated(sides(2)%map)) allocate (checked%map)
-    if (allocated(sides(1)%map)) call move_map(sides(1)%map, checked%map%upper)
-    if (allocated(sides(2)%map)) call move_map(sides(2)%map, checked%map%lower)
+    if (allocated(sides(1)%map)) call copy_map(sides(1)%map, checked%map%upper, failure)
+    if (allocated(sides(2)%map) .and. .not. allocated(failure)) &
+      call copy_map(sides(2)%map, checked%map%lower, failure)
+    if (allocated(failure)) then
+      call problems%add(failure)
+      problems%lacks_memory = .true.
+      return
+    end if
     if (allocated(sides(1)%surface)) checked%upper = sides(1)%surface
     if (allocated(sides(2)%surface)) checked%lower = sides(2)%surface
     call read_groups(fields, checked, problems)
@@ -102,7 +116,9 @@ contains
     type(scene), intent(out) :: checked           !! its values, defaults filled in
     type(problem_list), intent(out) :: problems   !! all that is wrong with the text
     type(scene_fields) :: fields
+    type(library_turn) :: turn
 
+    call turn%begin()
     if (other%from_deck) then
       call parse_scene(other%file, text, checked, problems)
       return
@@ -169,6 +185,7 @@ contains
     call checked%notes%append(fields%notes)
     call problems%append(fields%problems)
     call problems%append(other_files)
+    checked%is_checked = fields%problems%count() + other_files%count() == 0
   end subroutine read_groups
 
   !> A deck in the place of a scene is the thesis' sweep over it.
@@ -191,6 +208,7 @@ contains
       return
     end if
     call surfaces_from_deck(path, checked, sweep, problems, text)
+    checked%is_checked = problems%count() == 0
     checked%motion = sweep
     ! The thesis has no interaction.
     checked%effects%given = by_word

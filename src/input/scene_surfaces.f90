@@ -5,6 +5,7 @@ module asperity_scene_surfaces
   use asperity_height_map, only: height_map, plain_unit
   use asperity_input_text, only: in_quotes
   use asperity_kinds, only: real64
+  use asperity_library_turn, only: library_turn
   use asperity_problems, only: decimal_text, problem_list, real_text
   use asperity_scene_deck, only: surfaces_from_deck
   use asperity_scene_fields, only: scene_fields
@@ -304,7 +305,9 @@ contains
     type(scene_surface), intent(out) :: surface    !! surface with copies of the numbers
     type(problem_list), intent(inout) :: problems  !! what is wrong
     integer :: before
+    type(library_turn) :: turn
 
+    call turn%begin()
     surface%file = ''
     if (any([size(y), size(height)] /= size(x)) .or. all(size(radius) /= [1, size(x)]) .or. &
         size(x) == 0) then

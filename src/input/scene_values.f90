@@ -131,6 +131,7 @@ module asperity_scene_values
   !>    of a lower sphere: z = height - radius + slope(1) X + slope(2) Y;
   !> 4. upper surface: add the displacement to X and Y; z keeps the value of step 3.
   type :: scene
+    logical :: is_checked = .false.               !! read or built without problems
     character(len=:), allocatable :: file         !! the scene or deck, for messages
     character(len=:), allocatable :: text         !! all that it says, as it was written
     logical :: from_deck = .false.                !! surfaces from a deck: cm, N, N/cm2

@@ -31,12 +31,17 @@ module asperity_map_stress
   use asperity_kinds, only: real64
   use asperity_lattice_convolution, only: padded_length
   use asperity_plane_transform, only: plane_transform
+  use asperity_problems, only: real_text
+  use asperity_scene_values, only: scene
   implicit none
   private
 
-  public :: component_names, largest_shear, largest_stress, look_for_largest, stress_solver, &
-            von_mises
+  public :: component_names, largest_shear, largest_stress, look_for_largest, stress_below, &
+            stress_solver, von_mises
 
+  !> Reason why a scene has no stresses.
+  character(len=*), parameter, public :: no_ratio = 'stress needs poisson_ratio in &material: ' // &
+    'found contact_modulus in its place'
   !> Components of a stress, in their order.
   character(len=*), parameter :: component_names(6) = &
     [character(len=2) :: 'xx', 'yy', 'zz', 'xy', 'xz', 'yz']
@@ -74,6 +79,27 @@ module asperity_map_stress
                                                        -1, 1], [2, 6])
 
 contains
+
+  !> Stresses in the lower body under the pressures of a field.
+  subroutine stress_below(scene_in, field, depth, stress, failure)
+    type(scene), intent(in) :: scene_in          !! scene that was solved
+    type(contact_field), intent(in) :: field     !! pressures of one of its states
+    real(real64), intent(in) :: depth            !! depth below the surface, more than 0 [length]
+    real(real64), allocatable, intent(out) :: stress(:, :, :)  !! (column, row, component)
+    character(len=:), allocatable, intent(out) :: failure      !! reason when it is not computed
+    type(stress_solver) :: solver
+
+    if (.not. (depth > 0.0_real64 .and. depth <= huge(depth))) then
+      failure = 'depth: found ' // real_text(depth) // ', expected a number more than 0'
+    else if (.not. allocated(field%pressure)) then
+      failure = 'no fields: expected those of a state that was solved with fields'
+    else if (scene_in%contact_modulus > 0.0_real64) then
+      failure = no_ratio
+    else
+      call solver%prepare(field, scene_in%lower%poisson_ratio)
+      call solver%solve(depth, stress)
+    end if
+  end subroutine stress_below
 
   !> Prepares the stresses under the pressures of a field.
   subroutine prepare_solver(self, field, ratio)

@@ -4,6 +4,7 @@
 !> printer's carriage control. "Fault n" and "Deviation x" refer to docs/theory/faults.md.
 module asperity_report
   use asperity_kinds, only: real64
+  use asperity_library_turn, only: library_turn
   use asperity_line_printer, only: apply_carriage_control, fixed_field, table_letters, new_page, &
     skip_lines
   use asperity_original_records, only: approach_row, contact_record, individual_difference_row, &
@@ -47,7 +48,9 @@ contains
     type(text_buffer), intent(inout) :: buffer               !! text to which the report is added
     type(text_buffer) :: lines
     integer :: m, number
+    type(library_turn) :: turn
 
+    call turn%begin()
     call input_table(lines, records%upper, records%lower)
     call asperity_table(lines, records%upper, 'IIIA', 'UPPER')
     call asperity_table(lines, records%lower, 'IIIB', 'LOWER')

@@ -7,6 +7,7 @@ module asperity_map_file
   use asperity_height_map, only: edge_names, height_map, is_measured, periodic_edge, unit_ratio
   use asperity_input_text, only: lower_case
   use asperity_kinds, only: int64, real64
+  use asperity_library_turn, only: library_turn
   use asperity_npy_map, only: npy_magic
   use asperity_output_files, only: close_part, commit_files, open_part
   use asperity_problems, only: decimal_text, problem_list, real_text
@@ -49,7 +50,9 @@ contains
     type(height_map), intent(in) :: map                     !! checked height map
     type(problem_list), intent(inout) :: problems           !! what the format does not hold
     character(len=:), allocatable, intent(out) :: failure   !! why it was not written
+    type(library_turn) :: turn
 
+    call turn%begin()
     call stage_map_file(path, map, problems, failure)
     if (.not. allocated(failure)) call commit_files(failure)
   end subroutine write_map_file

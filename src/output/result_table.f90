@@ -8,6 +8,7 @@ module asperity_result_table
   use asperity_contact_records, only: contact_radius, contact_row, effect_record, state_row
   use asperity_effect_names, only: known_effects
   use asperity_kinds, only: int32, int64, not_computed, real64
+  use asperity_library_turn, only: library_turn
   use asperity_process, only: has_memory
   use asperity_scene_results, only: has_height_map, kinds_of_warnings, last_state, scene_results
   use asperity_scene_values, only: scene
@@ -64,6 +65,10 @@ contains
     integer, allocatable :: position(:), step(:)  ! numbers of each state
     integer :: columns, i, m
 
+    if (.not. results%are_solved) then
+      failure = 'no results: the scene is not solved'
+      return
+    end if
     columns = most_own
     if (allocated(results%effects)) &
       columns = columns + columns_of_effect * size(results%effects%names) + &
@@ -290,6 +295,8 @@ contains
     type(array_table), intent(in) :: table  !! table with columns
     character(len=*), intent(in) :: name    !! of a column
 
+    place_of = 0
+    if (.not. allocated(table%columns)) return
     do place_of = size(table%columns), 1, -1
       if (table%columns(place_of)%name == name) return
     end do
@@ -343,7 +350,9 @@ contains
     type(scene), intent(in) :: scene_in            !! what was solved
     type(array_table), intent(inout) :: arrays     !! table by `make_arrays`
     integer :: i
+    type(library_turn) :: turn
 
+    call turn%begin()
     do i = 1, size(arrays%columns)
       arrays%columns(i)%unit = unit_of(scene_in, arrays%columns(i)%dimension)
     end do

@@ -5,6 +5,7 @@ module asperity_summary
   use asperity_effect_names, only: known_effects, of_interaction
   use asperity_effects_summary, only: effects_in_words, load_is_met, write_effects
   use asperity_kinds, only: not_computed, real64
+  use asperity_library_turn, only: library_turn
   use asperity_number_format, only: count_text, percent_text, positions_listed, number_text
   use asperity_problems, only: decimal_text
   use asperity_result_table, only: array_table, make_arrays, numbers_of, of_states, place_of
@@ -28,7 +29,9 @@ contains
     type(scene_results), intent(in) :: results  !! results of a run
     type(text_buffer), intent(inout) :: buffer  !! gets the lines
     integer :: at
+    type(library_turn) :: turn
 
+    call turn%begin()
     call write_heading(scene_in, results, buffer)
     call buffer%line('')
     call write_totals(scene_in, results, buffer)

@@ -3,6 +3,7 @@ module asperity_summits_table
   use, intrinsic :: ieee_arithmetic, only: ieee_is_nan
   use asperity_height_map, only: height_map, level_names
   use asperity_kinds, only: int64, real64
+  use asperity_library_turn, only: library_turn
   use asperity_map_levelling, only: is_flat
   use asperity_map_statistics, only: map_statistics
   use asperity_map_summits, only: map_summits, rule_contact, rule_names
@@ -47,7 +48,9 @@ contains
     character(len=:), allocatable :: of_theory, value
     type(statistic) :: rows(15)
     integer :: i
+    type(library_turn) :: turn
 
+    call turn%begin()
     call buffer%line(printable_text(path) // ': ' // decimal_text(map%columns) // ' x ' // &
                      decimal_text(map%rows) // ' pixels, level: ' // &
                      trim(level_names(choices%level)) // ', rule: ' // &

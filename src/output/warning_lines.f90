@@ -2,6 +2,7 @@
 module asperity_warning_lines
   use asperity_input_text, only: replaced_text
   use asperity_kinds, only: real64
+  use asperity_library_turn, only: library_turn
   use asperity_number_format, only: count_text, percent_text
   use asperity_problems, only: decimal_text, problem_list, real_text
   use asperity_scene_results, only: scene_results
@@ -16,7 +17,7 @@ contains
   !> Adds `FILE: warning: position N and M more: what, how much, what to do` for every kind that
   !> applies anywhere, in the order of the kinds; N is the position where it is worst. `kinds` gets
   !> `NAME CLASS` for each line.
-  pure subroutine list_warnings(file, results, lines, kinds)
+  subroutine list_warnings(file, results, lines, kinds)
     character(len=*), intent(in) :: file         !! the scene, as the user named it
     type(scene_results), intent(in) :: results   !! results of a run
     type(problem_list), intent(inout) :: lines   !! gets a line a kind
@@ -24,7 +25,9 @@ contains
     type(theory_warning) :: worst
     character(len=:), allocatable :: more
     integer :: which, at, i, m, positions
+    type(library_turn) :: turn
 
+    call turn%begin()
     do which = 1, size(warning_kinds)
       at = 0
       positions = 0

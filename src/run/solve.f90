@@ -35,6 +35,10 @@ contains
     type(scene) :: written
     !$ integer :: usual
 
+    if (.not. scene_in%is_checked) then
+      failure = 'the scene was not read or built without problems'
+      return
+    end if
     if (present(options)) chosen = options
     call check_options(chosen, problems)
     if (problems%count() > 0) then

@@ -15,6 +15,7 @@ module asperity_surface_fields
   use asperity_constants, only: pi
   use asperity_height_map, only: height_map, is_measured, no_height
   use asperity_kinds, only: int64, not_computed, real64
+  use asperity_library_turn, only: library_turn
   use asperity_map_contact, only: map_answer
   use asperity_map_fields, only: measure_fields, take_field
   use asperity_problems, only: decimal_text, not_enough_memory, problem_list
@@ -54,7 +55,9 @@ contains
     type(scene), intent(in) :: scene_in            !! scene, checked for faults
     character(len=*), intent(in) :: name           !! option of the request, for the message
     type(problem_list), intent(inout) :: problems  !! list; gets a line for such a scene
+    type(library_turn) :: turn
 
+    call turn%begin()
     if (scene_in%motion%positions > 1) then
       call problems%add(name // ': found ' // decimal_text(scene_in%motion%positions) // &
                         ' positions, expected one for fields')
