@@ -1,7 +1,10 @@
 """Files of the repository: at its root only what is listed here, nowhere a file that a compiler or
 an unfinished run has left."""
 
+import os
+import re
 import subprocess
+import sys
 from pathlib import PurePosixPath
 
 import pytest
@@ -21,3 +24,24 @@ def test_root_and_leftovers():
     paths = [PurePosixPath(name) for name in listed if name]
     assert {path.parts[0] for path in paths} == IN_ROOT
     assert not [path for path in paths if path.suffix in LEFT_BEHIND]
+
+
+ALONE = """
+import sys
+sys.modules.update(dict.fromkeys(("jsonschema", "mpmath", "pandas", "sdfio", "tamaas", "xarray")))
+import pytest
+sys.exit(pytest.main(["-q", "-p", "no:xdist", "-p", "no:cacheprovider", *sys.argv[1:]]))
+"""
+
+
+def test_numpy_and_pytest_alone(asperity):
+    """All tests of the printed report and of files are found without other packages. Only a test
+    that needs one is skipped."""
+    environment = {**os.environ, "ASPERITY_EXE": str(asperity)}
+    del environment["PYTEST_CURRENT_TEST"]
+    printed = [subprocess.run([sys.executable, "-c", ALONE, *words], cwd=ROOT, env=environment,
+                              capture_output=True, text=True, timeout=300).stdout
+               for words in (("--collect-only", "test/original", "test/files"),
+                             ("test/original/test_faults.py",))]
+    assert re.search(r"^\d+ tests collected", printed[0], re.M) and "error" not in printed[0]
+    assert re.search(r"^\d+ passed, \d+ skipped in", printed[1], re.M), printed[1]
