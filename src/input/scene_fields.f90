@@ -391,7 +391,8 @@ contains
 
   ! Two whole numbers among the values of a name with a comma between and no blank, where no value
   ! has a point: `12,5`, which may be meant as 12.5. Empty where there are none, where all are 0, or
-  ! where more values stand without a blank and `all_pairs` is false: a list, no fraction.
+  ! where more values stand without a blank and `all_pairs` is false: a list, no fraction. The second
+  ! may have a point where it begins with three figures or 0: `1,000.5`.
   pure subroutine find_comma_pair(self, at, all_pairs, pair, surely)
     class(scene_fields), intent(in) :: self
     integer, intent(in) :: at                ! the name's item
@@ -410,13 +411,14 @@ contains
         if (verify(text(items(i)%first:items(i)%last), figures // '+-eEdD') > 0) then
           pair = ''
           surely = .false.
+          if (i == 1) return
+          if (is_joined(i - 1) .and. (text(items(i)%first:items(i)%first) == '0' .or. &
+              verify(text(items(i)%first:items(i)%last), figures) == 4)) &
+            pair = text(items(i - 1)%first:items(i)%last)
           return
         end if
         if (i == size(items)) cycle
-        if (items(i + 1)%first /= items(i)%last + 2 .or. items(i)%is_quoted .or. &
-            text(items(i)%last + 1:items(i)%last + 1) /= ',' .or. &
-            verify(text(items(i)%first:items(i)%last), figures // '+-') > 0 .or. &
-            scan(text(items(i + 1)%first:items(i + 1)%first), figures) == 0) cycle
+        if (.not. is_joined(i)) cycle
         joined = joined + 1
         if (verify(text(items(i)%first:items(i + 1)%last), '0,+-') == 0) cycle
         pair = text(items(i)%first:items(i + 1)%last)
@@ -425,6 +427,21 @@ contains
       end do
       if (joined == size(items) - 1 .and. joined > 1 .and. .not. all_pairs) pair = ''
     end associate
+
+  contains
+
+    ! Whether a value is a whole number with a comma and a figure right behind it.
+    pure logical function is_joined(i)
+      integer, intent(in) :: i
+
+      associate (items => self%list%items(at + i:at + i + 1), text => self%list%text)
+        is_joined = items(2)%first == items(1)%last + 2 .and. .not. items(1)%is_quoted .and. &
+                    text(items(1)%last + 1:items(1)%last + 1) == ',' .and. &
+                    verify(text(items(1)%first:items(1)%last), figures // '+-') == 0 .and. &
+                    scan(text(items(2)%first:items(2)%first), figures) > 0
+      end associate
+    end function is_joined
+
   end subroutine find_comma_pair
 
   !> Reports a problem at a group; at &surfaces when that group does not occur; at the first byte of

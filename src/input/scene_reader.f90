@@ -16,7 +16,7 @@ module asperity_scene_reader
   use asperity_scene_maps, only: check_map_scene
   use asperity_scene_names, only: scene_rows, scene_table
   use asperity_scene_surfaces, only: from_csv, read_surfaces
-  use asperity_scene_values, only: by_word, dundurs_beta, effect_off, scene, scene_motion, &
+  use asperity_scene_values, only: by_word, dundurs_beta, scene, scene_motion, &
                                    scene_side, scene_surface
   implicit none
   private
@@ -153,7 +153,7 @@ contains
     type(scene_fields), intent(inout) :: fields
     type(scene), intent(inout) :: checked
     type(problem_list), intent(inout) :: problems
-    real(real64), parameter :: most_unlike = 0.1_real64  ! a few percent of the load; chosen
+    real(real64), parameter :: most_unlike = 0.1_real64  ! 0.3 % of the load without slip; chosen
     type(problem_list) :: other_files
     integer :: i
 
@@ -172,13 +172,7 @@ contains
             call fields%take(trim(row%group), trim(row%name), checked%stored(i))
         end associate
       end do
-      ! Friction at the interface of unlike bodies raises the pressure by a share of the order of
-      ! beta.
-      if (checked%effects%mode('friction') == effect_off .and. &
-          abs(dundurs_beta(checked)) > most_unlike) &
-        call checked%notes%add(checked%file // ': note: unlike bodies, Dundurs'' beta ' // &
-                               real_text(abs(dundurs_beta(checked)), 'f6.3') // &
-                               ': contacts are taken as frictionless')
+      call note_unlike_bodies()
       call check_states(fields, checked)
       call check_map_scene(fields, checked)
     end if
@@ -186,6 +180,21 @@ contains
     call problems%append(fields%problems)
     call problems%append(other_files)
     checked%is_checked = fields%problems%count() + other_files%count() == 0
+
+  contains
+
+    ! Notes that shear by the normal load of unlike bodies is left out. Without slip the load of a
+    ! contact circle is larger by ln((1 + beta)/(1 - beta))/(2 beta) (Spence 1968).
+    subroutine note_unlike_bodies()
+      real(real64) :: beta
+
+      beta = abs(dundurs_beta(checked))
+      if (beta > most_unlike) call checked%notes%add(checked%file // ': note: unlike bodies, ' // &
+        'Dundurs'' beta ' // real_text(beta, 'f6.3') // ': shear by the normal load is left ' // &
+        'out, without slip it increases the load of a contact circle by ' // &
+        real_text(100.0_real64 * (log((1 + beta) / (1 - beta)) / (2 * beta) - 1), 'f5.1') // ' %')
+    end subroutine note_unlike_bodies
+
   end subroutine read_groups
 
   !> A deck in the place of a scene is the thesis' sweep over it.

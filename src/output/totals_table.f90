@@ -126,7 +126,7 @@ contains
     call make_arrays(of_positions, results, table, failure)
     if (allocated(failure)) return
     call add_pressures(results, table)
-    call add_holds(results, table)
+    call add_holds(scene_in%effects%number('loading_time'), results, table)
     do i = 1, size(own_totals)
       call list_column(place_of(table, own_totals(i)%column), own_totals(i), .true.)
     end do
@@ -205,7 +205,8 @@ contains
   end subroutine add_pressures
 
   ! Adds the change of the load, or of the separation, during a hold of all positions.
-  subroutine add_holds(results, table)
+  subroutine add_holds(loading_time, results, table)
+    real(real64), intent(in) :: loading_time
     type(scene_results), intent(in) :: results
     type(array_table), intent(inout) :: table
     real(real64) :: lost(size(results%positions)), sunk(size(results%positions))
@@ -213,9 +214,9 @@ contains
 
     do m = 1, size(results%positions)
       associate (states => results%positions(m)%states, last => last_state(results%positions(m)))
-        if (.not. last%time > 0.0_real64) return
-        ! The state in which the last hold begins.
-        associate (begin => states(max(1, findloc(states%time > 0.0_real64, .false., 1, &
+        if (.not. last%time > loading_time) return
+        ! The state in which the hold begins.
+        associate (begin => states(max(1, findloc(states%time > loading_time, .false., 1, &
                                                   back=.true.))))
           lost(m) = not_computed
           if (abs(begin%load) > 0.0_real64) lost(m) = 1.0_real64 - last%load / begin%load

@@ -1,6 +1,7 @@
 """Creep, as `asperity solve` does it, against closed forms and creep_truth.py."""
 
 import math
+import re
 from itertools import product
 
 import mpmath
@@ -11,6 +12,7 @@ import creep_truth as truth
 from ball_scenes import balls, path
 from effect_runs import DECK, by_position
 from judge import column, compare, relative, solved
+from programs import run_program
 from surfaces_csv import write_scene
 from test_creep_pixels import ting
 
@@ -310,3 +312,36 @@ def test_auto_estimates_what_a_held_approach_loses(asperity, tmp_path):
         assert float(row["creep_estimate"]) == pytest.approx(
             1 / relaxed(0.8, 10.0, hold_time) - 1, abs=1e-12)
         assert len(run.curve) == (30 if wanted == "on" else 1)
+
+
+@pytest.mark.parametrize("hold", ("load", "separation"))
+def test_totals_of_a_hold_after_a_ramp(hold, asperity, tmp_path):
+    """Creep displacement and load relaxation of the summary are those since the end of loading. Load
+    P t/T on a ball and its hold: delta**1.5 = 3/(4 E sqrt(R)) int J dP (Lee and Radok 1960); a depth
+    that is held relaxes by the difference of the moduli, from the memory of the ramp."""
+    modulus, load, ramp, hold_time, ratio, tau = 1e6, 10.0, 1.0, 5.0, 0.5, 1.0
+    (tmp_path / "ball.csv").write_text("x,y,height,radius\n0,0,0.1,1\n")
+    (tmp_path / "hold.scene").write_text(
+        f"&surfaces upper = 'plane', lower = 'ball.csv' / &material contact_modulus = {modulus} /"
+        f"&loading control = 'load', value = {load} / &effects relaxation_time = {tau}, hold = "
+        f"'{hold}', relaxed_modulus_ratio = {ratio}, loading_time = {ramp}, hold_time = {hold_time} /")
+    text = run_program(asperity, "solve", "hold.scene", cwd=tmp_path).stdout
+
+    def grown(time):
+        """delta**1.5 over 3/(4 E sqrt(R)); J(t) = 1/r - (1/r - 1) exp(-r t/tau)."""
+        late = np.maximum(time - ramp, 0)
+        memory = np.exp(-ratio * late / tau) - np.exp(-ratio * time / tau)
+        return load / ramp * (np.minimum(time, ramp) / ratio
+                              - tau / ratio * (1 / ratio - 1) * memory)
+
+    found = {name: float(number) for name, number in re.findall(
+        r"^(creep displacement|load relaxation) +(\S+)", text, re.M)}
+    if hold == "load":
+        depths = (3 / (4 * modulus) * grown(np.array([ramp, ramp + hold_time]))) ** (2 / 3)
+        assert found == {"creep displacement": pytest.approx(depths[1] - depths[0], rel=1e-3)}
+    else:
+        # P = 4/3 E sqrt(R) int g(t - s) d(delta**1.5), g = r + (1 - r) exp(-t/tau).
+        times = np.linspace(0, ramp, 2001)
+        loads = [np.sum((ratio + (1 - ratio) * np.exp(-(end - times[1:] / 2 - times[:-1] / 2) / tau))
+                        * np.diff(grown(times))) for end in (ramp, ramp + hold_time)]
+        assert found == {"load relaxation": pytest.approx(1 - loads[1] / loads[0], rel=1e-3)}

@@ -387,7 +387,10 @@ def test_grids_are_compared_to_a_millionth(maps):
 
 @pytest.mark.parametrize("value, note", [("12,5", "12,5"), ("3, 12,5", "12,5"), ("12, 5", None),
                                          ("12 5", None), ("1.5,2.5", None), ("12", None),
-                                         ("12,5.", None)])
+                                         ("12,5.", None), ("1,000.5", "1,000.5"),
+                                         ("1,234.5", "1,234.5"), ("12,0.5", "12,0.5"),
+                                         ("1, 000.5", None), ("1,1234.5", None),
+                                         ("1.,234.5", None)])
 def test_a_path_from_a_decimal_comma_is_noted(value, note, asperity, tmp_path):
     scene = write_scene(
         tmp_path / "a.scene", surfaces={"upper": "plane", "lower": "l.csv"},

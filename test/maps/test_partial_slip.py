@@ -269,3 +269,16 @@ def test_refused_scenes(asperity, tmp_path, loading, effects, material, text):
         loading={"control": "load", "value": 1.0, **loading}, effects=effects)
     found = solve(asperity, scene)
     assert found.status == 2 and text in found.stderr, found.stderr
+
+
+def test_friction_without_tangential_load(asperity, tmp_path):
+    """It is not simulated, and the tangential stiffness of the contact stays a column."""
+    height, _ = sphere(16, 0.01)
+    scene = map_scene(tmp_path, height, (0.01, 0.01), name="still", surfaces={"map_level": "none"},
+                      loading={"control": "load", "value": 1.0},
+                      material={"elastic_modulus": (MODULUS, MODULUS),
+                                "poisson_ratio": (RATIO, RATIO)},
+                      effects={"friction": "on", "friction_coefficient": MU})
+    row = solve(asperity, scene).positions[0]
+    assert row["friction"] == "off" and float(row["tangential_stiffness"]) > 0
+    assert float(row["tangential_load"]) == 0
