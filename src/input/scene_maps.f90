@@ -175,8 +175,8 @@ contains
       end if
     end subroutine make_one
 
-    ! Puts a map in the unit of the scene, which is that of the first map. One without a unit has
-    ! its numbers in the unit that is named for its side.
+    ! Puts a map in the unit of the scene: `map_unit`, `units`, or that of the first map. One without
+    ! a unit has its numbers in the unit that is named for its side.
     subroutine convert_map(side, map, other)
       integer, intent(in) :: side
       type(height_map), intent(inout) :: map
@@ -186,6 +186,8 @@ contains
       if (unit(side) > 0) then
         if (map%unit == '') map%unit = trim(length_units(unit(side)))
         call change_unit(map, unit(1))
+      else if (map%unit /= '' .and. unit_number(plain_unit(checked%units(1))) > 0) then
+        call change_unit(map, unit_number(plain_unit(checked%units(1))))
       else
         other_unit = 0
         if (side == 2 .and. sides == 2 .and. map%unit /= '') other_unit = unit_number(other%unit)

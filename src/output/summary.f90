@@ -82,7 +82,9 @@ contains
     if (model == 'none') model = 'elastic, frictionless, non-interacting contacts (Hertz)'
     call buffer%line('model: ' // model // '; control: ' // &
                      trim(scene_in%loading%control%word) // limit // &
-                     '; arithmetic: ' // trim(results%arithmetic))
+                     '; arithmetic: ' // trim(results%arithmetic) // &
+                     trim(merge('; lengths without a unit', repeat(' ', 24), &
+                                allocated(scene_in%map) .and. unit_of(scene_in, is_length) == '')))
   end subroutine write_heading
 
   !> `error estimate: load 1.2 %, contact area 0.9 %`, the largest over the positions; under load

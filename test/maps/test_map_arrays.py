@@ -36,12 +36,14 @@ ROUGH = uneven()
 CAPS = {"x": [0.0, 3.0], "y": [0.0, 0.0], "height": [0.2, 0.15], "radius": [2.0, 2.0]}
 
 
+UNDER_LOAD = {"material": {"contact_modulus": 1e3},
+              "loading": {"control": "load", "value": 2.0, "points": 3},
+              "effects": {"interaction": "boundary"}}
+
+
 def solve(package, upper, lower, **surfaces):
     """All numbers of positions, states and contacts under a load."""
-    done = package.solve({"surfaces": {"upper": upper, "lower": lower, **surfaces},
-                          "material": {"contact_modulus": 1e3},
-                          "loading": {"control": "load", "value": 2.0, "points": 3},
-                          "effects": {"interaction": "boundary"}})
+    done = package.solve({"surfaces": {"upper": upper, "lower": lower, **surfaces}, **UNDER_LOAD})
     assert done.positions["contacts"][0] >= 1
     return repr([one.to_dict() for one in (done.positions, done.states, done.contacts)])
 
@@ -206,6 +208,26 @@ def test_edge_of_a_map(package):
                                  "periodic, expected both alike, or map_edge")
 
 
+@pytest.mark.parametrize("unit, factor", [("nm", 1e3), ("mm", 1e-3), ("m", 1e-6)])
+def test_a_map_is_converted_to_the_units_of_the_scene(package, unit, factor):
+    """Each of two maps on its own; lengths are exact but for rounding."""
+    other = package.HeightMap(ROUGH * factor, [step * factor for step in SPACING], unit)
+    words = {"units": ("um", "uN"), "map_level": "none"}
+    own = package.HeightMap(ROUGH, SPACING, "um")
+    for upper in ("plane", own):
+        found, right = (package.solve(
+            {"surfaces": {"upper": upper, "lower": one, **words}, **UNDER_LOAD}).positions["area"][0]
+            for one in (other, own))
+        assert found == pytest.approx(right, rel=1e-9) and right > 0
+
+
+def test_a_map_without_a_unit_is_named(package):
+    for unit, named in ((None, True), ("um", False)):
+        text = package.solve({"surfaces": {"upper": "plane", "lower": package.HeightMap(
+            ROUGH, SPACING, unit)}, **UNDER_LOAD}).summary
+        assert ("lengths without a unit" in text) == named, text
+
+
 # ---------------------------------------------------------------- refusals
 
 def spoiled(value, place=(2, 3)):
@@ -225,7 +247,8 @@ def spoiled(value, place=(2, 3)):
     (CAPS, "plane", {"radius": (1.0, 2.0)}, "radius: found although both surfaces have radii"),
     (CAPS, "plane", {"map_unit": "um"}, "map_unit: found without a map"),
     ("map", "plane", {"radius": 1.0}, "radius: found beside a map"),
-    ("plane", "map", {"units": ("mm", "N")}, "units: found length 'mm' beside 'um' of the map"),
+    ("plane", "map", {"units": ("mm", "N"), "map_unit": "um"},
+     "units: found length 'mm' beside 'um' of the map"),
     ("plane", spoiled(np.inf), OWN, "surfaces.lower.height: found Infinity at [2][3], expected a "
                                     "height of at most 1e30, or NaN where missing"),
     ("plane", spoiled(-1e31), OWN, "surfaces.lower.height: found -1.000000E+031 at [2][3]"),
