@@ -10,8 +10,11 @@ import json
 import math
 import os
 import re
+import struct
 import sys
+import tempfile
 import zipfile
+import zlib
 from array import array
 from collections.abc import Iterable, Mapping
 from typing import Any
@@ -23,6 +26,10 @@ from ._fields import FLAGS, NAMES, SLIP_NAMES, Fields, in_rows
 
 FORMAT = "asperity results 1"  #: what `results.json` states
 EXPECTED = "a file that Results.save or asperity solve --json wrote"
+TEXTS = ("summary", "warnings", "notes")
+# Endings of other formats than that of `Results.save`.
+OTHERS = (".csv", ".h5", ".hdf5", ".html", ".json", ".mat", ".nc", ".npy", ".npz", ".pickle",
+          ".pkl", ".vti", ".xlsx")
 # Of the Python types of a column: the code of the array, and how a cell is read.
 CODES = {"float": "d", "int": "i", "str": ""}
 # Attributes of fields beside the arrays, and those that JSON has as lists.
@@ -41,9 +48,15 @@ def write_results(path: _a.Path, version: str, texts: Mapping[str, Any],
                               "types": {title: _type_of(cells) for title, cells in table.items()}}
                         for key, table in tables.items()},
              "fields": [{fact: getattr(one, fact) for fact in FACTS} for one in kept]}
-    part = f"{name}.{os.getpid()}.part"
+    ending = os.path.splitext(name)[1].lower()
+    if ending in OTHERS:
+        raise _a.wrong("path", repr(name), "a name that ends with .zip, as that is what is written")
+    part = ""
     try:
-        with zipfile.ZipFile(part, "w", zipfile.ZIP_DEFLATED) as archive:
+        # A new file, with the permissions of one: a link in its place is not followed.
+        descriptor, part = tempfile.mkstemp(".part", ".asperity.", os.path.dirname(name) or ".")
+        with open(descriptor, "wb") as file, \
+                zipfile.ZipFile(file, "w", zipfile.ZIP_DEFLATED) as archive:
             archive.writestr("results.json", json.dumps(facts, indent=1, ensure_ascii=False))
             for key, table in tables.items():
                 archive.writestr(f"{key}.csv", _csv_of(table))
@@ -51,11 +64,13 @@ def write_results(path: _a.Path, version: str, texts: Mapping[str, Any],
                 for field in one:
                     archive.writestr(_member(one.position, one.step, field),
                                      _npy_of(one[field], one.shape, field in FLAGS))
+        os.chmod(part, _permissions(name))
         os.replace(part, name)
+        part = ""
     except OSError as error:
         raise ComputeError(f"{name}: {error.strerror}") from None
     finally:
-        if os.path.exists(part):
+        if part:
             os.remove(part)
 
 
@@ -64,20 +79,31 @@ def is_saved(path: _a.Path) -> bool:
     return zipfile.is_zipfile(os.fsdecode(_a.path("path", path)))
 
 
+def _permissions(name: str) -> int:
+    """Those of the file that is replaced, or of a new one."""
+    if os.path.exists(name):
+        return os.stat(name).st_mode & 0o7777
+    mask = os.umask(0)
+    os.umask(mask)
+    return 0o666 & ~mask
+
+
 def read_results(path: _a.Path) -> tuple[dict[str, Any], dict[str, Table], list[Fields]]:
     """The facts, tables and fields of a file."""
     name = os.fsdecode(_a.path("path", path))
     try:
         with zipfile.ZipFile(name) as archive:
             facts = json.loads(archive.read("results.json"))
-            if facts["format"] != FORMAT:
+            if facts["format"] != FORMAT or [*map(type, map(facts.get, TEXTS))] != [str, list, list]:
                 raise KeyError("format")
             tables = {key: _table_of(archive.read(f"{key}.csv").decode(), about)
                       for key, about in facts["tables"].items()}
             fields = [_fields_of(archive, about) for about in facts["fields"]]
     except OSError as error:
         raise InputError([Problem(name, None, None, error.strerror or str(error))]) from None
-    except (zipfile.BadZipFile, KeyError, ValueError, TypeError):
+    except (zipfile.BadZipFile, zlib.error, csv.Error, ArithmeticError, AttributeError, EOFError,
+            LookupError, NotImplementedError, RecursionError, SyntaxError, TypeError, ValueError,
+            struct.error):
         raise _another_kind(name, EXPECTED) from None
     return facts, tables, fields
 
@@ -206,9 +232,10 @@ def _fields_of(archive: zipfile.ZipFile, about: Mapping[str, Any]) -> Fields:
         raw = archive.read(_member(made.position, made.step, field))
         length = int.from_bytes(raw[8:10], "little")
         header = ast.literal_eval(raw[10:10 + length].decode())
-        if header["shape"] != made.shape or header["fortran_order"]:
+        code, descr = ("b", "|b1") if field in FLAGS else ("d", "<f8")
+        if header != {"descr": descr, "fortran_order": False, "shape": made.shape}:
             raise KeyError(field)
-        cells = array("b" if field in FLAGS else "d")
+        cells = array(code)
         cells.frombytes(raw[10 + length:])
         if sys.byteorder == "big":
             cells.byteswap()

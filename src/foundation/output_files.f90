@@ -7,10 +7,9 @@
 module asperity_output_files
   use, intrinsic :: iso_c_binding, only: c_funptr, c_int, c_intptr_t, c_null_char
   use asperity_files, only: same_name, standard_error, standard_output, write_bytes
-  use asperity_problems, only: decimal_text
   use asperity_system_calls, only: canonical_path, file_owner, posix_chmod, posix_chown, &
-                                   posix_close, posix_creat, posix_fsync, posix_getpid, &
-                                   posix_open, posix_rename, posix_signal, posix_unlink, &
+                                   posix_close, posix_fsync, posix_mkstemps, posix_open, &
+                                   posix_rename, posix_signal, posix_umask, posix_unlink, &
                                    system_error, system_reason
   implicit none
   private
@@ -69,23 +68,30 @@ contains
     call open_special(path, descriptor, failure)
     if (descriptor < 0 .and. .not. allocated(failure)) then
       place = canonical_path(path)
-      part = place(:index(place, '/', back=.true.)) // '.asperity.' // &
-             decimal_text(int(posix_getpid())) // '.' // decimal_text(staged + 1) // '.part'
+      part = place(:index(place, '/', back=.true.)) // '.asperity.XXXXXX.part'
       if (staged == most_files .or. len(part) > longest_path) then
         failure = 'too many files, or too long a path'
       else
         call file_owner(place, mode, owner, group)
-        names(staged + 1) = staged_name(place, path, part)
-        staged = staged + 1
-        descriptor = posix_creat(part // c_null_char, merge(mode_rw_r_r, mode, mode < 0))
+        part = part // c_null_char
+        descriptor = posix_mkstemps(part, len('.part', c_int))
+        part = part(:len(part) - 1)
         if (descriptor < 0) then
           status = int(system_error(), c_int)
           failure = system_reason()
           if (mode >= 0 .and. status == no_permission) &
             failure = 'its folder takes no new file, which a whole output needs: ' // failure
-        else if (mode >= 0) then
+        else
+          staged = staged + 1
+          names(staged) = staged_name(place, path, part)
           ! A file keeps its permissions, and its owner where the system permits it.
-          status = posix_chown(part // c_null_char, owner, group)
+          if (mode >= 0) then
+            status = posix_chown(part // c_null_char, owner, group)
+          else
+            mode = posix_umask(0_c_int)
+            status = posix_umask(mode)
+            mode = iand(mode_rw_r_r, not(mode))
+          end if
           status = posix_chmod(part // c_null_char, mode)
         end if
       end if

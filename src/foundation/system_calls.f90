@@ -5,7 +5,7 @@ module asperity_system_calls
   implicit none
   private
 
-  public :: posix_open, posix_creat, posix_lseek, posix_read, posix_write, posix_close
+  public :: posix_open, posix_mkstemps, posix_umask, posix_lseek, posix_read, posix_write, posix_close
   public :: file_owner, posix_chmod, posix_chown
   public :: posix_fsync, posix_rename, posix_unlink, posix_usleep, posix_signal
   public :: posix_isatty, posix_getpid, posix_exit, c_free, c_malloc
@@ -24,13 +24,21 @@ module asperity_system_calls
       integer(c_int), value :: flags
     end function posix_open
 
-    !> Creates or truncates a file for writing; -1 when refused.
-    integer(c_int) function posix_creat(path, mode) bind(c, name='creat')
+    !> Creates a file that did not exist, for reading and writing by its owner; its path with random
+    !> letters in place of six X before a suffix; -1 when refused. A link is not followed.
+    integer(c_int) function posix_mkstemps(path, suffix) bind(c, name='mkstemps')
       import :: c_char, c_int
       implicit none
-      character(kind=c_char), intent(in) :: path(*)
-      integer(c_int), value :: mode
-    end function posix_creat
+      character(kind=c_char), intent(inout) :: path(*)
+      integer(c_int), value :: suffix
+    end function posix_mkstemps
+
+    !> Sets the permissions that new files do not get; those before.
+    integer(c_int) function posix_umask(mask) bind(c, name='umask')
+      import :: c_int
+      implicit none
+      integer(c_int), value :: mask
+    end function posix_umask
 
     !> Reads the attributes of a file (Linux, statx(2)); -1 when there is none.
     integer(c_int) function posix_statx(folder, path, flags, mask, found) bind(c, name='statx')

@@ -9,6 +9,8 @@ import subprocess
 
 import pytest
 
+from programs import run_program
+
 from outside_runs import DECK, OUTPUTS, ROOT, files, is_whole, one_line_of_two
 
 
@@ -94,3 +96,14 @@ def test_bad_input_changes_no_output(run, tmp_path):
     assert done.returncode == 2 and done.stdout == b""
     assert (tmp_path / "p.csv").read_text(encoding="ascii") == "kept\n"
     assert files(tmp_path) == ["bad.deck", "p.csv"]
+
+
+def test_link_in_the_place_of_an_unfinished_file(asperity, root, tmp_path):
+    """The name of an unfinished file does not follow from the process, and its file is new."""
+    (tmp_path / "other").write_text("precious")
+    script = """for k in 0 1 2 3; do ln -s other .asperity.$$.$k.part; done
+umask 027; exec "$0" solve "$1" --quiet --positions o.csv"""
+    run_program("bash", "-c", script, asperity, root / "data/examples/one_pair.scene", cwd=tmp_path)
+    assert (tmp_path / "other").read_text() == "precious"
+    assert not (tmp_path / "o.csv").is_symlink()
+    assert (tmp_path / "o.csv").stat().st_mode & 0o777 == 0o640

@@ -3,6 +3,8 @@
 import csv
 import io
 import json
+import os
+import random
 import zipfile
 
 import numpy as np
@@ -100,6 +102,73 @@ def test_refused_files(package, solved, tmp_path):
         solved.save(tmp_path / "none" / "a.zip")
     with pytest.raises(TypeError, match="path: found 3, expected a path"):
         solved.save(3)
+
+
+@pytest.mark.parametrize("name", ["r.h5", "r.json", "r.NPZ"])
+def test_ending_of_another_format(package, solved, name, tmp_path):
+    with pytest.raises(package.InputError, match="a name that ends with .zip, as that is what"):
+        solved.save(tmp_path / name)
+    assert not list(tmp_path.iterdir())
+
+
+def test_damaged_files(package, solved, tmp_path):
+    """One changed byte: the same results, or another kind of file."""
+    solved.save(tmp_path / "a.zip")
+    whole, rng, refused = (tmp_path / "a.zip").read_bytes(), random.Random(66), 0
+    for _ in range(400):
+        changed = bytearray(whole)
+        changed[rng.randrange(len(whole))] = rng.randrange(256)
+        (tmp_path / "b.zip").write_bytes(changed)
+        try:
+            package.load(tmp_path / "b.zip")
+        except package.InputError:
+            refused += 1
+    assert refused > 200
+
+
+def changed_copy(source, target, change):
+    """A copy of a file whose members a function has changed; what it makes None is left out."""
+    with zipfile.ZipFile(source) as old, zipfile.ZipFile(target, "w") as new:
+        for name in old.namelist():
+            content = change(name, old.read(name))
+            if content is not None:
+                new.writestr(name, content)
+
+
+@pytest.mark.parametrize("change", [
+    lambda name, raw: raw.replace(b"<f8", b">f8"),
+    lambda name, raw: raw.replace(b"'<f8'", b"'<f4'"),
+    lambda name, raw: raw[:-8] if name.endswith(".npy") else raw,
+    lambda name, raw: raw.replace(b"{'descr'", b"[" * 2000) if name.endswith(".npy") else raw,
+    lambda name, raw: None if name == "states.csv" else raw,
+    lambda name, raw: b"" if name == "states.csv" else raw,
+    lambda name, raw: raw.replace(b'"summary"', b'"other"'),
+    lambda name, raw: raw.replace(b'"tables"', b'"tables": null, "others"')],
+    ids=["bytes swapped", "other type", "array cut", "deep", "no table", "empty", "no summary",
+         "null"])
+def test_crafted_files(package, solved, change, tmp_path):
+    """A header of an array that is not the one of `save` is not read as if it were."""
+    solved.save(tmp_path / "a.zip")
+    changed_copy(tmp_path / "a.zip", tmp_path / "b.zip", change)
+    with pytest.raises(package.InputError, match="b.zip: found another kind of file"):
+        package.load(tmp_path / "b.zip")
+    changed_copy(tmp_path / "a.zip", tmp_path / "c.zip", lambda name, raw: raw)
+    assert package.load(tmp_path / "c.zip").states == solved.states
+
+
+def test_link_in_the_place_of_an_unfinished_file(solved, tmp_path):
+    (tmp_path / "other").write_text("precious")
+    (tmp_path / f"a.zip.{os.getpid()}.part").symlink_to("other")
+    solved.save(tmp_path / "a.zip")
+    assert (tmp_path / "other").read_text() == "precious"
+    assert not (tmp_path / "a.zip").is_symlink()
+    assert (tmp_path / "a.zip").stat().st_mode & 0o777 == 0o666 & ~mask_of_files()
+
+
+def mask_of_files():
+    mask = os.umask(0)
+    os.umask(mask)
+    return mask
 
 
 def test_saved_without_numpy(package, venv, solved, tmp_path):
