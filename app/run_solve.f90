@@ -8,7 +8,7 @@ module asperity_run_solve
   use asperity_files, only: same_name, write_standard_error
   use asperity_images, only: image_number
   use asperity_input_text, only: lower_case
-  use asperity_kinds, only: real64
+  use asperity_kinds, only: not_computed, real64
   use asperity_map_stress, only: largest_stress, look_for_largest, no_ratio, stress_solver
   use asperity_number_format, only: count_text, number_text
   use asperity_problems, only: decimal_text, problem_list
@@ -138,7 +138,10 @@ contains
       integer :: dot
 
       if (line%has('--fields')) then
-        call write_vti(field, vti)
+        associate (times => results%positions(1)%states%time)
+          call write_vti(field, merge(times(field%state), not_computed, any(times > 0.0_real64)), &
+                         vti)
+        end associate
         path = line%output_path('--fields')
         if (line%choice('--fields-of') == fields_all) then
           ! `NAME_0001.vti`.

@@ -21,7 +21,7 @@ module asperity_map_contact
   private
 
   public :: displacement_by, half_map, map_answer, most_load, prepare_influence, press_map, &
-            room_to_press
+            room_to_press, room_to_solve
 
   !> Request and solution of the contact of a map with a rigid flat.
   type :: map_answer
@@ -257,6 +257,18 @@ contains
     bytes = nint(bytes_padded * product(padded) + bytes_across * padded(1) * &
                  size(map%height, 2) + bytes_plain * size(map%height), int64) + bytes_of_plans
   end function room_to_press
+
+  !> Memory of a solve of a map beside the map, bytes: that of `press_map`, copies of the scene, the
+  !> map of the sum, the state, and of a relaxing body its history.
+  pure integer(int64) function room_to_solve(map, relaxations) result(bytes)
+    type(height_map), intent(in) :: map  !! height map, periodic or free
+    integer, intent(in) :: relaxations   !! relaxation times; 0: no creep
+    ! Arrays of the map (measured: 3, and 9 with one time; test: limits in test_outside_faults.py).
+    integer, parameter :: arrays = 6, creep_arrays = 6
+
+    bytes = room_to_press(map) + 8 * size(map%height, kind=int64) * &
+            (arrays + merge(creep_arrays, 0, relaxations > 0) + 2 * relaxations)
+  end function room_to_solve
 
   !> The map at half its resolution: of four pixels the mean of their mean and the highest, which
   !> presses most nearly as they do (measured; the mean alone is too low, the highest too high). A

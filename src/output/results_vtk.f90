@@ -64,8 +64,9 @@ contains
   !> pressure, gap, displacement (NaN where a pixel was not measured) and contact (1 or 0); with a
   !> tangential load traction and stick (1 or 0). On the grid of asperities two numbers
   !> state how many contacts have the pressure of boundary elements and of Hertz.
-  subroutine write_vti(field, buffer)
+  subroutine write_vti(field, time, buffer)
     type(contact_field), intent(in) :: field    !! of one state
+    real(real64), intent(in) :: time            !! of the state; `not_computed`: there is none
     type(text_buffer), intent(inout) :: buffer  !! gets the bytes
     character(len=*), parameter :: names(4) = [character(len=12) :: 'pressure', 'gap', &
       'displacement', 'traction'], number = 'NumberOfTuples="1" format="ascii">'
@@ -73,6 +74,7 @@ contains
     character(len=80) :: numbers
     character(len=:), allocatable :: extent
     integer :: i, kinds, status
+    logical :: has_numbers
 
     pixels = int(field%columns, int64) * field%rows
     kinds = merge(4, 3, allocated(field%traction))
@@ -95,14 +97,20 @@ contains
                        trim(adjustl(numbers)) // ' 0"')
     write (numbers, '(2es25.16e3)') field%pixel_spacing
     call buffer%line(' Spacing="' // trim(adjustl(numbers)) // ' 1">')
+    has_numbers = time > not_computed .or. field%hertz_contacts >= 0
+    if (has_numbers) call buffer%line('<FieldData>')
+    if (time > not_computed) then
+      write (numbers, '(es25.16e3)') time
+      call buffer%line(array_tag('Float64', 'TimeValue', number // trim(adjustl(numbers)) // &
+                                 '</DataArray>'))
+    end if
     if (field%hertz_contacts >= 0) then
-      call buffer%line('<FieldData>')
       call buffer%line(array_tag('Int32', 'boundary_element_contacts', number // &
                                  decimal_text(field%boundary_contacts) // '</DataArray>'))
       call buffer%line(array_tag('Int32', 'hertz_contacts', number // &
                                  decimal_text(field%hertz_contacts) // '</DataArray>'))
-      call buffer%line('</FieldData>')
     end if
+    if (has_numbers) call buffer%line('</FieldData>')
     call buffer%line('<Piece Extent=' // extent // '>')
     call buffer%line('<CellData Scalars="pressure">')
     offset = 0_int64

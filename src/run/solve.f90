@@ -5,14 +5,17 @@ module asperity_solve
                                       next_tolerance, report_method, &
                                       run_errors, total_error
   use asperity_effect_names, only: of_interaction
-  use asperity_kinds, only: real64
+  use asperity_height_map, only: height_map
+  use asperity_kinds, only: int64, real64
+  use asperity_map_contact, only: room_to_solve
   use asperity_map_solve, only: solve_map
   use asperity_numeral, only: rounded_decimal
-  use asperity_problems, only: problem_list
+  use asperity_problems, only: not_enough_memory, problem_list
+  use asperity_process, only: has_memory
   use asperity_run_options, only: check_options, run_options
   use asperity_scene_results, only: scene_results
   use asperity_scene_values, only: by_default, by_word, effect_boundary, effect_coupled, &
-                                   effect_off, scene
+                                   effect_off, scene, scene_effects
   use asperity_surface_fields, only: solve_with_fields
   use asperity_surface_solve, only: has_effects
   !$ use omp_lib, only: omp_get_max_threads, omp_set_num_threads
@@ -52,6 +55,13 @@ contains
                 'expected one, or --of load or --of area'
       return
     end if
+    if (allocated(scene_in%map)) then
+      if (.not. has_memory(max(room_of(scene_in%map%upper, scene_in%effects), &
+                               room_of(scene_in%map%lower, scene_in%effects)))) then
+        failure = not_enough_memory // ' for the pixels of the map'
+        return
+      end if
+    end if
     ! An accuracy may be reached without interaction, where the scene does not set it.
     associate (on => scene_in%effects%modes /= effect_off, given => scene_in%effects%given)
       if (any(on .and. given < by_word) .and. chosen%accuracy > 0 .and. &
@@ -82,6 +92,18 @@ contains
     results%are_solved = .not. allocated(failure)
     if (.not. results%nominal_area > 0.0_real64) results%nominal_area = scene_in%nominal_area
   end subroutine solve
+
+  ! Memory of a solve of a map, bytes; 0 where there is none.
+  pure integer(int64) function room_of(map, effects) result(bytes)
+    type(height_map), intent(in) :: map
+    type(scene_effects), intent(in) :: effects
+    integer :: relaxations
+
+    bytes = 0_int64
+    relaxations = merge(1, 0, effects%mode('creep') /= effect_off)
+    if (allocated(effects%relaxation)) relaxations = relaxations * size(effects%relaxation, 1)
+    if (map%columns > 0) bytes = room_to_solve(map, relaxations)
+  end function room_of
 
   ! Solves a scene with its effects so that the estimated errors are within the requested accuracy.
   ! Hertzian contacts come first: they are fast, and a part of any solution on boundary elements.

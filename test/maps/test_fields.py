@@ -3,6 +3,8 @@ columns of the gap), against numpy: the pressures of another method, the displac
 pressures, closed forms."""
 
 import csv
+import re
+
 
 import numpy as np
 import pytest
@@ -195,3 +197,25 @@ def test_refusals(asperity, tmp_path, curve):
                status=2)
     assert "--histogram: no grid for the fields of asperities" in done.stderr
     assert not list(tmp_path.iterdir())
+
+
+def test_fields_of_a_hold_have_their_time(asperity, tmp_path):
+    """The time of each state, as ParaView reads it; without creep there is none."""
+    (tmp_path / "m.txt").write_text("\n".join(" ".join(
+        f"{0.02 * np.cos(0.7 * i) * np.cos(0.5 * j):.6f}" for i in range(16)) for j in range(16)))
+    creep = "&effects relaxation_time = 1., relaxed_modulus_ratio = 0.5, hold_time = 5., " \
+            "hold_points = 4 /"
+    for name, effects in (("c", creep), ("e", "")):
+        (tmp_path / f"{name}.scene").write_text(
+            "&surfaces upper = 'plane', lower = 'm.txt', map_spacing = 1. / &material "
+            f"contact_modulus = 1e3 / &loading control = 'pressure', value = 0.3 / {effects}\n")
+        run_program(asperity, "solve", f"{name}.scene", "--quiet", "--fields", f"{name}.vti",
+                    "--fields-of", "all", "--curve", f"{name}.csv", cwd=tmp_path)
+    heads = [path.read_bytes().partition(b"<AppendedData")[0].decode()
+             for path in sorted(tmp_path.glob("c_*.vti"))]
+    tag = r'<FieldData>\n<DataArray type="Float64" Name="TimeValue" NumberOfTuples="1" ' \
+          r'format="ascii">(\S+)</DataArray>\n</FieldData>'
+    times = [float(re.search(tag, head)[1]) for head in heads]
+    assert times == [float(row["time"]) for row in records(tmp_path / "c.csv")]
+    assert times[0] == 0 and times[-1] == 5 and len(times) > 3
+    assert b"FieldData" not in (tmp_path / "e_0001.vti").read_bytes()
