@@ -208,7 +208,10 @@ def call(name: str, *arguments: Any, interrupt: c_int | None = None,
     if is_short:
         return compute()
     thread = threading.Thread(target=work, name=f"asperity {name}", daemon=True)
-    thread.start()
+    try:
+        thread.start()
+    except RuntimeError:
+        raise ComputeError("not enough memory for a thread of the solve") from None
     try:
         while watch and thread.is_alive():
             thread.join(PAUSE)

@@ -8,10 +8,11 @@ module asperity_c_fields
   use asperity_kinds, only: real64
   use asperity_csv_tables, only: first_stress, stress_cells, stress_columns, stress_names
   use asperity_library_turn, only: library_turn
-  use asperity_map_stress, only: no_ratio, stress_solver
+  use asperity_map_stress, only: no_ratio, room_for_stress, stress_solver
   use asperity_c_outcome, only: add_pixels, begin_outcome, finish_outcome, look_at, outcome, &
                                 set_text, table_fields, table_map, text_unit
-  use asperity_problems, only: real_text
+  use asperity_problems, only: not_enough_memory, real_text
+  use asperity_process, only: has_memory
   implicit none
   private
 
@@ -58,7 +59,11 @@ contains
       call new%problems%add('depth: found ' // real_text(depth) // &
                             ', expected a number more than 0')
     else if (which > 0) then
-      if (.not. allocated(from%ratio)) new%failure = no_ratio
+      if (.not. allocated(from%ratio)) then
+        new%failure = no_ratio
+      else if (.not. has_memory(room_for_stress(from%fields(which)))) then
+        new%failure = not_enough_memory // ' for the stresses'
+      end if
     end if
     call turn%finish()
     if (new%problems%count() == 0 .and. .not. allocated(new%failure)) then

@@ -7,9 +7,10 @@ module asperity_c_outcome
   use, intrinsic :: ieee_arithmetic, only: ieee_quiet_nan, ieee_value
   use, intrinsic :: iso_c_binding, only: c_associated, c_char, c_f_pointer, c_int, c_loc, &
                                          c_null_char, c_null_ptr, c_ptr
-  use, intrinsic :: iso_fortran_env, only: real64
+  use, intrinsic :: iso_fortran_env, only: int64, real64
   use asperity, only: add_reals, array_table, contact_field, is_measured, list_groups, &
                       not_enough_memory, problem_list, problem_place, scene, version
+  use asperity_process, only: has_memory
   use asperity_system_calls, only: text_of
   implicit none
   private
@@ -167,16 +168,17 @@ contains
     character(len=*), intent(in) :: unit        !! of the values; empty: none
     character(len=:), allocatable, intent(inout) :: failure  !! reason, when memory is short
     real(real64), allocatable :: cells(:)
-    integer :: j, status
+    integer :: j
 
     if (allocated(failure)) return
-    allocate (cells(size(values)), stat=status)
-    if (status /= 0) then
+    ! The cells, their column, and one copy more.
+    if (.not. has_memory(24_int64 * size(values))) then
       failure = not_enough_memory // ' for the pixels as arrays'
       if (allocated(table%columns)) deallocate (table%columns)
       table%rows = 0
       return
     end if
+    allocate (cells(size(values)))
     do j = 1, size(values, 2)
       cells((j - 1) * size(values, 1) + 1:j * size(values, 1)) = &
         merge(values(:, j), ieee_value(0.0_real64, ieee_quiet_nan), is_measured(values(:, j)))

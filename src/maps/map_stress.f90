@@ -28,16 +28,17 @@
 module asperity_map_stress
   use asperity_constants, only: pi
   use asperity_contact_field, only: contact_field
-  use asperity_kinds, only: real64
+  use asperity_kinds, only: int64, real64
   use asperity_lattice_convolution, only: padded_length
   use asperity_plane_transform, only: plane_transform
-  use asperity_problems, only: real_text
+  use asperity_problems, only: not_enough_memory, real_text
+  use asperity_process, only: has_memory
   use asperity_scene_values, only: scene
   implicit none
   private
 
-  public :: component_names, largest_shear, largest_stress, look_for_largest, stress_below, &
-            stress_solver, von_mises
+  public :: component_names, largest_shear, largest_stress, look_for_largest, room_for_stress, &
+            stress_below, stress_solver, von_mises
 
   !> Reason why a scene has no stresses.
   character(len=*), parameter, public :: no_ratio = 'stress needs poisson_ratio in &material: ' // &
@@ -95,11 +96,25 @@ contains
       failure = 'no fields: expected those of a state that was solved with fields'
     else if (scene_in%contact_modulus > 0.0_real64) then
       failure = no_ratio
+    else if (.not. has_memory(room_for_stress(field))) then
+      failure = not_enough_memory // ' for the stresses'
     else
       call solver%prepare(field, scene_in%lower%poisson_ratio)
       call solver%solve(depth, stress)
     end if
   end subroutine stress_below
+
+  !> Memory of the stresses at one depth with their table, bytes: waves and kernels of the padded
+  !> pixels; components, cells and columns (counted; test: limits in test_python_maps.py).
+  pure integer(int64) function room_for_stress(field) result(bytes)
+    type(contact_field), intent(in) :: field  !! pressures on pixels
+    integer, parameter :: bytes_padded = 56, bytes_plain = 256
+    integer(int64) :: padded
+
+    padded = int(padded_length(2 * field%columns), int64) * padded_length(2 * field%rows)
+    if (field%periodic) padded = int(field%columns, int64) * field%rows
+    bytes = bytes_padded * padded + bytes_plain * int(field%columns, int64) * field%rows
+  end function room_for_stress
 
   !> Prepares the stresses under the pressures of a field.
   subroutine prepare_solver(self, field, ratio)

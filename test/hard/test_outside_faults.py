@@ -9,6 +9,7 @@ import resource
 import shutil
 import subprocess
 
+import numpy as np
 import pytest
 
 from outside_runs import LONG, OUTPUTS, files, is_whole, one_line
@@ -246,3 +247,51 @@ def test_little_memory(run, tmp_path):
     assert done.returncode == 1 and done.stdout == b""
     assert "memory" in one_line(done)
     assert files(tmp_path) == ["many.scene"]
+
+
+# Scenes of a map of 360,000 pixels and of 20,000 asperities: effects and edges with arrays of their own.
+LIMITED = {
+    "elastic": (", map_edge = 'periodic'", ""), "free": ("", ""),
+    "hardness": (", map_edge = 'periodic'", "plasticity = 'on', plastic_hardness = 100."),
+    "adhesion": (", map_edge = 'periodic'", "adhesion = 'on', work_of_adhesion = 1e-3, "
+                                            "equilibrium_distance = 0.02"),
+    "strip": (", map_edge = 'periodic', 'free'", ""),
+    "creep": (", map_edge = 'periodic'", "relaxation_time = 1., relaxed_modulus_ratio = 0.5, "
+                                         "hold_time = 5., hold_points = 3"),
+    "asperities": (None, "interaction = 'coupled', relaxation_time = 1., "
+                         "relaxed_modulus_ratio = 0.5, hold_time = 5., hold_points = 3")}
+
+
+@pytest.mark.long
+@pytest.mark.parametrize("what", LIMITED)
+def test_limits_of_memory(what, asperity, tmp_path):
+    """From what the program itself needs to what a solve needs, each limit of memory ends with
+    results, or with a sentence on the memory and status 1; never with a signal."""
+    edge, effects = LIMITED[what]
+    if edge is None:
+        number = np.arange(20000)
+        rows = np.c_[3.0 * (number % 150), 3.0 * (number // 150), 0.1 + 1e-7 * (number * 7919 % 5000),
+                     np.ones(len(number))]
+        np.savetxt(tmp_path / "lower.csv", rows, "%.8g", ",", header="x,y,height,radius",
+                   comments="")
+        surface, load = "lower = 'lower.csv'", "'load', value = 300."
+    else:
+        y, x = np.mgrid[:600, :600]
+        np.save(tmp_path / "lower.npy", 0.1 * (np.sin(x * np.pi / 30) + np.cos(y * np.pi / 37.5)))
+        surface, load = f"lower = 'lower.npy', map_spacing = 1.{edge}", "'pressure', value = 1."
+    (tmp_path / "s.scene").write_text(
+        f"&surfaces upper = 'plane', {surface} / &material elastic_modulus = 2*1e3, poisson_ratio = "
+        f"2*0.3 / &loading control = {load} / &effects {effects} /\n")
+    ended = solved = 0
+    for room in np.geomspace(24e6, 150e6, 28).astype(int):
+        done = subprocess.run(
+            [asperity, "solve", "s.scene", "--quiet", "--threads", "1", "--positions", "p.csv"],
+            cwd=tmp_path, env={**os.environ, "OMP_NUM_THREADS": "1"}, capture_output=True,
+            text=True, timeout=300,
+            preexec_fn=lambda room=room: resource.setrlimit(resource.RLIMIT_AS, (room, room)))
+        assert done.returncode in (0, 1), (room, done.stderr)
+        ended += done.returncode
+        solved += done.returncode == 0
+        if done.returncode == 1:
+            assert "emory" in done.stderr or "error while loading" in done.stderr, done.stderr
+    assert ended > 3 and solved > 0

@@ -3,6 +3,7 @@
 import copy
 import pickle
 import struct
+import sys
 from types import SimpleNamespace
 
 import matplotlib.pyplot as plt
@@ -331,3 +332,41 @@ def test_plots(package):
         assert np.array_equal(np.ma.filled(own.images[0].get_array(), np.nan), surface.heights,
                               equal_nan=True)
     assert len(package.summits(HEIGHTS, spacing=1.0).plot().images) == 1
+
+
+LIMITED = """
+import resource, sys
+import numpy
+import asperity
+heights = numpy.load("big.npy")
+used = 4096 * int(open("/proc/self/statm").read().split()[0])
+resource.setrlimit(resource.RLIMIT_AS, (used + int(sys.argv[1]),) * 2)
+scene = {"surfaces": {"upper": "plane", "lower": heights, "map_spacing": 1.0,
+                      "map_edge": "periodic"},
+         "material": {"elastic_modulus": (1e3, 1e3), "poisson_ratio": (0.3, 0.3)},
+         "loading": {"control": "pressure", "value": 1.0}}
+try:
+    CALL
+except (asperity.ComputeError, MemoryError):
+    print("memory")
+else:
+    print("done")
+"""
+
+
+@pytest.mark.long
+@pytest.mark.parametrize("call", [
+    "asperity.read_map('big.npy', spacing=1.0)", "asperity.solve(scene, fields=True)",
+    "asperity.summits(asperity.HeightMap(heights, 1.0))",
+    "asperity.solve(scene, fields=True).stress([1.0, 2.0])",
+    "asperity.generate_map(pixels=512, spacing=1, hurst=0.8, rms_slope=0.1)"])
+def test_limits_of_memory(package_folder, call, tmp_path):
+    """A limit of memory is an exception, never the end of the interpreter."""
+    y, x = np.mgrid[:600, :600]
+    np.save(tmp_path / "big.npy", 0.1 * (np.sin(x * np.pi / 30) + np.cos(y * np.pi / 37.5)))
+    ends = [run_program(sys.executable, "-W", "ignore", "-c", LIMITED.replace("CALL", call), room,
+                        cwd=tmp_path, variables={"PYTHONPATH": str(package_folder),
+                                                 "OMP_NUM_THREADS": "1",
+                                                 "OPENBLAS_NUM_THREADS": "1"}).stdout.strip()
+            for room in np.geomspace(2e6, 300e6, 18).astype(int)]
+    assert set(ends) == {"memory", "done"}
