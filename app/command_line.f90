@@ -74,11 +74,9 @@ contains
       end select
     end do
     line%command = word_at(1)
-    if (line%command == 'help') then
-      if (command_argument_count() > 1) line%topic = word_at(2)
-      if (command_argument_count() > 2) line%input = word_at(3)
-      return
-    end if
+    if (line%command == 'help' .and. command_argument_count() > 1) line%topic = word_at(2)
+    if (line%command == 'help' .and. command_argument_count() > 2) line%input = word_at(3)
+    if (line%command == 'help') return
     ! A word that ends with a blank is a file's name.
     if (len_trim(line%command) < len(line%command)) line%command = 'original'
     k = command_at(line%command)

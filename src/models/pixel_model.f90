@@ -29,7 +29,7 @@ module asperity_pixel_model
   use asperity_pixel_sequence, only: choose_laws, solve_pixel_state
   use asperity_problems, only: decimal_text, not_enough_memory, real_text
   use asperity_process, only: has_memory
-  use asperity_scene_values, only: combined_modulus, effect_auto, is_load, scene
+  use asperity_scene_values, only: combined_modulus, effect_auto, has_tangential, is_load, scene
   use asperity_theory_limits, only: is_patch_at_limit, look_at_pressure, set_theory_limits, &
                                     theory_limits
   use asperity_theory_warnings, only: add_warning, of_barred, of_cap, of_contact_radius, of_error, &
@@ -419,6 +419,9 @@ contains
           if (law%mode == effect_auto .and. .not. law%is_free) record%why = &
             merge('estimate above tolerance', 'without an estimate     ', &
                   record%estimate > not_computed)
+          ! Without a tangential load friction changes nothing.
+          if (law%name == 'friction' .and. .not. has_tangential(self%model%scene_in%loading)) &
+            record = effect_record(why='no tangential load on the map')
           cycle
         end if
         record = effect_record(estimate=record%estimate)
