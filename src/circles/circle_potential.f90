@@ -4,12 +4,19 @@
 !> solution the difference of two potentials would be smaller than their rounding errors (as in the
 !> approximate Wolfe conditions of Hager and Zhang, SIAM J. Optim. 16 (2005) 170). The energy of a
 !> contact by its law is integrated.
+!>
+!> An open contact is at its largest penetration p0 without a load: 0, or that of the residual depth
+!> after plastic flow. With dPhi/dV = p + w - c, a contact that opens or touches has the energy of
+!> its law from p0 on, and the gradient p0 + w - c where it is open. With another penetration there
+!> the change by a load V would be in error by p0 V, more than the decrease of a step that releases
+!> a flattened contact: the trust region would shrink to nothing about a state that is no solution.
 module asperity_circle_potential
   use asperity_circle_field, only: circle_set, inclination_factor, large_set, rounding_error, &
                                    sum_error
   use asperity_contact_law, only: contact_law, contact_response
   use asperity_contact_pairs, only: contact_pairs
-  use asperity_coupled_state, only: answer_at, coupled_solution, solve_state
+  use asperity_coupled_state, only: answer_at, coupled_solution, penetration_without_load, &
+                                    solve_state
   use asperity_kinds, only: real64
   implicit none
   private
@@ -67,7 +74,7 @@ contains
     real(real64), intent(out) :: noise                 !! rounding and summation error of the change
     real(real64), dimension(size(before%penetration), 2) :: load, gradient
     real(real64) :: part(size(before%penetration))
-    real(real64) :: relative
+    real(real64) :: penetration(2), relative
     integer :: circle(size(before%penetration), 2), i, n
 
     n = size(part)
@@ -80,15 +87,21 @@ contains
                         (solution%compression - before%compression), &
                         load(:, 2), &
                         gradient(:, 2), circle(:, 2))
-    !$omp parallel do schedule(static) if(n > large_set)
+    !$omp parallel do schedule(static) private(penetration) if(n > large_set)
     do i = 1, n
       part(i) = 0.0_real64
       if (all(circle(i, :) == 0)) cycle
-      ! No gradient is known of an open contact: that of the other state is taken.
-      if (circle(i, 1) == 0) gradient(i, 1) = gradient(i, 2) - solution%penetration(i)
-      if (circle(i, 2) == 0) gradient(i, 2) = gradient(i, 1) - before%penetration(i)
+      penetration = [before%penetration(i), solution%penetration(i)]
+      ! No field is known at an open contact: that of the other state is taken.
+      if (circle(i, 1) == 0) then
+        penetration(1) = penetration_without_load(pairs, law, i, penetration(2))
+        gradient(i, 1) = gradient(i, 2) - penetration(2) + penetration(1)
+      else if (circle(i, 2) == 0) then
+        penetration(2) = penetration_without_load(pairs, law, i, penetration(1))
+        gradient(i, 2) = gradient(i, 1) - penetration(1) + penetration(2)
+      end if
       part(i) = 0.5_real64 * sum(gradient(i, :)) * (load(i, 2) - load(i, 1)) + &
-                excess_work(pairs, law, i, before%penetration(i), solution%penetration(i))
+                excess_work(pairs, law, i, penetration(1), penetration(2))
       if (all(circle(i, :) > 0)) part(i) = part(i) + 0.5_real64 * dot_product( &
         load(i, 1) * before%state%shift_gradient(:, circle(i, 1)) + &
         load(i, 2) * state%shift_gradient(:, circle(i, 2)), solution%shift(:, i) - &
@@ -121,12 +134,9 @@ contains
     class(contact_law), intent(in) :: law
     integer, intent(in) :: i
     real(real64), intent(in) :: from, to
-    real(real64) :: low, high
 
-    low = max(from, 0.0_real64)
-    high = max(to, 0.0_real64)
-    excess_work = (high - low) / 3 * (load_at(pairs, law, i, low) + load_at(pairs, law, i, high) - &
-                                      2 * load_at(pairs, law, i, 0.5_real64 * (low + high)))
+    excess_work = (to - from) / 3 * (load_at(pairs, law, i, from) + load_at(pairs, law, i, to) - &
+                                     2 * load_at(pairs, law, i, 0.5_real64 * (from + to)))
   end function excess_work
 
   ! Load V of the potential: over the modulus, times the factor of an inclined contact.

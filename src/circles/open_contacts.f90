@@ -58,9 +58,9 @@ contains
     where (is_open .and. .not. touches) &
       solution%penetration = min(solution%penetration, 0.0_real64)
     number = pack([(i, i=1, size(touches))], touches)
-    ! A contact whose load underflows stays open.
+    ! A contact whose load underflows stays open, and one at its residual depth after plastic flow.
     do i = 1, size(number)
-      answer = answer_at(pairs, law, number(i), solution%penetration(number(i)))
+      answer = answer_at(pairs, law, number(i), solution%penetration(number(i)) - lowest)
       touches(number(i)) = answer%vertical_load > 0.0_real64
     end do
     number = pack(number, touches(number))
