@@ -47,8 +47,8 @@ module asperity_coupled_contacts
   ! Residual over the largest penetration [1] of a solution; derived: the displacements of hundreds
   ! of circles are in error by so much.
   real(real64), parameter :: target_residual = 100 * rounding_error
-  ! The same where the residual stagnates, and of a large set [1]; derived from the error of sums.
-  real(real64), parameter :: accepted_residual = sum_error / 10
+  !> The same where the residual stagnates, and of a large set [1]; derived from the error of sums.
+  real(real64), parameter, public :: accepted_residual = sum_error / 10
   ! Largest forcing term [1] of a step; Eisenstat and Walker 1996.
   real(real64), parameter :: largest_forcing = 0.9_real64
   ! Share of a residual [1] that is small beside it: where a step leaves more, or activation, the

@@ -4,13 +4,16 @@
 !> loading that is instantaneous. In each state the elastic responses become those of a viscoelastic
 !> solid with the memory of the states before (Lee and Radok 1960). The modulus of the scene is the
 !> instantaneous one. The area of an isolated contact may shrink and grow again (`contact_rings`);
-!> that of one with displacements by neighbours keeps tractions where it has opened.
+!> that of one with displacements by neighbours keeps tractions where it has opened. In a step a
+!> contact has the law of the state before, so that its load is a continuous function of the
+!> compression: a neighbour that touches in the step does not change the law of its load.
 module asperity_creep
   use asperity_contact_effect, only: contact_effect, effect_column, effect_outcome, force, plain
   use asperity_contact_law, only: contact_response
   use asperity_contact_pairs, only: contact_pairs
   use asperity_contact_rings, only: contact_rings, has_shrunk, keep_rings, measure_rings
   use asperity_contact_state, only: contact_state
+  use asperity_coupled_contacts, only: accepted_residual
   use asperity_creep_limits, only: creep_limits, creep_share, limits_of_scene, warn_of_strain, &
                                    warn_of_time
   use asperity_kinds, only: not_computed, real64
@@ -124,8 +127,8 @@ contains
     number = 0
     do i = 1, size(pairs%list)
       elastic = state%answers(i)%load
-      isolated = holds .and. is_isolated(pairs, state, i)
-      if (isolated) isolated = allocated(self%memory(i)%rings%overlap)
+      isolated = holds
+      if (holds) isolated = allocated(self%memory(i)%rings%overlap)
       if (holds .and. .not. isolated .and. self%memory(i)%is_loaded .and. &
           self%memory(i)%elastic(1) - elastic > self%may_fall * outcome%of_state(2)) then
         shrinking = shrinking + self%memory(i)%elastic(1)
@@ -160,14 +163,15 @@ contains
     outcome%of_state = [not_computed, sum(state%answers%load)]
   end subroutine leave_out
 
-  ! Whether no neighbour displaces the surfaces of a contact.
+  ! Whether no neighbour displaces the surfaces of a contact, by more than the error of its
+  ! penetration.
   elemental logical function is_isolated(pairs, state, i)
     type(contact_pairs), intent(in) :: pairs
     type(contact_state), intent(in) :: state
     integer, intent(in) :: i
 
-    is_isolated = .not. abs(state%penetration(i) - &
-                            (state%compression - pairs%list(i)%gap)) > 0.0_real64
+    is_isolated = .not. abs(state%penetration(i) - (state%compression - pairs%list(i)%gap)) > &
+                  accepted_residual * max(0.0_real64, state%penetration(i))
   end function is_isolated
 
   ! Turns the elastic response of a contact into that after a step. Where nothing is left of the
