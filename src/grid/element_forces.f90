@@ -22,7 +22,8 @@
 !> Residual: the largest gap where f > 0 or overlap where f < H. Exits: converged, at a residual of
 !> at most the tolerance or the rounding error, `rounding` times the largest displacement; not
 !> converged, after `iterations_allowed` steps or where the run is interrupted. The forces are in
-!> the allowed set at both exits.
+!> the allowed set at both exits. A limit H of at least the load is no bound, as forces of 0 or more
+!> with this sum are not larger: such a problem is solved without a limit.
 module asperity_element_forces
   use asperity_lattice_convolution, only: lattice_convolution
   use asperity_interruption, only: interruption
@@ -31,7 +32,7 @@ module asperity_element_forces
   implicit none
   private
 
-  public :: find_forces, force_bounds, missing_gap
+  public :: displacement_error, find_forces, force_bounds, missing_gap
 
   !> Gap of an element that is never loaded, over the largest penetration: no displacement is as
   !! large (derived from the rounding of numbers).
@@ -65,7 +66,7 @@ module asperity_element_forces
     real(real64), allocatable, dimension(:, :) :: free  ! 1 where f after the step is free, else 0
     real(real64) :: level = 0.0_real64             ! still to be subtracted from the next gradient
     real(real64) :: gradient_product = 0.0_real64  ! r times its preconditioned r; 0: restart
-    real(real64) :: displacement_scale = 0.0_real64
+    real(real64) :: rounding_error = 0.0_real64    ! of the displacements
     real(real64) :: residual = 0.0_real64  ! after the step, as in the header
     real(real64) :: decrease = 0.0_real64  ! of the energy by the step; below 0: there is no step
     real(real64) :: enough = 0.0_real64    ! upper bound of the decrease that is asked of a step
@@ -75,10 +76,10 @@ module asperity_element_forces
 contains
 
   !> Finds the forces of least energy from a start. Modifies `force`; exits: see the header.
-  subroutine find_forces(influence, gap, bounds, force, ending, interrupt, level, displacement)
+  subroutine find_forces(influence, gap, given_bounds, force, ending, interrupt, level, displacement)
     type(lattice_convolution), intent(inout) :: influence  !! matrix A of displacements
     real(real64), intent(in) :: gap(:, :)               !! undeformed gaps g
-    type(force_bounds), intent(in) :: bounds            !! tolerance of the residual, load, limit
+    type(force_bounds), intent(in) :: given_bounds      !! tolerance of the residual, load, limit
     !> forces f, 0 or more, of the prescribed sum; start and result
     real(real64), allocatable, intent(inout) :: force(:, :)
     type(solve_ending), intent(out) :: ending           !! exit, residual, number of steps
@@ -86,10 +87,13 @@ contains
     !> where converged: mean of A f + g over the free forces under a load, else 0; A f
     real(real64), intent(out), optional :: level
     real(real64), allocatable, intent(out), optional :: displacement(:, :)
+    type(force_bounds) :: bounds
     type(force_iterate) :: state
     real(real64), allocatable :: projected(:, :)
     real(real64) :: enough
 
+    bounds = given_bounds
+    if (bounds%load > 0.0_real64 .and. bounds%limit >= bounds%load) bounds%limit = huge(enough)
     call move_alloc(force, state%next_force)
     if (bounds%limit < huge(1.0_real64)) call project_forces(gap, bounds, state%next_force)
     allocate (state%force, source=state%next_force)
@@ -101,8 +105,7 @@ contains
       call swap_arrays(state%force, state%next_force)
       call swap_arrays(state%gradient, state%next_gradient)
       ending%residual = state%residual
-      ending%converged = ending%residual <= max(bounds%tolerance, rounding * &
-                                                state%displacement_scale)
+      ending%converged = ending%residual <= max(bounds%tolerance, state%rounding_error)
       if (ending%converged .and. state%is_recomputed) exit
       if (ending%iterations == iterations_allowed .or. interrupt%is_asked()) exit
       if (ending%converged) then
@@ -125,6 +128,15 @@ contains
     call move_alloc(state%force, force)
     if (present(displacement)) call move_alloc(state%displacement, displacement)
   end subroutine find_forces
+
+  !> Rounding error of displacements by FFT (see `rounding`).
+  pure real(real64) function displacement_error(norm, mean_square, largest) result(error)
+    real(real64), intent(in) :: norm         !! |A|, norm of the matrix of displacements
+    real(real64), intent(in) :: mean_square  !! of the forces
+    real(real64), intent(in) :: largest      !! largest displacement
+
+    error = rounding * max(largest, norm * sqrt(mean_square))
+  end function displacement_error
 
   ! Takes a step of conjugate gradients in the free forces: sets the forces and the gradient after
   ! the step.
@@ -264,8 +276,7 @@ contains
     call finish_step(norm, bounds, state)
   end subroutine update_gradient
 
-  ! Computes the gradient from the forces after a step, and the scale of the rounding of
-  ! displacements.
+  ! Computes the gradient from the forces after a step, and the rounding error of displacements.
   subroutine find_gradient(influence, gap, bounds, state)
     type(lattice_convolution), intent(inout) :: influence
     real(real64), intent(in) :: gap(:, :)
@@ -292,7 +303,7 @@ contains
         end associate
       end do
     end do
-    state%displacement_scale = max(largest, influence%norm * sqrt(squares / size(gap)))
+    state%rounding_error = displacement_error(influence%norm, squares / size(gap), largest)
     state%is_recomputed = .true.
     state%level = 0.0_real64
     if (bounds%load > 0.0_real64) then

@@ -20,8 +20,8 @@ module asperity_map_contact
   implicit none
   private
 
-  public :: displacement_by, half_map, map_answer, most_load, prepare_influence, press_map, &
-            room_to_press, room_to_solve
+  public :: check_level, displacement_by, half_map, map_answer, most_load, prepare_influence, &
+            press_map, room_to_press, room_to_solve
 
   !> Request and solution of the contact of a map with a rigid flat.
   type :: map_answer
@@ -110,12 +110,9 @@ contains
         answer%ending = solve_ending(converged=.true.)
         return
       end if
-      if (map%periodic .and. .not. present(hardness) .and. &
-          .not. answer%level * count(is_measured(map%height)) > &
-          sum(map%height, mask=is_measured(map%height))) then
-        answer%failure = 'the flat is not above the mean height of a map that repeats itself'
-        return
-      end if
+      if (.not. present(hardness)) &
+        call check_level(map, answer%pressure, closed_fully * heights, answer)
+      if (allocated(answer%failure)) return
       heights = min(heights, top - answer%level)
     end if
     ! Lengths across are over the side, heights over their range, pressures over that times modulus.
@@ -152,6 +149,27 @@ contains
       answer%failure = 'the pressures on the map did not converge'
     if (allocated(answer%failure) .and. answer%interrupt%is_asked()) answer%failure = 'interrupted'
   end subroutine press_map
+
+  !> Sets the failure where an elastic map has no solution at the level of `answer`: the mean
+  !> displacement of a periodic map is 0, so that its mean gap would be negative; at 0 it is in full
+  !> contact at any load. Only surfaces that a load has brought into full contact stay in it, with
+  !> their load, where that level is held. A flat that does not reach the map is above its mean.
+  subroutine check_level(map, start, error, answer)
+    type(height_map), intent(in) :: map                 !! at least one pixel measured
+    real(real64), allocatable, intent(in) :: start(:, :)  !! contact pressures before, if any
+    real(real64), intent(in) :: error                   !! of a level found [length], 0 or more
+    type(map_answer), intent(inout) :: answer           !! level of the flat; gets the failure
+    real(real64) :: lowered
+
+    if (.not. (map%periodic .and. answer%level < maxval(map%height))) return
+    lowered = 0.0_real64
+    if (allocated(start)) then
+      if (all(start > 0.0_real64 .or. .not. is_measured(map%height))) lowered = error
+    end if
+    if (.not. (answer%level + lowered) * count(is_measured(map%height)) > &
+        sum(map%height, mask=is_measured(map%height))) &
+      answer%failure = 'the flat is not above the mean height of a map that repeats itself'
+  end subroutine check_level
 
   ! Takes the pressures of the map at half its resolution, pressed in the same way, as a start.
   recursive subroutine start_from_half(map, modulus, answer, load, hardness)

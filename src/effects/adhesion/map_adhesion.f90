@@ -17,6 +17,12 @@
 !> (1965) 547, with one earlier step, in the norm of A): onwards only, by a bounded change of the
 !> gaps. As the attraction is convex, a secant falls short of the solution that loading leads to.
 !>
+!> Stop: the changes of the gaps decrease as a geometric series, whose remainder is the error. Its
+!> ratio is that of the last two changes, as long as these are larger than the rounding error of
+!> the displacements. As the energy falls the changes tend to 0, and so become as small; then they
+!> have no ratio (in full contact two of 1e-16 may be equal), and the state is a fixed point of the
+!> steps to all digits of the displacements.
+!>
 !> History: a half-space has no negative stiffness between two pixels, so that from open surfaces
 !> the steps lead to the stationary point with the largest gaps, and on unloading to the one with
 !> the least gaps above those of the earlier state (monotone iteration, Amann, SIAM Rev. 18 (1976)
@@ -27,11 +33,12 @@
 !> Exits: solved; `is_separated`, where the load is more tensile than the surfaces carry; `failure`.
 module asperity_map_adhesion
   use asperity_attraction_law, only: attraction_at, attraction_law, share_of_work
-  use asperity_element_forces, only: find_forces, force_bounds, missing_gap
+  use asperity_element_forces, only: displacement_error, find_forces, force_bounds, missing_gap
   use asperity_height_map, only: height_map, is_measured
   use asperity_kinds, only: real64
   use asperity_lattice_convolution, only: lattice_convolution
-  use asperity_map_contact, only: map_answer, prepare_influence, press_map, room_to_press
+  use asperity_map_contact, only: check_level, map_answer, prepare_influence, press_map, &
+                                  room_to_press
   use asperity_problems, only: not_enough_memory
   use asperity_process, only: has_memory
   implicit none
@@ -97,10 +104,13 @@ contains
     type(earlier_step) :: last
     real(real64), allocatable, dimension(:, :) :: force, gap, moved, next, pull, pulled, &
                                                   displacement
-    real(real64) :: allowed, change, error, level, top, unit
+    real(real64) :: allowed, change, error, level, noise, top, unit
     integer :: steps
     logical :: is_solved
 
+    if (.not. (present(load) .or. present(hardness))) &
+      call check_level(map, history%contact_pressure, gap_error * law%reach, answer)
+    if (allocated(answer%failure)) return
     call start_history(map, modulus, law, history, answer, load, hardness)
     if (allocated(answer%failure)) return
     allowed = gap_error
@@ -138,7 +148,10 @@ contains
       call influence%apply(next, moved)
       moved = moved - pulled
       change = maxval(abs(moved - merge(sum(moved) / size(moved), 0.0_real64, present(load))))
+      noise = displacement_error(influence%norm, sum(next**2) / size(next), &
+                                 maxval(abs(pulled + moved)))
       call extrapolate_step(pull, pulled, change, last, next, moved, error)
+      if (change <= noise) error = 0.0_real64
       is_solved = max(error, bounds%tolerance) <= &
                   max(allowed, rounding * maxval(abs(displacement)))
       if (is_solved) exit
