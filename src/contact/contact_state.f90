@@ -8,9 +8,14 @@ module asperity_contact_state
   private
 
   public :: contact_state, interaction_solution, start_state, answer_all, in_contact
-  public :: total_load, total_vertical_load, controlled_load
+  public :: total_load, total_vertical_load, controlled_load, load_rounding
 
   integer, parameter :: thread_threshold = 1000  ! number of pairs from which threads are started
+
+  ! Error of a load by rounding, over the stiffness times the compression. Derived: the compression
+  ! is in error by one epsilon, and the elastic and adhesive terms whose difference the load is by a
+  ! few. Test: test_loads_near_zero of test_adhesion.py.
+  real(real64), parameter :: rounding = 16 * epsilon(1.0_real64)
 
   !> Solution of interacting contacts at one compression.
   type :: interaction_solution
@@ -110,5 +115,13 @@ contains
       controlled_load = total_load(state)
     end if
   end function controlled_load
+
+  !> Rounding error of the total load: what neighbouring numbers of the compression change it by. It
+  !> is more than a share of the load where the load is the small difference of large forces.
+  pure real(real64) function load_rounding(state) result(error)
+    type(contact_state), intent(in) :: state  !! contacts of the position
+
+    error = rounding * state%compression * sum(abs(state%answers%stiffness))
+  end function load_rounding
 
 end module asperity_contact_state

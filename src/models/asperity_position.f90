@@ -8,7 +8,7 @@ module asperity_asperity_position
   use asperity_contact_pairs, only: contact_pairs, in_scene_units
   use asperity_contact_records, only: effect_record, position_result, prescribed_normal, &
                                       prescribed_vertical
-  use asperity_contact_state, only: contact_state, controlled_load, start_state
+  use asperity_contact_state, only: contact_state, controlled_load, load_rounding, start_state
   use asperity_effect_names, only: of_interaction
   use asperity_effect_sequence, only: choose_effects, drop_choice, first_failure, found_state, &
                                       simulate_effects
@@ -287,6 +287,7 @@ contains
         result%states(number)%prescribed = &
           merge(prescribed_vertical, prescribed_normal, pairs%vertical)
         result%states(number)%prescribed_load = in_scene_units(pairs, found%prescribed_load, 1, 2)
+        result%states(number)%load_rounding = in_scene_units(pairs, load_rounding(found%state), 1, 2)
       end if
       ! Effects keep this state and may answer otherwise in the next one.
       if (allocated(found%outcomes)) deallocate (found%outcomes)

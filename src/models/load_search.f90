@@ -4,7 +4,7 @@ module asperity_load_search
   use asperity_pull_off_search, only: unload_to_load
   use asperity_contact_effect, only: effect_box
   use asperity_contact_pairs, only: contact_pairs, in_scene_units
-  use asperity_contact_state, only: contact_state, controlled_load, start_state
+  use asperity_contact_state, only: contact_state, controlled_load, load_rounding, start_state
   use asperity_effect_sequence, only: choose_effects, first_failure, found_state, &
                                       simulate_effects
   use asperity_hertz_law, only: hertz_law
@@ -103,7 +103,9 @@ contains
   !> Finds the compression at which the contacts carry a compressive load on loading: safeguarded
   !> secant method for (load/target)**(2/3), from the tangent at the last state. It ends when the
   !> load is met to the tolerance of the effects; when no number is left within the bracket the
-  !> upper end is used, if its load is accurate enough.
+  !> upper end is used, if its load is accurate enough. A load that is small beside the forces of
+  !> which it is the difference is accurate to its rounding error: a load that is continuous changes
+  !> by no more between neighbouring numbers.
   recursive subroutine search_load(pairs, effects, target, time, found, jumps, failure)
     type(contact_pairs), intent(in) :: pairs       !! pairs of the position
     type(effect_box), intent(in) :: effects(:)     !! effects; those in time act in `there` only
@@ -148,6 +150,9 @@ contains
       ! Without an upper end yet the compression is doubled at most.
       if (.not. enough .and. bracket%low > 0.0_real64) found%compression = &
         min(found%compression, bracket%low * (1.0_real64 + min(1.0_real64, -2.0_real64 * residual)))
+      ! Contacts that attract each other have a load below 0 up to a compression that is no rounding.
+      if (.not. (enough .or. load > 0.0_real64)) &
+        found%compression = max(found%compression, nothing)
     end do
     found%compression = bracket%low
     if (bracket%high < nothing) found%compression = 0.0_real64
@@ -162,7 +167,8 @@ contains
     call simulate_effects(pairs, effects, time, found, .not. time > 0.0_real64)
     call first_failure(effects, found%outcomes, failure)
     if (allocated(failure)) return
-    if (abs(controlled_load(pairs, found%state) - target) <= largest_error * target) return
+    if (abs(controlled_load(pairs, found%state) - target) <= &
+        max(largest_error * target, load_rounding(found%state))) return
     failure = 'the load is not reached: with the effects it jumps past it'
     jumps = .not. allocated(found%fixed_choice) .and. &
             any([(effects(i)%effect%mode == effect_auto, i=1, size(effects))])

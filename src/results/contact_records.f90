@@ -79,6 +79,7 @@ module asperity_contact_records
     !> Work dissipated by plasticity since first contact [force length]; `not_computed` without it.
     real(real64) :: dissipated_work = not_computed
     real(real64) :: prescribed_load = 0.0_real64  !! value of the prescribed load
+    real(real64) :: load_rounding = 0.0_real64    !! rounding error of the found load
     integer :: prescribed = prescribed_nothing    !! kind of load: a `prescribed_` number
     integer :: contacts = -1                     !! touching ones included
     integer :: first_row = 1                     !! its contacts are rows(first_row ...

@@ -15,7 +15,7 @@ module asperity_loads_met
 contains
 
   !> Checks the relative error of requested loads. That of a load of 0 is relative to the largest
-  !> requested load.
+  !> requested load. A load is not in error that is met to its rounding error.
   pure subroutine check_loads(position, tolerance, failure)
     type(position_result), intent(in) :: position             !! result of the position
     real(real64), intent(in) :: tolerance                     !! largest relative error
@@ -31,7 +31,8 @@ contains
         found = merge(state%vertical_load, state%load, state%prescribed == prescribed_vertical)
         reference = abs(state%prescribed_load)
         if (.not. reference > 0.0_real64) reference = largest
-        if (abs(found - state%prescribed_load) <= tolerance * reference) cycle
+        if (abs(found - state%prescribed_load) <= &
+            max(tolerance * reference, state%load_rounding)) cycle
         ! All requested loads are 0.
         if (.not. reference > 0.0_real64) cycle
         failure = 'the load of state ' // decimal_text(i) // ' is missed: asked for ' // &
