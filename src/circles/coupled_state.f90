@@ -14,8 +14,8 @@ module asperity_coupled_state
   implicit none
   private
 
-  public :: answer_at, coupled_solution, evaluate_state, find_carried_load, gather_circles, &
-            penetration_without_load, plan_radius, raise_to_load, resolved_contacts, &
+  public :: answer_at, correct_to_load, coupled_solution, evaluate_state, find_carried_load, &
+            gather_circles, penetration_without_load, plan_radius, raise_to_load, resolved_contacts, &
             solve_state, update_circles
 
   !> Contacts that boundary elements resolve, as the Hertzian contacts see them; arrays by pair.
@@ -150,6 +150,21 @@ contains
     end do
     where (.not. solution%stays_open) solution%penetration = solution%penetration + rise
   end subroutine raise_to_load
+
+  !> Corrects a solution to a given load: the compression changes with the penetrations.
+  subroutine correct_to_load(pairs, law, target, solution)
+    type(contact_pairs), intent(in) :: pairs              !! pairs of the position
+    class(contact_law), intent(in) :: law                 !! of each contact
+    real(real64), intent(in) :: target                    !! load over modulus
+    type(coupled_solution), intent(inout) :: solution     !! penetrations and compression change
+    real(real64) :: before
+    integer :: first
+
+    first = solution%set%contact(1)
+    before = solution%penetration(first)
+    call raise_to_load(pairs, law, target, solution)
+    solution%compression = solution%compression + (solution%penetration(first) - before)
+  end subroutine correct_to_load
 
   !> Total load of all contacts with a common rise of their penetrations.
   subroutine find_carried_load(pairs, law, solution, rise, total, slope)

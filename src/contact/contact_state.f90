@@ -29,6 +29,7 @@ module asperity_contact_state
     real(real64), allocatable :: area(:)           !! of each pair
     real(real64), allocatable :: pressure(:)       !! greatest, on boundary elements; else 0
     logical, allocatable :: is_resolved(:)         !! by boundary elements
+    logical :: is_elastic = .true.                 !! of contacts with Hertz' law
     real(real64), allocatable :: shift(:, :)       !! of Hertzian contacts, along x and y (2, pair)
   end type interaction_solution
 

@@ -80,8 +80,12 @@ contains
     outcome%of_contacts(:, 2) = state%answers%vertical_load
     outcome%simulated = 'coupled'
     if (self%mode == effect_boundary) outcome%simulated = 'boundary'
-    ! A load is searched with Hertz' law: its solution is none of contacts of another law.
-    if (.not. (allocated(state%solution) .and. same_type_as(state%law, hertz_law()))) &
+    ! `auto` may have begun to simulate plasticity, or ended, since the search for the load.
+    if (allocated(state%solution)) then
+      if (state%solution%is_elastic .neqv. same_type_as(state%law, hertz_law())) &
+        deallocate (state%solution)
+    end if
+    if (.not. allocated(state%solution)) &
       call solve_together(self, pairs, state%law, state%tolerance, state%compression, &
                           state%solution, outcome%failure)
     if (allocated(outcome%failure)) return
@@ -163,6 +167,7 @@ contains
     end if
     compression = solution%coupled%compression
     allocate (found)
+    found%is_elastic = same_type_as(law, hertz_law())
     found%elements = solution%elements
     found%clusters = solution%clusters
     found%error = solution%error

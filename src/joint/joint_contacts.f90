@@ -28,7 +28,7 @@ module asperity_joint_contacts
   use asperity_contact_pairs, only: contact_pairs
   use asperity_coupled_contacts, only: adopt_penetrations, coupled_solution, resolved_contacts, &
                                        solve_coupled
-  use asperity_coupled_state, only: answer_at, find_carried_load, raise_to_load
+  use asperity_coupled_state, only: answer_at, correct_to_load, find_carried_load, raise_to_load
   use asperity_element_pressures, only: join_elements
   use asperity_hertz_law, only: hertz_law
   use asperity_index_groups, only: gather_groups
@@ -153,7 +153,6 @@ contains
     type(joint_task), intent(inout) :: task
     type(joint_solution), intent(inout) :: solution
     type(contact_response) :: response
-    real(real64) :: before
     integer :: k
 
     task%compression_share = task%errors%compression_share
@@ -163,11 +162,8 @@ contains
         coupled%penetration(contact) = coupled%penetration(contact) * &
           (1 + task%correction%load_change / set%load)**(2.0_real64 / 3)
         coupled%compression = coupled%compression + task%correction%compression_change
-        if (allocated(task%target)) then
-          before = coupled%penetration(contact(1))
-          call raise_to_load(pairs, task%law, task%target / pairs%modulus, coupled)
-          coupled%compression = coupled%compression + (coupled%penetration(contact(1)) - before)
-        end if
+        if (allocated(task%target)) &
+          call correct_to_load(pairs, task%law, task%target / pairs%modulus, coupled)
       else
         task%correction%area_ratio = 1.0_real64
       end if
@@ -230,7 +226,7 @@ contains
       end do
       call find_errors(pairs, coupled, allocated(task%target), task%correction, task%errors)
       call correct_circles(task, solution)
-      call distribute_loads(pairs, task%law, task%clusters, coupled, task%resolved)
+      call distribute_loads(pairs, task%law, task%clusters, coupled, task%resolved, task%target)
     end associate
     call adopt_failure(solution)
   end subroutine alternate_blocks

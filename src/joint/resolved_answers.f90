@@ -9,7 +9,7 @@ module asperity_resolved_answers
   use asperity_contact_law, only: contact_law, contact_response
   use asperity_contact_pairs, only: contact_pairs
   use asperity_coupled_contacts, only: adopt_penetrations, coupled_solution, resolved_contacts
-  use asperity_coupled_state, only: answer_at
+  use asperity_coupled_state, only: answer_at, correct_to_load
   use asperity_element_lattice, only: penetration_of_load
   use asperity_kinds, only: real64
   use asperity_mutual_displacement, only: mutual_displacement, mutual_terms
@@ -171,13 +171,15 @@ contains
   end subroutine merge_members
 
   !> Distributes the loads of representatives over the members that they represent, in the ratios of
-  !> the loads on the elements.
-  subroutine distribute_loads(pairs, law, clusters, coupled, resolved)
+  !> the loads on the elements. The vertical load of each is kept. As the members have other
+  !> inclinations, their normal load is another one: a given load is met again.
+  subroutine distribute_loads(pairs, law, clusters, coupled, resolved, target)
     type(contact_pairs), intent(in) :: pairs            !! pairs of the position
     class(contact_law), intent(in) :: law               !! contact law of each pair
     type(cluster), intent(in) :: clusters(:)            !! clusters that are represented
     type(coupled_solution), intent(inout) :: coupled    !! penetrations and circles are set
     type(resolved_contacts), intent(inout) :: resolved  !! positions of the members are set
+    real(real64), intent(in), optional :: target        !! given total load [force]
     type(contact_response) :: response
     real(real64) :: load_ratio
     integer :: representative, i, k, m
@@ -203,6 +205,7 @@ contains
         end do
       end associate
     end do
+    if (present(target)) call correct_to_load(pairs, law, target / pairs%modulus, coupled)
     call adopt_penetrations(pairs, law, coupled, resolved)
   end subroutine distribute_loads
 

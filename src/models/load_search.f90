@@ -2,7 +2,7 @@
 module asperity_load_search
   use asperity_adhesion, only: adhesion_effect
   use asperity_pull_off_search, only: unload_to_load
-  use asperity_contact_effect, only: effect_box
+  use asperity_contact_effect, only: effect_box, effect_outcome
   use asperity_contact_pairs, only: contact_pairs, in_scene_units
   use asperity_contact_state, only: contact_state, controlled_load, load_rounding, start_state
   use asperity_effect_sequence, only: choose_effects, first_failure, found_state, &
@@ -78,14 +78,17 @@ contains
       end if
     end if
     call search_load(pairs, effects, target, time, found, jumps, failure)
-    if (.not. jumps) return
-    ! The last state is just past the jump.
-    allocate (found%fixed_choice(size(found%outcomes)))
-    do i = 1, size(found%outcomes)
-      found%fixed_choice(i) = found%outcomes(i)%simulated /= 'off'
-    end do
-    deallocate (failure)
-    call search_load(pairs, effects, target, time, found, jumps, failure)
+    if (jumps .and. any([(effects(i)%effect%mode == effect_auto, i=1, size(effects))])) then
+      ! The last state is just past the jump.
+      allocate (found%fixed_choice(size(found%outcomes)))
+      do i = 1, size(found%outcomes)
+        found%fixed_choice(i) = found%outcomes(i)%simulated /= 'off'
+      end do
+      deallocate (failure)
+      call search_load(pairs, effects, target, time, found, jumps, failure)
+    end if
+    if (jumps .and. time > 0.0_real64) &
+      call search_elastic_load(pairs, effects, target, time, found, failure)
   end subroutine compress_to_load
 
   ! Place of an effect that makes contacts attract each other; 0: there is none.
@@ -117,7 +120,7 @@ contains
     type(root_bracket) :: bracket
     real(real64) :: load, residual, nothing, greatest
     logical :: enough, inside
-    integer :: i, try
+    integer :: try
 
     jumps = .false.
     bracket = root_bracket(low=0.0_real64, high=minval(pairs%list%gap + pairs%list%zc), &
@@ -170,9 +173,57 @@ contains
     if (abs(controlled_load(pairs, found%state) - target) <= &
         max(largest_error * target, load_rounding(found%state))) return
     failure = 'the load is not reached: with the effects it jumps past it'
-    jumps = .not. allocated(found%fixed_choice) .and. &
-            any([(effects(i)%effect%mode == effect_auto, i=1, size(effects))])
+    jumps = .true.
   end subroutine search_load
+
+  ! Finds the compression at which interacting contacts carry a load at a time, from their load P
+  ! without effects in time, by the secant method. P is a constraint of interaction, which has a
+  ! solution for each: the load at the time, a gain times P and what is left of the states before,
+  ! is a continuous function of P, also where the number of boundary elements, and with it P, jumps
+  ! at a compression. It is linear as long as the same contacts are loaded.
+  subroutine search_elastic_load(pairs, effects, target, time, found, failure)
+    type(contact_pairs), intent(in) :: pairs
+    type(effect_box), intent(in) :: effects(:)
+    real(real64), intent(in) :: target, time  ! load, more than 0; time since the begin of loading
+    type(found_state), intent(inout) :: found  ! state at a compression near by; the state found
+    character(len=:), allocatable, intent(inout) :: failure  ! reason; not allocated where solved
+    character(len=:), allocatable :: why
+    real(real64) :: elastic, former(2), load, slope
+    integer :: try
+
+    elastic = target / share_at(effects, time)
+    former = 0.0_real64
+    do try = 1, digits(elastic)
+      call estimate_compression(pairs, effects, elastic, time, found, why)
+      if (.not. allocated(why) .and. .not. allocated(found%solution)) return
+      if (.not. allocated(why)) call simulate_effects(pairs, effects, time, found)
+      if (.not. allocated(why)) call first_failure(effects, found%outcomes, why)
+      if (allocated(why)) then
+        failure = why
+        return
+      end if
+      load = controlled_load(pairs, found%state)
+      if (abs(load - target) <= least_error * target) exit
+      slope = (load - former(2)) / (elastic - former(1))
+      if (.not. (slope > 0.0_real64 .and. slope <= huge(slope))) slope = load / elastic
+      former = [elastic, load]
+      elastic = elastic + (target - load) / slope
+      if (.not. (elastic > 0.0_real64 .and. abs(elastic - former(1)) > 0.0_real64)) exit
+    end do
+    if (abs(load - target) <= largest_error * target) deallocate (failure)
+  end subroutine search_elastic_load
+
+  ! Ratio of the load at a time to that at the same compression on loading.
+  real(real64) function share_at(effects, time) result(share)
+    type(effect_box), intent(in) :: effects(:)
+    real(real64), intent(in) :: time
+    integer :: i
+
+    share = 1.0_real64
+    do i = 1, merge(size(effects), 0, time > 0.0_real64)
+      share = share * effects(i)%effect%held_share(time)
+    end do
+  end function share_at
 
   ! First compression of a search: that of the effects that can estimate it, else the given one,
   ! else that of Hertzian contacts.
@@ -185,9 +236,8 @@ contains
     type(found_state) :: elastic
     type(effect_box) :: none(0)
     character(len=:), allocatable :: why
-    real(real64) :: guessed, load, residual, share, slope
+    real(real64) :: guessed, load, residual, slope
     logical :: jumps
-    integer :: i
 
     if (allocated(found%solution)) deallocate (found%solution)
     if (target > 0.0_real64) then
@@ -207,13 +257,9 @@ contains
         found%compression = max(found%compression, elastic%compression)
       end if
     end if
-    ! Ratio of the load at a time to that at the same compression on loading.
-    share = 1.0_real64
-    do i = 1, merge(size(effects), 0, time > 0.0_real64)
-      share = share * effects(i)%effect%held_share(time)
-    end do
     if (target > 0.0_real64) &
-      call estimate_compression(pairs, effects, target / share, time, found, failure)
+      call estimate_compression(pairs, effects, target / share_at(effects, time), time, found, &
+                                failure)
     if (allocated(failure)) then
       if (pairs%interrupt%is_asked()) return
       ! The bracketed search finds the load, or the largest one, from compressions.
@@ -247,7 +293,9 @@ contains
       max(0.0_real64, two_thirds * (residual + 1.0_real64) / load * sum(state%answers%stiffness))
   end function residual_slope
 
-  ! Sets the compression to that of interaction, which has a search of its own for a load.
+  ! Sets the compression to that of interaction, which has a search of its own for a load: the load
+  ! is a constraint of its potential, which has a minimum under any load. The load as a function of
+  ! the compression may jump past it, where a contact opens another one nearby.
   subroutine estimate_compression(pairs, effects, target, time, found, failure)
     type(contact_pairs), intent(in) :: pairs
     type(effect_box), intent(in) :: effects(:)
@@ -255,31 +303,31 @@ contains
     type(found_state), intent(inout) :: found
     character(len=:), allocatable, intent(inout) :: failure
     type(contact_state) :: state
-    logical :: changes_law
-    integer :: i
+    type(effect_outcome) :: outcomes(size(effects))
+    integer :: i, k
 
     call start_state(pairs, hertz_law(modulus=pairs%modulus), found%compression, state)
     state%time = time
     call choose_effects(pairs, effects, state, found%choice)
-    changes_law = .false.
     do i = 1, size(effects)
-      if (changes_law .or. .not. is_simulated()) cycle
+      if (.not. is_simulated(i)) cycle
       select type (effect => effects(i)%effect)
       type is (interaction_effect)
-        call effect%solve_together(pairs, hertz_law(modulus=pairs%modulus), &
-                                   found%choice%tolerance, found%compression, found%solution, &
-                                   failure, target)
+        ! The law of the contacts is that of the effects before.
+        do k = 1, i - 1
+          if (is_simulated(k)) call effects(k)%effect%apply(pairs, state, outcomes(k))
+        end do
+        call effect%solve_together(pairs, state%law, found%choice%tolerance, found%compression, &
+                                   found%solution, failure, target)
         if (allocated(failure)) failure = 'interaction: ' // failure
         return
-      class default
-        ! The search of interaction is that of elastic contacts.
-        changes_law = .true.
       end select
     end do
 
   contains
 
-    logical function is_simulated()
+    logical function is_simulated(i)
+      integer, intent(in) :: i
 
       is_simulated = found%choice%is_simulated(i)
       if (allocated(found%fixed_choice) .and. effects(i)%effect%mode == effect_auto) &
