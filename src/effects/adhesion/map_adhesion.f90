@@ -21,7 +21,7 @@
 !> reduce the energy, and may repeat themselves where the mean of the tractions hardly matters (a
 !> held mean gap near full contact). Where the least change of the gaps is older than
 !> `steps_without_progress`, plain steps follow: each solves its contact problem from the forces
-!> before, which reduces the energy, and such steps converge (Tao and An 1997, theorem 3).
+!> before, which reduces the energy, and such steps converge (Tao and An 1997).
 !>
 !> Stop: the changes of the gaps decrease as a geometric series, whose remainder is the error. Its
 !> ratio is that of the last two changes, as long as these are larger than the rounding error of
@@ -256,7 +256,8 @@ contains
 
     allocate (found, source=force)
     ratio = 0.0_real64
-    if (abs(last%total) > 0.0_real64 .and. .not. last%is_plain) ratio = min(1.0_real64, max(0.0_real64, total / last%total))
+    if (abs(last%total) > 0.0_real64 .and. .not. last%is_plain) &
+      ratio = min(1.0_real64, max(0.0_real64, total / last%total))
     if (ratio > 0.0_real64) &
       force = min(limit, max(0.0_real64, force + ratio * (force - last%force)))
     last%total = total
