@@ -125,7 +125,7 @@ contains
     if (choice == resolve_all) &
       solution%is_resolved = pairs%list%gap < solution%coupled%compression
     if (sum(solution%coupled%set%load) > 0.0_real64) then
-      call find_errors(pairs, solution%coupled, allocated(task%target), task%correction, &
+      call find_errors(pairs, solution%coupled, keeps_load(task), task%correction, &
                        task%errors)
       if (choice == resolve_called_for) call choose_resolved(task, solution%coupled, &
                                                              solution%is_resolved)
@@ -224,12 +224,19 @@ contains
           return
         end if
       end do
-      call find_errors(pairs, coupled, allocated(task%target), task%correction, task%errors)
+      call find_errors(pairs, coupled, keeps_load(task), task%correction, task%errors)
       call correct_circles(task, solution)
       call distribute_loads(pairs, task%law, task%clusters, coupled, task%resolved, task%target)
     end associate
     call adopt_failure(solution)
   end subroutine alternate_blocks
+
+  ! Whether the correction keeps the load: it is made of elastic contacts alone.
+  pure logical function keeps_load(task)
+    type(joint_task), intent(in) :: task
+
+    keeps_load = allocated(task%target) .and. same_type_as(task%law, hertz_law())
+  end function keeps_load
 
   ! Estimates the errors of the load, or of the compression at a load, and of the area.
   subroutine estimate_errors(task, solution)

@@ -87,8 +87,7 @@ contains
       deallocate (failure)
       call search_load(pairs, effects, target, time, found, jumps, failure)
     end if
-    if (jumps .and. time > 0.0_real64) &
-      call search_elastic_load(pairs, effects, target, time, found, failure)
+    if (jumps) call search_interacting_load(pairs, effects, target, time, found, failure)
   end subroutine compress_to_load
 
   ! Place of an effect that makes contacts attract each other; 0: there is none.
@@ -177,11 +176,11 @@ contains
   end subroutine search_load
 
   ! Finds the compression at which interacting contacts carry a load at a time, from their load P
-  ! without effects in time, by the secant method. P is a constraint of interaction, which has a
-  ! solution for each: the load at the time, a gain times P and what is left of the states before,
-  ! is a continuous function of P, also where the number of boundary elements, and with it P, jumps
-  ! at a compression. It is linear as long as the same contacts are loaded.
-  subroutine search_elastic_load(pairs, effects, target, time, found, failure)
+  ! without effects in time, by the secant method. P is a constraint of the potential of interaction,
+  ! which has a minimum under any P, whereas P jumps at a compression where a contact opens another
+  ! one nearby, or where the number of boundary elements changes. The load at the time is a gain
+  ! times P and what is left of the states before: linear as long as the same contacts are loaded.
+  subroutine search_interacting_load(pairs, effects, target, time, found, failure)
     type(contact_pairs), intent(in) :: pairs
     type(effect_box), intent(in) :: effects(:)
     real(real64), intent(in) :: target, time  ! load, more than 0; time since the begin of loading
@@ -194,7 +193,7 @@ contains
     elastic = target / share_at(effects, time)
     former = 0.0_real64
     do try = 1, digits(elastic)
-      call estimate_compression(pairs, effects, elastic, time, found, why)
+      call estimate_compression(pairs, effects, .false., elastic, time, found, why)
       if (.not. allocated(why) .and. .not. allocated(found%solution)) return
       if (.not. allocated(why)) call simulate_effects(pairs, effects, time, found)
       if (.not. allocated(why)) call first_failure(effects, found%outcomes, why)
@@ -211,7 +210,7 @@ contains
       if (.not. (elastic > 0.0_real64 .and. abs(elastic - former(1)) > 0.0_real64)) exit
     end do
     if (abs(load - target) <= largest_error * target) deallocate (failure)
-  end subroutine search_elastic_load
+  end subroutine search_interacting_load
 
   ! Ratio of the load at a time to that at the same compression on loading.
   real(real64) function share_at(effects, time) result(share)
@@ -258,8 +257,8 @@ contains
       end if
     end if
     if (target > 0.0_real64) &
-      call estimate_compression(pairs, effects, target / share_at(effects, time), time, found, &
-                                failure)
+      call estimate_compression(pairs, effects, .true., target / share_at(effects, time), time, &
+                                found, failure)
     if (allocated(failure)) then
       if (pairs%interrupt%is_asked()) return
       ! The bracketed search finds the load, or the largest one, from compressions.
@@ -293,12 +292,11 @@ contains
       max(0.0_real64, two_thirds * (residual + 1.0_real64) / load * sum(state%answers%stiffness))
   end function residual_slope
 
-  ! Sets the compression to that of interaction, which has a search of its own for a load: the load
-  ! is a constraint of its potential, which has a minimum under any load. The load as a function of
-  ! the compression may jump past it, where a contact opens another one nearby.
-  subroutine estimate_compression(pairs, effects, target, time, found, failure)
+  ! Sets the compression to that of interaction, which has a search of its own for a load.
+  subroutine estimate_compression(pairs, effects, is_elastic, target, time, found, failure)
     type(contact_pairs), intent(in) :: pairs
     type(effect_box), intent(in) :: effects(:)
+    logical, intent(in) :: is_elastic  ! only of elastic contacts
     real(real64), intent(in) :: target, time
     type(found_state), intent(inout) :: found
     character(len=:), allocatable, intent(inout) :: failure
@@ -313,6 +311,7 @@ contains
       if (.not. is_simulated(i)) cycle
       select type (effect => effects(i)%effect)
       type is (interaction_effect)
+        if (is_elastic .and. any([(is_simulated(k), k=1, i - 1)])) return
         ! The law of the contacts is that of the effects before.
         do k = 1, i - 1
           if (is_simulated(k)) call effects(k)%effect%apply(pairs, state, outcomes(k))
