@@ -19,6 +19,11 @@
 !> least by the factor 1 - (least eigenvalue)/(2 |A|) (after Dostal and Schoeberl, Comput. Optim.
 !> Appl. 30 (2005) 23-43, theorem 4.1): the solve converges.
 !>
+!> On a periodic map equal forces have no displacements: along them A is not positive definite and
+!> the energy is linear, with the sum of r as its slope. Where all forces are above 0 and that sum
+!> is, the least force is taken from all: the minimum on this line. Then one force is 0, and the
+!> others cannot all decrease together.
+!>
 !> Residual: the largest gap where f > 0 or overlap where f < H. Exits: converged, at a residual of
 !> at most the tolerance or the rounding error, `rounding` times the largest displacement; not
 !> converged, after `iterations_allowed` steps or where the run is interrupted. The forces are in
@@ -116,6 +121,7 @@ contains
         cycle
       end if
       ending%iterations = ending%iterations + 1
+      if (.not. bounds%load > 0.0_real64) call take_least_force(influence, state)
       enough = state%enough
       call take_conjugate_step(influence, gap, bounds, state)
       if (state%decrease >= enough) cycle
@@ -220,6 +226,23 @@ contains
       call update_gradient(influence%norm, bounds, step, state)
     end if
   end subroutine take_conjugate_step
+
+  ! Takes the least force from all where equal forces have no displacements and cost energy. The
+  ! gradient stays the same.
+  subroutine take_least_force(influence, state)
+    type(lattice_convolution), intent(inout) :: influence
+    type(force_iterate), intent(inout) :: state
+    real(real64), allocatable :: displaced(:, :)
+
+    if (.not. (all(state%force > 0.0_real64) .and. sum(state%gradient) > 0.0_real64)) return
+    allocate (displaced, mold=state%force)
+    call influence%apply(0.0_real64 * state%force + 1.0_real64, displaced)
+    if (maxval(abs(displaced)) > rounding * influence%norm) return
+    state%force = state%force - minval(state%force)
+    state%free = merge(1.0_real64, 0.0_real64, state%force > 0.0_real64)
+    state%image = state%free * state%gradient
+    state%gradient_product = 0.0_real64
+  end subroutine take_least_force
 
   ! Takes a projected gradient step P(f - t r), after which conjugate gradients begin again: t is
   ! that of steepest descent in the forces that can move, halved until the energy decreases by half
