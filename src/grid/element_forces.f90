@@ -20,9 +20,10 @@
 !> Appl. 30 (2005) 23-43, theorem 4.1): the solve converges.
 !>
 !> On a periodic map equal forces have no displacements: along them A is not positive definite and
-!> the energy is linear, with the sum of r as its slope. Where all forces are above 0 and that sum
-!> is, the least force is taken from all: the minimum on this line. Then one force is 0, and the
-!> others cannot all decrease together.
+!> the energy is linear, with the sum of r as its slope. Where all forces are above 0 and the mean of
+!> r is above the residual that is asked for, the least force is taken from all: the minimum on this
+!> line. Then one force is 0, and the others cannot all decrease together. A mean of less is that of
+!> full contact at any load: the sum of the forces stays that of the start.
 !>
 !> Residual: the largest gap where f > 0 or overlap where f < H. Exits: converged, at a residual of
 !> at most the tolerance or the rounding error, `rounding` times the largest displacement; not
@@ -121,7 +122,7 @@ contains
         cycle
       end if
       ending%iterations = ending%iterations + 1
-      if (.not. bounds%load > 0.0_real64) call take_least_force(influence, state)
+      if (.not. bounds%load > 0.0_real64) call take_least_force(influence, bounds, state)
       enough = state%enough
       call take_conjugate_step(influence, gap, bounds, state)
       if (state%decrease >= enough) cycle
@@ -229,12 +230,14 @@ contains
 
   ! Takes the least force from all where equal forces have no displacements and cost energy. The
   ! gradient stays the same.
-  subroutine take_least_force(influence, state)
+  subroutine take_least_force(influence, bounds, state)
     type(lattice_convolution), intent(inout) :: influence
+    type(force_bounds), intent(in) :: bounds
     type(force_iterate), intent(inout) :: state
     real(real64), allocatable :: displaced(:, :)
 
-    if (.not. (all(state%force > 0.0_real64) .and. sum(state%gradient) > 0.0_real64)) return
+    if (.not. (all(state%force > 0.0_real64) .and. sum(state%gradient) / size(state%gradient) > &
+               max(bounds%tolerance, state%rounding_error))) return
     allocate (displaced, mold=state%force)
     call influence%apply(0.0_real64 * state%force + 1.0_real64, displaced)
     if (maxval(abs(displaced)) > rounding * influence%norm) return
