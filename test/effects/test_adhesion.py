@@ -340,3 +340,23 @@ def test_a_pull_without_loading(asperity, tmp_path):
                                      modulus=MODULUS))
         assert done.status == status, done.stderr
         assert status == 0 or "after loading they may carry more" in done.stderr
+
+
+@pytest.mark.parametrize("control, after", [("load", ()), ("vertical_load", ()),
+                                            ("load", (20 * UNIT,))])
+def test_loads_near_zero(control, after, asperity, tmp_path, tally):
+    """Loads below the rounding error of the forces whose difference they are have the compression
+    of a load of 0: were refused as loads that are jumped past, or that surfaces do not carry."""
+    effects = {"adhesion": "on", "work_of_adhesion": WORK, "equilibrium_distance": distance(50)}
+
+    def compression(load, gaps):
+        done = solve(asperity, balls(tmp_path, "zero", effects,
+                                     {"control": control, "value": (*after, load * UNIT)},
+                                     radii=(RADIUS,) * len(gaps), gaps=gaps, modulus=MODULUS))
+        assert done.status == 0, (load, done.stderr)
+        return float(done.positions[0]["compression"])
+
+    for gaps in ((0.0,), (0.0, 0.0), (0.0, 1e-3 * RADIUS)):
+        zero = compression(0.0, gaps)
+        found = np.array([compression(load, gaps) for load in (1e-10, 1e-15, 1e-30, 1e-300)])
+        compare(tally, "adhesion: loads near 0", np.abs(found / zero - 1), 1e-9)

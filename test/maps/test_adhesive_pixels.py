@@ -222,3 +222,13 @@ def test_range_beyond_the_edge(asperity, tmp_path, law, wide):
     *_, lines = run(asperity, tmp_path, hills, spacing, float(hills.max()), "separation", law,
                       distance, work=1e-9)
     assert "range of adhesion" not in lines
+
+
+def test_no_level_below_the_mean_on_a_path(asperity, tmp_path):
+    """The second separation of a path was not looked at: a load of 1e31."""
+    x = np.arange(16) / 16
+    height = np.cos(2 * np.pi * x)[:, None] * np.ones(4)
+    for second in (-0.1, -1e-3):
+        said = run(asperity, tmp_path, height, 1 / 16, (1.5, second), "separation", work=0.02,
+                   distance=0.128, edge="periodic", status=1)
+        assert "the flat is not above the mean height" in said

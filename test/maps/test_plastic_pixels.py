@@ -373,3 +373,17 @@ def test_accuracy_against_numpy(asperity, tmp_path, interaction):
             abs(true - flat) / (of.max() - flat), abs=1e-6), way
     assert float(rows["without plasticity"]["error_max"]) > 1e-2
     assert not any(way.startswith("auto") for way in rows)
+
+
+@pytest.mark.parametrize("edge", ["periodic", "free"])
+def test_a_hardness_that_no_load_reaches(edge, asperity, tmp_path):
+    """The elastic result to the last digit: 1e20 times the modulus was refused, as forces lost all
+    digits beside it."""
+    height = 0.01 * rough(32)
+    load = {"loading": {"control": "load", "value": load_for(height, SIDES, 0.3)}}
+    fields = [run(asperity, tmp_path, height, hardness, f"map{i}", edge, **load)[2][-1]["pressure"]
+              for i, hardness in enumerate((1e9 * E, 1e20 * E, 1e200))]
+    elastic = solve_map(asperity, map_scene(tmp_path, height, SIDES, "elastic", surfaces={
+        "map_edge": edge}, **load))[2]["pressure"]
+    for pressure in fields:
+        assert np.array_equal(pressure, elastic)
