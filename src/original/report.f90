@@ -1,7 +1,8 @@
 !> The printed report of the original program: Tables V, IIIA, IIIB, VII and VI.
 !>
 !> Columns, headings and page breaks are the original's. Column one of every line is the line
-!> printer's carriage control. "Fault n" and "Deviation x" refer to docs/theory/faults.md.
+!> printer's carriage control. "Fault n" refers to docs/theory/faults.md, "Deviation x" to
+!> reference_output/faults/listing_port_scan.md.
 module asperity_report
   use asperity_kinds, only: real64
   use asperity_library_turn, only: library_turn

@@ -3,8 +3,8 @@
 !>
 !> The modules that include this file name the number type (NUMBER) and import the few functions in
 !> which the arithmetics differ. The order of operations is the original's: printed digits depend
-!> on it. Names are the original's, in lower case. "Fault n" and "Deviation x" refer to
-!> docs/theory/faults.md.
+!> on it. Names are the original's, in lower case. "Fault n" refers to docs/theory/faults.md,
+!> "Deviation x" to reference_output/faults/listing_port_scan.md.
 !>
 !> Without NUMBER this file is an empty module. fpm sees a change of a source file, not of an
 !> included text: each module that includes this file uses this module and is compiled anew.

@@ -23,7 +23,9 @@ def row_of(page, name):
 @pytest.mark.parametrize("word, row", [(r"[Ff]aults? (\d+)", r"^\| (\d+) \|"),
                                        (r"[Dd]eviation ([a-z])\b", r"^\| ([a-z]) \|")])
 def test_every_mark_has_its_row(word, row, root, page):
-    """What the page lists is marked in the historic wing, and nothing else is."""
+    """Faults of the page and deviations of the list are marked in the sources of the original."""
+    if word.startswith("[Dd]eviation"):
+        page = (root / "reference_output/faults/listing_port_scan.md").read_text(encoding="utf-8")
     names = re.findall(row, page, re.MULTILINE)
     assert len(set(names)) == len(names) > 10
     marks = set()

@@ -1,7 +1,8 @@
 """The port against a second text of SECTIONS I to V: every bit of every contact, and Table VI.
 
 The second text (test/truth/listing_text.py) was written from Appendix 4 and shares no line with
-`src/original`. Both take the readings of the scan from docs/theory/faults.md.
+`src/original`. Both take the readings of the scan from
+reference_output/faults/listing_port_scan.md.
 """
 
 import csv

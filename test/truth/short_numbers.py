@@ -6,7 +6,7 @@ digits, never rounded. Constants and numbers of cards are cut as well.
 
 The square root is that of the FORTRAN library: a rational first value, two of Newton's steps, the
 last of them halved and rounded. W**1.5, SIN and COS are rounded correctly (deviation j of
-docs/theory/faults.md).
+reference_output/faults/listing_port_scan.md).
 """
 
 from fractions import Fraction
