@@ -226,9 +226,9 @@ def same_word(a, b):
 
 
 def test_number_of_words():
-    """README and the pages of docs have at most 41,000 words."""
+    """README and the pages of docs have at most 38,000 words."""
     pages = [page for page in PAGES if page.name != "CONTRIBUTING.md"]
-    assert sum(len(page.read_text(encoding="utf-8").split()) for page in pages) <= 41_000
+    assert sum(len(page.read_text(encoding="utf-8").split()) for page in pages) <= 38_000
 
 
 # ---------------------------------------------------------------- names
