@@ -121,8 +121,8 @@ contains
     end do
   end subroutine parse_command_line
 
-  ! Whether the first word was meant for a command, letters alone and no file's name, or is an option
-  ! before a command.
+  ! Whether the first word was meant for a command, letters alone and no file's name, or is an
+  ! option before a command.
   logical function is_no_command(word, problems)
     character(len=*), intent(in) :: word
     type(problem_list), intent(inout) :: problems
@@ -138,8 +138,8 @@ contains
     do i = 2, merge(command_argument_count(), 1, index(word, '-') == 1)
       if (is_no_command .or. command_at(word_at(i)) == 1) cycle
       is_no_command = .true.
-      call problems%add('found ' // in_quotes(word) // ' before ' // word_at(i) // ', expected ' // &
-                        'options after the command: ' // call_of(command_at(word_at(i))))
+      call problems%add('found ' // in_quotes(word) // ' before ' // word_at(i) // &
+                        ', expected options after the command: ' // call_of(command_at(word_at(i))))
     end do
   end function is_no_command
 

@@ -15,8 +15,8 @@ module asperity_coupled_state
   private
 
   public :: answer_at, correct_to_load, coupled_solution, evaluate_state, find_carried_load, &
-            gather_circles, penetration_without_load, plan_radius, raise_to_load, resolved_contacts, &
-            solve_state, update_circles
+            gather_circles, penetration_without_load, plan_radius, raise_to_load, &
+            resolved_contacts, solve_state, update_circles
 
   !> Contacts that boundary elements resolve, as the Hertzian contacts see them; arrays by pair.
   type :: resolved_contacts

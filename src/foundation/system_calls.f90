@@ -5,7 +5,8 @@ module asperity_system_calls
   implicit none
   private
 
-  public :: posix_open, posix_mkstemps, posix_umask, posix_lseek, posix_read, posix_write, posix_close
+  public :: posix_open, posix_mkstemps, posix_umask, posix_lseek, posix_read, posix_write
+  public :: posix_close
   public :: file_owner, posix_chmod, posix_chown
   public :: posix_fsync, posix_rename, posix_unlink, posix_usleep, posix_signal
   public :: posix_isatty, posix_getpid, posix_exit, c_free, c_malloc

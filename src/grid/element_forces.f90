@@ -20,9 +20,9 @@
 !> Appl. 30 (2005) 23-43, theorem 4.1): the solve converges.
 !>
 !> On a periodic map equal forces have no displacements: along them A is not positive definite and
-!> the energy is linear, with the sum of r as its slope. Where all forces are above 0 and the mean of
-!> r is above the residual that is asked for, the least force is taken from all: the minimum on this
-!> line. Then one force is 0, and the others cannot all decrease together. A mean of less is that of
+!> the energy is linear, with the sum of r as its slope. Where all forces are above 0 and the mean
+!> of r is above the residual that is asked for, the least force is taken from all: the minimum on
+!> this line. Then one force is 0, and the others cannot all decrease together. A mean of less is that of
 !> full contact at any load: the sum of the forces stays that of the start.
 !>
 !> Residual: the largest gap where f > 0 or overlap where f < H. Exits: converged, at a residual of
@@ -82,7 +82,8 @@ module asperity_element_forces
 contains
 
   !> Finds the forces of least energy from a start. Modifies `force`; exits: see the header.
-  subroutine find_forces(influence, gap, given_bounds, force, ending, interrupt, level, displacement)
+  subroutine find_forces(influence, gap, given_bounds, force, ending, interrupt, level, &
+                         displacement)
     type(lattice_convolution), intent(inout) :: influence  !! matrix A of displacements
     real(real64), intent(in) :: gap(:, :)               !! undeformed gaps g
     type(force_bounds), intent(in) :: given_bounds      !! tolerance of the residual, load, limit
@@ -140,7 +141,7 @@ contains
   pure real(real64) function displacement_error(norm, mean_square, largest) result(error)
     real(real64), intent(in) :: norm         !! |A|, norm of the matrix of displacements
     real(real64), intent(in) :: mean_square  !! of the forces
-    real(real64), intent(in) :: largest      !! largest displacement
+    real(real64), intent(in) :: largest      !! largest displacement by them
 
     error = rounding * max(largest, norm * sqrt(mean_square))
   end function displacement_error

@@ -391,8 +391,8 @@ contains
 
   ! Two whole numbers among the values of a name with a comma between and no blank, where no value
   ! has a point: `12,5`, which may be meant as 12.5. Empty where there are none, where all are 0, or
-  ! where more values stand without a blank and `all_pairs` is false: a list, no fraction. The second
-  ! may have a point where it begins with three figures or 0: `1,000.5`.
+  ! where more values stand without a blank and `all_pairs` is false: a list, no fraction. The
+  ! second may have a point where it begins with three figures or 0: `1,000.5`.
   pure subroutine find_comma_pair(self, at, all_pairs, pair, surely)
     class(scene_fields), intent(in) :: self
     integer, intent(in) :: at                ! the name's item

@@ -175,8 +175,8 @@ contains
       end if
     end subroutine make_one
 
-    ! Puts a map in the unit of the scene: `map_unit`, `units`, or that of the first map. One without
-    ! a unit has its numbers in the unit that is named for its side.
+    ! Puts a map in the unit of the scene: `map_unit`, `units`, or that of the first map. One
+    ! without a unit has its numbers in the unit that is named for its side.
     subroutine convert_map(side, map, other)
       integer, intent(in) :: side
       type(height_map), intent(inout) :: map

@@ -287,7 +287,8 @@ contains
         result%states(number)%prescribed = &
           merge(prescribed_vertical, prescribed_normal, pairs%vertical)
         result%states(number)%prescribed_load = in_scene_units(pairs, found%prescribed_load, 1, 2)
-        result%states(number)%load_rounding = in_scene_units(pairs, load_rounding(found%state), 1, 2)
+        result%states(number)%load_rounding = &
+          in_scene_units(pairs, load_rounding(found%state), 1, 2)
       end if
       ! Effects keep this state and may answer otherwise in the next one.
       if (allocated(found%outcomes)) deallocate (found%outcomes)

@@ -152,7 +152,7 @@ contains
       ! Without an upper end yet the compression is doubled at most.
       if (.not. enough .and. bracket%low > 0.0_real64) found%compression = &
         min(found%compression, bracket%low * (1.0_real64 + min(1.0_real64, -2.0_real64 * residual)))
-      ! Contacts that attract each other have a load below 0 up to a compression that is no rounding.
+      ! Contacts that attract have a load below 0 up to a compression that is no rounding.
       if (.not. (enough .or. load > 0.0_real64)) &
         found%compression = max(found%compression, nothing)
     end do
@@ -176,7 +176,8 @@ contains
   end subroutine search_load
 
   ! Finds the compression at which interacting contacts carry a load at a time, from their load P
-  ! without effects in time, by the secant method. P is a constraint of the potential of interaction,
+  ! without effects in time, by the secant method. P is a constraint of the potential of
+  ! interaction,
   ! which has a minimum under any P, whereas P jumps at a compression where a contact opens another
   ! one nearby, or where the number of boundary elements changes. The load at the time is a gain
   ! times P and what is left of the states before: linear as long as the same contacts are loaded.

@@ -27,7 +27,8 @@ module asperity_pull_off_search
   integer, parameter :: most_tries = 300, most_raises = 200
   ! Tolerance of a load, relative to a tensile target, else to the sum of all forces.
   real(real64), parameter :: load_tolerance = 1.0e-11_real64
-  ! Largest sum of all forces, over a compressive target, of which its error is a share. Derived: the
+  ! Largest sum of all forces, over a compressive target, of which its error is a share. Derived:
+  ! the
   ! load is met to 1e-7. Test: test_loads_near_zero of test_adhesion.py.
   real(real64), parameter :: largest_scale = 1.0e4_real64
 

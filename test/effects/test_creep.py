@@ -316,15 +316,16 @@ def test_auto_estimates_what_a_held_approach_loses(asperity, tmp_path):
 
 @pytest.mark.parametrize("hold", ("load", "separation"))
 def test_totals_of_a_hold_after_a_ramp(hold, asperity, tmp_path):
-    """Creep displacement and load relaxation of the summary are those since the end of loading. Load
-    P t/T on a ball and its hold: delta**1.5 = 3/(4 E sqrt(R)) int J dP (Lee and Radok 1960); a depth
-    that is held relaxes by the difference of the moduli, from the memory of the ramp."""
+    """Creep displacement and load relaxation of the summary are those since the end of loading.
+    Load P t/T on a ball and its hold: delta**1.5 = 3/(4 E sqrt(R)) int J dP (Lee and Radok 1960); a
+    depth that is held relaxes by the difference of the moduli, from the memory of the ramp."""
     modulus, load, ramp, hold_time, ratio, tau = 1e6, 10.0, 1.0, 5.0, 0.5, 1.0
     (tmp_path / "ball.csv").write_text("x,y,height,radius\n0,0,0.1,1\n")
     (tmp_path / "hold.scene").write_text(
         f"&surfaces upper = 'plane', lower = 'ball.csv' / &material contact_modulus = {modulus} /"
         f"&loading control = 'load', value = {load} / &effects relaxation_time = {tau}, hold = "
-        f"'{hold}', relaxed_modulus_ratio = {ratio}, loading_time = {ramp}, hold_time = {hold_time} /")
+        f"'{hold}', relaxed_modulus_ratio = {ratio}, loading_time = {ramp}, "
+        f"hold_time = {hold_time} /")
     text = run_program(asperity, "solve", "hold.scene", cwd=tmp_path).stdout
 
     def grown(time):
@@ -342,6 +343,7 @@ def test_totals_of_a_hold_after_a_ramp(hold, asperity, tmp_path):
     else:
         # P = 4/3 E sqrt(R) int g(t - s) d(delta**1.5), g = r + (1 - r) exp(-t/tau).
         times = np.linspace(0, ramp, 2001)
-        loads = [np.sum((ratio + (1 - ratio) * np.exp(-(end - times[1:] / 2 - times[:-1] / 2) / tau))
+        middles = times[1:] / 2 + times[:-1] / 2
+        loads = [np.sum((ratio + (1 - ratio) * np.exp(-(end - middles) / tau))
                         * np.diff(grown(times))) for end in (ramp, ramp + hold_time)]
         assert found == {"load relaxation": pytest.approx(1 - loads[1] / loads[0], rel=1e-3)}

@@ -249,7 +249,8 @@ def test_little_memory(run, tmp_path):
     assert files(tmp_path) == ["many.scene"]
 
 
-# Scenes of a map of 360,000 pixels and of 20,000 asperities: effects and edges with arrays of their own.
+# Scenes of a map of 360,000 pixels and of 20,000 asperities: effects and edges with arrays of
+# their own.
 LIMITED = {
     "elastic": (", map_edge = 'periodic'", ""), "free": ("", ""),
     "hardness": (", map_edge = 'periodic'", "plasticity = 'on', plastic_hardness = 100."),
@@ -270,7 +271,8 @@ def test_limits_of_memory(what, asperity, tmp_path):
     edge, effects = LIMITED[what]
     if edge is None:
         number = np.arange(20000)
-        rows = np.c_[3.0 * (number % 150), 3.0 * (number // 150), 0.1 + 1e-7 * (number * 7919 % 5000),
+        rows = np.c_[3.0 * (number % 150), 3.0 * (number // 150),
+                     0.1 + 1e-7 * (number * 7919 % 5000),
                      np.ones(len(number))]
         np.savetxt(tmp_path / "lower.csv", rows, "%.8g", ",", header="x,y,height,radius",
                    comments="")
@@ -280,8 +282,8 @@ def test_limits_of_memory(what, asperity, tmp_path):
         np.save(tmp_path / "lower.npy", 0.1 * (np.sin(x * np.pi / 30) + np.cos(y * np.pi / 37.5)))
         surface, load = f"lower = 'lower.npy', map_spacing = 1.{edge}", "'pressure', value = 1."
     (tmp_path / "s.scene").write_text(
-        f"&surfaces upper = 'plane', {surface} / &material elastic_modulus = 2*1e3, poisson_ratio = "
-        f"2*0.3 / &loading control = {load} / &effects {effects} /\n")
+        f"&surfaces upper = 'plane', {surface} / &material elastic_modulus = 2*1e3, "
+        f"poisson_ratio = 2*0.3 / &loading control = {load} / &effects {effects} /\n")
     ended = solved = 0
     for room in np.geomspace(24e6, 150e6, 28).astype(int):
         done = subprocess.run(

@@ -1,4 +1,4 @@
-"""Fortran programs that use the library: loops, threads, wrong order of calls; what is installed."""
+"""Fortran programs that use the library: loops, threads, wrong order of calls; installed files."""
 
 import re
 
@@ -114,7 +114,7 @@ def test_builds_in_threads(fortran, tmp_path):
 
 
 def test_installed(installed, tmp_path):
-    """Program, header and library as the file for pkg-config has them, completion and manual page."""
+    """Program, header and library as the file for pkg-config has them, completion, manual page."""
     names = {path.relative_to(installed).as_posix() for path in installed.rglob("*")}
     assert {"bin/asperity", "lib/libasperity.a", "lib/libasperity.so.1", "include/asperity.h",
             "include/asperity.mod", "share/man/man1/asperity.1",

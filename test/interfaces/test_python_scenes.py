@@ -53,7 +53,7 @@ def test_changes(package):
     assert soft.states["compression"][-1] > before["compression"][-1]
     assert_near(scene.solve().states, before)
     assert scene.groups["loading"] == {"control": "load", "value": 20.0}
-    with pytest.raises(package.InputError, match="^loading: no &loading"):
+    with pytest.raises(package.InputError, match="^loading: no control and value"):
         scene.solve(loading=None)
     with pytest.raises(package.InputError, match="surfaces: .* a new asperity.Scene"):
         scene.solve(surfaces={"nominal_area": 2.0})

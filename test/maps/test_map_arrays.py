@@ -215,9 +215,9 @@ def test_a_map_is_converted_to_the_units_of_the_scene(package, unit, factor):
     words = {"units": ("um", "uN"), "map_level": "none"}
     own = package.HeightMap(ROUGH, SPACING, "um")
     for upper in ("plane", own):
-        found, right = (package.solve(
-            {"surfaces": {"upper": upper, "lower": one, **words}, **UNDER_LOAD}).positions["area"][0]
-            for one in (other, own))
+        scenes = [{"surfaces": {"upper": upper, "lower": one, **words}, **UNDER_LOAD}
+                  for one in (other, own)]
+        found, right = (package.solve(scene).positions["area"][0] for scene in scenes)
         assert found == pytest.approx(right, rel=1e-9) and right > 0
 
 

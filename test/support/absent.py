@@ -9,7 +9,8 @@ import pytest
 
 PACKAGES = ("jsonschema", "mpmath")
 OPERATIONS = ("add", "radd", "sub", "rsub", "mul", "rmul", "truediv", "rtruediv", "pow", "rpow",
-              "neg", "pos", "abs", "float", "int", "lt", "le", "gt", "ge", "getitem", "iter", "call",
+              "neg", "pos", "abs", "float", "int", "lt", "le", "gt", "ge", "getitem", "iter",
+              "call",
               "enter", "exit")
 
 

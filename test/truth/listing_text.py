@@ -2,8 +2,9 @@
 
 The first text is `src/original`. This one was written without it, in the numbers of
 `short_numbers`, with the names and the order of operations of the listing. The readings of the
-scan are those of reference_output/faults/listing_port_scan.md: `.5 + RU` in the
-height of an upper centre (deviation a), one computation of SEP before the loop over the list (d), and SEPMIN, MNU, MNL and the upper model
+scan are those of reference_output/faults/listing_port_scan.md: `.5 + RU` in the height of an upper
+centre (deviation a), one computation of SEP before the loop over the list (d), and SEPMIN, MNU, MNL
+and the upper model
 with as many places as NU needs (h). Where the listing reads beyond its list or takes the root of a
 negative number, `StoppedError` has the position.
 """

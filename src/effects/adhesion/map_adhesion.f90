@@ -127,8 +127,7 @@ contains
     if (allocated(answer%failure)) return
     allowed = gap_error
     if (present(tolerance)) allowed = tolerance
-    top = maxval(map%height)
-    if (.not. present(load)) top = answer%level
+    top = merge(maxval(map%height), answer%level, present(load))
     ! Lengths across are over the side, gaps over the range, tractions over `unit`.
     unit = modulus * law%reach / map%pixel_spacing(1)
     call prepare_influence(map, influence)
@@ -176,19 +175,33 @@ contains
         bounds%tolerance = max(share_of_change * min(change, 1.0_real64), bounds%tolerance)
     end do
     answer%ending%iterations = steps
-    if (.not. is_solved) answer%failure = 'the tractions with adhesion on the map did not converge'
-    if (.not. is_solved .and. answer%interrupt%is_asked()) answer%failure = 'interrupted'
-    if (.not. is_solved) return
+    if (.not. is_solved) then
+      answer%failure = 'the tractions with adhesion on the map did not converge'
+      if (answer%interrupt%is_asked()) answer%failure = 'interrupted'
+      return
+    end if
     history%contact_pressure = force * unit
     history%attraction = pull * unit
-    answer%pressure = history%contact_pressure - history%attraction
-    if (present(hardness)) where (.not. force < bounds%limit) answer%pressure = hardness
-    answer%touches = force > 0.0_real64
     answer%displacement = displacement * law%reach
-    answer%load = sum(answer%pressure) * product(map%pixel_spacing)
-    if (present(load)) answer%load = load
     if (present(load)) answer%level = top - law%reach * level
+    call take_pressures(history, force < bounds%limit, product(map%pixel_spacing), answer, load, &
+                        hardness)
   end subroutine adhere_map
+
+  ! Takes net pressures and their load from a solution.
+  subroutine take_pressures(history, is_elastic, area, answer, load, hardness)
+    type(adhesion_history), intent(in) :: history  ! pressures of contact and attraction
+    logical, intent(in) :: is_elastic(:, :)        ! pressures below the hardness
+    real(real64), intent(in) :: area               ! of a pixel
+    type(map_answer), intent(inout) :: answer      ! gets pressures, contact and load
+    real(real64), intent(in), optional :: load, hardness  ! as in adhere_map
+
+    answer%pressure = history%contact_pressure - history%attraction
+    if (present(hardness)) where (.not. is_elastic) answer%pressure = hardness
+    answer%touches = history%contact_pressure > 0.0_real64
+    answer%load = sum(answer%pressure) * area
+    if (present(load)) answer%load = load
+  end subroutine take_pressures
 
   ! Steps become plain where the changes of the gaps do not decrease.
   subroutine watch_changes(gap_change, last)
