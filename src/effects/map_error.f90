@@ -27,16 +27,17 @@ module asperity_map_error
   use asperity_map_patches, only: map_patch
   use asperity_map_resolution, only: every_pixel
   use asperity_map_statistics, only: rms_slope_over
+  use asperity_map_top, only: find_top
   use asperity_pixel_law, only: patches_in_contact, pixel_law_box, pixel_state
   use asperity_pixel_sequence, only: solve_pixel_state
   implicit none
   private
 
-  public :: estimate_pixel_errors, growth_of_slope
+  public :: estimate_pixel_errors, growth_of_slope, share_at_ends
 
-  ! Error over the difference by half the pixels at first order, with the factor 3 of Roache (1994);
-  ! 1 at second order (derived; test: rough maps in test/maps/test_pixel_errors.py).
-  real(real64), parameter :: first_order = 3.0_real64
+  ! Safety factor of the error of two grids (Roache 1994; test: rough maps in
+  ! test/maps/test_pixel_errors.py).
+  real(real64), parameter :: safety = 3.0_real64
   ! Tolerance of the gaps over the range of heights, or of the attraction (chosen: the differences
   ! are larger by far).
   real(real64), parameter :: closed_halves = 1.0e-6_real64
@@ -54,104 +55,205 @@ contains
 
   !> Estimates the errors of a solution. Nothing is known, and both are unchanged, where a map is
   !> too small, or its halves cannot be solved.
-  subroutine estimate_pixel_errors(map, laws, state, row, by_load, of_total, other_errors, &
-                                   unsolved)
+  subroutine estimate_pixel_errors(map, laws, state, row, by_load, by_top, top_error, of_total, &
+                                   other_errors, unsolved)
     type(height_map), intent(in) :: map            !! map without plastic deformation
     type(pixel_law_box), intent(in) :: laws(:)     !! laws with the memory of this solution
     type(pixel_state), intent(in) :: state         !! solution; under a load: > 0
     type(state_row), intent(in) :: row             !! totals of this solution
     logical, intent(in) :: by_load                 !! the load is prescribed, else the separation
-    !> of the load over the load or, under a prescribed one, of the separation over the compression
+    logical, intent(in) :: by_top                  !! the compression is: the load has its error
+    real(real64), intent(in) :: top_error          !! error of first contact [length]
+    !> relative, of the load or, under a prescribed one, of the compression
     real(real64), intent(inout) :: of_total
-    !> relative, of area, mean gap and greatest pressure; `not_computed`: unknown
-    real(real64), intent(inout) :: other_errors(3)
+    !> Relative, of area, mean gap and greatest pressure and, under a prescribed load, of the
+    !> separation over the compression; `not_computed`: unknown.
+    real(real64), intent(inout) :: other_errors(4)
     !> Reason why a map of every second pixel could not be solved; not allocated: all were.
     character(len=:), allocatable, intent(out) :: unsolved
     type(pixel_state) :: elastic
-    real(real64), allocatable :: difference(:)
-    real(real64) :: area, growth, pressure
+    real(real64), allocatable :: error(:)
+    real(real64) :: area, growth, of_first, of_top, pressure
 
     elastic = state
-    call compare_halves(map, laws, by_load, row, elastic, difference, unsolved)
-    if (.not. allocated(difference)) return
     growth = growth_of_slope(map)
-    if (growth > 0.0_real64) difference = first_order * difference
+    of_first = top_error
+    if (growth > 0.0_real64) of_first = max(top_error, safety * difference_of_tops( &
+                                            map, row%approach + row%compression))
+    call compare_coarser(map, laws, by_load, row, growth > 0.0_real64, &
+                         merge(of_first, 0.0_real64, by_top), elastic, error, of_top, unsolved)
+    if (.not. allocated(error)) return
     associate (answer => state%answer, patches => state%patches)
-      area = max(difference(3), 0.5_real64 * sum(patches%rim), growth * row%area)
+      area = max(error(3), 0.5_real64 * sum(patches%rim), growth * row%area)
       if (allocated(answer%contact_pressure)) then
         area = max(area, error_of_rims(map, answer%contact_pressure))
       else
         area = max(area, error_of_rims(map, answer%pressure))
       end if
       other_errors(1) = area / row%area
-      other_errors(2) = difference(4) / max(row%mean_gap, difference(4), tiny(area))
+      other_errors(2) = error(4) / max(row%mean_gap, error(4), tiny(area))
       if (.not. growth > 0.0_real64) then
-        pressure = row%greatest_pressure * max(area / row%area, difference(5) / &
-                   max(maxval(elastic%answer%pressure), tiny(difference)))
+        pressure = row%greatest_pressure * max(area / row%area, error(5) / &
+                   max(maxval(elastic%answer%pressure), tiny(error)))
         other_errors(3) = max(0.0_real64, pressure) / &
                           max(row%greatest_pressure, pressure, tiny(area))
       end if
-      if (by_load .and. row%compression > 0.0_real64) of_total = difference(1) / row%compression
+      if (by_load .and. row%compression > 0.0_real64) then
+        other_errors(4) = error(1) / row%compression
+        of_total = (error(1) + of_first) / row%compression
+      end if
       if (.not. by_load .and. abs(answer%load) > 0.0_real64) &
-        of_total = difference(2) * answer%load / elastic%answer%load / abs(answer%load)
+        of_total = (error(2) + of_top) * answer%load / elastic%answer%load / abs(answer%load)
     end associate
   end subroutine estimate_pixel_errors
 
-  ! Solves the four maps of every second pixel of a map, and compares the totals: level, load, area,
-  ! mean gap, greatest pressure.
-  subroutine compare_halves(map, laws, by_load, row, full, difference, unsolved)
+  ! Solves the maps of every second and, where they keep their lengths, every third pixel of a map,
+  ! and compares the totals: level, load, area, mean gap, greatest pressure.
+  subroutine compare_coarser(map, laws, by_load, row, is_rough, top_error, full, errors, of_top, &
+                             unsolved)
+    type(height_map), intent(in) :: map
+    type(pixel_law_box), intent(in) :: laws(:)
+    logical, intent(in) :: by_load, is_rough
+    type(state_row), intent(in) :: row
+    real(real64), intent(in) :: top_error          ! error of first contact
+    type(pixel_state), intent(inout) :: full       ! solution on all pixels; gets the elastic one
+    ! Not allocated: the map is too small, or one of its halves is not solved.
+    real(real64), allocatable, intent(out) :: errors(:)
+    real(real64), intent(out) :: of_top            ! change of the load by `top_error`
+    character(len=:), allocatable, intent(out) :: unsolved  ! why one is not
+    ! First columns of maps of every third pixel: mirror images of each other on no even map.
+    integer, parameter :: column_of_third(4) = [1, 2, 3, 2], row_of_third(4) = [1, 3, 2, 2]
+    real(real64) :: halves(5, 4), lower(5), thirds(5, 4), total(5)
+    integer :: i, k
+
+    of_top = 0.0_real64
+    if (any(shape(map%height) < least_side)) return
+    do k = 1, 4
+      call solve_coarser(map, laws, by_load, 2, [1 + mod(k, 2), 1 + k / 3], 0.0_real64, full, &
+                         halves(:, k), unsolved)
+      if (allocated(unsolved)) return
+    end do
+    if (top_error > 0.0_real64 .and. .not. by_load) then
+      call solve_coarser(map, laws, by_load, 2, [2, 1], top_error, full, lower, unsolved)
+      if (allocated(unsolved)) return
+      of_top = abs(lower(2) - halves(2, 1)) * full%answer%load / halves(2, 1)
+    end if
+    total = [full%answer%level, full%answer%load, row%area, row%mean_gap, &
+             maxval(full%answer%pressure)]
+    errors = error_of_ratio(2) * root_mean(halves)
+    if (any([(laws(i)%law%solves .and. laws(i)%law%is_simulated, i=1, size(laws))]) .or. &
+        any(shape(map%height) < 3 * least_side / 2) .or. any(mod(shape(map%height), 3) > 0 .and. &
+            [map%repeats(1), map%repeats(2)])) return
+    do k = 1, 4
+      call solve_coarser(map, laws, by_load, 3, [column_of_third(k), row_of_third(k)], 0.0_real64, &
+                         full, thirds(:, k), unsolved)
+      if (allocated(unsolved)) exit
+    end do
+    if (.not. allocated(unsolved)) errors = max(errors, error_of_ratio(3) * root_mean(thirds))
+    if (allocated(unsolved)) deallocate (unsolved)
+
+  contains
+
+    ! Root of the mean square of the differences. No norm2: its last digit changes with the unit.
+    function root_mean(coarser)
+      real(real64), intent(in) :: coarser(5, 4)
+      real(real64) :: root_mean(5)
+
+      root_mean = 0.5_real64 * sqrt(sum((coarser - spread(total, 2, 4))**2, 2))
+    end function root_mean
+
+    ! Error over the difference by pixels that are `ratio` times as wide.
+    pure real(real64) function error_of_ratio(ratio)
+      integer, intent(in) :: ratio
+
+      error_of_ratio = safety / (ratio**merge(1, 2, is_rough) - 1)
+    end function error_of_ratio
+
+  end subroutine compare_coarser
+
+  ! Solves the map on every `step`th pixel.
+  subroutine solve_coarser(map, laws, by_load, step, first, lowered, full, total, unsolved)
     type(height_map), intent(in) :: map
     type(pixel_law_box), intent(in) :: laws(:)
     logical, intent(in) :: by_load
-    type(state_row), intent(in) :: row
-    type(pixel_state), intent(inout) :: full       ! solution on all pixels; gets the elastic one
-    ! Root mean square of all four; not allocated: the map is too small, or one is not solved.
-    real(real64), allocatable, intent(out) :: difference(:)
-    character(len=:), allocatable, intent(out) :: unsolved  ! why one is not
+    integer, intent(in) :: step, first(2)       ! first column and row
+    real(real64), intent(in) :: lowered         ! the flat below its level, unless by load
+    type(pixel_state), intent(inout) :: full    ! solution on all pixels; gets the elastic one
+    real(real64), intent(out) :: total(5)       ! level, load, area, mean gap, greatest pressure
+    character(len=:), allocatable, intent(out) :: unsolved  ! why there is none
     type(pixel_law_box) :: own(size(laws))
-    type(pixel_state) :: half, no_state
-    type(height_map) :: coarser
+    type(pixel_state) :: coarse
     type(map_patch), allocatable :: patches(:)
     type(state_row) :: found
-    real(real64) :: root(5)
-    integer :: first(2), i, k
+    integer :: i
 
-    root = 0.0_real64
-    if (any(shape(map%height) < least_side)) return
-    do k = 1, 4
-      first = [1 + mod(k, 2), 1 + k / 3]
-      half = no_state
-      coarser = every_pixel(map, 2, first)
-      if (.not. any(is_measured(coarser%height))) return
-      half%deformed = coarser
-      do i = 1, size(laws)
-        if (allocated(own(i)%law)) deallocate (own(i)%law)
-        allocate (own(i)%law, source=laws(i)%law)
-        if (own(i)%law%is_simulated) call own(i)%law%coarsen(first, full)
-      end do
-      half%modulus = full%modulus
-      half%tolerance = closed_halves
-      half%answer%level = full%answer%level
-      half%answer%interrupt = full%answer%interrupt
-      half%answer%pressure = full%answer%pressure(first(1)::2, first(2)::2)
-      if (by_load) half%load = full%answer%load
-      if (by_load .and. allocated(full%hardness)) &
-        half%load = min(half%load, most_load(coarser, full%hardness))
-      call solve_pixel_state(own, half)
-      associate (answer => half%answer)
-        if (allocated(answer%failure)) unsolved = answer%failure
-        if (allocated(answer%failure)) return
-        call patches_in_contact(coarser, answer, patches, half%hardness)
-        call measure_fields(coarser, answer, found)
-        ! No hypot: on vectors its last digit changes with the unit.
-        root = sqrt(root**2 + &
-          ([answer%level, answer%load, sum(patches%area), found%mean_gap, &
-            maxval(answer%pressure)] - [full%answer%level, full%answer%load, row%area, &
-            row%mean_gap, maxval(full%answer%pressure)])**2)
-      end associate
+    total = 0.0_real64
+    coarse%deformed = every_pixel(map, step, first)
+    if (.not. any(is_measured(coarse%deformed%height))) then
+      unsolved = 'it has no measured pixel'
+      return
+    end if
+    do i = 1, size(laws)
+      allocate (own(i)%law, source=laws(i)%law)
+      if (own(i)%law%is_simulated) call own(i)%law%coarsen(first, full)
     end do
-    difference = 0.5_real64 * root
-  end subroutine compare_halves
+    coarse%modulus = full%modulus
+    coarse%tolerance = closed_halves
+    coarse%answer%level = full%answer%level - lowered
+    coarse%answer%interrupt = full%answer%interrupt
+    coarse%answer%pressure = full%answer%pressure(first(1)::step, first(2)::step)
+    if (by_load) coarse%load = full%answer%load
+    if (by_load .and. allocated(full%hardness)) &
+      coarse%load = min(coarse%load, most_load(coarse%deformed, full%hardness))
+    call solve_pixel_state(own, coarse)
+    associate (answer => coarse%answer)
+      if (allocated(answer%failure)) then
+        unsolved = answer%failure
+        return
+      end if
+      call patches_in_contact(coarse%deformed, answer, patches, coarse%hardness)
+      call measure_fields(coarse%deformed, answer, found)
+      total = [answer%level, answer%load, sum(patches%area), found%mean_gap, &
+               maxval(answer%pressure)]
+    end associate
+  end subroutine solve_coarser
+
+  ! Root mean square difference of first contact of the four maps of every second pixel.
+  pure real(real64) function difference_of_tops(map, top) result(difference)
+    type(height_map), intent(in) :: map
+    real(real64), intent(in) :: top  ! first contact of all pixels
+    real(real64) :: error, half
+    type(height_map) :: coarse
+    integer :: k
+
+    difference = 0.0_real64
+    do k = 0, 3
+      coarse = every_pixel(map, 2, [1 + mod(k, 2), 1 + k / 2])
+      if (.not. any(is_measured(coarse%height))) cycle
+      call find_top(coarse, half, error)
+      difference = hypot(difference, 0.5_real64 * (half - top))
+    end do
+  end function difference_of_tops
+
+  !> Share of the load on pixels of contact patches that a free edge or a missing pixel cuts. Their
+  !> pressure grows without limit with finer pixels, as at the edge of a punch.
+  pure real(real64) function share_at_ends(map, pressure) result(share)
+    type(height_map), intent(in) :: map           !! height map
+    real(real64), intent(in) :: pressure(:, :)    !! contact pressure, its sum > 0
+    logical, allocatable :: ends(:, :)
+    integer :: side
+
+    ends = .not. is_measured(map%height)
+    do side = -2, 2
+      if (side == 0) cycle
+      if (map%repeats(abs(side))) then
+        ends = ends .or. cshift(.not. is_measured(map%height), sign(1, side), abs(side))
+      else
+        ends = ends .or. eoshift(.not. is_measured(map%height), sign(1, side), .true., abs(side))
+      end if
+    end do
+    share = sum(pressure, mask=ends) / sum(pressure)
+  end function share_at_ends
 
   ! Error of the area by the straight pieces of rims: of each half a pixel over its length; the
   ! root of the sum of squares, and the sum of those from end to end of the map, as grooves at

@@ -6,6 +6,7 @@ module asperity_pixel_sequence
   use asperity_effect_sequence, only: leave_smallest
   use asperity_kinds, only: real64
   use asperity_map_contact, only: press_map
+  use asperity_map_top, only: find_top
   use asperity_pixel_law, only: pixel_law_box, pixel_state
   use asperity_scene_values, only: effect_auto
   implicit none
@@ -42,9 +43,11 @@ contains
     end do
   end subroutine solve_pixel_state
 
-  ! Solves the elastic problem. Under no load the surfaces are at first touch.
+  ! Solves the elastic problem. Under no load the surfaces are at first contact, or where pixels that
+  ! the hardness has lowered touch.
   subroutine press_state(state)
     type(pixel_state), intent(inout) :: state
+    real(real64) :: error
     logical :: is_loaded
 
     is_loaded = allocated(state%load)
@@ -53,7 +56,9 @@ contains
       if (is_loaded) then
         call press_map(map, modulus, state%answer, state%load, state%tolerance, state%hardness)
       else
-        if (allocated(state%load)) state%answer%level = maxval(map%height)
+        if (allocated(state%load)) call find_top(map, state%answer%level, error)
+        if (allocated(state%load) .and. allocated(state%hardness) .and. &
+            state%largest_load > 0.0_real64) state%answer%level = maxval(map%height)
         call press_map(map, modulus, state%answer, tolerance=state%tolerance, &
                        hardness=state%hardness)
       end if

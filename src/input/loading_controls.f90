@@ -13,8 +13,8 @@ module asperity_loading_controls
   public :: bodies_asperities, bodies_free_map, bodies_strip, bodies_periodic_map, &
             bodies_flowing_map, bodies_incomplete_map
   public :: loading_control, control_words, control_limit, control_load, control_separation, &
-            control_of, accepted_values, compression_of, depth_of, in_model_units, is_distance, &
-            is_limit, is_load, is_separation, refusal_of, separation_of
+            control_of, accepted_values, compression_of, depth_of, in_model_units, is_compression, &
+            is_distance, is_limit, is_load, is_separation, refusal_of, separation_of
 
   ! Targets of a model: the limit of the first contact; a load; a separation, given as such, by the
   ! compression, or by the mean gap.
@@ -99,6 +99,13 @@ contains
 
     is_separation = control%target == by_separation
   end function is_separation
+
+  !> Whether a control sets the compression, from the first contact on.
+  elemental logical function is_compression(control)
+    type(loading_control), intent(in) :: control  !! control of a scene
+
+    is_compression = control%target == by_compression
+  end function is_compression
 
   !> Whether a control sets the separation in whatever way.
   elemental logical function is_distance(control)

@@ -9,6 +9,7 @@ module asperity_map_scene
   use asperity_map_form, only: add_form
   use asperity_map_levelling, only: level_map
   use asperity_map_motion, only: overlay_maps
+  use asperity_map_top, only: find_top
   use asperity_path_steps, only: plan_path
   use asperity_scene_values, only: is_load, scene, scene_motion
   implicit none
@@ -96,7 +97,7 @@ contains
     character(len=:), allocatable, intent(out) :: failure  !! reason, when a load underflows
     real(real64), allocatable :: given(:)
     real(real64), allocatable :: ends(:)
-    real(real64) :: area, duration, from
+    real(real64) :: area, duration, error, from
 
     if (allocated(scene_in%loading%path)) then
       allocate (given, source=scene_in%loading%path)
@@ -115,7 +116,7 @@ contains
         return
       end if
     else
-      from = maxval(map%height)
+      call find_top(map, from, error)
       ends = separation_of(scene_in%loading%control, ends, from, sum(map%height) / size(map%height))
     end if
     call plan_path(from, ends, scene_in%loading%points, is_load(scene_in%loading%control), &

@@ -17,24 +17,27 @@ module asperity_pixel_model
   use asperity_kinds, only: int64, not_computed, real64
   use asperity_map_caps, only: placed_caps
   use asperity_map_contact, only: most_load, room_to_press
-  use asperity_map_error, only: estimate_pixel_errors, growth_of_slope
+  use asperity_map_error, only: estimate_pixel_errors, growth_of_slope, share_at_ends
   use asperity_map_fields, only: measure_fields, take_field
   use asperity_map_form, only: find_form_contact
   use asperity_map_interface, only: add_interface
   use asperity_map_levelling, only: is_flat
   use asperity_map_scene, only: area_of_map, displacement_of, join_maps, plan_map_path
   use asperity_map_shares, only: find_shares, map_shares, warn_of_map, warn_of_shares
+  use asperity_map_top, only: find_top
   use asperity_path_steps, only: plan_hold
   use asperity_pixel_law, only: patches_in_contact, pixel_law_box, pixel_state, unknown_influence
   use asperity_pixel_sequence, only: choose_laws, solve_pixel_state
   use asperity_problems, only: decimal_text, not_enough_memory, real_text
   use asperity_process, only: has_memory
-  use asperity_scene_values, only: combined_modulus, effect_auto, has_tangential, is_load, scene
+  use asperity_scene_values, only: combined_modulus, effect_auto, has_tangential, is_compression, &
+                                   is_load, scene
   use asperity_theory_limits, only: is_patch_at_limit, look_at_pressure, set_theory_limits, &
                                     theory_limits
-  use asperity_theory_warnings, only: add_warning, of_barred, of_cap, of_contact_radius, of_error, &
-                                      of_flat_map, of_map_pressure, of_not_estimated, of_off, &
-                                      of_resolution, take_worse, theory_warning, warn_above
+  use asperity_theory_warnings, only: add_warning, of_barred, of_cap, of_contact_radius, &
+                                      of_edge_pressure, of_error, of_flat_map, of_map_pressure, &
+                                      of_not_estimated, of_off, of_resolution, take_worse, &
+                                      theory_warning, warn_above
   implicit none
   private
 
@@ -74,6 +77,8 @@ module asperity_pixel_model
     real(real64) :: origin(2) = 0.0_real64       ! first pixel of the map from that of the lower one
     real(real64) :: spike_limit = -1.0_real64    ! of outliers of the map; below 0: unknown
     real(real64) :: held = 0.0_real64            ! load of the last state of loading
+    real(real64) :: top = 0.0_real64             ! first contact: top of the map
+    real(real64) :: top_error = 0.0_real64       ! estimated error of it
     integer :: states = 0                        ! number of states
   contains
     procedure :: list_steps => list_pixel_steps
@@ -193,6 +198,7 @@ contains
     self%map => self%model%first_map
     if (allocated(self%moved)) self%map => self%moved
     self%state%deformed = self%map
+    call find_top(self%map, self%top, self%top_error)
     in_time = any([(self%laws(i)%law%acts_in_time .and. self%laws(i)%law%is_simulated, &
                     i=1, size(self%laws))])
     associate (model => self%model, map => self%map)
@@ -300,7 +306,7 @@ contains
     character(len=:), allocatable, intent(out) :: failure
     type(theory_warning), allocatable :: warnings(:)
     type(column_list) :: columns, of_contacts
-    real(real64) :: other_errors(3)
+    real(real64) :: other_errors(4)
     integer :: i
 
     associate (model => self%model, map => self%map, patches => self%state%patches)
@@ -320,6 +326,7 @@ contains
       call columns%add('area_error_estimate', plain, other_errors(1))
       call columns%add('gap_error_estimate', plain, other_errors(2))
       call columns%add('pressure_error_estimate', plain, other_errors(3))
+      call columns%add('separation_error_estimate', plain, other_errors(4))
       call add_surface_columns(self, columns)
       of_contacts%rows = size(self%samples)
       call of_contacts%add('samples', plain, self%samples)
@@ -468,10 +475,11 @@ contains
     class(pixel_bodies), intent(in), target :: self
     logical, intent(in) :: by_load  ! the load is prescribed
     type(position_result), intent(inout) :: result
-    ! Relative errors of area, mean gap and greatest pressure; `not_computed`: unknown.
-    real(real64), intent(out) :: other_errors(3)
+    ! Relative errors of area, mean gap and greatest pressure, and of the separation over the
+    ! compression; `not_computed`: unknown.
+    real(real64), intent(out) :: other_errors(4)
     type(theory_warning), allocatable, intent(inout) :: warnings(:)
-    real(real64) :: area_error
+    real(real64) :: area_error, at_ends
     character(len=:), allocatable :: unsolved
     character(len=32) :: whose
     logical :: shapes(size(self%laws))
@@ -485,8 +493,16 @@ contains
       if (.not. self%laws(i)%law%has_error(self%state, count(shapes) == 1)) return
     end do
     call estimate_pixel_errors(self%map, self%laws, self%state, result%states(self%states), &
-                               by_load, result%error_estimate, other_errors, unsolved)
+                               by_load, is_compression(self%model%scene_in%loading%control), &
+                               self%top_error, result%error_estimate, other_errors, unsolved)
     if (allocated(unsolved)) result%no_estimate = unsolved
+    at_ends = 0.0_real64
+    if (self%state%answer%load > 0.0_real64 .and. .not. allocated(self%state%hardness)) &
+      at_ends = share_at_ends(self%map, self%state%answer%pressure)
+    if (at_ends > 0.0_real64) then
+      other_errors(3) = not_computed
+      call add_warning(warnings, of_edge_pressure, at_ends)
+    end if
     area_error = max(0.5_real64 * sum(self%state%patches%rim) / sum(self%state%patches%area), &
                      other_errors(1))
     whose = ''
@@ -537,7 +553,7 @@ contains
     end if
     associate (answer => self%state%answer, patches => self%state%patches, map => self%map)
       state%approach = answer%level
-      state%compression = maxval(map%height) - answer%level
+      state%compression = self%top - answer%level
       state%contacts = size(patches)
       state%load = answer%load
       state%vertical_load = answer%load

@@ -88,14 +88,15 @@ contains
   end subroutine write_heading
 
   !> `error estimate: load 1.2 %, contact area 0.9 %`, the largest over the positions; under load
-  !> control it is that of the compression in place of the load. Empty where none is known, unless a
+  !> control it is that of the compression in place of the load, and on pixels that of the separation
+  !> over the compression besides. Empty where none is known, unless a
   !> map of every second pixel could not be solved: then `unknown` and the reason.
   pure function errors_in_words(results) result(text)
     type(scene_results), intent(in) :: results  !! results of a run
     character(len=:), allocatable :: text       !! one line
-    character(len=*), parameter :: columns(2) = [character(len=24) :: 'area_error_estimate', &
-                                                 'pressure_error_estimate']
-    character(len=*), parameter :: names(2) = [character(len=17) :: 'contact area', &
+    character(len=*), parameter :: columns(3) = [character(len=32) :: &
+      'separation_error_estimate', 'area_error_estimate', 'pressure_error_estimate']
+    character(len=*), parameter :: names(3) = [character(len=17) :: 'separation', 'contact area', &
                                                'greatest pressure']
     real(real64) :: error
     integer :: at, k, m

@@ -18,7 +18,7 @@ module asperity_effect_header
 
   !> The name of a column of a CSV file, and its unit.
   type :: column_name
-    character(len=24) :: text = ''            !! name of the column in the header of the file
+    character(len=32) :: text = ''            !! name of the column in the header of the file
     integer :: modulus_power = 0              !! power of the modulus in its unit
     integer :: length_power = 0               !! power of the length in its unit
     character(len=8) :: word = ''             !! unit of its own, in place of the powers
@@ -40,8 +40,8 @@ module asperity_effect_header
   type :: effect_header
     character(len=11), allocatable :: names(:)             !! names as in &effects
     integer, allocatable :: modes(:)                       !! modes as in &effects
-    character(len=24), allocatable :: contact_columns(:)   !! columns of `contact_values`
-    character(len=24), allocatable :: state_columns(:)     !! columns of `state_values`
+    character(len=32), allocatable :: contact_columns(:)   !! columns of `contact_values`
+    character(len=32), allocatable :: state_columns(:)     !! columns of `state_values`
     !> Powers of the modulus and of the length in the unit of each of these columns (2, column).
     integer, allocatable :: contact_powers(:, :), state_powers(:, :)
     character(len=8), allocatable :: state_words(:)        !! units in place of these powers

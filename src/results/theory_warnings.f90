@@ -15,7 +15,7 @@ module asperity_theory_warnings
             of_unlike_bodies, of_yield_strain, of_flow_depth, of_unloading_depth, of_missing, &
             of_border, of_resolution, of_flat_map, of_off, of_barred, of_error, &
             of_nested, of_excluded, of_attraction, of_held_gap, of_cut_range, of_shrinking, &
-            of_map_slope, of_map_pressure, of_not_estimated
+            of_map_slope, of_map_pressure, of_not_estimated, of_edge_pressure
 
   !> Places of the kinds in `warning_kinds`, where each is described.
   enum, bind(c)
@@ -24,7 +24,8 @@ module asperity_theory_warnings
       of_scan_lines, of_spikes, of_area, of_limit, of_range, of_unlike_bodies, &
       of_yield_strain, of_flow_depth, of_unloading_depth, of_missing, of_border, of_resolution, &
       of_flat_map, of_off, of_barred, of_error, of_nested, of_excluded, of_attraction, &
-      of_held_gap, of_cut_range, of_shrinking, of_map_slope, of_map_pressure, of_not_estimated
+      of_held_gap, of_cut_range, of_shrinking, of_map_slope, of_map_pressure, of_not_estimated, &
+      of_edge_pressure
   end enum
 
   !> Classes of kinds: a result outside the range of a theory; a result whose numbers are in error,
@@ -180,7 +181,10 @@ module asperity_theory_warnings
       'check the units of heights and modulus or take strains as beyond the linear theory'), &
     warning_kind('not_estimated', in_accuracy, 0.0_real64, .false., &
       '* is left out and has no estimate', '', &
-      'take the results as those without *: its influence may be of any size')]
+      'take the results as those without *: its influence may be of any size'), &
+    warning_kind('edge_pressure', in_accuracy, 0.0_real64, .true., &
+      'an edge of the map cuts contact patches', 'of the load is on the pixels there', &
+      'take no greatest pressure from it: it grows without limit with finer pixels')]
 
   !> One kind of warning at one position.
   type :: theory_warning

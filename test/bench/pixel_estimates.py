@@ -2,7 +2,7 @@
 
     python test/bench/pixel_estimates.py [--seeds 6] [--pixels 48] [--save]
 
-Each map is solved on its pixels under three loads, and at one separation. The true error is the
+Each map is solved on its pixels under three loads, at one separation and at one compression. The true error is the
 difference from the closed form (cones, flat-headed powers of the radius) or from the same surface
 on pixels a quarter as wide. With --save the table goes to
 reference_output/bench/pixel_estimates.csv.
@@ -21,9 +21,9 @@ from builds import build
 from whole_runs import KEPT, heading, press_map
 
 E, FINER = 2.0, 4
-QUANTITIES = {"separation": "error_estimate", "area": "area_error_estimate",
+QUANTITIES = {"separation": "separation_error_estimate", "compression": "error_estimate", "area": "area_error_estimate",
               "mean_gap": "gap_error_estimate", "pressure": "pressure_error_estimate",
-              "load": "error_estimate"}
+              "load": "error_estimate", "load at a compression": "error_estimate"}
 
 
 def spectrum(random, pixels, hurst, shortest, stretch=1.0):
@@ -99,7 +99,8 @@ def solve(asperity, folder, height, spacing, edge, control, value):
         modulus=E, level="none", files=("positions", "contacts"))
     found = {name: float(row[name]) for name in (
         "separation", "compression", "area", "mean_gap", "load", "error_estimate",
-        "area_error_estimate", "gap_error_estimate", "pressure_error_estimate") if row[name]}
+        "area_error_estimate", "gap_error_estimate", "pressure_error_estimate",
+        "separation_error_estimate") if row[name]}
     found["pressure"] = max(float(one["maximum_pressure"]) for one in contacts)
     return found
 
@@ -124,10 +125,16 @@ def cases(runs, seeds, pixels):
             found = runs(height, spacing, "free", "load", load)
             kind = "cones" if power == 1 else f"heads r**{power}"
             yield (kind, "separation", abs(found["separation"] - level) / found["compression"],
+                   found["separation_error_estimate"])
+            yield (kind, "compression", abs(found["compression"] + level) / found["compression"],
                    found["error_estimate"])
             yield kind, "area", abs(found["area"] / area - 1), found["area_error_estimate"]
             found = runs(height, spacing, "free", "separation", level)
-            yield kind, "load", abs(found["load"] / load - 1), found["error_estimate"]
+            yield kind, "load", abs(load / found["load"] - 1), found["error_estimate"]
+            found = runs(height, spacing, "free", "compression", -level)
+            if "error_estimate" in found:  # the top lies between pixels that are not in contact
+                yield (kind, "load at a compression", abs(load / found["load"] - 1),
+                       found["error_estimate"])
     for number, (kind, make) in enumerate(MAPS.items()):
         for seed in range(seeds):
             random = np.random.default_rng([7, number, seed])
@@ -138,14 +145,18 @@ def cases(runs, seeds, pixels):
                 load = fraction * E * slope / 2 * pixels**2
                 true = runs(fine, 1 / FINER, "periodic", "load", load)
                 found = runs(coarse, 1.0, "periodic", "load", load)
-                for quantity in ("separation", "area", "mean_gap", "pressure"):
+                for quantity in ("separation", "compression", "area", "mean_gap", "pressure"):
                     if QUANTITIES[quantity] not in found:  # the pressure of a rough map
                         continue
-                    size = found["compression"] if quantity == "separation" else found[quantity]
+                    size = found["compression" if quantity == "separation" else quantity]
                     yield (kind, quantity, abs(found[quantity] - true[quantity]) / size,
                            found[QUANTITIES[quantity]])
             found = runs(coarse, 1.0, "periodic", "separation", true["separation"])
             yield (kind, "load", abs(load / found["load"] - 1), found["error_estimate"])
+            found = runs(coarse, 1.0, "periodic", "compression", true["compression"])
+            if "error_estimate" in found:  # the top lies between pixels that are not in contact
+                yield (kind, "load at a compression", abs(load / found["load"] - 1),
+                       found["error_estimate"])
 
 
 def main():

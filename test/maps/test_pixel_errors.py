@@ -7,7 +7,7 @@ import re
 import numpy as np
 import pytest
 
-from map_press_truth import rough
+from map_press_truth import first_contact, rough
 from map_scenes import map_scene, solve_map
 from programs import run_program
 from surfaces_csv import records, write_plane_scene
@@ -29,7 +29,7 @@ def ball(random):
     spacing = 0.02 / random.uniform(2, 16)
     x, y = (np.arange(N) - N / 2 + random.random(2)[:, None]) * spacing
     return (-(x**2 + y[:, None] ** 2) / 2, spacing, "free", 4 / 3 * E * 0.02**3,
-            (-0.02**2, np.pi * 0.02**2))
+            (-0.02**2, np.pi * 0.02**2, 0.02**2))
 
 
 def finer(asperity, folder, random, kind):
@@ -51,7 +51,8 @@ def finer(asperity, folder, random, kind):
         effects = {"creep": "on", "hold_time": 3.0, "relaxation_time": 1.0, "hold_points": 4,
                    "relaxed_modulus_ratio": float(random.uniform(0.3, 0.9))}
     true = solve(asperity, folder, fine, 0.25, effects=effects, control="load", value=float(load))
-    return fine[::4, ::4], 1.0, "periodic", load, (true["separation"], true["area"]), effects
+    return (fine[::4, ::4], 1.0, "periodic", load,
+            (true["separation"], true["area"], true["compression"]), effects)
 
 
 @pytest.mark.parametrize("kind", ["ball", "random", "rough", "plastic", "adhesive", "creeping"])
@@ -62,11 +63,12 @@ def test_estimates_cover_the_errors(asperity, tmp_path, tally, kind):
     ratios = []
     for _ in range(10):
         case = ball(random) if kind == "ball" else finer(asperity, tmp_path, random, kind)
-        height, spacing, edge, load, (level, area), *effects = case
+        height, spacing, edge, load, (level, area, compression), *effects = case
         found = solve(asperity, tmp_path, height, spacing, edge, effects=effects and effects[0],
                       control="load", value=float(load))
         ratios.append([abs(found["separation"] - level) / found["compression"]
-                       / found["error_estimate"],
+                       / found["separation_error_estimate"],
+                       abs(1 - compression / found["compression"]) / found["error_estimate"],
                        abs(found["area"] / area - 1) / found["area_error_estimate"]])
         assert found["interaction_residual"] < 1e-9 or kind == "adhesive"
     ratios = np.array(ratios)
@@ -74,6 +76,94 @@ def test_estimates_cover_the_errors(asperity, tmp_path, tally, kind):
     # The separation of a creeping map has the widest estimate, 18.5 times the error.
     assert (np.median(1 / ratios, axis=0) < (20 if kind == "creeping" else 15)).all(), ratios
     tally.add("errors of pixels", ratios.size, ratios.size)
+
+
+@pytest.mark.parametrize("control", ["load", "separation", "compression"])
+def test_estimates_of_balls_in_the_middle(asperity, tmp_path, tally, control):
+    """Hertz' balls with their apex between four pixels, so that the maps of every second pixel are
+    mirror images: one error in twenty may be above its estimate, none 1.5 times."""
+    random = np.random.default_rng(8)
+    ratios = []
+    for _ in range(20):
+        n, m = 2 * random.integers(10, 30, 2)
+        radius = random.uniform(0.15, 0.45) * min(n, m) / 2
+        x, y = np.arange(n) - (n - 1) / 2, np.arange(m) - (m - 1) / 2
+        load, deep = 4 / 3 * E * radius**3, radius**2
+        found = solve(asperity, tmp_path, -(x**2 + y[:, None]**2) / 2, 1.0, "free", control=control,
+                      value=float({"load": load, "separation": -deep, "compression": deep}[control]))
+        if control == "load":
+            ratios += [abs(1 - deep / found["compression"]) / found["error_estimate"],
+                       abs(found["separation"] / deep + 1) / found["separation_error_estimate"]]
+        else:
+            ratios.append(abs(1 - load / found["load"]) / found["error_estimate"])
+    assert np.mean(np.array(ratios) > 1) <= 0.05 and max(ratios) < 1.5, ratios
+    tally.add("errors of pixels", len(ratios), len(ratios))
+
+
+def waves(random, kind):
+    """A height of amplitude 1 at N and at 4 N pixels a side and its top: an egg crate, every third
+    with tops in the middle between four pixels, or crests that run aslant."""
+    count = int(random.integers(2, 5))
+    x = [np.arange(n) / n for n in (N, 4 * N)]
+    if kind == "egg crate":
+        phase = random.uniform(0, 2 * np.pi, 2)
+        if random.random() < 1 / 3:
+            phase[:] = np.pi * count / N
+        return [np.cos(2 * np.pi * count * one + phase[0])
+                + np.cos(2 * np.pi * count * one + phase[1])[:, None] for one in x] + [2.0]
+    shift = random.random()
+    return [np.cos(2 * np.pi * (count * one + one[:, None] + shift)) for one in x] + [1.0]
+
+
+@pytest.mark.parametrize("kind", ["egg crate", "aslant"])
+def test_first_contact_of_waves(asperity, tmp_path, tally, kind):
+    """Waves whose top is known, and the load on pixels a quarter as wide at the same separation:
+    compressions, and loads at them, are within their estimates."""
+    random = np.random.default_rng(6)
+    ratios = []
+    for _ in range(8):
+        coarse, fine, top = waves(random, kind)
+        load = 10**random.uniform(-1, 0.3) * E * N
+        level = solve(asperity, tmp_path, fine, 0.25, control="load", value=load)["separation"]
+        found = solve(asperity, tmp_path, coarse, 1.0, control="load", value=load)
+        ratios.append(abs(1 - (top - level) / found["compression"]) / found["error_estimate"])
+        found = solve(asperity, tmp_path, coarse, 1.0, control="compression", value=top - level)
+        ratios.append(abs(1 - load / found["load"]) / found["error_estimate"])
+    assert max(ratios) < 1, ratios
+    tally.add("errors of pixels", len(ratios), len(ratios))
+
+
+def test_first_contact_by_vertices(asperity, tmp_path):
+    """Vertices of nine pixels in numpy: free, periodic, with a missing pixel beside the highest. A
+    plateau of three pixels is its own top; so is a flat map."""
+    height = rough(24, shortest=5, seed=4)
+    holed = height.copy()
+    i, j = np.unravel_index(height.argmax(), height.shape)
+    holed[i, (j + 1) % 24] = np.nan
+    plateau = np.roll(height, (12 - i, 12 - j), (0, 1))
+    plateau[11:14, 11:14] = height.max()
+    for surface, edge in ((height, "free"), (height, "periodic"), (holed, "free"), (plateau, "free"),
+                          (np.zeros((8, 8)), "free")):
+        found = solve(asperity, tmp_path, surface, 1.0, edge, control="load", value=(0.5, 0.0))
+        top = np.nanmax(surface) if surface is plateau else first_contact(surface, edge == "periodic")
+        assert found["separation"] == pytest.approx(top, rel=1e-14, abs=1e-14), edge
+        assert abs(found["compression"]) < 1e-14
+    assert first_contact(height) > height.max() + 1e-3
+
+
+def test_a_patch_at_a_free_edge_has_no_greatest_pressure(asperity, tmp_path):
+    """A ridge across a free map ends as a punch does, its pressure has no limit: one warning in
+    place of the estimate. On a strip along the ridge, and at the hardness, it has one."""
+    x = np.arange(24) - 11.5
+    ridge = np.repeat(-(x**2)[None, :] / 100, 24, 0)
+    why = "an edge of the map cuts contact patches"
+    for edge, effects, is_cut in (("free", None, True), (("free", "periodic"), None, False),
+                                  ("free", {"plasticity": "on", "plastic_hardness": 0.05}, False)):
+        found = solve(asperity, tmp_path, ridge, 1.0, edge, effects=effects, control="load",
+                      value=5.0)
+        assert ("pressure_error_estimate" in found) != is_cut, edge
+        told = run_program(asperity, "solve", tmp_path / "m.scene").stderr
+        assert told.count(why) == is_cut
 
 
 def test_estimates_do_not_depend_on_the_first_pixel(asperity, tmp_path):
@@ -102,7 +192,7 @@ def test_errors_of_straight_rims(asperity, tmp_path):
 
 def test_a_separation_has_an_error_of_the_load(asperity, tmp_path):
     """Hertz' load at a prescribed separation; what is prescribed has no estimate."""
-    height, spacing, edge, load, (level, _) = ball(np.random.default_rng(1))
+    height, spacing, edge, load, (level, *_) = ball(np.random.default_rng(1))
     found = solve(asperity, tmp_path, height, spacing, edge, control="separation", value=level)
     assert 0 < abs(found["load"] / load - 1) < found["error_estimate"] < 0.1
     words = run_program(asperity, "solve", tmp_path / "m.scene").stdout
@@ -220,14 +310,14 @@ def test_maps_rough_at_their_pixels(asperity, tmp_path, kind, is_rough):
 def test_mean_gap_and_greatest_pressure(asperity, tmp_path):
     """Hertz: greatest pressure 2 E a/pi within its estimate; of a wave on a quarter of the
     spacing the mean gap is."""
-    height, spacing, edge, load, (level, _) = ball(np.random.default_rng(2))
+    height, spacing, edge, load, (level, *_) = ball(np.random.default_rng(2))
     found = solve(asperity, tmp_path, height, spacing, edge, control="load", value=load)
     told = run_program(asperity, "solve", tmp_path / "m.scene", "--contacts",
                        tmp_path / "c.csv").stdout
     greatest = max(float(row["maximum_pressure"]) for row in records(tmp_path / "c.csv"))
     error = abs(greatest / (2 * E * 0.02 / np.pi) - 1)
     assert 0 < error < found["pressure_error_estimate"] < 0.2
-    assert re.search("error estimate: compression .*, contact area .*, greatest pressure ", told)
+    assert re.search("error estimate: compression .*, separation .*, contact area .*, greatest pressure ", told)
     # An accuracy of this pressure alone: met, or refused with an option that is; not of asperities.
     asked = "--of", "pressure", "--accuracy"
     estimate = found["pressure_error_estimate"]
