@@ -136,7 +136,7 @@ contains
     if (top_error > 0.0_real64 .and. .not. by_load) then
       call solve_coarser(map, laws, by_load, 2, [2, 1], top_error, full, lower, unsolved)
       if (allocated(unsolved)) return
-      of_top = abs(lower(2) - halves(2, 1)) * full%answer%load / halves(2, 1)
+      of_top = abs(lower(2) - halves(2, 1))
     end if
     total = [full%answer%level, full%answer%load, row%area, row%mean_gap, &
              maxval(full%answer%pressure)]

@@ -436,7 +436,8 @@ LAWS = {
         "resolved": lambda scene, row: (row["resolved"] > 0) == (row["cells"] > 0),
         "area_error_estimate": lambda scene, row: row["area_error_estimate"] is EMPTY or row[
             "area_error_estimate"] > 0 or sum(c["load"] > 0 for c in scene.rows_of(row)) < 2,
-        **{name: error_of(name) for name in ("gap_error_estimate", "pressure_error_estimate")},
+        **{name: error_of(name) for name in (
+            "gap_error_estimate", "pressure_error_estimate", "separation_error_estimate")},
         "elastic_load": total_of("elastic_load", "elastic_load", "creep"),
         "frictionless_load": of("frictionless_load", strict=True, effect="friction"),
         "sliding_contacts": counted("sliding_contacts", lambda c: c["sliding"], "friction"),
