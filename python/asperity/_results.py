@@ -19,6 +19,7 @@ from ._fields import Stress
 from ._maps import HeightMap, is_topography, map_of_file, map_of_topography
 from ._page import page_of
 from ._plots import draw_contacts, draw_curves, draw_pixels, draw_points, new_axes
+from .theory import AREA_THEORIES, area_fraction
 
 if TYPE_CHECKING:
     import pandas  # type: ignore[import-untyped, unused-ignore]
@@ -226,15 +227,48 @@ class Results:
             Logarithmic axes, but for the separation.
         errors : bool, default True
             Draw the estimated errors of the states as bands, of a path up and down as bars.
-        theory : dict of str to (x, y) or function, optional
-            Curves by name for the second axes; a function, such as of `asperity.theory`, gets x.
+        theory : dict of str to surface, (x, y) or function, optional
+            Curves by name for the second axes. Under the names `persson`, `bush_gibson_thomas` and
+            `greenwood_williamson` the rough surface of a scene with a nominal area: a `HeightMap`,
+            or what the function of `asperity.theory` takes; the contact modulus is that of the
+            scene. Under any name x and y, or a function of x.
 
         Returns
         -------
         (matplotlib.axes.Axes, matplotlib.axes.Axes)
+
+        Raises
+        ------
+        InputError
+            For a theory of a scene without a nominal area or without moduli of its own.
         """
+        curves = {name: self._area_curve(name, given) for name, given in (theory or {}).items()}
         return draw_curves(self.states, ax, control=self._control(), log=log, errors=errors,
-                           theory=theory)
+                           theory=curves)
+
+    def _area_curve(self, name: str, given: Any) -> Any:
+        """The curve of a theory that is named with a surface; another curve as it was given."""
+        if name not in AREA_THEORIES or callable(given) or type(given) in (tuple, list):
+            return given
+        if "nominal_pressure" not in self.states:
+            raise _a.wrong("theory", f"{name!r} for a scene without a nominal area",
+                           "(x, y) or a function")
+        library: Any = needed("numpy", "theory", "a theory")
+        pressures = library.unique(self.states["nominal_pressure"])
+        pressures = pressures[pressures > 0.0]
+        return pressures, area_fraction(name, given, self._contact_modulus(name), pressures)
+
+    def _contact_modulus(self, name: str) -> float:
+        """E* of the group `material`: 1/E* is the sum of (1 - nu**2)/E."""
+        stated = {title: numbers_of(self.scene.get("text", ""), title)
+                  for title in ("contact_modulus", "elastic_modulus", "poisson_ratio")}
+        if stated["contact_modulus"]:
+            return stated["contact_modulus"][0]
+        if len(stated["elastic_modulus"]) != 2 or len(stated["poisson_ratio"]) != 2:
+            raise _a.wrong("theory", f"{name!r} for a scene that states no moduli",
+                           "(x, y) or a function")
+        return 1.0 / sum((1.0 - ratio**2) / modulus for modulus, ratio in zip(
+            stated["elastic_modulus"], stated["poisson_ratio"]))
 
     def _control(self) -> str:
         """The prescribed quantity of the loading; empty where the scene does not state it."""
@@ -476,6 +510,17 @@ def load(path: _a.Path, *, fields: _a.Path | Sequence[_a.Path] | None = None) ->
                       _kept=(_fields.NONE, _fields.LAST, _fields.ALL)[min(len(found), 2)],
                       _fields={(one.position, one.step): one for one in found})
     return made
+
+
+def numbers_of(text: str, name: str) -> list[float]:
+    """The one or two numbers of a name in a scene, `2*0.3` being two; empty where it is absent."""
+    number = r"(?:\d+\*)?\+?[.\d]+(?:[ed][-+]?\d+)?"
+    found = re.search(rf"^[^!\n]*\b{name}\s*=\s*({number}(?:[\s,]+{number})?)", text, re.I | re.M)
+    numbers: list[float] = []
+    for one in re.split(r"[\s,]+", found[1]) if found else ():
+        count, _, value = one.rpartition("*")
+        numbers += [float(value.lower().replace("d", "e"))] * int(count or 1)
+    return numbers
 
 
 def scene_of(facts: dict[str, Any]) -> dict[str, Any]:

@@ -22,6 +22,8 @@ __all__ = ["Moments", "SummitStatistics", "moments", "summit_statistics", "perss
            "greenwood_williamson", "greenwood_tripp", "greenwood_tripp_plastic",
            "greenwood_tripp_ball", "plasticity_index", "bowden_tabor", "blok", "halliday"]
 
+# Theories of the contact area that `Results.plot` draws by name.
+AREA_THEORIES = ("persson", "bush_gibson_thomas", "greenwood_williamson")
 # Separations between which a pressure is inverted, in deviations of the summit heights. The
 # parabolic cylinder function overflows below.
 LOWEST, HIGHEST = -50.0, 30.0
@@ -392,6 +394,12 @@ def halliday(slope: float, contact_modulus: float) -> float:
     slope at their rims and two bodies of one material, whose E/(1 - nu**2) is 2 E* (thesis, section
     II.D.3)."""
     return 2.0 * contact_modulus * slope / 0.84
+
+
+def area_fraction(name: str, surface: Any, contact_modulus: float, pressure: Any) -> Any:
+    """Contact area over nominal area by one of `AREA_THEORIES`."""
+    found = globals()[name](surface, contact_modulus, pressure=pressure)
+    return found["area_fraction"] if isinstance(found, Table) else found
 
 
 def _ratio(surface: Any, contact_modulus: float, pressure: Any) -> Any:

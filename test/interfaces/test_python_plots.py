@@ -113,6 +113,42 @@ def test_stress(results):
         results.stress(1.0).plot(y=0)
 
 
+def test_named_theories(package, results, surface):
+    """A theory by its name has the area of its function at the pressures of the states, with the
+    contact modulus of the scene; where the scene has none, a surface is refused."""
+    names = ["persson", "bush_gibson_thomas", "greenwood_williamson"]
+    _, right = results.plot(theory={**dict.fromkeys(names, surface), "root": np.sqrt})
+    drawn = {line.get_label(): line.get_xydata().T for line in right.lines[-4:]}
+    modulus, pressure = 2e5 / (2 * 0.91), results.states["nominal_pressure"]
+    theory = package.theory
+    for name, area in (
+            ("persson", theory.persson(surface, modulus, pressure)),
+            ("bush_gibson_thomas", theory.bush_gibson_thomas(surface, modulus, pressure)),
+            ("greenwood_williamson", [0.0, *theory.greenwood_williamson(
+                surface, modulus, pressure=pressure[1:])["area_fraction"]])):
+        assert np.array_equal(drawn[name][0], pressure[1:])
+        assert np.allclose(drawn[name][1], area[1:], rtol=1e-12)
+    assert np.array_equal(drawn["root"][1], np.sqrt(pressure))
+    _, right = results.plot(theory={"persson": ([1.0, 2.0], [0.1, 0.2])})
+    assert right.lines[-1].get_ydata().tolist() == [0.1, 0.2]
+    cap = {"x": [0.0], "y": [0.0], "height": [1.0], "radius": [10.0]}
+    found = package.solve({"surfaces": {"upper": cap, "lower": "plane"},
+                           "material": {"contact_modulus": 1e3},
+                           "loading": {"control": "compression", "value": 0.01}})
+    with pytest.raises(ValueError, match="theory: found 'persson' for a scene without a nominal"):
+        found.plot(theory={"persson": surface})
+    stated = copy.copy(results)
+    for text, modulus in (("&material contact_modulus = 1.5d3 /", 1.5e3),
+                          ("! contact_modulus = 1\n&material elastic_modulus = 2*200e3,\n"
+                           "  poisson_ratio = 0.3, 0.5 /", 2e5 / (0.91 + 0.75))):
+        stated.scene = {"text": text}
+        line = stated.plot(theory={"persson": surface})[1].lines[-1]
+        assert np.allclose(line.get_ydata(), theory.persson(surface, modulus, pressure[1:]))
+    stated.scene = {"text": "! contact_modulus = 1\n"}
+    with pytest.raises(ValueError, match="theory: found 'persson' for a scene that states no mod"):
+        stated.plot(theory={"persson": surface})
+
+
 def test_curves(package, results):
     """Bands of the estimated errors, other theories, logarithmic axes; bars on a path back."""
     states = results.states
