@@ -11,7 +11,7 @@ from collections.abc import Callable, Mapping, Sequence
 from typing import TYPE_CHECKING, Any
 
 from . import _arguments as _a
-from ._columns import Table, column, needed
+from ._columns import Lazy, Table, column
 from ._errors import ComputeError, InputError
 from ._maps import HeightMap
 from ._plots import new_axes, picture_html
@@ -22,6 +22,7 @@ if TYPE_CHECKING:
 
     from ._results import Results
 
+numpy: Any = Lazy("numpy", "numpy", "accuracy")
 # Quantities, and the columns of the positions with their estimated errors.
 ESTIMATES = {"area": "area_error_estimate", "separation": "error_estimate",
              "load": "error_estimate", "pressure": "pressure_error_estimate"}
@@ -233,7 +234,6 @@ def accuracy(scene: Any, quantities: Sequence[str] | None = None, *,
             best.change(one) if best.change else one, seed), best.effects)
         _solve(given, changed)
         digits += [_error(changed.totals, best.totals, name) for name in names]
-    numpy = needed("numpy", "numpy", "accuracy")
     table = Table({"method": column([one.name for one in found]),
                    "type": column([one.typed for one in found]),
                    "seconds": column(numpy.array([one.seconds for one in found])),
@@ -275,7 +275,7 @@ def _methods(surfaces: dict[str, Any], has_maps: bool) -> list[Method]:
 
 def _solve(given: Scene, method: Method) -> Results:
     """Solves the last state of a scene by a method, which gets its time, totals and estimates."""
-    scene, numpy = given, needed("numpy", "numpy", "accuracy")
+    scene = given
     if method.change:
         source: Any = given._source
         scene = Scene({**source, "surfaces": {**source["surfaces"], **{
@@ -325,7 +325,6 @@ def _error(mine: dict[str, Any], other: dict[str, Any], name: str) -> float:
 def _with_half_digit(surface: Any, seed: int) -> Any:
     """A surface with each height changed by half of the last digit, up or down at random: of a map
     of the least step between its heights, of asperities of the last decimal that is written."""
-    numpy = needed("numpy", "numpy", "accuracy")
     is_map = isinstance(surface, HeightMap)
     heights = numpy.array(surface.heights if is_map else surface["height"], float)
     values = numpy.unique(heights[numpy.isfinite(heights)])

@@ -46,6 +46,16 @@ def needed(module: str, extra: str, what: str) -> Any:
                           name=name) from None
 
 
+class Lazy:
+    """A module of an optional extra, which is imported when it is first used."""
+
+    def __init__(self, module: str, extra: str, what: str):
+        self._module = module, extra, what
+
+    def __getattr__(self, name: str) -> Any:
+        return getattr(needed(*self._module), name)
+
+
 class Values(Sequence[Any]):
     """The values of a column where numpy is not installed.
 

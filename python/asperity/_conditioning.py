@@ -6,13 +6,17 @@ import math
 from typing import TYPE_CHECKING, Any
 
 from . import _arguments as _a
-from ._columns import needed, shown
+from ._columns import Lazy, needed, shown
 
 if TYPE_CHECKING:
     from collections.abc import Sequence
 
     from ._maps import HeightMap
 
+np: Any = Lazy("numpy", "numpy", "a method of HeightMap")
+ndimage, sparse, solvers, signal, interpolate = (
+    Lazy(f"scipy.{name}", "theory", "a method of HeightMap")
+    for name in ("ndimage", "sparse", "sparse.linalg", "signal", "interpolate"))
 # Tukey's biweight: residuals beyond 4.4478 times the median of their absolute values count nothing
 # (ISO 16610-31, 4.4478 = 3 deviations of a normal distribution).
 TUKEY = 4.4478
@@ -38,28 +42,26 @@ class Conditioning:
         >>> print(f"{tilted.level(robust=True).heights[2, 2]:.3f}", tilted.level().notes)
         5.000 ['level: degree 1, least squares']
         """
-        np: Any = needed("numpy", "numpy", "level")
         highest = 0 if self.periodic else min(self.shape) - 1
         degree = _a.whole("degree", degree, f"0 to {highest}")
         if not 0 <= degree <= highest:
             raise _a.wrong("degree", str(degree), f"0 to {highest}" + (
                 ": a periodic map without a plane would not be periodic" if self.periodic else ""))
         heights = np.array(self.heights)
-        fit = _fitted(np, heights, degree, _a.flag("robust", robust))
+        fit = _fitted(heights, degree, _a.flag("robust", robust))
         return _new(self, heights - fit, f"level: degree {degree}, " + (
             "Tukey's biweight" if robust else "least squares"))
 
     def fill(self: Any) -> HeightMap:
         """Fill missing pixels by the solution of Laplace's equation through the pixels around them,
         with zero slope across a free edge."""
-        np: Any = needed("numpy", "numpy", "fill")
         heights = np.array(self.heights)
         missing = np.isnan(heights)
         count = int(missing.sum())
         if count == heights.size:
             raise _a.wrong("heights", "no measured pixel", "one at least")
         if count:
-            heights[missing] = _harmonic(np, heights, missing, self.spacing, self.periodic)
+            heights[missing] = _harmonic(heights, missing, self.spacing, self.periodic)
         return _new(self, heights, f"fill: {count} missing pixels, harmonic")
 
     def filter(self: Any, shortest: float | None = None, longest: float | None = None) -> HeightMap:
@@ -69,8 +71,6 @@ class Conditioning:
         at L = C. A free map is levelled by a plane first, which `shortest` alone puts back. At the
         edge and beside missing pixels the weights of the measured pixels are scaled to the sum 1.
         """
-        np: Any = needed("numpy", "numpy", "filter")
-        ndimage: Any = needed("scipy.ndimage", "theory", "filter")
         cuts = [None if one is None else _a.number(name, one)
                 for name, one in (("shortest", shortest), ("longest", longest))]
         given = [one for one in cuts if one is not None]
@@ -89,7 +89,7 @@ class Conditioning:
                              for one in (np.where(measured, values, 0.0), measured.astype(float)))
             return total / np.where(measured, weight, 1.0)
 
-        plane = _fitted(np, heights, 0 if self.periodic else 1, False)
+        plane = _fitted(heights, 0 if self.periodic else 1, False)
         rest = heights - plane
         if cuts[0] is not None:
             rest = smoothed(rest, cuts[0])
@@ -103,7 +103,6 @@ class Conditioning:
     def align(self: Any) -> HeightMap:
         """Shift each row so that the median of its differences from the row before is 0. That
         removes steps between the lines of a scan along x, and a slope along y."""
-        np: Any = needed("numpy", "numpy", "align")
         heights, last = np.array(self.heights), None
         for row in heights:
             if last is not None:
@@ -128,7 +127,6 @@ class Conditioning:
                                f"two ascending places from 0 to {shown(number * step)}")
             parts.append(part)
             words.append(f"{name} {shown(first)} to {shown(last)}")
-        needed("numpy", "numpy", "crop")
         return _new(self, self.heights[tuple(parts)], f"crop: {words[1]}, {words[0]}",
                     periodic=False)
 
@@ -139,7 +137,6 @@ class Conditioning:
         A periodic map by its Fourier series; otherwise by cubic splines through the centres of the
         pixels, and for a coarser map after `filter(shortest=...)`.
         """
-        np: Any = needed("numpy", "numpy", "resample")
         heights = np.array(self.heights)
         if np.isnan(heights).any():
             raise _a.wrong("heights", "missing pixels", "none: fill() first")
@@ -149,7 +146,7 @@ class Conditioning:
                 raise _a.wrong("spacing", str(made[axis]), "more than 0")
             place, size = 1 - axis, self.sizes[axis]
             number = max(1, round(size / made[axis]))
-            heights = _interpolated(np, heights, place, number, self.periodic)
+            heights = _interpolated(heights, place, number, self.periodic)
             steps[axis] = size / number
         kind = "Fourier series" if self.periodic else "cubic splines"
         return _new(self, heights, f"resample: {heights.shape[1]} x {heights.shape[0]} pixels, "
@@ -170,7 +167,6 @@ class Conditioning:
         >>> print(f"{found['Sa']:.4f} {found['Sq']:.4f} {found['Sdq']:.4f} {found['Sdr']:.4f}")
         0.5000 0.7071 1.0000 0.4142
         """
-        np: Any = needed("numpy", "numpy", "parameters")
         from ._calls import summits
         z = np.asarray(self.heights) - np.nanmean(self.heights)
         known = z[np.isfinite(z)]
@@ -190,7 +186,6 @@ class Conditioning:
     def to_topography(self: Any) -> Any:
         """The map as a topography of SurfaceTopography, whose heights are indexed `[x, y]`, with
         missing pixels masked; a profile as a uniform line scan."""
-        np: Any = needed("numpy", "maps", "a topography")
         library: Any = needed("SurfaceTopography", "maps", "a topography")
         heights = np.array(self.heights).T
         if np.isnan(heights).any():
@@ -210,7 +205,7 @@ def _new(of: Any, heights: Any, note: str, *, spacing: tuple[float, float] | Non
     return made
 
 
-def _fitted(np: Any, heights: Any, degree: int, robust: bool) -> Any:
+def _fitted(heights: Any, degree: int, robust: bool) -> Any:
     """The polynomial of a total degree that is nearest to the measured heights."""
     measured = np.isfinite(heights)
     along_y, along_x = (np.polynomial.legendre.legvander(np.linspace(-1.0, 1.0, number), degree)
@@ -233,11 +228,9 @@ def _fitted(np: Any, heights: Any, degree: int, robust: bool) -> Any:
                for value, (i, j) in zip(found, powers))
 
 
-def _harmonic(np: Any, heights: Any, missing: Any, spacing: tuple[float, float],
+def _harmonic(heights: Any, missing: Any, spacing: tuple[float, float],
               periodic: bool) -> Any:
     """Heights of the missing pixels, which solve Laplace's equation by differences."""
-    sparse: Any = needed("scipy.sparse", "theory", "fill")
-    solvers: Any = needed("scipy.sparse.linalg", "theory", "fill")
     places = np.argwhere(missing)
     count = len(places)
     numbers = np.full(heights.shape, -1)
@@ -259,12 +252,11 @@ def _harmonic(np: Any, heights: Any, missing: Any, spacing: tuple[float, float],
     return solvers.spsolve(matrix.tocsc(), right)
 
 
-def _interpolated(np: Any, heights: Any, axis: int, number: int, periodic: bool) -> Any:
+def _interpolated(heights: Any, axis: int, number: int, periodic: bool) -> Any:
     """Heights at the centres of another number of pixels along one axis, of the same length."""
     if periodic:
-        return needed("scipy.signal", "theory", "resample").resample(heights, number, axis=axis)
-    splines: Any = needed("scipy.interpolate", "theory", "resample")
+        return signal.resample(heights, number, axis=axis)
     count = heights.shape[axis]
     places, wanted = (np.arange(n) + 0.5 for n in (count, number))
-    return splines.make_interp_spline(places, heights, min(3, count - 1), axis=axis)(
+    return interpolate.make_interp_spline(places, heights, min(3, count - 1), axis=axis)(
         wanted * count / number)

@@ -9,11 +9,14 @@ from collections.abc import Mapping
 from typing import TYPE_CHECKING, Any
 
 from . import _arguments as _a
-from ._columns import Table, needed
+from ._columns import Lazy, Table, needed
 
 if TYPE_CHECKING:
     from matplotlib.axes import Axes
 
+numpy: Any = Lazy("numpy", "plot", "a plot")
+colors, patches, collections = (Lazy(f"matplotlib.{name}", "plot", "a plot")
+                                for name in ("colors", "patches", "collections"))
 # More curves than these are drawn without a legend.
 MOST_NAMED = 8
 # Chosen: a scale is logarithmic where the greatest value exceeds this number of medians.
@@ -85,7 +88,6 @@ def is_monotonic(values: Any) -> bool:
 def error_of(states: Table, across: str, up: str, control: str) -> tuple[str, Any]:
     """The axis of two columns that has an estimated error, and the error in its unit; else None.
     `error_estimate` is of the load, under a prescribed load of the compression."""
-    numpy = needed("numpy", "plot", "a plot")
     estimated = "separation" if control in ("load", "vertical_load", "pressure") else "load"
     for axis, name in (("y", up), ("x", across)):
         quantity = {"area_fraction": "area", "nominal_pressure": "load"}.get(name, name)
@@ -108,8 +110,8 @@ def draw_contacts(contacts: Table, rows: Any, ax: Axes | None) -> Axes:
     if "samples" in contacts:
         drawn: Any = axes.scatter(*places, marker="+", c=contacts["maximum_pressure"][rows])
     else:
-        circle = needed("matplotlib.patches", "plot", "a plot").Circle
-        drawn = needed("matplotlib.collections", "plot", "a plot").PatchCollection(
+        circle = patches.Circle
+        drawn = collections.PatchCollection(
             [circle((x, y), math.sqrt(area / math.pi))
              for x, y, area in zip(*places, contacts["area"][rows])], cmap="viridis")
         drawn.set_array(contacts["maximum_pressure"][rows])
@@ -128,7 +130,6 @@ def colour_limits(values: Any, scale: str = "auto", percentile: float = 99.5, *,
     scale ends at the percentile where outliers would widen it by more than `OUTLIER_SHARE`."""
     if scale not in SCALES:
         raise _a.wrong("scale", repr(scale), ", ".join(map(repr, SCALES)))
-    numpy = needed("numpy", "plot", "a plot")
     shown = values[numpy.isfinite(values)]
     above = shown[shown > 0]
     if not shown.size:
@@ -155,8 +156,6 @@ def draw_pixels(values: Any, spacing: tuple[float, float], unit: str | None, ax:
     """Values on pixels in plan; x to the right, y upwards. `origin` is the centre of the first
     pixel. An arrow of the colour bar marks values beyond it, and the greatest stands above."""
     axes: Axes = new_axes(ax)
-    numpy = needed("numpy", "plot", "a plot")
-    colors = needed("matplotlib.colors", "plot", "a plot")
     is_log, low, high = colour_limits(values, scale, percentile, least=least, is_signed=is_signed)
     drawn = axes.imshow(values, origin="lower", cmap="RdBu_r" if is_signed else cmap,
                         norm=(colors.LogNorm if is_log else colors.Normalize)(low, high),
@@ -178,10 +177,10 @@ def draw_states(state: Any, names: tuple[str, ...], spacing: tuple[float, float]
                 unit: str | None, ax: Axes | None, origin: tuple[float, float]) -> Axes:
     """Pixels in one of the named states, a number from 0 each, with their shares in the legend."""
     axes: Axes = new_axes(ax)
-    patch = needed("matplotlib.patches", "plot", "a plot").Patch
+    patch = patches.Patch
     colours = [STATES.get(name, STATES["stick"]) for name in names]
     axes.imshow(state, origin="lower", interpolation="nearest", vmin=-0.5, vmax=len(names) - 0.5,
-                cmap=needed("matplotlib.colors", "plot", "a plot").ListedColormap(colours),
+                cmap=colors.ListedColormap(colours),
                 extent=extent_of(state.shape, spacing, origin))
     axes.legend(handles=[patch(facecolor=colour, edgecolor="0.5", label=(
         f"{name} {float((state == number).mean()):.1%}"))
@@ -194,8 +193,7 @@ def draw_states(state: Any, names: tuple[str, ...], spacing: tuple[float, float]
 def shade_hills(heights: Any, spacing: tuple[float, float], axes: Axes,
                 origin: tuple[float, float]) -> None:
     """Heights as grey hills in light from the upper left, below what is drawn next."""
-    numpy = needed("numpy", "plot", "a plot")
-    light = needed("matplotlib.colors", "plot", "a plot").LightSource(315, 45)
+    light = colors.LightSource(315, 45)
     filled = numpy.nan_to_num(heights, nan=float(numpy.nanmean(heights)))
     # The rms slope drawn is 1/2, whatever the unit of heights.
     slope = numpy.hypot(*(numpy.diff(filled, axis=axis).std() / spacing[1 - axis]
@@ -210,7 +208,6 @@ def draw_section(values: Any, across: Any, depth: Any, ax: Axes | None, *, label
                  scale: str, percentile: float, is_signed: bool) -> Axes:
     """Values by depth and place along x: the surface is above."""
     axes: Axes = new_axes(ax)
-    colors = needed("matplotlib.colors", "plot", "a plot")
     is_log, low, high = colour_limits(values, scale, percentile, is_signed=is_signed)
     drawn = axes.pcolormesh(across, depth, values, shading="nearest",
                             cmap="RdBu_r" if is_signed else "viridis",

@@ -13,7 +13,7 @@ from collections.abc import Callable
 from typing import Any, NamedTuple
 
 from . import _arguments as _a
-from ._columns import Table, needed
+from ._columns import Lazy, Table
 from ._errors import ComputeError
 from ._maps import HeightMap
 
@@ -22,6 +22,9 @@ __all__ = ["Moments", "SummitStatistics", "moments", "summit_statistics", "perss
            "greenwood_williamson", "greenwood_tripp", "greenwood_tripp_plastic",
            "greenwood_tripp_ball", "plasticity_index", "bowden_tabor", "blok", "halliday"]
 
+np: Any = Lazy("numpy", "theory", "a theory")
+special, optimize, interpolate = (Lazy(f"scipy.{name}", "theory", "a theory")
+                                  for name in ("special", "optimize", "interpolate"))
 # Theories of the contact area that `Results.plot` draws by name.
 AREA_THEORIES = ("persson", "bush_gibson_thomas", "greenwood_williamson")
 # Separations between which a pressure is inverted, in deviations of the summit heights. The
@@ -102,7 +105,6 @@ def moments(surface: Any, spacing: Any = None) -> Moments:
         found = summits(surface).statistics
         return Moments(found["m0"], *((found[f"{name}_x"] + (directions - 1) * found[f"{name}_y"])
                                       / directions for name in ("m2", "m4")))
-    np: Any = needed("numpy", "theory", "a theory")
     heights = surface.heights - surface.heights.mean()
     power = np.abs(np.fft.fft2(heights))**2 / heights.size**2
     q_y, q_x = (2.0 * np.pi * np.fft.fftfreq(number, step)
@@ -131,7 +133,6 @@ def summit_statistics(surface: Any, area: float | None = None) -> SummitStatisti
                                 0.375 * math.sqrt(math.pi / of.m4),
                                 4.0 * math.sqrt(of.m0 / (math.pi * of.alpha)),
                                 math.sqrt((1.0 - 0.8968 / of.alpha) * of.m0))
-    np: Any = needed("numpy", "theory", "a theory")
     x, y, height, radius = (np.asarray(surface[name], dtype=float) for name in _a.COLUMNS)
     density = getattr(surface, "statistics", {}).get("density")
     if area is not None or density is None:
@@ -156,7 +157,7 @@ def persson(surface: Any, contact_modulus: float, pressure: Any) -> Any:
     ones. Checked on the factor 1.596 there (S. Hyun et al., Phys. Rev. E 70 (2004) 026117).
     """
     ratio = _ratio(surface, contact_modulus, pressure)
-    return needed("scipy.special", "theory", "a theory").erf(math.sqrt(2.0) * ratio)
+    return special.erf(math.sqrt(2.0) * ratio)
 
 
 def persson_pressures(surface: Any, contact_modulus: float, pressure: float, at: Any) -> Any:
@@ -167,7 +168,6 @@ def persson_pressures(surface: Any, contact_modulus: float, pressure: float, at:
     As `persson`: the difference of the normal distributions about p and -p of the variance
     (E* h')**2/4. Checked: its integral is the area of `persson`, its first moment p.
     """
-    np: Any = needed("numpy", "theory", "a theory")
     variance = (contact_modulus * moments(surface).rms_slope)**2 / 4.0
     local = np.asarray(at, dtype=float)
     return (np.exp(-(local - pressure)**2 / (2.0 * variance))
@@ -195,7 +195,6 @@ def akarapu(surface: Any, pressure: Any, factor: float = 0.48) -> Any:
     S. Akarapu, T. Sharp, M. O. Robbins, Phys. Rev. Lett. 106 (2011) 204301, which has the factor of
     solved self-affine surfaces; area fractions of about 1 to 10 %.
     """
-    np: Any = needed("numpy", "theory", "a theory")
     return np.asarray(pressure, dtype=float) / (factor * moments(surface).rms_height)
 
 
@@ -223,8 +222,6 @@ def height_integral(order: float, separation: Any, heights: str = "gaussian") ->
     >>> print(f"{height_integral(2.5, 0.0):.4f}")
     0.6166
     """
-    np: Any = needed("numpy", "theory", "a theory")
-    special: Any = needed("scipy.special", "theory", "a theory")
     h = np.asarray(separation, dtype=float)
     if heights == "exponential":
         # Below the lowest height the integral begins there: an incomplete gamma function.
@@ -342,7 +339,6 @@ def greenwood_tripp_ball(summits: Any, contact_modulus: float, ball_radius: floa
     small loads, and on ContactMechanics 1.8 to 1e-3.
     """
     of, modulus = summit_statistics(summits), contact_modulus
-    np: Any = needed("numpy", "theory", "a theory")
     loads = np.atleast_1d(np.asarray(load, dtype=float))
     if not (loads > 0.0).all():
         raise _a.wrong("load", _a.shown(load), "more than 0")
@@ -352,7 +348,7 @@ def greenwood_tripp_ball(summits: Any, contact_modulus: float, ball_radius: floa
     rows = []
     for one in loads:
         hertz = (0.75 * one * ball_radius / modulus)**(1.0 / 3.0)
-        r, h, weights = _gap(np, mu, one / (unit * length**2), hertz / length)
+        r, h, weights = _gap(mu, one / (unit * length**2), hertz / length)
         p = mu * height_integral(1.5, h)
         effective = 0.75 * math.pi * (weights @ (r * p)) / (weights @ p) * length
         peak = 1.5 * one / (math.pi * hertz**2)
@@ -379,7 +375,6 @@ def plasticity_index(summits: Any, contact_modulus: float, hardness: float) -> f
 
 def bowden_tabor(load: Any, hardness: float) -> Any:
     """Area of plastic contacts, load over yield pressure (thesis, section II.D.1)."""
-    np: Any = needed("numpy", "theory", "a theory")
     return np.asarray(load, dtype=float) / hardness
 
 
@@ -404,7 +399,6 @@ def area_fraction(name: str, surface: Any, contact_modulus: float, pressure: Any
 
 def _ratio(surface: Any, contact_modulus: float, pressure: Any) -> Any:
     """Nominal pressure over E* times the rms slope."""
-    np: Any = needed("numpy", "theory", "a theory")
     return np.asarray(pressure, dtype=float) / (contact_modulus * moments(surface).rms_slope)
 
 
@@ -428,7 +422,6 @@ def _table(factors: dict[str, tuple[float, float]], mean: float, deviation: floa
     """Factors times height integrals, at separations or at the pressures."""
     if (separation is None) == (pressure is None):
         raise _a.wrong("separation, pressure", "both or none", "one of them")
-    np: Any = needed("numpy", "theory", "a theory")
     order, factor = factors["pressure"]
     if separation is None:
         h = np.array([_separation(lambda at: factor * height_integral(order, at, heights), one)
@@ -444,7 +437,7 @@ def _separation(pressure_at: Callable[[float], Any], pressure: float) -> float:
     """The separation, in deviations from the mean, at a nominal pressure."""
     if not pressure_at(HIGHEST) <= pressure <= pressure_at(LOWEST):
         raise _a.wrong("pressure", str(pressure), "one between the highest summit and full overlap")
-    found: float = needed("scipy.optimize", "theory", "a theory").brentq(
+    found: float = optimize.brentq(
         lambda at: math.log(pressure_at(at) / pressure), LOWEST, HIGHEST)
     return found
 
@@ -453,12 +446,10 @@ def _separation(pressure_at: Callable[[float], Any], pressure: float) -> float:
 def _disc() -> tuple[Any, Any, Any]:
     """Nodes of a disc of radius 1, weights of an integral of values there over the radius, and the
     matrix from pressures to displacements. Both grow with the radius."""
-    np: Any = needed("numpy", "theory", "a theory")
-    splines: Any = needed("scipy.interpolate", "theory", "a theory")
     nodes = np.linspace(0.0, 1.0, NODES)
-    weights = splines.CubicSpline(nodes, np.eye(NODES)).antiderivative()(1.0)
+    weights = interpolate.CubicSpline(nodes, np.eye(NODES)).antiderivative()(1.0)
     # Pressure and G are even functions of the radius, and 0 with their slope at the end.
-    basis = splines.CubicSpline(nodes, np.eye(NODES), bc_type="clamped")
+    basis = interpolate.CubicSpline(nodes, np.eye(NODES), bc_type="clamped")
     (angle, turn), (along, share) = (
         ((points + 1.0) * end / 2.0, sizes * end / 2.0) for end, (points, sizes) in
         ((math.pi / 2.0, np.polynomial.legendre.leggauss(ANGLES)),
@@ -471,7 +462,7 @@ def _disc() -> tuple[Any, Any, Any]:
     return nodes, weights, 2.0 / math.pi * turns @ lines
 
 
-def _gap(np: Any, mu: float, load: float, hertz: float) -> tuple[Any, Any, Any]:
+def _gap(mu: float, load: float, hertz: float) -> tuple[Any, Any, Any]:
     """Places, separations of the mean planes there, and weights of an integral over the radius.
 
     With lengths along the surface in sqrt(2 R sigma), heights in sigma and pressures in
@@ -494,7 +485,7 @@ def _gap(np: Any, mu: float, load: float, hertz: float) -> tuple[Any, Any, Any]:
             jacobian[-1] = np.append(ring * slope, ring @ slope) / total
             return np.append(values[:-1] - reach * matrix @ p, math.log(total / load)), jacobian
 
-        values = _hertzian(np, reach * matrix, r, ring, mu, load, hertz)
+        values = _hertzian(reach * matrix, r, ring, mu, load, hertz)
         for _ in range(STEPS):
             miss, jacobian = residual(values)
             if np.abs(miss).max() <= CLOSED:
@@ -509,7 +500,7 @@ def _gap(np: Any, mu: float, load: float, hertz: float) -> tuple[Any, Any, Any]:
         reach *= GROWTH
 
 
-def _hertzian(np: Any, matrix: Any, r: Any, ring: Any, mu: float, load: float,
+def _hertzian(matrix: Any, r: Any, ring: Any, mu: float, load: float,
               hertz: float) -> Any:
     """Displacements by the pressure of Hertz, and the separation at which the load is
     that of the ball."""
@@ -522,5 +513,5 @@ def _hertzian(np: Any, matrix: Any, r: Any, ring: Any, mu: float, load: float,
     low = -1.0
     while excess(low) < 0.0:
         low *= 2.0
-    return np.append(u, needed("scipy.optimize", "theory", "a theory").brentq(
+    return np.append(u, optimize.brentq(
         excess, low, -LOWEST))
