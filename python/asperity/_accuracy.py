@@ -180,15 +180,6 @@ def accuracy(scene: Any, quantities: Sequence[str] | None = None, *,
     seconds : float, default 60
         Time limit: a method that could exceed it is left out.
 
-    Returns
-    -------
-    Accuracy
-
-    Raises
-    ------
-    InputError, ComputeError
-        As `solve`.
-
     Examples
     --------
     >>> import asperity

@@ -71,6 +71,10 @@ def word(name: str, value: Any) -> bytes:
     return path(name, value, "a word")
 
 
+def optional_word(name: str, value: Any) -> bytes | None:
+    return None if value is None else word(name, value)
+
+
 def unwrapped(name: str, value: Any) -> Any:
     """The value in an array without dimensions or in a numpy scalar; otherwise the value itself."""
     if type(value) in PLAIN:

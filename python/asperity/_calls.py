@@ -18,7 +18,8 @@ if TYPE_CHECKING:
 
 def report(deck: _a.Path, arithmetic: str = "ibm370",
            tables: Iterable[int] = (13, 55, 56)) -> str:
-    """Run the original program of the thesis on a card deck.
+    """The printed report of the original program of the thesis on a card deck. A deck on which
+    that program would have failed is a ComputeError.
 
     Parameters
     ----------
@@ -28,18 +29,6 @@ def report(deck: _a.Path, arithmetic: str = "ibm370",
         `ibm370`, with which the thesis was printed, `real32`, `real64` or `real128`.
     tables : iterable of int
         Positions, from 1 to 100, whose contact tables are printed.
-
-    Returns
-    -------
-    str
-        The printed report.
-
-    Raises
-    ------
-    InputError
-        For a bad deck or argument.
-    ComputeError
-        Where the original program would have failed.
 
     Examples
     --------
@@ -85,17 +74,6 @@ def summits(map: _a.Path | HeightMap | NDArray[Any] | Sequence[Sequence[float]],
         `free`, or `periodic` for a map that repeats itself. Default: that of a `HeightMap`,
         otherwise `free`.
 
-    Returns
-    -------
-    Summits
-
-    Raises
-    ------
-    InputError
-        For a bad map or argument.
-    ComputeError
-        Where there is not enough memory.
-
     Examples
     --------
     >>> import asperity
@@ -108,11 +86,10 @@ def summits(map: _a.Path | HeightMap | NDArray[Any] | Sequence[Sequence[float]],
     """
     steps = _a.pair("spacing", spacing)
     options = _c.SummitsOptions(
-        _a.word("rule", rule), None if level is None else _a.word("level", level),
-        None if radius is None else _a.word("radius", radius),
-        None if unit is None else _a.word("unit", unit), steps, _a.flag("despike", despike))
-    periodic = None if edge is None else {b"free": False, b"periodic": True}.get(
-        _a.word("edge", edge))
+        _a.word("rule", rule), _a.optional_word("level", level),
+        _a.optional_word("radius", radius), _a.optional_word("unit", unit), steps,
+        _a.flag("despike", despike))
+    periodic = {None: None, b"free": False, b"periodic": True}.get(_a.optional_word("edge", edge))
     if edge is not None and periodic is None:
         raise _a.wrong("edge", repr(edge), "'free' or 'periodic'")
     pixels = map_of("map", map, steps if steps[0] > 0.0 else None)
@@ -144,14 +121,7 @@ def generate(specification: _a.Path | Mapping[str, Mapping[str, Any]],
     (Table, Table)
         The upper and the lower surface: columns `x`, `y`, `height` and `radius` in the unit of the
         specification, which serve as surfaces of a scene. The same specification gives the same
-        numbers everywhere.
-
-    Raises
-    ------
-    InputError
-        For a bad specification or argument.
-    ComputeError
-        Where the surface has no room for so many asperities.
+        numbers everywhere. A surface without room for so many asperities is a ComputeError.
 
     Examples
     --------

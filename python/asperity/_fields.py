@@ -138,25 +138,19 @@ class Fields(Arrays):
 
     def plot(self, name: str = "pressure", ax: Axes | None = None, *, scale: str = "auto",
              percentile: float = 99.5, on: Any = None) -> Axes:
-        """Draw one of the arrays in plan.
+        """Draw one of the arrays in plan on axes of matplotlib, new ones without `ax`.
 
         Parameters
         ----------
         name : {'pressure', 'gap', 'displacement', 'contact', 'traction', 'stick'}
             The array. Pixels out of contact have no colour in pressure and traction, those in
             contact none in the gap. `contact` and `stick` have a legend with shares of the area.
-        ax : matplotlib.axes.Axes, optional
-            Where to draw; a new figure otherwise.
         scale : {'auto', 'linear', 'log'}
             Of the colours; `auto` is logarithmic where the greatest value exceeds 20 medians.
         percentile : float, default 99.5
             Where a linear scale ends if few values are far beyond.
         on : HeightMap or array_like, optional
             Heights of the same pixels, drawn as hills in oblique light below the array.
-
-        Returns
-        -------
-        matplotlib.axes.Axes
         """
         if name not in self._names:
             raise _a.wrong("name", repr(name), ", ".join(map(repr, self._names)))
@@ -241,24 +235,19 @@ class Stress(Arrays):
 
     def plot(self, name: str = "von_mises", ax: Axes | None = None, *, depth: float | None = None,
              y: float | None = None, scale: str = "linear", percentile: float = 99.9) -> Axes:
-        """Draw one of the arrays in plan, or in a section along x with the surface above.
+        """Draw one of the arrays in plan, or in a section along x with the surface above, on axes
+        of matplotlib, new ones without `ax`.
 
         Parameters
         ----------
         name : str, default 'von_mises'
             The array; components with a sign have white at 0.
-        ax : matplotlib.axes.Axes, optional
-            Where to draw; a new figure otherwise.
         depth : float, optional
             Of the plan: the nearest of the depths; that of the largest value otherwise.
         y : float, optional
             Draw the section at the nearest row of pixels instead.
         scale, percentile
             As of `Fields.plot`.
-
-        Returns
-        -------
-        matplotlib.axes.Axes
         """
         if name not in self._names:
             raise _a.wrong("name", repr(name), ", ".join(map(repr, self._names)))

@@ -57,19 +57,11 @@ class HeightMap(Conditioning):
     ----------
     heights : numpy.ndarray
         The heights, read-only; without numpy a sequence of rows.
-    spacing : (float, float)
-    unit : str or None
-    periodic : bool
     is_profile : bool
         Whether it is a profile: a strip along y of the width 1, so that a load is a load per
         length (`HeightMap.profile`).
     notes : list of str
         Notes on the file that it was read from, and what methods have done to the heights.
-
-    Raises
-    ------
-    InputError
-        For heights that are no matrix of numbers, or a spacing that is no length.
 
     Examples
     --------
@@ -162,18 +154,9 @@ class HeightMap(Conditioning):
     def write(self, path: _a.Path) -> None:
         """Write the map to a file, in a format by the ending of its name.
 
-        Parameters
-        ----------
-        path : str or os.PathLike
-            `.sdf`: surface data (ISO 25178-71), binary; needs a unit. `.npy`: the heights alone.
-            `.txt`: a matrix. `.sdf` and `.txt` keep unit, spacing and edge.
-
-        Raises
-        ------
-        InputError
-            For another ending, or `.sdf` without a unit.
-        ComputeError
-            When the file cannot be written.
+        `.sdf`: surface data (ISO 25178-71), binary; needs a unit. `.npy`: the heights alone.
+        `.txt`: a matrix. `.sdf` and `.txt` keep unit, spacing and edge. A file that cannot be
+        written is a ComputeError.
         """
         written = _c.call("write_map", byref(self._struct()), _a.path("path", path)).checked()
         for note in written.lines(_c.NOTES):
@@ -182,7 +165,7 @@ class HeightMap(Conditioning):
     def power_spectrum(self, kind: str = "iso", level: str | None = None) -> Table:
         """Power spectral density of the heights (`docs/reference/height-maps.md`).
 
-        A free map has a Hann window.
+        A free map has a Hann window; a map with missing pixels is refused.
 
         Parameters
         ----------
@@ -199,11 +182,6 @@ class HeightMap(Conditioning):
             `q`: wave number, 2 pi over the wavelength. `c_iso`, length to the power 4, or `c_1d`,
             length to the power 3. `number`: values averaged, wave vectors or lines.
 
-        Raises
-        ------
-        InputError
-            For a map with missing pixels.
-
         Examples
         --------
         >>> import asperity
@@ -214,21 +192,11 @@ class HeightMap(Conditioning):
         if kind not in _c.SPECTRA:
             raise _a.wrong("kind", repr(kind), "'iso', 'x' or 'y'")
         found = _c.call("power_spectrum", byref(self._struct()),
-                        None if level is None else _a.word("level", level)).checked()
+                        _a.optional_word("level", level)).checked()
         return found.table(_c.SPECTRA[kind], "wave numbers")
 
     def plot(self, ax: Axes | None = None) -> Axes:
-        """Draw the heights in plan.
-
-        Parameters
-        ----------
-        ax : matplotlib.axes.Axes, optional
-            Where to draw; a new figure otherwise.
-
-        Returns
-        -------
-        matplotlib.axes.Axes
-        """
+        """Draw the heights in plan on axes of matplotlib, new ones without `ax`."""
         unit = f" ({self.unit})" if self.unit else ""
         return draw_pixels(self.heights, self.spacing, self.unit, ax, label="height" + unit)
 
@@ -397,12 +365,8 @@ def read_map(path: _a.Path, *, spacing: float | Sequence[float] | None = None,
     Returns
     -------
     HeightMap
-        Its `notes` are also issued as warnings (`UserWarning`).
-
-    Raises
-    ------
-    InputError
-        For a file that cannot be read, with the reasons of both readers.
+        Its `notes` are also issued as warnings (`UserWarning`). A file that cannot be read is an
+        InputError with the reasons of both readers.
 
     Examples
     --------
@@ -428,7 +392,7 @@ def map_of_file(path: _a.Path, spacing: Any = None, unit: str | None = None,
     steps = None if spacing is None else _a.pair("spacing", spacing)
     try:
         read = _c.call("read_map", coded, None if steps is None else (c_double * 2)(*steps),
-                       None if unit is None else _a.word("unit", unit)).checked()
+                       _a.optional_word("unit", unit)).checked()
     except InputError as refused:
         name = os.fsdecode(coded)
         named = named_columns(name) if Path(name).is_file() else None
@@ -466,13 +430,6 @@ def generate_map(specification: _a.Path | Mapping[str, Mapping[str, Any]] | None
     -------
     HeightMap
         Maps of two machines agree to 1e-12 of the rms height.
-
-    Raises
-    ------
-    InputError
-        For a bad specification or name.
-    ComputeError
-        Where there is no memory for the map.
 
     Examples
     --------

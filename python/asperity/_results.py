@@ -38,9 +38,8 @@ FACTS = ("load", "separation", "area", "contacts")
 class Results:
     """Results of `solve`: tables, summary, warnings.
 
-    Lengths, forces and pressures are in the units of the scene; `docs/reference/columns.md`
-    lists the columns
-    with meaning, unit and sign. Results can be copied, pickled and sent to another process.
+    Lengths, forces and pressures are in the units of the scene; `docs/reference/columns.md` lists
+    the columns with meaning, unit and sign. Results can be copied, pickled and sent to another process.
 
     Attributes
     ----------
@@ -135,16 +134,8 @@ class Results:
     def to_xarray(self) -> xarray.Dataset:
         """The fields that were kept as a dataset with the dimensions `step`, `y` and `x`.
 
-        Returns
-        -------
-        xarray.Dataset
-            Variables `pressure`, `gap`, `displacement` and `contact`; along `step` also the columns
-            of the states that are numbers. `attrs["units"]` of each is its unit.
-
-        Raises
-        ------
-        ComputeError
-            As `fields`.
+        Variables are `pressure`, `gap`, `displacement` and `contact`, along `step` also the columns
+        of the states that are numbers; `attrs["units"]` of each is its unit. Errors as `fields`.
         """
         kept = self._all_fields() or [self.fields()]
         library: Any = needed("xarray", "xarray", "a dataset")
@@ -160,17 +151,8 @@ class Results:
 
         The file is a zip archive of `results.json` (version, summary, warnings, notes, units), of
         `positions.csv`, `states.csv` and `contacts.csv`, and of numpy arrays (`.npy`) of the
-        fields. `asperity.load` reads it; other programs read its parts.
-
-        Parameters
-        ----------
-        path : str or os.PathLike
-            Name of the file; a file of this name is replaced.
-
-        Raises
-        ------
-        ComputeError
-            When the file cannot be written.
+        fields. `asperity.load` reads it; other programs read its parts. A file of this name is
+        replaced; one that cannot be written is a ComputeError.
         """
         _files.write_results(path, _c.VERSION, {"summary": self.summary, "warnings": self.warnings,
                                                 "notes": self.notes, "scene": self.scene},
@@ -179,29 +161,17 @@ class Results:
     def to_html(self, path: _a.Path, *, position: int | None = None,
                 title: str | None = None) -> str:
         """Write one page for a browser, without a network: maps of the fields that were kept, or
-        contacts to scale; curves with errors; a table of contacts, summary,
-        warnings and scene. A slider visits the states.
+        contacts to scale; curves with errors; a table of contacts, summary, warnings and scene. A
+        slider visits the states. A file that cannot be written is a ComputeError.
 
         Parameters
         ----------
         path : str or os.PathLike
-            Name of the file; a file of this name is replaced.
+            Name of the file, which is returned; a file of this name is replaced.
         position : int, optional
             Position of the motion; all of them otherwise.
         title : str, optional
             Title of the page; the name of the scene otherwise.
-
-        Returns
-        -------
-        str
-            Name of the file.
-
-        Raises
-        ------
-        IndexError
-            For a position that the results do not have.
-        ComputeError
-            When the file cannot be written.
         """
         name = os.fsdecode(_a.path("path", path))
         if position is not None:
@@ -231,16 +201,7 @@ class Results:
             Curves by name for the second axes. Under the names `persson`, `bush_gibson_thomas` and
             `greenwood_williamson` the rough surface of a scene with a nominal area: a `HeightMap`,
             or what the function of `asperity.theory` takes; the contact modulus is that of the
-            scene. Under any name x and y, or a function of x.
-
-        Returns
-        -------
-        (matplotlib.axes.Axes, matplotlib.axes.Axes)
-
-        Raises
-        ------
-        InputError
-            For a theory of a scene without a nominal area or without moduli of its own.
+            scene, which must have it or two moduli. Under any name x and y, or a function of x.
         """
         curves = {name: self._area_curve(name, given) for name, given in (theory or {}).items()}
         return draw_curves(self.states, ax, control=self._control(), log=log, errors=errors,
@@ -279,23 +240,8 @@ class Results:
                       step: int | None = None) -> Axes:
         """Draw the contacts in plan, coloured by pressure: circles with the area of the contacts of
         asperities; of the pixels of a height map the pressure where fields were kept, otherwise the
-        centres of the contact patches.
-
-        Parameters
-        ----------
-        position, state, step
-            As for `fields`.
-        ax : matplotlib.axes.Axes, optional
-            Where to draw; a new figure otherwise.
-
-        Returns
-        -------
-        matplotlib.axes.Axes
-
-        Raises
-        ------
-        IndexError
-            For a position or a state that the results do not have.
+        centres of the contact patches. On axes of matplotlib, new ones without `ax`; `position`,
+        `state` and `step` as for `fields`.
         """
         step = self._step(position, state, step)
         table = self.contacts
@@ -317,10 +263,6 @@ class Results:
         step : int, optional
             Number of the state, from 1: a value of the column `step` of the states. -1, the
             default, is the last state, -2 the one before.
-
-        Returns
-        -------
-        Fields
 
         Raises
         ------
@@ -345,21 +287,8 @@ class Results:
     def stress(self, depths: Any, position: int = 1, *, step: int | None = None) -> Stress:
         """Stress in the lower body below the pixels of `fields`, without tractions of friction.
 
-        Parameters
-        ----------
-        depths : float or array_like
-            Depths below the surface, more than 0.
-        position, step
-            As for `fields`.
-
-        Returns
-        -------
-        Stress
-
-        Raises
-        ------
-        IndexError, ComputeError, InputError
-            As `fields`; where the scene has no Poisson's ratio; for a depth of 0 or less.
+        `depths` below the surface are one or several, more than 0; `position` and `step` as for
+        `fields`. A scene without Poisson's ratio is a ComputeError.
 
         Examples
         --------
@@ -388,25 +317,12 @@ class Results:
 
     def pressure_histogram(self, position: int = 1, state: int | None = None, bins: int = 100, *,
                            step: int | None = None) -> tuple[Column, Column]:
-        """Distribution of the pressure in contact, on the pixels of a height map.
+        """Distribution of the pressure in contact, on the pixels of a height map: the pressure in
+        the middle of each of the `bins` of equal width up to the greatest one, and the area per
+        pressure over the measured area.
 
-        Parameters
-        ----------
-        position, state, step
-            As for `fields`.
-        bins : int, default 100
-            Bins of equal width between 0 and the greatest pressure.
-
-        Returns
-        -------
-        (numpy.ndarray, numpy.ndarray)
-            Pressure in the middle of each bin; area per pressure over the measured area. The sum
-            of the second times the width of a bin is the contact area fraction of the pixels.
-
-        Raises
-        ------
-        IndexError, ComputeError
-            As `fields`.
+        The sum of the second times the width of a bin is the contact area fraction of the pixels.
+        `position`, `state`, `step` and errors as for `fields`.
         """
         number = _a.whole("bins", bins, "a number from 1")
         if number < 1:
@@ -473,12 +389,8 @@ def load(path: _a.Path, *, fields: _a.Path | Sequence[_a.Path] | None = None) ->
     Returns
     -------
     Results
-        With the same tables, texts and fields, to the last bit.
-
-    Raises
-    ------
-    InputError
-        For a file of another kind, or none.
+        With the same tables, texts and fields, to the last bit. A file of another kind is an
+        InputError.
 
     Examples
     --------
@@ -553,17 +465,8 @@ class Summits(Table):
         self._source = source
 
     def plot(self, ax: Axes | None = None) -> Axes:
-        """Draw the summits in plan on their height map, coloured by height.
-
-        Parameters
-        ----------
-        ax : matplotlib.axes.Axes, optional
-            Where to draw; a new figure otherwise.
-
-        Returns
-        -------
-        matplotlib.axes.Axes
-        """
+        """Draw the summits in plan on their height map, coloured by height, on axes of matplotlib,
+        new ones without `ax`."""
         axes: Axes = new_axes(ax)
         pixels = _map_to_draw(self._source, self.units.get("x", ""))
         if pixels is not None:

@@ -23,20 +23,12 @@ EXPECTED_SIDE = "a path, a height map, 'plane', or a mapping with x, y, height a
 class Scene:
     """A scene that is read and checked once and can be solved many times.
 
-    Parameters
-    ----------
-    scene : str, os.PathLike or mapping
-        As for `solve`.
+    `scene` is as for `solve`; an InputError has all that is wrong with it.
 
     Attributes
     ----------
     groups : dict
         The groups of the scene without its arrays; for a file, values as they stand there.
-
-    Raises
-    ------
-    InputError
-        With all that is wrong with the scene.
 
     Examples
     --------
@@ -76,24 +68,11 @@ class Scene:
               fields: bool | str = False, **groups: Mapping[str, Any] | None) -> Results:
         """Solve the scene, with other values where they are given.
 
-        Parameters
-        ----------
-        arithmetic, accuracy, accuracy_of, contacts, threads, progress, fields
-            As for `asperity.solve`.
-        **groups
-            Values that replace those of the scene for this solve: `loading={"value": 20}` keeps the
-            other names of the group. None in place of a value or of a group removes it. The group
-            `surfaces` cannot be changed.
-
-        Returns
-        -------
-        Results
-            Those of a new scene with these values, to the tolerance of the solver.
-
-        Raises
-        ------
-        InputError, ComputeError
-            As `asperity.solve`.
+        The keywords that `asperity.solve` has mean the same, and errors are the same. **groups are
+        values that replace those of the scene for this solve: `loading={"value": 20}` keeps the
+        other names of the group. None in place of a value or of a group removes it. The group
+        `surfaces` cannot be changed. The results are those of a new scene with these values, to the
+        tolerance of the solver.
         """
         read, text = self._read, _a.Groups(self._name, {})
         kept = states_kept(fields)
@@ -152,10 +131,6 @@ def solve(scene: _a.Path | Mapping[str, Mapping[str, Any]] | Scene, *, arithmeti
         Keep pressure, gap and displacement for `Results.fields`, of the last state or of all
         states: on the pixels of a height map, or on the grid of a scene of asperities with
         `field_spacing` in `surfaces`. Other scenes are refused. A state takes 24 bytes a pixel.
-
-    Returns
-    -------
-    Results
 
     Raises
     ------
