@@ -16,7 +16,7 @@ from ctypes import POINTER, c_double, cast
 from typing import Any, TypeAlias
 
 from ._columns import Values, numpy
-from ._errors import InputError, Problem
+from ._errors import InputError, Problem, refused
 from ._library import Surface
 
 Path: TypeAlias = "str | os.PathLike[str]"
@@ -29,7 +29,7 @@ PLAIN = (bool, int, float, complex, str, bytes, type(None))
 
 def wrong(name: str, found: str, expected: str) -> InputError:
     """The error for a value that is refused."""
-    return InputError([Problem(None, None, None, f"{name}: found {found}, expected {expected}")])
+    return refused(None, f"{name}: found {found}, expected {expected}")
 
 
 def wrong_type(name: str, value: Any, expected: str) -> TypeError:

@@ -83,21 +83,11 @@ class Values(Sequence[Any]):
             return how(self.tolist(), list(other))
         return NotImplemented
 
-    def __eq__(self, other: object) -> Any:
-        return self._compared(other, operator.eq)
-
-    def __lt__(self, other: Any) -> Any:
-        return self._compared(other, operator.lt)
-
-    def __le__(self, other: Any) -> Any:
-        return self._compared(other, operator.le)
-
-    def __gt__(self, other: Any) -> Any:
-        return self._compared(other, operator.gt)
-
-    def __ge__(self, other: Any) -> Any:
-        return self._compared(other, operator.ge)
-
+    __eq__ = functools.partialmethod(_compared, how=operator.eq)
+    __lt__ = functools.partialmethod(_compared, how=operator.lt)
+    __le__ = functools.partialmethod(_compared, how=operator.le)
+    __gt__ = functools.partialmethod(_compared, how=operator.gt)
+    __ge__ = functools.partialmethod(_compared, how=operator.ge)
     __hash__ = None  # type: ignore[assignment]
 
     def __reduce__(self) -> Any:
@@ -223,8 +213,7 @@ class Table(dict[str, "Column"]):
         return frame
 
     def __reduce__(self) -> Any:
-        state = {key: value for key, value in vars(self).items()}
-        return _restored, (type(self), dict(self), state)
+        return _restored, (type(self), dict(self), dict(vars(self)))
 
     def __copy__(self) -> Any:
         return _restored(type(self), dict(self), dict(vars(self)))
@@ -235,8 +224,7 @@ class Table(dict[str, "Column"]):
 
     def label(self, name: str) -> str:
         """The name of a column in words, with its unit in brackets: for an axis of a plot."""
-        unit = self.units.get(name, "")
-        return name.replace("_", " ") + (f" ({unit})" if unit else "")
+        return label_of(name, self.units.get(name))
 
     def __repr__(self) -> str:
         names = list(self)
@@ -269,6 +257,11 @@ def _restored(kind: type[Table], columns: dict[str, Column], state: dict[str, An
         table[name] = values
     vars(table).update(state)
     return table
+
+
+def label_of(name: str, unit: str | None) -> str:
+    """The name of a quantity in words, with its unit in brackets."""
+    return name.replace("_", " ") + (f" ({unit})" if unit else "")
 
 
 def _row(tag: str, cells: list[str]) -> str:

@@ -35,6 +35,11 @@ class InputError(ValueError):
         return "\n".join(map(str, self.problems))
 
 
+def refused(file: str | None, text: str, line: int | None = None) -> InputError:
+    """The error for one thing that is wrong."""
+    return InputError([Problem(file, line, None, text)])
+
+
 class ComputeError(RuntimeError):
     """A valid scene that cannot be solved; the text gives the reason."""
 

@@ -9,8 +9,8 @@ from typing import TYPE_CHECKING, Any, cast
 
 from . import _arguments as _a
 from . import _library as _c
-from ._columns import Table, Values, column, needed, numpy, shown
-from ._plots import (draw_pixels, draw_section, draw_states, new_axes, picture_html, shade_hills)
+from ._columns import Table, Values, column, label_of, needed, numpy, shown
+from ._plots import draw_pixels, draw_section, draw_states, new_axes, picture_html, shade_hills
 
 if TYPE_CHECKING:
     import xarray
@@ -45,6 +45,14 @@ class Arrays:
         if name not in self._names:
             raise KeyError(f"no {self._kind} {name!r}: {', '.join(self._names)}")
         return cast("NDArray[Any]", getattr(self, name))
+
+    def _checked(self, name: str) -> None:
+        if name not in self._names:
+            raise _a.wrong("name", repr(name), ", ".join(map(repr, self._names)))
+
+    def _repr_html_(self: Any) -> str:
+        return f"<p>{html.escape(repr(self)[1:-1])}</p>" + picture_html(
+            lambda axes: self.plot(ax=axes))
 
 
 class Fields(Arrays):
@@ -152,8 +160,7 @@ class Fields(Arrays):
         on : HeightMap or array_like, optional
             Heights of the same pixels, drawn as hills in oblique light below the array.
         """
-        if name not in self._names:
-            raise _a.wrong("name", repr(name), ", ".join(map(repr, self._names)))
+        self._checked(name)
         library: Any = needed("numpy", "plot", "a plot")
         place = self.spacing, self.unit
         if name in FLAGS:
@@ -174,13 +181,9 @@ class Fields(Arrays):
             in_contact = library.asarray(self.contact) == (name != "gap")
             values = library.where(in_contact, values, math.nan)
         return draw_pixels(values, *place, ax, origin=self.origin,
-                           label=Table(units=self.units).label(name), scale=scale,
+                           label=label_of(name, self.units[name]), scale=scale,
                            percentile=percentile,
                            least=0.0 if name in ("pressure", "gap", "traction") else None)
-
-    def _repr_html_(self) -> str:
-        return f"<p>{html.escape(repr(self)[1:-1])}</p>" + picture_html(
-            lambda axes: self.plot(ax=axes))
 
     def __repr__(self) -> str:
         unit = f" {self.units['pressure']}" if self.units["pressure"] else ""
@@ -249,12 +252,11 @@ class Stress(Arrays):
         scale, percentile
             As of `Fields.plot`.
         """
-        if name not in self._names:
-            raise _a.wrong("name", repr(name), ", ".join(map(repr, self._names)))
+        self._checked(name)
         library: Any = needed("numpy", "plot", "a plot")
         at, unit = self._fields, self._fields.unit or ""
         how: dict[str, Any] = {"scale": scale, "percentile": percentile,
-                               "label": Table(units={name: self.unit}).label(name),
+                               "label": label_of(name, self.unit),
                                "is_signed": name not in ("von_mises", "largest_shear")}
         if y is None:
             near = self.depth - (self.largest(name)[1] if depth is None else depth)
@@ -271,10 +273,6 @@ class Stress(Arrays):
         axes.set_title(f"y = {shown(float(at.origin[1] + row * at.spacing[1]))} {unit}",
                        fontsize="medium")
         return axes
-
-    def _repr_html_(self) -> str:
-        return f"<p>{html.escape(repr(self)[1:-1])}</p>" + picture_html(
-            lambda axes: self.plot(ax=axes))
 
     def largest(self, name: str = "von_mises") -> tuple[float, float, float, float]:
         """The largest value of an array, with its depth, x and y."""

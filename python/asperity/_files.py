@@ -4,6 +4,7 @@ each table, and an array of numpy's format (`.npy`) for each field, which other 
 from __future__ import annotations
 
 import ast
+import contextlib
 import csv
 import io
 import json
@@ -16,17 +17,21 @@ import tempfile
 import zipfile
 import zlib
 from array import array
-from collections.abc import Iterable, Mapping
+from collections.abc import Iterable, Iterator, Mapping
 from typing import Any
 
 from . import _arguments as _a
 from ._columns import Table, column
-from ._errors import ComputeError, InputError, Problem
+from ._errors import ComputeError, refused
 from ._fields import FLAGS, NAMES, SLIP_NAMES, Fields, in_rows
 
 FORMAT = "asperity results 1"  #: what `results.json` states
 EXPECTED = "a file that Results.save or asperity solve --json wrote"
 TEXTS = ("summary", "warnings", "notes")
+# What the readers of the standard library raise for damaged files.
+FAULTS = (zipfile.BadZipFile, zlib.error, csv.Error, ArithmeticError, AttributeError, EOFError,
+          LookupError, NotImplementedError, RecursionError, SyntaxError, TypeError, ValueError,
+          struct.error)
 # Endings of other formats than that of `Results.save`.
 OTHERS = (".csv", ".h5", ".hdf5", ".html", ".json", ".mat", ".nc", ".npy", ".npz", ".pickle",
           ".pkl", ".vti", ".xlsx")
@@ -79,6 +84,17 @@ def is_saved(path: _a.Path) -> bool:
     return zipfile.is_zipfile(os.fsdecode(_a.path("path", path)))
 
 
+@contextlib.contextmanager
+def _reading(name: str, expected: str) -> Iterator[None]:
+    """Refuse a file that cannot be opened, or whose content is not as expected."""
+    try:
+        yield
+    except OSError as error:
+        raise refused(name, error.strerror or str(error)) from None
+    except FAULTS:
+        raise refused(name, f"found another kind of file, expected {expected}") from None
+
+
 def _permissions(name: str) -> int:
     """Those of the file that is replaced, or of a new one."""
     if os.path.exists(name):
@@ -91,27 +107,22 @@ def _permissions(name: str) -> int:
 def read_results(path: _a.Path) -> tuple[dict[str, Any], dict[str, Table], list[Fields]]:
     """The facts, tables and fields of a file."""
     name = os.fsdecode(_a.path("path", path))
-    try:
+    with _reading(name, EXPECTED):
         with zipfile.ZipFile(name) as archive:
             facts = json.loads(archive.read("results.json"))
-            if facts["format"] != FORMAT or [*map(type, map(facts.get, TEXTS))] != [str, list, list]:
+            if facts["format"] != FORMAT or [type(facts.get(title)) for title in TEXTS] != [
+                    str, list, list]:
                 raise KeyError("format")
             tables = {key: _table_of(archive.read(f"{key}.csv").decode(), about)
                       for key, about in facts["tables"].items()}
             fields = [_fields_of(archive, about) for about in facts["fields"]]
-    except OSError as error:
-        raise InputError([Problem(name, None, None, error.strerror or str(error))]) from None
-    except (zipfile.BadZipFile, zlib.error, csv.Error, ArithmeticError, AttributeError, EOFError,
-            LookupError, NotImplementedError, RecursionError, SyntaxError, TypeError, ValueError,
-            struct.error):
-        raise _another_kind(name, EXPECTED) from None
     return facts, tables, fields
 
 
 def read_json(path: _a.Path) -> tuple[dict[str, Any], dict[str, Table]]:
     """The facts and tables of a file of `asperity solve --json`."""
     name = os.fsdecode(_a.path("path", path))
-    try:
+    with _reading(name, EXPECTED):
         with open(name, encoding="utf-8") as file:
             facts = json.load(file)
         tables = {key: Table({title: _column_of(cells) for title, cells in facts[key].items()},
@@ -119,10 +130,6 @@ def read_json(path: _a.Path) -> tuple[dict[str, Any], dict[str, Table]]:
                   for key in ("positions", "states", "contacts")}
         if not {"summary", "notes", "warnings", "scene", "provenance"} <= facts.keys():
             raise KeyError("summary")
-    except OSError as error:
-        raise InputError([Problem(name, None, None, error.strerror or str(error))]) from None
-    except (KeyError, ValueError, TypeError, AttributeError):
-        raise _another_kind(name, EXPECTED) from None
     return facts, tables
 
 
@@ -137,9 +144,8 @@ def _column_of(cells: list[Any]) -> Any:
 def read_vti(path: _a.Path, step: int, length: str, pressure: str) -> Fields:
     """The fields of a file of `asperity solve --fields`: one state of position 1."""
     name = os.fsdecode(_a.path("fields", path))
-    expected = "a file that asperity solve --fields wrote"
     made = Fields.__new__(Fields)
-    try:
+    with _reading(name, "a file that asperity solve --fields wrote"):
         with open(name, "rb") as file:
             head, _, body = file.read().partition(b'<AppendedData encoding="raw">_')
         text = head.decode("ascii")
@@ -160,19 +166,10 @@ def read_vti(path: _a.Path, step: int, length: str, pressure: str) -> Fields:
             if "BigEndian" in text and sys.byteorder == "little":
                 cells.byteswap()
             setattr(made, field, in_rows(column(memoryview(cells)), made.shape, field in FLAGS))
-    except OSError as error:
-        raise InputError([Problem(name, None, None, error.strerror or str(error))]) from None
-    except (LookupError, ValueError):
-        raise _another_kind(name, expected) from None
     made.unit, made.position, made.step = length or None, 1, step
     made.units = {field: pressure if field in ("pressure", "traction") else
                   "" if field in FLAGS else length for field in made._names}
     return made
-
-
-def _another_kind(name: str, expected: str) -> InputError:
-    return InputError([Problem(name, None, None,
-                               f"found another kind of file, expected {expected}")])
 
 
 def _type_of(cells: Any) -> str:

@@ -15,7 +15,7 @@ from typing import TYPE_CHECKING, Any
 
 from . import _arguments as _a
 from . import _library as _c
-from ._columns import Table, Values, needed, numpy, shown
+from ._columns import Table, Values, label_of, needed, numpy, shown
 from ._conditioning import Conditioning
 from ._errors import InputError, Problem, warn_caller
 from ._plots import draw_pixels
@@ -197,8 +197,8 @@ class HeightMap(Conditioning):
 
     def plot(self, ax: Axes | None = None) -> Axes:
         """Draw the heights in plan on axes of matplotlib, new ones without `ax`."""
-        unit = f" ({self.unit})" if self.unit else ""
-        return draw_pixels(self.heights, self.spacing, self.unit, ax, label="height" + unit)
+        return draw_pixels(self.heights, self.spacing, self.unit, ax,
+                           label=label_of("height", self.unit))
 
     def _struct(self) -> Any:
         is_strip = self.is_profile and not self.periodic

@@ -10,7 +10,7 @@ import html
 import math
 from typing import TYPE_CHECKING, Any
 
-from ._columns import Table, needed
+from ._columns import Table, label_of, needed
 from ._fields import FLAGS
 from ._plots import STATES, colour_limits, error_of, is_monotonic
 
@@ -82,8 +82,8 @@ class Page:
     def plan(self, title: str, unit: str) -> Any:
         """A figure in plan; all of them have the same ranges."""
         made = self.figure(title=title, width=WIDTH, height=HEIGHT, match_aspect=True,
-                           x_axis_label=f"x ({unit})" if unit else "x",
-                           y_axis_label=f"y ({unit})" if unit else "y", **self.ranges,
+                           x_axis_label=label_of("x", unit), y_axis_label=label_of("y", unit),
+                           **self.ranges,
                            toolbar_location="above", active_scroll="wheel_zoom", tools=TOOLS)
         self.ranges = {"x_range": made.x_range, "y_range": made.y_range}
         made.grid.visible = False
@@ -119,7 +119,7 @@ class Page:
             else:
                 images = [numpy.where(each.contact == (name != "gap"), each[name], math.nan)
                           .astype("f4") for each in having.values()]
-                label = Table(units=one.units).label(name)
+                label = label_of(name, one.units[name])
                 figure = self.plan(label[0].upper() + label[1:], one.unit or "")
                 mapper = self.colours(numpy.concatenate([each.ravel() for each in images]), figure)
             source = self.models.ColumnDataSource({"image": images, "key": list(having)})

@@ -9,7 +9,7 @@ from collections.abc import Mapping
 from typing import TYPE_CHECKING, Any
 
 from . import _arguments as _a
-from ._columns import Lazy, Table, needed
+from ._columns import Lazy, Table, label_of, needed
 
 if TYPE_CHECKING:
     from matplotlib.axes import Axes
@@ -214,8 +214,7 @@ def draw_section(values: Any, across: Any, depth: Any, ax: Axes | None, *, label
                             norm=(colors.LogNorm if is_log else colors.Normalize)(low, high))
     axes.invert_yaxis()
     axes.figure.colorbar(drawn, ax=axes, label=label)
-    for name, setter in (("x", axes.set_xlabel), ("depth", axes.set_ylabel)):
-        setter(Table(units={name: unit}).label(name))
+    axes.set(xlabel=label_of("x", unit), ylabel=label_of("depth", unit))
     return axes
 
 
@@ -236,9 +235,7 @@ def extent_of(shape: tuple[int, ...], spacing: tuple[float, float],
 
 
 def in_plan(axes: Axes, unit: str) -> None:
-    axes.set_aspect("equal")
-    for name, setter in (("x", axes.set_xlabel), ("y", axes.set_ylabel)):
-        setter(Table(units={name: unit}).label(name))
+    axes.set(aspect="equal", xlabel=label_of("x", unit), ylabel=label_of("y", unit))
 
 
 def picture_html(draw: Any) -> str:

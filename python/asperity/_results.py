@@ -39,7 +39,7 @@ class Results:
     """Results of `solve`: tables, summary, warnings.
 
     Lengths, forces and pressures are in the units of the scene; `docs/reference/columns.md` lists
-    the columns with meaning, unit and sign. Results can be copied, pickled and sent to another process.
+    the columns with meaning, unit and sign. Results can be copied and pickled.
 
     Attributes
     ----------

@@ -8,7 +8,7 @@ from typing import Any
 
 from . import _arguments as _a
 from ._columns import needed, shown
-from ._errors import InputError, Problem
+from ._errors import refused
 
 # Names of the heights in a first line with `x` and `y`, which is read without keywords.
 HEIGHTS = ("z", "height", "value", "elevation")
@@ -49,8 +49,8 @@ def read_text(path: str, spacing: tuple[float, float] | None, delimiter: str | N
         heading, line = _first_line(path)
         names = _names(line, delimiter)
         if not set(wanted) <= set(names):
-            raise _refused(path, f"found the columns {', '.join(names)}, expected "
-                           f"{', '.join(map(str, wanted))}", heading)
+            raise refused(path, f"found the columns {', '.join(names)}, expected "
+                          f"{', '.join(map(str, wanted))}", heading)
         wanted = [names.index(one) for one in wanted]
 
     def number(text: str) -> float:
@@ -64,10 +64,10 @@ def read_text(path: str, spacing: tuple[float, float] | None, delimiter: str | N
                            skiprows=heading, usecols=wanted, encoding="utf-8-sig")
     except (OSError, ValueError) as error:
         # numpy counts rows from 0 or from 1, and not those of comments.
-        raise _refused(path, str(error).partition(" at row ")[0]
+        raise refused(path, str(error).partition(" at row ")[0]
                        + "; delimiter=, decimal= and columns= state another form") from None
     if found.size == 0:
-        raise _refused(path, "found no line of numbers")
+        raise refused(path, "found no line of numbers")
     if spacing is not None:
         return found, spacing
     nodes, steps = [], []
@@ -76,14 +76,14 @@ def read_text(path: str, spacing: tuple[float, float] | None, delimiter: str | N
         step = (different[-1] - different[0]) / max(1, len(different) - 1)
         node = (places - different[0]) / (step or 1.0)
         if not (step > 0.0 and (np.abs(node - node.round()) <= ROUNDED).all()):
-            raise _refused(path, f"{name}: found {len(different)} places, step {shown(float(step))}"
+            raise refused(path, f"{name}: found {len(different)} places, step {shown(float(step))}"
                            ", expected a regular grid")
         nodes.append(node.round().astype(int))
         steps.append(float(step))
     heights = np.zeros((max(nodes[1]) + 1, max(nodes[0]) + 1))
     np.add.at(heights, (nodes[1], nodes[0]), 1.0)
     if not (heights == 1.0).all():
-        raise _refused(path, f"found {len(found)} places, expected each of the "
+        raise refused(path, f"found {len(found)} places, expected each of the "
                        f"{heights.shape[1]} x {heights.shape[0]} of the grid once")
     heights[nodes[1], nodes[0]] = found[:, 2]
     return heights, (steps[0], steps[1])
@@ -98,7 +98,3 @@ def _first_line(path: str) -> tuple[int, str]:
 
 def _names(line: str, delimiter: str | None) -> list[str]:
     return [name.strip().strip('"') for name in line.rstrip("\n").split(delimiter)]
-
-
-def _refused(path: str, text: str, line: int | None = None) -> InputError:
-    return InputError([Problem(path, line, None, text)])
