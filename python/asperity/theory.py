@@ -75,17 +75,10 @@ class SummitStatistics(NamedTuple):
 def moments(surface: Any, spacing: Any = None) -> Moments:
     """Spectral moments of a height map.
 
-    Parameters
-    ----------
-    surface : HeightMap, array_like or Moments
-        A periodic map: by its waves, m2 = <q_x**2 |h|**2>. A free map or array: by the differences
-        of `asperity.summits` about its plane, which underestimate slopes. A profile: of its one
-        direction.
-    spacing : float or (float, float), optional
-        Spacing of an array.
+    A periodic map: by its waves, m2 = <q_x**2 |h|**2>. A free map, or an array with its `spacing`:
+    by the differences of `asperity.summits` about its plane, which underestimate slopes. A profile:
+    of its one direction. Moments are returned as they are.
 
-    Notes
-    -----
     P. R. Nayak, J. Lubr. Technol. 93 (1971) 398. Checked on the closed moments of a cosine.
 
     Examples
@@ -142,17 +135,9 @@ def summit_statistics(surface: Any, area: float | None = None) -> SummitStatisti
 
 
 def persson(surface: Any, contact_modulus: float, pressure: Any) -> Any:
-    """Contact area over nominal area, erf(sqrt(2) p/(E* h')) with the rms slope h', by Persson.
+    """Contact area over nominal area, erf(sqrt(2) p/(E* h')) with the rms slope h' of a HeightMap
+    or of Moments and the nominal pressure p, by Persson.
 
-    Parameters
-    ----------
-    surface : HeightMap or Moments
-    contact_modulus : float
-    pressure : float or array_like
-        Nominal pressure.
-
-    Notes
-    -----
     B. N. J. Persson, J. Chem. Phys. 115 (2001) 3840. All pressures; below solved maps at small
     ones. Checked on the factor 1.596 there (S. Hyun et al., Phys. Rev. E 70 (2004) 026117).
     """
@@ -163,8 +148,6 @@ def persson(surface: Any, contact_modulus: float, pressure: Any) -> Any:
 def persson_pressures(surface: Any, contact_modulus: float, pressure: float, at: Any) -> Any:
     """Probability density of the local pressures `at` in contact, by Persson.
 
-    Notes
-    -----
     As `persson`: the difference of the normal distributions about p and -p of the variance
     (E* h')**2/4. Checked: its integral is the area of `persson`, its first moment p.
     """
@@ -179,8 +162,6 @@ def bush_gibson_thomas(surface: Any, contact_modulus: float, pressure: Any) -> A
 
     Parameters are those of `persson`.
 
-    Notes
-    -----
     A. W. Bush, R. D. Gibson, T. R. Thomas, Wear 35 (1975) 87, in the limit of small pressures: area
     fractions of a few per mille. Checked on the factor 2.507 of Hyun et al. (2004).
     """
@@ -190,8 +171,6 @@ def bush_gibson_thomas(surface: Any, contact_modulus: float, pressure: Any) -> A
 def akarapu(surface: Any, pressure: Any, factor: float = 0.48) -> Any:
     """Normal contact stiffness over nominal area, p/(0.48 rms height), by Akarapu and others.
 
-    Notes
-    -----
     S. Akarapu, T. Sharp, M. O. Robbins, Phys. Rev. Lett. 106 (2011) 204301, which has the factor of
     solved self-affine surfaces; area fractions of about 1 to 10 %.
     """
@@ -201,17 +180,9 @@ def akarapu(surface: Any, pressure: Any, factor: float = 0.48) -> Any:
 def height_integral(order: float, separation: Any, heights: str = "gaussian") -> Any:
     """F_n(h), the mean of (s - h)**n over the heights s above h.
 
-    Parameters
-    ----------
-    order : float
-        n, 0 or more.
-    separation : float or array_like
-        h, from the mean of the heights in units of their deviation.
-    heights : {'gaussian', 'exponential'}
-        Distribution of the heights. The exponential one begins at -1.
+    The `order` n is 0 or more; the `separation` h is counted from the mean of the heights in units
+    of their deviation. `heights` are `gaussian`, or `exponential` with a beginning at -1.
 
-    Notes
-    -----
     n!/sqrt(2 pi) exp(-h**2/4) D_(-n-1)(h), relative error below 2e-9 up to h = 30. Checked on
     F_1(0) = 0.3989, F_3/2(0) = 0.4300, F_2(0) = 0.5, F_5/2(0) = 0.6166 of J. A. Greenwood,
     J. H. Tripp, Proc. Inst. Mech. Engrs 185 (1970-71) 625.
@@ -241,24 +212,10 @@ def greenwood_williamson(summits: Any, contact_modulus: float, *, separation: An
                          pressure: Any = None, heights: str = "gaussian") -> Table:
     """A rough surface against a smooth plane, by Greenwood and Williamson.
 
-    Parameters
-    ----------
-    summits
-        As for `summit_statistics`.
-    contact_modulus : float
-    separation, pressure : float or array_like
-        Separation of the reference planes, or nominal pressure: one of the two.
-    heights : {'gaussian', 'exponential'}
-        Distribution of the summit heights.
+    `summits` are as for `summit_statistics`, with `gaussian` or `exponential` heights. One of two
+    is given: the separation of the reference planes or the nominal pressure. The table has both,
+    `area_fraction`, and over the nominal area `contact_density` and `stiffness`.
 
-    Returns
-    -------
-    Table
-        `separation`, `pressure`, `area_fraction`, and over the nominal area `contact_density` and
-        `stiffness`.
-
-    Notes
-    -----
     J. A. Greenwood, J. B. P. Williamson, Proc. R. Soc. Lond. A 295 (1966) 300: isolated Hertzian
     contacts of equal radius, area fractions of a few per cent. Checked on their load over contact
     area of exponential heights, E* sqrt(deviation/(pi radius)), and on solved caps.
@@ -278,8 +235,6 @@ def greenwood_tripp(upper: Any, lower: Any, contact_modulus: float, *, separatio
 
     `upper` and `lower` as for `summit_statistics`, the rest as for `greenwood_williamson`.
 
-    Notes
-    -----
     J. A. Greenwood, J. H. Tripp, Proc. Inst. Mech. Engrs 185 (1970-71) 625: paraboloids that meet
     at any offset, small penetrations. Checked on the formulas of the paper for equal surfaces,
     (16 sqrt(2)/15) pi (eta beta sigma)**2 E* sqrt(sigma/beta) F_5/2(h) and
@@ -298,8 +253,6 @@ def greenwood_tripp_plastic(upper: Any, lower: Any, hardness: float, *, separati
 
     `hardness` is the mean pressure of a plastic contact, the rest is as for `greenwood_tripp`.
 
-    Notes
-    -----
     Source as for `greenwood_tripp`. A plastic contact has the area of the geometric intersection,
     twice the Hertzian one, and the load is the hardness times it. The thesis (section II.D.1)
     prints this load, 2 pi**2 (eta beta sigma)**2 H F_2(h), beside the elastic area, half of it.
@@ -315,24 +268,12 @@ def greenwood_tripp_ball(summits: Any, contact_modulus: float, ball_radius: floa
                          load: Any) -> Table:
     """A smooth ball on a rough plane, by Greenwood and Tripp.
 
-    Parameters
-    ----------
-    summits
-        As for `summit_statistics`, of the plane.
-    contact_modulus, ball_radius : float
-    load : float or array_like
-        More than 0.
+    `summits` of the plane as for `summit_statistics`; loads are more than 0. The table has `load`;
+    `roughness`: deviation times ball radius over the square of the contact radius of Hertz;
+    `pressure`: nominal, in the centre, and `pressure_ratio`: over that of Hertz;
+    `effective_radius`: 3 pi/4 times the integral of r p over that of p; `area_ratio`: its square
+    over that of Hertz; `area` and `contacts` of the asperities.
 
-    Returns
-    -------
-    Table
-        `load`; `roughness`: deviation times ball radius over the square of the contact radius of
-        Hertz; `pressure`: nominal, in the centre, and `pressure_ratio`: over that of Hertz;
-        `effective_radius`: 3 pi/4 times the integral of r p over that of p; `area_ratio`: its
-        square over that of Hertz; `area` and `contacts` of the asperities.
-
-    Notes
-    -----
     J. A. Greenwood, J. H. Tripp, J. Appl. Mech. 34 (1967) 153: asperities of Greenwood and
     Williamson on a half-space. Error below 1e-4 for a roughness from 0.01, 3e-3 at 0.001. Checked
     on the limit of Hertz, on the thesis' "ten times the area" and "a third of the pressure" at
@@ -365,8 +306,6 @@ def greenwood_tripp_ball(summits: Any, contact_modulus: float, ball_radius: floa
 def plasticity_index(summits: Any, contact_modulus: float, hardness: float) -> float:
     """E*/H sqrt(deviation/radius): below 0.6 contacts are elastic, above 1 plastic.
 
-    Notes
-    -----
     J. A. Greenwood, J. B. P. Williamson, Proc. R. Soc. Lond. A 295 (1966) 300.
     """
     of = summit_statistics(summits)
