@@ -11,7 +11,7 @@ from collections.abc import Mapping, Sequence
 from typing import TYPE_CHECKING, Any, cast
 
 from . import _arguments as _a
-from . import _fields, _files
+from . import _fields
 from . import _library as _c
 from ._columns import Table, needed, shown
 from ._errors import ComputeError, warn_caller
@@ -154,6 +154,7 @@ class Results:
         fields. `asperity.load` reads it; other programs read its parts. A file of this name is
         replaced; one that cannot be written is a ComputeError.
         """
+        from . import _files  # zipfile and tempfile take long to import
         _files.write_results(path, _c.VERSION, {"summary": self.summary, "warnings": self.warnings,
                                                 "notes": self.notes, "scene": self.scene},
                              {name: getattr(self, name) for name in TABLES}, self._all_fields())
@@ -401,6 +402,7 @@ def load(path: _a.Path, *, fields: _a.Path | Sequence[_a.Path] | None = None) ->
     >>> asperity.load(path).states == results.states
     True
     """
+    from . import _files
     made = Results.__new__(Results)
     if _files.is_saved(path):
         facts, tables, found = _files.read_results(path)
