@@ -4,9 +4,8 @@ The first text is `src/original`. This one was written without it, in the number
 `short_numbers`, with the names and the order of operations of the listing. The readings of the
 scan are those of reference_output/faults/listing_port_scan.md: `.5 + RU` in the height of an upper
 centre (deviation a), one computation of SEP before the loop over the list (d), and SEPMIN, MNU, MNL
-and the upper model
-with as many places as NU needs (h). Where the listing reads beyond its list or takes the root of a
-negative number, `StoppedError` has the position.
+and the upper model with as many places as NU needs (h). Where the listing reads beyond its list or
+takes the root of a negative number, `StoppedError` has the position.
 """
 
 import re
