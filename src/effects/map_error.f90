@@ -1,10 +1,12 @@
 !> Estimated error of the contact of a height map by the size of its pixels.
 !>
-!> The map is solved again on every second pixel along both sides, from each of the first four
-!> pixels, with adhesion from the attraction of its pixels. Let d be the root mean square of the
-!> four differences of a result. With the safety factor 3 of two grids (Roache, J. Fluids Eng. 116
-!> (1994) 405) its error is 3 d/(2**p - 1), where p is the order: 2 on a surface that is smooth
-!> between the pixels, so that it is d. That of the area is at least half of the correction of the
+!> The map is solved again on every m-th pixel along both sides, from each of four first pixels,
+!> with adhesion from the attraction of its pixels: m is 2 and, where the map keeps its lengths, 3,
+!> as halves of a symmetric map are mirror images of each other. Let d be the root mean square of
+!> the four differences of a result. With the safety factor 3 of two grids (Roache, J. Fluids Eng.
+!> 116 (1994) 405) its error is 3 d/(m**p - 1), the larger of the two, where p is the order: 2 on a
+!> surface that is smooth between the pixels. The compression has the error of first contact
+!> besides (`map_top`). That of the area is at least half of the correction of the
 !> rim, and at least that of straight rims: each straight piece of a rim along the pixels lies up to
 !> half a pixel from its sides. The errors of pieces are independent, but those of grooves, which
 !> have no ends, add up. The relative error of the greatest pressure is at least that of the area,
@@ -33,7 +35,7 @@ module asperity_map_error
   implicit none
   private
 
-  public :: estimate_pixel_errors, growth_of_slope, share_at_ends
+  public :: error_request, estimate_pixel_errors, growth_of_slope, share_at_ends
 
   ! Safety factor of the error of two grids (Roache 1994; test: rough maps in
   ! test/maps/test_pixel_errors.py).
@@ -51,19 +53,25 @@ module asperity_map_error
   ! Least number of pixels along a side (chosen: halves of two are no maps).
   integer, parameter :: least_side = 4
 
+  !> The quantity that is prescribed, and the error of first contact.
+  type :: error_request
+    logical :: by_load                         !! the load is prescribed, else the separation
+    logical :: by_top                          !! the compression is: the load has its error
+    real(real64) :: top_error                  !! error of first contact [length]
+    logical, private :: is_rough = .false.     !! the map is rough at the size of its pixels
+    real(real64), private :: lowered = 0.0_real64  !! the flat below its level, unless by load
+  end type error_request
+
 contains
 
   !> Estimates the errors of a solution. Nothing is known, and both are unchanged, where a map is
   !> too small, or its halves cannot be solved.
-  subroutine estimate_pixel_errors(map, laws, state, row, by_load, by_top, top_error, of_total, &
-                                   other_errors, unsolved)
+  subroutine estimate_pixel_errors(map, laws, state, row, given, of_total, other_errors, unsolved)
     type(height_map), intent(in) :: map            !! map without plastic deformation
     type(pixel_law_box), intent(in) :: laws(:)     !! laws with the memory of this solution
     type(pixel_state), intent(in) :: state         !! solution; under a load: > 0
     type(state_row), intent(in) :: row             !! totals of this solution
-    logical, intent(in) :: by_load                 !! the load is prescribed, else the separation
-    logical, intent(in) :: by_top                  !! the compression is: the load has its error
-    real(real64), intent(in) :: top_error          !! error of first contact [length]
+    type(error_request), intent(in) :: given       !! quantity that is prescribed
     !> relative, of the load or, under a prescribed one, of the compression
     real(real64), intent(inout) :: of_total
     !> Relative, of area, mean gap and greatest pressure and, under a prescribed load, of the
@@ -72,16 +80,17 @@ contains
     !> Reason why a map of every second pixel could not be solved; not allocated: all were.
     character(len=:), allocatable, intent(out) :: unsolved
     type(pixel_state) :: elastic
+    type(error_request) :: request
     real(real64), allocatable :: error(:)
-    real(real64) :: area, growth, of_first, of_top, pressure
+    real(real64) :: area, growth, of_top, pressure
 
     elastic = state
     growth = growth_of_slope(map)
-    of_first = top_error
-    if (growth > 0.0_real64) of_first = max(top_error, safety * difference_of_tops( &
-                                            map, row%approach + row%compression))
-    call compare_coarser(map, laws, by_load, row, growth > 0.0_real64, &
-                         merge(of_first, 0.0_real64, by_top), elastic, error, of_top, unsolved)
+    request = given
+    request%is_rough = growth > 0.0_real64
+    if (request%is_rough) request%top_error = max(given%top_error, safety * difference_of_tops( &
+                                                  map, row%approach + row%compression))
+    call compare_coarser(map, laws, request, row, elastic, error, of_top, unsolved)
     if (.not. allocated(error)) return
     associate (answer => state%answer, patches => state%patches)
       area = max(error(3), 0.5_real64 * sum(patches%rim), growth * row%area)
@@ -98,43 +107,44 @@ contains
         other_errors(3) = max(0.0_real64, pressure) / &
                           max(row%greatest_pressure, pressure, tiny(area))
       end if
-      if (by_load .and. row%compression > 0.0_real64) then
+      if (given%by_load .and. row%compression > 0.0_real64) then
         other_errors(4) = error(1) / row%compression
-        of_total = (error(1) + of_first) / row%compression
+        of_total = (error(1) + request%top_error) / row%compression
       end if
-      if (.not. by_load .and. abs(answer%load) > 0.0_real64) &
+      if (.not. given%by_load .and. abs(answer%load) > 0.0_real64) &
         of_total = (error(2) + of_top) * answer%load / elastic%answer%load / abs(answer%load)
     end associate
   end subroutine estimate_pixel_errors
 
   ! Solves the maps of every second and, where they keep their lengths, every third pixel of a map,
   ! and compares the totals: level, load, area, mean gap, greatest pressure.
-  subroutine compare_coarser(map, laws, by_load, row, is_rough, top_error, full, errors, of_top, &
-                             unsolved)
+  subroutine compare_coarser(map, laws, request, row, full, errors, of_top, unsolved)
     type(height_map), intent(in) :: map
     type(pixel_law_box), intent(in) :: laws(:)
-    logical, intent(in) :: by_load, is_rough
+    type(error_request), intent(in) :: request
     type(state_row), intent(in) :: row
-    real(real64), intent(in) :: top_error          ! error of first contact
     type(pixel_state), intent(inout) :: full       ! solution on all pixels; gets the elastic one
     ! Not allocated: the map is too small, or one of its halves is not solved.
     real(real64), allocatable, intent(out) :: errors(:)
-    real(real64), intent(out) :: of_top            ! change of the load by `top_error`
+    real(real64), intent(out) :: of_top            ! change of the load by that of first contact
     character(len=:), allocatable, intent(out) :: unsolved  ! why one is not
     ! First columns of maps of every third pixel: mirror images of each other on no even map.
     integer, parameter :: column_of_third(4) = [1, 2, 3, 2], row_of_third(4) = [1, 3, 2, 2]
+    type(error_request) :: lowering
     real(real64) :: halves(5, 4), lower(5), thirds(5, 4), total(5)
     integer :: i, k
 
     of_top = 0.0_real64
     if (any(shape(map%height) < least_side)) return
     do k = 1, 4
-      call solve_coarser(map, laws, by_load, 2, [1 + mod(k, 2), 1 + k / 3], 0.0_real64, full, &
-                         halves(:, k), unsolved)
+      call solve_coarser(map, laws, request, 2, [1 + mod(k, 2), 1 + k / 3], full, halves(:, k), &
+                         unsolved)
       if (allocated(unsolved)) return
     end do
-    if (top_error > 0.0_real64 .and. .not. by_load) then
-      call solve_coarser(map, laws, by_load, 2, [2, 1], top_error, full, lower, unsolved)
+    if (request%by_top .and. request%top_error > 0.0_real64 .and. .not. request%by_load) then
+      lowering = request
+      lowering%lowered = request%top_error
+      call solve_coarser(map, laws, lowering, 2, [2, 1], full, lower, unsolved)
       if (allocated(unsolved)) return
       of_top = abs(lower(2) - halves(2, 1))
     end if
@@ -145,8 +155,8 @@ contains
         any(shape(map%height) < 3 * least_side / 2) .or. any(mod(shape(map%height), 3) > 0 .and. &
             [map%repeats(1), map%repeats(2)])) return
     do k = 1, 4
-      call solve_coarser(map, laws, by_load, 3, [column_of_third(k), row_of_third(k)], 0.0_real64, &
-                         full, thirds(:, k), unsolved)
+      call solve_coarser(map, laws, request, 3, [column_of_third(k), row_of_third(k)], full, &
+                         thirds(:, k), unsolved)
       if (allocated(unsolved)) exit
     end do
     if (.not. allocated(unsolved)) errors = max(errors, error_of_ratio(3) * root_mean(thirds))
@@ -166,18 +176,17 @@ contains
     pure real(real64) function error_of_ratio(ratio)
       integer, intent(in) :: ratio
 
-      error_of_ratio = safety / (ratio**merge(1, 2, is_rough) - 1)
+      error_of_ratio = safety / (ratio**merge(1, 2, request%is_rough) - 1)
     end function error_of_ratio
 
   end subroutine compare_coarser
 
   ! Solves the map on every `step`th pixel.
-  subroutine solve_coarser(map, laws, by_load, step, first, lowered, full, total, unsolved)
+  subroutine solve_coarser(map, laws, request, step, first, full, total, unsolved)
     type(height_map), intent(in) :: map
     type(pixel_law_box), intent(in) :: laws(:)
-    logical, intent(in) :: by_load
+    type(error_request), intent(in) :: request
     integer, intent(in) :: step, first(2)       ! first column and row
-    real(real64), intent(in) :: lowered         ! the flat below its level, unless by load
     type(pixel_state), intent(inout) :: full    ! solution on all pixels; gets the elastic one
     real(real64), intent(out) :: total(5)       ! level, load, area, mean gap, greatest pressure
     character(len=:), allocatable, intent(out) :: unsolved  ! why there is none
@@ -199,11 +208,11 @@ contains
     end do
     coarse%modulus = full%modulus
     coarse%tolerance = closed_halves
-    coarse%answer%level = full%answer%level - lowered
+    coarse%answer%level = full%answer%level - request%lowered
     coarse%answer%interrupt = full%answer%interrupt
     coarse%answer%pressure = full%answer%pressure(first(1)::step, first(2)::step)
-    if (by_load) coarse%load = full%answer%load
-    if (by_load .and. allocated(full%hardness)) &
+    if (request%by_load) coarse%load = full%answer%load
+    if (request%by_load .and. allocated(full%hardness)) &
       coarse%load = min(coarse%load, most_load(coarse%deformed, full%hardness))
     call solve_pixel_state(own, coarse)
     associate (answer => coarse%answer)
@@ -238,7 +247,7 @@ contains
   !> Share of the load on pixels of contact patches that a free edge or a missing pixel cuts. Their
   !> pressure grows without limit with finer pixels, as at the edge of a punch.
   pure real(real64) function share_at_ends(map, pressure) result(share)
-    type(height_map), intent(in) :: map           !! height map
+    type(height_map), intent(in) :: map           !! height map that is pressed
     real(real64), intent(in) :: pressure(:, :)    !! contact pressure, its sum > 0
     logical, allocatable :: ends(:, :)
     integer :: side

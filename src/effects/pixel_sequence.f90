@@ -43,8 +43,8 @@ contains
     end do
   end subroutine solve_pixel_state
 
-  ! Solves the elastic problem. Under no load the surfaces are at first contact, or where pixels that
-  ! the hardness has lowered touch.
+  ! Solves the elastic problem. Under no load the surfaces are at first contact, or where pixels
+  ! that the hardness has lowered touch.
   subroutine press_state(state)
     type(pixel_state), intent(inout) :: state
     real(real64) :: error

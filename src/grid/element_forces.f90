@@ -22,8 +22,8 @@
 !> On a periodic map equal forces have no displacements: along them A is not positive definite and
 !> the energy is linear, with the sum of r as its slope. Where all forces are above 0 and the mean
 !> of r is above the residual that is asked for, the least force is taken from all: the minimum on
-!> this line. Then one force is 0, and the others cannot all decrease together. A mean of less is that of
-!> full contact at any load: the sum of the forces stays that of the start.
+!> this line. Then one force is 0, and the others cannot all decrease together. A mean of less
+!> is that of full contact at any load: the sum of the forces stays that of the start.
 !>
 !> Residual: the largest gap where f > 0 or overlap where f < H. Exits: converged, at a residual of
 !> at most the tolerance or the rounding error, `rounding` times the largest displacement; not

@@ -21,8 +21,8 @@ module asperity_scene_values
 
   public :: scene_map, scene, scene_side, scene_surface, scene_motion, scene_loading, scene_limit, &
             scene_effects
-  public :: control_limit, control_load, control_separation, is_compression, is_distance, is_limit, &
-            is_load
+  public :: control_limit, control_load, control_separation, is_compression, is_distance, &
+            is_limit, is_load
   public :: criterion_none, criterion_load, criterion_pressure, criterion_greenwood_williamson, &
             criterion_hardy, criterion_words
   public :: hold_load, hold_separation, hold_words, most_relaxations

@@ -4,8 +4,8 @@
 !> by central differences of nine pixels. Of the local maxima within half an rms height of the
 !> highest pixel the highest vertex counts: a lower pixel may be nearer to its top. Where the nine
 !> pixels have no vertex within one pixel, as on ridges, it is the highest of those of the lines
-!> along x, along y and along the diagonals. Along a plateau of three equal pixels or more, and where
-!> a neighbour is missing, the surface has no vertex: the pixel is the top.
+!> along x, along y and along the diagonals. Along a plateau of three equal pixels or more, and
+!> where a neighbour is missing, the surface has no vertex: the pixel is the top.
 !>
 !> The error of a vertex at (x, y) is the next terms of the expansion there, in absolute values: of
 !> Stirling's formula (Abramowitz and Stegun 1964, 25.2.22) x (x**2 - 1)/6 and x**2 (x**2 - 1)/24
@@ -19,9 +19,9 @@ module asperity_map_top
 
   public :: find_top
 
-  ! Depth below the highest pixel of the local maxima that are looked at, in rms heights (measured on
-  ! random surfaces: the top is 0.13 above the highest pixel at most where the shortest wave has 4
-  ! pixels; test: random surfaces in test/maps/test_pixel_errors.py).
+  ! Depth below the highest pixel of the local maxima that are looked at, in rms heights (measured
+  ! on random surfaces: the top is 0.13 above the highest pixel at most where the shortest wave has
+  ! 4 pixels; test: random surfaces in test/maps/test_pixel_errors.py).
   real(real64), parameter :: search_depth = 0.5_real64
 
 contains

@@ -17,7 +17,8 @@ module asperity_pixel_model
   use asperity_kinds, only: int64, not_computed, real64
   use asperity_map_caps, only: placed_caps
   use asperity_map_contact, only: most_load, room_to_press
-  use asperity_map_error, only: estimate_pixel_errors, growth_of_slope, share_at_ends
+  use asperity_map_error, only: error_request, estimate_pixel_errors, growth_of_slope, &
+                                share_at_ends
   use asperity_map_fields, only: measure_fields, take_field
   use asperity_map_form, only: find_form_contact
   use asperity_map_interface, only: add_interface
@@ -493,8 +494,9 @@ contains
       if (.not. self%laws(i)%law%has_error(self%state, count(shapes) == 1)) return
     end do
     call estimate_pixel_errors(self%map, self%laws, self%state, result%states(self%states), &
-                               by_load, is_compression(self%model%scene_in%loading%control), &
-                               self%top_error, result%error_estimate, other_errors, unsolved)
+                               error_request(by_load, is_compression( &
+                                 self%model%scene_in%loading%control), self%top_error), &
+                               result%error_estimate, other_errors, unsolved)
     if (allocated(unsolved)) result%no_estimate = unsolved
     at_ends = 0.0_real64
     if (self%state%answer%load > 0.0_real64 .and. .not. allocated(self%state%hardness)) &

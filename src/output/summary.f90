@@ -88,9 +88,9 @@ contains
   end subroutine write_heading
 
   !> `error estimate: load 1.2 %, contact area 0.9 %`, the largest over the positions; under load
-  !> control it is that of the compression in place of the load, and on pixels that of the separation
-  !> over the compression besides. Empty where none is known, unless a
-  !> map of every second pixel could not be solved: then `unknown` and the reason.
+  !> control it is that of the compression in place of the load, and on pixels that of the
+  !> separation over the compression besides. Empty where none is known, unless a map of every
+  !> second pixel could not be solved: then `unknown` and the reason.
   pure function errors_in_words(results) result(text)
     type(scene_results), intent(in) :: results  !! results of a run
     character(len=:), allocatable :: text       !! one line

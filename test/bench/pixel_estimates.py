@@ -2,9 +2,9 @@
 
     python test/bench/pixel_estimates.py [--seeds 6] [--pixels 48] [--save]
 
-Each map is solved on its pixels under three loads, at one separation and at one compression. The true error is the
-difference from the closed form (cones, flat-headed powers of the radius) or from the same surface
-on pixels a quarter as wide. With --save the table goes to
+Each map is solved on its pixels under three loads, at one separation and at one compression. The
+true error is the difference from the closed form (cones, flat-headed powers of the radius) or from
+the same surface on pixels a quarter as wide. With --save the table goes to
 reference_output/bench/pixel_estimates.csv.
 """
 
@@ -21,7 +21,8 @@ from builds import build
 from whole_runs import KEPT, Failed, heading, press_map
 
 E, FINER = 2.0, 4
-QUANTITIES = {"separation": "separation_error_estimate", "compression": "error_estimate", "area": "area_error_estimate",
+QUANTITIES = {"separation": "separation_error_estimate", "compression": "error_estimate",
+              "area": "area_error_estimate",
               "mean_gap": "gap_error_estimate", "pressure": "pressure_error_estimate",
               "load": "error_estimate", "load at a compression": "error_estimate"}
 

@@ -120,9 +120,6 @@ contains
     integer :: steps
     logical :: is_solved
 
-    if (.not. (present(load) .or. present(hardness))) &
-      call check_level(map, history%contact_pressure, gap_error * law%reach, answer)
-    if (allocated(answer%failure)) return
     call start_history(map, modulus, law, history, answer, load, hardness)
     if (allocated(answer%failure)) return
     allowed = gap_error
@@ -140,7 +137,6 @@ contains
     bounds%tolerance = first_tolerance
     if (present(hardness)) bounds%limit = (hardness + attraction_at(law, 0.0_real64)) / unit
     level = 0.0_real64
-    history%is_separated = .false.
     is_solved = .false.
     do steps = 1, steps_allowed
       if (present(load)) then
@@ -170,16 +166,13 @@ contains
       call predict_forces(sum(next - pull), bounds%limit, last, force)
       pull = next
       pulled = pulled + moved
-      bounds%tolerance = 0.1_real64 * allowed
-      if (.not. last%is_plain) &
-        bounds%tolerance = max(share_of_change * min(change, 1.0_real64), bounds%tolerance)
+      bounds%tolerance = max(0.1_real64 * allowed, merge(0.0_real64, share_of_change * &
+                             min(change, 1.0_real64), last%is_plain))
     end do
     answer%ending%iterations = steps
-    if (.not. is_solved) then
-      answer%failure = 'the tractions with adhesion on the map did not converge'
-      if (answer%interrupt%is_asked()) answer%failure = 'interrupted'
-      return
-    end if
+    if (.not. is_solved) answer%failure = 'the tractions with adhesion on the map did not converge'
+    if (.not. is_solved .and. answer%interrupt%is_asked()) answer%failure = 'interrupted'
+    if (.not. is_solved) return
     history%contact_pressure = force * unit
     history%attraction = pull * unit
     answer%displacement = displacement * law%reach
@@ -297,6 +290,10 @@ contains
     type(map_answer), intent(inout) :: answer
     real(real64), intent(in), optional :: load, hardness
 
+    history%is_separated = .false.
+    if (.not. (present(load) .or. present(hardness))) &
+      call check_level(map, history%contact_pressure, gap_error * law%reach, answer)
+    if (allocated(answer%failure)) return
     if (.not. has_memory(2 * room_to_press(map))) &
       answer%failure = not_enough_memory // ' for the pixels of the map'
     if (allocated(history%attraction) .or. allocated(answer%failure)) return
