@@ -12,7 +12,7 @@ module asperity_waiting_threads
 
   ! Settings of the OpenMP run-time library, which reads them when it is loaded. Turns of a loop
   ! before a thread sleeps: some microseconds, the time between two loops of a solve (measured:
-  ! reference_output/bench/threads.md).
+  ! reference_output/bench/threads.2026-11-29.txt).
   character(len=*), parameter :: policy = 'OMP_WAIT_POLICY', turns = 'GOMP_SPINCOUNT'
 
 contains
