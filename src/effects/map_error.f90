@@ -252,7 +252,7 @@ contains
     logical, allocatable :: ends(:, :)
     integer :: side
 
-    ends = .not. is_measured(map%height)
+    allocate (ends, source=.not. is_measured(map%height))
     do side = -2, 2
       if (side == 0) cycle
       if (map%repeats(abs(side))) then
