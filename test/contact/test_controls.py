@@ -2,6 +2,7 @@
 
 import numpy as np
 import pytest
+from map_press_truth import first_contact
 from map_scenes import E, map_scene, solve_map
 from programs import run_program
 from surfaces_csv import solve, write_csv_scene
@@ -87,8 +88,7 @@ def test_path_of_mean_gaps(asperity, tmp_path):
                     {"control": "mean_gap", "value": ends, "points": 3})
     gaps = np.array([row["mean_gap"] for row in states])
     loads = np.array([row["load"] for row in states])
-    first = height.max() - height.mean()
-    expected = [first]
+    expected = [first_contact(height, True) - height.mean()]
     for end in ends:
         expected += list(np.linspace(expected[-1], end, 4)[1:])
     assert gaps == pytest.approx(np.array(expected), rel=1e-8)

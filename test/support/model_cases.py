@@ -15,7 +15,7 @@ from adhesion_truth import maugis_load, maugis_units
 from boundary_equations import evaluate
 from boundary_patch import Contact
 from judge import Figure
-from map_press_truth import press, rough
+from map_press_truth import first_contact, press, rough
 from map_truth import levelled
 from mpmath import mp, mpf
 from plastic_truth import Sphere, unloading
@@ -248,7 +248,7 @@ def map_case(name, why, truth, heights, loads, values, edge="periodic", level="m
 def solved_apart(heights, load, periodic=True):
     """Compression, pixels in contact and greatest pressure by the solver of test/truth."""
     level, pressure = press(heights, (1.0, 1.0), E, load, periodic=periodic)
-    return (float(heights.max() - level), int((pressure > 0).sum()),
+    return (float(first_contact(heights, periodic) - level), int((pressure > 0).sum()),
             float(np.nanmax(pressure)))
 
 
