@@ -4,6 +4,7 @@
 !> keep in the opposite order what the solution leaves to the next state.
 module asperity_pixel_sequence
   use asperity_effect_sequence, only: leave_smallest
+  use asperity_height_map, only: copy_map, height_map
   use asperity_kinds, only: real64
   use asperity_map_contact, only: press_map
   use asperity_map_top, only: find_top
@@ -23,7 +24,8 @@ contains
     type(pixel_state), intent(inout) :: state      !! state before; becomes this state
     integer :: i, solver
 
-    state%problem_map = state%deformed
+    call copy_map(state%deformed, state%problem_map, state%answer%failure)
+    if (allocated(state%answer%failure)) return
     state%problem_modulus = state%modulus
     if (allocated(state%hardness)) deallocate (state%hardness)
     solver = 0
@@ -37,11 +39,19 @@ contains
     else
       call press_state(state)
     end if
+    call free_map(state%problem_map)
     if (allocated(state%answer%failure)) return
     do i = size(laws), 1, -1
       if (laws(i)%law%is_simulated) call laws(i)%law%end_step(state)
     end do
   end subroutine solve_pixel_state
+
+  ! Frees a map: the next state makes its own. (gfortran 12 leaves it when the state is freed.)
+  subroutine free_map(map)
+    type(height_map), intent(out) :: map
+
+    map%columns = 0
+  end subroutine free_map
 
   ! Solves the elastic problem. Under no load the surfaces are at first contact, or where pixels
   ! that the hardness has lowered touch.

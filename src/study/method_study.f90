@@ -90,7 +90,7 @@ contains
       call others%end_within((1.0_real64 - share_of_scene) * most)
     compression = 0.0_real64
     if (allocated(row%left_out)) then
-      ! Where summits are no good the samples of a map may be.
+      ! Where a map cannot be solved its coarser pixels may be.
       if (index(row%left_out, too_long) == 0 .and. .not. allocated(scene_in%map)) then
         failure = row%left_out
         return

@@ -119,7 +119,7 @@ contains
     integer :: e, k
 
     allocate (methods(0))
-    call add_arithmetics(scene_in, compression, methods)
+    if (.not. allocated(scene_in%map)) call add_arithmetics(scene_in, compression, methods)
     do e = 1, size(known_effects)
       if (.not. simulated(e) .or. e == of_interaction) cycle
       k = size(methods) + 1

@@ -96,10 +96,6 @@ def test_any_scene(kind, asperity, root, tmp_path):
     best = reference(rows)
     assert float(best["error_max"]) == 0.0
     assert "Reference: " + best["method"].replace(";", ",") in text
-    if sum(bool(row["seconds"]) for row in rows if row["family"] == "neighbours") > 1:
-        low, high = re.search(r"Run times with neighbours were (\S+) to (\S+) times the predicted",
-                              text).groups()
-        assert 0.0 < float(low) <= float(high)
     run = [row for row in rows if row["seconds"]]
     assert all(row["left_out"] for row in rows if not row["seconds"])
     assert all(row["left_out"] in text.replace(",", ";") for row in rows)

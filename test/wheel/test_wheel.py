@@ -222,12 +222,13 @@ def test_metadata(wheel):
 
 
 def test_package_files(wheel):
-    """Every module, stub and mark of the package is in the wheel."""
+    """Every module, stub and mark of the package is in the wheel, and what a C program needs."""
     with zipfile.ZipFile(wheel) as archive:
         names = {name for name in archive.namelist() if name.startswith("asperity/")}
     tracked = subprocess.run(["git", "ls-files", "asperity"], cwd=ROOT / "python", check=True,
                              capture_output=True, text=True).stdout.split()
-    assert set(tracked) == {name for name in names if name[-1] != "/" and ".so." not in name}
+    assert {*tracked, "asperity/asperity.h", "asperity/asperity.pc"} == {
+        name for name in names if name[-1] != "/" and ".so." not in name}
 
 
 @pytest.fixture(scope="module")
