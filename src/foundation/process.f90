@@ -15,6 +15,8 @@ module asperity_process
   ! Memory to be left beside a request [bytes], for small arrays without a request (chosen), and the
   ! least request that is tried: smaller ones are in that room.
   integer(int64), parameter :: spare_room = 4194304_int64, small_request = spare_room / 128
+  ! Size of the addresses of a process [bytes] (48 bits, a half for the system).
+  integer(int64), parameter :: all_addresses = 2_int64**47
 
 contains
 
@@ -26,8 +28,8 @@ contains
     integer(int64) :: limit
     type(c_ptr) :: room
 
-    has_memory = .true.
-    if (bytes < small_request) return
+    has_memory = bytes < all_addresses
+    if (bytes < small_request .or. .not. has_memory) return
     ! Memory that nothing is written to takes no place.
     room = c_malloc(int(bytes + spare_room, c_size_t))
     has_memory = c_associated(room)

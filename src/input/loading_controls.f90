@@ -62,9 +62,10 @@ module asperity_loading_controls
                              one_axis, none, 'plastic flow changes the mean height', &
                              'missing pixels have no gap'])]
 
+  integer :: row  ! index of the constructor below; flang-19 takes no component of all rows there
   !> The words of a scene, the last one another word for the separation.
   character(len=*), parameter :: control_words(size(controls) + 1) = &
-    [character(len=13) :: controls%word, 'approach']
+    [character(len=13) :: (controls(row)%word, row=1, size(controls)), 'approach']
   type(loading_control), parameter :: control_limit = controls(1)       !! default of a scene
   type(loading_control), parameter :: control_separation = controls(2)  !! set without a scene
   type(loading_control), parameter :: control_load = controls(3)        !! set without a scene
