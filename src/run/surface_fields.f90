@@ -31,8 +31,7 @@ module asperity_surface_fields
   public :: check_field_request, has_field_grid, solve_with_fields
 
   ! Effects under which the pressure of a contact is not that of Hertz.
-  character(len=*), parameter :: other_pressures(3) = &
-    known_effects([of_plasticity, of_adhesion, of_creep])%name
+  integer, parameter :: other_pressures(3) = [of_plasticity, of_adhesion, of_creep]
 
   ! Bytes of a pixel while the fields are computed: both spectra and the transform of the padded
   ! grid, the table of influence with its integral, forces and the two elevations (measured: 73,
@@ -111,7 +110,7 @@ contains
       do i = 1, size(results%effects%names)
         associate (name => results%effects%names(i))
           if (results%positions(1)%effects(i)%simulated /= 'off' .and. &
-              any(name == other_pressures)) &
+              any(name == known_effects(other_pressures)%name)) &
             failure = 'fields: the pressure of contacts with ' // trim(name) // &
                       ' is not Hertz''s: found it simulated, expected ' // trim(name) // &
                       ' = ''off'' or no fields'

@@ -355,6 +355,7 @@ else:
 
 
 @pytest.mark.long
+@pytest.mark.once
 @pytest.mark.parametrize("call", [
     "asperity.read_map('big.npy', spacing=1.0)", "asperity.solve(scene, fields=True)",
     "asperity.summits(asperity.HeightMap(heights, 1.0))",
