@@ -108,7 +108,9 @@ def test_any_scene(kind, asperity, root, tmp_path):
     assert errors == sorted(errors, reverse=True)
     # Equal to the fastest method, or to one of the same error that is.
     assert min(float(row["seconds"]) for row in run) * 1.5**2 >= float(front[0]["seconds"])
-    assert {row["arithmetic"] for row in rows if row["family"] == "arithmetic"} == {"real64"}
+    # A map is solved on its pixels: no arithmetics of isolated asperities.
+    assert {row["arithmetic"] for row in rows if row["family"] == "arithmetic"} == (
+        set() if kind == "map" else {"real64"})
     if kind in ("plasticity path", "adhesion cycle", "creep hold", "friction"):
         assert any(row["family"] == "effects" and float(row["own_error_max"]) > 1e-4
                    for row in rows)
