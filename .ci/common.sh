@@ -8,7 +8,7 @@ export PATH=$venv/bin:$PATH
 unset PYTHONDONTWRITEBYTECODE
 
 # FFTW of conda or Homebrew: pkg-config prints its folder, for the linker and for the loader.
-fftw_folder=$(pkg-config --variable=libdir fftw3 2>/dev/null)
+fftw_folder=$(pkg-config --variable=libdir fftw3 2>/dev/null) || fftw_folder=
 case $fftw_folder in
   '' | /usr/lib* | /lib*) ;;
   *)

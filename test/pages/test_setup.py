@@ -2,6 +2,7 @@
 it prints what to install."""
 
 import os
+import shutil
 import subprocess
 
 import pytest
@@ -51,3 +52,11 @@ def test_pkg_config_has_the_place_of_fftw(folder, expected, tmp_path):
         capture_output=True, text=True,
         env={**plain, "PATH": f"{tmp_path}:{os.environ['PATH']}"})
     assert done.stdout.split() == [expected] * 2 if expected else done.stdout.split() == []
+
+
+def test_a_machine_without_pkg_config_builds(tmp_path):
+    """Scripts that stop at the first failure read the settings there, too."""
+    (tmp_path / "dirname").symlink_to(shutil.which("dirname"))
+    done = subprocess.run([shutil.which("bash"), "-euc", '. .ci/common.sh; echo "$kinds"'],
+                          cwd=ROOT, capture_output=True, text=True, env={"PATH": str(tmp_path)})
+    assert (done.returncode, done.stderr) == (0, "") and "release" in done.stdout
