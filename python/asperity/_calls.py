@@ -21,21 +21,16 @@ def report(deck: _a.Path, arithmetic: str = "ibm370",
     """The printed report of the original program of the thesis on a card deck. A deck on which
     that program would have failed is a ComputeError.
 
-    Parameters
-    ----------
-    deck : str or os.PathLike
-        A card deck, in inches and psi; the report is in cm and N.
-    arithmetic : str, default "ibm370"
-        `ibm370`, with which the thesis was printed, `real32`, `real64` or `real128`.
-    tables : iterable of int
-        Positions, from 1 to 100, whose contact tables are printed.
+    Args:
+        deck: A card deck, in inches and psi; the report is in cm and N.
+        arithmetic: `ibm370`, with which the thesis was printed, `real32`, `real64` or `real128`.
+        tables: Positions, from 1 to 100, whose contact tables are printed.
 
-    Examples
-    --------
-    >>> import asperity
-    >>> lines = asperity.report("data/thesis.deck").splitlines()
-    >>> sum("TABLE" in line for line in lines) >= 4
-    True
+    Examples:
+        >>> import asperity
+        >>> lines = asperity.report("data/thesis.deck").splitlines()
+        >>> sum("TABLE" in line for line in lines) >= 4
+        True
     """
     expected = "positions from 1 to 100"
     positions = [_a.whole("tables", one, expected)
@@ -51,38 +46,29 @@ def summits(map: _a.Path | HeightMap | NDArray[Any] | Sequence[Sequence[float]],
             despike: bool = False, edge: str | None = None) -> Summits:
     """Find the summits of a height map (`docs/reference/height-maps.md`).
 
-    Parameters
-    ----------
-    map : str, os.PathLike, HeightMap, array_like of shape (rows, columns), or topography
-        A file, a height map, a matrix of heights with `spacing`, or a topography of
-        SurfaceTopography.
-    rule : str, default "eight"
-        `eight` (higher than all eight neighbours) or `contact` (for a contact calculation).
-    level : str, optional
-        Subtract the least-squares `plane`, the `mean`, or `none`. Default: `plane` for a free map,
-        `mean` for a periodic one.
-    radius : str, optional
-        `neighbours`, `geometric` or `paraboloid`. Default: that of the rule.
-    unit : str, optional
-        `m`, `mm`, `um`, `nm`, `cm` or `in`, of all lengths that are returned. Default: that of the
-        map. For a map without a unit it is the unit of its numbers.
-    spacing : float or (float, float), optional
-        Distance of pixels along x and y, from 1e-30 to 1e30, for a map without one, in its unit.
-    despike : bool, default False
-        Remove single outliers.
-    edge : str, optional
-        `free`, or `periodic` for a map that repeats itself. Default: that of a `HeightMap`,
-        otherwise `free`.
+    Args:
+        map: A file, a height map, a matrix of heights with `spacing`, or a topography of
+            SurfaceTopography.
+        rule: `eight` (higher than all eight neighbours) or `contact` (for a contact calculation).
+        level: Subtract the least-squares `plane`, the `mean`, or `none`. Default: `plane` for a
+            free map, `mean` for a periodic one.
+        radius: `neighbours`, `geometric` or `paraboloid`. Default: that of the rule.
+        unit: `m`, `mm`, `um`, `nm`, `cm` or `in`, of all lengths that are returned. Default: that
+            of the map. For a map without a unit it is the unit of its numbers.
+        spacing: Distance of pixels along x and y, from 1e-30 to 1e30, for a map without one, in its
+            unit.
+        despike: Remove single outliers.
+        edge: `free`, or `periodic` for a map that repeats itself. Default: that of a `HeightMap`,
+            otherwise `free`.
 
-    Examples
-    --------
-    >>> import asperity
-    >>> found = asperity.summits([[0, 0, 0, 0], [0, 2, 0, 0], [0, 0, 0, 0]], spacing=1,
-    ...                          level="none", unit="um")
-    >>> found["x"].tolist(), found["y"].tolist(), found["height"].tolist()
-    ([1.0], [1.0], [2.0])
-    >>> found.units["x"]
-    'um'
+    Examples:
+        >>> import asperity
+        >>> found = asperity.summits([[0, 0, 0, 0], [0, 2, 0, 0], [0, 0, 0, 0]], spacing=1,
+        ...                          level="none", unit="um")
+        >>> found["x"].tolist(), found["y"].tolist(), found["height"].tolist()
+        ([1.0], [1.0], [2.0])
+        >>> found.units["x"]
+        'um'
     """
     steps = _a.pair("spacing", spacing)
     options = _c.SummitsOptions(
@@ -109,27 +95,21 @@ def generate(specification: _a.Path | Mapping[str, Mapping[str, Any]],
              surface: int = 1) -> tuple[Table, Table]:
     """Make the two random surfaces of a specification (`docs/reference/generate.md`).
 
-    Parameters
-    ----------
-    specification : str, os.PathLike or mapping
-        The path of a file, or its groups as a dict of dicts.
-    surface : int, default 1
-        Which of the ensemble, from 1.
+    Args:
+        specification: The path of a file, or its groups as a dict of dicts.
+        surface: Which of the ensemble, from 1.
 
-    Returns
-    -------
-    (Table, Table)
+    Returns:
         The upper and the lower surface: columns `x`, `y`, `height` and `radius` in the unit of the
         specification, which serve as surfaces of a scene. The same specification gives the same
         numbers everywhere. A surface without room for so many asperities is a ComputeError.
 
-    Examples
-    --------
-    >>> import asperity
-    >>> upper, lower = asperity.generate({"surfaces": {"number": 60, "length": 1, "width": 1},
-    ...     "heights": {"mean": 0.01, "deviation": 0.001}, "radii": {"mean": 0.5}})
-    >>> upper
-    <asperity.Table of 60 asperities: 4 columns x, y, height, radius>
+    Examples:
+        >>> import asperity
+        >>> upper, lower = asperity.generate({"surfaces": {"number": 60, "length": 1, "width": 1},
+        ...     "heights": {"mean": 0.01, "deviation": 0.001}, "radii": {"mean": 0.5}})
+        >>> upper
+        <asperity.Table of 60 asperities: 4 columns x, y, height, radius>
     """
     number = _a.whole("surface", surface, "a number from 1 to the size of the ensemble")
     place: tuple[bytes | None, bytes | None]

@@ -133,24 +133,20 @@ class Table(dict[str, "Column"]):
     arrays of `str`. Where numpy is not installed, columns are sequences that index, slice and
     compare (`asperity.Values`).
 
-    Attributes
-    ----------
-    name : str
-        What the rows are, for instance `states`.
-    units : dict of str to str
-        The unit of each column, "" where it is not known or has none.
+    Attributes:
+        name: What the rows are, for instance `states`.
+        units: The unit of each column, "" where it is not known or has none.
 
-    Examples
-    --------
-    >>> import asperity
-    >>> upper, lower = asperity.generate({"surfaces": {"number": 3, "length": 1, "width": 1},
-    ...     "heights": {"mean": 0.01, "deviation": 0.001}, "radii": {"mean": 0.5}})
-    >>> len(upper), list(upper)
-    (3, ['x', 'y', 'height', 'radius'])
-    >>> bool((upper["radius"] * 2 == 1.0).all())
-    True
-    >>> [row["radius"] for row in upper.rows()]
-    [0.5, 0.5, 0.5]
+    Examples:
+        >>> import asperity
+        >>> upper, lower = asperity.generate({"surfaces": {"number": 3, "length": 1, "width": 1},
+        ...     "heights": {"mean": 0.01, "deviation": 0.001}, "radii": {"mean": 0.5}})
+        >>> len(upper), list(upper)
+        (3, ['x', 'y', 'height', 'radius'])
+        >>> bool((upper["radius"] * 2 == 1.0).all())
+        True
+        >>> [row["radius"] for row in upper.rows()]
+        [0.5, 0.5, 0.5]
     """
 
     def __init__(self, columns: dict[str, Column] | None = None,

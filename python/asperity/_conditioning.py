@@ -35,12 +35,11 @@ class Conditioning:
 
         `robust`: by Tukey's biweight, which leaves outliers out, in place of least squares.
 
-        Examples
-        --------
-        >>> import asperity
-        >>> tilted = asperity.HeightMap([[0, 1, 2], [1, 2, 3], [2, 3, 9]], spacing=1)
-        >>> print(f"{tilted.level(robust=True).heights[2, 2]:.3f}", tilted.level().notes)
-        5.000 ['level: degree 1, least squares']
+        Examples:
+            >>> import asperity
+            >>> tilted = asperity.HeightMap([[0, 1, 2], [1, 2, 3], [2, 3, 9]], spacing=1)
+            >>> print(f"{tilted.level(robust=True).heights[2, 2]:.3f}", tilted.level().notes)
+            5.000 ['level: degree 1, least squares']
         """
         highest = 0 if self.periodic else min(self.shape) - 1
         degree = _a.whole("degree", degree, f"0 to {highest}")
@@ -159,13 +158,12 @@ class Conditioning:
         Sdq is the `rms_slope` of `asperity.summits`. Sdr, a share, is by triangles of three
         neighbouring pixels.
 
-        Examples
-        --------
-        >>> import asperity
-        >>> ridges = asperity.HeightMap([[0.0, 1.0, 0.0, -1.0]] * 4, spacing=1, periodic=True)
-        >>> found = ridges.parameters()
-        >>> print(f"{found['Sa']:.4f} {found['Sq']:.4f} {found['Sdq']:.4f} {found['Sdr']:.4f}")
-        0.5000 0.7071 1.0000 0.4142
+        Examples:
+            >>> import asperity
+            >>> ridges = asperity.HeightMap([[0.0, 1.0, 0.0, -1.0]] * 4, spacing=1, periodic=True)
+            >>> found = ridges.parameters()
+            >>> print(f"{found['Sa']:.4f} {found['Sq']:.4f} {found['Sdq']:.4f} {found['Sdr']:.4f}")
+            0.5000 0.7071 1.0000 0.4142
         """
         from ._calls import summits
         z = np.asarray(self.heights) - np.nanmean(self.heights)

@@ -59,15 +59,12 @@ _shown: set[tuple[str, int, str]] = set()
 def issue(lines: list[str], kinds: list[str]) -> None:
     """Issue the warnings of a run as Python warnings that point at the caller of the package.
 
-    Parameters
-    ----------
-    lines
-        One line for each kind, as the program prints it.
-    kinds
-        For each line the name of its kind and its class, `theory` or `accuracy`.
-
-    Python's default is to show a text once for each line of code. The texts have numbers, which
-    differ from solve to solve: with that default a kind is shown once for each line of code.
+    Args:
+        lines: One line for each kind, as the program prints it.
+        kinds: For each line the name of its kind and its class, `theory` or `accuracy`.
+        Python's default is to show a text once for each line of code. The texts have numbers,
+            which:
+        differ from solve to solve: with that default a kind is shown once for each line of code.:
     """
     if not lines:
         return

@@ -63,49 +63,37 @@ class Fields(Arrays):
     scene of asperities has them on square pixels with the sides `field_spacing` of `surfaces`.
     `fields["pressure"]` is `fields.pressure`, and `dict(fields)` has all by their names.
 
-    Attributes
-    ----------
-    pressure : numpy.ndarray
-        Contact pressure, 0 out of contact. Its sum times the area of a pixel is the load.
-    gap : numpy.ndarray
-        Distance of the deformed surfaces, 0 in contact.
-    displacement : numpy.ndarray
-        Sum of the elastic displacements of both surfaces, more than 0 apart from each other. On a
-        periodic map its mean is 0.
-    contact : numpy.ndarray
-        True where the pixel is in contact.
-    traction, stick : numpy.ndarray
-        Under a tangential load: tangential traction, and True where the pixel sticks.
-    spacing : (float, float)
-        Distance of pixels along x and y.
-    origin : (float, float)
-        Centre of the first pixel; 0, 0 on a height map.
-    unit : str or None
-        Unit of gap, displacement, spacing and origin.
-    units : dict of str to str
-        Unit of each array, empty where it is not known.
-    position : int
-        Position of the motion, from 1.
-    step : int
-        Number of the state, from 1, as in the column `step` of the states.
-    boundary_contacts, hertz_contacts : int or None
-        On a grid: contacts with the pressure of boundary elements, and with that of Hertz.
+    Attributes:
+        pressure: Contact pressure, 0 out of contact. Its sum times the area of a pixel is the load.
+        gap: Distance of the deformed surfaces, 0 in contact.
+        displacement: Sum of the elastic displacements of both surfaces, more than 0 apart from each
+            other. On a periodic map its mean is 0.
+        contact: True where the pixel is in contact.
+        traction, stick: Under a tangential load: tangential traction, and True where the pixel
+            sticks.
+        spacing: Distance of pixels along x and y.
+        origin: Centre of the first pixel; 0, 0 on a height map.
+        unit: Unit of gap, displacement, spacing and origin.
+        units: Unit of each array, empty where it is not known.
+        position: Position of the motion, from 1.
+        step: Number of the state, from 1, as in the column `step` of the states.
+        boundary_contacts, hertz_contacts: On a grid: contacts with the pressure of boundary
+            elements, and with that of Hertz.
 
-    Examples
-    --------
-    >>> import asperity
-    >>> rough = asperity.generate_map(pixels=64, spacing=1, hurst=0.8, rms_slope=0.1)
-    >>> results = asperity.solve({
-    ...     "surfaces": {"upper": "plane", "lower": rough},
-    ...     "material": {"contact_modulus": 1000.0},
-    ...     "loading": {"control": "pressure", "value": 5.0}}, fields=True)
-    >>> fields = results.fields()
-    >>> fields.pressure.shape
-    (64, 64)
-    >>> print(f"{fields.pressure.mean():.3f}")
-    5.000
-    >>> print(fields.gap[fields.contact].max())
-    0.0
+    Examples:
+        >>> import asperity
+        >>> rough = asperity.generate_map(pixels=64, spacing=1, hurst=0.8, rms_slope=0.1)
+        >>> results = asperity.solve({
+        ...     "surfaces": {"upper": "plane", "lower": rough},
+        ...     "material": {"contact_modulus": 1000.0},
+        ...     "loading": {"control": "pressure", "value": 5.0}}, fields=True)
+        >>> fields = results.fields()
+        >>> fields.pressure.shape
+        (64, 64)
+        >>> print(f"{fields.pressure.mean():.3f}")
+        5.000
+        >>> print(fields.gap[fields.contact].max())
+        0.0
     """
 
     _kind = "field"
@@ -148,17 +136,14 @@ class Fields(Arrays):
              percentile: float = 99.5, on: Any = None) -> Axes:
         """Draw one of the arrays in plan on axes of matplotlib, new ones without `ax`.
 
-        Parameters
-        ----------
-        name : {'pressure', 'gap', 'displacement', 'contact', 'traction', 'stick'}
-            The array. Pixels out of contact have no colour in pressure and traction, those in
-            contact none in the gap. `contact` and `stick` have a legend with shares of the area.
-        scale : {'auto', 'linear', 'log'}
-            Of the colours; `auto` is logarithmic where the greatest value exceeds 20 medians.
-        percentile : float, default 99.5
-            Where a linear scale ends if few values are far beyond.
-        on : HeightMap or array_like, optional
-            Heights of the same pixels, drawn as hills in oblique light below the array.
+        Args:
+            name: The array. Pixels out of contact have no colour in pressure and traction, those in
+                contact none in the gap. `contact` and `stick` have a legend with shares of the
+                area.
+            scale: Of the colours; `auto` is logarithmic where the greatest value exceeds 20
+                medians.
+            percentile: Where a linear scale ends if few values are far beyond.
+            on: Heights of the same pixels, drawn as hills in oblique light below the array.
         """
         self._checked(name)
         library: Any = needed("numpy", "plot", "a plot")
@@ -199,16 +184,12 @@ class Stress(Arrays):
 
     `stress["xx"]` and `stress.xx` are arrays with the shape (depths, rows, columns).
 
-    Attributes
-    ----------
-    depth : numpy.ndarray
-        Depths below the surface.
-    xx, yy, zz, xy, xz, yz : numpy.ndarray
-        Components.
-    von_mises, largest_shear : numpy.ndarray
-        Von Mises stress, and half of the difference of the principal stresses.
-    unit : str
-        Unit of the stresses, empty where it is not known.
+    Attributes:
+        depth: Depths below the surface.
+        xx, yy, zz, xy, xz, yz: Components.
+        von_mises, largest_shear: Von Mises stress, and half of the difference of the principal
+            stresses.
+        unit: Unit of the stresses, empty where it is not known.
     """
 
     _kind = "stress"
@@ -241,16 +222,11 @@ class Stress(Arrays):
         """Draw one of the arrays in plan, or in a section along x with the surface above, on axes
         of matplotlib, new ones without `ax`.
 
-        Parameters
-        ----------
-        name : str, default 'von_mises'
-            The array; components with a sign have white at 0.
-        depth : float, optional
-            Of the plan: the nearest of the depths; that of the largest value otherwise.
-        y : float, optional
-            Draw the section at the nearest row of pixels instead.
-        scale, percentile
-            As of `Fields.plot`.
+        Args:
+            name: The array; components with a sign have white at 0.
+            depth: Of the plan: the nearest of the depths; that of the largest value otherwise.
+            y: Draw the section at the nearest row of pixels instead.
+            scale, percentile: As of `Fields.plot`.
         """
         self._checked(name)
         library: Any = needed("numpy", "plot", "a plot")

@@ -37,40 +37,30 @@ def plain_unit(unit: str) -> str:
 class HeightMap(Conditioning):
     """A height map: heights on a rectangular grid, with their spacing and unit.
 
-    Parameters
-    ----------
-    heights : array_like
-        Heights of shape (rows, columns), indexed `[row, column]` = `[y, x]` as in a text matrix:
-        x grows along a row, y with the row. NaN or a mask marks missing pixels. Without numpy a
-        list of lists. The values are copied. An array of xarray with the dimensions `x` and `y` is
-        indexed by them, in either order; its coordinates must have this spacing, and its
-        attribute `units` is the unit. A topography of SurfaceTopography has its own spacing, unit
-        and edge, and its heights are indexed `[x, y]`.
-    spacing : float or (float, float)
-        Distance from pixel to pixel along x and y, in the unit of the heights.
-    unit : str, optional
-        Unit of heights and spacing: `m`, `mm`, `um`, `nm`, `cm` or `in`.
-    periodic : bool, default False
-        Whether the map repeats itself along x and y. Otherwise its edge is free.
+    Args:
+        heights: Heights of shape (rows, columns), indexed `[row, column]` = `[y, x]` as in a text
+            matrix: x grows along a row, y with the row. NaN or a mask marks missing pixels. Without
+            numpy a list of lists. The values are copied. An array of xarray with the dimensions `x`
+            and `y` is indexed by them, in either order; its coordinates must have this spacing, and
+            its attribute `units` is the unit. A topography of SurfaceTopography has its own
+            spacing, unit and edge, and its heights are indexed `[x, y]`.
+        spacing: Distance from pixel to pixel along x and y, in the unit of the heights.
+        unit: Unit of heights and spacing: `m`, `mm`, `um`, `nm`, `cm` or `in`.
+        periodic: Whether the map repeats itself along x and y. Otherwise its edge is free.
 
-    Attributes
-    ----------
-    heights : numpy.ndarray
-        The heights, read-only; without numpy a sequence of rows.
-    is_profile : bool
-        Whether it is a profile: a strip along y of the width 1, so that a load is a load per
-        length (`HeightMap.profile`).
-    notes : list of str
-        Notes on the file that it was read from, and what methods have done to the heights.
+    Attributes:
+        heights: The heights, read-only; without numpy a sequence of rows.
+        is_profile: Whether it is a profile: a strip along y of the width 1, so that a load is a
+            load per length (`HeightMap.profile`).
+        notes: Notes on the file that it was read from, and what methods have done to the heights.
 
-    Examples
-    --------
-    >>> import asperity
-    >>> tilted = asperity.HeightMap([[0, 1, 2], [0, 1, 2], [0, 1, 2]], spacing=0.5, unit="um")
-    >>> tilted
-    <asperity.HeightMap of 3 x 3 pixels: 1.5 x 1.5 um, heights 0 to 2 um, free>
-    >>> tilted.shape, tilted.spacing
-    ((3, 3), (0.5, 0.5))
+    Examples:
+        >>> import asperity
+        >>> tilted = asperity.HeightMap([[0, 1, 2], [0, 1, 2], [0, 1, 2]], spacing=0.5, unit="um")
+        >>> tilted
+        <asperity.HeightMap of 3 x 3 pixels: 1.5 x 1.5 um, heights 0 to 2 um, free>
+        >>> tilted.shape, tilted.spacing
+        ((3, 3), (0.5, 0.5))
     """
 
     is_profile: bool = False
@@ -114,17 +104,16 @@ class HeightMap(Conditioning):
         that a load is a load per length, an area a contact width. A scene with a free profile has
         `map_edge = 'free', 'periodic'`.
 
-        Examples
-        --------
-        >>> import asperity
-        >>> places = [0.01 * i - 1.0 for i in range(201)]
-        >>> cylinder = asperity.HeightMap.profile([-x**2 / 20 for x in places], 0.01)
-        >>> found = asperity.solve({
-        ...     "surfaces": {"upper": "plane", "lower": cylinder},
-        ...     "material": {"contact_modulus": 1000.0},
-        ...     "loading": {"control": "load", "value": 10.0}}).states
-        >>> print(f"{found['area'][-1]:.3f}")  # 2 sqrt(4 P R/(pi E*)) = 0.714
-        0.714
+        Examples:
+            >>> import asperity
+            >>> places = [0.01 * i - 1.0 for i in range(201)]
+            >>> cylinder = asperity.HeightMap.profile([-x**2 / 20 for x in places], 0.01)
+            >>> found = asperity.solve({
+            ...     "surfaces": {"upper": "plane", "lower": cylinder},
+            ...     "material": {"contact_modulus": 1000.0},
+            ...     "loading": {"control": "load", "value": 10.0}}).states
+            >>> print(f"{found['area'][-1]:.3f}")  # 2 sqrt(4 P R/(pi E*)) = 0.714
+            0.714
         """
         row = list(_a.doubles("heights", heights))
         made = cls([row] * 3, (_a.number("spacing", spacing), 1.0 / 3.0), unit, periodic)
@@ -167,27 +156,21 @@ class HeightMap(Conditioning):
 
         A free map has a Hann window; a map with missing pixels is refused.
 
-        Parameters
-        ----------
-        kind : {'iso', 'x', 'y'}
-            `iso`: of the area, averaged over rings of equal wave number. `x`, `y`: of lines along
-            x or y, averaged over all of them.
-        level : {'plane', 'mean', 'none'}, optional
-            What is subtracted first: the plane of least squares, the mean, or nothing. Default:
-            `plane` for a free map, `mean` for a periodic one.
+        Args:
+            kind: `iso`: of the area, averaged over rings of equal wave number. `x`, `y`: of lines
+                along x or y, averaged over all of them.
+            level: What is subtracted first: the plane of least squares, the mean, or nothing.
+                Default: `plane` for a free map, `mean` for a periodic one.
 
-        Returns
-        -------
-        Table
+        Returns:
             `q`: wave number, 2 pi over the wavelength. `c_iso`, length to the power 4, or `c_1d`,
             length to the power 3. `number`: values averaged, wave vectors or lines.
 
-        Examples
-        --------
-        >>> import asperity
-        >>> rough = asperity.generate_map(pixels=64, spacing=1, hurst=0.8, rms_height=1)
-        >>> rough.power_spectrum()
-        <asperity.Table of 25 wave numbers: 3 columns q, c_iso, number>
+        Examples:
+            >>> import asperity
+            >>> rough = asperity.generate_map(pixels=64, spacing=1, hurst=0.8, rms_height=1)
+            >>> rough.power_spectrum()
+            <asperity.Table of 25 wave numbers: 3 columns q, c_iso, number>
         """
         if kind not in _c.SPECTRA:
             raise _a.wrong("kind", repr(kind), "'iso', 'x' or 'y'")
@@ -337,43 +320,32 @@ def read_map(path: _a.Path, *, spacing: float | Sequence[float] | None = None,
              decimal: str | None = None, columns: Sequence[str | int] | None = None) -> HeightMap:
     """Read a height map from a file.
 
-    Parameters
-    ----------
-    path : str or os.PathLike
-        Surface data (ISO 25178-71, `.sdf`), a matrix of heights as text, lines of `x,y,z`, or
-        `.npy`, recognised by content. Where SurfaceTopography is installed, also its other formats,
-        and text with a header that it understands.
-    spacing : float or (float, float), optional
-        Distance of pixels along x and y, for a file without one, in its unit.
-    unit : str, optional
-        `m`, `mm`, `um`, `nm`, `cm` or `in`: the map is converted to it. For a file without a unit
-        it is the unit of its numbers.
-    periodic : bool, default False
-        Whether the map repeats itself. Not needed where the file has the edge.
-    delimiter : str, optional
-        Separator of the numbers of a text, one sign; blanks without. With `delimiter`, `decimal`
-        or `columns` the file is a text in that form: comments begin with `#` or `%`, missing
-        pixels are empty, `NaN` or `BAD`.
-    decimal : {'.', ','}, optional
-        Decimal sign of a text.
-    columns : (x, y, height), optional
-        Columns of the places and heights of a full regular grid: names in the first line of the
-        text, or numbers from 0 for a text without names. A first line with `x`, `y` and one of
-        `z`, `height`, `value`, `elevation` is read without keywords. Without columns a text is a
-        matrix, which needs `spacing`.
+    Args:
+        path: Surface data (ISO 25178-71, `.sdf`), a matrix of heights as text, lines of `x,y,z`, or
+            `.npy`, recognised by content. Where SurfaceTopography is installed, also its other
+            formats, and text with a header that it understands.
+        spacing: Distance of pixels along x and y, for a file without one, in its unit.
+        unit: `m`, `mm`, `um`, `nm`, `cm` or `in`: the map is converted to it. For a file without a
+            unit it is the unit of its numbers.
+        periodic: Whether the map repeats itself. Not needed where the file has the edge.
+        delimiter: Separator of the numbers of a text, one sign; blanks without. With `delimiter`,
+            `decimal` or `columns` the file is a text in that form: comments begin with `#` or `%`,
+            missing pixels are empty, `NaN` or `BAD`.
+        decimal: Decimal sign of a text.
+        columns: Columns of the places and heights of a full regular grid: names in the first line
+            of the text, or numbers from 0 for a text without names. A first line with `x`, `y` and
+            one of `z`, `height`, `value`, `elevation` is read without keywords. Without columns a
+            text is a matrix, which needs `spacing`.
 
-    Returns
-    -------
-    HeightMap
+    Returns:
         Its `notes` are also issued as warnings (`UserWarning`). A file that cannot be read is an
         InputError with the reasons of both readers.
 
-    Examples
-    --------
-    >>> import asperity
-    >>> asperity.read_map("data/examples/summits/rough.sdf", unit="um")
-    <asperity.HeightMap of 64 x 64 pixels: 32 x 32 um, heights -0.0623152 to 0.0478979 um, free,
-     20 pixels missing>
+    Examples:
+        >>> import asperity
+        >>> asperity.read_map("data/examples/summits/rough.sdf", unit="um")
+        <asperity.HeightMap of 64 x 64 pixels: 32 x 32 um, heights -0.0623152 to 0.0478979 um, free,
+         20 pixels missing>
     """
     if delimiter is decimal is columns is None:
         made = map_of_file(path, spacing, unit, periodic)
@@ -417,26 +389,20 @@ def generate_map(specification: _a.Path | Mapping[str, Mapping[str, Any]] | None
                  **names: Any) -> HeightMap:
     """Make a self-affine random height map (`docs/reference/generate.md`).
 
-    Parameters
-    ----------
-    specification : str, os.PathLike or mapping, optional
-        The path of a file with a group `&map`, or its groups as a dict of dicts.
-    **names
-        Without a specification, the names of the group: `pixels`, `spacing`, `hurst` and
-        `rms_height` or `rms_slope` are needed; `roll_off`, `cut_off`, `below_roll_off`, `seed`,
-        `periodic` and `unit` are not.
+    Args:
+        specification: The path of a file with a group `&map`, or its groups as a dict of dicts.
+        **names: Without a specification, the names of the group: `pixels`, `spacing`, `hurst` and
+            `rms_height` or `rms_slope` are needed; `roll_off`, `cut_off`, `below_roll_off`, `seed`,
+            `periodic` and `unit` are not.
 
-    Returns
-    -------
-    HeightMap
+    Returns:
         Maps of two machines agree to 1e-12 of the rms height.
 
-    Examples
-    --------
-    >>> import asperity
-    >>> asperity.generate_map(pixels=(256, 128), spacing=0.1, unit="um", hurst=0.8, roll_off=8,
-    ...                       rms_slope=0.1, seed=2, periodic=False).shape
-    (128, 256)
+    Examples:
+        >>> import asperity
+        >>> asperity.generate_map(pixels=(256, 128), spacing=0.1, unit="um", hurst=0.8, roll_off=8,
+        ...                       rms_slope=0.1, seed=2, periodic=False).shape
+        (128, 256)
     """
     place: tuple[bytes | None, bytes | None]
     if specification is None or isinstance(specification, Mapping):

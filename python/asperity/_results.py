@@ -41,37 +41,30 @@ class Results:
     Lengths, forces and pressures are in the units of the scene; `docs/reference/columns.md` lists
     the columns with meaning, unit and sign. Results can be copied and pickled.
 
-    Attributes
-    ----------
-    positions : Table
-        One row for each position of the motion: its last state.
-    states : Table
-        One row for each state of each position.
-    contacts : Table
-        One row for each contact of each state.
-    summary : str
-        The printed summary.
-    warnings : list of str
-        One line for each kind; each is also issued as `TheoryWarning` or `AccuracyWarning`.
-    notes : list of str
-        Notes on the deck, the scene or the map.
-    scene : dict
-        The `text` of the scene without its arrays, its `file`, its `units` of length and force
-        where they are known, and `provenance`: version, arithmetic, effects, checksums of files.
+    Attributes:
+        positions: One row for each position of the motion: its last state.
+        states: One row for each state of each position.
+        contacts: One row for each contact of each state.
+        summary: The printed summary.
+        warnings: One line for each kind; each is also issued as `TheoryWarning` or
+            `AccuracyWarning`.
+        notes: Notes on the deck, the scene or the map.
+        scene: The `text` of the scene without its arrays, its `file`, its `units` of length and
+            force where they are known, and `provenance`: version, arithmetic, effects, checksums of
+            files.
 
-    Examples
-    --------
-    >>> import asperity
-    >>> sphere = {"x": [0.0], "y": [0.0], "height": [1.0], "radius": [10.0]}
-    >>> results = asperity.solve({"surfaces": {"upper": sphere, "lower": "plane"},
-    ...     "material": {"contact_modulus": 1000.0},
-    ...     "loading": {"control": "compression", "value": 0.01, "points": 4}})
-    >>> len(results.states)
-    5
-    >>> print(f"{results.states['load'][-1]:.6f}")  # Hertz: 4/3 E sqrt(R) d**1.5
-    4.216370
-    >>> [f"{row['load']:.3f}" for row in results.states.rows()]
-    ['0.000', '0.527', '1.491', '2.739', '4.216']
+    Examples:
+        >>> import asperity
+        >>> sphere = {"x": [0.0], "y": [0.0], "height": [1.0], "radius": [10.0]}
+        >>> results = asperity.solve({"surfaces": {"upper": sphere, "lower": "plane"},
+        ...     "material": {"contact_modulus": 1000.0},
+        ...     "loading": {"control": "compression", "value": 0.01, "points": 4}})
+        >>> len(results.states)
+        5
+        >>> print(f"{results.states['load'][-1]:.6f}")  # Hertz: 4/3 E sqrt(R) d**1.5
+        4.216370
+        >>> [f"{row['load']:.3f}" for row in results.states.rows()]
+        ['0.000', '0.527', '1.491', '2.739', '4.216']
     """
 
     def __init__(self, outcome: _c.Outcome, kept: int = _fields.NONE):
@@ -165,14 +158,10 @@ class Results:
         contacts to scale; curves with errors; a table of contacts, summary, warnings and scene. A
         slider visits the states. A file that cannot be written is a ComputeError.
 
-        Parameters
-        ----------
-        path : str or os.PathLike
-            Name of the file, which is returned; a file of this name is replaced.
-        position : int, optional
-            Position of the motion; all of them otherwise.
-        title : str, optional
-            Title of the page; the name of the scene otherwise.
+        Args:
+            path: Name of the file, which is returned; a file of this name is replaced.
+            position: Position of the motion; all of them otherwise.
+            title: Title of the page; the name of the scene otherwise.
         """
         name = os.fsdecode(_a.path("path", path))
         if position is not None:
@@ -190,19 +179,15 @@ class Results:
         """Draw the load against the separation, and the contact area against the load; with a
         nominal area the nominal pressure and the area fraction in their place.
 
-        Parameters
-        ----------
-        ax : pair of matplotlib.axes.Axes, optional
-            Where to draw; a new figure otherwise.
-        log : bool, default False
-            Logarithmic axes, but for the separation.
-        errors : bool, default True
-            Draw the estimated errors of the states as bands, of a path up and down as bars.
-        theory : dict of str to surface, (x, y) or function, optional
-            Curves by name for the second axes. Under the names `persson`, `bush_gibson_thomas` and
-            `greenwood_williamson` the rough surface of a scene with a nominal area: a `HeightMap`,
-            or what the function of `asperity.theory` takes; the contact modulus is that of the
-            scene, which must have it or two moduli. Under any name x and y, or a function of x.
+        Args:
+            ax: Where to draw; a new figure otherwise.
+            log: Logarithmic axes, but for the separation.
+            errors: Draw the estimated errors of the states as bands, of a path up and down as bars.
+            theory: Curves by name for the second axes. Under the names `persson`,
+                `bush_gibson_thomas` and `greenwood_williamson` the rough surface of a scene with a
+                nominal area: a `HeightMap`, or what the function of `asperity.theory` takes; the
+                contact modulus is that of the scene, which must have it or two moduli. Under any
+                name x and y, or a function of x.
         """
         curves = {name: self._area_curve(name, given) for name, given in (theory or {}).items()}
         return draw_curves(self.states, ax, control=self._control(), log=log, errors=errors,
@@ -255,23 +240,17 @@ class Results:
                step: int | None = None) -> Fields:
         """Pressure, gap and displacement on the pixels of a height map or of asperities.
 
-        Parameters
-        ----------
-        position : int, default 1
-            Position of the motion, from 1: a value of the column `position`.
-        state : int, optional
-            Deprecated, use `step`: the index among the states of the position, from 0.
-        step : int, optional
-            Number of the state, from 1: a value of the column `step` of the states. -1, the
-            default, is the last state, -2 the one before.
+        Args:
+            position: Position of the motion, from 1: a value of the column `position`.
+            state: Deprecated, use `step`: the index among the states of the position, from 0.
+            step: Number of the state, from 1: a value of the column `step` of the states. -1, the
+                default, is the last state, -2 the one before.
 
-        Raises
-        ------
-        IndexError
-            For a position or a state that the results do not have, or did not keep.
-        ComputeError
-            Where no fields were requested by `solve(..., fields=True)`, or the scene is neither a
-            height map solved on its pixels nor one position of asperities with `field_spacing`.
+        Raises:
+            IndexError: For a position or a state that the results do not have, or did not keep.
+            ComputeError: Where no fields were requested by `solve(..., fields=True)`, or the scene
+                is neither a height map solved on its pixels nor one position of asperities with
+                `field_spacing`.
         """
         step = self._step(position, state, step)
         if self._kept == _fields.LAST and not self._keeps(position, step):
@@ -291,19 +270,18 @@ class Results:
         `depths` below the surface are one or several, more than 0; `position` and `step` as for
         `fields`. A scene without Poisson's ratio is a ComputeError.
 
-        Examples
-        --------
-        >>> import asperity, numpy as np
-        >>> x = np.linspace(-0.2, 0.2, 65)
-        >>> results = asperity.solve({
-        ...     "surfaces": {"upper": "plane", "lower": asperity.HeightMap(
-        ...         -(x[:, None]**2 + x**2) / 2, x[1] - x[0])},
-        ...     "material": {"elastic_modulus": (1e3, 1e3), "poisson_ratio": (0.3, 0.3)},
-        ...     "loading": {"control": "load", "value": 0.6}}, fields=True)
-        >>> stress = results.stress(np.linspace(0.02, 0.1, 17))
-        >>> value, depth, _, _ = stress.largest("von_mises")
-        >>> print(f"{value / results.fields().pressure.max():.2f} {depth:.2f}")
-        0.62 0.05
+        Examples:
+            >>> import asperity, numpy as np
+            >>> x = np.linspace(-0.2, 0.2, 65)
+            >>> results = asperity.solve({
+            ...     "surfaces": {"upper": "plane", "lower": asperity.HeightMap(
+            ...         -(x[:, None]**2 + x**2) / 2, x[1] - x[0])},
+            ...     "material": {"elastic_modulus": (1e3, 1e3), "poisson_ratio": (0.3, 0.3)},
+            ...     "loading": {"control": "load", "value": 0.6}}, fields=True)
+            >>> stress = results.stress(np.linspace(0.02, 0.1, 17))
+            >>> value, depth, _, _ = stress.largest("von_mises")
+            >>> print(f"{value / results.fields().pressure.max():.2f} {depth:.2f}")
+            0.62 0.05
         """
         library: Any = needed("numpy", "stress", "stresses")
         fields = self.fields(position, step=step)
@@ -379,28 +357,22 @@ class Results:
 def load(path: _a.Path, *, fields: _a.Path | Sequence[_a.Path] | None = None) -> Results:
     """Read results that `Results.save` or `asperity solve --json` wrote.
 
-    Parameters
-    ----------
-    path : str or os.PathLike
-        Name of the file.
-    fields : str, os.PathLike or list of these, optional
-        Beside a file of `--json`: the file of `--fields`, of the last state of position 1; a list
-        has those of all states of this position, in their order (`--fields-of all`).
+    Args:
+        path: Name of the file.
+        fields: Beside a file of `--json`: the file of `--fields`, of the last state of position 1;
+            a list has those of all states of this position, in their order (`--fields-of all`).
 
-    Returns
-    -------
-    Results
+    Returns:
         With the same tables, texts and fields, to the last bit. A file of another kind is an
         InputError.
 
-    Examples
-    --------
-    >>> import asperity, tempfile
-    >>> results = asperity.solve("data/examples/one_pair.scene")
-    >>> path = tempfile.mkdtemp() + "/one_pair.zip"
-    >>> results.save(path)
-    >>> asperity.load(path).states == results.states
-    True
+    Examples:
+        >>> import asperity, tempfile
+        >>> results = asperity.solve("data/examples/one_pair.scene")
+        >>> path = tempfile.mkdtemp() + "/one_pair.zip"
+        >>> results.save(path)
+        >>> asperity.load(path).states == results.states
+        True
     """
     from . import _files
     made = Results.__new__(Results)
@@ -446,14 +418,10 @@ class Summits(Table):
     """Summits of a height map: columns `x`, `y`, `height` and `radius`, in the unit of the map
     or in the requested one. It can be used as a surface of a scene.
 
-    Attributes
-    ----------
-    statistics : dict of str to float
-        Statistics of the map and its summits by name, in the same unit of length.
-    summary : str
-        The printed summary.
-    notes : list of str
-        Notes on the file of the map.
+    Attributes:
+        statistics: Statistics of the map and its summits by name, in the same unit of length.
+        summary: The printed summary.
+        notes: Notes on the file of the map.
     """
 
     def __init__(self, outcome: _c.Outcome, source: Any):

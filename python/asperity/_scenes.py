@@ -25,21 +25,18 @@ class Scene:
 
     `scene` is as for `solve`; an InputError has all that is wrong with it.
 
-    Attributes
-    ----------
-    groups : dict
-        The groups of the scene without its arrays; for a file, values as they stand there.
+    Attributes:
+        groups: The groups of the scene without its arrays; for a file, values as they stand there.
 
-    Examples
-    --------
-    >>> import asperity
-    >>> sphere = {"x": [0.0], "y": [0.0], "height": [1.0], "radius": [10.0]}
-    >>> scene = asperity.Scene({"surfaces": {"upper": sphere, "lower": "plane"},
-    ...     "material": {"contact_modulus": 1000.0}, "loading": {"control": "load", "value": 1}})
-    >>> for load in (1, 8):
-    ...     print(f"{scene.solve(loading={'value': load}).states['compression'][-1]:.6f}")
-    0.003832
-    0.015326
+    Examples:
+        >>> import asperity
+        >>> sphere = {"x": [0.0], "y": [0.0], "height": [1.0], "radius": [10.0]}
+        >>> scene = asperity.Scene({"surfaces": {"upper": sphere, "lower": "plane"},
+        ...     "material": {"contact_modulus": 1e3}, "loading": {"control": "load", "value": 1}})
+        >>> for load in (1, 8):
+        ...     print(f"{scene.solve(loading={'value': load}).states['compression'][-1]:.6f}")
+        0.003832
+        0.015326
     """
 
     def __init__(self, scene: _a.Path | Mapping[str, Mapping[str, Any]]):
@@ -102,66 +99,50 @@ def solve(scene: _a.Path | Mapping[str, Mapping[str, Any]] | Scene, *, arithmeti
           threads: int = 0, progress: bool = False, fields: bool | str = False) -> Results:
     """Solve a scene: contacts, load, area and pressures of two surfaces.
 
-    Parameters
-    ----------
-    scene : str, os.PathLike, mapping or Scene
-        The path of a scene file or of a card deck; or the groups of a scene as a dict of dicts,
-        with the names and units of `docs/reference/scene.md`. There, `upper` and `lower` of the
-        group `surfaces` are a path, relative to the current folder; `"plane"` for one of the two;
-        asperities: a mapping, a structured array or a pandas table with `x`, `y` (places on the
-        reference plane), `height` (above it) and `radius` (more than 0), arrays of n numbers each,
-        or one radius for all; or a height map: a `HeightMap`, a topography of SurfaceTopography, or
-        a matrix of heights `[y, x]` with `map_spacing` in the same group. Numbers are taken as the
-        doubles that they are; True and False stand for `on` and `off`, True for `auto` of
-        `interaction`.
-    arithmetic : str, default "real64"
-        No other is accepted: scenes are solved in doubles. `report` has other arithmetics.
-    accuracy : float, default 0
-        Largest estimated relative error, less than 1; the fastest method with this error is used.
-        0: no such choice.
-    accuracy_of : 'all', 'load', 'area' or 'pressure', default 'all'
-        Totals that `accuracy` limits; `load` stands for the separation under a load.
-    contacts : bool, default True
-        False: totals only, `contacts` of the results has no rows.
-    threads : int, default 0
-        0: all cores; at most 9999. The results are the same for any number.
-    progress : bool, default False
-        Show a bar of tqdm, or a line on standard error where tqdm is not installed.
-    fields : bool or 'all', default False
-        Keep pressure, gap and displacement for `Results.fields`, of the last state or of all
-        states: on the pixels of a height map, or on the grid of a scene of asperities with
-        `field_spacing` in `surfaces`. Other scenes are refused. A state takes 24 bytes a pixel.
+    Args:
+        scene: The path of a scene file or of a card deck; or the groups of a scene as a dict of
+            dicts, with the names and units of `docs/reference/scene.md`. There, `upper` and `lower`
+            of the group `surfaces` are a path, relative to the current folder; `"plane"` for one of
+            the two; asperities: a mapping, a structured array or a pandas table with `x`, `y`
+            (places on the reference plane), `height` (above it) and `radius` (more than 0), arrays
+            of n numbers each, or one radius for all; or a height map: a `HeightMap`, a topography
+            of SurfaceTopography, or a matrix of heights `[y, x]` with `map_spacing` in the same
+            group. Numbers are taken as the doubles that they are; True and False stand for `on` and
+            `off`, True for `auto` of `interaction`.
+        arithmetic: No other is accepted: scenes are solved in doubles. `report` has other
+            arithmetics.
+        accuracy: Largest estimated relative error, less than 1; the fastest method with this error
+            is used. 0: no such choice.
+        accuracy_of: Totals that `accuracy` limits: `all`, `area`, `pressure` or `load`, which stands
+            for the separation under a load.
+        contacts: False: totals only, `contacts` of the results has no rows.
+        threads: 0: all cores; at most 9999. The results are the same for any number.
+        progress: Show a bar of tqdm, or a line on standard error where tqdm is not installed.
+        fields: Keep pressure, gap and displacement for `Results.fields`, True of the last state,
+            `all` of all states: on the pixels of a height map, or on the grid of a scene of asperities with
+            `field_spacing` in `surfaces`. Other scenes are refused. A state takes 24 bytes a pixel.
 
-    Raises
-    ------
-    InputError
-        With all that is wrong with the scene or an argument, each under the name that it was given
-        with, as in `surfaces.upper.height`.
-    TypeError
-        For a value of a type that cannot be taken.
-    ComputeError
-        When the scene cannot be solved.
-    KeyboardInterrupt
-        After Ctrl-C, within a second.
+    Raises:
+        InputError: With all that is wrong with the scene or an argument, each under the name that
+            it was given with, as in `surfaces.upper.height`.
+        TypeError: For a value of a type that cannot be taken.
+        ComputeError: When the scene cannot be solved.
+        KeyboardInterrupt: After Ctrl-C, within a second.
 
-    Warns
-    -----
-    TheoryWarning
-        For a result outside the range of a theory.
-    AccuracyWarning
-        For a result with a larger error than the tolerance.
+    Warns:
+        TheoryWarning: For a result outside the range of a theory.
+        AccuracyWarning: For a result with a larger error than the tolerance.
 
-    Examples
-    --------
-    >>> import asperity
-    >>> ridges = [[0.0, 0.1, 0.0, -0.1] * 8] * 32  # heights in um
-    >>> results = asperity.solve({
-    ...     "surfaces": {"upper": "plane", "lower": ridges, "map_spacing": 0.5, "map_unit": "um",
-    ...                  "map_edge": "periodic"},
-    ...     "material": {"contact_modulus": 1e5},
-    ...     "loading": {"control": "pressure", "value": 500.0}})
-    >>> print(f"{results.states['nominal_pressure'][-1]:.1f}")
-    500.0
+    Examples:
+        >>> import asperity
+        >>> ridges = [[0.0, 0.1, 0.0, -0.1] * 8] * 32  # heights in um
+        >>> results = asperity.solve({
+        ...     "surfaces": {"upper": "plane", "lower": ridges, "map_spacing": 0.5,
+        ...                  "map_unit": "um", "map_edge": "periodic"},
+        ...     "material": {"contact_modulus": 1e5},
+        ...     "loading": {"control": "pressure", "value": 500.0}})
+        >>> print(f"{results.states['nominal_pressure'][-1]:.1f}")
+        500.0
     """
     given = scene if isinstance(scene, Scene) else Scene(scene)
     return given.solve(arithmetic=arithmetic, accuracy=accuracy, accuracy_of=accuracy_of,

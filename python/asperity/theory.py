@@ -81,12 +81,11 @@ def moments(surface: Any, spacing: Any = None) -> Moments:
 
     P. R. Nayak, J. Lubr. Technol. 93 (1971) 398. Checked on the closed moments of a cosine.
 
-    Examples
-    --------
-    >>> import asperity
-    >>> waves = asperity.HeightMap([[0.0, 1.0, 0.0, -1.0]] * 4, spacing=1, periodic=True)
-    >>> print(f"{asperity.theory.moments(waves).m0:.3f}")
-    0.500
+    Examples:
+        >>> import asperity
+        >>> waves = asperity.HeightMap([[0.0, 1.0, 0.0, -1.0]] * 4, spacing=1, periodic=True)
+        >>> print(f"{asperity.theory.moments(waves).m0:.3f}")
+        0.500
     """
     if isinstance(surface, Moments):
         return surface
@@ -109,14 +108,11 @@ def moments(surface: Any, spacing: Any = None) -> Moments:
 def summit_statistics(surface: Any, area: float | None = None) -> SummitStatistics:
     """Density, radius and heights of the asperities of a surface.
 
-    Parameters
-    ----------
-    surface : Summits, table of asperities, HeightMap, Moments or SummitStatistics
-        Of a map or moments the expected summits of an isotropic Gaussian surface (A. W. Bush,
-        R. D. Gibson, G. P. Keogh, Mech. Res. Commun. 3 (1976) 169; J. I. McCool, Wear 107 (1986)
-        37), checked on `asperity.summits`.
-    area : float, optional
-        Nominal area of a table; without it the rectangle of the extreme places.
+    Args:
+        surface: Of a map or moments the expected summits of an isotropic Gaussian surface (A. W.
+            Bush, R. D. Gibson, G. P. Keogh, Mech. Res. Commun. 3 (1976) 169; J. I. McCool, Wear 107
+            (1986) 37), checked on `asperity.summits`.
+        area: Nominal area of a table; without it the rectangle of the extreme places.
     """
     if isinstance(surface, SummitStatistics):
         return surface
@@ -187,11 +183,10 @@ def height_integral(order: float, separation: Any, heights: str = "gaussian") ->
     F_1(0) = 0.3989, F_3/2(0) = 0.4300, F_2(0) = 0.5, F_5/2(0) = 0.6166 of J. A. Greenwood,
     J. H. Tripp, Proc. Inst. Mech. Engrs 185 (1970-71) 625.
 
-    Examples
-    --------
-    >>> from asperity.theory import height_integral
-    >>> print(f"{height_integral(2.5, 0.0):.4f}")
-    0.6166
+    Examples:
+        >>> from asperity.theory import height_integral
+        >>> print(f"{height_integral(2.5, 0.0):.4f}")
+        0.6166
     """
     h = np.asarray(separation, dtype=float)
     if heights == "exponential":
