@@ -85,7 +85,8 @@ class Results:
         # A table, and the scene, are made when they are first asked for.
         outcome = vars(self).get("_outcome")
         if name == "scene" and outcome is not None:
-            self.scene = scene_of(json.loads(outcome.text(_c.SCENE)))
+            facts = json.loads(outcome.text(_c.SCENE))
+            self.scene = {**facts["scene"], "provenance": facts["provenance"]}
             return self.scene
         if name not in TABLES or outcome is None:
             raise AttributeError(f"{type(self).__name__!r} object has no attribute {name!r}")
@@ -376,21 +377,17 @@ def load(path: _a.Path, *, fields: _a.Path | Sequence[_a.Path] | None = None) ->
     """
     from . import _files
     made = Results.__new__(Results)
-    if _files.is_saved(path):
-        facts, tables, found = _files.read_results(path)
-        if fields is not None:
-            raise _a.wrong("fields", repr(fields), "None: a saved file has its fields")
-    else:
-        facts, tables = _files.read_json(path)
-        facts["scene"] = scene_of(facts)
-        paths = [] if fields is None else \
-            list(fields) if isinstance(fields, (list, tuple)) else [fields]
+    facts, tables, found = _files.read_results(path)
+    paths = [] if fields is None else list(fields) if isinstance(fields, (list, tuple)) else [fields]
+    if found is None:
         first = sum(place == 1 for place in tables["states"]["position"].tolist()) - len(paths) + 1
         if len(paths) > 1 and first != 1:
             raise _a.wrong("fields", f"{len(paths)} files", "one for each state of position 1")
         found = [_files.read_vti(one, first + number, tables["states"].units["separation"],
                                  tables["contacts"].units["maximum_pressure"])
-                 for number, one in enumerate(cast("list[_a.Path]", paths))]
+                 for number, one in enumerate(paths)]
+    elif paths:
+        raise _a.wrong("fields", repr(fields), "None: a saved file has its fields")
     vars(made).update(tables, _outcome=None, summary=facts["summary"], warnings=facts["warnings"],
                       notes=facts["notes"], scene=facts.get("scene", {}),
                       _kept=(_fields.NONE, _fields.LAST, _fields.ALL)[min(len(found), 2)],
@@ -407,11 +404,6 @@ def numbers_of(text: str, name: str) -> list[float]:
         count, _, value = one.rpartition("*")
         numbers += [float(value.lower().replace("d", "e"))] * int(count or 1)
     return numbers
-
-
-def scene_of(facts: dict[str, Any]) -> dict[str, Any]:
-    """The scene of an object of JSON, with its provenance."""
-    return {**facts["scene"], "provenance": facts["provenance"]}
 
 
 class Summits(Table):

@@ -113,8 +113,8 @@ def solve(scene: _a.Path | Mapping[str, Mapping[str, Any]] | Scene, *, arithmeti
             arithmetics.
         accuracy: Largest estimated relative error, less than 1; the fastest method with this error
             is used. 0: no such choice.
-        accuracy_of: Totals that `accuracy` limits: `all`, `area`, `pressure` or `load`, which stands
-            for the separation under a load.
+        accuracy_of: Totals that `accuracy` limits: `all`, `area`, `pressure` or `load`, for which
+            the separation stands under a load.
         contacts: False: totals only, `contacts` of the results has no rows.
         threads: 0: all cores; at most 9999. The results are the same for any number.
         progress: Show a bar of tqdm, or a line on standard error where tqdm is not installed.
