@@ -304,6 +304,13 @@ class Groups:
         return Problem(None, None, None, f"{where}: {text}")
 
 
+def specification_of(value: Any) -> tuple[Groups, bytes | None, bytes | None]:
+    """The groups of a specification, and its path or its text."""
+    groups = Groups("specification", value if isinstance(value, Mapping) else {})
+    return (groups, None, groups.text) if isinstance(value, Mapping) else (
+        groups, path("specification", value, "a path, or a dict of groups"), None)
+
+
 def _values(name: str, value: Any) -> bytes:
     """The values of a name as a scene file has them."""
     if isinstance(value, Written):

@@ -112,12 +112,6 @@ def generate(specification: _a.Path | Mapping[str, Mapping[str, Any]],
         <asperity.Table of 60 asperities: 4 columns x, y, height, radius>
     """
     number = _a.whole("surface", surface, "a number from 1 to the size of the ensemble")
-    place: tuple[bytes | None, bytes | None]
-    if isinstance(specification, Mapping):
-        groups = _a.Groups("specification", specification)
-        place = None, groups.text
-    else:
-        groups = _a.Groups("specification", {})
-        place = _a.path("specification", specification, "a path, or a dict of groups"), None
+    groups, *place = _a.specification_of(specification)
     made = _c.call("generate", *place, number).checked(groups.named)
     return made.table(_c.UPPER, "asperities"), made.table(_c.LOWER, "asperities")

@@ -2,7 +2,6 @@
 
 from __future__ import annotations
 
-import copy
 import difflib
 import functools
 import html
@@ -114,6 +113,17 @@ def column(values: Any) -> Column:
     return cast("Column", array)
 
 
+def in_rows(cells: Any, shape: tuple[int, int], is_flag: bool = False) -> Any:
+    """The values of a column by row and column of a map."""
+    library: Any = numpy()
+    if library is None:
+        values = [bool(value) for value in cells] if is_flag else cells
+        return Values([Values(values[i:i + shape[1]]) for i in range(0, len(values), shape[1])])
+    array = library.asarray(cells, dtype=bool if is_flag else None).reshape(shape)
+    array.flags.writeable = False
+    return array
+
+
 class _Count(int):
     """A number of rows, which gives the rows when it is called."""
 
@@ -166,9 +176,6 @@ class Table(dict[str, "Column"]):
     def __len__(self) -> int:
         return len(next(iter(self.values()), ()))
 
-    def __bool__(self) -> bool:
-        return len(self) > 0
-
     def __missing__(self, name: str) -> Column:
         if name in EARLIER_NAMES and EARLIER_NAMES[name] in self:
             warnings.warn(f"column {name!r} is now {EARLIER_NAMES[name]!r}", DeprecationWarning,
@@ -211,38 +218,26 @@ class Table(dict[str, "Column"]):
     def __reduce__(self) -> Any:
         return _restored, (type(self), dict(self), dict(vars(self)))
 
-    def __copy__(self) -> Any:
-        return _restored(type(self), dict(self), dict(vars(self)))
-
-    def __deepcopy__(self, memo: dict[int, Any]) -> Any:
-        # Columns are read-only: only what they stand in is copied.
-        return _restored(type(self), dict(self), copy.deepcopy(vars(self), memo))
-
     def label(self, name: str) -> str:
         """The name of a column in words, with its unit in brackets: for an axis of a plot."""
         return label_of(name, self.units.get(name))
 
     def __repr__(self) -> str:
         names = list(self)
-        shown = ", ".join(names[:SHOWN_COLUMNS]) + (", ..." if len(names) > SHOWN_COLUMNS else "")
+        cut = ", ..." * (len(names) > SHOWN_COLUMNS)
         return f"<asperity.{type(self).__name__} of {len(self)} {self.name}: " \
-               f"{len(names)} columns {shown}>"
-
-    def __str__(self) -> str:
-        return repr(self)
+               f"{len(names)} columns {', '.join(names[:SHOWN_COLUMNS])}{cut}>"
 
     def _repr_html_(self) -> str:
         """The first and last rows, for a notebook."""
-        count = len(self)
-        places = list(range(count))
-        if count > SHOWN_ROWS:
-            places[SHOWN_ROWS // 2:count - SHOWN_ROWS // 2] = [-1]
-        lines = ["<table>", _row("th", list(self)),
-                 _row("td", [self.units.get(name, "") for name in self])]
-        for place in places:
-            lines.append(_row("td", ["..." if place < 0 else shown(values[place])
-                                     for values in self.values()]))
-        return "\n".join([*lines, "</table>", f"<p>{count} {html.escape(self.name)}</p>"])
+        count, half = len(self), SHOWN_ROWS // 2
+        places = [*range(count)] if count <= SHOWN_ROWS else [
+            *range(half), -1, *range(count - half, count)]
+        rows = [["..." if place < 0 else shown(values[place]) for values in self.values()]
+                for place in places]
+        lines = [_row("th", list(self)), *(_row("td", cells) for cells in (
+            [self.units.get(name, "") for name in self], *rows))]
+        return "\n".join(["<table>", *lines, f"</table>\n<p>{count} {html.escape(self.name)}</p>"])
 
 
 def _restored(kind: type[Table], columns: dict[str, Column], state: dict[str, Any]) -> Table:

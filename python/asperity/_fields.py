@@ -9,7 +9,7 @@ from typing import TYPE_CHECKING, Any, cast
 
 from . import _arguments as _a
 from . import _library as _c
-from ._columns import Table, Values, column, label_of, needed, numpy, shown
+from ._columns import Table, in_rows, label_of, needed, numpy, shown
 from ._plots import draw_pixels, draw_section, draw_states, new_axes, picture_html, shade_hills
 
 if TYPE_CHECKING:
@@ -172,7 +172,7 @@ class Fields(Arrays):
 
     def __repr__(self) -> str:
         unit = f" {self.units['pressure']}" if self.units["pressure"] else ""
-        _, pressed = pressures(self)
+        pressed = pressures(self)
         return f"<asperity.Fields of {self.shape[1]} x {self.shape[0]} pixels: step {self.step}, " \
                f"pressure 0 to {shown(float(max(pressed, default=0.0)))}{unit}, " \
                f"{len(pressed)} pixels in contact>"
@@ -259,18 +259,6 @@ class Stress(Arrays):
                 at.origin[0] + column_ * at.spacing[0], at.origin[1] + row * at.spacing[1])
 
 
-def in_rows(cells: Column, shape: tuple[int, int], is_flag: bool) -> Any:
-    """The values of a column by row and column of the map."""
-    library: Any = numpy()
-    if library is None:
-        values = [bool(value) for value in cells] if is_flag else list(cells)
-        return Values([Values(values[i:i + shape[1]])
-                       for i in range(0, len(values), shape[1])])
-    array = library.asarray(cells, dtype=bool if is_flag else None).reshape(shape)
-    array.flags.writeable = False
-    return array
-
-
 def states_kept(fields: Any) -> int:
     """The states whose fields a solve keeps."""
     if isinstance(fields, str):
@@ -280,27 +268,18 @@ def states_kept(fields: Any) -> int:
     return LAST if _a.flag("fields", fields) else NONE
 
 
-def pressures(fields: Fields) -> tuple[int, Any]:
-    """How many pixels were measured, and the pressures of those in contact."""
-    library: Any = numpy()
-    if library is not None:
-        return int((fields.pressure >= 0).sum()), fields.pressure[fields.contact]
-    values = [value for row in cast("Any", fields.pressure) for value in row if value == value]
-    return len(values), [value for value in values if value > 0]
+def pressures(fields: Fields) -> Any:
+    """The pressures of the pixels in contact."""
+    return fields.pressure[fields.contact] if numpy() else [
+        value for row in cast("Any", fields.pressure) for value in row if value > 0]
 
 
 def histogram(fields: Fields, bins: int) -> tuple[Column, Column]:
     """Pressures in the middle of bins up to the greatest, and the density of the area there."""
-    measured, pressed = pressures(fields)
-    greatest = float(max(pressed, default=0.0))
-    width = greatest / bins
-    library: Any = numpy()
-    if library is not None:
-        counts = library.histogram(pressed, bins, (0.0, greatest or 1.0))[0]
-        return ((library.arange(bins) + 0.5) * width,
-                counts / (measured * width) if width else library.zeros(bins))
-    numbers = [0] * bins
-    for value in pressed if width else ():
-        numbers[min(bins - 1, int(value / width))] += 1
-    return (column([(number + 0.5) * width for number in range(bins)]),
-            column([count / (measured * width) if width else 0.0 for count in numbers]))
+    library: Any = needed("numpy", "numpy", "a histogram")
+    pressed = pressures(fields)
+    greatest = float(pressed.max(initial=0.0))
+    width, counts = greatest / bins, library.histogram(pressed, bins, (0.0, greatest or 1.0))[0]
+    measured = (fields.pressure >= 0).sum()
+    return ((library.arange(bins) + 0.5) * width,
+            counts / (measured * width) if width else library.zeros(bins))

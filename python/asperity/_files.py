@@ -20,9 +20,9 @@ from collections.abc import Iterable, Iterator, Mapping
 from typing import Any
 
 from . import _arguments as _a
-from ._columns import Table, column
+from ._columns import Table, column, in_rows
 from ._errors import ComputeError, refused
-from ._fields import FLAGS, NAMES, SLIP_NAMES, Fields, in_rows
+from ._fields import FLAGS, NAMES, SLIP_NAMES, Fields
 
 FORMAT = "asperity results 1"  #: what `results.json` states
 EXPECTED = "a file that Results.save or asperity solve --json wrote"

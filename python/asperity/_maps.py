@@ -15,7 +15,7 @@ from typing import TYPE_CHECKING, Any
 
 from . import _arguments as _a
 from . import _library as _c
-from ._columns import Table, Values, label_of, needed, numpy, shown
+from ._columns import Table, in_rows, label_of, needed, shown
 from ._conditioning import Conditioning
 from ._errors import InputError, Problem, warn_caller
 from ._plots import draw_pixels
@@ -122,13 +122,7 @@ class HeightMap(Conditioning):
 
     @property
     def heights(self) -> NDArray[Any]:
-        library: Any = numpy()
-        if library is not None:
-            flat = library.asarray(memoryview(self._cells).toreadonly())
-            return typing.cast("NDArray[Any]", flat.reshape(self.shape))
-        width = self.shape[1]
-        return typing.cast("NDArray[Any]", Values([
-            Values(self._cells[i:i + width]) for i in range(0, len(self._cells), width)]))
+        return typing.cast("NDArray[Any]", in_rows(self._cells, self.shape))
 
     @property
     def sizes(self) -> tuple[float, float]:
@@ -136,9 +130,8 @@ class HeightMap(Conditioning):
         return self.shape[1] * self.spacing[0], self.shape[0] * self.spacing[1]
 
     def __array__(self, dtype: Any = None, copy: bool | None = None) -> NDArray[Any]:
-        library: Any = numpy()
-        array: NDArray[Any] = library.array(self.heights, dtype=dtype)
-        return array
+        return needed("numpy", "numpy", "an array").array(  # type: ignore[no-any-return]
+            self.heights, dtype=dtype)
 
     def write(self, path: _a.Path) -> None:
         """Write the map to a file, in a format by the ending of its name.
@@ -188,10 +181,8 @@ class HeightMap(Conditioning):
         return struct(self._cells, self.spacing, self.unit, -1 if is_strip else int(self.periodic))
 
     def __reduce__(self) -> Any:
-        rows = [list(self._cells[i:i + self.shape[1]])
-                for i in range(0, len(self._cells), self.shape[1])]
-        return HeightMap, (self.heights if numpy() else rows, self.spacing, self.unit,
-                           self.periodic), {"notes": self.notes, "is_profile": self.is_profile}
+        return HeightMap, (self.heights, self.spacing, self.unit, self.periodic), {
+            "notes": self.notes, "is_profile": self.is_profile}
 
     def _facts(self) -> list[str]:
         unit = f" {self.unit}" if self.unit else ""
@@ -404,18 +395,10 @@ def generate_map(specification: _a.Path | Mapping[str, Mapping[str, Any]] | None
         ...                       rms_slope=0.1, seed=2, periodic=False).shape
         (128, 256)
     """
-    place: tuple[bytes | None, bytes | None]
-    if specification is None or isinstance(specification, Mapping):
-        groups = _a.Groups("specification", {"map": names} if specification is None
-                           else specification)
-        place = None, groups.text
-    else:
-        groups = _a.Groups("specification", {})
-        place = _a.path("specification", specification, "a path, or a dict of groups"), None
     if specification is not None and names:
         raise TypeError(f"generate_map takes a specification or names: found both, {min(names)}")
-    made = _c.call("generate_map", *place).checked(groups.named)
-    return _map_of_outcome(made)
+    groups, *place = _a.specification_of({"map": names} if specification is None else specification)
+    return _map_of_outcome(_c.call("generate_map", *place).checked(groups.named))
 
 
 def _map_of_outcome(outcome: _c.Outcome, periodic: bool = False) -> HeightMap:

@@ -378,7 +378,8 @@ def load(path: _a.Path, *, fields: _a.Path | Sequence[_a.Path] | None = None) ->
     from . import _files
     made = Results.__new__(Results)
     facts, tables, found = _files.read_results(path)
-    paths = [] if fields is None else list(fields) if isinstance(fields, (list, tuple)) else [fields]
+    given: Any = fields
+    paths = [] if given is None else given if isinstance(given, (list, tuple)) else [given]
     if found is None:
         first = sum(place == 1 for place in tables["states"]["position"].tolist()) - len(paths) + 1
         if len(paths) > 1 and first != 1:

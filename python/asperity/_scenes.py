@@ -119,8 +119,8 @@ def solve(scene: _a.Path | Mapping[str, Mapping[str, Any]] | Scene, *, arithmeti
         threads: 0: all cores; at most 9999. The results are the same for any number.
         progress: Show a bar of tqdm, or a line on standard error where tqdm is not installed.
         fields: Keep pressure, gap and displacement for `Results.fields`, True of the last state,
-            `all` of all states: on the pixels of a height map, or on the grid of a scene of asperities with
-            `field_spacing` in `surfaces`. Other scenes are refused. A state takes 24 bytes a pixel.
+            `all` of all states: on the pixels of a height map, or on the grid of a scene of
+            asperities with `field_spacing` in `surfaces`. A state takes 24 bytes a pixel.
 
     Raises:
         InputError: With all that is wrong with the scene or an argument, each under the name that
