@@ -33,9 +33,8 @@ LOWEST, HIGHEST = -50.0, 30.0
 # Nodes of the splines, and points of the rules between 0 and pi/2 and along a half-line.
 # Twice as many change the results by less than 1e-4 (`test_ball_converges`).
 NODES, ANGLES, ALONG = 120, 32, 200
-# Newton's method: most steps, and the residual [deviations] that ends it.
-STEPS, CLOSED = 40, 1e-9
-LEAST = 1e-300  # load whose logarithm is taken where none is left
+# Relative error of the displacements, and the load whose logarithm is taken where none is left.
+CLOSED, LEAST = 1e-9, 1e-300
 # Pressure at the end of the disc over that in the centre, at most; otherwise the disc grows.
 LEFT, GROWTH = 1e-9, 1.25
 
@@ -402,7 +401,7 @@ def _gap(mu: float, load: float, hertz: float) -> tuple[Any, Any, Any]:
     With lengths along the surface in sqrt(2 R sigma), heights in sigma and pressures in
     E* sqrt(sigma/(8 R)), h = d + r**2 + u and p = mu F_3/2(h); the displacement is (2/pi) times the
     integral of G(r sin t) over t from 0 to pi/2, G(x) that of p(sqrt(x**2 + y**2)) over y > 0
-    (E. T. Copson, Proc. Edinb. Math. Soc. 8 (1947) 14). By Newton's method from Hertz' pressure.
+    (E. T. Copson, Proc. Edinb. Math. Soc. 8 (1947) 14). By Powell's method from Hertz' pressure.
     """
     nodes, weights, matrix = _disc()
     reach = 1.5 * math.sqrt(hertz**2 + 1.0)
@@ -419,33 +418,17 @@ def _gap(mu: float, load: float, hertz: float) -> tuple[Any, Any, Any]:
             jacobian[-1] = np.append(ring * slope, ring @ slope) / total
             return np.append(values[:-1] - reach * matrix @ p, math.log(total / load)), jacobian
 
-        values = _hertzian(reach * matrix, r, ring, mu, load, hertz)
-        for _ in range(STEPS):
-            miss, jacobian = residual(values)
-            if np.abs(miss).max() <= CLOSED:
-                break
-            values = values - np.linalg.solve(jacobian, miss)
-        else:
-            raise ComputeError("the ball on a rough plane: Newton's method does not converge")
-        h = values[-1] + r**2 + values[:-1]
+        # From the displacement of Hertz, at the separation that has the load then.
+        u = reach * matrix @ (1.5 * load / (math.pi * hertz**2) * np.sqrt(
+            np.maximum(0.0, 1.0 - (r / hertz)**2)))
+        low = -float((load / (mu * ring.sum()))**(2.0 / 3.0) + (r**2 + u).max())
+        start = optimize.brentq(lambda d: math.log(max(LEAST, ring @ (
+            mu * height_integral(1.5, d + r**2 + u)) / load)), low, -LOWEST)
+        found = optimize.root(residual, np.append(u, start), jac=True, tol=CLOSED)
+        if not found.success:
+            raise ComputeError(f"the ball on a rough plane: {found.message}")
+        h = found.x[-1] + r**2 + found.x[:-1]
         ends = height_integral(1.5, h[[0, -1]])
         if ends[1] <= LEFT * ends[0]:
             return r, h, reach * weights
         reach *= GROWTH
-
-
-def _hertzian(matrix: Any, r: Any, ring: Any, mu: float, load: float,
-              hertz: float) -> Any:
-    """Displacements by the pressure of Hertz, and the separation at which the load is
-    that of the ball."""
-    p = 1.5 * load / (math.pi * hertz**2) * np.sqrt(np.maximum(0.0, 1.0 - (r / hertz)**2))
-    u = matrix @ p
-
-    def excess(d: float) -> float:
-        return math.log(max(LEAST, ring @ (mu * height_integral(1.5, d + r**2 + u)) / load))
-
-    low = -1.0
-    while excess(low) < 0.0:
-        low *= 2.0
-    return np.append(u, optimize.brentq(
-        excess, low, -LOWEST))
