@@ -5,6 +5,7 @@ from __future__ import annotations
 import html
 import importlib
 import math
+import operator
 import os
 import re
 import typing
@@ -184,20 +185,16 @@ class HeightMap(Conditioning):
         return HeightMap, (self.heights, self.spacing, self.unit, self.periodic), {
             "notes": self.notes, "is_profile": self.is_profile}
 
-    def _facts(self) -> list[str]:
-        unit = f" {self.unit}" if self.unit else ""
-        known = [value for value in self._cells if value == value]
-        missing = len(self._cells) - len(known)
-        low, high = (min(known), max(known)) if known else (float("nan"), float("nan"))
-        facts = [f"{shown_pair(self.sizes)}{unit}", f"heights {low:.6g} to {high:.6g}{unit}",
-                 "periodic" if self.periodic else "free"]
-        return facts + ([f"{missing} pixels missing"] if missing else [])
-
     def __repr__(self) -> str:
-        size = f"a profile of {self.shape[1]}" if self.is_profile else \
+        rows = f"a profile of {self.shape[1]}" if self.is_profile else \
             f"{self.shape[1]} x {self.shape[0]}"
-        return f"<asperity.HeightMap of {size} pixels: " \
-               f"{', '.join(self._facts())}>"
+        unit = f" {self.unit}" if self.unit else ""
+        known = [value for value in self._cells if value == value] or [math.nan]
+        missing = sum(value != value for value in self._cells)
+        return f"<asperity.HeightMap of {rows} pixels: {shown_pair(self.sizes)}{unit}, heights " \
+               f"{min(known):.6g} to {max(known):.6g}{unit}, " \
+               f"{'periodic' if self.periodic else 'free'}" + (
+                   f", {missing} pixels missing>" if missing else ">")
 
     def _repr_html_(self) -> str:
         return "<p>" + html.escape(repr(self)[1:-1]) + "</p>"
@@ -338,11 +335,9 @@ def read_map(path: _a.Path, *, spacing: float | Sequence[float] | None = None,
         <asperity.HeightMap of 64 x 64 pixels: 32 x 32 um, heights -0.0623152 to 0.0478979 um, free,
          20 pixels missing>
     """
-    if delimiter is decimal is columns is None:
-        made = map_of_file(path, spacing, unit, periodic)
-    else:
-        made = _map_of_text(os.fsdecode(_a.path("path", path)), spacing, unit, periodic, delimiter,
-                            decimal, columns)
+    made = map_of_file(path, spacing, unit, periodic) if delimiter is decimal is columns is None \
+        else _map_of_text(os.fsdecode(_a.path("path", path)), spacing, unit, periodic, delimiter,
+                          decimal, columns)
     for note in made.notes:
         warn_caller(note, UserWarning)
     return made
@@ -432,34 +427,34 @@ def _read_other_format(path: str, spacing: tuple[float, float] | None, unit: str
         library: Any = importlib.import_module("SurfaceTopography.IO")
     except ImportError:
         raise refused from None
+    reader = None
     try:
-        reader = library.open_topography(path)
-        known, channel = reader.format(), reader.default_channel
-    except Exception:  # of forty readers
-        reason = _reason_of_format(library, path)
-        raise refused if reason is None else _both_reasons(path, reason, refused) from None
-    # A format without a mark in its file is that of the ending of the name, or none.
-    if known in OWN_FORMATS or (known in ("hgt", "nms") and not path.lower().endswith(known)):
-        raise refused
-    if known == "asc" and (channel.physical_sizes is None or
-                           not _has_all_lines(path, channel.nb_grid_pts)):
-        raise refused
-    try:
+        opened = library.open_topography(path)
+        known, channel, reader = opened.format(), opened.default_channel, opened
+        # A format without a mark in its file is that of the ending of the name, or none.
+        if known in OWN_FORMATS or (known in ("hgt", "nms") and not path.lower().endswith(known)) \
+                or (known == "asc" and (channel.physical_sizes is None or
+                                        not _has_all_lines(path, channel.nb_grid_pts))):
+            raise refused
         given: dict[str, Any] = {}
         if spacing is not None:
             steps = spacing[::-1] if known in ROWS_FIRST else spacing
-            given["physical_sizes"] = tuple(step * number for step, number in
-                                            zip(steps, channel.nb_grid_pts))
+            given["physical_sizes"] = tuple(map(operator.mul, steps, channel.nb_grid_pts))
         if channel.unit is None and unit is not None:
             given["unit"] = unit
         topography = reader.topography(**given)
         if unit is not None and topography.unit is not None:
             topography = topography.to_unit(unit)
         found = map_of_topography("path", topography, known in ROWS_FIRST)
-    except Exception as error:  # of the reader of that format
-        raise _both_reasons(path, error, refused) from error
-    found.periodic = found.periodic or periodic
-    return found
+        found.periodic = found.periodic or periodic
+        return found
+    except Exception as error:  # of forty readers
+        reason = error if reader is not None else _reason_of_format(library, path)
+    if reason is None or reason is refused:
+        raise refused from None
+    text = " ".join(str(reason).split()) or type(reason).__name__
+    raise InputError([Problem(path, None, None, f"SurfaceTopography cannot read it: {text}"),
+                      *refused.problems[:2]]) from reason
 
 
 def _reason_of_format(library: Any, path: str) -> Exception | None:
@@ -470,22 +465,15 @@ def _reason_of_format(library: Any, path: str) -> Exception | None:
     found = None
     for kind in library.readers:
         match, name = kind.can_read(start), kind.format()
-        named = path.lower().endswith(tuple(f".{one}" for one in kind.file_extensions()))
-        if name in {"asc", *OWN_FORMATS} or not (match == library.MagicMatch.YES or
-                                                 (named and match != library.MagicMatch.NO)):
-            continue
-        try:
-            if not library.open_topography(path, name).channels:
-                raise ValueError("found no channel of heights")
-        except Exception as error:
-            found = error if named or found is None else found
+        is_named = path.lower().endswith(tuple(f".{one}" for one in kind.file_extensions()))
+        if name not in {"asc", *OWN_FORMATS} and (match == library.MagicMatch.YES or (
+                is_named and match != library.MagicMatch.NO)):
+            try:
+                if not library.open_topography(path, name).channels:
+                    raise ValueError("found no channel of heights")
+            except Exception as error:
+                found = error if is_named or found is None else found
     return found
-
-
-def _both_reasons(path: str, reason: Exception, refused: InputError) -> InputError:
-    text = " ".join(str(reason).split()) or type(reason).__name__
-    return InputError([Problem(path, None, None, f"SurfaceTopography cannot read it: {text}"),
-                       *refused.problems[:2]])
 
 
 def _has_all_lines(path: str, pixels: Sequence[int]) -> bool:
