@@ -2,6 +2,7 @@
 
 from __future__ import annotations
 
+import contextlib
 import importlib
 import math
 import os
@@ -65,11 +66,10 @@ class Scene:
               fields: bool | str = False, **groups: Mapping[str, Any] | None) -> Results:
         """Solve the scene, with other values where they are given.
 
-        The keywords that `asperity.solve` has mean the same, and errors are the same. **groups are
-        values that replace those of the scene for this solve: `loading={"value": 20}` keeps the
-        other names of the group. None in place of a value or of a group removes it. The group
-        `surfaces` cannot be changed. The results are those of a new scene with these values, to the
-        tolerance of the solver.
+        The keywords of `asperity.solve` mean the same, and errors are the same. **groups are values
+        that replace those of the scene for this solve: `loading={"value": 20}` keeps the other
+        names of the group; None in place of a value or of a group removes it. The group `surfaces`
+        cannot be changed. The results are those of a new scene, to the tolerance of the solver.
         """
         read, text = self._read, _a.Groups(self._name, {})
         kept = states_kept(fields)
@@ -102,15 +102,13 @@ def solve(scene: _a.Path | Mapping[str, Mapping[str, Any]] | Scene, *, arithmeti
     Args:
         scene: The path of a scene file or of a card deck; or the groups of a scene as a dict of
             dicts, with the names and units of `docs/reference/scene.md`. There, `upper` and `lower`
-            of the group `surfaces` are a path, relative to the current folder; `"plane"` for one of
-            the two; asperities: a mapping, a structured array or a pandas table with `x`, `y`
-            (places on the reference plane), `height` (above it) and `radius` (more than 0), arrays
-            of n numbers each, or one radius for all; or a height map: a `HeightMap`, a topography
-            of SurfaceTopography, or a matrix of heights `[y, x]` with `map_spacing` in the same
-            group. Numbers are taken as the doubles that they are; True and False stand for `on` and
-            `off`, True for `auto` of `interaction`.
-        arithmetic: No other is accepted: scenes are solved in doubles. `report` has other
-            arithmetics.
+            of `surfaces` are a path; `"plane"` for one of the two; asperities: a mapping, a
+            structured array or a pandas table with `x`, `y` (places on the reference plane),
+            `height` (above it) and `radius`, n numbers each, or one radius for all; or a height
+            map: a `HeightMap`, a topography of SurfaceTopography, or a matrix of heights `[y, x]`
+            with `map_spacing`. True and False stand for `on` and `off`, True for `auto` of
+            `interaction`.
+        arithmetic: No other is accepted. `report` has other arithmetics.
         accuracy: Largest estimated relative error, less than 1; the fastest method with this error
             is used. 0: no such choice.
         accuracy_of: Totals that `accuracy` limits: `all`, `area`, `pressure` or `load`, for which
@@ -123,15 +121,14 @@ def solve(scene: _a.Path | Mapping[str, Mapping[str, Any]] | Scene, *, arithmeti
             asperities with `field_spacing` in `surfaces`. A state takes 24 bytes a pixel.
 
     Raises:
-        InputError: With all that is wrong with the scene or an argument, each under the name that
-            it was given with, as in `surfaces.upper.height`.
-        TypeError: For a value of a type that cannot be taken.
-        ComputeError: When the scene cannot be solved.
-        KeyboardInterrupt: After Ctrl-C, within a second.
+        InputError: All that is wrong with scene and arguments, by name as `surfaces.upper.height`.
+        TypeError: A value of a type that cannot be taken.
+        ComputeError: The scene cannot be solved.
+        KeyboardInterrupt: Within a second after Ctrl-C.
 
     Warns:
-        TheoryWarning: For a result outside the range of a theory.
-        AccuracyWarning: For a result with a larger error than the tolerance.
+        TheoryWarning: A result is outside the range of a theory.
+        AccuracyWarning: A result has a larger error than the tolerance.
 
     Examples:
         >>> import asperity
@@ -172,36 +169,25 @@ def _without_arrays(scene: Mapping[str, Any]) -> tuple[dict[str, Any], list[Any]
     """The groups of a scene without its arrays, and the two sides for the library."""
     rest, sides = dict(scene), [_c.Side(), _c.Side()]
     given = scene.get("surfaces")
-    if isinstance(given, Mapping):
-        rest["surfaces"] = dict(given)
-        if "map_spacing" in given and not _a.is_text(given["map_spacing"]):
-            rest["surfaces"]["map_spacing"] = _spacing(given["map_spacing"])
-        steps = rest["surfaces"].get("map_spacing")
-        for name, side in zip(("upper", "lower"), sides):
-            if name in given and not _a.is_text(given[name]):
-                _fill(side, f"surfaces.{name}", given[name], _of_side(steps, name))
-                del rest["surfaces"][name]
-                if isinstance(given[name], HeightMap) and given[name].is_profile \
-                        and not given[name].periodic:
-                    rest["surfaces"].setdefault("map_edge", ["free", "periodic"])
-        if not rest["surfaces"]:
-            del rest["surfaces"]
+    if not isinstance(given, Mapping):
+        return rest, sides
+    own = rest["surfaces"] = dict(given)
+    steps, numbers = own.get("map_spacing"), []
+    if steps is not None and not _a.is_text(steps):
+        if hasattr(type(steps), "__float__") and not hasattr(type(steps), "__len__"):
+            own["map_spacing"] = steps = [steps, steps]
+        numbers = _a.doubles("surfaces.map_spacing", steps)
+    for place, name, side in zip((0, -2), ("upper", "lower"), sides):
+        value = given.get(name, "")
+        if not _a.is_text(value):
+            # Of two pairs the first is that of the upper side.
+            _fill(side, f"surfaces.{name}", own.pop(name),
+                  numbers[place:][:2] if len(numbers) in (2, 4) else None)
+            if isinstance(value, HeightMap) and value.is_profile and not value.periodic:
+                own.setdefault("map_edge", ["free", "periodic"])
+    if not own:
+        del rest["surfaces"]
     return rest, sides
-
-
-def _spacing(value: Any) -> Any:
-    """The spacing of height maps; one number is that along x and along y."""
-    is_single = hasattr(type(value), "__float__") and not hasattr(type(value), "__len__")
-    return [value, value] if is_single else value
-
-
-def _of_side(steps: Any, name: str) -> Any:
-    """The spacing of one side: of two pairs, the upper one is first."""
-    if steps is None or _a.is_text(steps):
-        return None
-    numbers = _a.doubles("surfaces.map_spacing", steps)
-    pairs = {2: numbers, 4: numbers[2:] if name == "lower" else numbers[:2]}
-    return pairs.get(len(numbers))
 
 
 def _fill(side: Any, name: str, value: Any, spacing: Any) -> None:
@@ -226,42 +212,30 @@ def _is_another_value(groups: Mapping[str, Mapping[str, Any] | None]) -> bool:
 def _changed(groups: Mapping[str, Mapping[str, Any]],
              changes: Mapping[str, Mapping[str, Any] | None]) -> dict[str, dict[str, Any]]:
     """The groups with other values; None removes one."""
-    found = {group: dict(names) for group, names in groups.items()}
     for group, names in changes.items():
-        if names is None:
-            found.pop(group, None)
-            continue
-        if not isinstance(names, Mapping):
+        if not isinstance(names, (Mapping, type(None))):
             raise _a.wrong_type(group, names, "a dict of names and values, or None")
-        merged = {**found.get(group, {}), **names}
-        found[group] = {name: value for name, value in merged.items() if value is not None}
-    return found
+    return {group: {name: value for name, value in {
+        **groups.get(group, {}), **(changes.get(group) or {})}.items() if value is not None}
+        for group in {**groups, **changes} if changes.get(group, {}) is not None}
 
 
 class _Progress:
     """How far a solve has come: a bar of tqdm, or a line on standard error."""
 
     def __init__(self, counts: Any):
-        self._counts = counts
-        self._last = ""
-        self._bar: Any = None
-        try:
+        self._counts, self._last, self._bar = counts, "", None
+        with contextlib.suppress(ImportError):
             self._bar = importlib.import_module("tqdm.auto").tqdm(unit="state", desc="asperity")
-        except ImportError:
-            pass
 
     def show(self) -> None:
         done, total = self._counts
-        if not total:
-            return
-        if self._bar is not None:
+        line = f"\rasperity: {done} of {total} states"
+        if total and self._bar is not None:
             self._bar.total, self._bar.n = total, done
             self._bar.refresh()
-            return
-        line = f"asperity: {done} of {total} states"
-        if line != self._last:
-            sys.stderr.write(f"\r{line}")
-            sys.stderr.flush()
+        elif total and line != self._last:
+            print(line, end="", file=sys.stderr, flush=True)
             self._last = line
 
     def end(self) -> None:
@@ -269,4 +243,4 @@ class _Progress:
         if self._bar is not None:
             self._bar.close()
         elif self._last:
-            sys.stderr.write("\n")
+            print(file=sys.stderr)
