@@ -9,7 +9,7 @@ from typing import TYPE_CHECKING, Any
 from . import _arguments as _a
 from . import _library as _c
 from ._columns import Table
-from ._maps import HeightMap, map_of
+from ._maps import HeightMap, is_topography, map_of
 from ._results import Summits
 
 if TYPE_CHECKING:
@@ -84,8 +84,9 @@ def summits(map: _a.Path | HeightMap | NDArray[Any] | Sequence[Sequence[float]],
             pixels.periodic = periodic
         found = _c.call("summits", None, byref(pixels), byref(options)).checked()
         source: Any = map
-        if not hasattr(map, "heights"):
-            source = HeightMap(source, steps if steps[0] > 0.0 else pixels.spacing, unit)
+        if not isinstance(map, HeightMap):
+            source = HeightMap.of(map) if is_topography(map) else HeightMap(
+                source, steps if steps[0] > 0.0 else pixels.spacing, unit)
         return Summits(found, source)
     options.periodic = bool(periodic)
     return Summits(_c.call("summits", _a.path("map", map), None, byref(options)).checked(), map)

@@ -59,8 +59,7 @@ class Fields(Arrays):
     """Pressure, gap and displacement of one state, on the pixels of a height map or on a grid.
 
     The arrays have the shape (rows, columns) and are indexed `[row, column]` = `[y, x]`, as the map
-    is. They are read-only and NaN at missing pixels; without numpy they are sequences of rows. A
-    scene of asperities has them on square pixels with the sides `field_spacing` of `surfaces`.
+    is. They are read-only and NaN at missing pixels; without numpy they are sequences of rows.
     `fields["pressure"]` is `fields.pressure`, and `dict(fields)` has all by their names.
 
     Attributes:
@@ -121,8 +120,8 @@ class Fields(Arrays):
             setattr(self, name, in_rows(table[name], self.shape, name in FLAGS))
 
     def to_xarray(self) -> xarray.Dataset:
-        """The arrays as a dataset with the dimensions `y` and `x`, the coordinates `position` and
-        `step`, and the centres of the pixels; `attrs["units"]` of each variable is its unit."""
+        """The arrays as a dataset with the coordinates `y` and `x`, the centres of the pixels,
+        `position` and `step`; `attrs["units"]` of each variable is its unit."""
         library: Any = needed("xarray", "xarray", "a dataset")
         places = {axis: (axis, [start + number * step for number in range(count)],
                          {"units": self.unit or ""})
@@ -136,12 +135,11 @@ class Fields(Arrays):
              percentile: float = 99.5, on: Any = None) -> Axes:
         """Draw one of the arrays in plan on axes of matplotlib, new ones without `ax`.
 
+        Pixels out of contact have no colour in pressure and traction, those in contact none in the
+        gap; `contact` and `stick` have a legend with shares of the area.
+
         Args:
-            name: The array. Pixels out of contact have no colour in pressure and traction, those in
-                contact none in the gap. `contact` and `stick` have a legend with shares of the
-                area.
-            scale: Of the colours; `auto` is logarithmic where the greatest value exceeds 20
-                medians.
+            scale: `linear`, `log`, or `auto`: `log` where the greatest value exceeds 20 medians.
             percentile: Where a linear scale ends if few values are far beyond.
             on: Heights of the same pixels, drawn as hills in oblique light below the array.
         """
@@ -219,15 +217,9 @@ class Stress(Arrays):
 
     def plot(self, name: str = "von_mises", ax: Axes | None = None, *, depth: float | None = None,
              y: float | None = None, scale: str = "linear", percentile: float = 99.9) -> Axes:
-        """Draw one of the arrays in plan, or in a section along x with the surface above, on axes
-        of matplotlib, new ones without `ax`.
-
-        Args:
-            name: The array; components with a sign have white at 0.
-            depth: Of the plan: the nearest of the depths; that of the largest value otherwise.
-            y: Draw the section at the nearest row of pixels instead.
-            scale, percentile: As of `Fields.plot`.
-        """
+        """Draw one of the arrays in plan at the `depth`, that of the largest value unless given, or
+        in a section along x at `y`, with the surface above; components with a sign have white at 0.
+        `scale` and `percentile` are as of `Fields.plot`."""
         self._checked(name)
         library: Any = needed("numpy", "plot", "a plot")
         at, unit = self._fields, self._fields.unit or ""

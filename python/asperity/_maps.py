@@ -40,11 +40,10 @@ class HeightMap(Conditioning):
 
     Args:
         heights: Heights of shape (rows, columns), indexed `[row, column]` = `[y, x]` as in a text
-            matrix: x grows along a row, y with the row. NaN or a mask marks missing pixels. Without
-            numpy a list of lists. The values are copied. An array of xarray with the dimensions `x`
-            and `y` is indexed by them, in either order; its coordinates must have this spacing, and
-            its attribute `units` is the unit. A topography of SurfaceTopography has its own
-            spacing, unit and edge, and its heights are indexed `[x, y]`.
+            matrix, which are copied. NaN or a mask marks missing pixels. An array of xarray is
+            indexed by its dimensions `x` and `y`; its coordinates must have this spacing, and its
+            attribute `units` is the unit. A topography of SurfaceTopography has its own spacing,
+            unit and edge, and its heights are indexed `[x, y]`.
         spacing: Distance from pixel to pixel along x and y, in the unit of the heights.
         unit: Unit of heights and spacing: `m`, `mm`, `um`, `nm`, `cm` or `in`.
         periodic: Whether the map repeats itself along x and y. Otherwise its edge is free.
@@ -135,12 +134,9 @@ class HeightMap(Conditioning):
             self.heights, dtype=dtype)
 
     def write(self, path: _a.Path) -> None:
-        """Write the map to a file, in a format by the ending of its name.
-
-        `.sdf`: surface data (ISO 25178-71), binary; needs a unit. `.npy`: the heights alone.
-        `.txt`: a matrix. `.sdf` and `.txt` keep unit, spacing and edge. A file that cannot be
-        written is a ComputeError.
-        """
+        """Write the map to a file: `.sdf` (surface data, ISO 25178-71, binary; needs a unit),
+        `.npy` (the heights alone) or `.txt` (a matrix). `.sdf` and `.txt` keep unit, spacing and
+        edge. A file that cannot be written is a ComputeError."""
         written = _c.call("write_map", byref(self._struct()), _a.path("path", path)).checked()
         for note in written.lines(_c.NOTES):
             warn_caller(note, UserWarning)
@@ -151,14 +147,13 @@ class HeightMap(Conditioning):
         A free map has a Hann window; a map with missing pixels is refused.
 
         Args:
-            kind: `iso`: of the area, averaged over rings of equal wave number. `x`, `y`: of lines
-                along x or y, averaged over all of them.
-            level: What is subtracted first: the plane of least squares, the mean, or nothing.
-                Default: `plane` for a free map, `mean` for a periodic one.
+            kind: `iso`: averaged over rings of equal wave number. `x`, `y`: over lines along them.
+            level: Subtract the least-squares `plane` (default of a free map), the `mean` (of a
+                periodic one) or `none`.
 
         Returns:
             `q`: wave number, 2 pi over the wavelength. `c_iso`, length to the power 4, or `c_1d`,
-            length to the power 3. `number`: values averaged, wave vectors or lines.
+            length to the power 3. `number`: wave vectors or lines that were averaged.
 
         Examples:
             >>> import asperity
@@ -316,14 +311,13 @@ def read_map(path: _a.Path, *, spacing: float | Sequence[float] | None = None,
         unit: `m`, `mm`, `um`, `nm`, `cm` or `in`: the map is converted to it. For a file without a
             unit it is the unit of its numbers.
         periodic: Whether the map repeats itself. Not needed where the file has the edge.
-        delimiter: Separator of the numbers of a text, one sign; blanks without. With `delimiter`,
-            `decimal` or `columns` the file is a text in that form: comments begin with `#` or `%`,
-            missing pixels are empty, `NaN` or `BAD`.
-        decimal: Decimal sign of a text.
-        columns: Columns of the places and heights of a full regular grid: names in the first line
-            of the text, or numbers from 0 for a text without names. A first line with `x`, `y` and
-            one of `z`, `height`, `value`, `elevation` is read without keywords. Without columns a
-            text is a matrix, which needs `spacing`.
+        delimiter: Separator of the numbers of a text, one sign; blanks without. With one of
+            `delimiter`, `decimal` or `columns` the file is a text, whose comments begin with `#` or
+            `%` and whose missing pixels are empty, `NaN` or `BAD`.
+        decimal: Decimal sign of a text, `.` or `,`.
+        columns: Columns of x, y and height of a full regular grid: names in the first line of the
+            text, or numbers from 0 without names. A first line with `x`, `y` and one of `z`,
+            `height`, `value`, `elevation` is read without. Other texts are matrices.
 
     Returns:
         Its `notes` are also issued as warnings (`UserWarning`). A file that cannot be read is an

@@ -2,6 +2,7 @@
 
 from __future__ import annotations
 
+import contextlib
 import html
 import json
 import math
@@ -16,7 +17,7 @@ from . import _library as _c
 from ._columns import Table, needed, shown
 from ._errors import ComputeError, warn_caller
 from ._fields import Stress
-from ._maps import HeightMap, is_topography, map_of_file, map_of_topography
+from ._maps import HeightMap, map_of_file
 from ._page import page_of
 from ._plots import draw_contacts, draw_curves, draw_pixels, draw_points, new_axes
 from .theory import AREA_THEORIES, area_fraction
@@ -126,11 +127,8 @@ class Results:
         return self.states.to_pandas()
 
     def to_xarray(self) -> xarray.Dataset:
-        """The fields that were kept as a dataset with the dimensions `step`, `y` and `x`.
-
-        Variables are `pressure`, `gap`, `displacement` and `contact`, along `step` also the columns
-        of the states that are numbers; `attrs["units"]` of each is its unit. Errors as `fields`.
-        """
+        """The fields that were kept, with the dimensions `step`, `y` and `x`, and along `step` the
+        columns of the states that are numbers; `attrs["units"]` of each variable is its unit."""
         kept = self._all_fields() or [self.fields()]
         library: Any = needed("xarray", "xarray", "a dataset")
         made = library.concat([one.to_xarray() for one in kept], "step")
@@ -141,12 +139,12 @@ class Results:
         return cast("xarray.Dataset", made)
 
     def save(self, path: _a.Path) -> None:
-        """Write the results to one file: tables, texts, and the fields that were kept.
+        """Write the results to one file, which `asperity.load` reads.
 
-        The file is a zip archive of `results.json` (version, summary, warnings, notes, units), of
-        `positions.csv`, `states.csv` and `contacts.csv`, and of numpy arrays (`.npy`) of the
-        fields. `asperity.load` reads it; other programs read its parts. A file of this name is
-        replaced; one that cannot be written is a ComputeError.
+        It is a zip archive, whose parts other programs read: `results.json` (version, summary,
+        warnings, notes, units), `positions.csv`, `states.csv`, `contacts.csv`, and the fields that
+        were kept as arrays of numpy (`.npy`). A file of this name is replaced; one that cannot be
+        written is a ComputeError.
         """
         from . import _files  # zipfile and tempfile take long to import
         _files.write_results(path, _c.VERSION, {"summary": self.summary, "warnings": self.warnings,
@@ -155,14 +153,11 @@ class Results:
 
     def to_html(self, path: _a.Path, *, position: int | None = None,
                 title: str | None = None) -> str:
-        """Write one page for a browser, without a network: maps of the fields that were kept, or
-        contacts to scale; curves with errors; a table of contacts, summary, warnings and scene. A
-        slider visits the states. A file that cannot be written is a ComputeError.
-
-        Args:
-            path: Name of the file, which is returned; a file of this name is replaced.
-            position: Position of the motion; all of them otherwise.
-            title: Title of the page; the name of the scene otherwise.
+        """Write one page for a browser, without a network, and return its name: maps of the fields
+        that were kept, or contacts to scale; curves with errors; a table of contacts, summary,
+        warnings and scene. A slider visits the states, of one position where that is given. A file
+        of this name is replaced; one that cannot be written is a ComputeError. The title is the
+        name of the scene unless given.
         """
         name = os.fsdecode(_a.path("path", path))
         if position is not None:
@@ -181,14 +176,12 @@ class Results:
         nominal area the nominal pressure and the area fraction in their place.
 
         Args:
-            ax: Where to draw; a new figure otherwise.
+            ax: Two axes to draw on; a new figure otherwise.
             log: Logarithmic axes, but for the separation.
             errors: Draw the estimated errors of the states as bands, of a path up and down as bars.
-            theory: Curves by name for the second axes. Under the names `persson`,
-                `bush_gibson_thomas` and `greenwood_williamson` the rough surface of a scene with a
-                nominal area: a `HeightMap`, or what the function of `asperity.theory` takes; the
-                contact modulus is that of the scene, which must have it or two moduli. Under any
-                name x and y, or a function of x.
+            theory: Curves of the second axes by name: x and y, or a function of x. Under the names
+                `persson`, `bush_gibson_thomas` and `greenwood_williamson` a rough surface as these
+                functions take it; the scene must have a nominal area and the moduli.
         """
         curves = {name: self._area_curve(name, given) for name, given in (theory or {}).items()}
         return draw_curves(self.states, ax, control=self._control(), log=log, errors=errors,
@@ -226,9 +219,8 @@ class Results:
     def plot_contacts(self, position: int = 1, state: int | None = None, ax: Axes | None = None, *,
                       step: int | None = None) -> Axes:
         """Draw the contacts in plan, coloured by pressure: circles with the area of the contacts of
-        asperities; of the pixels of a height map the pressure where fields were kept, otherwise the
-        centres of the contact patches. On axes of matplotlib, new ones without `ax`; `position`,
-        `state` and `step` as for `fields`.
+        asperities; of a height map the pressure where fields were kept, otherwise the centres of
+        the contact patches. `position`, `state` and `step` as for `fields`.
         """
         step = self._step(position, state, step)
         table = self.contacts
@@ -242,16 +234,14 @@ class Results:
         """Pressure, gap and displacement on the pixels of a height map or of asperities.
 
         Args:
-            position: Position of the motion, from 1: a value of the column `position`.
+            position: A value of the column `position`.
             state: Deprecated, use `step`: the index among the states of the position, from 0.
-            step: Number of the state, from 1: a value of the column `step` of the states. -1, the
-                default, is the last state, -2 the one before.
+            step: A value of the column `step` of the states; -1, the default, is the last state.
 
         Raises:
-            IndexError: For a position or a state that the results do not have, or did not keep.
-            ComputeError: Where no fields were requested by `solve(..., fields=True)`, or the scene
-                is neither a height map solved on its pixels nor one position of asperities with
-                `field_spacing`.
+            IndexError: The results do not have this state, or did not keep it.
+            ComputeError: `solve(..., fields=True)` did not request fields, or the scene is neither
+                a height map on its pixels nor one position of asperities with `field_spacing`.
         """
         step = self._step(position, state, step)
         if self._kept == _fields.LAST and not self._keeps(position, step):
@@ -297,18 +287,14 @@ class Results:
 
     def pressure_histogram(self, position: int = 1, state: int | None = None, bins: int = 100, *,
                            step: int | None = None) -> tuple[Column, Column]:
-        """Distribution of the pressure in contact, on the pixels of a height map: the pressure in
-        the middle of each of the `bins` of equal width up to the greatest one, and the area per
-        pressure over the measured area.
-
-        The sum of the second times the width of a bin is the contact area fraction of the pixels.
-        `position`, `state`, `step` and errors as for `fields`.
+        """Distribution of the pressure on the pixels in contact: the pressure in the middle of each
+        of the `bins` of equal width up to the greatest one, and the area per pressure over the
+        measured area, whose integral is the contact area fraction. Other arguments as for `fields`.
         """
         number = _a.whole("bins", bins, "a number from 1")
         if number < 1:
             raise _a.wrong("bins", str(number), "a number from 1")
-        return _fields.histogram(
-            self.fields(position, step=self._step(position, state, step)), number)
+        return _fields.histogram(self.fields(position, state, step=step), number)
 
     def _step(self, position: int, state: int | None, step: int | None) -> int:
         """The number of a state, from 1, which a public function was given."""
@@ -338,34 +324,27 @@ class Results:
 
     def __repr__(self) -> str:
         facts = [counted(len(self.positions), "position"), counted(len(self.states), "state")]
-        if self.states:
-            for name in FACTS:
-                value, unit = self.states[name].tolist()[-1], self.states.units.get(name, "")
-                if not math.isnan(value):
-                    facts.append(f"{name} {shown(value)}" + (f" {unit}" if unit else ""))
+        for name in FACTS if self.states else ():
+            value = self.states[name].tolist()[-1]
+            if not math.isnan(value):
+                facts.append(f"{name} {shown(value)} {self.states.units.get(name, '')}".rstrip())
         if self.warnings:
             facts.append(counted(len(self.warnings), "warning"))
         return f"<asperity.Results: {', '.join(facts)}>"
 
     def _repr_html_(self) -> str:
-        parts = [self.states._repr_html_(), f"<pre>{html.escape(self.summary)}</pre>"]
-        if self.warnings:
-            parts.append("<ul>" + "".join(f"<li>{html.escape(line)}</li>"
-                                          for line in self.warnings) + "</ul>")
-        return "\n".join(parts)
+        lines = "".join(f"<li>{html.escape(line)}</li>" for line in self.warnings)
+        return (f"{self.states._repr_html_()}\n<pre>{html.escape(self.summary)}</pre>"
+                + f"\n<ul>{lines}</ul>" * bool(lines))
 
 
 def load(path: _a.Path, *, fields: _a.Path | Sequence[_a.Path] | None = None) -> Results:
-    """Read results that `Results.save` or `asperity solve --json` wrote.
+    """Read results that `Results.save` or `asperity solve --json` wrote, to the last bit.
 
     Args:
-        path: Name of the file.
+        path: Name of the file; one of another kind is an InputError.
         fields: Beside a file of `--json`: the file of `--fields`, of the last state of position 1;
             a list has those of all states of this position, in their order (`--fields-of all`).
-
-    Returns:
-        With the same tables, texts and fields, to the last bit. A file of another kind is an
-        InputError.
 
     Examples:
         >>> import asperity, tempfile
@@ -428,28 +407,18 @@ class Summits(Table):
         self._source = source
 
     def plot(self, ax: Axes | None = None) -> Axes:
-        """Draw the summits in plan on their height map, coloured by height, on axes of matplotlib,
-        new ones without `ax`."""
+        """Draw the summits in plan on their height map, coloured by height."""
         axes: Axes = new_axes(ax)
-        pixels = _map_to_draw(self._source, self.units.get("x", ""))
-        if pixels is not None:
-            draw_pixels(pixels.heights, pixels.spacing, pixels.unit, axes, cmap="gray")
+        pixels, unit = self._source, self.units.get("x", "")
+        with contextlib.suppress(ValueError, TypeError):  # a map that cannot be had is not drawn
+            if not isinstance(pixels, HeightMap):
+                pixels = map_of_file(pixels, unit=unit or None)
+            if (pixels.unit or "") == unit:
+                draw_pixels(pixels.heights, pixels.spacing, pixels.unit, axes, cmap="gray")
         return draw_points(self, axes)
 
     def __str__(self) -> str:
         return self.summary
-
-
-def _map_to_draw(source: Any, unit: str) -> HeightMap | None:
-    """The map behind summits, in their unit; None where it cannot be had."""
-    if is_topography(source):
-        source = map_of_topography("map", source)
-    elif not isinstance(source, HeightMap):
-        try:
-            return map_of_file(source, unit=unit or None)
-        except (ValueError, TypeError):
-            return None
-    return source if (source.unit or "") == unit else None
 
 
 def counted(number: int, noun: str) -> str:
