@@ -57,7 +57,7 @@ contains
     type(run_options) :: options
     type(array_table) :: tables(3)  ! positions, states, contacts; those that outputs need
     character(len=:), allocatable :: units  ! first line of CSV files; not allocated: none
-    integer :: i
+    integer :: first, i, k, last, number
 
     call read_scene(line%input, scene_in, outcome%problems)
     if (outcome%problems%count() == 0) call check_choices(line, scene_in, outcome%problems)
@@ -72,10 +72,12 @@ contains
       return
     end if
     if (any(line%has(field_options))) then
-      if (size(results%positions(1)%fields) > most_states) then
-        outcome%failure = line%input // ': --fields-of all: found ' // &
-          decimal_text(size(results%positions(1)%fields)) // ' states, expected at most ' // &
-          decimal_text(most_states)
+      last = size(results%positions)
+      first = merge(1, last, line%choice('--fields-of') == fields_all)
+      number = sum([(size(results%positions(i)%fields), i=first, last)])
+      if (number > most_states) then
+        outcome%failure = line%input // ': --fields-of all: found ' // decimal_text(number) // &
+          ' states, expected at most ' // decimal_text(most_states)
         return
       end if
     end if
@@ -103,9 +105,14 @@ contains
         call stage_tables(i)
     end do
     if (any(line%has(field_options))) then
-      do i = 1, size(results%positions(1)%fields)
-        call stage_field(results%positions(1)%fields(i), i == size(results%positions(1)%fields))
+      number = 0
+      do i = first, last
+        do k = 1, size(results%positions(i)%fields)
+          number = number + 1
+          call stage_field(results%positions(i)%fields(k), results%positions(i)%states%time)
+        end do
       end do
+      if (line%has('--histogram')) call stage_histogram(results%positions(last)%fields)
     end if
     if (allocated(line%depths)) call stage_stress()
 
@@ -128,34 +135,36 @@ contains
       call outcome%stage_text(line%output_path(trim(table_options(option))), text)
     end subroutine stage_tables
 
-    ! One state as image data; the last one as a histogram, too.
-    subroutine stage_field(field, is_last)
+    ! One state as image data.
+    subroutine stage_field(field, times)
       type(contact_field), intent(in) :: field
-      logical, intent(in) :: is_last
-      type(text_buffer) :: histogram, vti
+      real(real64), intent(in) :: times(:)  ! of all states of its position
+      type(text_buffer) :: vti
       character(len=:), allocatable :: path
-      character(len=5) :: number
+      character(len=5) :: ending
       integer :: dot
 
-      if (line%has('--fields')) then
-        associate (times => results%positions(1)%states%time)
-          call write_vti(field, merge(times(field%state), not_computed, any(times > 0.0_real64)), &
-                         vti)
-        end associate
-        path = line%output_path('--fields')
-        if (line%choice('--fields-of') == fields_all) then
-          ! `NAME_0001.vti`.
-          write (number, '("_", i4.4)') field%state
-          dot = index(path, '.', back=.true.)
-          if (dot <= index(path, '/', back=.true.) + 1) dot = len(path) + 1
-          path = path(:dot - 1) // number // path(dot:)
-        end if
-        call outcome%stage_text(path, vti)
+      if (.not. line%has('--fields')) return
+      call write_vti(field, merge(times(field%state), not_computed, any(times > 0.0_real64)), vti)
+      path = line%output_path('--fields')
+      if (line%choice('--fields-of') == fields_all) then
+        ! `NAME_0001.vti`, by the row of the table of states.
+        write (ending, '("_", i4.4)') number
+        dot = index(path, '.', back=.true.)
+        if (dot <= index(path, '/', back=.true.) + 1) dot = len(path) + 1
+        path = path(:dot - 1) // ending // path(dot:)
       end if
-      if (.not. (is_last .and. line%has('--histogram'))) return
-      call write_histogram(field, histogram, units)
-      call outcome%stage_text(line%output_path('--histogram'), histogram)
+      call outcome%stage_text(path, vti)
     end subroutine stage_field
+
+    ! The pressures of the last state as a histogram.
+    subroutine stage_histogram(fields)
+      type(contact_field), intent(in) :: fields(:)
+      type(text_buffer) :: histogram
+
+      call write_histogram(fields(size(fields)), histogram, units)
+      call outcome%stage_text(line%output_path('--histogram'), histogram)
+    end subroutine stage_histogram
 
     ! The largest stresses of the last state in the lower body as text, all of them as a file.
     subroutine stage_stress()
@@ -168,7 +177,7 @@ contains
       character(len=:), allocatable :: path, text
 
       path = lower_case(line%output_path('--stress'))
-      associate (field => results%positions(1)%fields(size(results%positions(1)%fields)), &
+      associate (field => results%positions(last)%fields(size(results%positions(last)%fields)), &
                  depths => size(line%depths))
         call solver%prepare(field, scene_in%lower%poisson_ratio)
         associate (pixels => field%columns * field%rows)

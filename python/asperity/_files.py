@@ -123,8 +123,8 @@ def _numbers(code: str, content: Any, is_swapped: bool = False) -> Any:
     return column(memoryview(cells))
 
 
-def read_vti(path: _a.Path, step: int, length: str, pressure: str) -> Fields:
-    """The fields of a file of `asperity solve --fields`: one state of position 1."""
+def read_vti(path: _a.Path, place: tuple[int, int], length: str, pressure: str) -> Fields:
+    """The fields of a file of `asperity solve --fields`: one state, by position and step."""
     name = os.fsdecode(_a.path("fields", path))
     made = Fields.__new__(Fields)
     with _reading(name, "a file that asperity solve --fields wrote"):
@@ -146,7 +146,7 @@ def read_vti(path: _a.Path, step: int, length: str, pressure: str) -> Fields:
             code, start = ("d", 8) if kind == "Float64" else ("b", 1), int(offset) + 8
             setattr(made, field, in_rows(_numbers(code[0], body[start:start + code[1] * (
                 made.shape[0] * made.shape[1])], is_swapped), made.shape, field in FLAGS))
-    made.unit, made.position, made.step = length or None, 1, step
+    made.unit, (made.position, made.step) = length or None, place
     made.units = {field: pressure if field in ("pressure", "traction") else
                   "" if field in FLAGS else length for field in made._names}
     return made

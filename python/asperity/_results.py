@@ -105,8 +105,9 @@ class Results:
         """The fields that were kept, in the order of the states."""
         if self._kept and self._outcome is not None and "mean_gap" in self.states \
                 and not math.isnan(self.states["mean_gap"][-1]):
-            for step in range(-len(self.states) if self._kept == _fields.ALL else -1, 0):
-                self.fields(step=step)
+            for place in zip(self.states["position"].tolist(), self.states["step"].tolist()):
+                if self._keeps(*place):
+                    self.fields(place[0], step=place[1])
         return [self._fields[place] for place in sorted(self._fields)]
 
     def __dir__(self) -> list[str]:
@@ -131,8 +132,10 @@ class Results:
         columns of the states that are numbers; `attrs["units"]` of each variable is its unit."""
         kept = self._all_fields() or [self.fields()]
         library: Any = needed("xarray", "xarray", "a dataset")
-        made = library.concat([one.to_xarray() for one in kept], "step")
-        rows = [one.step - 1 for one in kept]
+        made = library.concat([one.to_xarray() for one in kept], "step", join="outer",
+                                   coords="different", compat="equals")
+        places = list(zip(self.states["position"].tolist(), self.states["step"].tolist()))
+        rows = [places.index((one.position, one.step)) for one in kept]
         for name, values in self.states.items():
             if name not in ("step", "position") and values.dtype.kind in "fi":
                 made[name] = ("step", values[rows], {"units": self.states.units[name]})
@@ -343,8 +346,8 @@ def load(path: _a.Path, *, fields: _a.Path | Sequence[_a.Path] | None = None) ->
 
     Args:
         path: Name of the file; one of another kind is an InputError.
-        fields: Beside a file of `--json`: the file of `--fields`, of the last state of position 1;
-            a list has those of all states of this position, in their order (`--fields-of all`).
+        fields: Beside a file of `--json`: the file of `--fields`, of the last state; a list has
+            those of all states in their order (`--fields-of all`).
 
     Examples:
         >>> import asperity, tempfile
@@ -360,17 +363,18 @@ def load(path: _a.Path, *, fields: _a.Path | Sequence[_a.Path] | None = None) ->
     given: Any = fields
     paths = [] if given is None else given if isinstance(given, (list, tuple)) else [given]
     if found is None:
-        first = sum(place == 1 for place in tables["states"]["position"].tolist()) - len(paths) + 1
-        if len(paths) > 1 and first != 1:
-            raise _a.wrong("fields", f"{len(paths)} files", "one for each state of position 1")
-        found = [_files.read_vti(one, first + number, tables["states"].units["separation"],
+        places = list(zip(tables["states"]["position"].tolist(), tables["states"]["step"].tolist()))
+        if len(paths) > 1 and len(paths) != len(places):
+            raise _a.wrong("fields", f"{len(paths)} files", "one for each state")
+        found = [_files.read_vti(one, place, tables["states"].units["separation"],
                                  tables["contacts"].units["maximum_pressure"])
-                 for number, one in enumerate(paths)]
+                 for one, place in zip(paths, places[len(places) - len(paths):])]
     elif paths:
         raise _a.wrong("fields", repr(fields), "None: a saved file has its fields")
     vars(made).update(tables, _outcome=None, summary=facts["summary"], warnings=facts["warnings"],
                       notes=facts["notes"], scene=facts.get("scene", {}),
-                      _kept=(_fields.NONE, _fields.LAST, _fields.ALL)[min(len(found), 2)],
+                      _kept=_fields.NONE if not found else _fields.LAST
+                      if len(found) < len(tables["states"]) else _fields.ALL,
                       _fields={(one.position, one.step): one for one in found})
     return made
 

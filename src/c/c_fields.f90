@@ -27,15 +27,15 @@ contains
     integer(c_int), value :: position, state  !! from 1; -1: the last state
     type(library_turn) :: turn
     type(outcome), pointer :: from, new
-    integer :: which
+    type(contact_field), pointer :: field
 
     call begin_outcome(new, handle)
     if (.not. associated(new)) return
     call turn%begin()
-    call choose_field(solved, position, state, from, new, which)
-    if (which > 0) call set_field(new, from%fields(which), &
-                                  unit_of_column(from%tables(of_positions), 'mean_gap'), &
-                                  unit_of_column(from%tables(of_contacts), 'average_pressure'))
+    call choose_field(solved, position, state, from, new, field)
+    if (associated(field)) &
+      call set_field(new, field, unit_of_column(from%tables(of_positions), 'mean_gap'), &
+                     unit_of_column(from%tables(of_contacts), 'average_pressure'))
     call finish_outcome(new)
   end function c_fields
 
@@ -49,30 +49,31 @@ contains
     type(outcome), pointer :: from, new
     type(stress_solver) :: solver
     real(real64), allocatable :: cells(:, :), stress(:, :, :)
-    integer :: i, which
+    type(contact_field), pointer :: field
+    integer :: i
 
     call begin_outcome(new, handle)
     if (.not. associated(new)) return
     call turn%begin()
-    call choose_field(solved, position, state, from, new, which)
+    call choose_field(solved, position, state, from, new, field)
     if (.not. (depth > 0.0_real64 .and. depth < huge(depth))) then
       call new%problems%add('depth: found ' // real_text(depth) // &
                             ', expected a number more than 0')
-    else if (which > 0) then
+    else if (associated(field)) then
       if (.not. allocated(from%ratio)) then
         new%failure = no_ratio
-      else if (.not. has_memory(room_for_stress(from%fields(which)))) then
+      else if (.not. has_memory(room_for_stress(field))) then
         new%failure = not_enough_memory // ' for the stresses'
       end if
     end if
     call turn%finish()
     if (new%problems%count() == 0 .and. .not. allocated(new%failure)) then
-      call solver%prepare(from%fields(which), from%ratio)
+      call solver%prepare(field, from%ratio)
       call solver%solve(depth, stress)
     end if
     call turn%begin()
     if (allocated(stress)) then
-      cells = stress_cells(from%fields(which), depth, stress)
+      cells = stress_cells(field, depth, stress)
       do i = first_stress, stress_columns
         call add_reals(new%tables(table_fields), trim(stress_names(i)), cells(:, i), &
                        unit_of_column(from%tables(of_contacts), 'average_pressure'))
@@ -81,38 +82,44 @@ contains
     call finish_outcome(new)
   end function c_stress
 
-  ! Finds the fields of a state of an outcome; 0: there are none, and `new` has the reason.
-  subroutine choose_field(solved, position, state, from, new, which)
+  ! Finds the fields of a state of an outcome, or the reason why there are none.
+  subroutine choose_field(solved, position, state, from, new, field)
     type(c_ptr), intent(in) :: solved
     integer, intent(in) :: position, state
     type(outcome), pointer, intent(out) :: from
     type(outcome), intent(inout) :: new
-    integer, intent(out) :: which
+    type(contact_field), pointer, intent(out) :: field  ! not associated: none
     character(len=:), allocatable :: states
+    logical :: has_fields
+    integer :: which
 
-    which = 0
+    nullify (field)
     call look_at(solved, from)
+    has_fields = .false.
     if (.not. associated(from)) then
       call new%problems%add('solved: found NULL, expected the outcome of a solve')
-    else if (.not. allocated(from%fields)) then
+      return
+    end if
+    if (allocated(from%kept)) has_fields = allocated(from%kept(1)%fields)
+    if (.not. has_fields) then
       new%failure = 'no fields: expected a height map solved on its pixels, for instance ' // &
                     'with interaction = ''boundary'', or field_spacing in &surfaces for one ' // &
                     'position of asperities, and fields requested (fields=True in Python)'
+    else if (position < 1 .or. position > size(from%kept)) then
+      call new%problems%add('position: found ' // decimal_text(position) // ', expected a ' // &
+                            'number from 1 to ' // decimal_text(size(from%kept)))
     else
-      do which = size(from%fields), 1, -1
-        if (from%fields(which)%position == position .and. &
-            (from%fields(which)%state == state .or. state == -1)) return
-      end do
-      if (position /= from%fields(1)%position) then
-        call new%problems%add('position: found ' // decimal_text(position) // ', expected ' // &
-                              decimal_text(from%fields(1)%position))
-      else
-        states = decimal_text(from%fields(1)%state)
-        if (size(from%fields) > 1) states = 'a number from ' // states // ' to ' // &
-                                            decimal_text(from%fields(size(from%fields))%state)
-        call new%problems%add('state: found ' // decimal_text(state) // ', expected ' // states // &
-                              ', or -1 for the last')
-      end if
+      associate (fields => from%kept(position)%fields)
+        which = findloc(fields%state, state, 1)
+        if (state == -1) which = size(fields)
+        if (which > 0) field => from%kept(position)%fields(which)
+        if (which > 0) return
+        states = decimal_text(fields(1)%state)
+        if (size(fields) > 1) states = 'a number from ' // states // ' to ' // &
+                                       decimal_text(fields(size(fields))%state)
+      end associate
+      call new%problems%add('state: found ' // decimal_text(state) // ', expected ' // states // &
+                            ', or -1 for the last')
     end if
   end subroutine choose_field
 

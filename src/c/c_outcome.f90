@@ -39,6 +39,11 @@ module asperity_c_outcome
     character(kind=c_char), allocatable :: letters(:)  !! characters with the final null
   end type c_letters
 
+  !> Fields of the states of a position that keep them.
+  type :: kept_fields
+    type(contact_field), allocatable :: fields(:)  !! not allocated: none
+  end type kept_fields
+
   !> Outcome of a call.
   type :: outcome
     integer(c_int) :: status = done                        !! status of the call
@@ -50,7 +55,7 @@ module asperity_c_outcome
     type(problem_place), allocatable :: places(:)          !! place of each problem
     type(c_letters), allocatable :: names(:, :)            !! names of columns (column, table)
     type(c_letters), allocatable :: units(:, :)            !! units of columns (column, table)
-    type(contact_field), allocatable :: fields(:)          !! fields of the states that keep them
+    type(kept_fields), allocatable :: kept(:)              !! by position
     real(real64), allocatable :: ratio                     !! Poisson's of the lower body, if known
     character(len=:), allocatable :: failure               !! reason, when it was not computed
   end type outcome

@@ -183,7 +183,10 @@ contains
     call set_text(new, text_notes, from%scene_in%notes%text())
     if (allocated(new%failure)) new%failure = from%scene_in%file // ': ' // new%failure
     if (new%problems%count() > 0 .or. allocated(new%failure)) return
-    call move_alloc(results%positions(1)%fields, new%fields)
+    allocate (new%kept(size(results%positions)))
+    do which = 1, size(new%kept)
+      call move_alloc(results%positions(which)%fields, new%kept(which)%fields)
+    end do
     if (.not. from%scene_in%contact_modulus > 0.0_real64) &
       new%ratio = from%scene_in%lower%poisson_ratio
     call list_warnings(from%scene_in%file, results, warnings, kinds)

@@ -64,6 +64,7 @@ module asperity_height_map
     type(problem_list) :: notes                 !! what is odd about the file, no error
     logical :: periodic = .false.               !! it repeats itself along x and y: it has no edge
     integer :: strip_axis = 0                   !! axis along which alone it repeats itself; 0: none
+    logical :: is_between = .false.             !! moved by a part of a pixel: waves in between
   contains
     procedure :: repeats => repeats_along       !! whether it repeats itself along an axis
   end type height_map

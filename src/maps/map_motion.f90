@@ -51,6 +51,8 @@ contains
       call find_places(lower, upper, axis, displacement(axis), of_lower(axis), of_upper(axis), &
                        map%pixel_spacing(axis), origin(axis))
       number(axis) = size(of_lower(axis)%share)
+      map%is_between = map%is_between .or. (map%repeats(axis) .and. &
+                                            any(of_upper(axis)%share > 0.0_real64))
     end do
     if (any(number < least_side)) then
       failure = 'the maps have fewer than 3 pixels in common along a side: expected a ' // &

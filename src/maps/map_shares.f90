@@ -90,14 +90,20 @@ contains
   end subroutine find_shares
 
   !> Warns of shares of the load on artefacts of the map.
-  pure subroutine warn_of_shares(shares, tolerance, warnings)
+  pure subroutine warn_of_shares(map, shares, tolerance, warnings)
+    type(height_map), intent(in) :: map     !! that is in contact
     type(map_shares), intent(in) :: shares  !! shares of one state
     real(real64), intent(in) :: tolerance   !! largest share without a warning
     type(theory_warning), allocatable, intent(inout) :: warnings(:)  !! warnings of the state
+    character(len=36) :: whose
+
+    whose = ''
+    if (map%is_between) whose = 'moved steps ring between the pixels'
     if (shares%on_edge > shares%edge_of_punch) &
       call add_warning(warnings, of_map_edge, shares%on_edge)
     if (shares%on_lines > tolerance) call add_warning(warnings, of_scan_lines, shares%on_lines)
-    if (shares%on_spikes > tolerance) call add_warning(warnings, of_spikes, shares%on_spikes)
+    if (shares%on_spikes > tolerance) call add_warning(warnings, of_spikes, shares%on_spikes, &
+                                                       whose=whose)
   end subroutine warn_of_shares
 
   !> Warns of a map with missing pixels, of a steep map, and of a periodic one with a jump at its

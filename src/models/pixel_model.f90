@@ -219,7 +219,8 @@ contains
       self%states = size(steps)
       kept = merge(self%states, 1, model%fields == fields_all)
       if (model%fields == fields_none .or. has_memory( &
-          room_to_press(model%first_map) + room_of_fields(model%work, kept))) return
+          room_to_press(model%first_map) + &
+          room_of_fields(model%positions * model%work, kept))) return
       failure = not_enough_memory // ' for the fields of ' // decimal_text(kept) // ' state'
       if (kept > 1) failure = failure // 's, expected those of the last state alone'
     end associate
@@ -260,7 +261,7 @@ contains
     if (must_repeat) return
     associate (model => self%model, map => self%map, answer => self%state%answer)
       call list_patches(self, shares)
-      call warn_of_shares(shares, model%tolerance, warnings)
+      call warn_of_shares(map, shares, model%tolerance, warnings)
       if (is_flat(map)) call add_warning(warnings, of_flat_map, 0.0_real64)
       call warn_of_patches(self, warnings)
       do i = 1, size(self%laws)
@@ -276,6 +277,7 @@ contains
         allocate (result%fields(merge(self%states, 1, model%fields == fields_all)))
         do i = 1, size(result%fields)
           result%fields(i)%unit = model%unit
+          result%fields(i)%origin = self%origin
         end do
       end if
       call take_field(self%state%deformed, answer, number, &

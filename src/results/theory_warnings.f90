@@ -97,7 +97,8 @@ module asperity_theory_warnings
       'remove the noise of the instrument from the map'), &
     warning_kind('spikes', in_accuracy, 0.0_real64, .true., &
       'single outliers carry load', 'of the load', &
-      'set map_despike = ''on'' where they are not part of the surface'), &
+      'set map_despike = ''on'' where they are not part of the surface', &
+      'displace the maps by whole pixels or smooth their steps'), &
     warning_kind('area', in_accuracy, 0.0_real64, .true., &
       'the area is less sure than the tolerance', 'is its estimated error', &
       'use the area with this error: loads and separations keep the tolerance'), &

@@ -57,12 +57,11 @@ contains
     type(library_turn) :: turn
 
     call turn%begin()
+    if (allocated(scene_in%map)) return
     if (scene_in%motion%positions > 1) then
       call problems%add(name // ': found ' // decimal_text(scene_in%motion%positions) // &
-                        ' positions, expected one for fields')
-    else if (has_field_grid(scene_in)) then
-      return
-    else if (.not. allocated(scene_in%map)) then
+                        ' positions of asperities, expected one for fields')
+    else if (.not. has_field_grid(scene_in)) then
       call problems%add(name // ': no grid for the fields of asperities, expected ' // &
                         'field_spacing, the side of a pixel, in &surfaces')
     end if

@@ -234,6 +234,7 @@ contains
     integer :: last
 
     call solve_position(model, whole_number(m, watch%start, watch%stride), position, failure)
+    if (allocated(position%fields)) position%fields%position = m
     if (position%lacks_memory .and. .not. allocated(failure)) &
       failure = not_enough_memory // ' for the list of contacts'
     if (.not. allocated(failure)) then

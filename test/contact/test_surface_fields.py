@@ -304,7 +304,7 @@ def test_refusals(asperity, tmp_path):
         scene.write_text(scene.read_text().replace("&surfaces ", "&surfaces field_spacing = 0.1, "))
         return run(asperity, scene, "--fields", tmp_path / "f.vti", *words, status=status).stderr
 
-    assert "--fields: found 3 positions, expected one for fields" in told(
+    assert "--fields: found 3 positions of asperities, expected one for fields" in told(
         motion={"positions": 3, "x_step": 0.1})
     assert "a file of --keep has no pressure" in told(("--keep", tmp_path / "k"))
     adhesion = {"adhesion": "on", "work_of_adhesion": 1.0, "equilibrium_distance": 1e-4}

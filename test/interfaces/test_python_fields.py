@@ -65,6 +65,34 @@ def test_all_states_are_those_of_the_files(solved, path, asperity):
     assert solved.fields(1, -4).step == solved.fields(step=-4).step == 1
 
 
+def test_positions_of_moved_maps(package, asperity, tmp_path):
+    """Free maps that move: fields of the last state of each position, or of all, at their places;
+    the file of a state is that of its row."""
+    for name, seed in (("u", 1), ("l", 2)):
+        np.save(tmp_path / f"{name}.npy", np.random.default_rng(seed).normal(size=(8, 8)))
+    scene = write_scene(
+        tmp_path / "m.scene", surfaces={"upper": "u.npy", "lower": "l.npy", "map_spacing": 0.5},
+        material={"contact_modulus": 100.0}, effects={"interaction": "boundary"},
+        motion={"x_step": 1.0, "positions": 3},
+        loading={"control": "load", "value": 20.0, "points": 2})
+    run_program(asperity, "solve", scene, "--quiet", "--json", tmp_path / "m.json", "--fields",
+                tmp_path / "f.vti", "--fields-of", "all")
+    last, every = (package.solve(scene, fields=kept) for kept in (True, "all"))
+    read = package.load(tmp_path / "m.json",
+                        fields=[tmp_path / f"f_000{i}.vti" for i in range(1, 10)])
+    for results in (last, pickle.loads(pickle.dumps(last)), every, read):
+        assert list(results.to_xarray()["load"]) == pytest.approx(
+            [20.0] * 3 if results is not every and results is not read else [0.0, 10.0, 20.0] * 3)
+        for position in (1, 2, 3):
+            fields = results.fields(position)
+            assert (fields.shape, fields.origin) == ((8, 10 - 2 * position), (position - 1.0, 0.0))
+            assert fields.pressure.sum() * 0.25 == pytest.approx(20.0)
+            assert np.array_equal(fields.pressure, every.fields(position, step=3).pressure)
+            rows = results.contacts["position"] == position
+            assert fields.pressure.max() == pytest.approx(
+                results.contacts["maximum_pressure"][rows].max())
+
+
 def test_index_of_a_state(solved):
     """Earlier scripts count states from 0: the same fields, with a warning at their line."""
     for call, expected in ((lambda: solved.fields(1, 2).step, 3),
