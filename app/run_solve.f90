@@ -8,10 +8,11 @@ module asperity_run_solve
   use asperity_files, only: same_name, write_standard_error
   use asperity_images, only: image_number
   use asperity_input_text, only: lower_case
-  use asperity_kinds, only: not_computed, real64
+  use asperity_kinds, only: int64, not_computed, real64
   use asperity_map_stress, only: largest_stress, look_for_largest, no_ratio, stress_solver
   use asperity_number_format, only: count_text, number_text
-  use asperity_problems, only: decimal_text, problem_list
+  use asperity_problems, only: decimal_text, not_enough_memory, problem_list
+  use asperity_process, only: has_memory
   use asperity_result_table, only: array_table, make_arrays
   use asperity_results_json, only: write_json, write_json_table
   use asperity_results_vtk, only: write_vti, write_vts
@@ -179,6 +180,12 @@ contains
       path = lower_case(line%output_path('--stress'))
       associate (field => results%positions(last)%fields(size(results%positions(last)%fields)), &
                  depths => size(line%depths))
+        ! Waves, kernels and components of one depth; cells, their copy by columns of all depths.
+        if (.not. has_memory((512_int64 + 16_int64 * stress_columns * depths) * field%columns * &
+                             field%rows)) then
+          outcome%failure = line%input // ': ' // not_enough_memory // ' for the stresses'
+          return
+        end if
         call solver%prepare(field, scene_in%lower%poisson_ratio)
         associate (pixels => field%columns * field%rows)
           allocate (cells(merge(0, pixels * depths, path == ''), stress_columns))

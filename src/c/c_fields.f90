@@ -89,7 +89,6 @@ contains
     type(outcome), pointer, intent(out) :: from
     type(outcome), intent(inout) :: new
     type(contact_field), pointer, intent(out) :: field  ! not associated: none
-    character(len=:), allocatable :: states
     logical :: has_fields
     integer :: which
 
@@ -106,21 +105,29 @@ contains
                     'with interaction = ''boundary'', or field_spacing in &surfaces for one ' // &
                     'position of asperities, and fields requested (fields=True in Python)'
     else if (position < 1 .or. position > size(from%kept)) then
-      call new%problems%add('position: found ' // decimal_text(position) // ', expected a ' // &
-                            'number from 1 to ' // decimal_text(size(from%kept)))
+      call new%problems%add('position: found ' // decimal_text(position) // ', expected ' // &
+                            numbers_in_words(1, size(from%kept)))
     else
       associate (fields => from%kept(position)%fields)
         which = findloc(fields%state, state, 1)
         if (state == -1) which = size(fields)
         if (which > 0) field => from%kept(position)%fields(which)
         if (which > 0) return
-        states = decimal_text(fields(1)%state)
-        if (size(fields) > 1) states = 'a number from ' // states // ' to ' // &
-                                       decimal_text(fields(size(fields))%state)
+        call new%problems%add('state: found ' // decimal_text(state) // ', expected ' // &
+          numbers_in_words(fields(1)%state, fields(size(fields))%state) // ', or -1 for the last')
       end associate
-      call new%problems%add('state: found ' // decimal_text(state) // ', expected ' // states // &
-                            ', or -1 for the last')
     end if
+
+  contains
+
+    pure function numbers_in_words(first, last) result(text)
+      integer, intent(in) :: first, last
+      character(len=:), allocatable :: text
+
+      text = decimal_text(first)
+      if (last > first) text = 'a number from ' // text // ' to ' // decimal_text(last)
+    end function numbers_in_words
+
   end subroutine choose_field
 
   ! Tables and unit of one state.

@@ -192,7 +192,8 @@ contains
       do
         if (has_grown) then
           if (allocated(task%clusters)) call move_alloc(task%clusters, previous_clusters)
-          call form_clusters(pairs, coupled, is_resolved, task%clusters)
+          call form_clusters(pairs, coupled, is_resolved, task%clusters, solution%failure)
+          if (allocated(solution%failure)) return
           if (allocated(previous_clusters)) call keep_lattices(previous_clusters, task%clusters)
           task%resolved = resolved_contacts(is_resolved, pairs%list%x, pairs%list%y, pairs%list%gap)
           if (is_one_grid_cheaper(task, coupled)) then

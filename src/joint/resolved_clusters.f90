@@ -13,6 +13,7 @@ module asperity_resolved_clusters
   use asperity_coupled_contacts, only: coupled_solution
   use asperity_index_groups, only: gather_groups
   use asperity_kinds, only: real64
+  use asperity_problems, only: not_enough_memory
   use asperity_source_tree, only: build_tree, source_tree, sum_sources
   implicit none
   private
@@ -50,11 +51,12 @@ contains
 
   !> Groups resolved contacts: those nearer than `separate_distance` sums of their radii share a
   !> cluster.
-  subroutine form_clusters(pairs, coupled, is_resolved, clusters)
+  subroutine form_clusters(pairs, coupled, is_resolved, clusters, failure)
     type(contact_pairs), intent(in) :: pairs                 !! pairs of the position
     type(coupled_solution), intent(in) :: coupled            !! solution of Hertzian contacts
     logical, intent(in) :: is_resolved(:)                    !! by pair: whether it is resolved
     type(cluster), allocatable, intent(out) :: clusters(:)   !! clusters with their members
+    character(len=:), allocatable, intent(inout) :: failure  !! reason, when memory is short
     type(source_tree) :: tree
     integer, allocatable :: resolved_pairs(:), circle_index(:), member(:), first(:)
     real(real64), allocatable :: reach(:), x(:), y(:)
@@ -71,6 +73,10 @@ contains
     x = pairs%list(resolved_pairs)%x
     y = pairs%list(resolved_pairs)%y
     call build_tree(tree, x, y, reach, separate_distance)
+    if (allocated(tree%failure)) then
+      failure = tree%failure
+      return
+    end if
     call gather_groups([((i, l=tree%first(i), tree%first(i + 1) - 1), i=1, size(resolved_pairs))], &
                        tree%near, spread(.true., 1, size(tree%near)), &
                        spread(.true., 1, size(resolved_pairs)), size(resolved_pairs), member, first)
@@ -143,29 +149,35 @@ contains
     type(cluster), intent(inout) :: clusters(:)
     character(len=:), allocatable, intent(inout) :: failure
     type(source_tree) :: tree
-    real(real64), dimension(nodes**2 * size(clusters)) :: x, y, reach
-    real(real64) :: field(6, size(x))
-    integer :: k
+    real(real64), allocatable :: x(:), y(:), reach(:), field(:, :)  ! circles, then nodes
+    integer :: k, status
 
-    do k = 1, size(clusters)
-      associate (last => nodes**2 * k)
-        call place_nodes(pairs, coupled%compression, clusters(k), x(last - nodes**2 + 1:last), &
-                         y(last - nodes**2 + 1:last), reach(last - nodes**2 + 1:last))
-      end associate
-    end do
-    associate (set => coupled%set)
-      call build_tree(tree, [set%x + set%shift(1, :), x], [set%y + set%shift(2, :), y], &
-                      [near_factor * set%radius, reach], 1.0_real64, size(set%x))
+    associate (set => coupled%set, circles => size(coupled%set%x), &
+               number => nodes**2 * size(clusters))
+      allocate (x(circles + number), y(circles + number), reach(circles + number), &
+                field(6, number), stat=status)
+      if (status /= 0) failure = not_enough_memory // ' for the displacement of resolved contacts'
+      if (status /= 0) return
+      x(:circles) = set%x + set%shift(1, :)
+      y(:circles) = set%y + set%shift(2, :)
+      reach(:circles) = near_factor * set%radius
+      do k = 1, size(clusters)
+        associate (first => circles + nodes**2 * (k - 1) + 1, last => circles + nodes**2 * k)
+          call place_nodes(pairs, coupled%compression, clusters(k), x(first:last), y(first:last), &
+                           reach(first:last))
+        end associate
+      end do
+      call build_tree(tree, x, y, reach, 1.0_real64, circles)
       if (allocated(tree%failure)) then
         failure = tree%failure
         return
       end if
       call sum_sources(tree, set%load / pi, hertz_spread(set%radius), field)
+      do k = 1, size(clusters)
+        call set_outside_field(pairs, set, cluster_of, tree, x(circles + 1:), y(circles + 1:), &
+                               field(1, :), k, clusters(k))
+      end do
     end associate
-    do k = 1, size(clusters)
-      call set_outside_field(pairs, coupled%set, cluster_of, tree, x, y, field(1, :), k, &
-                             clusters(k))
-    end do
   end subroutine find_outside_field
 
   ! Places the nodes of a cluster on its rectangle.

@@ -77,12 +77,12 @@ contains
     if (allocated(tree%near)) deallocate (tree%near)
     if (allocated(tree%points)) deallocate (tree%points)
     if (allocated(tree%moment)) deallocate (tree%moment, tree%field)
-    tree%first = [1, spread(0, 1, size(x) - tree%target_offset)]
-    allocate (tree%near(0))
     if (.not. has_memory(bytes_per_point * size(x))) then
       tree%failure = no_memory
       return
     end if
+    tree%first = [1, spread(0, 1, size(x) - tree%target_offset)]
+    allocate (tree%near(0))
     allocate (tree%points(size(x), dipole_y))
     tree%points(:, listed_x) = x
     tree%points(:, listed_y) = y
