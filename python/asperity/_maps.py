@@ -20,7 +20,7 @@ from ._columns import Table, in_rows, label_of, needed, shown
 from ._conditioning import Conditioning
 from ._errors import InputError, Problem, warn_caller
 from ._plots import draw_pixels
-from ._text_maps import named_columns, read_text
+from ._text_maps import named_columns, read_text, written_header
 
 if TYPE_CHECKING:
     from matplotlib.axes import Axes
@@ -28,6 +28,7 @@ if TYPE_CHECKING:
 
 
 UNITS = ("m", "mm", "um", "nm", "cm", "in")
+METRES = ("1", "1e-3", "1e-6", "1e-9", "1e-2", "0.0254")
 
 
 def plain_unit(unit: str) -> str:
@@ -342,6 +343,12 @@ def map_of_file(path: _a.Path, spacing: Any = None, unit: str | None = None,
     """The map of a file, without warnings."""
     coded, is_periodic = _a.path("path", path), _a.flag("periodic", periodic)
     steps = None if spacing is None else _a.pair("spacing", spacing)
+    header = None if steps else written_header(os.fsdecode(coded))
+    if header is not None:
+        steps, own, edge = header
+        made = map_of_file(path, steps, own or unit, is_periodic or edge == "periodic")
+        made.notes = []  # the library does not read comments
+        return made if unit is None or made.unit == unit else _in_unit(made, unit)
     try:
         read = _c.call("read_map", coded, None if steps is None else (c_double * 2)(*steps),
                        _a.optional_word("unit", unit)).checked()
@@ -363,6 +370,15 @@ def _map_of_text(path: str, spacing: Any, unit: str | None, periodic: bool,
     heights, steps = read_text(path, None if spacing is None else _a.pair("spacing", spacing),
                                delimiter, decimal or ".", columns)
     return HeightMap(heights, steps, unit, periodic)
+
+
+def _in_unit(map: HeightMap, unit: str) -> HeightMap:
+    """A map with a unit in another one."""
+    from fractions import Fraction  # decimal takes long to import
+    ratio = float(Fraction(METRES[UNITS.index(str(map.unit))]) / Fraction(METRES[UNITS.index(unit)]))
+    heights: Any = map.heights * ratio if numpy() else [
+        [height * ratio for height in row] for row in map.heights]
+    return HeightMap(heights, [step * ratio for step in map.spacing], unit, map.periodic)
 
 
 def generate_map(specification: _a.Path | Mapping[str, Mapping[str, Any]] | None = None,

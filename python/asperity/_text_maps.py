@@ -13,6 +13,11 @@ from ._errors import refused
 # Names of the heights in a first line with `x` and `y`, which is read without keywords.
 HEIGHTS = ("z", "height", "value", "elevation")
 COMMENTS = ("#", "%")
+# The first lines of a matrix that the library has written.
+NUMBER = rb"(\d\.\d{16}E[-+]\d{3})"
+WRITTEN = re.compile(rb"# Spacing: +" + NUMBER + rb" +" + NUMBER + rb"\n"
+                     rb"(?:# Units: (m|[munc]m|in)\n)?(?:# Edge: (periodic)\n)?[^#]")
+HEADER_BYTES = 128
 # Largest distance of a place from its node of the grid, in steps: places are printed with few
 # digits. Half a step would make two nodes possible.
 ROUNDED = 0.1
@@ -29,6 +34,19 @@ def named_columns(path: str) -> tuple[str | None, list[str]] | None:
               if name.lower() in known]
     return (delimiter, wanted) if len({name.lower() for name in wanted}) == len(wanted) == 3 \
         else None
+
+
+def written_header(path: str) -> tuple[tuple[float, float], str | None, str | None] | None:
+    """Spacing, unit and edge that `HeightMap.write` states above a matrix; None of other files."""
+    try:
+        with open(path, "rb") as file:
+            found = WRITTEN.match(file.read(HEADER_BYTES))
+    except OSError:
+        return None
+    if found is None:
+        return None
+    words = [one and one.decode() for one in found.groups()]
+    return (float(words[0]), float(words[1])), words[2], words[3]
 
 
 def read_text(path: str, spacing: tuple[float, float] | None, delimiter: str | None, decimal: str,

@@ -322,7 +322,8 @@ def test_refused_arrays(asperity, tmp_path, data, expected):
 @pytest.mark.parametrize("periodic", [False, True])
 def test_written_and_read(package, tmp_path, ending, periodic, unit):
     """All bits of heights come back, and spacing and unit where the format has them: surface data
-    has the spacing in metres, rounded twice. The comments of a text are noted."""
+    has the spacing in metres, rounded twice. The comments of a text are noted where a spacing is
+    given, and read where none is."""
     path, spacing = tmp_path / f"m.{ending}", (0.1, 1 / 3)
     bare = ending != "sdf"
     for heights in (ROUGH, missing()):
@@ -332,6 +333,14 @@ def test_written_and_read(package, tmp_path, ending, periodic, unit):
         assert read.spacing == (spacing if bare else pytest.approx(spacing, rel=2.3e-16, abs=0))
         assert not read.periodic
         assert np.array_equal(read.heights, heights, equal_nan=True)
+    if ending == "txt":
+        read, scaled = package.read_map(path), package.read_map(path, unit="mm")
+        assert (read.spacing, read.unit, read.periodic, read.notes) == (spacing, unit, periodic, [])
+        assert np.array_equal(read.heights, heights, equal_nan=True)
+        ratio = {"m": 1e3, "um": 1e-3, "nm": 1e-6, "in": 25.4}[unit]
+        assert (scaled.unit, scaled.periodic) == ("mm", periodic)
+        assert scaled.spacing == pytest.approx([step * ratio for step in spacing], rel=1e-15)
+        assert np.allclose(scaled.heights, heights * ratio, rtol=1e-15, equal_nan=True)
 
 
 def test_read_by_numpy(package, tmp_path):
