@@ -250,7 +250,8 @@ def test_little_memory(run, tmp_path):
 
 
 # Scenes of a map of 360,000 pixels and of 20,000 asperities: effects and edges with arrays of
-# their own.
+# their own. Limits of memory and words of a command, where it is another one.
+CAPS = "interaction = 'coupled'"
 LIMITED = {
     "elastic": (", map_edge = 'periodic'", ""), "free": ("", ""),
     "hardness": (", map_edge = 'periodic'", "plasticity = 'on', plastic_hardness = 100."),
@@ -259,18 +260,35 @@ LIMITED = {
     "strip": (", map_edge = 'periodic', 'free'", ""),
     "creep": (", map_edge = 'periodic'", "relaxation_time = 1., relaxed_modulus_ratio = 0.5, "
                                          "hold_time = 5., hold_points = 3"),
-    "asperities": (None, "interaction = 'coupled', relaxation_time = 1., "
-                         "relaxed_modulus_ratio = 0.5, hold_time = 5., hold_points = 3")}
+    "asperities": (None, f"{CAPS}, relaxation_time = 1., relaxed_modulus_ratio = 0.5, "
+                         "hold_time = 5., hold_points = 3"),
+    "coupled": (None, CAPS), "boundary": (None, "interaction = 'boundary'"),
+    "stress": ("", ""), "stress of waves": (", map_edge = 'periodic'", ""),
+    "stress of strips": (", map_edge = 'periodic', 'free'", "")}
+COMMANDS = {
+    "summits": "summits lower.npy --spacing 1 --despike --output p.csv",
+    "spectrum": "summits lower.npy --spacing 1 --spectrum p.csv",
+    "generated": "generate g.spec --output p.csv,l.csv",
+    "generated map": "generate m.spec --output p.npy"}
+SPECS = {"g": "&surfaces number = 40000, length = 100., width = 100. / &heights mean = 0.01, "
+              "deviation = 0.001 / &radii mean = 0.5 /",
+         "m": "&map pixels = 600, spacing = 1., hurst = 0.8, rms_slope = 0.1 /"}
 
 
 @pytest.mark.long
-@pytest.mark.parametrize("what", LIMITED)
+@pytest.mark.parametrize("what", [*LIMITED, *COMMANDS])
 def test_limits_of_memory(what, asperity, tmp_path):
     """From what the program itself needs to what a solve needs, each limit of memory ends with
     results, or with a sentence on the memory and status 1; never with a signal."""
-    edge, effects = LIMITED[what]
+    edge, effects = LIMITED.get(what, ("", ""))
+    words = "solve s.scene --quiet --threads 1 --positions p.csv"
+    if "stress" in what:
+        words += " --depths 0.5,1 --stress s.csv"
+    words = COMMANDS.get(what, words).split()
+    for name, text in SPECS.items():
+        (tmp_path / f"{name}.spec").write_text(text)
     if edge is None:
-        number = np.arange(20000)
+        number = np.arange(600 if what == "boundary" else 20000)
         rows = np.c_[3.0 * (number % 150), 3.0 * (number // 150),
                      0.1 + 1e-7 * (number * 7919 % 5000),
                      np.ones(len(number))]
@@ -278,7 +296,7 @@ def test_limits_of_memory(what, asperity, tmp_path):
                    comments="")
         surface, load = "lower = 'lower.csv'", "'load', value = 300."
     else:
-        y, x = np.mgrid[:600, :600]
+        y, x = np.mgrid[:200, :200] if "stress" in what else np.mgrid[:600, :600]
         np.save(tmp_path / "lower.npy", 0.1 * (np.sin(x * np.pi / 30) + np.cos(y * np.pi / 37.5)))
         surface, load = f"lower = 'lower.npy', map_spacing = 1.{edge}", "'pressure', value = 1."
     (tmp_path / "s.scene").write_text(
@@ -287,13 +305,13 @@ def test_limits_of_memory(what, asperity, tmp_path):
     ended = solved = 0
     for room in np.geomspace(24e6, 150e6, 28).astype(int):
         done = subprocess.run(
-            [asperity, "solve", "s.scene", "--quiet", "--threads", "1", "--positions", "p.csv"],
+            [asperity, *words],
             cwd=tmp_path, env={**os.environ, "OMP_NUM_THREADS": "1"}, capture_output=True,
             text=True, timeout=300,
             preexec_fn=lambda room=room: resource.setrlimit(resource.RLIMIT_AS, (room, room)))
-        assert done.returncode in (0, 1), (room, done.stderr)
+        assert done.returncode in (0, 1) and "acktrace" not in done.stderr, (room, done.stderr)
         ended += done.returncode
         solved += done.returncode == 0
         if done.returncode == 1:
             assert "emory" in done.stderr or "error while loading" in done.stderr, done.stderr
-    assert ended > 3 and solved > 0
+    assert ended > 0 and solved > 0
