@@ -303,11 +303,12 @@ contains
       circle_of = 0
       circle_of(set%contact) = [(i, i=1, size(set%contact))]
       reference = [sum(set%load), pi * sum(set%radius**2)]
-      elements = elements_needed(task, set, [(i, i=1, size(set%contact))], reference)
+      elements = elements_needed(task, grid_tolerance(task), set, [(i, i=1, size(set%contact))], &
+                                 reference)
       do k = 1, size(task%clusters)
         associate (circles => circle_of(task%clusters(k)%members), n => size(task%clusters))
           cluster_elements(k) = elements_needed( &
-            task, set, pack(circles, circles > 0), &
+            task, task%elements_tolerance, set, pack(circles, circles > 0), &
             reference / [real(n, real64), sqrt(real(n, real64))])
         end associate
       end do
@@ -320,8 +321,9 @@ contains
   ! Number of elements under circles whose load and area are in error by the tolerances, by the
   ! errors of isolated contacts (asperity_element_answer): these of loads add up, those of areas are
   ! independent.
-  real(real64) function elements_needed(task, set, circles, reference) result(elements)
+  real(real64) function elements_needed(task, tolerance, set, circles, reference) result(elements)
     type(joint_task), intent(in) :: task
+    real(real64), intent(in) :: tolerance      ! of loads on elements, relative
     type(circle_set), intent(in) :: set
     integer, intent(in) :: circles(:)
     real(real64), intent(in) :: reference(2)   ! least load over the modulus, and area
@@ -331,15 +333,24 @@ contains
     if (size(circles) == 0) return
     associate (x => set%x(circles), y => set%y(circles), load => set%load(circles), &
                radius => set%radius(circles))
-      side = min((task%elements_tolerance * max(reference(1), sum(load)) / &
+      side = min((tolerance * max(reference(1), sum(load)) / &
                   (0.5_real64 * area_error * sum(load / radius**2.5_real64)))**0.4_real64, &
-                 (max(task%elements_tolerance, task%area_tolerance) * &
+                 (max(tolerance, task%area_tolerance) * &
                   max(reference(2), pi * sum(radius**2)) / &
                   (deviations * area_error * pi * norm2(sqrt(radius))))**(2.0_real64 / 3.0_real64))
       elements = elements + (maxval(x + radius) - minval(x - radius)) * &
                  (maxval(y + radius) - minval(y - radius)) / side**2
     end associate
   end function elements_needed
+
+  ! Relative error of the load on one lattice under all contacts: none is Hertzian, so the elements
+  ! have all of the tolerance.
+  pure real(real64) function grid_tolerance(task)
+    type(joint_task), intent(in) :: task
+
+    grid_tolerance = task%elements_tolerance
+    if (task%choice == resolve_called_for) grid_tolerance = task%tolerance
+  end function grid_tolerance
 
   ! Solves all contacts on one lattice, at a compression or at a load. The given load is that of the
   ! law, and the sum of the forces on elements differs from it by inclinations: a few iterations.
@@ -348,9 +359,10 @@ contains
     type(joint_task), intent(inout) :: task
     type(joint_solution), intent(inout) :: solution
     real(real64), allocatable :: force
-    real(real64) :: load, slope
+    real(real64) :: load, slope, tolerance
     integer :: i
 
+    tolerance = grid_tolerance(task)
     task%compression_share = 1.0_real64
     if (size(task%clusters) > 1) task%clusters = task%clusters(1:1)
     associate (coupled => solution%coupled, pairs => task%pairs, grid => task%clusters(1), &
@@ -361,8 +373,8 @@ contains
       do
         solution%iterations = solution%iterations + 1
         call solve_elements(pairs, grid%members, coupled%compression, outside_field(), &
-                            reshape([task%elements_tolerance, max(task%elements_tolerance, &
-                                     task%area_tolerance), 0.0_real64, 0.0_real64], [2, 2]), &
+                            reshape([tolerance, max(tolerance, task%area_tolerance), 0.0_real64, &
+                                 0.0_real64], [2, 2]), &
                             grid%lattice, grid%answer, force)
         if (allocated(grid%answer%failure)) solution%failure = grid%answer%failure
         if (allocated(solution%failure)) return
@@ -379,7 +391,7 @@ contains
         if (.not. allocated(task%target)) exit
         call find_carried_load(pairs, task%law, coupled, 0.0_real64, load, slope)
         load = load * pairs%modulus
-        if (abs(load - task%target) <= linear_residual * task%elements_tolerance * task%target) exit
+        if (abs(load - task%target) <= linear_residual * tolerance * task%target) exit
         if (solution%iterations == digits(load)) then
           solution%failure = 'the load of the boundary elements was not met'
           return

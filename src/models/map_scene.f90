@@ -1,7 +1,7 @@
 !> Preparation of a scene with a map: one levelled map, its summits as a surface, its loading.
 module asperity_map_scene
   use asperity_contact_model, only: path_step
-  use asperity_height_map, only: height_map, is_measured, move_map
+  use asperity_height_map, only: height_map, is_measured, level_none, move_map
   use asperity_kinds, only: int64, real64
   use asperity_loading_controls, only: in_model_units, separation_of
   use asperity_map_caps, only: add_caps, placed_caps
@@ -9,13 +9,17 @@ module asperity_map_scene
   use asperity_map_form, only: add_form
   use asperity_map_levelling, only: level_map
   use asperity_map_motion, only: overlay_maps
+  use asperity_map_resolution, only: doubled_map, every_pixel
   use asperity_map_top, only: find_top
   use asperity_path_steps, only: plan_path
-  use asperity_scene_values, only: is_load, scene, scene_motion
+  use asperity_scene_values, only: is_load, scene, scene_map, scene_motion
   implicit none
   private
 
-  public :: area_of_map, displacement_of, join_maps, plan_map_path
+  public :: area_of_map, change_resolution, displacement_of, join_maps, plan_map_path
+
+  ! Pixels along a side of a map on fewer pixels (chosen: its own error is estimated on a third).
+  integer, parameter :: fewest_pixels = 16
 
 contains
 
@@ -71,6 +75,33 @@ contains
     end subroutine make_level
 
   end subroutine join_maps
+
+  !> Changes the pixels of a scene with one position, under the same loads: the map of `join_maps`
+  !> against a plane, on every second or fourth pixel or on pixels half as wide.
+  subroutine change_resolution(changed, resolution, failure)
+    type(scene), intent(inout) :: changed    !! scene with a map
+    real(real64), intent(in) :: resolution   !! pixels along a side over those of the map
+    character(len=:), allocatable, intent(out) :: failure  !! reason, when it is impossible
+    type(height_map) :: map
+    real(real64) :: origin(2)
+    type(scene_map) :: new
+
+    call join_maps(changed, 1, map, origin, failure)
+    if (allocated(failure)) return
+    if (.not. abs(changed%nominal_area) > 0.0_real64) changed%nominal_area = area_of_map(map)
+    new%periodic = changed%map%periodic
+    new%level = level_none
+    if (resolution > 1.0_real64) then
+      new%lower = doubled_map(map)
+    else
+      new%lower = every_pixel(map, nint(1.0_real64 / resolution))
+      if (any(shape(new%lower%height) < fewest_pixels)) failure = 'the map has too few pixels'
+    end if
+    changed%map = new
+    ! Asperities are in the map.
+    changed%upper%is_plane = .true.
+    changed%lower%is_plane = .true.
+  end subroutine change_resolution
 
   !> Displacement of the upper body along x and y at a position.
   pure function displacement_of(motion, m) result(displacement)

@@ -297,7 +297,6 @@ contains
     call buffer%line('accuracy' // requested // ': fastest method ' // results%way_taken // &
                      ', ' // trim(merge('estimated error', 'error bound    ', &
                                 allocated(results%effects))) // promised // deviation)
-    call buffer%line(results%way_told)
   end subroutine write_choice
 
   ! Whether the scene names a limit or goes to one. A deck brings one that may not be meant.

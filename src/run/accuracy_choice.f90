@@ -1,16 +1,20 @@
 !> Choice of the method for a requested accuracy: settings before a run, errors after it.
 !>
-!> With `auto` effects are left out below their tolerance, and contacts are Hertzian where that is
-!> accurate enough, else resolved on boundary elements. The accuracy sets the tolerance. Effects
-!> that are off count with their estimated influence.
+!> The errors are those that a run prints. Methods are tried from the fastest on: on a map every
+!> fourth and second pixel, then its pixels; on asperities Hertzian contacts, then boundary elements
+!> where Hertz is inaccurate, by `auto`, whose tolerance follows from the error of the last run.
+!> Effects that are off count with their estimated influence.
 module asperity_accuracy_choice
   use asperity_constants, only: pi
+  use asperity_contact_field, only: fields_none
   use asperity_contact_records, only: position_result, prescribed_nothing, prescribed_vertical, &
                                       state_row
-  use asperity_effect_names, only: known_effects, of_interaction
+  use asperity_effect_names, only: effect_words, known_effects, of_interaction
   use asperity_kinds, only: not_computed, real64
+  use asperity_map_scene, only: change_resolution
   use asperity_numeral, only: rounded_decimal
   use asperity_problems, only: real_text
+  use asperity_run_options, only: run_options, totals_of_accuracy
   use asperity_scene_results, only: last_state, scene_results
   use asperity_scene_values, only: combined_modulus, effect_auto, effect_boundary, effect_coupled, &
                                    effect_off, is_load, scene
@@ -18,24 +22,18 @@ module asperity_accuracy_choice
   implicit none
   private
 
-  public :: run_errors, add_possible_accuracy, check_accuracy, check_left_out, choose_model, &
-            error_bound, errors_of_run, first_tolerance, next_tolerance, report_method, &
-            total_error
+  public :: check_accuracy, check_left_out, choose_model, errors_of_run, first_method, &
+            method_choice, report_errors, report_method, take_next, typed_number
 
-  ! Smallest relative error of an area by boundary elements that is relied on.
-  ! With finer elements the estimates 1.9e-3 and 9.3e-4 in two scenes of steep pairs were less than
-  ! the errors 2.1e-3 and 1.5e-3.
-  real(real64), parameter :: element_error = 3.0e-3_real64
   ! Relative error of the solvers of effects: docs/reference/exit-status.md.
   real(real64), parameter :: effect_error = 1.0e-9_real64
 
-  ! Safety factor of estimated errors of loads and areas: the error was at most 1.41 times the
-  ! estimate in 83 runs of 59 dense scenes (test/support/promise_judge.py).
-  real(real64), parameter :: safety_factor = 1.5_real64
-
-  ! Safety factor of a new tolerance; a tolerance below this share of the accuracy is not reduced,
-  ! as other errors prevail.
-  real(real64), parameter :: tolerance_factor = 0.95_real64, least_share = 0.25_real64
+  ! The first tolerance of boundary elements over the accuracy of loads, whose error is often far
+  ! less than the tolerance; the largest reduction of a tolerance, and the part of the accuracy below
+  ! which it is not reduced, as other errors prevail; the part of the accuracy that is aimed at
+  ! (chosen; test: times in test/bench/accuracy_promises.py).
+  real(real64), parameter :: first_share = 10.0_real64, largest_step = 0.1_real64, &
+                             least_share = 0.25_real64, aimed_share = 0.95_real64
 
   ! Smallest error bound: results are stored as doubles.
   real(real64), parameter :: finest_accuracy = 4 * epsilon(1.0_real64)
@@ -47,26 +45,68 @@ module asperity_accuracy_choice
   ! A proposed accuracy is rounded to two digits, by less than 5 %.
   real(real64), parameter :: possible_share = 0.95_real64
 
-  !> Estimated relative errors of a run.
-  type :: run_errors
-    real(real64) :: model = 0.0_real64       !! load or separation, by omitted effects and methods
-    real(real64) :: area = 0.0_real64        !! real area, by omitted effects and methods
-    real(real64) :: pressure = 1.0_real64    !! greatest pressure; 1: unknown
-    real(real64) :: arithmetic = 0.0_real64  !! all totals, by rounding
-    real(real64) :: load = 0.0_real64        !! difference to a requested load
-  end type run_errors
+  ! Words of `totals_of_accuracy` in messages.
+  character(len=*), parameter :: quantities(4) = [character(len=21) :: &
+    'loads and separations', 'areas', 'the greatest pressure', '']
+
+  !> A method: what is changed in a scene.
+  type :: method_choice
+    real(real64) :: tolerance = 0.0_real64   !! relative error of the totals, by effects left out
+    logical :: on_elements = .false.         !! boundary elements where Hertz is inaccurate
+    real(real64) :: resolution = 1.0_real64  !! pixels along a side over those of the map
+  end type method_choice
 
 contains
 
-  !> Sets the effects of a scene for a tolerance. Without boundary elements all contacts are
-  !> Hertzian, and their error is estimated. A map is solved on its pixels: this takes no longer
-  !> than the comparison of its summits with them.
-  subroutine choose_model(scene_in, tolerance, total, on_cells, chosen)
-    type(scene), intent(in) :: scene_in       !! scene, checked, with effects
-    real(real64), intent(in) :: tolerance     !! relative error of the totals
-    character(len=*), intent(in) :: total     !! which: one of `totals_of_accuracy`
-    logical, intent(in) :: on_cells           !! boundary elements where Hertz is inaccurate
-    type(scene), intent(out) :: chosen        !! scene to be solved
+  !> The fastest method. Coarser pixels are a method of a map at one position, without fields.
+  pure type(method_choice) function first_method(scene_in, options) result(method)
+    type(scene), intent(in) :: scene_in        !! scene, checked, with effects or a map
+    type(run_options), intent(in) :: options   !! requested accuracy and fields
+
+    ! Half of the accuracy is for other errors than those of effects left out.
+    method%tolerance = 0.5_real64 * options%accuracy
+    if (allocated(scene_in%map) .and. scene_in%motion%positions == 1 .and. &
+        options%fields == fields_none) method%resolution = 0.25_real64
+  end function first_method
+
+  !> The next method after one whose error is above the accuracy; its tolerance is 0 where there is
+  !> none.
+  pure subroutine take_next(scene_in, options, error, method)
+    type(scene), intent(in) :: scene_in           !! scene, checked, with effects or a map
+    type(run_options), intent(in) :: options      !! requested accuracy and its total
+    real(real64), intent(in) :: error             !! relative error with the method
+    type(method_choice), intent(inout) :: method  !! last method, then the next one
+    logical :: by_load
+
+    by_load = options%accuracy_of == 'load'
+    associate (goal => options%accuracy)
+      if (allocated(scene_in%map)) then
+        if (method%resolution >= 1.0_real64) method%tolerance = 0.0_real64
+        method%resolution = 2 * method%resolution
+      else if (scene_in%effects%modes(of_interaction) == effect_off) then
+        method%tolerance = 0.0_real64
+      else if (.not. method%on_elements) then
+        method%on_elements = .true.
+        method%tolerance = min(merge(first_share, 1.0_real64, by_load) * goal, aimed_share * error)
+      else if (.not. method%tolerance > least_share * goal) then
+        method%tolerance = 0.0_real64
+      else
+        ! Of the error of a load a part does not depend on the tolerance.
+        method%tolerance = method%tolerance * max( &
+          largest_step, (aimed_share * goal / error)**merge(2, 1, by_load))
+      end if
+    end associate
+  end subroutine take_next
+
+  !> Sets the effects of a scene, or its pixels, for a method. Without boundary elements all contacts
+  !> are Hertzian, and their error is estimated.
+  subroutine choose_model(scene_in, method, total, chosen, failure)
+    type(scene), intent(in) :: scene_in          !! scene, checked, with effects or a map
+    type(method_choice), intent(in) :: method    !! method
+    character(len=*), intent(in) :: total        !! which: one of `totals_of_accuracy`
+    type(scene), intent(out) :: chosen           !! scene to be solved
+    character(len=:), allocatable, intent(out) :: failure  !! reason, when it is impossible
+    real(real64) :: tolerance
     integer :: mode
 
     chosen = scene_in
@@ -75,16 +115,18 @@ contains
       mode = effect_auto
       if (allocated(scene_in%map)) then
         if (count(scene_in%effects%modes /= effect_off) == 1) mode = effect_boundary
-      else if (.not. on_cells) then
+      else if (.not. method%on_elements) then
         mode = effect_coupled
       end if
     end if
     chosen%effects%modes(of_interaction) = mode
-    call chosen%effects%set('tolerance', rounded_decimal(tolerance, 3))
-    if (total /= 'load') &
-      call chosen%effects%set('area_tolerance', rounded_decimal(tolerance, 3))
+    tolerance = rounded_decimal(method%tolerance, 3)
+    call chosen%effects%set('tolerance', tolerance)
+    if (total /= 'load') call chosen%effects%set('area_tolerance', tolerance)
     if (tolerance < chosen%effects%number('boundary_tolerance')) &
-      call chosen%effects%set('boundary_tolerance', rounded_decimal(tolerance, 3))
+      call chosen%effects%set('boundary_tolerance', tolerance)
+    if (method%resolution < 1.0_real64) &
+      call change_resolution(chosen, method%resolution, failure)
   end subroutine choose_model
 
   !> Reports the error of a scene without effects; `failure` is allocated where it exceeds the
@@ -101,13 +143,10 @@ contains
     results%error_bound = error_bound(scene_in, results%positions) + sum([( &
       max(0.0_real64, maxval(results%positions%left_out(e))), e=1, size(known_effects))])
     results%way_taken = 'real64, exact events'
-    results%way_told = 'ten times better: reached by this run'
-    if (results%error_bound > 0.1_real64 * accuracy) &
-      results%way_told = 'ten times better: not possible'
     if (results%error_bound <= accuracy) return
     failure = 'no method has this accuracy; the most accurate one, real64, has an error of ' // &
               real_text(results%error_bound, 'es7.1')
-    call add_proposal(results%error_bound, 'all', failure)
+    call add_proposal(results%error_bound, 'load', failure)
   end subroutine check_accuracy
 
   !> Checks that no effect that is off has an estimated influence on the load above the accuracy;
@@ -192,183 +231,123 @@ contains
     end do
   end function error_bound
 
-  !> Estimated errors of a run. That of a path is at least its tolerance, as estimates are those of
-  !> its last state.
-  type(run_errors) function errors_of_run(scene_in, on_elements, results) result(errors)
-    type(scene), intent(in) :: scene_in         !! scene that was solved
-    logical, intent(in) :: on_elements          !! boundary elements where Hertz is inaccurate
-    type(scene_results), intent(in) :: results  !! results of the scene
+  !> Estimated relative errors of a run, by `totals_of_accuracy`: the largest printed estimates of
+  !> its positions, with rounding and the difference to a requested load. Unknown errors are 1. That
+  !> of a path is at least its tolerance, as estimates are those of its last state.
+  function errors_of_run(scene_in, results) result(errors)
+    type(scene), intent(in) :: scene_in              !! scene that was solved
+    type(scene_results), intent(in) :: results       !! results of the scene
+    real(real64) :: errors(size(totals_of_accuracy))
+    real(real64) :: area, load, others, pressure
     integer :: i, m
 
-    if (on_elements) errors%area = element_error
-    errors%arithmetic = error_bound(scene_in, results%positions)
+    load = 0.0_real64
+    others = 0.0_real64
     do m = 1, size(results%positions)
       associate (position => results%positions(m))
-        errors%model = max(errors%model, safety_factor * max(0.0_real64, position%error_estimate))
-        ! An unknown error by the pixels of a map counts as 1.
+        load = max(load, position%error_estimate)
         if (allocated(scene_in%map) .and. .not. position%error_estimate > not_computed) &
-          errors%model = 1.0_real64
+          load = 1.0_real64
         do i = 1, size(position%states)
           associate (state => position%states(i))
             ! Relative difference of the load to the requested one.
             if (state%prescribed /= prescribed_nothing .and. &
-                abs(state%prescribed_load) > 0.0_real64) errors%load = max(errors%load, &
+                abs(state%prescribed_load) > 0.0_real64) others = max(others, &
               abs(merge(state%vertical_load, state%load, state%prescribed == prescribed_vertical) &
                   / state%prescribed_load - 1.0_real64))
           end associate
         end do
-        if (allocated(position%effects)) then
-          if (any(position%effects%simulated /= 'off')) &
-            errors%arithmetic = max(errors%arithmetic, effect_error)
-        end if
+        if (.not. allocated(position%effects)) cycle
+        if (any(position%effects%simulated /= 'off')) others = max(others, effect_error)
       end associate
     end do
-    if (allocated(scene_in%loading%path) .and. &
-        any(scene_in%effects%modes == effect_auto)) &
-      errors%model = max(errors%model, scene_in%effects%number('tolerance'))
-    if (.not. allocated(results%effects)) return
-    errors%area = max(errors%area, largest_estimate('area_error_estimate'))
-    if (largest_estimate('pressure_error_estimate') > 0.0_real64) &
-      errors%pressure = largest_estimate('pressure_error_estimate')
+    if (allocated(scene_in%loading%path) .and. any(scene_in%effects%modes == effect_auto)) &
+      load = max(load, scene_in%effects%number('tolerance'))
+    ! Effects left out change an area as much as a load.
+    area = merge(1.0_real64, load, allocated(scene_in%map))
+    pressure = 1.0_real64
+    call take_largest('area_error_estimate', area)
+    call take_largest('pressure_error_estimate', pressure)
+    errors = [load, area, pressure, max(load, area)] + others + &
+             error_bound(scene_in, results%positions)
 
   contains
 
-    ! Largest estimate of a column over the positions, with the safety factor; 0: there is none.
-    pure real(real64) function largest_estimate(name) result(largest)
+    ! Largest estimate of a column over the positions, where there is one.
+    pure subroutine take_largest(name, error)
       character(len=*), intent(in) :: name
+      real(real64), intent(inout) :: error
+      real(real64) :: largest
       integer :: column, m
 
-      largest = 0.0_real64
+      if (.not. allocated(results%effects)) return
+      largest = not_computed
       column = findloc(results%effects%state_columns == name, .true., 1)
       do m = 1, merge(size(results%positions), 0, column > 0)
         if (.not. allocated(results%positions(m)%state_values)) cycle
         if (size(results%positions(m)%state_values) >= column) &
           largest = max(largest, results%positions(m)%state_values(column))
       end do
-      largest = safety_factor * largest
-    end function largest_estimate
+      if (largest > not_computed) error = largest
+    end subroutine take_largest
 
   end function errors_of_run
 
-  !> Total error of loads and separation, of the area, or the larger one.
-  pure real(real64) function total_error(errors, total)
-    type(run_errors), intent(in) :: errors   !! errors of a run
-    character(len=*), intent(in) :: total    !! of which, as `totals_of_accuracy`
-
-    total_error = model_error(errors, total) + errors%arithmetic + errors%load
-  end function total_error
-
-  ! Error by omitted effects and methods.
-  pure real(real64) function model_error(errors, total)
-    type(run_errors), intent(in) :: errors
-    character(len=*), intent(in) :: total
-
-    select case (total)
-    case ('load')
-      model_error = errors%model
-    case ('area')
-      model_error = errors%area
-    case ('pressure')
-      model_error = errors%pressure
-    case default
-      model_error = max(errors%model, errors%area)
-    end select
-  end function model_error
-
-  !> First tolerance of boundary elements: their error estimate is about as large.
-  pure real(real64) function first_tolerance(accuracy, total) result(first)
-    real(real64), intent(in) :: accuracy        !! requested relative error
-    character(len=*), intent(in) :: total       !! of which, as `totals_of_accuracy`
-
-    first = accuracy
-    if (total /= 'load') first = max(first, element_error)
-    first = first / safety_factor
-  end function first_tolerance
-
-  !> Next tolerance of boundary elements after one whose error estimate exceeded the accuracy; the
-  !> estimate is assumed proportional to the tolerance. 0: a smaller tolerance is of no use.
-  pure real(real64) function next_tolerance(errors, accuracy, total, tolerance) result(next)
-    type(run_errors), intent(in) :: errors      !! errors with the last tolerance
-    real(real64), intent(in) :: accuracy        !! requested relative error
-    character(len=*), intent(in) :: total       !! of which, as `totals_of_accuracy`
-    real(real64), intent(in) :: tolerance       !! tolerance of the last run
-    real(real64) :: left
-
-    left = accuracy - errors%arithmetic - errors%load
-    next = tolerance_factor * tolerance * left / model_error(errors, total)
-    if (.not. (next > 0.0_real64 .and. tolerance > least_share * accuracy)) next = 0.0_real64
-    if (total /= 'load' .and. left < element_error) next = 0.0_real64
-  end function next_tolerance
-
-  !> Reports the chosen method, and the cost of an error smaller by a factor of ten.
-  subroutine report_method(scene_in, accuracy, results)
+  !> Sets the words of the chosen method: what a scene has for it.
+  subroutine report_method(scene_in, method, results)
     type(scene), intent(in) :: scene_in             !! scene that was solved
-    real(real64), intent(in) :: accuracy            !! requested relative error
+    type(method_choice), intent(in) :: method       !! method that was chosen
     type(scene_results), intent(inout) :: results   !! results with the error bound; get the text
-    integer :: mode
 
-    mode = scene_in%effects%modes(of_interaction)
-    results%way_taken = 'real64, effects as in the scene'
-    if (any(scene_in%effects%modes == effect_auto)) results%way_taken = &
-      'real64, ''auto'' with tolerance ' // real_text(scene_in%effects%number('tolerance'))
-    if (mode == effect_coupled) results%way_taken = results%way_taken // ', Hertzian ' // &
-        'contacts in the field of the others'
-    if (mode == effect_boundary) results%way_taken = 'real64, pixels of the map'
-    results%way_told = 'ten times better: '
-    if (results%error_bound <= 0.1_real64 * accuracy) then
-      results%way_told = results%way_told // 'reached by this run'
-    else if (mode == effect_boundary) then
-      results%way_told = results%way_told // 'by a map of finer pixels'
-    else if (0.1_real64 * accuracy < effect_error) then
-      results%way_told = results%way_told // 'not possible, effects are computed to ' // &
-                         real_text(effect_error)
-    else if (mode == effect_off) then
-      results%way_told = results%way_told // 'by a smaller tolerance, in nearly the same run time'
-    else if (0.1_real64 * accuracy >= element_error) then
-      results%way_told = results%way_told // 'by boundary elements, in up to ten times the run time'
-    else
-      results%way_told = results%way_told // 'possible where Hertzian contacts suffice; areas ' // &
-                         'of boundary elements have a relative error of ' // &
-                             real_text(element_error)
-    end if
+    associate (effects => scene_in%effects, mode => scene_in%effects%modes(of_interaction))
+      if (allocated(scene_in%map)) then
+        results%way_taken = 'the pixels of the map'
+        if (method%resolution < 1.0_real64) results%way_taken = 'every ' // &
+          trim(merge('second', 'fourth', method%resolution > 0.25_real64)) // ' pixel of the map'
+      else if (mode == effect_off) then
+        results%way_taken = 'the effects of the scene'
+      else
+        results%way_taken = 'interaction = ''' // trim(effect_words(mode)) // ''''
+      end if
+      if (any(effects%modes == effect_auto)) results%way_taken = results%way_taken // &
+        ', tolerance = ' // typed_number(effects%number('tolerance'))
+    end associate
   end subroutine report_method
 
+  !> A number of a scene, of three digits.
+  pure function typed_number(value) result(text)
+    real(real64), intent(in) :: value      !! 0 or more
+    character(len=:), allocatable :: text  !! as 0.001 or 2.37E-05
+
+    text = real_text(value, 'f6.4')
+    text = text(:verify(text, '0', back=.true.))
+    if (abs(1.0e4_real64 * value - nint(1.0e4_real64 * value)) > 1.0e-6_real64) &
+      text = real_text(value, 'es8.2')
+  end function typed_number
+
   !> Adds the errors of the most accurate run and an option that is met.
-  subroutine add_possible_accuracy(errors, on_pixels, accuracy, total, text)
-    type(run_errors), intent(in) :: errors     !! errors of the run
+  subroutine report_errors(errors, on_pixels, accuracy, total, text)
+    real(real64), intent(in) :: errors(:)      !! errors of the run, by `totals_of_accuracy`
     logical, intent(in) :: on_pixels           !! whether the pixels of a map are solved
     real(real64), intent(in) :: accuracy       !! requested relative error
     character(len=*), intent(in) :: total      !! of which, as `totals_of_accuracy`
     character(len=:), allocatable, intent(inout) :: text  !! begin of the sentence
-    integer :: first  ! length of the sentence without advice
+    integer :: k
 
-    text = text // &
-           trim(merge('the pixels of the map have', 'the most accurate one has ', on_pixels)) // &
-           ' an estimated error of loads and separations of ' // &
-           real_text(total_error(errors, 'load'))
-    if (errors%area > 0.0_real64) &
-      text = text // ', of areas of ' // real_text(total_error(errors, 'area'))
-    if (total == 'pressure') text = text // ', of the greatest pressure of ' // &
-                                    real_text(total_error(errors, 'pressure'))
-    first = len(text)
-    call add_proposal(total_error(errors, total), total, text)
-    if (len(text) == first .and. total == 'all') &
-      call add_proposal(total_error(errors, 'load'), 'load', text)
-    if (on_pixels) call add_advice('take a map of finer pixels')
-    if (total == 'all' .and. total_error(errors, 'load') <= accuracy) &
-      call add_advice('for --of load where areas do not matter')
-
-  contains
-
-    ! Adds an advice, the first one behind a colon.
-    subroutine add_advice(advice)
-      character(len=*), intent(in) :: advice
-
-      if (len(text) == first) text = text // ': ' // advice
-      if (index(text, advice) == 0) text = text // ', or ' // advice
-    end subroutine add_advice
-
-  end subroutine add_possible_accuracy
+    text = text // trim(merge('the pixels of the map have', 'the most accurate one has ', &
+                              on_pixels)) // ' an estimated error of '
+    k = findloc(totals_of_accuracy == total, .true., 1)
+    if (total == 'all') then
+      text = text // trim(quantities(1)) // ' of ' // real_text(errors(1), 'es7.1') // ', of ' // &
+             trim(quantities(2)) // ' of ' // real_text(errors(2), 'es7.1')
+    else
+      text = text // trim(quantities(k)) // ' of ' // real_text(errors(k), 'es7.1')
+    end if
+    call add_proposal(errors(k), total, text)
+    if (on_pixels) text = text // ', or take a map of finer pixels'
+    if (total == 'all' .and. errors(1) <= accuracy) &
+      text = text // ', or take --of load where areas do not matter'
+  end subroutine report_errors
 
   ! Adds the option for an error, where one is possible.
   pure subroutine add_proposal(error, total, text)
@@ -378,7 +357,7 @@ contains
 
     if (.not. error < possible_share) return
     text = text // ': set --accuracy ' // real_text(error / possible_share, 'es7.1')
-    if (total /= 'all') text = text // ' --of ' // trim(total)
+    if (total /= 'load') text = text // ' --of ' // trim(total)
   end subroutine add_proposal
 
 end module asperity_accuracy_choice

@@ -11,10 +11,10 @@ module asperity_run_options
 
   public :: check_options, run_options, totals_of_accuracy
 
-  !> Results whose error an accuracy limits: load and area; load, or the separation under a load;
-  !> area; greatest pressure, of maps solved on their pixels.
+  !> Results whose error an accuracy limits: load, or separation and compression under a load; area;
+  !> greatest pressure, of maps; load and area.
   character(len=8), parameter :: totals_of_accuracy(4) = [character(len=8) :: &
-    'all', 'load', 'area', 'pressure']
+    'load', 'area', 'pressure', 'all']
 
   integer, parameter :: most_threads = 9999  ! largest accepted number of threads
 
@@ -22,7 +22,7 @@ module asperity_run_options
   type :: run_options
     !> Allowed relative error: the fastest method within it is used; 0: no limit.
     real(real64) :: accuracy = 0.0_real64
-    character(len=8) :: accuracy_of = 'all'        !! of which totals, one of `totals_of_accuracy`
+    character(len=8) :: accuracy_of = 'load'       !! of which totals, one of `totals_of_accuracy`
     logical :: keep_contacts = .true.              !! keep the contacts of every state
     integer :: threads = 0                         !! number of threads; 0: default of OpenMP
     logical :: progress = .false.                  !! print the progress on a terminal
@@ -52,7 +52,7 @@ contains
                         'relative error of more than 0 and less than 1, or 0 for none')
     if (all(options%accuracy_of /= totals_of_accuracy)) &
       call problems%add('accuracy_of: found ' // trim(options%accuracy_of) // &
-                        ', expected all, load, area or pressure')
+                        ', expected load, area, pressure or all')
     if (options%threads < 0 .or. options%threads > most_threads) &
       call problems%add('threads: found ' // decimal_text(options%threads) // ', expected a ' // &
                         'number from 1 to ' // decimal_text(most_threads) // ', or 0 for all cores')

@@ -18,7 +18,6 @@ module asperity_scene_results
     real(real64) :: nominal_area = 0.0_real64              !! nominal area; 0: not given
     real(real64) :: error_bound = 0.0_real64               !! relative, with a requested accuracy
     character(len=:), allocatable :: way_taken             !! fastest method with this accuracy
-    character(len=:), allocatable :: way_told              !! cost of a higher accuracy
   end type scene_results
 
 contains

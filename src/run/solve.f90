@@ -1,10 +1,8 @@
 !> Solution of a scene, with its own settings or to a requested accuracy.
 module asperity_solve
-  use asperity_accuracy_choice, only: add_possible_accuracy, check_accuracy, check_left_out, &
-                                      choose_model, errors_of_run, first_tolerance, &
-                                      next_tolerance, report_method, &
-                                      run_errors, total_error
-  use asperity_effect_names, only: of_interaction
+  use asperity_accuracy_choice, only: check_accuracy, check_left_out, choose_model, &
+                                      errors_of_run, first_method, method_choice, &
+                                      report_errors, report_method, take_next
   use asperity_height_map, only: height_map
   use asperity_kinds, only: int64, real64
   use asperity_map_contact, only: room_to_solve
@@ -12,10 +10,9 @@ module asperity_solve
   use asperity_numeral, only: rounded_decimal
   use asperity_problems, only: not_enough_memory, problem_list
   use asperity_process, only: has_memory
-  use asperity_run_options, only: check_options, run_options
+  use asperity_run_options, only: check_options, run_options, totals_of_accuracy
   use asperity_scene_results, only: scene_results
-  use asperity_scene_values, only: by_default, by_word, effect_boundary, effect_coupled, &
-                                   effect_off, scene, scene_effects
+  use asperity_scene_values, only: by_default, by_word, effect_off, scene, scene_effects
   use asperity_surface_fields, only: solve_with_fields
   use asperity_surface_solve, only: has_effects
   !$ use omp_lib, only: omp_get_max_threads, omp_set_num_threads
@@ -105,65 +102,53 @@ contains
     if (map%columns > 0) bytes = room_to_solve(map, relaxations)
   end function room_of
 
-  ! Solves a scene with its effects so that the estimated errors are within the requested accuracy.
-  ! Hertzian contacts come first: they are fast, and a part of any solution on boundary elements.
-  ! The first tolerance is half of the accuracy; the rest is for other errors.
+  ! Solves a scene with its effects by the first method whose estimated error is within the
+  ! requested accuracy. Hertzian contacts are a part of any solution on boundary elements, and
+  ! coarser pixels take a third of the time of the map.
   recursive subroutine solve_model_to_accuracy(scene_in, options, results, failure)
     type(scene), intent(in) :: scene_in
     type(run_options), intent(in) :: options
     type(scene_results), intent(inout) :: results
     character(len=:), allocatable, intent(out) :: failure
     type(run_options) :: method_options
+    type(method_choice) :: method
     type(scene) :: chosen
-    type(run_errors) :: errors, least
-    real(real64) :: tolerance
+    real(real64), dimension(size(totals_of_accuracy)) :: errors, least
     character(len=:), allocatable :: unsolved
-    logical :: on_elements
+    integer :: total
 
+    total = findloc(totals_of_accuracy == options%accuracy_of, .true., 1)
     method_options = options
     method_options%accuracy = 0.0_real64
-    tolerance = 0.5_real64 * options%accuracy
-    on_elements = .false.
-    least%load = huge(tolerance)
-    do while (tolerance > 0.0_real64)
-      call choose_model(scene_in, tolerance, options%accuracy_of, on_elements, chosen)
-      call solve(chosen, results, unsolved, method_options)
-      if (.not. results%are_solved) exit
-      call check_left_out(chosen, options%accuracy, results, failure)
-      if (allocated(failure)) return
-      errors = errors_of_run(chosen, on_elements, results)
-      results%error_bound = total_error(errors, options%accuracy_of)
-      if (results%error_bound <= options%accuracy) then
-        call report_method(chosen, options%accuracy, results)
-        return
+    method = first_method(scene_in, options)
+    least = huge(least)
+    do while (method%tolerance > 0.0_real64)
+      call choose_model(scene_in, method, options%accuracy_of, chosen, unsolved)
+      if (.not. allocated(unsolved)) call solve(chosen, results, unsolved, method_options)
+      errors = huge(errors)
+      if (.not. allocated(unsolved)) then
+        call check_left_out(chosen, options%accuracy, results, failure)
+        if (allocated(failure)) return
+        errors = errors_of_run(chosen, results)
+        results%error_bound = errors(total)
+        if (errors(total) <= options%accuracy) then
+          call report_method(chosen, method, results)
+          return
+        end if
+        if (errors(total) < least(total)) least = errors
+      else if (.not. method%resolution < 1.0_real64) then
+        exit
       end if
-      if (results%error_bound < total_error(least, options%accuracy_of)) least = errors
-      if (on_elements) then
-        tolerance = next_tolerance(errors, options%accuracy, options%accuracy_of, tolerance)
-      else
-        ! Boundary elements are a method with interaction.
-        on_elements = scene_in%effects%modes(of_interaction) /= effect_off .and. &
-                      .not. allocated(scene_in%map)
-        if (.not. on_elements) exit
-        tolerance = first_tolerance(options%accuracy, options%accuracy_of)
-      end if
+      call take_next(scene_in, options, errors(total), method)
     end do
-    if (.not. least%load < huge(tolerance)) then
+    if (.not. any(least < huge(least))) then
       ! A scene that cannot be solved at all fails with its own reason.
-      chosen = scene_in
-      if (chosen%effects%modes(of_interaction) /= effect_off) then
-        chosen%effects%modes(of_interaction) = effect_coupled
-        call solve(chosen, results, failure, method_options)
-      end if
-      if (.not. results%are_solved) then
-        call move_alloc(unsolved, failure)
-        return
-      end if
-      least = errors_of_run(chosen, .false., results)
+      call move_alloc(unsolved, failure)
+      return
     end if
     failure = 'no method has this accuracy; '
-    call add_possible_accuracy(least, chosen%effects%modes(of_interaction) == effect_boundary, &
-                               options%accuracy, options%accuracy_of, failure)
+    call report_errors(least, allocated(scene_in%map), options%accuracy, options%accuracy_of, &
+                       failure)
     if (allocated(unsolved)) failure = failure // ' (' // unsolved // ')'
   end subroutine solve_model_to_accuracy
 

@@ -5,12 +5,10 @@ module asperity_study_methods
                                       solve_method
   use asperity_decimal, only: decimal_value
   use asperity_effect_names, only: go_together, known_effects, of_interaction, why_not_together
-  use asperity_height_map, only: height_map, level_none
   use asperity_interruption, only: interruption
   use asperity_isolated_contacts, only: solve_position
   use asperity_kinds, only: int64, real64
-  use asperity_map_resolution, only: doubled_map, every_pixel
-  use asperity_map_scene, only: area_of_map, join_maps
+  use asperity_map_scene, only: change_resolution
   use asperity_original, only: arithmetic_names
   use asperity_original_records, only: original_request
   use asperity_placed_scene, only: placed_scene
@@ -20,7 +18,7 @@ module asperity_study_methods
   use asperity_scene_placing, only: place_scene
   use asperity_scene_values, only: criterion_load, effect_auto, effect_boundary, effect_coupled, &
                                    effect_off, is_distance, is_limit, is_thesis_sweep, scene, &
-                                   scene_effects, scene_map
+                                   scene_effects
   use asperity_solve, only: solve
   use asperity_surface_solve, only: solve_effects
   implicit none
@@ -319,29 +317,6 @@ contains
     end if
     call solve(copy, results, failure, options)
   end subroutine run_method
-
-  ! The map of a scene at another resolution, under the same loads.
-  subroutine change_resolution(changed, resolution, failure)
-    type(scene), intent(inout) :: changed
-    real(real64), intent(in) :: resolution
-    character(len=:), allocatable, intent(out) :: failure
-    type(height_map) :: map
-    real(real64) :: origin(2)
-    type(scene_map) :: new
-
-    call join_maps(changed, 1, map, origin, failure)
-    if (allocated(failure)) return
-    if (.not. abs(changed%nominal_area) > 0.0_real64) changed%nominal_area = area_of_map(map)
-    new%periodic = changed%map%periodic
-    new%level = level_none
-    if (resolution > 1.0_real64) then
-      new%lower = doubled_map(map)
-    else
-      new%lower = every_pixel(map, nint(1.0_real64 / resolution))
-      if (any(shape(new%lower%height) < 2)) failure = 'the map has too few pixels'
-    end if
-    changed%map = new
-  end subroutine change_resolution
 
   ! In steps, all positions. A load that was asked for is overshot, as it is meant to be.
   subroutine march_positions(scene_in, method, interrupt, results, failure)
