@@ -59,7 +59,7 @@ contains
     end if
     call write_accuracy_csv(table, csv)
     call outcome%stage_text(line%output_path('--csv'), csv)
-    if (.not. line%has('--quiet')) call write_accuracy_table(table, outcome%text)
+    if (.not. line%has('--quiet')) call write_accuracy_table(scene_in, table, outcome%text)
   end subroutine run_accuracy_command
 
 end module asperity_run_accuracy

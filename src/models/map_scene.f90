@@ -12,6 +12,7 @@ module asperity_map_scene
   use asperity_map_resolution, only: doubled_map, every_pixel
   use asperity_map_top, only: find_top
   use asperity_path_steps, only: plan_path
+  use asperity_problems, only: decimal_text
   use asperity_scene_values, only: is_load, scene, scene_map, scene_motion
   implicit none
   private
@@ -85,6 +86,7 @@ contains
     type(height_map) :: map
     real(real64) :: origin(2)
     type(scene_map) :: new
+    integer :: step
 
     call join_maps(changed, 1, map, origin, failure)
     if (allocated(failure)) return
@@ -94,8 +96,12 @@ contains
     if (resolution > 1.0_real64) then
       new%lower = doubled_map(map)
     else
-      new%lower = every_pixel(map, nint(1.0_real64 / resolution))
+      step = nint(1.0_real64 / resolution)
+      new%lower = every_pixel(map, step)
       if (any(shape(new%lower%height) < fewest_pixels)) failure = 'the map has too few pixels'
+      ! Pixels of another width would be another surface.
+      if (any([map%repeats(1), map%repeats(2)] .and. mod(shape(map%height), step) /= 0)) &
+        failure = decimal_text(step) // ' does not divide the number of pixels of a period'
     end if
     changed%map = new
     ! Asperities are in the map.

@@ -4,10 +4,12 @@ module asperity_accuracy_table
   use asperity_csv_tables, only: write_table
   use asperity_input_text, only: replaced_text
   use asperity_kinds, only: not_computed, real64
-  use asperity_method_study, only: method_row, method_table
+  use asperity_method_study, only: error_against, fastest_within, method_row, method_table
   use asperity_method_totals, only: error_of_area, quantity_names
-  use asperity_problems, only: real_text
+  use asperity_number_format, only: number_text, percent_text
+  use asperity_problems, only: decimal_text, real_text
   use asperity_result_table, only: add_reals, add_wholes, add_words, array_table
+  use asperity_scene_values, only: is_load, scene
   use asperity_study_methods, only: family_words, of_arithmetic, of_neighbours, of_scene, of_steps
   use asperity_text_buffer, only: text_buffer
   implicit none
@@ -20,8 +22,9 @@ module asperity_accuracy_table
 
 contains
 
-  !> One line a method; the front carries a star.
-  subroutine write_accuracy_table(table, buffer)
+  !> One line a method; the front carries a star. The last lines are what to type.
+  subroutine write_accuracy_table(scene_in, table, buffer)
+    type(scene), intent(in) :: scene_in            !! scene that was studied
     type(method_table), intent(in) :: table        !! all methods of a scene
     type(text_buffer), intent(inout) :: buffer  !! gets the text
     character(len=160) :: line
@@ -73,7 +76,59 @@ contains
         trim(table%rows(table%next_best)%method%name) // ', differs from it by ' // &
         trim(adjustl(short_number(table%next_best_differs))) // '.')
     end associate
+    call write_answers(scene_in, table, buffer)
   end subroutine write_accuracy_table
+
+  ! What to type for an error of 1 %, 0.1 % and 0.01 %, the time it takes and its error.
+  subroutine write_answers(scene_in, table, buffer)
+    type(scene), intent(in) :: scene_in
+    type(method_table), intent(in) :: table
+    type(text_buffer), intent(inout) :: buffer
+    character(len=*), parameter :: goals(3) = [character(len=6) :: '1 %', '0.1 %', '0.01 %']
+    real(real64), parameter :: errors(3) = [1.0e-2_real64, 1.0e-3_real64, 1.0e-4_real64]
+    character(len=:), allocatable :: text
+    integer :: best, i, k
+
+    call buffer%line('')
+    text = 'Error of the ' // trim(merge('compression', 'load       ', &
+                                         is_load(scene_in%loading%control)))
+    if (scene_in%from_deck) then
+      call buffer%line(text // ', and what to type into a scene with &surfaces deck = ''' // &
+        scene_in%file // ''' / &motion x_first = ' // number_text(scene_in%motion%x_first) // &
+        ', x_step = ' // number_text(scene_in%motion%x_step) // ', positions = ' // &
+        decimal_text(scene_in%motion%positions) // ' /:')
+    else
+      call buffer%line(text // ', and what to type:')
+    end if
+    do k = 1, size(goals)
+      i = fastest_within(table, errors(k))
+      text = repeat(' ', 8 - len_trim(goals(k))) // trim(goals(k)) // ':  '
+      best = i
+      if (i == 0) then
+        best = table%reference
+        text = text // 'not known, the least: '
+      end if
+      associate (row => table%rows(best), typed => table%rows(best)%method%typed)
+        if (typed == '--accuracy') then
+          text = text // 'asperity solve ' // scene_in%file // ' --accuracy ' // &
+                 real_text(max(errors(k), merge(1.06_real64 * row%own_estimate, 0.0_real64, &
+                                                i == 0)), 'es7.1')
+        else if (typed == 'pixels') then
+          text = text // 'a map of pixels half as wide'
+        else if (typed == '') then
+          text = text // trim(row%method%name)
+        else if (index(typed, '=') > 0) then
+          text = text // '&effects ' // trim(typed) // ' /'
+        else
+          text = text // trim(typed)
+        end if
+        text = text // ', ' // number_text(row%seconds, 2) // ' s, error '
+        if (.not. row%total%largest > table%rows(table%reference)%own_estimate) &
+          text = text // 'below '
+        call buffer%line(text // percent_text(error_against(table, best)))
+      end associate
+    end do
+  end subroutine write_answers
 
   ! An error against the reference; below the error of the reference itself that one, as a bound.
   pure function error_text(row, error, of_reference) result(text)

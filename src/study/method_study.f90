@@ -18,7 +18,7 @@ module asperity_method_study
   implicit none
   private
 
-  public :: on_front, run_method_study, method_row, method_table
+  public :: error_against, fastest_within, on_front, run_method_study, method_row, method_table
 
   ! The scene as it asks may take so much: the rest is for methods that are cheaper.
   real(real64), parameter :: share_of_scene = 0.5_real64
@@ -80,7 +80,7 @@ contains
     integer :: i, pass
 
     most = allowance%seconds_left()
-    row%method = study_method(name='as in the scene')
+    row%method = study_method(name='as in the scene', typed='the scene as it is')
     allocate (totals(1))
     call time_method(scene_in, least_seconds, share_of_scene * most, row, totals(1), results)
     ! A scene that takes more than its share, as it cannot be interrupted everywhere, takes nothing
@@ -313,6 +313,38 @@ contains
     if (row == 0) return
     if (allocated(rows(row)%left_out)) row = 0
   end function row_of_events
+
+  !> Error of a row: against the reference, at least the estimated error of the reference itself.
+  pure real(real64) function error_against(table, i) result(error)
+    type(method_table), intent(in) :: table  !! all methods of a scene
+    integer, intent(in) :: i                 !! row that was run
+
+    error = max(table%rows(i)%total%largest, table%rows(table%reference)%own_estimate, 0.0_real64)
+  end function error_against
+
+  !> The row to take for an error: the scene as it is where that is as fast as any other, else the
+  !> fastest with this error; 0: none has it. Pixels of a map are the first whose own estimate has it,
+  !> as `--accuracy` takes them.
+  pure integer function fastest_within(table, goal) result(fastest)
+    type(method_table), intent(in) :: table  !! all methods of a scene
+    real(real64), intent(in) :: goal         !! largest relative error
+    real(real64) :: least
+    integer :: i
+
+    fastest = 0
+    least = huge(least)
+    do i = 1, size(table%rows)
+      associate (row => table%rows(i))
+        if (allocated(row%left_out) .or. row%method%typed == '') cycle
+        if (error_against(table, i) > goal) cycle
+        if (row%method%resolution < 1.0_real64 .and. .not. ( &
+            row%own_estimate > not_computed .and. row%own_estimate <= goal)) cycle
+        if (.not. row%seconds * merge(same_time, 1.0_real64, fastest == 1) < least) cycle
+        fastest = i
+        least = row%seconds
+      end associate
+    end do
+  end function fastest_within
 
   ! Marks the Pareto front of the methods that were run: by the error against the reference, where
   ! what is below the error of the reference itself is no gain.

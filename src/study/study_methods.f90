@@ -1,10 +1,12 @@
 !> The methods in which any scene can be computed, from the original program to neighbours resolved
 !> on cells: what they are, and how one is run.
 module asperity_study_methods
+  use asperity_accuracy_choice, only: typed_number
   use asperity_contact_records, only: by_events, by_marching, overlap_original, overlap_stable, &
                                       solve_method
   use asperity_decimal, only: decimal_value
-  use asperity_effect_names, only: go_together, known_effects, of_interaction, why_not_together
+  use asperity_effect_names, only: effect_words, go_together, known_effects, of_interaction, &
+                                   why_not_together
   use asperity_interruption, only: interruption
   use asperity_isolated_contacts, only: solve_position
   use asperity_kinds, only: int64, real64
@@ -17,8 +19,7 @@ module asperity_study_methods
   use asperity_scene_results, only: scene_results
   use asperity_scene_placing, only: place_scene
   use asperity_scene_values, only: criterion_load, effect_auto, effect_boundary, effect_coupled, &
-                                   effect_off, is_distance, is_limit, is_thesis_sweep, scene, &
-                                   scene_effects
+                                   effect_off, is_limit, is_thesis_sweep, scene, scene_effects
   use asperity_solve, only: solve
   use asperity_surface_solve, only: solve_effects
   implicit none
@@ -54,6 +55,7 @@ module asperity_study_methods
   type :: study_method
     integer :: family = of_scene               !! one of the numbers above
     character(len=40) :: name = ''             !! in words
+    character(len=96) :: typed = ''            !! what to type for it; blank: it is no choice
     character(len=7) :: arithmetic = 'real64'  !! one of `arithmetic_names`
     integer :: path = by_events                !! `by_events` or `by_marching`
     integer :: overlap = overlap_stable        !! `overlap_stable` or `overlap_original`
@@ -123,6 +125,7 @@ contains
       k = size(methods) + 1
       methods = [methods, study_method(family=of_effects, without=known_effects(e)%name)]
       methods(k)%name = 'without ' // known_effects(e)%name
+      methods(k)%typed = trim(known_effects(e)%name) // ' = ''off'''
     end do
     left_out = ''
     do e = 1, size(known_effects)
@@ -133,15 +136,14 @@ contains
     if (left_out == '') call add_neighbours(scene_in, simulated, finest, methods)
   end subroutine list_methods
 
-  ! Without effects: exact events, and steps of a tenth, a hundredth and a thousandth of the
-  ! compression. Of a sweep to a limit load besides steps of about the compression and both
-  ! overlaps.
+  ! Without effects: exact events. Of a sweep to a limit load besides steps of about the compression,
+  ! a tenth, a hundredth and a thousandth of it, and both overlaps.
   ! Of the thesis' sweep the original program, in each arithmetic and with these steps and its own.
   subroutine add_arithmetics(scene_in, compression, methods)
     type(scene), intent(in) :: scene_in
     real(real64), intent(in) :: compression
     type(study_method), allocatable, intent(inout) :: methods(:)
-    integer :: first_step, k, order
+    integer :: k, order
     logical :: sweep
 
     sweep = is_sweep(scene_in)
@@ -151,9 +153,8 @@ contains
                                    step=merge(10.0_real64**(order - 1), 0.0_real64, &
                                               sweep .and. compression > 0.0_real64)))
     if (is_thesis_sweep(scene_in)) call add_original(original_order, ', original program, 1976')
-    if (is_distance(scene_in%loading%control) .or. .not. compression > 0.0_real64) return
-    first_step = merge(0, 1, sweep)
-    do k = order - first_step, order - 3, -1
+    if (.not. (sweep .and. compression > 0.0_real64)) return
+    do k = order, order - 3, -1
       if (is_thesis_sweep(scene_in) .and. k /= original_order) &
         call add_original(k, ', original program, steps ' // real_text(10.0_real64**k, 'es7.1e2'))
       call add_overlaps(study_method(family=of_steps, path=by_marching, step=10.0_real64**k, &
@@ -223,25 +224,40 @@ contains
     end if
     method = study_method(family=of_neighbours, interaction=effect_off)
     method%name = 'isolated contacts'
-    methods = [methods, method]
+    call add_method()
     method%interaction = effect_coupled
     method%name = 'contacts coupled'
-    methods = [methods, method]
+    call add_method()
     if (any([(simulated(e) .and. .not. go_together( &
       known_effects(e)%name, 'on', known_effects(of_interaction)%name, 'boundary'), &
       e=1, size(simulated))])) return
     method%interaction = effect_auto
     do k = 1, size(of_auto)
       method%tolerance = of_auto(k)
-      method%name = 'auto, tolerance ' // tolerance_text(of_auto(k))
-      methods = [methods, method]
+      method%name = 'auto, tolerance ' // typed_number(of_auto(k))
+      call add_method(', tolerance = ' // typed_number(of_auto(k)))
     end do
     method%interaction = effect_boundary
     do k = -2, -4, -1
       method%tolerance = 10.0_real64**k
-      method%name = 'boundary elements, ' // tolerance_text(method%tolerance)
-      methods = [methods, method]
+      method%name = 'boundary elements, ' // typed_number(method%tolerance)
+      call add_method(', boundary_tolerance = ' // typed_number(method%tolerance) // &
+                      merge(', area_tolerance = 0.001', repeat(' ', 24), k < -2))
     end do
+
+  contains
+
+    ! Adds a method; beside other effects the tolerance of theirs is typed, too.
+    subroutine add_method(numbers)
+      character(len=*), intent(in), optional :: numbers
+
+      method%typed = 'interaction = ''' // trim(effect_words(method%interaction)) // ''''
+      if (present(numbers)) method%typed = trim(method%typed) // numbers
+      if (method%interaction /= effect_auto .and. count(simulated) > 1) &
+        method%typed = trim(method%typed) // ', tolerance = ' // typed_number(tolerance_of_others)
+      methods = [methods, method]
+    end subroutine add_method
+
   end subroutine add_neighbours
 
   ! The pixels of a map, from a coarsest resolution to a finest one.
@@ -259,19 +275,11 @@ contains
       method%resolution = 2.0_real64**(k - 3)
       if (method%resolution < coarsest .or. method%resolution > finest) cycle
       method%name = names(k)
+      ! The accuracy chooses among the pixels of the map.
+      method%typed = merge('--accuracy', 'pixels    ', method%resolution <= 1.0_real64)
       methods = [methods, method]
     end do
   end subroutine add_pixel_methods
-
-  ! A tolerance as .01.
-  pure function tolerance_text(share) result(text)
-    real(real64), intent(in) :: share
-    character(len=:), allocatable :: text
-    character(len=8) :: number
-
-    write (number, '(f6.4)') share
-    text = number(:verify(number, '0 ', back=.true.))
-  end function tolerance_text
 
   !> Runs a scene in a method, all positions, the ends of its path alone. The original program is
   !> not run here.

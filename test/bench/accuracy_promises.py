@@ -55,7 +55,7 @@ class Case:
 def asperities(number):
     """Dense scenes of all families, in turns at their separation and at their load."""
     scenes = dense_scenes()
-    for turn, scene in enumerate(scenes[::max(1, len(scenes) // number)][:number]):
+    for turn, scene in enumerate(scenes[::max(1, len(scenes) // max(1, number))][:number]):
         truth = truths()[scene.name]
         loading = {"control": "load", "value": float(truth["normal_load"])} if turn % 2 else None
         # The closest to a separation or a load is that of --accuracy, written with the default.
@@ -113,8 +113,8 @@ def top_of(surface, fine):
 
 def map_scene(folder, heights, step, spacing, edge, control, value):
     np.save(folder / "m.npy", heights[::step, ::step])
-    return write_scene(folder / "m.scene", material={"contact_modulus": E},
-                       loading={"control": control, "value": value},
+    return write_scene(folder / "m.scene", by_default=True, material={"contact_modulus": E},
+                       loading={"control": control, "value": float(value)},
                        surfaces={"upper": "plane", "lower": "m.npy", "map_edge": edge,
                                  "map_level": "none", "map_spacing": (step * spacing,) * 2})
 
