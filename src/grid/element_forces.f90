@@ -31,9 +31,9 @@
 !> the allowed set at both exits. A limit H of at least the load is no bound, as forces of 0 or more
 !> with this sum are not larger: such a problem is solved without a limit.
 module asperity_element_forces
-  use asperity_lattice_convolution, only: lattice_convolution
+  use asperity_lattice_convolution, only: lattice_convolution, thread_threshold
   use asperity_interruption, only: interruption
-  use asperity_kinds, only: real64
+  use asperity_kinds, only: int64, real64
   use asperity_solve_ending, only: solve_ending
   implicit none
   private
@@ -62,14 +62,13 @@ module asperity_element_forces
     real(real64) :: limit = huge(1.0_real64)  !! largest force H, > 0; times their number >= load
   end type force_bounds
 
-  ! State of the iteration between two steps, with f and r as in the header.
+  ! State of the iteration between two steps, with f, r and W as in the header.
   type :: force_iterate
     real(real64), allocatable, dimension(:, :) :: force, gradient            ! f, r
     real(real64), allocatable, dimension(:, :) :: next_force, next_gradient  ! f, r after the step
-    real(real64), allocatable, dimension(:, :) :: preconditioned  ! approximate inverse of A times r
-    real(real64), allocatable, dimension(:, :) :: direction, image  ! d; r where f is free, then A d
-    real(real64), allocatable, dimension(:, :) :: displacement  ! A f, where it was computed last
-    real(real64), allocatable, dimension(:, :) :: free  ! 1 where f after the step is free, else 0
+    !> d; forces by the inverse, A d, and A f where that was computed last
+    real(real64), allocatable, dimension(:, :) :: direction, image
+    real(real64), allocatable :: row_sums(:, :)    ! sums or maxima of each row of a loop
     real(real64) :: level = 0.0_real64             ! still to be subtracted from the next gradient
     real(real64) :: gradient_product = 0.0_real64  ! r times its preconditioned r; 0: restart
     real(real64) :: rounding_error = 0.0_real64    ! of the displacements
@@ -104,9 +103,10 @@ contains
     call move_alloc(force, state%next_force)
     if (bounds%limit < huge(1.0_real64)) call project_forces(gap, bounds, state%next_force)
     allocate (state%force, source=state%next_force)
-    allocate (state%next_gradient, state%image, state%displacement, state%free, mold=gap)
+    allocate (state%next_gradient, state%image, mold=gap)
+    allocate (state%row_sums(5, size(gap, 2)))
     allocate (state%gradient(size(gap, 1), size(gap, 2)), source=0.0_real64)
-    allocate (state%direction, state%preconditioned, source=state%gradient)
+    allocate (state%direction, source=state%gradient)
     call find_gradient(influence, gap, bounds, state)
     do
       call swap_arrays(state%force, state%next_force)
@@ -134,7 +134,7 @@ contains
     end do
     if (present(level)) level = state%level
     call move_alloc(state%force, force)
-    if (present(displacement)) call move_alloc(state%displacement, displacement)
+    if (present(displacement)) call move_alloc(state%image, displacement)
   end subroutine find_forces
 
   !> Rounding error of displacements by FFT (see `rounding`).
@@ -146,87 +146,112 @@ contains
     error = rounding * max(largest, norm * sqrt(mean_square))
   end function displacement_error
 
-  ! Takes a step of conjugate gradients in the free forces: sets the forces and the gradient after
-  ! the step.
+  ! Takes a step of conjugate gradients in W: sets the forces and the gradient after the step.
   subroutine take_conjugate_step(influence, gap, bounds, state)
     type(lattice_convolution), intent(inout) :: influence
     real(real64), intent(in) :: gap(:, :)
     type(force_bounds), intent(in) :: bounds
     type(force_iterate), intent(inout) :: state
-    real(real64) :: changes, curvature, mean, new_product, old_product, step, total
+    real(real64) :: change, changes, curvature, force, mean, rest, step, total, others(5)
     integer :: i, j
 
-    call influence%apply(state%image, state%next_gradient, inverse=.true.)
-    ! The set of free forces changes at nearly every step: the formula of Polak and Ribiere (1969)
-    ! makes a restart at each change unnecessary.
-    new_product = 0.0_real64
-    old_product = 0.0_real64
+    associate (w => state%next_force)
+    !$omp parallel do if(size(gap, kind=int64) > thread_threshold)
     do j = 1, size(gap, 2)
-      !$omp simd reduction(+:new_product, old_product)
       do i = 1, size(gap, 1)
-        new_product = new_product + state%image(i, j) * state%next_gradient(i, j)
-        old_product = old_product + state%image(i, j) * state%preconditioned(i, j)
+        w(i, j) = state%gradient(i, j) * &
+          in_working_set(state%force(i, j), state%gradient(i, j), bounds%limit)
       end do
     end do
+    call influence%invert_on(w, state%image)
+    !$omp parallel do private(force, change, changes, mean, rest, total) &
+    !$omp if(size(gap, kind=int64) > thread_threshold)
+    do j = 1, size(gap, 2)
+      change = 0.0_real64
+      changes = 0.0_real64
+      mean = 0.0_real64
+      rest = 0.0_real64
+      total = 0.0_real64
+      !$omp simd private(force) reduction(+:change, changes, mean, rest, total)
+      do i = 1, size(gap, 1)
+        force = one_where(abs(w(i, j)) > 0.0_real64) * state%image(i, j)
+        change = change + force * w(i, j)
+        changes = changes + force * (state%gradient(i, j) - state%next_gradient(i, j))
+        mean = mean + force
+        rest = rest + one_where(abs(w(i, j)) > 0.0_real64) * state%direction(i, j)
+        total = total + one_where(abs(w(i, j)) > 0.0_real64)
+      end do
+      state%row_sums(:, j) = [change, changes, mean, rest, total]
+    end do
+    others = sum(state%row_sums, 2)
+    ! W changes at nearly every step: the formula of Polak and Ribiere (1969), with the change of the
+    ! gradient, makes a restart at each change unnecessary.
     step = 0.0_real64
     if (state%gradient_product > 0.0_real64) &
-      step = max(0.0_real64, (new_product - old_product) / state%gradient_product)
-    state%gradient_product = new_product
-    call swap_arrays(state%preconditioned, state%next_gradient)
-    mean = 0.0_real64
-    total = 0.0_real64
-    do j = 1, size(gap, 2)
-      !$omp simd reduction(+:mean, total)
-      do i = 1, size(gap, 1)
-        state%direction(i, j) = state%free(i, j) * (state%preconditioned(i, j) + &
-                                                    step * state%direction(i, j))
-        mean = mean + state%direction(i, j)
-        total = total + state%free(i, j)
-      end do
-    end do
+      step = max(0.0_real64, others(2) / state%gradient_product)
+    state%gradient_product = others(1)
     ! The sum of the forces does not change.
-    mean = merge(mean / max(1.0_real64, total), 0.0_real64, bounds%load > 0.0_real64)
-    step = 0.0_real64
+    mean = 0.0_real64
+    if (bounds%load > 0.0_real64) mean = (others(3) + step * others(4)) / max(1.0_real64, others(5))
+    !$omp parallel do private(total) if(size(gap, kind=int64) > thread_threshold)
     do j = 1, size(gap, 2)
-      !$omp simd reduction(+:step)
+      total = 0.0_real64
+      !$omp simd reduction(+:total)
       do i = 1, size(gap, 1)
-        state%direction(i, j) = state%direction(i, j) - state%free(i, j) * mean
-        step = step + state%direction(i, j) * state%image(i, j)
+        state%direction(i, j) = one_where(abs(w(i, j)) > 0.0_real64) * &
+          (state%image(i, j) + step * state%direction(i, j) - mean)
+        total = total + state%direction(i, j) * w(i, j)
       end do
+      state%row_sums(1, j) = total
     end do
+    end associate
+    total = sum(state%row_sums(1, :))
     call influence%apply(state%direction, state%image)
-    curvature = 0.0_real64
+    !$omp parallel do private(curvature) if(size(gap, kind=int64) > thread_threshold)
     do j = 1, size(gap, 2)
+      curvature = 0.0_real64
       !$omp simd reduction(+:curvature)
       do i = 1, size(gap, 1)
         curvature = curvature + state%image(i, j) * state%direction(i, j)
       end do
+      state%row_sums(1, j) = curvature
     end do
+    curvature = sum(state%row_sums(1, :))
     state%decrease = -1.0_real64
-    if (.not. (step > 0.0_real64 .and. curvature > 0.0_real64)) return
-    step = step / curvature
-    ! Forces that would be negative become 0; a force of 0 with an overlap becomes positive.
-    total = 0.0_real64
-    changes = 0.0_real64
+    if (.not. (total > 0.0_real64 .and. curvature > 0.0_real64)) return
+    step = total / curvature
+    ! The gradient is exact where no force is cut.
+    !$omp parallel do private(changes, mean, rest, total) &
+    !$omp if(size(gap, kind=int64) > thread_threshold)
     do j = 1, size(gap, 2)
-      !$omp simd reduction(+:total, changes)
+      changes = 0.0_real64
+      mean = 0.0_real64
+      rest = 0.0_real64
+      total = 0.0_real64
+      !$omp simd private(change, force) reduction(+:changes, mean, rest, total)
       do i = 1, size(gap, 1)
-        associate (old => state%force(i, j), new => state%next_force(i, j))
-          new = old - step * (state%direction(i, j) + &
-                              (1.0_real64 - state%free(i, j)) * state%gradient(i, j))
-          new = min(bounds%limit, max(0.0_real64, new))
-          total = total + new
-          changes = changes + abs(one_where(new > 0.0_real64) - one_where(old > 0.0_real64)) + &
-                    abs(one_where(new < bounds%limit) - one_where(old < bounds%limit))
-        end associate
+        change = state%force(i, j) - step * state%direction(i, j)
+        force = min(bounds%limit, max(0.0_real64, change))
+        state%next_force(i, j) = force
+        state%next_gradient(i, j) = state%gradient(i, j) - step * state%image(i, j)
+        total = total + force
+        changes = changes + abs(change - force)
+        rest = rest + one_where(force > 0.0_real64) * one_where(force < bounds%limit)
+        mean = mean + one_where(force > 0.0_real64) * one_where(force < bounds%limit) * &
+                      state%next_gradient(i, j)
       end do
+      state%row_sums(:4, j) = [total, changes, rest, mean]
     end do
-    if (changes > 0.0_real64) then
-      call scale_to_load(gap, bounds, state%next_force, total)
+    others = sum(state%row_sums, 2)
+    if (others(2) > 0.0_real64) then
+      call scale_to_load(gap, bounds, state%next_force, others(1))
       call find_gradient(influence, gap, bounds, state)
-    else
-      call update_gradient(influence%norm, bounds, step, state)
+      return
     end if
+    state%is_recomputed = .false.
+    state%level = merge(others(4) / max(1.0_real64, others(3)), 0.0_real64, &
+                        bounds%load > 0.0_real64)
+    call finish_step(influence%norm, bounds, state)
   end subroutine take_conjugate_step
 
   ! Takes the least force from all where equal forces have no displacements and cost energy. The
@@ -243,8 +268,6 @@ contains
     call influence%apply(0.0_real64 * state%force + 1.0_real64, displaced)
     if (maxval(abs(displaced)) > rounding * influence%norm) return
     state%force = state%force - minval(state%force)
-    state%free = merge(1.0_real64, 0.0_real64, state%force > 0.0_real64)
-    state%image = state%free * state%gradient
     state%gradient_product = 0.0_real64
   end subroutine take_least_force
 
@@ -259,8 +282,7 @@ contains
     real(real64) :: curvature, enough, least, length, squares
 
     associate (f => state%force, r => state%gradient)
-      state%direction = merge(r, 0.0_real64, (f > 0.0_real64 .or. r < 0.0_real64) .and. &
-                                             (f < bounds%limit .or. r > 0.0_real64))
+      state%direction = r * in_working_set(f, r, bounds%limit)
       call influence%apply(state%direction, state%image)
       squares = sum(state%direction**2)
       curvature = sum(state%direction * state%image)
@@ -279,63 +301,44 @@ contains
     state%gradient_product = 0.0_real64
   end subroutine take_projected_step
 
-  ! Updates the gradient by a step in a fixed set of free forces.
-  subroutine update_gradient(norm, bounds, step, state)
-    real(real64), intent(in) :: norm  ! |A|
-    type(force_bounds), intent(in) :: bounds
-    real(real64), intent(in) :: step  ! length of the step along the direction
-    type(force_iterate), intent(inout) :: state
-    real(real64) :: free, total
-    integer :: i, j
-
-    total = 0.0_real64
-    free = 0.0_real64
-    do j = 1, size(state%force, 2)
-      !$omp simd reduction(+:total, free)
-      do i = 1, size(state%force, 1)
-        state%next_gradient(i, j) = state%gradient(i, j) - step * state%image(i, j)
-        total = total + state%free(i, j) * state%next_gradient(i, j)
-        free = free + state%free(i, j)
-      end do
-    end do
-    state%is_recomputed = .false.
-    state%level = merge(total / max(1.0_real64, free), 0.0_real64, bounds%load > 0.0_real64)
-    call finish_step(norm, bounds, state)
-  end subroutine update_gradient
-
   ! Computes the gradient from the forces after a step, and the rounding error of displacements.
   subroutine find_gradient(influence, gap, bounds, state)
     type(lattice_convolution), intent(inout) :: influence
     real(real64), intent(in) :: gap(:, :)
     type(force_bounds), intent(in) :: bounds
     type(force_iterate), intent(inout) :: state
-    real(real64) :: free, largest, squares, total
+    real(real64) :: free, largest, squares, total, others(4)
     integer :: i, j
 
-    call influence%apply(state%next_force, state%displacement)
-    largest = 0.0_real64
-    squares = 0.0_real64
-    total = 0.0_real64
-    free = 0.0_real64
+    call influence%apply(state%next_force, state%image)
+    !$omp parallel do private(free, largest, squares, total) &
+    !$omp if(size(gap, kind=int64) > thread_threshold)
     do j = 1, size(gap, 2)
+      free = 0.0_real64
+      largest = 0.0_real64
+      squares = 0.0_real64
+      total = 0.0_real64
       !$omp simd reduction(+:squares, total, free) reduction(max:largest)
       do i = 1, size(gap, 1)
-        associate (f => state%next_force(i, j))
-          largest = max(largest, abs(state%displacement(i, j)))
+        associate (f => state%next_force(i, j), r => state%next_gradient(i, j))
+          largest = max(largest, abs(state%image(i, j)))
           squares = squares + f**2
-          state%next_gradient(i, j) = state%displacement(i, j) + gap(i, j)
-          state%free(i, j) = one_where(f > 0.0_real64) * one_where(f < bounds%limit)
-          total = total + state%free(i, j) * state%next_gradient(i, j)
-          free = free + state%free(i, j)
+          r = state%image(i, j) + gap(i, j)
+          total = total + one_where(f > 0.0_real64) * one_where(f < bounds%limit) * r
+          free = free + one_where(f > 0.0_real64) * one_where(f < bounds%limit)
         end associate
       end do
+      state%row_sums(:4, j) = [squares, total, free, largest]
     end do
-    state%rounding_error = displacement_error(influence%norm, squares / size(gap), largest)
+    largest = maxval(state%row_sums(4, :))
+    others = sum(state%row_sums(:4, :), 2)
+    state%rounding_error = displacement_error(influence%norm, others(1) / size(gap, kind=int64), &
+                                              largest)
     state%is_recomputed = .true.
     state%level = 0.0_real64
     if (bounds%load > 0.0_real64) then
-      state%level = total / max(1.0_real64, free)
-      if (.not. free > 0.0_real64) &
+      state%level = others(2) / max(1.0_real64, others(3))
+      if (.not. others(3) > 0.0_real64) &
         state%level = free_level(gap, bounds, state%next_force, state%next_gradient)
     end if
     call finish_step(influence%norm, bounds, state)
@@ -354,10 +357,12 @@ contains
     integer :: i, j
 
     inverse = 1.0_real64 / norm
-    decrease = 0.0_real64
-    enough = 0.0_real64
-    residual = 0.0_real64
+    !$omp parallel do private(decrease, enough, residual) &
+    !$omp if(size(state%force, kind=int64) > thread_threshold)
     do j = 1, size(state%force, 2)
+      decrease = 0.0_real64
+      enough = 0.0_real64
+      residual = 0.0_real64
       !$omp simd private(change, r) reduction(+:decrease, enough) reduction(max:residual)
       do i = 1, size(state%force, 1)
         associate (f => state%next_force(i, j))
@@ -366,15 +371,15 @@ contains
           decrease = decrease + (state%force(i, j) - f) * (state%gradient(i, j) + r)
           residual = max(residual, one_where(f > 0.0_real64) * r, &
                          -one_where(f < bounds%limit) * r)
-          state%image(i, j) = state%free(i, j) * r
           change = f - min(bounds%limit, max(0.0_real64, f - inverse * r))
           enough = enough + change * (r - 0.5_real64 * norm * change)
         end associate
       end do
+      state%row_sums(:3, j) = [decrease, enough, residual]
     end do
-    state%decrease = 0.5_real64 * decrease
-    state%enough = enough
-    state%residual = residual
+    state%decrease = 0.5_real64 * sum(state%row_sums(1, :))
+    state%enough = sum(state%row_sums(2, :))
+    state%residual = maxval(state%row_sums(3, :))
   end subroutine finish_step
 
   ! Exchanges two arrays without a copy.
@@ -512,6 +517,14 @@ contains
 
     is_free = force > 0.0_real64 .and. force < limit
   end function is_free
+
+  ! 1 for an element in W, whose force is free or moved off its bound by the gradient, else 0.
+  elemental real(real64) function in_working_set(force, gradient, limit) result(one)
+    real(real64), intent(in) :: force, gradient, limit
+
+    one = max(one_where(force > 0.0_real64), one_where(gradient < 0.0_real64)) * &
+          max(one_where(force < limit), one_where(gradient > 0.0_real64))
+  end function in_working_set
 
   ! Whether an element can carry a force: not so a missing pixel, by its gap.
   elemental logical function is_element(gap)

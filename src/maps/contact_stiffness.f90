@@ -62,7 +62,7 @@ contains
     do turn = 1, iterations_allowed
       if (.not. displacement > epsilon(displacement) * influence%norm) return
       if (largest <= residual_left * displacement) exit
-      call influence%apply(residual, image, inverse=.true.)
+      call influence%invert_on(residual, image)
       product_before = residual_product
       call find_sums(image, residual, weight, mean, residual_product)
       mean = mean / number

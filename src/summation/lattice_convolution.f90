@@ -9,18 +9,19 @@
 module asperity_lattice_convolution
   use, intrinsic :: iso_c_binding, only: c_double, c_double_complex, c_loc
   use asperity_constants, only: pi
-  use asperity_kinds, only: real64
+  use asperity_kinds, only: int64, real64
   use asperity_line_transform, only: line_transform, real_to_waves, waves_back, waves_forward, &
                                      waves_to_real
   implicit none
   private
 
-  public :: lattice_convolution, padded_length
+  public :: lattice_convolution, padded_length, thread_threshold
 
   !> The convolution for one lattice. It owns its plans: it must not be copied.
   type :: lattice_convolution
     private
     real(real64), public :: norm = 0.0_real64  !! upper bound of the eigenvalues of the matrix
+    logical :: repeats(2) = .false.  ! the lattice is periodic along x, y
     integer :: columns = 0  ! number of columns of the padded lattice
     integer :: rows = 0     ! number of rows of the padded lattice
     ! (wave number in y, wave number in x, operator): spectrum of the influence and of its
@@ -33,6 +34,7 @@ module asperity_lattice_convolution
     procedure :: prepare => prepare_plane
     procedure :: prepare_periodic
     procedure :: apply => apply_influence
+    procedure :: invert_on
   end type lattice_convolution
 
   ! Indices of the operators in the spectrum.
@@ -40,8 +42,14 @@ module asperity_lattice_convolution
 
   ! Number of columns that are copied together, as they share lines of the cache (chosen).
   integer, parameter :: block_columns = 8
-  ! Size of a transform above which threads share it (chosen).
+  !> Number of values above which threads share a loop over them (chosen).
   integer, parameter :: thread_threshold = 30000
+  ! An element beside W gets `share` times `neighbour_ratio` of the displacement of a neighbour along a
+  ! row or column, and `neighbour_ratio` times as much of a diagonal one. Derived: outside a straight rim
+  ! of W the displacement of no force is the integral over W of that in W and the Poisson kernel
+  ! sqrt(x/y)/(pi**2 ((x + y)**2 + z**2)), x outside, y inside, z along the rim (Riesz, Acta Sci.
+  ! Math. 9 (1938) 1). At x = 1/2 the elements beside it have 0.243 of it and 0.096.
+  real(real64), parameter :: share = 0.62_real64, neighbour_ratio = 0.39_real64
 
 contains
 
@@ -59,7 +67,10 @@ contains
 
     n = shape(influence)
     padded = padded_length(2 * n - 1)
-    if (present(strip_axis)) padded(strip_axis) = n(strip_axis)
+    if (present(strip_axis)) then
+      padded(strip_axis) = n(strip_axis)
+      self%repeats(strip_axis) = .true.
+    end if
     call make_plans(self, padded(1), padded(2), n(2), side_ratio)
     allocate (row(0:self%columns - 1), column(0:self%rows - 1), other(0:self%rows - 1))
     row = 0.0_c_double
@@ -87,6 +98,7 @@ contains
     real(real64), intent(in) :: side_ratio   !! side of an element along y over that along x
 
     call make_plans(self, columns, rows, rows, side_ratio)
+    self%repeats = .true.
     self%spectrum(:, :, of_influence) = 1.0_real64 / self%spectrum(:, :, of_inverse)
     self%spectrum(0, 0, of_influence) = 0.0_real64
     call scale_spectrum(self)
@@ -129,41 +141,134 @@ contains
     end associate
   end subroutine make_plans
 
-  !> Convolves forces with the influence, or displacements with its approximate inverse, on the
-  !> lattice of the preparation.
-  !>
-  !> The displacement times the modulus by a pressure wave of number q is 2/q: the inverse is q/2,
-  !> exact on a periodic lattice, but for the mean, which has the lowest q in place of 0. That makes
-  !> the inverse positive definite, also on a part of the elements. The inverse of the padded matrix
-  !> is not: a few of its eigenvalues are negative.
-  subroutine apply_influence(self, force, displacement, inverse)
-    class(lattice_convolution), intent(inout), target :: self  !! convolution with its plans
-    real(real64), intent(in) :: force(:, :)                !! forces; if inverse, displacements
-    real(real64), intent(out) :: displacement(:, :)        !! displacements; if inverse, forces
-    logical, intent(in), optional :: inverse               !! whether the inverse is applied
-    real(c_double), allocatable, target :: row(:)
-    complex(c_double_complex), allocatable, target :: column(:, :), waves(:)
-    integer :: i, j, k, m, n, last, operator_index
+  !> Convolves forces with the influence on the lattice of the preparation.
+  subroutine apply_influence(self, force, displacement)
+    class(lattice_convolution), intent(inout) :: self    !! convolution with its plans
+    real(real64), intent(in) :: force(:, :)              !! forces
+    real(real64), intent(out) :: displacement(:, :)      !! displacements
 
-    operator_index = of_influence
-    if (present(inverse)) operator_index = merge(of_inverse, of_influence, inverse)
-    m = size(force, 1)
-    n = size(force, 2)
-    !$omp parallel private(row, column, waves, k, last) if(size(self%transform) > thread_threshold)
-    allocate (row(self%columns), waves(0:self%rows - 1))
-    allocate (column(0:self%rows - 1, 0:block_columns - 1))
+    call transform_rows(self, force)
+    call multiply_waves(self, of_influence)
+    call transform_back(self, displacement)
+  end subroutine apply_influence
+
+  !> Applies an approximate inverse of the influence on a part W of the elements: where the
+  !> displacement is not 0.
+  !>
+  !> The displacement times the modulus by a pressure wave of number q is 2/q: its inverse B is q/2,
+  !> exact on a periodic lattice, but for the mean, which has the lowest q in place of 0. That makes
+  !> it positive definite, also on a part of the elements. (The inverse of the padded matrix is not:
+  !> a few of its eigenvalues are negative.) The inverse of the influence on W has w.Bw less than
+  !> that, the least over all extensions of w from W. So an element beside W gets shares of its
+  !> neighbours in W: E w has them, and the forces are E^T B E w. This matrix is symmetric and
+  !> positive definite for any shares.
+  subroutine invert_on(self, displacement, force)
+    class(lattice_convolution), intent(inout) :: self  !! convolution with its plans
+    real(real64), intent(in), contiguous :: displacement(:, :)  !! w
+    real(real64), intent(out), contiguous :: force(:, :)  !! E^T B E w in W; elsewhere undefined
+    real(real64) :: line(size(force, 1))
+    integer :: i, j
+
+    !$omp parallel do private(line) if(size(force, kind=int64) > thread_threshold)
+    do j = 1, size(force, 2)
+      call share_line(self%repeats, displacement, j, line)
+      !$omp simd
+      do i = 1, size(force, 1)
+        force(i, j) = displacement(i, j) + beside(displacement(i, j)) * line(i)
+      end do
+    end do
+    call transform_rows(self, force)
+    call multiply_waves(self, of_inverse)
+    call transform_back(self, force)
+    ! The forces beside W, which do not change, are shared by their neighbours in W.
+    !$omp parallel do private(line) if(size(force, kind=int64) > thread_threshold)
+    do j = 1, size(force, 2)
+      call share_line(self%repeats, force, j, line, displacement)
+      !$omp simd
+      do i = 1, size(force, 1)
+        force(i, j) = force(i, j) + (1.0_real64 - beside(displacement(i, j))) * line(i)
+      end do
+    end do
+  end subroutine invert_on
+
+  ! Shares of the elements of a line in the values of their neighbours, of those outside of W alone
+  ! where that is given.
+  pure subroutine share_line(repeats, values, j, line, in_w)
+    logical, intent(in) :: repeats(2)                    ! the lattice is periodic along x, y
+    real(real64), intent(in), contiguous :: values(:, :)
+    integer, intent(in) :: j                             ! the line
+    real(real64), intent(out) :: line(size(values, 1))
+    real(real64), intent(in), contiguous, optional :: in_w(:, :)  ! not 0 in W
+    real(real64) :: across(0:size(values, 1) + 1), weight
+    integer :: i, k, m, row
+
+    m = size(values, 1)
+    across = 0.0_real64
+    do k = j - 1, j + 1
+      row = modulo(k - 1, size(values, 2)) + 1
+      if (row /= k .and. .not. repeats(2)) cycle
+      weight = share * merge(1.0_real64, neighbour_ratio, k == j)
+      if (present(in_w)) then
+        !$omp simd
+        do i = 1, m
+          across(i) = across(i) + weight * beside(in_w(i, row)) * values(i, row)
+        end do
+      else
+        !$omp simd
+        do i = 1, m
+          across(i) = across(i) + weight * values(i, row)
+        end do
+      end if
+    end do
+    if (repeats(1)) across([0, m + 1]) = across([m, 1])
+    !$omp simd
+    do i = 1, m
+      line(i) = across(i) + neighbour_ratio * (across(i - 1) + across(i + 1))
+    end do
+  end subroutine share_line
+
+  ! 1 for an element beside W, else 0: loops that multiply by it have no branches.
+  elemental real(real64) function beside(displacement)
+    real(real64), intent(in) :: displacement
+
+    beside = merge(0.0_real64, 1.0_real64, abs(displacement) > 0.0_real64)
+  end function beside
+
+  ! Transforms the rows of the values.
+  subroutine transform_rows(self, values)
+    class(lattice_convolution), intent(inout), target :: self
+    real(real64), intent(in) :: values(:, :)
+    real(c_double), allocatable, target :: row(:)
+    integer :: j
+
+    !$omp parallel private(row) if(size(self%transform, kind=int64) > thread_threshold)
+    allocate (row(self%columns), source=0.0_c_double)
     !$omp do schedule(static)
-    do j = 1, n
-      row(:m) = force(:, j)
-      row(m + 1:) = 0.0_c_double
-      call self%row_forward%apply(c_loc(row), &
-                                c_loc(self%transform(0, j - 1)))
+    do j = 1, size(values, 2)
+      row(:size(values, 1)) = values(:, j)
+      call self%row_forward%apply(c_loc(row), c_loc(self%transform(0, j - 1)))
     end do
     !$omp end do
+    !$omp end parallel
+  end subroutine transform_rows
+
+  ! Transforms the columns, multiplies their waves by an operator, and transforms them back.
+  subroutine multiply_waves(self, operator_index)
+    class(lattice_convolution), intent(inout), target :: self
+    integer, intent(in) :: operator_index
+    complex(c_double_complex), allocatable, target :: column(:, :), waves(:)
+    integer :: i, j, k, n, last
+
+    n = size(self%transform, 2)
+    !$omp parallel private(column, waves, j, k, last) &
+    !$omp if(size(self%transform, kind=int64) > thread_threshold)
+    allocate (column(0:self%rows - 1, 0:block_columns - 1), waves(0:self%rows - 1))
     !$omp do schedule(static)
     do i = 0, self%columns / 2, block_columns
       last = min(block_columns - 1, self%columns / 2 - i)
-      column(:n - 1, :last) = transpose(self%transform(i:i + last, :n - 1))
+      do j = 0, n - 1
+        column(j, :last) = self%transform(i:i + last, j)
+      end do
       do k = 0, last
         column(n:, k) = (0.0_c_double, 0.0_c_double)
         call self%column_forward%apply(c_loc(column(0, k)), c_loc(waves))
@@ -174,17 +279,31 @@ contains
         end associate
         call self%column_back%apply(c_loc(waves), c_loc(column(0, k)))
       end do
-      self%transform(i:i + last, :n - 1) = transpose(column(:n - 1, :last))
-    end do
-    !$omp end do
-    !$omp do schedule(static)
-    do j = 1, n
-      call self%row_back%apply(c_loc(self%transform(0, j - 1)), c_loc(row))
-      displacement(:, j) = row(:m)
+      do j = 0, n - 1
+        self%transform(i:i + last, j) = column(j, :last)
+      end do
     end do
     !$omp end do
     !$omp end parallel
-  end subroutine apply_influence
+  end subroutine multiply_waves
+
+  ! Transforms the rows of waves back. The waves are overwritten.
+  subroutine transform_back(self, values)
+    class(lattice_convolution), intent(inout), target :: self
+    real(real64), intent(out) :: values(:, :)
+    real(c_double), allocatable, target :: row(:)
+    integer :: j
+
+    !$omp parallel private(row) if(size(self%transform, kind=int64) > thread_threshold)
+    allocate (row(self%columns))
+    !$omp do schedule(static)
+    do j = 1, size(values, 2)
+      call self%row_back%apply(c_loc(self%transform(0, j - 1)), c_loc(row))
+      values(:, j) = row(:size(values, 1))
+    end do
+    !$omp end do
+    !$omp end parallel
+  end subroutine transform_back
 
   !> Length of at least n and at most n plus an eighth that is at most 16 times a power of 2: FFTW
   !> is efficient for powers of 2, 3, 5 and 7 and one factor of 11 or 13.
