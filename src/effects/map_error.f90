@@ -42,7 +42,7 @@ module asperity_map_error
   real(real64), parameter :: safety = 3.0_real64
   ! Tolerance of the gaps over the range of heights, or of the attraction (chosen: the differences
   ! are larger by far).
-  real(real64), parameter :: closed_halves = 1.0e-6_real64
+  real(real64), parameter :: closed_halves = 1.0e-4_real64
   ! Growth of the slope by the last halving of the pixel over that by the one before, above which a
   ! map is rough at the size of its pixels: 1/4 where it is smooth, 1/2 with kinks, 2**(1 - H) of a
   ! self-affine surface, at least 0.63 where that ends at two pixels (chosen; test: waves and random

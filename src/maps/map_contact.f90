@@ -37,7 +37,6 @@ module asperity_map_contact
     !> Sum of the elastic displacements of both surfaces, > 0 apart from each other, on every pixel;
     !> on a periodic map its mean is 0.
     real(real64), allocatable :: displacement(:, :)
-    real(real64) :: coarser(2) = 0.0_real64       !! levels of it at half and a quarter, its start
     type(solve_ending) :: ending                  !! residual: largest gap violated over the heights
     type(interruption) :: interrupt               !! given: who can end the solve, which fails
     character(len=:), allocatable :: failure      !! why there is none
@@ -45,9 +44,11 @@ module asperity_map_contact
 
   !> Largest gap left in contact, or overlap left beside it, over the range of heights under the
   !> flat. At 1e-10 pressures agree with exact ones to 2e-9 of the largest on maps up to 512 x 512,
-  !> at 1e-9 to 1.3e-8 (measured; test: ten maps in test/maps/test_fields.py). Coarser maps
-  !> are only a start.
-  real(real64), parameter, public :: closed_fully = 1.0e-10_real64, closed_start = 1.0e-4_real64
+  !> at 1e-9 to 1.3e-8 (measured; test: ten maps in test/maps/test_fields.py).
+  real(real64), parameter, public :: closed_fully = 1.0e-10_real64
+  ! The same of coarser maps, which are only a start. Derived: the finer pixels have heights of their
+  ! own, on rough maps a few percent of the range, which no pressures of coarser ones close.
+  real(real64), parameter :: closed_start = 1.0e-2_real64
 
   ! Relative tolerance of a prescribed load (chosen; test: loads far beyond full contact in
   ! test/maps/test_map_edges.py).
@@ -58,6 +59,8 @@ module asperity_map_contact
   ! of the shortest wave); the rest is for earlier states of a path and for free edges (chosen;
   ! test: load cycles in test/maps/test_plastic_pixels.py).
   real(real64), parameter :: error_of_residual = 100.0_real64
+  ! The most of that, over the hardness (chosen: the share that a load gains is as small).
+  real(real64), parameter :: hardness_rounding = 1.0e-4_real64
 
   ! Number of pixels from which on a coarser map saves more time than it costs (chosen; test: large
   ! maps in test/maps/test_map_scene.py).
@@ -138,7 +141,7 @@ contains
     if (present(load)) bounds%load = load / (unit * product(map%pixel_spacing))
     call find_pressures(map, gap, bounds, unit, answer)
     if (present(hardness)) where (.not. answer%pressure < hardness - &
-      min(error_of_residual * closed_fully * unit, closed_start * hardness)) &
+      min(error_of_residual * closed_fully * unit, hardness_rounding * hardness)) &
       answer%pressure = hardness
     answer%displacement = answer%displacement * heights
     if (present(load)) then
@@ -195,7 +198,6 @@ contains
     answer%pressure = start%pressure([((i + 1) / 2, i=1, size(map%height, 1))], &
                                      [((i + 1) / 2, i=1, size(map%height, 2))])
     where (.not. is_measured(map%height)) answer%pressure = 0.0_real64
-    answer%coarser = [start%level, start%coarser(1)]
   end subroutine start_from_half
 
   ! Finds the pressures, and the load or the level (from the highest pixel, over the heights).

@@ -211,7 +211,7 @@ contains
       if (present(in_w)) then
         !$omp simd
         do i = 1, m
-          across(i) = across(i) + weight * beside(in_w(i, row)) * values(i, row)
+          across(i) = across(i) + beside(in_w(i, row)) * (weight * values(i, row))
         end do
       else
         !$omp simd
