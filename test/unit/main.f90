@@ -20,6 +20,7 @@ program unit_tests
   use asperity_pair_search_suite, only: run_pair_search
   use asperity_study_suite, only: run_study
   use asperity_summation_suite, only: run_summation
+  use asperity_traction_suite, only: run_tractions
   use asperity_cards_suite, only: run_cards
   use asperity_hex32_suite, only: run_hex32
   use asperity_overlap_suite, only: run_overlap
@@ -45,6 +46,7 @@ program unit_tests
   call run_suite('coupled contacts', run_coupled)
   call run_suite('joint contacts', run_joint)
   call run_suite('maps', run_maps)
+  call run_suite('tractions', run_tractions)
   call run_suite('friction', run_friction)
   call run_suite('adhesion', run_adhesion)
   call run_suite('creep', run_creep)
