@@ -153,7 +153,10 @@ contains
       call add_pixels(table, 'displacement', field%displacement, length, new%failure)
       call add_marks('contact', contact_marks(field))
       if (allocated(field%traction)) then
-        call add_pixels(table, 'traction', field%traction, pressure, new%failure)
+        call add_pixels(table, 'traction_x', field%traction, pressure, new%failure)
+        call add_pixels(table, 'traction_y', field%traction_y, pressure, new%failure)
+        call add_pixels(table, 'slip_x', field%slip_x, length, new%failure)
+        call add_pixels(table, 'slip_y', field%slip_y, length, new%failure)
         call add_marks('stick', field%sticks)
       end if
     end associate

@@ -119,7 +119,7 @@ contains
     real(real64), intent(in) :: g, m, beta
     real(real64) :: c(2), number
 
-    number = max(norm2(q), tiny(number))
+    number = max(hypot(q(1), q(2)), tiny(number))
     c = q / number
     term(xx) = (g - m * c(1)**2) / number
     term(xy) = -shortest * m * c(1) * c(2) / number

@@ -266,6 +266,10 @@ contains
     integer :: i
 
     name = 'tangential_load'
+    if (fields%has_name('loading', 'tangential_path')) name = 'tangential_path'
+    if (name == 'tangential_path' .and. .not. allocated(checked%map)) &
+      call fields%complain_of('loading', name, 'it needs the pixels of a map, expected ' // &
+                              'tangential_load')
     if (fields%has_name('loading', 'tangential_displacement')) name = 'tangential_displacement'
     if (checked%effects%mode('friction') == effect_off) &
       call fields%complain_of('loading', name, 'it needs friction: found friction = ''off'', ' // &

@@ -9,8 +9,8 @@ module asperity_scene_loading
   use asperity_scene_surfaces, only: from_csv
   use asperity_scene_values, only: criterion_greenwood_williamson, criterion_hardy, &
                                    criterion_load, criterion_none, criterion_pressure, &
-                                   criterion_words, effect_off, effect_on, is_limit, is_load, &
-                                   scene, scene_loading
+                                   criterion_words, effect_off, effect_on, has_tangential, &
+                                   is_limit, is_load, scene, scene_loading
   implicit none
   private
 
@@ -37,9 +37,14 @@ contains
       loading%events = events == effect_on
       call fields%take('loading', 'tangential_load', loading%tangential_load)
       call fields%take('loading', 'tangential_displacement', loading%tangential_displacement)
-      if (loading%tangential_load > 0.0_real64) &
+      ! One value is that along x.
+      if (fields%value_count('loading', 'tangential_load') == 1) loading%tangential_load(2) = 0
+      if (fields%value_count('loading', 'tangential_displacement') == 1) &
+        loading%tangential_displacement(2) = 0
+      if (any(abs(loading%tangential_load) > 0.0_real64)) &
         call fields%refuse_name('loading', 'tangential_displacement', 'found beside ' // &
                                 'tangential_load, expected one of them')
+      call read_tangential_path(fields, loading)
       if (loading%events .and. allocated(loading%path)) &
         call fields%complain_of('loading', 'events', 'found beside several values, ' // &
                                 'expected one value: a path has its points alone')
@@ -84,6 +89,28 @@ contains
         call fields%complain_of('loading', 'value', 'no load is more than 0, expected one')
     end if
   end subroutine read_path
+
+  !> Pairs of a tangential load along x and y.
+  subroutine read_tangential_path(fields, loading)
+    type(scene_fields), intent(inout) :: fields
+    type(scene_loading), intent(inout) :: loading
+    real(real64), allocatable :: loads(:)
+    integer :: number
+
+    if (has_tangential(loading)) call fields%refuse_name('loading', 'tangential_path', &
+      'found beside another tangential load, expected one of them')
+    number = fields%value_count('loading', 'tangential_path')
+    if (number == 0) return
+    if (mod(number, 2) > 0 .or. number > most_values) then
+      call fields%complain_of('loading', 'tangential_path', 'found ' // decimal_text(number) // &
+                              ' values, expected x and y of each point, at most ' // &
+                              decimal_text(most_values) // ' values')
+      return
+    end if
+    allocate (loads(number))
+    call fields%take('loading', 'tangential_path', loads)
+    loading%tangential_path = reshape(loads, [2, number / 2])
+  end subroutine read_tangential_path
 
   !> A curve at every position must have room.
   subroutine check_states(fields, checked)

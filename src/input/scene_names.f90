@@ -99,10 +99,14 @@ module asperity_scene_names
                least=0, most=most_points), &
     known_name('loading', 'events', one_word, 'whether each contact adds a state where it begins', &
                default=one, words=[character(len=word_length) :: 'off', 'on', none]), &
-    known_name('loading', 'tangential_load', not_negative, 'acts at the last state', &
+    known_name('loading', 'tangential_load', any_number, 'along x, y, at the last state', [1, 2], &
                unit='force'), &
-    known_name('loading', 'tangential_displacement', not_negative, &
-               'of the bodies at the last state, in place of tangential_load', unit='length'), &
+    known_name('loading', 'tangential_displacement', any_number, &
+               'of the bodies at the last state, in place of tangential_load', [1, 2], &
+               unit='length'), &
+    known_name('loading', 'tangential_path', any_number, &
+               'on pixels: loads along x, y of one point after the other', [2, most_values], &
+               unit='force'), &
     known_name('limit', 'criterion', one_word, 'when a contact is at its limit', default=one, &
                words=[character(len=word_length) :: criterion_words, none(3:)]), &
     known_name('limit', 'value', above_zero, &

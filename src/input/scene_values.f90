@@ -74,8 +74,10 @@ module asperity_scene_values
     real(real64), allocatable :: path(:)
     integer :: points = 0               !! states after first touch; 0 or 1: the end state only
     logical :: events = .false.         !! also a state wherever a contact begins
-    !> At the last state and its normal load: tangential load, or displacement of the bodies by it.
-    real(real64) :: tangential_load = 0.0_real64, tangential_displacement = 0.0_real64
+    !> At the last state and its normal load, along x and y: tangential load, or displacement of the
+    !> bodies by it, or the loads (x and y, point) of a path.
+    real(real64) :: tangential_load(2) = 0.0_real64, tangential_displacement(2) = 0.0_real64
+    real(real64), allocatable :: tangential_path(:, :)
   end type scene_loading
 
   !> When a contact is at its limit.
@@ -292,7 +294,8 @@ contains
   pure logical function has_tangential(loading)
     type(scene_loading), intent(in) :: loading  !! loading of a scene
 
-    has_tangential = any([loading%tangential_load, loading%tangential_displacement] > 0.0_real64)
+    has_tangential = allocated(loading%tangential_path) .or. &
+      any(abs([loading%tangential_load, loading%tangential_displacement]) > 0.0_real64)
   end function has_tangential
 
   !> Whether a scene has a map, which is solved on its pixels.

@@ -11,6 +11,7 @@ module asperity_map_interface
   use asperity_height_map, only: height_map, is_measured
   use asperity_kinds, only: not_computed, real64
   use asperity_map_patches, only: find_patches, map_patch
+  use asperity_tangential_stiffness, only: find_tangential_stiffness
   implicit none
   private
 
@@ -23,17 +24,19 @@ module asperity_map_interface
 
 contains
 
-  !> Adds the stiffness by the compression and by the mean gap, the conductance over the
+  !> Adds the stiffness by the compression and by the mean gap, that of pixels that stick by
+  !> tangential displacements, the conductance over the
   !> conductivity, whether the open area percolates along x and y, and the conductances. A stiffness
   !> that is unknown or infinite is `not_computed`.
-  subroutine add_interface(map, modulus, pressure, conductivity, columns, hardness)
+  subroutine add_interface(map, material, pressure, conductivity, columns, hardness)
     type(height_map), intent(in) :: map         !! map with its edges
-    real(real64), intent(in) :: modulus         !! combined modulus, more than 0
+    !> combined modulus, more than 0, and Poisson's ratio of tangential displacements
+    real(real64), intent(in) :: material(2)
     real(real64), intent(in) :: pressure(:, :)  !! pressures of the solution
     real(real64), intent(in) :: conductivity(:, :)  !! (body, electrical or thermal); 0: not given
     type(column_list), intent(inout) :: columns     !! gets the columns
     real(real64), intent(in), optional :: hardness  !! largest pressure; absent: elastic
-    real(real64) :: by_compression, by_gap, conductance
+    real(real64) :: by_compression, by_gap, conductance, tangential(2, 2)
     type(map_patch), allocatable :: patches(:)
     logical, allocatable :: carries(:, :)
     logical :: is_open(2)
@@ -41,12 +44,16 @@ contains
 
     allocate (carries(size(pressure, 1), size(pressure, 2)), source=pressure > 0.0_real64)
     if (present(hardness)) carries = carries .and. pressure < hardness
-    call find_stiffness(map, modulus, carries, by_compression, by_gap)
+    call find_stiffness(map, material(1), carries, by_compression, by_gap)
     conductance = not_computed
-    if (by_compression > not_computed) conductance = 2.0_real64 * by_compression / modulus
+    if (by_compression > not_computed) conductance = 2.0_real64 * by_compression / material(1)
     call columns%add('contact_stiffness', stiffness, by_compression)
     call columns%add('interface_stiffness', stiffness, by_gap)
     call columns%add('conductance_length', length, conductance)
+    call find_tangential_stiffness(map, material(1), material(2), pressure > 0.0_real64, tangential)
+    call columns%add('tangential_stiffness_xx', stiffness, tangential(1, 1))
+    call columns%add('tangential_stiffness_xy', stiffness, tangential(1, 2))
+    call columns%add('tangential_stiffness_yy', stiffness, tangential(2, 2))
     ! Pixels out of contact form a path along an axis: between both edges of the map, or closed
     ! around a period. Pixels of a path share sides; missing ones are no part of it.
     call find_patches(map, merge(1.0_real64, 0.0_real64, is_measured(map%height) .and. &

@@ -13,6 +13,7 @@ module asperity_pixel_model
                                     length, plain
   use asperity_effect_list, only: list_pixel_laws
   use asperity_effect_names, only: known_effects, of_interaction
+  use asperity_friction, only: shared_poisson_ratio
   use asperity_height_map, only: height_map
   use asperity_kinds, only: int64, not_computed, real64
   use asperity_map_caps, only: placed_caps
@@ -391,7 +392,8 @@ contains
       allocate (pressure, source=answer%pressure)
       if (allocated(answer%touches)) &
         pressure = merge(max(pressure, tiny(pressure)), 0.0_real64, answer%touches)
-      call add_interface(self%state%deformed, self%model%modulus, pressure, &
+      call add_interface(self%state%deformed, [self%model%modulus, &
+                         shared_poisson_ratio(self%model%scene_in)], pressure, &
                          self%model%scene_in%conductivity, columns, self%state%hardness)
       if (.not. any(form > 0.0_real64)) return
       ! Length of the contact of a cylinder: that of a period along its axis; 0: its end is free.

@@ -62,14 +62,14 @@ contains
 
   !> One cell a pixel, x along a row; the centre of the first pixel of a map is at 0, 0. Arrays:
   !> pressure, gap, displacement (NaN where a pixel was not measured) and contact (1 or 0); with a
-  !> tangential load traction and stick (1 or 0). On the grid of asperities two numbers
-  !> state how many contacts have the pressure of boundary elements and of Hertz.
+  !> tangential load tractions, slip and stick (1 or 0). On the grid of asperities two numbers state
+  !> how many contacts have the pressure of boundary elements and of Hertz.
   subroutine write_vti(field, time, buffer)
     type(contact_field), intent(in) :: field    !! of one state
     real(real64), intent(in) :: time            !! of the state; `not_computed`: there is none
     type(text_buffer), intent(inout) :: buffer  !! gets the bytes
-    character(len=*), parameter :: names(4) = [character(len=12) :: 'pressure', 'gap', &
-      'displacement', 'traction'], number = 'NumberOfTuples="1" format="ascii">'
+    character(len=*), parameter :: names(7) = [character(len=12) :: 'pressure', 'gap', &
+      'displacement', 'traction_x', 'traction_y', 'slip_x', 'slip_y'], number = 'NumberOfTuples="1" format="ascii">'
     integer(int64) :: offset, pixels
     character(len=80) :: numbers
     character(len=:), allocatable :: extent
@@ -77,7 +77,7 @@ contains
     logical :: has_numbers
 
     pixels = int(field%columns, int64) * field%rows
-    kinds = merge(4, 3, allocated(field%traction))
+    kinds = merge(size(names), 3, allocated(field%traction))
     ! The whole file at once: a text that grows is there twice.
     if (.not. allocated(buffer%store)) then
       allocate (character(len=pixels * (real_bytes * kinds + 2) + head_bytes) :: &
@@ -120,16 +120,21 @@ contains
     end do
     call put_head('UInt8', 'contact')
     offset = offset + count_bytes + pixels
-    if (kinds == 4) call put_head('UInt8', 'stick')
+    if (kinds > 3) call put_head('UInt8', 'stick')
     call buffer%append('</CellData>' // new_line('a') // '</Piece>' // new_line('a'))
     call buffer%line('</ImageData>')
     call buffer%append('<AppendedData encoding="raw">_')
     call put_reals(field%pressure, buffer)
     call put_reals(field%gap, buffer)
     call put_reals(field%displacement, buffer)
-    if (kinds == 4) call put_reals(field%traction, buffer)
+    if (kinds > 3) then
+      call put_reals(field%traction, buffer)
+      call put_reals(field%traction_y, buffer)
+      call put_reals(field%slip_x, buffer)
+      call put_reals(field%slip_y, buffer)
+    end if
     call put_marks(contact_marks(field), buffer)
-    if (kinds == 4) call put_marks(field%sticks, buffer)
+    if (kinds > 3) call put_marks(field%sticks, buffer)
     call buffer%append(new_line('a'))
     call buffer%line('</AppendedData>')
     call buffer%line('</VTKFile>')

@@ -36,9 +36,9 @@ module asperity_contact_field
     !> Sum of the elastic displacements of both surfaces, > 0 apart from each other: on a free map
     !> that of a half-space without load elsewhere; on a periodic map its mean is 0.
     real(real64), allocatable :: displacement(:, :)
-    !> Tangential traction along the tangential load, and whether a pixel sticks; not allocated: no
-    !> tangential load.
-    real(real64), allocatable :: traction(:, :)
+    !> Tangential traction on the lower body along x and y, slip of the upper body over it, and
+    !> whether a pixel sticks; not allocated: no tangential load.
+    real(real64), allocatable, dimension(:, :) :: traction, traction_y, slip_x, slip_y
     logical, allocatable :: sticks(:, :)
   end type contact_field
 

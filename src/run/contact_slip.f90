@@ -64,9 +64,9 @@ contains
 
     mu = scene_in%effects%number('friction_coefficient')
     kappa = stiffness_ratio_of(scene_in)
-    by_load = .not. abs(scene_in%loading%tangential_displacement) > 0.0_real64
-    given = merge(scene_in%loading%tangential_load, &
-                                    scene_in%loading%tangential_displacement, by_load)
+    by_load = .not. any(abs(scene_in%loading%tangential_displacement) > 0.0_real64)
+    ! Slopes being neglected, all directions are alike.
+    given = norm2(scene_in%loading%tangential_load + scene_in%loading%tangential_displacement)
     associate (last => position%states(size(position%states)))
       if (scene_in%effects%modes(of_plasticity) /= effect_off .and. &
           last%load < maxval(position%states%load)) then

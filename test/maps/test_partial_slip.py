@@ -33,7 +33,12 @@ def map_slip(asperity, folder, height, sides, loading, effects=None, ratio=RATIO
     return ({name: float(row[name] or "nan") for name in (*COLUMNS, "load", "separation")},
             [{name: float(cell or "nan") for name, cell in contact.items()}
              for contact in records(folder / "c.csv") if contact["step"] == steps],
-            read_vti(folder / "f.vti")[2])
+            with_size(read_vti(folder / "f.vti")[2]))
+
+
+def with_size(fields):
+    """Fields with the size of the traction as `traction`."""
+    return {**fields, "traction": np.hypot(fields["traction_x"], fields["traction_y"])}
 
 
 def sphere(pixels, side, radius=1.0):
@@ -99,7 +104,7 @@ def test_cattaneo_case_of_contact(asperity, tmp_path):
     run_program(asperity, "solve", scene, "--quiet", "--fields", tmp_path / "f.vti", "--positions",
                 tmp_path / "p.csv")
     row, = records(tmp_path / "p.csv")
-    fields = read_vti(tmp_path / "f.vti")[2]
+    fields = with_size(read_vti(tmp_path / "f.vti")[2])
     assert f"{float(row['tangential_load']):.3f}" == "3.218"
     assert f"{fields['pressure'].max():.3f}" == "4.393"
     assert f"{-float(row['separation']):.3e}" == "1.998e-02"
@@ -198,10 +203,14 @@ def test_rough_map_against_active_sets(asperity, tmp_path, edge, hardness, ratio
     # kappa is 1 for nu = 0.
     traction, sticks = active_sets(act, MU * pressure, found["tangential_displacement"])
     assert traction.sum() * np.prod(sides) == pytest.approx(ratio * MU * load, rel=1e-8)
-    assert np.abs(traction - fields["traction"]).max() < 1e-8 * traction.max()
+    assert np.abs(traction - fields["traction_x"]).max() < 1e-6 * traction.max()
+    assert np.abs(fields["traction_y"]).max() < 1e-6 * traction.max()
     assert np.array_equal(sticks, fields["stick"] > 0) and 0 < sticks.sum() < (pressure > 0).sum()
-    moved = act(fields["traction"])
-    assert np.ptp(moved[sticks]) < 1e-8 * moved.max()
+    moved = act(fields["traction_x"])
+    assert np.ptp(moved[sticks]) < 1e-6 * moved.max()
+    slip = (found["tangential_displacement"] - moved)[(pressure > 0) & ~sticks]
+    assert fields["slip_x"][(pressure > 0) & ~sticks] == pytest.approx(slip, abs=1e-6 * slip.max())
+
     assert sum(patch["shear_load"] for patch in patches) == pytest.approx(ratio * MU * load)
     assert sum(patch["stick_area"] for patch in patches) == pytest.approx(found["stick_area"])
     # The displacement that was found, given; a little more of it is the stiffness.
@@ -227,8 +236,8 @@ def test_missing_pixels_and_a_path(asperity, tmp_path):
     for value in (load, (load, 3 * load, load)):
         found, _, fields = map_slip(asperity, tmp_path, height, sides, {
             "control": "load", "value": value, "tangential_load": 0.1})
-        assert np.array_equal(np.isnan(fields["traction"]), np.isnan(height))
-        assert np.nansum(fields["traction"]) * 1e-4 == pytest.approx(0.1)
+        assert np.array_equal(np.isnan(fields["slip_y"]), np.isnan(height))
+        assert np.nansum(fields["traction_x"]) * 1e-4 == pytest.approx(0.1)
         slips.append((found["tangential_displacement"], found["stick_area"]))
     assert slips[1] == pytest.approx(slips[0], rel=1e-6)
 
@@ -258,7 +267,10 @@ def test_sliding_by_displacement(asperity, tmp_path):
     ({"tangential_load": 1.0}, {"interaction": "off", "friction_coefficient": 0.1,
                                 "work_of_adhesion": 0.1, "equilibrium_distance": 1e-3}, {},
      "its theory has no adhesion"),
-    ({"tangential_load": -1.0}, {"friction_coefficient": 0.1}, {}, "0 or more"),
+    ({"tangential_path": (1.0, 0.0, 2.0)}, {"friction_coefficient": 0.1}, {},
+     "found 3 values, expected x and y of each point"),
+    ({"tangential_path": (1.0, 0.0), "tangential_load": 1.0}, {"friction_coefficient": 0.1}, {},
+     "found beside another tangential load"),
     ({"tangential_load": 1.0, "tangential_displacement": 0.1}, {"friction_coefficient": 0.1}, {},
      "found beside tangential_load, expected one of them")])
 def test_refused_scenes(asperity, tmp_path, loading, effects, material, text):

@@ -21,12 +21,13 @@ module asperity_friction
   use asperity_contact_pairs, only: contact_pair
   use asperity_effect_header, only: area, column_name, force, length, plain, stiffness
   use asperity_gauss_rule, only: gauss_node, gauss_points, gauss_weight
-  use asperity_kinds, only: real64
+  use asperity_kinds, only: not_computed, real64
   use asperity_scene_values, only: scene
   implicit none
   private
 
-  public :: rubbing, solve_friction, stiffness_ratio_of, tangential_stiffness_ratio
+  public :: rubbing, shared_poisson_ratio, solve_friction, stiffness_ratio_of, &
+            tangential_stiffness_ratio
   public :: slip_contact_columns, slip_state_columns
 
   !> Friction of one contact. Zeros where it does not touch.
@@ -91,6 +92,24 @@ contains
     stiffness_ratio_of = tangential_stiffness_ratio(scene_in%upper%elastic_modulus, &
       scene_in%upper%poisson_ratio, scene_in%lower%elastic_modulus, scene_in%lower%poisson_ratio)
   end function stiffness_ratio_of
+
+  !> Poisson's ratio of two equal bodies with the same tangential displacements, m/g with
+  !> g = 1/G1 + 1/G2 and m = nu1/G1 + nu2/G2; `not_computed` where moduli are not given.
+  pure real(real64) function shared_poisson_ratio(scene_in) result(ratio)
+    type(scene), intent(in) :: scene_in  !! scene with moduli and ratios of both bodies
+    real(real64) :: compliance(2)
+
+    ratio = not_computed
+    associate (a => scene_in%upper, b => scene_in%lower)
+      if (scene_in%contact_modulus > 0.0_real64 .or. &
+          .not. min(a%elastic_modulus, b%elastic_modulus) > 0.0_real64) return
+      compliance = (1.0_real64 + [a%poisson_ratio, b%poisson_ratio]) * &
+        ([b%elastic_modulus, a%elastic_modulus] / max(a%elastic_modulus, b%elastic_modulus))
+      ratio = -1.0_real64
+      if (sum(compliance) > 0.0_real64) &
+        ratio = sum([a%poisson_ratio, b%poisson_ratio] * compliance) / sum(compliance)
+    end associate
+  end function shared_poisson_ratio
 
   !> Solves the friction of a contact that was compressed from first touch to a penetration.
   pure subroutine solve_friction(pair, penetration, response, kappa, coefficient, rubbed)

@@ -2,9 +2,9 @@
 !> load after the last state. It leaves the normal contact as it is.
 module asperity_pixel_friction
   use asperity_contact_field, only: contact_field
-  use asperity_effect_header, only: area, column_list, force, length, plain, stiffness
-  use asperity_friction, only: stiffness_ratio_of
-  use asperity_kinds, only: real64
+  use asperity_effect_header, only: area, column_list, force, length, moment, plain, stiffness
+  use asperity_friction, only: shared_poisson_ratio
+  use asperity_kinds, only: not_computed, real64
   use asperity_partial_slip, only: slip_answer, slip_of_patches, slip_request, solve_partial_slip, &
                                    take_traction
   use asperity_pixel_law, only: pixel_law, pixel_state
@@ -36,11 +36,11 @@ contains
     new%is_free = .true.
     new%shapes = .false.
     new%request%coefficient = scene_in%effects%number('friction_coefficient')
-    new%request%kappa = stiffness_ratio_of(scene_in)
+    new%request%poisson_ratio = shared_poisson_ratio(scene_in)
     associate (loading => scene_in%loading, request => new%request)
-      request%by_load = .not. abs(loading%tangential_displacement) > 0.0_real64
-      request%given = merge(loading%tangential_load, loading%tangential_displacement, &
-                            request%by_load)
+      request%by_load = .not. any(abs(loading%tangential_displacement) > 0.0_real64)
+      request%path = reshape(loading%tangential_load + loading%tangential_displacement, [2, 1])
+      if (allocated(loading%tangential_path)) request%path = loading%tangential_path
     end associate
     call new%call_as('friction', scene_in%effects)
     allocate (law, source=new)
@@ -78,11 +78,17 @@ contains
     type(column_list), intent(inout) :: columns
 
     associate (unused => state, slip => self%slip)
-      call columns%add('tangential_load', force, slip%load)
-      call columns%add('tangential_displacement', length, slip%displacement)
+      call columns%add('tangential_load', force, norm2(slip%load))
+      call columns%add('tangential_displacement', length, merge( &
+        norm2(slip%displacement), not_computed, slip%displacement(1) > not_computed))
       call columns%add('tangential_stiffness', stiffness, slip%stiffness)
       call columns%add('stick_area', area, slip%stick_area)
       call columns%add('slides', plain, merge(1.0_real64, 0.0_real64, slip%slides))
+      call columns%add('tangential_displacement_x', length, slip%displacement(1))
+      call columns%add('tangential_displacement_y', length, slip%displacement(2))
+      call columns%add('friction_energy', moment, slip%energy)
+      call columns%add('cycle_energy', moment, slip%cycle_energy)
+      call columns%add('path_error_estimate', plain, slip%path_error)
     end associate
   end subroutine add_slip_columns
 

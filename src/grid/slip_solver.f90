@@ -1,0 +1,469 @@
+!> Tangential tractions of least energy on elements that stick, or slip under Coulomb's friction.
+!>
+!> Problem: minimise q.A q/2 - q.b over all tractions with |q| <= g on each element, of a given sum,
+!> or less delta.(sum of q) at a given displacement delta. A are the displacements by tractions
+!> (`traction_convolution`), g = mu p, and b are the displacements A q0 of the tractions before. The
+!> problem is convex (Duvaut and Lions 1976; Kalker 1990, chapter 4). With s = delta + b - A q, the
+!> slip of the one body along the other, s = 0 where |q| < g, and s has the direction of q else.
+!>
+!> Method: semismooth Newton (Alart and Curnier, Comput. Methods Appl. Mech. Eng. 92 (1991) 353;
+!> Hintermueller, Ito and Kunisch, SIAM J. Optim. 13 (2002) 865). An element slides where
+!> v = q + c s is outside its disc, with the normal n = v/|v|, and sticks elsewhere. Under a load,
+!> delta is that of P(q + c s) with the given sum, P being the projection on the discs. In the
+!> tangents of the discs the step is the solution of the positive definite system
+!> A + (|v|/g - 1)/c, found by conjugate gradients (`solve_tangents`) up to the residual of the step
+!> before it. It is projected on the discs and the sum, and accepted if the energy falls by the part
+!> of its slope that Armijo asks for; else its exact minimum on the way is taken, or that to
+!> P(q + c s). The energy falls in every step, and all tractions are allowed ones.
+!>
+!> Residual: the largest |q - P(q + c s)|/c over |delta|. Exits: converged; not converged, after
+!> `turns_allowed` steps or where the run is interrupted.
+module asperity_slip_solver
+  use asperity_interruption, only: interruption
+  use asperity_kinds, only: real64
+  use asperity_solve_ending, only: solve_ending
+  use asperity_traction_convolution, only: by_tractions, inverse_of_tractions, traction_convolution
+  implicit none
+  private
+
+  public :: find_compliance, find_tractions, set_sticking, slip_problem, tangent_space
+
+  !> Discs of the tractions, and what is prescribed. Lengths and tractions as of the convolution.
+  type :: slip_problem
+    real(real64), allocatable :: limit(:, :)      !! largest traction g of an element, 0 or more
+    real(real64), allocatable :: base(:, :, :)    !! displacements b: with them nothing slips
+    logical :: by_load = .true.                   !! whether the sum is given, else delta
+    real(real64) :: given(2) = 0.0_real64         !! sum of the tractions, or displacement delta
+    real(real64) :: scale = 0.0_real64  !! displacement that residuals refer to; 0: that of delta
+    real(real64) :: tolerance = 1.0e-7_real64     !! largest residual
+  end type slip_problem
+
+  !> Directions in which tractions can change: two where an element sticks, one where it slides.
+  type :: tangent_space
+    real(real64), allocatable :: weight(:, :)        !! 1 on elements in contact, else 0
+    real(real64), allocatable :: normal(:, :, :)     !! n where an element slides, else 0
+    real(real64), allocatable :: stiffening(:, :)    !! (|v|/g - 1)/c where it slides, else 0
+    real(real64), allocatable :: conditioning(:, :)  !! of the inverse, beside the stiffening
+    real(real64) :: inverse(2, 2) = 0.0_real64       !! of the sum of the projections
+  end type tangent_space
+
+  ! Step c of the projection over the displacement of an element by its own traction (chosen: 0.1
+  ! needs as many steps, 1 alternates between both sides of a disc; test: random problems in
+  ! test/unit/traction_suite.f90).
+  real(real64), parameter :: projection_step = 0.3_real64
+  ! Largest numbers of steps, of their conjugate gradients, and of steps of the level (chosen).
+  integer, parameter :: turns_allowed = 60, inner_allowed = 80, level_steps = 60
+  ! Largest residual of a step over its start (chosen: tighter ones do not save steps).
+  real(real64), parameter :: inner_residual = 0.1_real64
+  ! Residual of a stiffness over the displacement: its error is the square (derived).
+  real(real64), parameter :: stiffness_residual = 1.0e-4_real64
+  ! Part of the slope that the energy falls by (Armijo 1966; chosen as usual), and the least length
+  ! of a step to its minimum (chosen: else the projection is taken).
+  real(real64), parameter :: least_decrease = 1.0e-4_real64, least_length = 0.05_real64
+
+contains
+
+  !> Finds the tractions from a start (problem, method and exits: see the module).
+  subroutine find_tractions(operator, problem, traction, slip, displacement, space, ending, &
+                            interrupt)
+    type(traction_convolution), intent(inout) :: operator  !! matrix A
+    type(slip_problem), intent(in) :: problem      !! discs and load; under a load: not sliding
+    real(real64), intent(inout) :: traction(:, :, :)   !! q: start and result
+    real(real64), intent(out) :: slip(:, :, :)     !! s on the elements that slide, else 0
+    real(real64), intent(out) :: displacement(2)   !! delta of the bodies
+    type(tangent_space), intent(out) :: space      !! elements that stick and slide
+    !> exit, residual, number of applications of A or its inverse
+    type(solve_ending), intent(out) :: ending
+    type(interruption), intent(in) :: interrupt    !! request to stop the iteration
+    real(real64), allocatable, dimension(:, :, :) :: aimed, change, image, projected
+    real(real64) :: c, level(2), reference, residual
+    integer :: k, turn
+
+    c = projection_step / operator%diagonal
+    associate (limit => problem%limit)
+      allocate (space%weight, source=merge(1.0_real64, 0.0_real64, limit > 0.0_real64))
+      allocate (aimed, change, image, mold=traction)
+      allocate (projected, space%normal, source=0.0_real64 * traction)
+      allocate (space%stiffening, space%conditioning, mold=limit)
+      call project_tractions(problem, traction)
+      call operator%apply(traction, image, by_tractions)
+      displacement = problem%given
+      if (problem%by_load) then
+        displacement = [(sum(limit * (image(:, :, k) - problem%base(:, :, k))), k=1, 2)] / &
+                       sum(limit)
+      end if
+      slip = problem%base - image
+      ending%iterations = 1
+      do turn = 1, turns_allowed
+        if (problem%by_load) then
+          level = -c * displacement
+          call find_level(traction + c * slip, limit, problem%given, level)
+          displacement = -level / c
+        end if
+        do k = 1, 2
+          aimed(:, :, k) = traction(:, :, k) + &
+                           c * space%weight * (slip(:, :, k) + displacement(k))
+        end do
+        projected = aimed
+        call cut_tractions(limit, projected)
+        residual = sqrt(maxval(sum((traction - projected)**2, 3))) / c
+        reference = merge(problem%scale, maxval(abs(displacement)), problem%scale > 0.0_real64)
+        ending%residual = residual / max(reference, tiny(reference))
+        ending%converged = ending%residual <= problem%tolerance
+        call set_sliding(problem, aimed, c, operator%diagonal, space)
+        if (ending%converged .or. interrupt%is_asked()) exit
+        call take_newton_step(operator, problem, space, displacement, &
+                              [ending%residual, reference], traction, change, ending%iterations)
+        call search_line(operator, slip, displacement, space%weight, projected, change, image, &
+                         traction, ending%iterations)
+        slip = slip - image
+      end do
+      traction = projected
+      slip = (aimed - projected) / c
+    end associate
+  end subroutine find_tractions
+
+  ! Moves the tractions by a step, or by the part of it at which the energy is least; `image` gets
+  ! the change of the displacements.
+  subroutine search_line(operator, slip, displacement, weight, projected, change, image, traction, &
+                         applications)
+    type(traction_convolution), intent(inout) :: operator
+    real(real64), intent(in) :: slip(:, :, :), displacement(2), weight(:, :), projected(:, :, :)
+    real(real64), intent(inout) :: change(:, :, :), image(:, :, :), traction(:, :, :)
+    integer, intent(inout) :: applications
+    real(real64) :: curvature, length, slope
+    integer :: turn
+
+    length = 1.0_real64
+    do turn = 1, 2
+      call operator%apply(change, image, by_tractions)
+      applications = applications + 1
+      slope = -sum(change * slip) - sum([sum(change(:, :, 1) * weight), &
+                                         sum(change(:, :, 2) * weight)] * displacement)
+      curvature = sum(change * image)
+      if (slope + 0.5_real64 * curvature < least_decrease * slope) exit
+      length = 0.0_real64
+      if (curvature > 0.0_real64) length = min(1.0_real64, -slope / curvature)
+      if (length >= least_length .or. turn == 2) exit
+      change = projected - traction
+      length = 1.0_real64
+    end do
+    length = max(length, 0.0_real64)
+    image = length * image
+    traction = traction + length * change
+  end subroutine search_line
+
+  ! Finds the change of the tractions by a Newton step, projected on discs and sum.
+  subroutine take_newton_step(operator, problem, space, displacement, residual, traction, change, &
+                              applications)
+    type(traction_convolution), intent(inout) :: operator
+    type(slip_problem), intent(in) :: problem
+    type(tangent_space), intent(in) :: space
+    real(real64), intent(in) :: displacement(2)
+    real(real64), intent(in) :: residual(2)   ! of the turn, over its reference; the reference
+    real(real64), intent(in) :: traction(:, :, :)
+    real(real64), intent(out) :: change(:, :, :)
+    integer, intent(inout) :: applications
+    real(real64), allocatable, dimension(:, :, :) :: aim, gradient, moved
+    integer :: k
+
+    allocate (aim, moved, mold=traction)
+    allocate (gradient, source=0.0_real64 * traction)
+    do k = 1, 2
+      ! Sliding elements begin on their circles.
+      aim(:, :, k) = merge(problem%limit * space%normal(:, :, k), traction(:, :, k), &
+                           abs(space%normal(:, :, 1)) + abs(space%normal(:, :, 2)) > 0.0_real64)
+      if (problem%by_load) gradient(:, :, k) = problem%given(k) - sum(aim(:, :, k))
+    end do
+    moved = gradient
+    if (problem%by_load) call spread_sum(space, moved)
+    call operator%apply(aim + moved, gradient, by_tractions)
+    applications = applications + 1
+    do k = 1, 2
+      gradient(:, :, k) = gradient(:, :, k) - problem%base(:, :, k) - displacement(k) + &
+                          space%stiffening * moved(:, :, k)
+    end do
+    call solve_tangents(operator, space, problem%by_load, [min(inner_residual, residual(1)), &
+                        0.1_real64 * problem%tolerance * residual(2)], moved, gradient, &
+                        applications)
+    change = aim + moved
+    call project_tractions(problem, change)
+    change = change - traction
+  end subroutine take_newton_step
+
+  !> Finds the displacements of the bodies by small loads along x and y, while no element begins or
+  !> ceases to slide: x.(A + stiffening) x of the tractions x of each load with the least energy.
+  subroutine find_compliance(operator, space, compliance)
+    type(traction_convolution), intent(inout) :: operator  !! matrix A
+    type(tangent_space), intent(in) :: space        !! elements that stick and slide
+    real(real64), intent(out) :: compliance(2, 2)   !! symmetric
+    real(real64), allocatable, dimension(:, :, :) :: first, gradient, x
+    integer :: applications, i, k
+
+    applications = 0
+    do k = 1, 2
+      allocate (x(size(space%weight, 1), size(space%weight, 2), 2), source=0.0_real64)
+      x(:, :, k) = 1.0_real64
+      call spread_sum(space, x)
+      allocate (gradient, mold=x)
+      call operator%apply(x, gradient, by_tractions)
+      do i = 1, 2
+        gradient(:, :, i) = gradient(:, :, i) + space%stiffening * x(:, :, i)
+      end do
+      call solve_tangents(operator, space, .true., [0.0_real64, stiffness_residual * &
+                          abs(sum(x * gradient))], x, gradient, applications)
+      compliance(k, k) = sum(x * gradient)
+      if (k == 2) compliance(1, 2) = sum(first * gradient)
+      call move_alloc(x, first)
+      deallocate (gradient)
+    end do
+    compliance(2, 1) = compliance(1, 2)
+  end subroutine find_compliance
+
+  ! Minimises x.(A + stiffening) x/2 + x.f in a tangent space, with the sum of x fixed or free, by
+  ! conjugate gradients. The inverse of A is scaled from both sides by the root of 1 + stiffening
+  ! over the displacement of an element by itself, which grows without limit at the rim.
+  subroutine solve_tangents(operator, space, fixes_sum, residual_left, x, gradient, applications)
+    type(traction_convolution), intent(inout) :: operator  ! matrix A
+    type(tangent_space), intent(in) :: space     ! tangents of the discs
+    logical, intent(in) :: fixes_sum             ! whether the sum of x stays
+    real(real64), intent(in) :: residual_left(2)   ! residual over that of the start; residual
+    real(real64), intent(inout) :: x(:, :, :)    ! start and result, in the tangent space
+    real(real64), intent(inout) :: gradient(:, :, :)   ! (A + stiffening) x + f
+    integer, intent(inout) :: applications       ! of A or its inverse; is increased
+    real(real64), allocatable, dimension(:, :, :) :: direction, image, residual, scaled
+    real(real64) :: curvature, enough, step, product_before, product_now
+    integer :: k, turn
+
+    allocate (residual, source=-gradient)
+    call take_tangents(space, fixes_sum, residual)
+    allocate (direction, source=0.0_real64 * residual)
+    allocate (image, scaled, mold=residual)
+    enough = max(residual_left(1) * maxval(abs(residual)), residual_left(2))
+    product_before = 0.0_real64
+    do turn = 1, inner_allowed
+      if (maxval(abs(residual)) <= enough) exit
+      do k = 1, 2
+        scaled(:, :, k) = space%conditioning * residual(:, :, k)
+      end do
+      call operator%apply(scaled, image, inverse_of_tractions)
+      do k = 1, 2
+        image(:, :, k) = space%conditioning * image(:, :, k)
+      end do
+      call take_tangents(space, fixes_sum, image)
+      product_now = sum(residual * image)
+      if (.not. product_now > 0.0_real64) exit
+      step = 0.0_real64
+      if (turn > 1) step = product_now / product_before
+      direction = image + step * direction
+      call operator%apply(direction, image, by_tractions)
+      applications = applications + 2
+      do k = 1, 2
+        image(:, :, k) = image(:, :, k) + space%stiffening * direction(:, :, k)
+      end do
+      curvature = sum(direction * image)
+      if (.not. curvature > 0.0_real64) exit
+      step = product_now / curvature
+      x = x + step * direction
+      gradient = gradient + step * image
+      call take_tangents(space, fixes_sum, image)
+      residual = residual - step * image
+      product_before = product_now
+    end do
+  end subroutine solve_tangents
+
+  !> Sets the tangent space of elements that all stick.
+  pure subroutine set_sticking(sticks, space)
+    logical, intent(in) :: sticks(:, :)          !! elements in contact
+    type(tangent_space), intent(out) :: space    !! both directions of each
+
+    allocate (space%weight, source=merge(1.0_real64, 0.0_real64, sticks))
+    allocate (space%normal(size(sticks, 1), size(sticks, 2), 2), source=0.0_real64)
+    allocate (space%stiffening, source=0.0_real64 * space%weight)
+    allocate (space%conditioning, source=space%weight)
+    call invert_sum(space)
+  end subroutine set_sticking
+
+  ! Sets the elements that slide, where the aim is outside the disc.
+  pure subroutine set_sliding(problem, aim, c, diagonal, space)
+    type(slip_problem), intent(in) :: problem
+    real(real64), intent(in) :: aim(:, :, :)      ! v
+    real(real64), intent(in) :: c, diagonal       ! step; displacement of an element by itself
+    type(tangent_space), intent(inout) :: space
+    real(real64) :: distance
+    integer :: i, j
+
+    space%normal = 0.0_real64
+    space%stiffening = 0.0_real64
+    do j = 1, size(aim, 2)
+      do i = 1, size(aim, 1)
+        associate (limit => problem%limit(i, j))
+          if (.not. limit > 0.0_real64) cycle
+          distance = hypot(aim(i, j, 1), aim(i, j, 2))
+          if (.not. distance > limit) cycle
+          space%normal(i, j, :) = aim(i, j, :) / distance
+          space%stiffening(i, j) = (distance / limit - 1.0_real64) / c
+        end associate
+      end do
+    end do
+    space%conditioning = 1.0_real64 / sqrt(1.0_real64 + space%stiffening / diagonal)
+    call invert_sum(space)
+  end subroutine set_sliding
+
+  ! Sets the inverse of the sum of the projections on the tangents.
+  pure subroutine invert_sum(space)
+    type(tangent_space), intent(inout) :: space
+    real(real64) :: total(2, 2), least
+    integer :: i, k
+
+    do k = 1, 2
+      do i = 1, 2
+        total(i, k) = merge(sum(space%weight), 0.0_real64, i == k) - &
+                      sum(space%weight * space%normal(:, :, i) * space%normal(:, :, k))
+      end do
+    end do
+    ! Where all elements slide in one direction, no sum is free in it.
+    least = epsilon(least) * max(1.0_real64, total(1, 1) + total(2, 2))
+    total(1, 1) = total(1, 1) + least
+    total(2, 2) = total(2, 2) + least
+    space%inverse = reshape([total(2, 2), -total(2, 1), -total(1, 2), total(1, 1)], [2, 2]) / &
+                    (total(1, 1) * total(2, 2) - total(1, 2) * total(2, 1))
+  end subroutine invert_sum
+
+  ! Projects on the tangents, and where the sum is fixed on those without a sum.
+  pure subroutine take_tangents(space, fixes_sum, field)
+    type(tangent_space), intent(in) :: space
+    logical, intent(in) :: fixes_sum
+    real(real64), intent(inout) :: field(:, :, :)
+    real(real64) :: mean(2)
+
+    call subtract_normal(space, [0.0_real64, 0.0_real64], field)
+    if (.not. fixes_sum) return
+    mean = matmul(space%inverse, [sum(field(:, :, 1)), sum(field(:, :, 2))])
+    call subtract_normal(space, mean, field)
+  end subroutine take_tangents
+
+  ! Replaces a field that is the same everywhere by the field in the tangents with that sum.
+  pure subroutine spread_sum(space, field)
+    type(tangent_space), intent(in) :: space
+    real(real64), intent(inout) :: field(:, :, :)
+    real(real64) :: mean(2)
+
+    mean = matmul(space%inverse, field(1, 1, :))
+    field = 0.0_real64
+    call subtract_normal(space, -mean, field)
+  end subroutine spread_sum
+
+  ! Subtracts a constant from a field and leaves the part in the tangents.
+  pure subroutine subtract_normal(space, constant, field)
+    type(tangent_space), intent(in) :: space
+    real(real64), intent(in) :: constant(2)
+    real(real64), intent(inout) :: field(:, :, :)
+    real(real64) :: part(2)
+    integer :: i, j
+
+    do j = 1, size(field, 2)
+      do i = 1, size(field, 1)
+        part = field(i, j, :) - constant
+        associate (n => space%normal(i, j, :))
+          field(i, j, :) = space%weight(i, j) * (part - n * sum(n * part))
+        end associate
+      end do
+    end do
+  end subroutine subtract_normal
+
+  ! Projects tractions on the discs and, under a load, on their sum.
+  pure subroutine project_tractions(problem, traction)
+    type(slip_problem), intent(in) :: problem
+    real(real64), intent(inout) :: traction(:, :, :)
+    real(real64) :: level(2)
+    integer :: k
+
+    if (problem%by_load) then
+      level = 0.0_real64
+      call find_level(traction, problem%limit, problem%given, level)
+      do k = 1, 2
+        traction(:, :, k) = traction(:, :, k) - level(k)
+      end do
+    end if
+    call cut_tractions(problem%limit, traction)
+  end subroutine project_tractions
+
+  ! Projects tractions on the discs.
+  pure subroutine cut_tractions(limit, traction)
+    real(real64), intent(in) :: limit(:, :)
+    real(real64), intent(inout) :: traction(:, :, :)
+    real(real64) :: size_of
+    integer :: i, j
+
+    do j = 1, size(limit, 2)
+      do i = 1, size(limit, 1)
+        size_of = hypot(traction(i, j, 1), traction(i, j, 2))
+        if (size_of > limit(i, j)) &
+          traction(i, j, :) = traction(i, j, :) * (limit(i, j) / size_of)
+      end do
+    end do
+  end subroutine cut_tractions
+
+  ! Finds the level with sum P(v - level) = total: the gradient of a convex function of two
+  ! variables is 0 there; Newton's method with halved steps.
+  pure subroutine find_level(v, limit, total, level)
+    real(real64), intent(in) :: v(:, :, :), limit(:, :), total(2)
+    real(real64), intent(inout) :: level(2)   ! start and result
+    real(real64) :: length, miss(2), next(2), next_miss(2), slope(2, 2), next_slope(2, 2), step(2)
+    integer :: turn
+
+    call sum_cut(v, limit, level, miss, slope)
+    miss = miss - total
+    do turn = 1, level_steps
+      if (maxval(abs(miss)) <= 1.0e-13_real64 * sum(limit)) return
+      slope(1, 1) = slope(1, 1) + 1.0e-12_real64 * (slope(1, 1) + slope(2, 2))
+      slope(2, 2) = slope(2, 2) + 1.0e-12_real64 * (slope(1, 1) + slope(2, 2))
+      step = [slope(2, 2) * miss(1) - slope(1, 2) * miss(2), &
+              slope(1, 1) * miss(2) - slope(2, 1) * miss(1)] / &
+             max(slope(1, 1) * slope(2, 2) - slope(1, 2) * slope(2, 1), tiny(length))
+      length = 1.0_real64
+      do
+        next = level + length * step
+        call sum_cut(v, limit, next, next_miss, next_slope)
+        next_miss = next_miss - total
+        if (hypot(next_miss(1), next_miss(2)) < hypot(miss(1), miss(2)) * (1.0_real64 - least_decrease * length)) exit
+        length = 0.5_real64 * length
+        if (length < epsilon(length)) return
+      end do
+      level = next
+      miss = next_miss
+      slope = next_slope
+    end do
+  end subroutine find_level
+
+  ! Sums P(v - level), and less its derivative by the level.
+  pure subroutine sum_cut(v, limit, level, total, slope)
+    real(real64), intent(in) :: v(:, :, :), limit(:, :), level(2)
+    real(real64), intent(out) :: total(2), slope(2, 2)
+    real(real64) :: at(2), share, size_of
+    integer :: i, j
+
+    total = 0.0_real64
+    slope = 0.0_real64
+    do j = 1, size(limit, 2)
+      do i = 1, size(limit, 1)
+        if (.not. limit(i, j) > 0.0_real64) cycle
+        at = v(i, j, :) - level
+        size_of = hypot(at(1), at(2))
+        share = 1.0_real64
+        if (size_of > limit(i, j)) then
+          share = limit(i, j) / size_of
+          slope(1, 1) = slope(1, 1) - share * (at(1) / size_of)**2
+          slope(2, 2) = slope(2, 2) - share * (at(2) / size_of)**2
+          slope(1, 2) = slope(1, 2) - share * (at(1) / size_of) * (at(2) / size_of)
+        end if
+        total = total + share * at
+        slope(1, 1) = slope(1, 1) + share
+        slope(2, 2) = slope(2, 2) + share
+      end do
+    end do
+    slope(2, 1) = slope(1, 2)
+  end subroutine sum_cut
+
+end module asperity_slip_solver
