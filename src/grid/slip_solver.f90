@@ -85,6 +85,11 @@ contains
       allocate (aimed, change, image, mold=traction)
       allocate (projected, space%normal, source=0.0_real64 * traction)
       allocate (space%stiffening, space%conditioning, mold=limit)
+      ! A start in proportion to the discs has the sum nearly everywhere inside them.
+      do k = 1, merge(2, 0, problem%by_load)
+        traction(:, :, k) = traction(:, :, k) + limit * &
+                            ((problem%given(k) - sum(traction(:, :, k))) / sum(limit))
+      end do
       call project_tractions(problem, traction)
       call operator%apply(traction, image, by_tractions)
       displacement = problem%given

@@ -90,6 +90,13 @@ module asperity_effect_names
     known_name('effects', 'friction_coefficient', not_negative, &
                'tangential over normal load of a sliding contact', &
                effect='friction', needed_with='on'), &
+    known_name('effects', 'coupling', one_word, &
+               'friction on pixels changes the pressures of unlike bodies', effect='friction', &
+               default=real(effect_auto, real64), &
+               words=[character(len=word_length) :: effect_words(:effect_auto), none(2:)]), &
+    known_name('effects', 'loading_steps', whole_number, &
+               'increments of the normal load of a state with coupling', default=9.0_real64, &
+               least=1, most=1000, effect='friction'), &
     known_name('effects', 'plastic_yield_stress', above_zero, &
                'yield stress in tension; without it flow begins at the limit', &
                unit='modulus', effect='plasticity', needed_with='no limit'), &
@@ -142,7 +149,6 @@ module asperity_effect_names
     effect_pair('adhesion', 'interaction', &
                 'displacements by neighbours assume Hertzian, not adhesive, pressures'), &
     effect_pair('adhesion', 'friction', &
-                'shear changes adhesion, and Coulomb''s law has no attraction', &
                 'shear changes adhesion, and Coulomb''s law has no attraction'), &
     effect_pair('creep', 'plasticity', 'the theory of creep is for elastic contacts'), &
     effect_pair('creep', 'friction', 'slip and creep together have no closed theory', &

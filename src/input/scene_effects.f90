@@ -1,7 +1,7 @@
 !> Group &effects of a scene: which effects, their numbers, and which go together.
 module asperity_scene_effects
   use asperity_effect_names, only: effect_numbers, known_effect, known_effects, needed_for, &
-                                   why_not_together
+                                   of_creep, of_plasticity, why_not_together
   use asperity_kinds, only: real64
   use asperity_loading_controls, only: depth_of
   use asperity_numeral, only: above_zero, share_or_all
@@ -78,6 +78,8 @@ contains
         call fields%complain_of('effects', 'friction', no_way_back // &
                                 ', expected friction = ''off''')
       if (has_tangential(checked%loading)) call check_tangential(fields, checked)
+      if (fields%has_name('effects', 'coupling') .and. &
+          nint(effects%number('coupling')) == effect_on) call check_coupling(fields, checked)
       if (effects%mode('adhesion') == effect_off) call refuse_pulls(fields, checked%loading)
       call check_together(fields, checked)
       ! A combined modulus says nothing of the two bodies that it stands for.
@@ -258,6 +260,20 @@ contains
            '&material: found contact_modulus in their place'
   end function needs_both
 
+  ! Pressures that friction changes are elastic pressures of a map.
+  subroutine check_coupling(fields, checked)
+    type(scene_fields), intent(inout) :: fields
+    type(scene), intent(in) :: checked
+    integer :: i
+
+    if (.not. allocated(checked%map)) call fields%complain_of('effects', 'coupling', &
+      'it needs the pixels of a map, expected ''off''')
+    do i = of_plasticity, of_creep
+      if (checked%effects%modes(i) /= effect_off) call fields%complain_of('effects', 'coupling', &
+        'its theory has no ' // trim(known_effects(i)%name) // ', expected ''off''')
+    end do
+  end subroutine check_coupling
+
   ! A tangential load needs friction, and normal contacts without attraction or a hold.
   subroutine check_tangential(fields, checked)
     type(scene_fields), intent(inout) :: fields
@@ -276,8 +292,8 @@ contains
                               'expected friction_coefficient in &effects and both ' // &
                               'elastic_modulus and poisson_ratio in &material')
     do i = 1, size(known_effects)
-      if (any(known_effects(i)%name == [character(len=8) :: 'adhesion', 'creep']) .and. &
-          checked%effects%modes(i) /= effect_off) &
+      if (checked%effects%modes(i) /= effect_off .and. (known_effects(i)%name == 'creep' .or. &
+          (known_effects(i)%name == 'adhesion' .and. .not. allocated(checked%map)))) &
         call fields%complain_of('loading', name, 'its theory has no ' // &
                                 trim(known_effects(i)%name) // ': found ' // &
                                 trim(effect_words(checked%effects%modes(i))) // ', expected off')

@@ -16,7 +16,7 @@ module asperity_scene_reader
   use asperity_scene_maps, only: check_map_scene
   use asperity_scene_names, only: scene_rows, scene_table
   use asperity_scene_surfaces, only: from_csv, read_surfaces
-  use asperity_scene_values, only: by_word, dundurs_beta, scene, scene_motion, &
+  use asperity_scene_values, only: by_word, dundurs_beta, is_coupled, scene, scene_motion, &
                                    scene_side, scene_surface
   implicit none
   private
@@ -189,7 +189,7 @@ contains
       real(real64) :: beta
 
       beta = abs(dundurs_beta(checked))
-      if (beta > most_unlike) call checked%notes%add(checked%file // ': note: unlike bodies, ' // &
+      if (beta > most_unlike .and. .not. is_coupled(checked)) call checked%notes%add(checked%file // ': note: unlike bodies, ' // &
         'Dundurs'' beta ' // real_text(beta, 'f6.3') // ': shear by the normal load is left ' // &
         'out, without slip it increases the load of a contact circle by ' // &
         real_text(100.0_real64 * (log((1 + beta) / (1 - beta)) / (2 * beta) - 1), 'f5.1') // ' %')

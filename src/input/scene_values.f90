@@ -29,7 +29,7 @@ module asperity_scene_values
   public :: by_default, by_numbers, by_word
   public :: effect_off, effect_on, effect_auto, effect_coupled, effect_boundary, effect_words
   public :: thesis_limit_load, is_thesis_sweep, body_compliance, combined_modulus, has_hardness, &
-            dundurs_beta, has_caps, has_tangential, solves_pixels
+            coupling_influence, dundurs_beta, has_caps, has_tangential, is_coupled, solves_pixels
 
   !> No limit is looked for. Only with surfaces from CSV files and a control other than the limit.
   integer, parameter :: criterion_none = 0
@@ -289,6 +289,36 @@ contains
     ratio = (1 - 2 * ratio) * (1 + ratio) / modulus
     dundurs_beta = 0.5_real64 * combined_modulus(scene_in) * (ratio(1) - ratio(2))
   end function dundurs_beta
+
+  !> Relative change of the pressures by friction between unlike bodies: tractions are at most mu p,
+  !> and about beta p where nothing slips, and they displace the surfaces by beta times as much as
+  !> pressures do (measured: beta 0.29 and 0.5, mu 0.1 to 1, greatest pressure within a factor of
+  !> 3.6; test: test/maps/test_unlike_bodies.py).
+  pure real(real64) function coupling_influence(scene_in)
+    type(scene), intent(in) :: scene_in  !! scene with checked values
+
+    associate (beta => abs(dundurs_beta(scene_in)))
+      coupling_influence = beta * min(beta, scene_in%effects%number('friction_coefficient'))
+    end associate
+  end function coupling_influence
+
+  !> Whether friction on the pixels of a map changes the pressures.
+  pure logical function is_coupled(scene_in)
+    type(scene), intent(in) :: scene_in  !! scene with checked values
+
+    is_coupled = .false.
+    associate (effects => scene_in%effects)
+      if (.not. allocated(scene_in%map) .or. effects%mode('friction') == effect_off .or. &
+          any([effects%mode('plasticity'), effects%mode('adhesion'), effects%mode('creep')] /= &
+              effect_off)) return
+      select case (nint(effects%number('coupling')))
+      case (effect_on)
+        is_coupled = coupling_influence(scene_in) > 0.0_real64
+      case (effect_auto)
+        is_coupled = coupling_influence(scene_in) > effects%number('tolerance')
+      end select
+    end associate
+  end function is_coupled
 
   !> Whether the bodies are loaded or displaced tangentially after the normal load.
   pure logical function has_tangential(loading)

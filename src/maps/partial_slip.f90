@@ -2,7 +2,8 @@
 !>
 !> Problem: on each pixel the traction is at most mu p, with the pressures p above 0 of the last
 !> state. The tangential load goes from 0 to each point of its path, on straight lines. In each
-!> increment `asperity_slip_solver` finds the tractions of least energy, from those before.
+!> increment `asperity_slip_increments` finds the tractions of least energy, from those before; where
+!> the bodies are coupled the pressures change with them, at the same normal load.
 !>
 !> An increment is exact while the load stays on a line through 0, also where it is reversed
 !> (Mindlin and Deresiewicz 1953). A load that turns is followed in `turn_steps` increments for each
@@ -10,29 +11,18 @@
 module asperity_partial_slip
   use asperity_contact_field, only: contact_field
   use asperity_height_map, only: height_map, is_measured
-  use asperity_interruption, only: interruption
   use asperity_kinds, only: not_computed, real64
   use asperity_map_contact, only: map_answer
   use asperity_map_patches, only: find_patches, map_patch
   use asperity_problems, only: not_enough_memory, real_text
   use asperity_process, only: has_memory
-  use asperity_slip_solver, only: find_tractions, slip_problem, tangent_space
-  use asperity_solve_ending, only: solve_ending
-  use asperity_tangential_stiffness, only: prepare_for_map, room_for_tractions, stiffness_of
-  use asperity_traction_convolution, only: by_tractions, traction_convolution
+  use asperity_slip_increments, only: begin_rubbing, forget_tractions, rubbed_map, slip_memory, &
+                                      slip_request, take_increment
+  use asperity_tangential_stiffness, only: room_for_tractions, stiffness_of
   implicit none
   private
 
-  public :: slip_answer, slip_of_patches, slip_request, solve_partial_slip, take_traction
-
-  !> Tangential loads or displacements of a map.
-  type :: slip_request
-    real(real64) :: coefficient = 0.0_real64    !! coefficient of friction mu, 0 or more
-    real(real64) :: poisson_ratio = 0.0_real64  !! of both bodies
-    real(real64) :: beta = 0.0_real64           !! Dundurs' number, > 0: the lower body is softer
-    logical :: by_load = .true.                 !! whether loads are given, else displacements
-    real(real64), allocatable :: path(:, :)     !! (x and y, point): load [force] or [length]
-  end type slip_request
+  public :: slip_answer, slip_of_patches, solve_partial_slip, take_traction
 
   !> Solution of partial slip. Vectors have components along x and y.
   type :: slip_answer
@@ -59,18 +49,21 @@ module asperity_partial_slip
 
 contains
 
-  !> Solves partial slip of a map that is in contact.
-  subroutine solve_partial_slip(map, modulus, request, loaded, slip, failure)
+  !> Solves partial slip of a map that is in contact. Coupled, the pressures change.
+  subroutine solve_partial_slip(map, modulus, request, pressed, loaded, slip, failure)
     type(height_map), intent(in) :: map        !! shape with its edges
     real(real64), intent(in) :: modulus        !! combined modulus, more than 0
     type(slip_request), intent(in) :: request  !! friction, and loads or displacements
-    type(map_answer), intent(in) :: loaded     !! solution at the normal load
+    type(slip_memory), intent(in) :: pressed   !! tractions of the normal load; none: 0
+    type(map_answer), intent(inout) :: loaded  !! solution at the normal load
     type(slip_answer), intent(out) :: slip     !! tractions, displacement, area that sticks
     character(len=:), allocatable, intent(out) :: failure  !! reason, when it is not solved
-    type(traction_convolution) :: operator
-    type(slip_problem) :: problem
+    type(rubbed_map) :: surface
     type(slip_answer) :: coarser
     type(map_patch), allocatable :: patches(:)
+    type(map_answer) :: start
+    type(slip_memory) :: memory, other
+    real(real64), allocatable :: limit(:, :), size_of(:)
     real(real64) :: most
     integer :: points
 
@@ -79,35 +72,45 @@ contains
       return
     end if
     points = size(request%path, 2)
-    allocate (problem%limit, source=request%coefficient * max(0.0_real64, loaded%pressure))
-    most = sum(problem%limit) * product(map%pixel_spacing)
-    if (request%by_load .and. norm2(request%path(:, points)) >= most .and. points == 1) then
-      call slide_along(request%path(:, 1), most, problem%limit, slip)
+    allocate (limit, source=request%coefficient * max(0.0_real64, loaded%pressure))
+    most = sum(limit) * product(map%pixel_spacing)
+    allocate (size_of, source=hypot(request%path(1, :), request%path(2, :)))
+    if (request%by_load .and. points == 1 .and. size_of(points) >= most) then
+      call slide_along(request%path(:, 1), most, limit, slip)
       return
     end if
-    if (request%by_load .and. .not. all(norm2(request%path, 1) < most)) then
-      failure = 'tangential_path: found a load of ' // &
-                real_text(maxval(norm2(request%path, 1))) // ', expected less than mu N = ' // &
-                real_text(most) // ', where the bodies slide'
+    if (request%by_load .and. .not. all(size_of < most)) then
+      failure = 'tangential_path: found a load of ' // real_text(maxval(size_of)) // &
+                ', expected less than mu N = ' // real_text(most) // ', where the bodies slide'
       return
     end if
-    problem%limit = problem%limit / modulus
-    problem%by_load = request%by_load
-    call prepare_for_map(map, request%poisson_ratio, 0.0_real64, operator)
-    call follow_path(map, modulus, request, turn_steps, loaded%interrupt, operator, problem, slip, &
-                     failure)
+    memory = pressed
+    start = loaded
+    call begin_rubbing(map, modulus, request, surface, memory)
+    call follow_path(surface, request, turn_steps, memory, loaded, slip, failure)
     if (allocated(failure)) return
     if (count_straight(request%path) < points) then
-      call follow_path(map, modulus, request, turn_steps / 2, loaded%interrupt, operator, problem, &
-                       coarser, failure)
+      other = pressed
+      if (.not. allocated(other%traction)) call forget_tractions(map, other)
+      call follow_path(surface, request, turn_steps / 2, other, start, coarser, failure)
       if (allocated(failure)) return
-      slip%path_error = norm2(coarser%displacement - slip%displacement) / &
-                        max(norm2(slip%displacement), tiny(most))
-      if (.not. request%by_load) slip%path_error = norm2(coarser%load - slip%load) / &
-                                                   max(norm2(slip%load), tiny(most))
+      slip%path_error = relative(coarser%displacement, slip%displacement)
+      if (.not. request%by_load) slip%path_error = relative(coarser%load, slip%load)
     end if
+    if (surface%is_coupled) loaded%displacement = loaded%displacement + memory%lift
     call find_patches(map, merge(loaded%pressure, 0.0_real64, slip%sticks), patches)
     slip%stick_area = sum(patches%area)
+
+  contains
+
+    ! Difference of two vectors over the second one.
+    pure real(real64) function relative(one, other)
+      real(real64), intent(in) :: one(2), other(2)
+
+      relative = hypot(one(1) - other(1), one(2) - other(2)) / &
+                 max(hypot(other(1), other(2)), tiny(other))
+    end function relative
+
   end subroutine solve_partial_slip
 
   ! Sets complete sliding under a load.
@@ -118,7 +121,7 @@ contains
     type(slip_answer), intent(inout) :: slip
     real(real64) :: direction(2)
 
-    direction = load / max(norm2(load), tiny(most))
+    direction = load / max(hypot(load(1), load(2)), tiny(most))
     slip%slides = .true.
     slip%load = most * direction
     slip%displacement = not_computed
@@ -137,86 +140,73 @@ contains
     line = 0.0_real64
     number = 0
     do i = 1, size(path, 2)
-      if (.not. norm2(line) > 0.0_real64) line = path(:, i)
+      if (.not. maxval(abs(line)) > 0.0_real64) line = path(:, i)
       if (abs(line(1) * path(2, i) - line(2) * path(1, i)) > &
-          least_turn * norm2(line) * norm2(path(:, i))) return
+          least_turn * maxval(abs(line)) * maxval(abs(path(:, i)))) return
       number = i
     end do
   end function count_straight
 
   ! Solves the increments of the path.
-  subroutine follow_path(map, modulus, request, steps, interrupt, operator, problem, slip, failure)
-    type(height_map), intent(in) :: map
-    real(real64), intent(in) :: modulus
+  subroutine follow_path(surface, request, steps, memory, answer, slip, failure)
+    type(rubbed_map), intent(inout) :: surface
     type(slip_request), intent(in) :: request
     integer, intent(in) :: steps              ! increments of a line of a load that turns
-    type(interruption), intent(in) :: interrupt
-    type(traction_convolution), intent(inout) :: operator
-    type(slip_problem), intent(inout) :: problem
+    type(slip_memory), intent(inout) :: memory
+    type(map_answer), intent(inout) :: answer
     type(slip_answer), intent(out) :: slip
     character(len=:), allocatable, intent(out) :: failure
-    type(tangent_space) :: space
-    real(real64), allocatable :: moved(:, :, :)
     real(real64) :: change(2), energy_at(0:size(request%path, 2)), from(2), given(2), matrix(2, 2), &
-                    step(2), unit
-    integer :: i, k, parts, straight
+                    started(2), step(2), unit
+    integer :: i, k, last, parts, straight
 
     straight = count_straight(request%path)
-    allocate (slip%traction(size(problem%limit, 1), size(problem%limit, 2), 2), source=0.0_real64)
-    allocate (slip%slip, source=slip%traction)
-    allocate (moved, mold=slip%traction)
-    allocate (slip%sticks, source=problem%limit > 0.0_real64)
-    if (allocated(problem%base)) deallocate (problem%base)
-    allocate (problem%base, source=slip%traction)
-    ! Tractions are over the modulus, displacements over the side along x.
-    unit = map%pixel_spacing(1)
-    if (request%by_load) unit = modulus * product(map%pixel_spacing)
-    energy_at(0) = 0.0_real64
-    from = 0.0_real64
-    given = 0.0_real64
-    change = [1.0_real64, 0.0_real64]
-    do i = 1, size(request%path, 2)
-      parts = merge(1, steps, i <= straight)
-      do k = 1, parts
-        step = (from + (request%path(:, i) - from) * k / parts) / unit - given
-        given = given + step
-        if (norm2(step) > 0.0_real64) then
-          change = step
-          call solve_increment(operator, problem, given, step, interrupt, slip, moved, space, &
-                               failure)
+    last = size(request%path, 2)
+    associate (cell => product(surface%map%pixel_spacing), side => surface%map%pixel_spacing(1), &
+               modulus => surface%modulus)
+      unit = merge(modulus * cell, side, request%by_load)
+      energy_at(0) = memory%energy
+      started = memory%displacement
+      from = 0.0_real64
+      given = 0.0_real64
+      change = 0.0_real64
+      do i = 1, last
+        parts = merge(1, steps, i <= straight)
+        do k = 1, parts
+          step = (from + (request%path(:, i) - from) * k / parts) / unit - given
+          given = given + step
+          if (maxval(abs(step)) > 0.0_real64) then
+            change = step
+          else if (i < last .or. k < parts .or. maxval(abs(change)) > 0.0_real64) then
+            cycle
+          end if
+          call take_increment(surface, request%by_load, merge(given, step, request%by_load), &
+                              memory, answer, failure, answer%load)
           if (allocated(failure)) return
-        end if
+        end do
+        energy_at(i) = memory%energy
+        from = request%path(:, i)
       end do
-      energy_at(i) = slip%energy
-      from = request%path(:, i)
-    end do
-    if (.not. allocated(space%weight)) then
-      problem%given = 0.0_real64
-      call solve_increment(operator, problem, given, given, interrupt, slip, moved, space, failure)
-    end if
-    slip%slides = .not. any(slip%sticks)
-    if (map%strip_axis > 0) then
-      slip%stiffness = not_computed
-    else if (.not. slip%slides) then
-      matrix = stiffness_of(map, modulus, operator, space)
+      do i = last - 1, 0, -1
+        step = request%path(:, last)
+        if (i > 0) step = step - request%path(:, i)
+        if (.not. maxval(abs(change)) > 0.0_real64 .or. &
+            maxval(abs(step)) > least_turn * maxval(abs(request%path))) cycle
+        slip%cycle_energy = modulus * cell * side * (energy_at(last) - energy_at(i))
+        exit
+      end do
+      allocate (slip%sticks, source=memory%sticks)
+      slip%slides = .not. any(slip%sticks)
+      slip%load = modulus * cell * [sum(memory%traction(:, :, 1)), sum(memory%traction(:, :, 2))]
+      slip%displacement = side * (memory%displacement - started)
+      slip%traction = modulus * memory%traction
+      slip%slip = side * memory%slip
+      slip%energy = modulus * cell * side * memory%energy
+      if (surface%map%strip_axis > 0) slip%stiffness = not_computed
+      if (surface%map%strip_axis > 0 .or. slip%slides) return
+      matrix = stiffness_of(surface%map, modulus, surface%operator, surface%space)
       slip%stiffness = not_computed
       if (matrix(1, 1) > not_computed) slip%stiffness = along_load(matrix, change)
-    end if
-    do i = size(request%path, 2) - 1, 0, -1
-      step = -request%path(:, size(request%path, 2))
-      if (i > 0) step = step + request%path(:, i)
-      if (norm2(step) > least_turn * maxval(abs(request%path))) cycle
-      slip%cycle_energy = energy_at(size(request%path, 2)) - energy_at(i)
-      exit
-    end do
-    associate (cell => product(map%pixel_spacing), side => map%pixel_spacing(1))
-      slip%load = modulus * cell * [sum(slip%traction(:, :, 1)), sum(slip%traction(:, :, 2))]
-      slip%displacement = side * slip%displacement
-      slip%traction = modulus * slip%traction
-      slip%slip = side * slip%slip
-      slip%energy = modulus * cell * side * slip%energy
-      if (slip%cycle_energy > not_computed) &
-        slip%cycle_energy = modulus * cell * side * slip%cycle_energy
     end associate
   end subroutine follow_path
 
@@ -226,42 +216,11 @@ contains
     real(real64), intent(in) :: change(2)     ! direction of the load
     real(real64) :: t(2)
 
-    t = change / norm2(change)
+    t = [1.0_real64, 0.0_real64]
+    if (maxval(abs(change)) > 0.0_real64) t = change / hypot(change(1), change(2))
     stiffness = (matrix(1, 1) * matrix(2, 2) - matrix(1, 2)**2) / &
                 (matrix(2, 2) * t(1)**2 + matrix(1, 1) * t(2)**2 - 2 * matrix(1, 2) * t(1) * t(2))
   end function along_load
-
-  ! Solves one increment, from tractions with their displacements.
-  subroutine solve_increment(operator, problem, given, step, interrupt, slip, moved, space, failure)
-    type(traction_convolution), intent(inout) :: operator
-    type(slip_problem), intent(inout) :: problem
-    real(real64), intent(in) :: given(2), step(2)  ! load at the end, or displacement; its change
-    type(interruption), intent(in) :: interrupt
-    type(slip_answer), intent(inout) :: slip       ! in the units of the solver
-    real(real64), intent(inout) :: moved(:, :, :)
-    type(tangent_space), intent(inout) :: space
-    character(len=:), allocatable, intent(out) :: failure
-    type(solve_ending) :: ending
-    real(real64) :: displacement(2)
-    integer :: k
-
-    problem%given = merge(given, step, problem%by_load)
-    if (problem%by_load) then
-      do k = 1, 2
-        slip%traction(:, :, k) = slip%traction(:, :, k) + problem%limit * &
-                                 (step(k) / sum(problem%limit))
-      end do
-    end if
-    call find_tractions(operator, problem, slip%traction, moved, displacement, space, ending, &
-                        interrupt)
-    if (.not. ending%converged) failure = 'partial slip: the tractions did not converge'
-    if (interrupt%is_asked()) failure = 'interrupted'
-    slip%displacement = slip%displacement + displacement
-    slip%slip = slip%slip + moved
-    slip%energy = slip%energy + sum(slip%traction * moved)
-    slip%sticks = problem%limit > 0.0_real64 .and. .not. space%stiffening > 0.0_real64
-    call operator%apply(slip%traction, problem%base, by_tractions)
-  end subroutine solve_increment
 
   !> Tangential load and area that sticks of each contact patch.
   subroutine slip_of_patches(map, loaded, slip, load, stick_area)
@@ -291,7 +250,7 @@ contains
         end associate
       end do
     end do
-    load = norm2(total, 1)
+    load = hypot(total(1, :), total(2, :))
   end subroutine slip_of_patches
 
   !> Adds tractions, slip and the pixels that stick to the fields of the state.

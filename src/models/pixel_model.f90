@@ -432,7 +432,8 @@ contains
             merge('estimate above tolerance', 'without an estimate     ', &
                   record%estimate > not_computed)
           ! Without a tangential load friction changes nothing.
-          if (law%name == 'friction' .and. .not. has_tangential(self%model%scene_in%loading)) &
+          if (law%name == 'friction' .and. .not. law%solves .and. &
+              .not. has_tangential(self%model%scene_in%loading)) &
             record = effect_record(why='no tangential load on the map')
           cycle
         end if

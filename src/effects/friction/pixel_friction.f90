@@ -1,14 +1,24 @@
-!> Friction on the pixels of a height map, as an effect of a scene: partial slip by a tangential
-!> load after the last state. It leaves the normal contact as it is.
+!> Friction on the pixels of a height map, as an effect of a scene: partial slip by tangential loads
+!> after the last state.
+!>
+!> It leaves the normal contact of like bodies as it is. Unlike bodies rub on each other while they
+!> are pressed: both problems are then solved in turns, in `loading_steps` increments of each state,
+!> without a tangential load. Errors by the pixels are those of the map less the displacements by
+!> the tractions.
 module asperity_pixel_friction
   use asperity_contact_field, only: contact_field
   use asperity_effect_header, only: area, column_list, force, length, moment, plain, stiffness
   use asperity_friction, only: shared_poisson_ratio
+  use asperity_height_map, only: is_measured
   use asperity_kinds, only: not_computed, real64
-  use asperity_partial_slip, only: slip_answer, slip_of_patches, slip_request, solve_partial_slip, &
-                                   take_traction
+  use asperity_map_contact, only: map_answer
+  use asperity_map_fields, only: take_field
+  use asperity_map_top, only: find_top
+  use asperity_partial_slip, only: slip_answer, slip_of_patches, solve_partial_slip, take_traction
   use asperity_pixel_law, only: pixel_law, pixel_state
-  use asperity_scene_values, only: scene
+  use asperity_scene_values, only: coupling_influence, dundurs_beta, is_coupled, scene
+  use asperity_slip_increments, only: begin_rubbing, forget_tractions, rubbed_map, slip_memory, &
+                                      slip_request, take_increment
   implicit none
   private
 
@@ -18,8 +28,16 @@ module asperity_pixel_friction
   type, extends(pixel_law) :: pixel_friction
     type(slip_request) :: request  !! tangential load or displacement
     type(slip_answer) :: slip      !! solution at the last state
+    type(slip_memory) :: memory    !! tractions by the normal load of coupled bodies
+    integer :: steps = 1           !! increments of a state with coupling
+    real(real64) :: influence = 0.0_real64  !! estimate of the coupling
+    real(real64) :: load = 0.0_real64, level = 0.0_real64  !! of the state before; 0: no contact
   contains
     procedure :: estimate => estimate_friction
+    procedure :: begin_step => subtract_lift
+    procedure :: act => press_with_friction
+    procedure :: end_step => add_lift
+    procedure :: coarsen => keep_lift
     procedure :: add_columns => add_slip_columns
     procedure :: add_contact_columns => add_slip_of_patches
     procedure :: finish => solve_slip
@@ -34,7 +52,12 @@ contains
     type(pixel_friction) :: new
 
     new%is_free = .true.
-    new%shapes = .false.
+    new%solves = is_coupled(scene_in)
+    new%shapes = new%solves
+    new%steps = nint(scene_in%effects%number('loading_steps'))
+    new%influence = coupling_influence(scene_in)
+    ! Positive where the lower body is the softer one.
+    if (new%solves) new%request%beta = -dundurs_beta(scene_in)
     new%request%coefficient = scene_in%effects%number('friction_coefficient')
     new%request%poisson_ratio = shared_poisson_ratio(scene_in)
     associate (loading => scene_in%loading, request => new%request)
@@ -46,16 +69,92 @@ contains
     allocate (law, source=new)
   end subroutine new_pixel_friction
 
-  !> The normal contact of a level map has no friction.
+  !> The change of the pressures of unlike bodies.
   function estimate_friction(self, state) result(share)
     class(pixel_friction), intent(in) :: self
     type(pixel_state), intent(in) :: state
     real(real64) :: share
 
-    associate (unused => self, unused_too => state)
+    associate (unused => state)
     end associate
-    share = 0.0_real64
+    share = self%influence
   end function estimate_friction
+
+  !> Where the tractions are those of finer pixels, subtracts their displacement from the heights.
+  subroutine subtract_lift(self, state)
+    class(pixel_friction), intent(inout) :: self
+    type(pixel_state), intent(inout) :: state
+
+    if (self%solves .or. .not. allocated(self%memory%lift)) return
+    where (is_measured(state%problem_map%height)) &
+      state%problem_map%height = state%problem_map%height - self%memory%lift
+  end subroutine subtract_lift
+
+  !> Presses unlike bodies from the state before: the radius of a new contact grows evenly.
+  subroutine press_with_friction(self, state)
+    class(pixel_friction), intent(inout) :: self
+    type(pixel_state), intent(inout) :: state
+    type(rubbed_map) :: surface
+    real(real64) :: aim, first_touch, share, unused
+    integer :: i
+
+    associate (map => state%problem_map, modulus => state%problem_modulus, answer => state%answer)
+      call find_top(map, first_touch, unused)
+      aim = answer%level
+      if (allocated(state%load)) aim = merge(aim, first_touch, state%load > 0.0_real64)
+      if (.not. aim < first_touch .and. .not. allocated(state%load)) self%load = 0.0_real64
+      if (allocated(state%load)) self%load = merge(self%load, 0.0_real64, state%load > 0.0_real64)
+      call begin_rubbing(map, modulus, self%request, surface, self%memory)
+      if (.not. self%load > 0.0_real64) then
+        self%level = first_touch
+        call forget_tractions(map, self%memory)
+      end if
+      do i = 1, self%steps
+        share = real(i, real64) / self%steps
+        if (allocated(state%load)) then
+          if (.not. self%load > 0.0_real64) share = share**3
+          if (.not. state%load > 0.0_real64) then
+            answer%level = first_touch
+            call take_increment(surface, .true., [0.0_real64, 0.0_real64], self%memory, answer, &
+                                answer%failure)
+          else
+            call take_increment(surface, .true., [0.0_real64, 0.0_real64], self%memory, answer, &
+                                answer%failure, self%load + (state%load - self%load) * share)
+          end if
+        else
+          if (.not. self%load > 0.0_real64) share = share**2
+          answer%level = self%level + (aim - self%level) * share
+          call take_increment(surface, .true., [0.0_real64, 0.0_real64], self%memory, answer, &
+                              answer%failure)
+        end if
+        if (allocated(answer%failure)) return
+      end do
+      self%load = answer%load
+      self%level = answer%level
+    end associate
+  end subroutine press_with_friction
+
+  !> Adds the displacement by the tractions to that by the pressures.
+  subroutine add_lift(self, state)
+    class(pixel_friction), intent(inout) :: self
+    type(pixel_state), intent(inout) :: state
+
+    if (allocated(self%memory%lift)) &
+      state%answer%displacement = state%answer%displacement + self%memory%lift
+  end subroutine add_lift
+
+  !> Keeps the displacement by the tractions on coarser pixels.
+  subroutine keep_lift(self, first, state)
+    class(pixel_friction), intent(inout) :: self
+    integer, intent(in) :: first(2)
+    type(pixel_state), intent(inout) :: state
+
+    associate (as_it_is => state)
+    end associate
+    if (.not. self%solves) return
+    self%solves = .false.
+    self%memory%lift = self%memory%lift(first(1)::2, first(2)::2)
+  end subroutine keep_lift
 
   ! Solves partial slip at the last state, and adds its traction to the fields.
   subroutine solve_slip(self, state, field, failure)
@@ -63,11 +162,14 @@ contains
     type(pixel_state), intent(in) :: state
     type(contact_field), intent(inout), optional :: field
     character(len=:), allocatable, intent(inout) :: failure
+    type(map_answer) :: answer
 
-    call solve_partial_slip(state%deformed, state%modulus, self%request, state%answer, self%slip, &
-                            failure)
-    if (present(field) .and. .not. allocated(failure)) &
-      call take_traction(state%deformed, self%slip, field)
+    answer = state%answer
+    call solve_partial_slip(state%deformed, state%modulus, self%request, self%memory, answer, &
+                            self%slip, failure)
+    if (.not. present(field) .or. allocated(failure)) return
+    if (self%solves) call take_field(state%deformed, answer, state%number, field)
+    call take_traction(state%deformed, self%slip, field)
   end subroutine solve_slip
 
   !> Adds tangential load, displacement and stiffness, and the area that sticks; `slides` is 1 in
