@@ -173,14 +173,15 @@ contains
     if (.not. (good .and. number > 0.0_real64 .and. number < limit)) number = 0.0_real64
   end function positive_number
 
-  !> Depths more than 0: a list with commas, or the first, the last and the number of equal steps.
+  !> Depths of 0 or more: a list with commas, or the first, the last and the number of equal steps.
   subroutine read_depths(value, depths, good)
     character(len=*), intent(in) :: value                !! value of the option, as given
     real(real64), allocatable, intent(out) :: depths(:)  !! not allocated where they are not
     logical, intent(out) :: good                         !! whether they are depths
     real(real64), allocatable :: numbers(:)
     character(len=1) :: mark
-    integer :: end_of, from, i, number
+    real(real64) :: number
+    integer :: end_of, from, i, steps
 
     mark = merge(':', ',', index(value, ':') > 0)
     allocate (numbers(0))
@@ -188,17 +189,17 @@ contains
     good = .true.
     do while (good .and. from <= len(value) + 1)
       end_of = index(value(from:) // mark, mark) + from - 2
-      numbers = [numbers, positive_number(value(from:end_of), huge(1.0_real64))]
-      good = numbers(size(numbers)) > 0.0_real64
+      call read_number(value(from:end_of), number, good)
+      numbers = [numbers, number]
+      good = good .and. number >= 0.0_real64
       from = end_of + 2
     end do
     if (good .and. mark == ':') then
       good = size(numbers) == 3
       if (good) then
-        number = count_of(value(index(value, ':', back=.true.) + 1:), 4)
-        good = number >= 2 .and. numbers(1) < numbers(2)
-        if (good) numbers = [(numbers(1) + (numbers(2) - numbers(1)) * i / (number - 1), &
-                              i=0, number - 1)]
+        steps = count_of(value(index(value, ':', back=.true.) + 1:), 4) - 1
+        good = steps >= 1 .and. numbers(1) < numbers(2)
+        if (good) numbers = [(numbers(1) + (numbers(2) - numbers(1)) * i / steps, i=0, steps)]
       end if
     end if
     if (good) call move_alloc(numbers, depths)

@@ -46,9 +46,9 @@ contains
                                                  !! made
     type(problem_list), intent(out) :: problems  !! what is wrong
     ! Options that need another one.
-    character(len=*), parameter :: needs(2, 3) = reshape([character(len=16) :: &
-      '--of', '--accuracy ERROR', '--stress', '--depths LIST', '--fields-of', '--fields FILE'], &
-      [2, 3])
+    character(len=*), parameter :: needs(2, 4) = reshape([character(len=16) :: &
+      '--of', '--accuracy ERROR', '--stress', '--depths LIST', '--body', '--depths LIST', &
+      '--fields-of', '--fields FILE'], [2, 4])
     integer, allocatable :: keeps(:)
     integer :: i, k
 
@@ -179,7 +179,7 @@ contains
       case ('LIST')
         if (given%name == '--tables') call read_tables(given%value, line%printed, problems)
         if (given%name == '--depths') call read_depths(given%value, line%depths, good)
-        expected = 'depths more than 0 with commas, as 0.1,0.2, or FIRST:LAST:NUMBER, as 0.1:2:20'
+        expected = 'depths of 0 or more with commas, as 0,0.2, or FIRST:LAST:NUMBER, as 0.1:2:20'
       case default
         if (given%value /= '-') return
         ! Standard output holds one output, and no summary. What is kept needs a file.

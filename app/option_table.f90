@@ -81,7 +81,9 @@ module asperity_option_table
       'write the distribution of the pressure in contact on them at the last state as CSV'), &
     option_entry('solve', '--depths', 'LIST', &
       'print the largest stresses below these pixels at the last state: depths separated by ' // &
-      'commas, or FIRST:LAST:NUMBER'), &
+      'commas, or FIRST:LAST:NUMBER; 0 is the surface'), &
+    option_entry('solve', '--body', 'WORD', 'body of these stresses: lower (default) or upper', &
+      words=[character(len=11) :: 'lower', 'upper', none(:4)]), &
     option_entry('solve', '--stress', 'FILE', &
       'write all stresses at the depths of --depths as CSV, JSON (.json) or a grid for ' // &
       'ParaView (.vts)', 'csv, .json or .vts'), &

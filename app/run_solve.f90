@@ -9,7 +9,8 @@ module asperity_run_solve
   use asperity_images, only: image_number
   use asperity_input_text, only: lower_case
   use asperity_kinds, only: int64, not_computed, real64
-  use asperity_map_stress, only: largest_stress, look_for_largest, no_ratio, stress_solver
+  use asperity_map_stress, only: check_stress, largest_stress, look_for_largest, no_ratio, &
+                                 stress_solver
   use asperity_number_format, only: count_text, number_text
   use asperity_problems, only: decimal_text, not_enough_memory, problem_list
   use asperity_process, only: has_memory
@@ -167,7 +168,7 @@ contains
       call outcome%stage_text(line%output_path('--histogram'), histogram)
     end subroutine stage_histogram
 
-    ! The largest stresses of the last state in the lower body as text, all of them as a file.
+    ! The largest stresses of the last state in a body as text, all of them as a file.
     subroutine stage_stress()
       character(len=*), parameter :: names(2) = [character(len=20) :: 'von Mises stress', &
         'largest shear stress']
@@ -175,18 +176,22 @@ contains
       type(largest_stress) :: largest(2)
       type(text_buffer) :: file
       real(real64), allocatable :: cells(:, :), stress(:, :, :)
-      character(len=:), allocatable :: path, text
+      character(len=:), allocatable :: path, text, under
+      integer :: body
 
       path = lower_case(line%output_path('--stress'))
+      body = merge(1, 2, line%choice('--body') == 2)
+      under = 'the normal pressures'
       associate (field => results%positions(last)%fields(size(results%positions(last)%fields)), &
                  depths => size(line%depths))
-        ! Waves, kernels and components of one depth; cells, their copy by columns of all depths.
-        if (.not. has_memory((512_int64 + 16_int64 * stress_columns * depths) * field%columns * &
-                             field%rows)) then
+        if (allocated(field%traction)) under = 'pressures and tractions'
+        call check_stress(field, line%depths(1), scene_in%bodies(body), outcome%failure)
+        ! Cells, their copy by columns of all depths.
+        if (.not. allocated(outcome%failure) .and. .not. has_memory( &
+            16_int64 * stress_columns * depths * field%columns * field%rows)) &
           outcome%failure = line%input // ': ' // not_enough_memory // ' for the stresses'
-          return
-        end if
-        call solver%prepare(field, scene_in%lower%poisson_ratio)
+        if (allocated(outcome%failure)) return
+        call solver%prepare(field, scene_in%bodies(body), body == 1)
         associate (pixels => field%columns * field%rows)
           allocate (cells(merge(0, pixels * depths, path == ''), stress_columns))
           do i = 1, depths
@@ -208,13 +213,15 @@ contains
       call outcome%stage_text(line%output_path('--stress'), file)
       if (line%has('--quiet')) return
       call outcome%text%line('')
-      call outcome%text%line('Stress in the lower body under the normal pressures, largest of ' // &
-                             'the depths')
+      call outcome%text%line('Stress in the ' // merge('upper', 'lower', body == 1) // &
+                             ' body under ' // under // ', largest of the depths')
       do i = 1, size(largest)
         text = '  ' // with_unit(trim(names(i)), trim(unit_of(scene_in, is_pressure))) // ' ' // &
                number_text(largest(i)%value) // ' at depth ' // number_text(largest(i)%depth) // &
                ', x ' // number_text(largest(i)%x) // ', y ' // number_text(largest(i)%y)
-        call outcome%text%line(with_unit(text, trim(unit_of(scene_in, is_length))))
+        text = with_unit(text, trim(unit_of(scene_in, is_length)))
+        if (largest(i)%on_rim) text = text // ': on the rim of the contact, grows with resolution'
+        call outcome%text%line(text)
       end do
     end subroutine stage_stress
 

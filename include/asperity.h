@@ -71,7 +71,7 @@ enum {
   ASPERITY_LOWER = 7,      /* asperity_generate: x, y, height, radius */
   ASPERITY_MAP = 8,        /* asperity_read_map, asperity_generate_map, asperity_fields: columns, rows,
                               spacing_x, spacing_y; of asperity_fields also origin_x, origin_y, the
-                              centre of the first pixel, and boundary_contacts, hertz_contacts, how
+                              centre of the first pixel, periodic_x, periodic_y, and boundary_contacts, hertz_contacts, how
                               many contacts have the pressure of boundary elements and of Hertz, -1 on
                               a height map; one row */
   ASPERITY_PIXELS = 9,     /* asperity_read_map, asperity_generate_map: height, of rows * columns pixels,
@@ -161,6 +161,16 @@ typedef struct {
   int periodic;       /* not 0: the map of a file repeats itself along x and y */
 } asperity_summits_options;
 
+/* A half-space under pixels, with a layer that is bonded to it, or without. */
+typedef struct {
+  int columns, rows;   /* pixels along x and along y */
+  double spacing[2];   /* of pixels along x and y */
+  int periodic[2];     /* 1: it repeats itself along x, y; 0: no load beyond the pixels */
+  double modulus[2];   /* Young's, at the surface and of the base; base 0: rigid */
+  double ratio[2];     /* Poisson's, of both */
+  double layer;        /* thickness; 0: none, and the base is not looked at */
+} asperity_half_space;
+
 /* One thing that is wrong with an input. */
 typedef struct {
   const char *file; /* as it was named; "" where the problem is of no file */
@@ -199,10 +209,12 @@ asperity_outcome *asperity_rebuild_scene(const asperity_outcome *scene, const ch
  * -1 for the last. */
 asperity_outcome *asperity_fields(const asperity_outcome *solved, int position, int state);
 
-/* Stress in the lower body at a depth below the pixels of asperity_fields, tension positive, z into the
- * body: table ASPERITY_FIELDS with stress_xx, yy, zz, xy, xz, yz, von_mises and largest_shear. */
-asperity_outcome *asperity_stress(const asperity_outcome *solved, int position, int state,
-                                  double depth);
+/* Stress in a body at a depth of 0 or more, by a pressure and tractions along x and y on each pixel, row
+ * by row; NaN: a missing pixel; tractions NULL: none. Tension is positive, z points into the body. Table
+ * ASPERITY_FIELDS with stress_xx, yy, zz, xy, xz, yz, von_mises and largest_shear. The tractions of
+ * asperity_fields act on the lower body, those on the upper one are opposite. */
+asperity_outcome *asperity_stress(const asperity_half_space *body, const double *pressure,
+                                  const double *traction_x, const double *traction_y, double depth);
 
 /* Runs the original program on a card deck; ASPERITY_REPORT is what it prints. arithmetic: "ibm370"
  * (also for NULL), "real32", "real64" or "real128". tables: [number] positions from 1 to 100, whose

@@ -9,7 +9,8 @@ from typing import TYPE_CHECKING, Any, cast
 
 from . import _arguments as _a
 from . import _library as _c
-from ._columns import Table, in_rows, label_of, needed, numpy, shown
+from ._columns import Table, Values, column, in_rows, label_of, needed, numpy, shown
+from ._errors import AccuracyWarning, warn_caller
 from ._plots import draw_pixels, draw_section, draw_states, new_axes, picture_html, shade_hills
 
 if TYPE_CHECKING:
@@ -72,6 +73,7 @@ class Fields(Arrays):
             sticks.
         spacing: Distance of pixels along x and y.
         origin: Centre of the first pixel; 0, 0 on a height map.
+        periodic: Whether the pixels repeat along x and y; None where a file does not say it.
         unit: Unit of gap, displacement, spacing and origin.
         units: Unit of each array, empty where it is not known.
         position: Position of the motion, from 1.
@@ -109,6 +111,8 @@ class Fields(Arrays):
         self.shape: tuple[int, int] = int(facts["rows"]), int(facts["columns"])
         self.spacing: tuple[float, float] = float(facts["spacing_x"]), float(facts["spacing_y"])
         self.origin: tuple[float, float] = float(facts["origin_x"]), float(facts["origin_y"])
+        self.periodic: tuple[bool, bool] | None = (bool(facts["periodic_x"]),
+                                                   bool(facts["periodic_y"]))
         self.boundary_contacts, self.hertz_contacts = (
             int(facts[name]) if facts[name] >= 0 else None
             for name in ("boundary_contacts", "hertz_contacts"))
@@ -177,8 +181,7 @@ class Fields(Arrays):
 
 
 class Stress(Arrays):
-    """Stress in the lower body below the pixels of one state; tension is positive, z points into
-    the body.
+    """Stress in a body below the pixels of one state; tension is positive, z points into the body.
 
     `stress["xx"]` and `stress.xx` are arrays with the shape (depths, rows, columns).
 
@@ -247,6 +250,10 @@ class Stress(Arrays):
         depth, row, column_ = (int(index) for index in needed(
             "numpy", "stress", "stresses").unravel_index(self[name].argmax(), self[name].shape))
         at = self._fields
+        near: Any = at.contact[max(0, row - 1):row + 2, max(0, column_ - 1):column_ + 2]
+        if self.depth[depth] < min(at.spacing) and near.any() and not near.all():
+            warn_caller(f"the largest {name} is on the rim of the contact: it grows with the "
+                        "resolution", AccuracyWarning)
         return (float(self[name][depth, row, column_]), float(self.depth[depth]),
                 at.origin[0] + column_ * at.spacing[0], at.origin[1] + row * at.spacing[1])
 

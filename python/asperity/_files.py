@@ -34,9 +34,9 @@ FAULTS = (zipfile.BadZipFile, zlib.error, csv.Error, struct.error, ArithmeticErr
 OTHERS = (".csv", ".h5", ".hdf5", ".html", ".json", ".mat", ".nc", ".npy", ".npz", ".pickle",
           ".pkl", ".vti", ".xlsx")
 # Attributes of fields beside the arrays, and those that JSON has as lists.
-FACTS = ("shape", "spacing", "origin", "unit", "units", "position", "step", "boundary_contacts",
-         "hertz_contacts")
-PAIRS = ("shape", "spacing", "origin")
+FACTS = ("shape", "spacing", "origin", "periodic", "unit", "units", "position", "step",
+         "boundary_contacts", "hertz_contacts")
+PAIRS = ("shape", "spacing", "origin", "periodic")
 
 
 def write_results(path: _a.Path, version: str, texts: Mapping[str, Any],
@@ -147,6 +147,7 @@ def read_vti(path: _a.Path, place: tuple[int, int], length: str, pressure: str) 
             setattr(made, field, in_rows(_numbers(code[0], body[start:start + code[1] * (
                 made.shape[0] * made.shape[1])], is_swapped), made.shape, field in FLAGS))
     made.unit, (made.position, made.step) = length or None, place
+    made.periodic = None
     made.units = {field: pressure if field in ("pressure", "traction") else
                   "" if field in FLAGS else length for field in made._names}
     return made
@@ -201,7 +202,7 @@ def _npy_of(rows: Any, shape: tuple[int, int], is_flag: bool) -> bytes:
 def _fields_of(archive: zipfile.ZipFile, about: Mapping[str, Any]) -> Fields:
     made = Fields.__new__(Fields)
     for fact in FACTS:
-        setattr(made, fact, tuple(about[fact]) if fact in PAIRS else about[fact])
+        setattr(made, fact, tuple(about[fact]) if fact in PAIRS and about[fact] else about[fact])
     made._names = NAMES + tuple(field for field in SLIP_NAMES if _member(
         made.position, made.step, field) in archive.namelist())
     for field in made:

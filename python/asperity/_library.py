@@ -53,6 +53,12 @@ class SummitsOptions(Structure):
                 ("spacing", c_double * 2), ("despike", c_int), ("periodic", c_int)]
 
 
+class Body(Structure):
+    _fields_ = [("columns", c_int), ("rows", c_int), ("spacing", c_double * 2),
+                ("periodic", c_int * 2), ("modulus", c_double * 2), ("ratio", c_double * 2),
+                ("layer", c_double)]
+
+
 class CProblem(Structure):
     _fields_ = [("file", c_char_p), ("line", c_int), ("column", c_int), ("text", c_char_p)]
 
@@ -79,7 +85,7 @@ _FUNCTIONS: list[tuple[Any, ...]] = [
     ("rebuild_scene", c_void_p, c_void_p, c_char_p),
     ("solve_scene", c_void_p, c_void_p, POINTER(Options)),
     ("fields", c_void_p, c_void_p, c_int, c_int),
-    ("stress", c_void_p, c_void_p, c_int, c_int, c_double),
+    ("stress", c_void_p, POINTER(Body), c_void_p, c_void_p, c_void_p, c_double),
     ("make_report", c_void_p, c_char_p, c_char_p, POINTER(c_int), c_int),
     ("summits", c_void_p, c_char_p, POINTER(Map), POINTER(SummitsOptions)),
     ("read_map", c_void_p, c_char_p, POINTER(c_double), c_char_p),

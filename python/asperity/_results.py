@@ -17,6 +17,7 @@ from . import _library as _c
 from ._columns import Table, needed, shown
 from ._errors import ComputeError, warn_caller
 from ._fields import Stress
+from ._half_space import stresses
 from ._maps import HeightMap, map_of_file
 from ._page import page_of
 from ._plots import draw_contacts, draw_curves, draw_pixels, draw_points, new_axes
@@ -32,6 +33,9 @@ if TYPE_CHECKING:
 
 # Tables of results by the name of the attribute.
 TABLES = {"positions": _c.POSITIONS, "states": _c.STATES, "contacts": _c.CONTACTS}
+# Names of the group `material`: moduli of both bodies, and of layers on them.
+MATERIAL = ("elastic_modulus", "poisson_ratio", "layer_thickness", "layer_modulus", "layer_poisson")
+SIDES = ("upper", "lower")
 # Columns that `repr` prints of the last state.
 FACTS = ("load", "separation", "area", "contacts")
 
@@ -258,11 +262,13 @@ class Results:
             self._fields[position, step] = _fields.Fields(found, int(position), step)
         return self._fields[position, step]
 
-    def stress(self, depths: Any, position: int = 1, *, step: int | None = None) -> Stress:
-        """Stress in the lower body below the pixels of `fields`, without tractions of friction.
+    def stress(self, depths: Any, position: int = 1, *, step: int | None = None,
+               body: str = "lower") -> Stress:
+        """Stress in the lower or the upper body below the pixels of `fields`, by pressures and
+        tractions.
 
-        `depths` below the surface are one or several, more than 0; `position` and `step` as for
-        `fields`. A scene without Poisson's ratio is a ComputeError.
+        `depths` are one or several, 0 or more; `position` and `step` as for `fields`. A scene
+        without Poisson's ratio is a ComputeError.
 
         Examples:
             >>> import asperity, numpy as np
@@ -279,14 +285,31 @@ class Results:
         """
         library: Any = needed("numpy", "stress", "stresses")
         fields = self.fields(position, step=step)
-        if self._outcome is None:
-            raise ComputeError("no stress of results that were loaded: expected solve(...)")
+        if body not in SIDES:
+            raise _a.wrong("body", repr(body), "'upper' or 'lower'")
         at = library.atleast_1d(library.asarray(depths))
-        if not (at.ndim == 1 and at.size > 0 and at.dtype.kind in "iuf" and (at > 0).all()):
-            raise _a.wrong("depths", _a.shown(depths), "one or several numbers above 0")
-        return Stress(fields, at, [
-            _c.call("stress", self._outcome, fields.position, fields.step, float(depth)).checked()
-            .table(_c.FIELDS, "pixels") for depth in at])
+        if not (at.ndim == 1 and at.size > 0 and at.dtype.kind in "iuf" and (at >= 0).all()):
+            raise _a.wrong("depths", _a.shown(depths), "one or several numbers of 0 or more")
+        side = SIDES.index(body)
+        return Stress(fields, at, stresses(self._body(fields, side), fields.pressure, [
+            library.multiply(fields[name], 1 - 2 * (side == 0)) for name in fields
+            if name.startswith("traction")], at))
+
+    def _body(self, fields: Fields, side: int) -> _c.Body:
+        """The upper (0) or lower (1) body of the scene under the pixels of fields."""
+        text, edges = self.scene.get("text", ""), fields.periodic
+        found = {name: numbers_of(text, name) for name in MATERIAL}
+        if not found["poisson_ratio"]:
+            raise ComputeError("stress needs poisson_ratio in &material: found " + (
+                "contact_modulus in its place" if "contact_modulus" in text else "none"))
+        if edges is None:
+            raise ComputeError("no stress of fields in a file of --fields, which has no map_edge: "
+                               "expected those of solve(...) or Results.save")
+        bases, layers = (tuple((found[name] or [0.0, 0.0])[side] for name in names)
+                         for names in (MATERIAL[:2], MATERIAL[2:]))
+        modulus, ratio = zip(layers[1:] if layers[0] else bases, bases)
+        return _c.Body(fields.shape[1], fields.shape[0], fields.spacing, edges, modulus, ratio,
+                       layers[0])
 
     def pressure_histogram(self, position: int = 1, state: int | None = None, bins: int = 100, *,
                            step: int | None = None) -> tuple[Column, Column]:
@@ -381,7 +404,7 @@ def load(path: _a.Path, *, fields: _a.Path | Sequence[_a.Path] | None = None) ->
 
 def numbers_of(text: str, name: str) -> list[float]:
     """The one or two numbers of a name in a scene, `2*0.3` being two; empty where it is absent."""
-    number = r"(?:\d+\*)?\+?[.\d]+(?:[ed][-+]?\d+)?"
+    number = r"(?:\d+\*)?[-+]?[.\d]+(?:[ed][-+]?\d+)?"
     found = re.search(rf"^[^!\n]*\b{name}\s*=\s*({number}(?:[\s,]+{number})?)", text, re.I | re.M)
     numbers: list[float] = []
     for one in re.split(r"[\s,]+", found[1]) if found else ():

@@ -1,22 +1,17 @@
-!> The library for C: fields on pixels and stresses below them; `include/asperity.h` has what each
+!> The library for C: fields on pixels; `include/asperity.h` has what each
 !> procedure does.
 module asperity_c_fields
-  use, intrinsic :: iso_c_binding, only: c_double, c_int, c_ptr
+  use, intrinsic :: iso_c_binding, only: c_int, c_ptr
   use asperity, only: add_reals, add_wholes, array_table, contact_field, decimal_text, &
                       of_contacts, of_positions, place_of
   use asperity_contact_field, only: contact_marks
-  use asperity_kinds, only: real64
-  use asperity_csv_tables, only: first_stress, stress_cells, stress_columns, stress_names
   use asperity_library_turn, only: library_turn
-  use asperity_map_stress, only: no_ratio, room_for_stress, stress_solver
   use asperity_c_outcome, only: add_pixels, begin_outcome, finish_outcome, look_at, outcome, &
                                 set_text, table_fields, table_map, text_unit
-  use asperity_problems, only: not_enough_memory, real_text
-  use asperity_process, only: has_memory
   implicit none
   private
 
-  public :: c_fields, c_stress
+  public :: c_fields
 
 contains
 
@@ -38,49 +33,6 @@ contains
                      unit_of_column(from%tables(of_contacts), 'average_pressure'))
     call finish_outcome(new)
   end function c_fields
-
-  !> `asperity_stress`.
-  type(c_ptr) function c_stress(solved, position, state, depth) bind(c, name='asperity_stress') &
-    result(handle)
-    type(c_ptr), value :: solved        !! outcome of a solve
-    integer(c_int), value :: position, state  !! from 1; -1: the last state
-    real(c_double), value :: depth      !! below the surface, more than 0
-    type(library_turn) :: turn
-    type(outcome), pointer :: from, new
-    type(stress_solver) :: solver
-    real(real64), allocatable :: cells(:, :), stress(:, :, :)
-    type(contact_field), pointer :: field
-    integer :: i
-
-    call begin_outcome(new, handle)
-    if (.not. associated(new)) return
-    call turn%begin()
-    call choose_field(solved, position, state, from, new, field)
-    if (.not. (depth > 0.0_real64 .and. depth < huge(depth))) then
-      call new%problems%add('depth: found ' // real_text(depth) // &
-                            ', expected a number more than 0')
-    else if (associated(field)) then
-      if (.not. allocated(from%ratio)) then
-        new%failure = no_ratio
-      else if (.not. has_memory(room_for_stress(field))) then
-        new%failure = not_enough_memory // ' for the stresses'
-      end if
-    end if
-    call turn%finish()
-    if (new%problems%count() == 0 .and. .not. allocated(new%failure)) then
-      call solver%prepare(field, from%ratio)
-      call solver%solve(depth, stress)
-    end if
-    call turn%begin()
-    if (allocated(stress)) then
-      cells = stress_cells(field, depth, stress)
-      do i = first_stress, stress_columns
-        call add_reals(new%tables(table_fields), trim(stress_names(i)), cells(:, i), &
-                       unit_of_column(from%tables(of_contacts), 'average_pressure'))
-      end do
-    end if
-    call finish_outcome(new)
-  end function c_stress
 
   ! Finds the fields of a state of an outcome, or the reason why there are none.
   subroutine choose_field(solved, position, state, from, new, field)
@@ -144,6 +96,8 @@ contains
       call add_reals(table, 'spacing_y', field%pixel_spacing(2:2), length)
       call add_reals(table, 'origin_x', field%origin(1:1), length)
       call add_reals(table, 'origin_y', field%origin(2:2), length)
+      call add_wholes(table, 'periodic_x', [merge(1, 0, field%periodic .or. field%strip_axis == 1)])
+      call add_wholes(table, 'periodic_y', [merge(1, 0, field%periodic .or. field%strip_axis == 2)])
       call add_wholes(table, 'boundary_contacts', [field%boundary_contacts])
       call add_wholes(table, 'hertz_contacts', [field%hertz_contacts])
     end associate

@@ -56,7 +56,6 @@ module asperity_c_outcome
     type(c_letters), allocatable :: names(:, :)            !! names of columns (column, table)
     type(c_letters), allocatable :: units(:, :)            !! units of columns (column, table)
     type(kept_fields), allocatable :: kept(:)              !! by position
-    real(real64), allocatable :: ratio                     !! Poisson's of the lower body, if known
     character(len=:), allocatable :: failure               !! reason, when it was not computed
   end type outcome
 

@@ -187,8 +187,6 @@ contains
     do which = 1, size(new%kept)
       call move_alloc(results%positions(which)%fields, new%kept(which)%fields)
     end do
-    if (.not. from%scene_in%contact_modulus > 0.0_real64) &
-      new%ratio = from%scene_in%lower%poisson_ratio
     call list_warnings(from%scene_in%file, results, warnings, kinds)
     call set_text(new, text_warnings, warnings%text())
     call set_text(new, text_warning_kinds, kinds%text())

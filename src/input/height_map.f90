@@ -9,7 +9,7 @@ module asperity_height_map
   implicit none
   private
 
-  public :: height_map, map_request, change_unit, copy_map, move_map, put_in_unit, give_spacing, &
+  public :: height_map, layered_body, map_request, change_unit, copy_map, move_map, put_in_unit, give_spacing, &
             check_heights, check_spacing, known_units, length_units, unit_number, unit_ratio, &
             plain_unit, no_height, is_measured, is_length, make_room, read_height, &
             expected_length, expected_height, highest, largest_height, &
@@ -68,6 +68,13 @@ module asperity_height_map
   contains
     procedure :: repeats => repeats_along       !! whether it repeats itself along an axis
   end type height_map
+
+  !> A half-space under a bonded layer of another material.
+  type :: layered_body
+    real(real64) :: thickness = 0.0_real64   !! of the layer [length]; 0: none
+    real(real64) :: modulus(2) = 0.0_real64  !! Young's, at the surface and of the base; 0: rigid
+    real(real64) :: ratio(2) = 0.0_real64    !! Poisson's, at the surface and of the base
+  end type layered_body
 
   !> Numbers and options that are given beside a map: in a scene, on the command line, as arguments.
   type :: map_request

@@ -71,6 +71,12 @@ module asperity_scene_names
                'combined modulus, in place of the two above', otherwise='none', &
                unit='force/length^2', &
                synonyms=' e_star estar reduced_modulus effective_modulus '), &
+    known_name('material', 'layer_thickness', not_negative, 'of layers on the bodies of a map', 2, &
+               unit='length'), &
+    known_name('material', 'layer_modulus', not_negative, 'their Young''s moduli', 2, &
+               otherwise='none', unit='force/length^2'), &
+    known_name('material', 'layer_poisson', poisson_range, 'their Poisson''s ratios', 2, &
+               otherwise='none'), &
     known_name('material', 'electrical_conductivity', above_zero, &
                'of both bodies, for the conductance of pixels', 2, otherwise='none', &
                unit='siemens/length'), &

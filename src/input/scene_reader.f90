@@ -13,6 +13,7 @@ module asperity_scene_reader
   use asperity_scene_effects, only: read_effects
   use asperity_scene_fields, only: read_fields, scene_fields
   use asperity_scene_loading, only: check_states, read_limit, read_loading
+  use asperity_scene_layers, only: check_layers, read_bodies
   use asperity_scene_maps, only: check_map_scene
   use asperity_scene_names, only: scene_rows, scene_table
   use asperity_scene_surfaces, only: from_csv, read_surfaces
@@ -174,6 +175,7 @@ contains
       end do
       call note_unlike_bodies()
       call check_states(fields, checked)
+      call check_layers(fields, checked)
       call check_map_scene(fields, checked)
     end if
     call checked%notes%append(fields%notes)
@@ -246,22 +248,15 @@ contains
     character(len=*), parameter :: both_or_one = 'one for upper and lower, or contact_modulus'
     character(len=*), parameter :: beside_modulus = 'found beside contact_modulus, which ' // &
       'stands for the moduli and ratios of both surfaces, expected one or the other'
-    real(real64) :: pair(2)
 
-    pair = [checked%upper%elastic_modulus, checked%lower%elastic_modulus]
-    call fields%take('material', 'elastic_modulus', pair)
-    checked%upper%elastic_modulus = pair(1)
-    checked%lower%elastic_modulus = pair(2)
-    pair = [checked%upper%poisson_ratio, checked%lower%poisson_ratio]
-    call fields%take('material', 'poisson_ratio', pair)
-    checked%upper%poisson_ratio = pair(1)
-    checked%lower%poisson_ratio = pair(2)
+    call read_bodies(fields, checked)
     call fields%take('material', 'electrical_conductivity', checked%conductivity(:, 1))
     call fields%take('material', 'thermal_conductivity', checked%conductivity(:, 2))
     call fields%take('material', 'contact_modulus', checked%contact_modulus)
     if (fields%has_name('material', 'contact_modulus')) then
       call fields%refuse_name('material', 'elastic_modulus', beside_modulus)
       call fields%refuse_name('material', 'poisson_ratio', beside_modulus)
+      call fields%refuse_name('material', 'layer_thickness', beside_modulus)
       return
     end if
     if (.not. from_csv(fields)) return

@@ -9,7 +9,7 @@ module asperity_scene_values
                                    effect_words, hold_separation, hold_load, hold_words, &
                                    known_effects, most_relaxations
   use asperity_files, only: same_name
-  use asperity_height_map, only: height_map, level_plane
+  use asperity_height_map, only: height_map, layered_body, level_plane
   use asperity_kinds, only: real64
   use asperity_loading_controls, only: control_limit, control_load, control_separation, &
                                        is_compression, is_distance, is_limit, is_load, &
@@ -147,6 +147,7 @@ module asperity_scene_values
     real(real64) :: lower_mirror_width = 0.0_real64  !! the deck's WIDTHL, when mirrored
     !> Combined modulus itself, in place of those of both surfaces; 0: it follows from them.
     real(real64) :: contact_modulus = 0.0_real64
+    type(layered_body) :: bodies(2)               !! upper and lower: their materials, and layers
     !> (body, kind): electrical and thermal conductivities of upper and lower body; 0: not given.
     real(real64) :: conductivity(2, 2) = 0.0_real64
     real(real64) :: nominal_area = 0.0_real64  !! of the surfaces in plan; 0: not given

@@ -1,43 +1,30 @@
-!> Stress below the surface of a half-space under the pressures of a field.
+!> Stress in a half-space under the pressures and tractions of a field.
 !>
-!> Problem: the six components of the stress at a depth z > 0 under each pixel, with pressures that
-!> are uniform on each pixel. Tension is positive; x and y are those of the map, z points into the
-!> body.
+!> Problem: the six components of the stress at a depth z >= 0 under each pixel, with pressures and
+!> tractions that are uniform on each pixel. Tension is positive; x and y are those of the map, z
+!> points into the body. `asperity_stress_kernels` has the formulas.
 !>
-!> On a free map: Love's integrals of Boussinesq's stresses over a rectangle (Love, Phil. Trans. R.
-!> Soc. A 228 (1929) 377). With X, Y from the point to a corner, R**2 = X**2 + Y**2 + z**2 and
-!> t = atan(X Y/(z R)), the stress is -p/(2 pi) times the differences over the four corners of
-!>
-!>   zz: t + X Y z/R (1/(X**2 + z**2) + 1/(Y**2 + z**2))
-!>   xx: 2 nu t + (1 - 2 nu) (atan(Y/X) - atan(z Y/(X R))) - z X Y/(R (X**2 + z**2)); yy alike
-!>   xy: (1 - 2 nu) ln(R + z) + z/R
-!>   xz: -z**2 Y/(R (X**2 + z**2)); yz alike
-!>
-!> They are convolved with the pressures on a padded lattice, which is exact to rounding. On a map
-!> that is periodic along one axis they are summed over `images_along` periods on each side; the
-!> others are an integral along the axis by the midpoint rule.
-!>
-!> On a periodic map: for a wave of pressure of the numbers qx, qy, with q**2 = qx**2 + qy**2,
-!> c = qx/q and s = qy/q, the stress is -p exp(-q z) times
-!>
-!>   zz: 1 + q z;  xx: 2 nu + (1 - 2 nu) c**2 - c**2 q z;  yy alike
-!>   xy: c s (1 - 2 nu - q z);  xz: -i qx z;  yz: -i qy z
-!>
-!> (Johnson, Contact Mechanics, 1985, section 13.2, for one direction). The mean pressure has no
-!> lateral strain: xx = yy = -p nu/(1 - nu).
+!> On a free map the integrals over a rectangle are convolved with pressures and tractions on a
+!> padded lattice, which is exact to rounding. On a map that is periodic along one axis they are
+!> summed over `images_along` periods on each side; the others are an integral along the axis by the
+!> midpoint rule. On a periodic map the stresses are sums of waves.
 module asperity_map_stress
   use asperity_constants, only: pi
   use asperity_contact_field, only: contact_field
-  use asperity_kinds, only: int64, real64
+  use asperity_height_map, only: layered_body
+  use asperity_kinds, only: int64, not_computed, real64
   use asperity_lattice_convolution, only: padded_length
   use asperity_plane_transform, only: plane_transform
   use asperity_problems, only: not_enough_memory, real_text
   use asperity_process, only: has_memory
   use asperity_scene_values, only: scene
+  use asperity_stress_kernels, only: by_pressure, by_traction_x, by_traction_y, corner_factor, &
+                                     corner_function, corner_parity, grid_correction, &
+                                     stress_of_wave
   implicit none
   private
 
-  public :: component_names, largest_shear, largest_stress, look_for_largest, room_for_stress, &
+  public :: check_stress, component_names, largest_shear, largest_stress, look_for_largest, &
             stress_below, stress_solver, von_mises
 
   !> Reason why a scene has no stresses.
@@ -53,20 +40,23 @@ module asperity_map_stress
     real(real64) :: depth = 0.0_real64     !! depth below the surface [length]
     real(real64) :: x = 0.0_real64         !! place in plan [length]
     real(real64) :: y = 0.0_real64         !! place in plan [length]
+    logical :: on_rim = .false.            !! within a pixel of the rim of the contact
   end type largest_stress
 
-  !> Solver for the stresses under one field. It owns plans: it must not be copied.
+  !> Solver for the stresses in one body under one field. It owns plans: it must not be copied.
   type :: stress_solver
     private
     logical :: periodic = .false.
     integer :: strip_axis = 0                     ! axis of the period of a strip; 0: none
-    real(real64) :: ratio = 0.0_real64            ! Poisson's ratio
+    type(layered_body) :: body
     real(real64) :: side(2) = 0.0_real64          ! of a pixel
     integer :: columns = 0, rows = 0              ! of the field
+    logical :: uses(3) = .false.                  ! whether there are pressures, tractions x and y
     type(plane_transform) :: transform
-    complex(real64), allocatable :: pressure(:, :)  ! its waves
+    complex(real64), allocatable :: waves(:, :, :)    ! of the sources
+    real(real64), allocatable :: steps(:, :, :, :)    ! of `grid_correction`; (.., column, row)
   contains
-    procedure :: prepare => prepare_solver  !! transforms the pressures
+    procedure :: prepare => prepare_solver  !! transforms pressures and tractions
     procedure :: solve => solve_depth       !! computes the stresses at a depth
   end type stress_solver
 
@@ -75,34 +65,48 @@ module asperity_map_stress
   ! test/maps/test_map_stress.py).
   integer, parameter :: images_along = 16
 
-  ! Parity of the corner functions in X and in Y.
-  integer, parameter :: corner_parity(2, 6) = reshape([-1, -1, -1, -1, -1, -1, 1, 1, 1, -1, &
-                                                       -1, 1], [2, 6])
-
 contains
 
-  !> Stresses in the lower body under the pressures of a field.
-  subroutine stress_below(scene_in, field, depth, stress, failure)
+  !> Stresses in a body under the pressures and tractions of a field.
+  subroutine stress_below(scene_in, field, depth, stress, failure, is_upper)
     type(scene), intent(in) :: scene_in          !! scene that was solved
     type(contact_field), intent(in) :: field     !! pressures of one of its states
-    real(real64), intent(in) :: depth            !! depth below the surface, more than 0 [length]
+    real(real64), intent(in) :: depth            !! depth below the surface, 0 or more [length]
     real(real64), allocatable, intent(out) :: stress(:, :, :)  !! (column, row, component)
     character(len=:), allocatable, intent(out) :: failure      !! reason when it is not computed
+    logical, intent(in), optional :: is_upper    !! in the upper body; absent: in the lower one
     type(stress_solver) :: solver
+    integer :: body
 
-    if (.not. (depth > 0.0_real64 .and. depth <= huge(depth))) then
-      failure = 'depth: found ' // real_text(depth) // ', expected a number more than 0'
+    body = 2
+    if (present(is_upper)) body = merge(1, 2, is_upper)
+    call check_stress(field, depth, scene_in%bodies(body), failure)
+    if (allocated(failure)) return
+    call solver%prepare(field, scene_in%bodies(body), body == 1)
+    call solver%solve(depth, stress)
+  end subroutine stress_below
+
+  !> Sets the failure where stresses cannot be computed.
+  subroutine check_stress(field, depth, body, failure)
+    type(contact_field), intent(in) :: field     !! pressures of one state
+    real(real64), intent(in) :: depth            !! depth below the surface [length]
+    type(layered_body), intent(in) :: body       !! moduli of 0: unknown
+    character(len=:), allocatable, intent(out) :: failure  !! reason when it is not computed
+
+    if (.not. (depth >= 0.0_real64 .and. depth <= huge(depth))) then
+      failure = 'depth: found ' // real_text(depth) // ', expected a number of 0 or more'
     else if (.not. allocated(field%pressure)) then
       failure = 'no fields: expected those of a state that was solved with fields'
-    else if (scene_in%contact_modulus > 0.0_real64) then
+    else if (.not. any(body%modulus > 0.0_real64)) then
       failure = no_ratio
+    else if (body%thickness > 0.0_real64 .and. .not. field%periodic) then
+      failure = 'stress under a layer is that of waves: found a free map, expected a periodic one'
+    else if (body%thickness > 0.0_real64 .and. allocated(field%traction)) then
+      failure = 'stress under a layer: found tractions, expected pressures alone'
     else if (.not. has_memory(room_for_stress(field))) then
       failure = not_enough_memory // ' for the stresses'
-    else
-      call solver%prepare(field, scene_in%lower%poisson_ratio)
-      call solver%solve(depth, stress)
     end if
-  end subroutine stress_below
+  end subroutine check_stress
 
   !> Memory of the stresses at one depth with their table, bytes: waves and kernels of the padded
   !> pixels; components, cells and columns (counted; test: limits in test_python_maps.py).
@@ -114,140 +118,167 @@ contains
     padded = int(padded_length(2 * field%columns), int64) * padded_length(2 * field%rows)
     if (field%periodic) padded = int(field%columns, int64) * field%rows
     bytes = bytes_padded * padded + bytes_plain * int(field%columns, int64) * field%rows
+    if (allocated(field%traction)) bytes = 2_int64 * bytes
   end function room_for_stress
 
-  !> Prepares the stresses under the pressures of a field.
-  subroutine prepare_solver(self, field, ratio)
+  !> Prepares the stresses in a body under pressures and tractions.
+  subroutine prepare_solver(self, field, body, is_upper)
     class(stress_solver), intent(inout) :: self  !! solver without plans
-    type(contact_field), intent(in) :: field     !! pressures on pixels
-    real(real64), intent(in) :: ratio            !! Poisson's ratio of the body, -1 to 0.5
-    integer :: padded(2)
+    type(contact_field), intent(in) :: field     !! pressures and tractions on pixels
+    type(layered_body), intent(in) :: body       !! its material
+    logical, intent(in) :: is_upper              !! whose tractions are those of the field reversed
+    real(real64), allocatable :: traction(:, :)
+    integer :: axis, beside(2), i, j, padded(2)
 
     self%periodic = field%periodic
     self%strip_axis = field%strip_axis
-    self%ratio = ratio
+    self%body = body
     self%side = field%pixel_spacing
     self%columns = field%columns
     self%rows = field%rows
-    if (self%periodic) then
-      call self%transform%prepare(field%columns, field%rows)
-    else
-      padded = [padded_length(2 * field%columns), padded_length(2 * field%rows)]
-      if (self%strip_axis == 1) padded(1) = field%columns
-      if (self%strip_axis == 2) padded(2) = field%rows
-      call self%transform%prepare(padded(1), padded(2))
-    end if
-    allocate (self%pressure(0:self%transform%rows - 1, 0:self%transform%columns / 2))
-    call self%transform%make_waves(max(0.0_real64, field%pressure), self%pressure)
+    padded = [field%columns, field%rows]
+    where (.not. [self%periodic .or. self%strip_axis == 1, self%periodic .or. &
+                  self%strip_axis == 2]) padded = padded_length(2 * padded)
+    call self%transform%prepare(padded(1), padded(2))
+    self%uses = [.true., allocated(field%traction), .false.]
+    allocate (self%waves(0:self%transform%rows - 1, 0:self%transform%columns / 2, &
+                         merge(3, 1, any(self%uses(2:)))))
+    call self%transform%make_waves(merge(field%pressure, 0.0_real64, &
+                                        field%pressure > not_computed), self%waves(:, :, 1))
+    if (.not. any(self%uses(2:))) return
+    allocate (self%steps(2, 2, self%columns, self%rows), source=0.0_real64)
+    do axis = 1, 2
+      if (.not. self%uses(1 + axis)) cycle
+      traction = merge(field%traction, 0.0_real64, field%traction > not_computed)
+      if (is_upper) traction = -traction
+      call self%transform%make_waves(traction, self%waves(:, :, 1 + axis))
+      do j = 1, self%rows
+        do i = 1, self%columns
+          beside = places_beside(i, self%columns, 1)
+          self%steps(axis, 1, i, j) = 0.5_real64 * (traction(beside(2), j) - traction(beside(1), j))
+          beside = places_beside(j, self%rows, 2)
+          self%steps(axis, 2, i, j) = 0.5_real64 * (traction(i, beside(2)) - traction(i, beside(1)))
+        end do
+      end do
+    end do
+
+  contains
+
+    ! The places before and behind one; at the edge of a free map itself.
+    pure function places_beside(place, number, axis) result(beside)
+      integer, intent(in) :: place, number, axis
+      integer :: beside(2)
+
+      beside = [place - 1, place + 1]
+      if (self%strip_axis == axis) beside = 1 + modulo(beside - 1, number)
+      beside = max(1, min(number, beside))
+    end function places_beside
+
   end subroutine prepare_solver
 
   !> Computes the components at a depth.
   subroutine solve_depth(self, depth, stress)
     class(stress_solver), intent(in) :: self         !! solver with the pressures
-    real(real64), intent(in) :: depth                !! depth below the surface, more than 0
+    real(real64), intent(in) :: depth                !! depth below the surface, 0 or more
     real(real64), allocatable, intent(out) :: stress(:, :, :)  !! (column, row, component)
-    complex(real64), allocatable :: waves(:, :)
+    complex(real64), allocatable :: of_kernel(:, :), waves(:, :)
     real(real64), allocatable :: kernel(:, :)
-    integer :: k
+    integer :: i, j, k, source
 
     allocate (stress(self%columns, self%rows, size(component_names)))
-    allocate (waves, mold=self%pressure)
+    allocate (waves, mold=self%waves(:, :, 1))
     if (.not. self%periodic) allocate (kernel(self%transform%columns, self%transform%rows))
+    if (.not. self%periodic) allocate (of_kernel, mold=waves)
     do k = 1, size(component_names)
-      if (self%periodic) then
-        call multiply_wave(self, depth, k, waves)
-      else
+      if (self%periodic) call multiply_waves(self, depth, k, waves)
+      do source = 1, merge(0, size(self%waves, 3), self%periodic)
+        if (.not. self%uses(source)) cycle
         if (self%strip_axis > 0) then
-          call fill_strip_kernel(self, depth, k, kernel)
+          call fill_strip_kernel(self, depth, source, k, kernel)
         else
-          call fill_kernel(self, depth, k, kernel)
+          call fill_kernel(self, depth, source, k, kernel)
         end if
-        call self%transform%make_waves(kernel, waves)
-        waves = waves * self%pressure
-      end if
+        call self%transform%make_waves(kernel, of_kernel)
+        of_kernel = of_kernel * self%waves(:, :, source)
+        if (source == by_pressure) waves = of_kernel
+        if (source > by_pressure) waves = waves + of_kernel
+      end do
       call self%transform%sum_waves(waves, stress(:, :, k))
+      if (self%periodic .or. .not. allocated(self%steps)) cycle
+      do j = 1, self%rows
+        do i = 1, self%columns
+          stress(i, j, k) = stress(i, j, k) + grid_correction( &
+            k, depth, self%side, self%body%ratio(1), self%steps(:, :, i, j))
+        end do
+      end do
     end do
   end subroutine solve_depth
 
-  ! The waves of a component on a periodic map. The sign of the shortest wave along a side is not
-  ! known: components that are odd in it have none.
-  subroutine multiply_wave(self, depth, component, waves)
+  ! The waves of a component on a periodic map.
+  subroutine multiply_waves(self, depth, component, waves)
     class(stress_solver), intent(in) :: self
     real(real64), intent(in) :: depth
     integer, intent(in) :: component
     complex(real64), intent(out) :: waves(0:, 0:)
-    complex(real64) :: factor
-    real(real64) :: odd(2), q, wave(2)
-    integer :: i, j, n
+    real(real64) :: odd(2), wave(2)
+    integer :: i, j, n, source
 
     n = self%transform%rows
     do i = 0, self%transform%columns / 2
       do j = 0, n - 1
         wave = 2.0_real64 * pi * [i, merge(j - n, j, 2 * j > n)] / &
                ([self%transform%columns, n] * self%side)
-        odd = wave
-        if (2 * i == self%transform%columns) odd(1) = 0.0_real64
-        if (2 * j == n) odd(2) = 0.0_real64
-        q = hypot(wave(1), wave(2))
-        if (i + j == 0) then
-          factor = merge(1.0_real64, 0.0_real64, component == 3)
-          if (component < 3) factor = self%ratio / (1.0_real64 - self%ratio)
-        else
-          select case (component)
-          case (1, 2)
-            factor = 2.0_real64 * self%ratio + (wave(component) / q)**2 * &
-                     (1.0_real64 - 2.0_real64 * self%ratio - q * depth)
-          case (3)
-            factor = 1.0_real64 + q * depth
-          case (4)
-            factor = odd(1) * odd(2) / q**2 * (1.0_real64 - 2.0_real64 * self%ratio - q * depth)
-          case default
-            factor = cmplx(0.0_real64, -odd(component - 4) * depth, real64)
-          end select
-        end if
-        waves(j, i) = -exp(-q * depth) * factor * self%pressure(j, i)
+        odd = merge(0.0_real64, wave, 2 * [i, j] == [self%transform%columns, n])
+        waves(j, i) = stress_of_wave(by_pressure, component, wave, odd, depth, &
+                                     self%body%ratio(1)) * self%waves(j, i, by_pressure)
+        do source = by_traction_x, merge(by_traction_y, 0, any(self%uses(by_traction_x:)))
+          if (self%uses(source)) waves(j, i) = waves(j, i) + stress_of_wave( &
+            source, component, wave, odd, depth, self%body%ratio(1)) * &
+            self%waves(j, i, source)
+        end do
       end do
     end do
-  end subroutine multiply_wave
+  end subroutine multiply_waves
 
   ! The influence of a unit pressure of a pixel on a component, by the offset of the point, from the
   ! corner function in one quadrant.
-  subroutine fill_kernel(self, depth, component, kernel)
+  subroutine fill_kernel(self, depth, source, component, kernel)
     class(stress_solver), intent(in) :: self
     real(real64), intent(in) :: depth
-    integer, intent(in) :: component
+    integer, intent(in) :: source, component
     real(real64), intent(out) :: kernel(:, :)
     real(real64), allocatable :: corner(:, :)
-    integer :: i, j
+    integer :: i, j, parity(2)
 
+    parity = corner_parity(source, component)
     allocate (corner(-self%columns:self%columns - 1, -self%rows:self%rows - 1))
     !$omp parallel do
     do j = 0, self%rows - 1
       do i = 0, self%columns - 1
-        corner(i, j) = corner_function(component, (i + 0.5_real64) * self%side(1), &
-                                       (j + 0.5_real64) * self%side(2), depth, self%ratio)
+        corner(i, j) = corner_function(source, component, (i + 0.5_real64) * self%side(1), &
+                                       (j + 0.5_real64) * self%side(2), depth, self%body%ratio(1))
       end do
-      corner(-1:-self%columns:-1, j) = corner_parity(1, component) * corner(0:, j)
+      corner(-1:-self%columns:-1, j) = parity(1) * corner(0:, j)
     end do
     !$omp end parallel do
     do j = 0, self%rows - 1
-      corner(:, -1 - j) = corner_parity(2, component) * corner(:, j)
+      corner(:, -1 - j) = parity(2) * corner(:, j)
     end do
     kernel = 0.0_real64
     do j = 1 - self%rows, self%rows - 1
       do i = 1 - self%columns, self%columns - 1
         kernel(1 + modulo(i, size(kernel, 1)), 1 + modulo(j, size(kernel, 2))) = &
-          -(corner(i, j) - corner(i - 1, j) - corner(i, j - 1) + corner(i - 1, j - 1)) / &
-          (2.0_real64 * pi)
+          corner_factor(source) * (corner(i, j) - corner(i - 1, j) - corner(i, j - 1) + &
+                                   corner(i - 1, j - 1)) / (2.0_real64 * pi)
       end do
     end do
   end subroutine fill_kernel
 
   ! The same for a strip: u is along its period, v across.
-  subroutine fill_strip_kernel(self, depth, component, kernel)
+  subroutine fill_strip_kernel(self, depth, source, component, kernel)
     class(stress_solver), intent(in) :: self
     real(real64), intent(in) :: depth
-    integer, intent(in) :: component
+    integer, intent(in) :: source, component
     real(real64), intent(out) :: kernel(:, :)
     real(real64), allocatable :: steps(:), sums(:)
     real(real64) :: far, right, left
@@ -255,7 +286,8 @@ contains
 
     along = self%strip_axis
     across = 3 - along
-    parities = [corner_parity(along, component), corner_parity(across, component)]
+    parities = corner_parity(source, component)
+    parities = parities([along, across])
     n = merge(self%columns, self%rows, along == 1)
     top = (images_along + 1) * n
     ! Beyond it the corner functions change by 1e-8 of themselves.
@@ -278,7 +310,7 @@ contains
           sums(i) = sums(i) + steps(i + k * n) - steps(i + k * n - 1)
         end do
       end do
-      sums = -sums / (2.0_real64 * pi)
+      sums = corner_factor(source) * sums / (2.0_real64 * pi)
       if (along == 1) then
         kernel(:, 1 + j) = sums
         if (j > 0) kernel(:, size(kernel, 2) + 1 - j) = -parities(2) * sums
@@ -308,47 +340,13 @@ contains
       real(real64), intent(in) :: u, v
 
       if (along == 1) then
-        corner_along = corner_function(component, u, v, depth, self%ratio)
+        corner_along = corner_function(source, component, u, v, depth, self%body%ratio(1))
       else
-        corner_along = corner_function(component, v, u, depth, self%ratio)
+        corner_along = corner_function(source, component, v, u, depth, self%body%ratio(1))
       end if
     end function corner_along
 
   end subroutine fill_strip_kernel
-
-  ! A corner function of the header, for X, Y and z more than 0.
-  pure real(real64) function corner_function(component, x, y, z, ratio) result(corner)
-    integer, intent(in) :: component
-    real(real64), intent(in) :: x, y, z, ratio
-    real(real64) :: r, solid
-
-    r = sqrt(x**2 + y**2 + z**2)
-    solid = atan(x * y / (z * r))
-    select case (component)
-    case (1)
-      corner = lateral_corner(x, y)
-    case (2)
-      corner = lateral_corner(y, x)
-    case (3)
-      corner = solid + x * y * z / r * (1.0_real64 / (x**2 + z**2) + 1.0_real64 / (y**2 + z**2))
-    case (4)
-      corner = (1.0_real64 - 2.0_real64 * ratio) * log(r + z) + z / r
-    case (5)
-      corner = -z**2 * y / (r * (x**2 + z**2))
-    case default
-      corner = -z**2 * x / (r * (y**2 + z**2))
-    end select
-
-  contains
-
-    pure real(real64) function lateral_corner(x, y)
-      real(real64), intent(in) :: x, y
-
-      lateral_corner = 2.0_real64 * ratio * solid + (1.0_real64 - 2.0_real64 * ratio) * &
-                (atan(y / x) - atan(z * y / (x * r))) - z * x * y / (r * (x**2 + z**2))
-    end function lateral_corner
-
-  end function corner_function
 
   !> Equivalent stress of von Mises.
   pure real(real64) function von_mises(stress)
@@ -396,6 +394,11 @@ contains
           largest(k)%depth = depth
           largest(k)%x = field%origin(1) + (i - 1) * field%pixel_spacing(1)
           largest(k)%y = field%origin(2) + (j - 1) * field%pixel_spacing(2)
+          associate (near => field%pressure(max(1, i - 1):min(i + 1, field%columns), &
+                                            max(1, j - 1):min(j + 1, field%rows)) > 0.0_real64)
+            largest(k)%on_rim = depth < minval(field%pixel_spacing) .and. any(near) .and. &
+                                .not. all(near)
+          end associate
         end do
       end do
     end do

@@ -218,10 +218,11 @@ def test_all_formats_have_the_stresses_of_the_table(asperity, tmp_path):
 @pytest.mark.parametrize("words, text", [
     (("--stress", "s.csv"), "--stress: expected --depths LIST beside it"),
     (("--stress", "s.vtk"), "expected a name that ends with .csv, .json or .vts"),
-    (("--depths", "0.1,0"), "expected depths more than 0"),
-    (("--depths", "0.2:0.1:4"), "expected depths more than 0"),
-    (("--depths", "0.1:0.2:1"), "expected depths more than 0"),
-    (("--depths", "0.1,,0.2"), "expected depths more than 0"),
+    (("--depths", "0.1,-0.1"), "expected depths of 0 or more"),
+    (("--depths", "0.2:0.1:4"), "expected depths of 0 or more"),
+    (("--depths", "0.1:0.2:1"), "expected depths of 0 or more"),
+    (("--depths", "0.1,,0.2"), "expected depths of 0 or more"),
+    (("--body", "upper"), "--body: expected --depths LIST beside it"),
     (("--depths", "0.1"), "--depths: stress needs poisson_ratio in &material")])
 def test_refused_options(asperity, tmp_path, words, text):
     scene = map_scene(tmp_path, np.eye(8), (1.0, 1.0), material=10.0,
