@@ -49,6 +49,13 @@ module asperity_height_map
   !> Lengths that are accepted, for a message.
   character(len=*), parameter :: expected_length = trim(expected_numbers(a_length))
 
+  !> A half-space under a bonded layer of another material.
+  type :: layered_body
+    real(real64) :: thickness = 0.0_real64   !! of the layer [length]; 0: none
+    real(real64) :: modulus(2) = 0.0_real64  !! Young's, at the surface and of the base; 0: rigid
+    real(real64) :: ratio(2) = 0.0_real64    !! Poisson's, at the surface and of the base
+  end type layered_body
+
   !> The map. Lengths are in `unit`; y grows with the row.
   type :: height_map
     integer :: columns = 0                      !! samples of a profile, along x
@@ -65,16 +72,10 @@ module asperity_height_map
     logical :: periodic = .false.               !! it repeats itself along x and y: it has no edge
     integer :: strip_axis = 0                   !! axis along which alone it repeats itself; 0: none
     logical :: is_between = .false.             !! moved by a part of a pixel: waves in between
+    type(layered_body) :: bodies(2)             !! upper and lower, with layers of their thickness
   contains
     procedure :: repeats => repeats_along       !! whether it repeats itself along an axis
   end type height_map
-
-  !> A half-space under a bonded layer of another material.
-  type :: layered_body
-    real(real64) :: thickness = 0.0_real64   !! of the layer [length]; 0: none
-    real(real64) :: modulus(2) = 0.0_real64  !! Young's, at the surface and of the base; 0: rigid
-    real(real64) :: ratio(2) = 0.0_real64    !! Poisson's, at the surface and of the base
-  end type layered_body
 
   !> Numbers and options that are given beside a map: in a scene, on the command line, as arguments.
   type :: map_request

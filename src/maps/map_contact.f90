@@ -6,7 +6,9 @@
 !> is first pressed at half its resolution, that one at half of that, and so on: each is the start
 !> of the next.
 module asperity_map_contact
+  use asperity_constants, only: pi
   use asperity_lattice_convolution, only: lattice_convolution, padded_length
+  use asperity_layer_compliance, only: add_layers, layer_factor, mean_displacement
   use asperity_element_influence, only: centre_influence, strip_influence
   use asperity_element_forces, only: find_forces, force_bounds, missing_gap
   use asperity_height_map, only: height_map, is_measured, no_height
@@ -154,7 +156,7 @@ contains
   end subroutine press_map
 
   !> Sets the failure where an elastic map has no solution at the level of `answer`: the mean
-  !> displacement of a periodic map is 0, so that its mean gap would be negative; at 0 it is in full
+  !> displacement of a periodic map is 0, but on a rigid base, so that its mean gap would be negative; at 0 it is in full
   !> contact at any load. Only surfaces that a load has brought into full contact stay in it, with
   !> their load, where that level is held. A flat that does not reach the map is above its mean.
   subroutine check_level(map, start, error, answer)
@@ -164,7 +166,8 @@ contains
     type(map_answer), intent(inout) :: answer           !! level of the flat; gets the failure
     real(real64) :: lowered
 
-    if (.not. (map%periodic .and. answer%level < maxval(map%height))) return
+    if (.not. (map%periodic .and. answer%level < maxval(map%height)) .or. &
+        mean_displacement(map%bodies) > 0.0_real64) return
     lowered = 0.0_real64
     if (allocated(start)) then
       if (all(start > 0.0_real64 .or. .not. is_measured(map%height))) lowered = error
@@ -232,15 +235,30 @@ contains
   subroutine prepare_influence(map, influence)
     type(height_map), intent(in) :: map                     !! map with its edges
     type(lattice_convolution), intent(inout) :: influence   !! convolution without plans
+    real(real64), allocatable :: factor(:, :), table(:, :)
+    integer :: i, j
 
-    associate (gap => map%height, side_ratio => map%pixel_spacing(2) / map%pixel_spacing(1))
-      if (map%periodic) then
+    associate (gap => map%height, side_ratio => map%pixel_spacing(2) / map%pixel_spacing(1), &
+               layered => any(map%bodies%thickness > 0.0_real64))
+      if (map%periodic .and. layered) then
+        allocate (factor(0:size(gap, 1) / 2, 0:size(gap, 2) / 2))
+        do j = 0, ubound(factor, 2)
+          do i = 0, ubound(factor, 1)
+            factor(i, j) = layer_factor(map%bodies, 2.0_real64 * pi * norm2( &
+                                        [i, j] / (map%pixel_spacing * shape(gap))))
+          end do
+        end do
+        factor(0, 0) = mean_displacement(map%bodies) / map%pixel_spacing(1)
+        call influence%prepare_periodic(size(gap, 1), size(gap, 2), side_ratio, factor)
+      else if (map%periodic) then
         call influence%prepare_periodic(size(gap, 1), size(gap, 2), side_ratio)
       else if (map%strip_axis > 0) then
         call influence%prepare(strip_influence(shape(gap), side_ratio, map%strip_axis), &
                                side_ratio, map%strip_axis)
       else
-        call influence%prepare(centre_influence(size(gap, 1), size(gap, 2), side_ratio), side_ratio)
+        table = centre_influence(size(gap, 1), size(gap, 2), side_ratio)
+        if (layered) call add_layers(map%bodies, map%pixel_spacing, table)
+        call influence%prepare(table, side_ratio)
       end if
     end associate
   end subroutine prepare_influence

@@ -25,9 +25,9 @@ module asperity_map_interface
 contains
 
   !> Adds the stiffness by the compression and by the mean gap, that of pixels that stick by
-  !> tangential displacements, the conductance over the
-  !> conductivity, whether the open area percolates along x and y, and the conductances. A stiffness
-  !> that is unknown or infinite is `not_computed`.
+  !> tangential displacements, the conductance over the conductivity, whether the open area
+  !> percolates along x and y, and the conductances. A stiffness that is unknown or infinite, and a
+  !> tangential one of layers, is `not_computed`.
   subroutine add_interface(map, material, pressure, conductivity, columns, hardness)
     type(height_map), intent(in) :: map         !! map with its edges
     !> combined modulus, more than 0, and Poisson's ratio of tangential displacements
@@ -37,6 +37,7 @@ contains
     type(column_list), intent(inout) :: columns     !! gets the columns
     real(real64), intent(in), optional :: hardness  !! largest pressure; absent: elastic
     real(real64) :: by_compression, by_gap, conductance, tangential(2, 2)
+    type(height_map) :: bare
     type(map_patch), allocatable :: patches(:)
     logical, allocatable :: carries(:, :)
     logical :: is_open(2)
@@ -45,12 +46,20 @@ contains
     allocate (carries(size(pressure, 1), size(pressure, 2)), source=pressure > 0.0_real64)
     if (present(hardness)) carries = carries .and. pressure < hardness
     call find_stiffness(map, material(1), carries, by_compression, by_gap)
-    conductance = not_computed
-    if (by_compression > not_computed) conductance = 2.0_real64 * by_compression / material(1)
+    conductance = by_compression
+    ! Of one conductivity in layer and base: as without the layer.
+    if (any(map%bodies%thickness > 0.0_real64)) then
+      bare = map
+      bare%bodies%thickness = 0.0_real64
+      call find_stiffness(bare, material(1), carries, conductance)
+    end if
+    if (conductance > not_computed) conductance = 2.0_real64 * conductance / material(1)
     call columns%add('contact_stiffness', stiffness, by_compression)
     call columns%add('interface_stiffness', stiffness, by_gap)
     call columns%add('conductance_length', length, conductance)
-    call find_tangential_stiffness(map, material(1), material(2), pressure > 0.0_real64, tangential)
+    tangential = not_computed
+    if (all(map%bodies%thickness <= 0.0_real64)) call find_tangential_stiffness( &
+      map, material(1), material(2), pressure > 0.0_real64, tangential)
     call columns%add('tangential_stiffness_xx', stiffness, tangential(1, 1))
     call columns%add('tangential_stiffness_xy', stiffness, tangential(1, 2))
     call columns%add('tangential_stiffness_yy', stiffness, tangential(2, 2))

@@ -44,6 +44,7 @@ contains
     changed%rows = size(height, 2)
     changed%periodic = map%periodic
     changed%strip_axis = map%strip_axis
+    changed%bodies = map%bodies
     changed%pixel_spacing = ratio * map%pixel_spacing
     where ([map%repeats(1), map%repeats(2)]) changed%pixel_spacing = map%pixel_spacing * &
       shape(map%height) / real(shape(height), real64)

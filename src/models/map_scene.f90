@@ -62,6 +62,7 @@ contains
         if (present(placed)) placed = caps
       end if
       call add_form(map, maps%form_radius)
+      map%bodies = scene_in%bodies
     end associate
 
   contains

@@ -402,6 +402,7 @@ contains
       if (map%repeats(axis)) width = map%pixel_spacing(axis) * size(map%height, axis)
       call find_form_contact(form, max(answer%load, 0.0_real64), self%model%modulus, width, &
                              smooth(1), smooth(2))
+      if (any(map%bodies%thickness > 0.0_real64)) smooth = not_computed
       call columns%add('hertz_pressure', [1, 0], smooth(1))
       call columns%add('hertz_area', area, smooth(2))
     end associate

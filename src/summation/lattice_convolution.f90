@@ -91,16 +91,20 @@ contains
 
   !> Prepares the convolution for displacements times the modulus by pressures on a periodic
   !> half-space: 2/q for a wave of number q (Johnson, Contact Mechanics, 1985, section 13.2), 0 for
-  !> the mean pressure.
-  subroutine prepare_periodic(self, columns, rows, side_ratio)
+  !> the mean pressure; times a factor of each wave under layers.
+  subroutine prepare_periodic(self, columns, rows, side_ratio, factor)
     class(lattice_convolution), intent(inout), target :: self  !! convolution without plans
     integer, intent(in) :: columns, rows     !! numbers of columns and rows
     real(real64), intent(in) :: side_ratio   !! side of an element along y over that along x
+    !> (wave number in x, in y): of half of the numbers; the first: displacement by a mean pressure
+    real(real64), intent(in), optional :: factor(0:, 0:)
 
     call make_plans(self, columns, rows, rows, side_ratio)
     self%repeats = .true.
     self%spectrum(:, :, of_influence) = 1.0_real64 / self%spectrum(:, :, of_inverse)
-    self%spectrum(0, 0, of_influence) = 0.0_real64
+    self%spectrum(0, 0, of_influence) = merge(1.0_real64, 0.0_real64, present(factor))
+    if (present(factor)) self%spectrum(:, :, of_influence) = &
+      self%spectrum(:, :, of_influence) * transpose(factor)
     call scale_spectrum(self)
   end subroutine prepare_periodic
 
