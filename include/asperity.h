@@ -216,6 +216,15 @@ asperity_outcome *asperity_fields(const asperity_outcome *solved, int position, 
 asperity_outcome *asperity_stress(const asperity_half_space *body, const double *pressure,
                                   const double *traction_x, const double *traction_y, double depth);
 
+/* Displacements of the surface of a body by such pressures and tractions: displacement_z, more than 0
+ * into the body, and with tractions also displacement_x and displacement_y. On a periodic side their
+ * mean is 0, but on a layer with a rigid base. */
+asperity_outcome *asperity_displacement(const asperity_half_space *body, const double *pressure,
+                                        const double *traction_x, const double *traction_y);
+
+/* The pressures that give displacements displacement_z of all pixels: column pressure. */
+asperity_outcome *asperity_pressure(const asperity_half_space *body, const double *displacement);
+
 /* Runs the original program on a card deck; ASPERITY_REPORT is what it prints. arithmetic: "ibm370"
  * (also for NULL), "real32", "real64" or "real128". tables: [number] positions from 1 to 100, whose
  * contact tables are printed; NULL: those of the thesis, 13, 55 and 56. */

@@ -18,12 +18,13 @@ from ._calls import generate, report, summits
 from ._columns import Table, Values
 from ._errors import AccuracyWarning, ComputeError, InputError, Problem, TheoryWarning
 from ._fields import Fields, Stress
+from ._half_space import HalfSpace
 from ._maps import HeightMap, generate_map, read_map
 from ._results import Results, Summits, load
 from ._scenes import Scene, solve
 
 __all__ = ["solve", "accuracy", "report", "summits", "generate", "generate_map", "read_map", "load",
-           "Scene", "HeightMap", "Results", "Fields", "Stress", "Summits", "Accuracy", "Table",
+           "Scene", "HeightMap", "Results", "Fields", "Stress", "HalfSpace", "Summits", "Accuracy", "Table",
            "Values",
            "InputError", "ComputeError", "Problem", "TheoryWarning", "AccuracyWarning",
            "theory", "__version__"]

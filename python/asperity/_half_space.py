@@ -4,19 +4,102 @@ from __future__ import annotations
 
 from typing import TYPE_CHECKING, Any
 
+from . import _arguments as _a
 from . import _library as _c
-from ._columns import Table, needed
+from ._columns import needed
 
 if TYPE_CHECKING:
     from collections.abc import Iterable, Sequence
 
+    from numpy.typing import NDArray
 
-def stresses(body: _c.Body, pressure: Any, tractions: Sequence[Any],
-             depths: Iterable[float]) -> list[Table]:
-    """A table of stresses for each depth; tractions are one along x, both, or none."""
-    library: Any = needed("numpy", "stress", "stresses")
-    arrays = [library.ascontiguousarray(one, float) for one in (pressure, *tractions)]
-    arrays += [library.zeros_like(arrays[0])] * (len(arrays) == 2)
-    places = [one.ctypes.data for one in arrays] + [None] * (3 - len(arrays))
-    return [_c.call("stress", body, *places, float(depth)).checked().table(_c.FIELDS, "pixels")
-            for depth in depths]
+    from ._columns import Table
+
+
+class HalfSpace:
+    """An elastic half-space, or a layer on one, under arrays of pixels.
+
+    Pressures and displacements have the shape (rows, columns) and are indexed `[y, x]`; z points
+    into the body. On a periodic side the mean displacement is 0, but on a layer with a rigid base.
+
+    Parameters
+    ----------
+    shape : (int, int)
+        Rows and columns.
+    spacing : float or (float, float)
+        Distance of pixels along x and y.
+    modulus, poisson : float
+        Young's modulus and Poisson's ratio; 0 is the modulus of a rigid base under a layer.
+    periodic : bool or (bool, bool), default False
+        Whether the body repeats itself, or along x and y; otherwise there is no load beyond.
+    layer : (float, float, float), optional
+        Thickness, Young's modulus and Poisson's ratio of a bonded layer, not on strips.
+
+    Examples
+    --------
+    >>> import asperity, numpy as np
+    >>> x = np.arange(64) / 64
+    >>> body = asperity.HalfSpace((64, 64), 1 / 64, 1.0, 0.3, periodic=True)
+    >>> wave = np.tile(np.cos(2 * np.pi * x), (64, 1))
+    >>> print(f"{body.displacement(wave).max():.6f}")  # 2 (1 - nu**2)/(E q)
+    0.289662
+    >>> bool(np.allclose(body.pressure(body.displacement(wave)), wave))
+    True
+    """
+
+    def __init__(self, shape: tuple[int, int], spacing: float | tuple[float, float],
+                 modulus: float, poisson: float, *, periodic: bool | tuple[bool, bool] = False,
+                 layer: tuple[float, float, float] | None = None):
+        self.shape = int(shape[0]), int(shape[1])
+        sides = spacing if isinstance(spacing, (list, tuple)) else (spacing, spacing)
+        edges = periodic if isinstance(periodic, (list, tuple)) else (periodic, periodic)
+        thickness, *surface = layer or (0.0, modulus, poisson)
+        self._body = _c.Body(self.shape[1], self.shape[0], tuple(sides), tuple(edges),
+                             (surface[0], modulus), (surface[1], poisson), thickness)
+
+    def displacement(self, pressure: Any, tractions: Any = None) -> NDArray[Any]:
+        """Normal displacement by pressures. With `tractions` along x and y, the three
+        displacements along x, y and z by both, of shape (3, rows, columns); not on a layer."""
+        library: Any = needed("numpy", "HalfSpace", "arrays")
+        table = self._call("displacement", self._arrays(pressure, *(tractions or ())))
+        names = ["displacement_z"] if tractions is None else [f"displacement_{x}" for x in "xyz"]
+        found = library.stack([library.reshape(table[name], self.shape) for name in names])
+        return found if tractions is not None else found[0]  # type: ignore[no-any-return]
+
+    def pressure(self, displacement: Any) -> NDArray[Any]:
+        """The pressures, positive and negative ones, that give normal displacements."""
+        library: Any = needed("numpy", "HalfSpace", "arrays")
+        table = self._call("pressure", self._arrays(displacement))
+        return library.reshape(library.array(table["pressure"]),  # type: ignore[no-any-return]
+                               self.shape)
+
+    def stress(self, depths: Any, pressure: Any, tractions: Any = None) -> dict[str, NDArray[Any]]:
+        """Stresses by name, as of `Results.stress`, of shape (depths, rows, columns)."""
+        library: Any = needed("numpy", "HalfSpace", "arrays")
+        tables = stresses(self._body, self._arrays(pressure, *(tractions or ())),
+                          library.atleast_1d(depths))
+        return {name.removeprefix("stress_"): library.stack(
+            [library.reshape(table[name], self.shape) for table in tables]) for name in tables[0]}
+
+    def _arrays(self, *given: Any) -> list[Any]:
+        """Arrays of numbers of the shape."""
+        library: Any = needed("numpy", "HalfSpace", "arrays")
+        arrays = [library.ascontiguousarray(one, float) for one in given]
+        for one in arrays:
+            if one.shape != self.shape:
+                raise _a.wrong("pressure", f"an array of shape {one.shape}", f"{self.shape}")
+        return arrays
+
+    def _call(self, name: str, arrays: Sequence[Any]) -> Table:
+        addresses = _addresses(arrays) if name != "pressure" else [arrays[0].ctypes.data]
+        return _c.call(name, self._body, *addresses).checked().table(_c.FIELDS, "pixels")
+
+
+def _addresses(arrays: Sequence[Any]) -> list[int | None]:
+    return [one.ctypes.data for one in arrays] + [None] * (3 - len(arrays))
+
+
+def stresses(body: _c.Body, arrays: list[Any], depths: Iterable[float]) -> list[Table]:
+    """A table of stresses for each depth, by pressures and, where given, both tractions."""
+    return [_c.call("stress", body, *_addresses(arrays), float(depth)).checked()
+            .table(_c.FIELDS, "pixels") for depth in depths]

@@ -86,6 +86,8 @@ _FUNCTIONS: list[tuple[Any, ...]] = [
     ("solve_scene", c_void_p, c_void_p, POINTER(Options)),
     ("fields", c_void_p, c_void_p, c_int, c_int),
     ("stress", c_void_p, POINTER(Body), c_void_p, c_void_p, c_void_p, c_double),
+    ("displacement", c_void_p, POINTER(Body), c_void_p, c_void_p, c_void_p),
+    ("pressure", c_void_p, POINTER(Body), c_void_p),
     ("make_report", c_void_p, c_char_p, c_char_p, POINTER(c_int), c_int),
     ("summits", c_void_p, c_char_p, POINTER(Map), POINTER(SummitsOptions)),
     ("read_map", c_void_p, c_char_p, POINTER(c_double), c_char_p),

@@ -291,9 +291,11 @@ class Results:
         if not (at.ndim == 1 and at.size > 0 and at.dtype.kind in "iuf" and (at >= 0).all()):
             raise _a.wrong("depths", _a.shown(depths), "one or several numbers of 0 or more")
         side = SIDES.index(body)
-        return Stress(fields, at, stresses(self._body(fields, side), fields.pressure, [
-            library.multiply(fields[name], 1 - 2 * (side == 0)) for name in fields
-            if name.startswith("traction")], at))
+        arrays = [library.ascontiguousarray(fields.pressure, float)] + [
+            library.ascontiguousarray(fields[name]) * (1 - 2 * (side == 0)) for name in fields
+            if name.startswith("traction")]
+        arrays += [library.zeros_like(arrays[0])] * (len(arrays) == 2)
+        return Stress(fields, at, stresses(self._body(fields, side), arrays, at))
 
     def _body(self, fields: Fields, side: int) -> _c.Body:
         """The upper (0) or lower (1) body of the scene under the pixels of fields."""

@@ -14,6 +14,7 @@ module asperity_map_stress
   use asperity_height_map, only: layered_body
   use asperity_kinds, only: int64, not_computed, real64
   use asperity_lattice_convolution, only: padded_length
+  use asperity_layer_stress, only: along_axes, layer_stress
   use asperity_plane_transform, only: plane_transform
   use asperity_problems, only: not_enough_memory, real_text
   use asperity_process, only: has_memory
@@ -140,7 +141,7 @@ contains
     where (.not. [self%periodic .or. self%strip_axis == 1, self%periodic .or. &
                   self%strip_axis == 2]) padded = padded_length(2 * padded)
     call self%transform%prepare(padded(1), padded(2))
-    self%uses = [.true., allocated(field%traction), .false.]
+    self%uses = [.true., allocated(field%traction), allocated(field%traction_y)]
     allocate (self%waves(0:self%transform%rows - 1, 0:self%transform%columns / 2, &
                          merge(3, 1, any(self%uses(2:)))))
     call self%transform%make_waves(merge(field%pressure, 0.0_real64, &
@@ -149,7 +150,9 @@ contains
     allocate (self%steps(2, 2, self%columns, self%rows), source=0.0_real64)
     do axis = 1, 2
       if (.not. self%uses(1 + axis)) cycle
-      traction = merge(field%traction, 0.0_real64, field%traction > not_computed)
+      if (axis == 1) traction = field%traction
+      if (axis == 2) traction = field%traction_y
+      where (.not. traction > not_computed) traction = 0.0_real64
       if (is_upper) traction = -traction
       call self%transform%make_waves(traction, self%waves(:, :, 1 + axis))
       do j = 1, self%rows
@@ -182,15 +185,26 @@ contains
     real(real64), intent(in) :: depth                !! depth below the surface, 0 or more
     real(real64), allocatable, intent(out) :: stress(:, :, :)  !! (column, row, component)
     complex(real64), allocatable :: of_kernel(:, :), waves(:, :)
-    real(real64), allocatable :: kernel(:, :)
+    real(real64), allocatable :: kernel(:, :), of_layer(:, :, :)
     integer :: i, j, k, source
 
+    if (self%body%thickness > 0.0_real64) then
+      allocate (of_layer(4, 0:self%rows / 2, 0:self%columns / 2), source=0.0_real64)
+      !$omp parallel do private(j)
+      do i = 0, self%columns / 2
+        do j = merge(1, 0, i == 0), self%rows / 2
+          of_layer(:, j, i) = layer_stress(self%body, 2.0_real64 * pi * norm2( &
+            [i, j] / ([self%columns, self%rows] * self%side)), depth)
+        end do
+      end do
+      !$omp end parallel do
+    end if
     allocate (stress(self%columns, self%rows, size(component_names)))
     allocate (waves, mold=self%waves(:, :, 1))
     if (.not. self%periodic) allocate (kernel(self%transform%columns, self%transform%rows))
     if (.not. self%periodic) allocate (of_kernel, mold=waves)
     do k = 1, size(component_names)
-      if (self%periodic) call multiply_waves(self, depth, k, waves)
+      if (self%periodic) call multiply_waves(self, of_layer, depth, k, waves)
       do source = 1, merge(0, size(self%waves, 3), self%periodic)
         if (.not. self%uses(source)) cycle
         if (self%strip_axis > 0) then
@@ -215,8 +229,10 @@ contains
   end subroutine solve_depth
 
   ! The waves of a component on a periodic map.
-  subroutine multiply_waves(self, depth, component, waves)
+  subroutine multiply_waves(self, of_layer, depth, component, waves)
     class(stress_solver), intent(in) :: self
+    !> (stress, wave number in y, in x): `layer_stress`; not allocated: there is no layer
+    real(real64), allocatable, intent(in) :: of_layer(:, :, :)
     real(real64), intent(in) :: depth
     integer, intent(in) :: component
     complex(real64), intent(out) :: waves(0:, 0:)
@@ -229,6 +245,11 @@ contains
         wave = 2.0_real64 * pi * [i, merge(j - n, j, 2 * j > n)] / &
                ([self%transform%columns, n] * self%side)
         odd = merge(0.0_real64, wave, 2 * [i, j] == [self%transform%columns, n])
+        if (allocated(of_layer) .and. i + j > 0) then
+          waves(j, i) = along_axes(component, wave, odd, of_layer(:, min(j, n - j), i)) * &
+                        self%waves(j, i, by_pressure)
+          cycle
+        end if
         waves(j, i) = stress_of_wave(by_pressure, component, wave, odd, depth, &
                                      self%body%ratio(1)) * self%waves(j, i, by_pressure)
         do source = by_traction_x, merge(by_traction_y, 0, any(self%uses(by_traction_x:)))
