@@ -27,8 +27,12 @@ module asperity_layer_compliance
   real(real64), parameter :: last_number = 22.0_real64
   ! Nodes of the table of radii, and the distance in thicknesses from which on a pixel needs no finer
   ! squares (chosen; test: Hankel's integral in test/maps/test_layers.py).
-  integer, parameter :: nodes = 600
+  integer, parameter :: nodes = 300
   real(real64), parameter :: near = 8.0_real64
+  ! Radius in thicknesses from which on the rest falls as its cube (derived: rest(q) is analytic in q,
+  ! its even powers give r**-3, r**-5 ...), and a layer so thin beside an element that the rest acts
+  ! at a point: the errors are squares of 1/far and of thin.
+  real(real64), parameter :: far = 50.0_real64, thin = 2.0e-3_real64
 
 contains
 
@@ -119,7 +123,7 @@ contains
         if (.not. body%thickness > 0.0_real64) cycle
         d = shear_ratio(body) * (1.0_real64 - body%ratio(2)) / (1.0_real64 - body%ratio(1)) - &
             1.0_real64
-        step = asinh(norm2(side * shape(table)) / body%thickness) / (nodes - 2)
+        step = asinh(far) / (nodes - 2)
         call fill_rest(body, d, step, rest)
         !$omp parallel do private(i, k, l, x, y, corner)
         do j = 0, ubound(table, 2)
@@ -134,7 +138,7 @@ contains
             end do
             table(i, j) = table(i, j) + share(b) / (pi * side(1)) * &
               (d * ((corner(1, 1) - corner(0, 1)) - (corner(1, 0) - corner(0, 0))) + &
-               integral_of(rest, step, side, body%thickness, i, j))
+               integral_of(rest, step, side / body%thickness, i, j) * body%thickness)
           end do
         end do
         !$omp end parallel do
@@ -161,7 +165,7 @@ contains
         do g = 1, gauss_points
           x = (k + gauss_node(g)) * panel
           rest(i) = rest(i) + panel * gauss_weight(g) * bessel_j0(x * r) * &
-                    (excess(body, x) - d * exp(-2.0_real64 * x)) / body%thickness
+                    (excess(body, x) - d * exp(-2.0_real64 * x))
         end do
       end do
     end do
@@ -169,41 +173,50 @@ contains
     rest(-1) = rest(1)
   end subroutine fill_rest
 
-  ! Integral of the rest over the element at an offset.
-  pure real(real64) function integral_of(rest, step, side, thickness, i, j) result(integral)
+  ! Integral of the rest over the element at an offset. Lengths are over the thickness.
+  pure real(real64) function integral_of(rest, step, side, i, j) result(integral)
     real(real64), allocatable, intent(in) :: rest(:)
-    real(real64), intent(in) :: step, side(2), thickness
+    real(real64), intent(in) :: step, side(2)
     integer, intent(in) :: i, j
     ! Gauss's rule of three points.
     real(real64), parameter :: node(3) = [-sqrt(0.15_real64), 0.0_real64, sqrt(0.15_real64)], &
                                weight(3) = [5.0_real64, 8.0_real64, 5.0_real64] / 18.0_real64
-    real(real64) :: place, u, v
-    integer :: k, l, m, n, o, squares
+    integer :: k, l, m, n, squares
 
     squares = 1
-    if (norm2(max(0.0_real64, [i, j] - 0.5_real64) * side) < near * thickness) &
-      squares = max(1, ceiling(2.0_real64 * maxval(side) / thickness))
+    if (norm2(max(0.0_real64, [i, j] - 0.5_real64) * side) < near) &
+      squares = ceiling(2.0_real64 * min(maxval(side), 1.0_real64 / thin))
     integral = 0.0_real64
     do l = 1, squares
       do k = 1, squares
         do m = 1, 3
-          v = (j + (l - 0.5_real64 + node(m)) / squares - 0.5_real64) * side(2)
           do n = 1, 3
-            u = (i + (k - 0.5_real64 + node(n)) / squares - 0.5_real64) * side(1)
-            place = asinh(hypot(u, v) / thickness) / step
-            o = min(int(place), nodes - 2)
-            place = place - o
-            ! Lagrange's cubic through four nodes.
-            integral = integral + weight(m) * weight(n) * ( &
-              (place + 1.0_real64) * (place - 2.0_real64) * 0.5_real64 * ( &
-                (place - 1.0_real64) * rest(o) - place * rest(o + 1)) + &
-              place * (place - 1.0_real64) / 6.0_real64 * ((place + 1.0_real64) * rest(o + 2) - &
-                (place - 2.0_real64) * rest(o - 1)))
+            integral = integral + weight(m) * weight(n) * value_at(hypot( &
+              (i + (k - 0.5_real64 + node(n)) / squares - 0.5_real64) * side(1), &
+              (j + (l - 0.5_real64 + node(m)) / squares - 0.5_real64) * side(2)))
           end do
         end do
       end do
     end do
     integral = integral * product(side) / squares**2
+
+  contains
+
+    ! Lagrange's cubic through four nodes.
+    pure real(real64) function value_at(radius)
+      real(real64), intent(in) :: radius
+      real(real64) :: place
+      integer :: o
+
+      o = min(int(asinh(radius) / step), nodes - 2)
+      place = min(asinh(radius) / step, nodes - 2.0_real64) - o
+      value_at = (place + 1.0_real64) * (place - 2.0_real64) * 0.5_real64 * ( &
+                   (place - 1.0_real64) * rest(o) - place * rest(o + 1)) + &
+                 place * (place - 1.0_real64) / 6.0_real64 * ( &
+                   (place + 1.0_real64) * rest(o + 2) - (place - 2.0_real64) * rest(o - 1))
+      if (radius > far) value_at = value_at * (far / radius)**3
+    end function value_at
+
   end function integral_of
 
 end module asperity_layer_compliance
