@@ -209,21 +209,17 @@ asperity_outcome *asperity_rebuild_scene(const asperity_outcome *scene, const ch
  * -1 for the last. */
 asperity_outcome *asperity_fields(const asperity_outcome *solved, int position, int state);
 
-/* Stress in a body at a depth of 0 or more, by a pressure and tractions along x and y on each pixel, row
- * by row; NaN: a missing pixel; tractions NULL: none. Tension is positive, z points into the body. Table
- * ASPERITY_FIELDS with stress_xx, yy, zz, xy, xz, yz, von_mises and largest_shear. The tractions of
- * asperity_fields act on the lower body, those on the upper one are opposite. */
-asperity_outcome *asperity_stress(const asperity_half_space *body, const double *pressure,
+/* A body under a pressure and tractions along x and y on each pixel, row by row; NaN: a missing pixel;
+ * tractions NULL: none. Table ASPERITY_FIELDS, by what:
+ * ASPERITY_DISPLACEMENTS of the surface: displacement_z, more than 0 into the body, and with tractions
+ * displacement_x, displacement_y. On a periodic side their mean is 0, but on a layer with a rigid base.
+ * ASPERITY_PRESSURES: pressure, for values that are displacements along z.
+ * ASPERITY_STRESSES at a depth of 0 or more: stress_xx, yy, zz, xy, xz, yz, von_mises, largest_shear;
+ * tension is positive, z points into the body.
+ * Tractions of asperity_fields act on the lower body, those on the upper one are opposite. */
+enum { ASPERITY_DISPLACEMENTS = 1, ASPERITY_PRESSURES = 2, ASPERITY_STRESSES = 3 };
+asperity_outcome *asperity_loaded(const asperity_half_space *body, int what, const double *values,
                                   const double *traction_x, const double *traction_y, double depth);
-
-/* Displacements of the surface of a body by such pressures and tractions: displacement_z, more than 0
- * into the body, and with tractions also displacement_x and displacement_y. On a periodic side their
- * mean is 0, but on a layer with a rigid base. */
-asperity_outcome *asperity_displacement(const asperity_half_space *body, const double *pressure,
-                                        const double *traction_x, const double *traction_y);
-
-/* The pressures that give displacements displacement_z of all pixels: column pressure. */
-asperity_outcome *asperity_pressure(const asperity_half_space *body, const double *displacement);
 
 /* Runs the original program on a card deck; ASPERITY_REPORT is what it prints. arithmetic: "ibm370"
  * (also for NULL), "real32", "real64" or "real128". tables: [number] positions from 1 to 100, whose

@@ -9,7 +9,7 @@ from . import _library as _c
 from ._columns import needed
 
 if TYPE_CHECKING:
-    from collections.abc import Iterable, Sequence
+    from collections.abc import Sequence
 
     from numpy.typing import NDArray
 
@@ -61,45 +61,39 @@ class HalfSpace:
         """Normal displacement by pressures. With `tractions` along x and y, the three
         displacements along x, y and z by both, of shape (3, rows, columns); not on a layer."""
         library: Any = needed("numpy", "HalfSpace", "arrays")
-        table = self._call("displacement", self._arrays(pressure, *(tractions or ())))
-        names = ["displacement_z"] if tractions is None else [f"displacement_{x}" for x in "xyz"]
-        found = library.stack([library.reshape(table[name], self.shape) for name in names])
-        return found if tractions is not None else found[0]  # type: ignore[no-any-return]
+        table = loaded(self._body, _c.DISPLACEMENTS, self._arrays(pressure, tractions))
+        names = "z" if tractions is None else "xyz"
+        found: Any = library.stack([library.reshape(table[f"displacement_{name}"], self.shape)
+                                    for name in names])
+        return found[0] if tractions is None else found  # type: ignore[no-any-return]
 
     def pressure(self, displacement: Any) -> NDArray[Any]:
         """The pressures, positive and negative ones, that give normal displacements."""
-        library: Any = needed("numpy", "HalfSpace", "arrays")
-        table = self._call("pressure", self._arrays(displacement))
-        return library.reshape(library.array(table["pressure"]),  # type: ignore[no-any-return]
-                               self.shape)
+        table = loaded(self._body, _c.PRESSURES, self._arrays(displacement, None))
+        found: Any = needed("numpy", "HalfSpace", "arrays").array(table["pressure"])
+        return found.reshape(self.shape)  # type: ignore[no-any-return]
 
     def stress(self, depths: Any, pressure: Any, tractions: Any = None) -> dict[str, NDArray[Any]]:
         """Stresses by name, as of `Results.stress`, of shape (depths, rows, columns)."""
         library: Any = needed("numpy", "HalfSpace", "arrays")
-        tables = stresses(self._body, self._arrays(pressure, *(tractions or ())),
-                          library.atleast_1d(depths))
+        arrays = self._arrays(pressure, tractions)
+        tables = [loaded(self._body, _c.STRESSES, arrays, float(depth))
+                  for depth in library.atleast_1d(depths)]
         return {name.removeprefix("stress_"): library.stack(
             [library.reshape(table[name], self.shape) for table in tables]) for name in tables[0]}
 
-    def _arrays(self, *given: Any) -> list[Any]:
+    def _arrays(self, values: Any, tractions: Any) -> list[Any]:
         """Arrays of numbers of the shape."""
         library: Any = needed("numpy", "HalfSpace", "arrays")
-        arrays = [library.ascontiguousarray(one, float) for one in given]
+        arrays = [library.ascontiguousarray(one, float) for one in (
+            values, *(() if tractions is None else tractions))]
         for one in arrays:
             if one.shape != self.shape:
-                raise _a.wrong("pressure", f"an array of shape {one.shape}", f"{self.shape}")
+                raise _a.wrong("pixels", f"an array of shape {one.shape}", f"{self.shape}")
         return arrays
 
-    def _call(self, name: str, arrays: Sequence[Any]) -> Table:
-        addresses = _addresses(arrays) if name != "pressure" else [arrays[0].ctypes.data]
-        return _c.call(name, self._body, *addresses).checked().table(_c.FIELDS, "pixels")
 
-
-def _addresses(arrays: Sequence[Any]) -> list[int | None]:
-    return [one.ctypes.data for one in arrays] + [None] * (3 - len(arrays))
-
-
-def stresses(body: _c.Body, arrays: list[Any], depths: Iterable[float]) -> list[Table]:
-    """A table of stresses for each depth, by pressures and, where given, both tractions."""
-    return [_c.call("stress", body, *_addresses(arrays), float(depth)).checked()
-            .table(_c.FIELDS, "pixels") for depth in depths]
+def loaded(body: _c.Body, what: int, arrays: Sequence[Any], depth: float = 0.0) -> Table:
+    """What the library computes of a body under pressures and, where given, both tractions."""
+    addresses = [one.ctypes.data for one in arrays] + [None] * (3 - len(arrays))
+    return _c.call("loaded", body, what, *addresses, depth).checked().table(_c.FIELDS, "pixels")

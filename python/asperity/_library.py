@@ -22,6 +22,7 @@ if TYPE_CHECKING:
 NOT_COMPUTED, BAD_INPUT = 1, 2
 FAILURE, PROBLEMS, WARNINGS, NOTES, REPORT, WARNING_KINDS, UNIT, GROUPS, SCENE = range(1, 10)
 POSITIONS, STATES, CONTACTS, SUMMITS, STATISTICS, UPPER, LOWER, MAP, PIXELS, FIELDS = range(1, 11)
+DISPLACEMENTS, PRESSURES, STRESSES = 1, 2, 3
 SPECTRA = {"iso": 11, "x": 12, "y": 13}
 WORD_LENGTH = 16
 # Of the types of columns: bytes of a cell, and its code for `memoryview`; a word is 16 letters.
@@ -85,9 +86,7 @@ _FUNCTIONS: list[tuple[Any, ...]] = [
     ("rebuild_scene", c_void_p, c_void_p, c_char_p),
     ("solve_scene", c_void_p, c_void_p, POINTER(Options)),
     ("fields", c_void_p, c_void_p, c_int, c_int),
-    ("stress", c_void_p, POINTER(Body), c_void_p, c_void_p, c_void_p, c_double),
-    ("displacement", c_void_p, POINTER(Body), c_void_p, c_void_p, c_void_p),
-    ("pressure", c_void_p, POINTER(Body), c_void_p),
+    ("loaded", c_void_p, POINTER(Body), c_int, c_void_p, c_void_p, c_void_p, c_double),
     ("make_report", c_void_p, c_char_p, c_char_p, POINTER(c_int), c_int),
     ("summits", c_void_p, c_char_p, POINTER(Map), POINTER(SummitsOptions)),
     ("read_map", c_void_p, c_char_p, POINTER(c_double), c_char_p),

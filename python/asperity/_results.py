@@ -17,7 +17,7 @@ from . import _library as _c
 from ._columns import Table, needed, shown
 from ._errors import ComputeError, warn_caller
 from ._fields import Stress
-from ._half_space import stresses
+from ._half_space import loaded
 from ._maps import HeightMap, map_of_file
 from ._page import page_of
 from ._plots import draw_contacts, draw_curves, draw_pixels, draw_points, new_axes
@@ -295,7 +295,9 @@ class Results:
             library.ascontiguousarray(fields[name]) * (1 - 2 * (side == 0)) for name in fields
             if name.startswith("traction")]
         arrays += [library.zeros_like(arrays[0])] * (len(arrays) == 2)
-        return Stress(fields, at, stresses(self._body(fields, side), arrays, at))
+        under = self._body(fields, side)
+        return Stress(fields, at, [loaded(under, _c.STRESSES, arrays, float(depth))
+                                   for depth in at])
 
     def _body(self, fields: Fields, side: int) -> _c.Body:
         """The upper (0) or lower (1) body of the scene under the pixels of fields."""
