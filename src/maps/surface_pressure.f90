@@ -44,7 +44,7 @@ contains
     associate (least => residual_left * maxval(abs(residual)))
       do turn = 1, iterations_allowed
         if (.not. maxval(abs(residual)) > least) return
-        call influence%apply(residual, image, inverse=.true.)
+        call influence%invert_on(residual, image)
         residual_product = sum(image * residual)
         step = 0.0_real64
         if (product_before > 0.0_real64) step = residual_product / product_before
