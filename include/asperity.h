@@ -80,8 +80,8 @@ enum {
   ASPERITY_FIELDS = 10,    /* asperity_fields: pressure, gap of the deformed surfaces (0 in contact),
                               displacement of both surfaces (more than 0 apart from each other),
                               contact (1 or 0), of rows * columns pixels, row by row; NaN where a pixel
-                              is missing. With friction on pixels also the tangential traction, and
-                              stick (1 or 0) */
+                              is missing. With friction on pixels also traction_x, traction_y on the lower
+                              body, slip_x, slip_y of the upper over the lower body, stick (1 or 0) */
   ASPERITY_SPECTRUM = 11,  /* asperity_power_spectrum: of the area, averaged over rings: q, c_iso, number
                               of wave vectors of each ring */
   ASPERITY_SPECTRUM_X = 12, /* of lines along x: q, c_1d, number of lines */

@@ -22,7 +22,7 @@ if TYPE_CHECKING:
 
 NAMES = ("pressure", "gap", "displacement", "contact")
 # With friction on pixels alone.
-SLIP_NAMES = ("traction", "stick")
+SLIP_NAMES = ("traction_x", "traction_y", "slip_x", "slip_y", "stick")
 # Arrays of yes and no.
 FLAGS = ("contact", "stick")
 # States that a solve keeps the fields of, by the argument of `solve`.
@@ -69,8 +69,9 @@ class Fields(Arrays):
         displacement: Sum of the elastic displacements of both surfaces, more than 0 apart from each
             other. On a periodic map its mean is 0.
         contact: True where the pixel is in contact.
-        traction, stick: Under a tangential load: tangential traction, and True where the pixel
-            sticks.
+        traction_x, traction_y, slip_x, slip_y, stick: Under a tangential load or with coupling:
+            tangential traction on the lower body, slip of the upper body over it, and True where
+            the pixel sticks.
         spacing: Distance of pixels along x and y.
         origin: Centre of the first pixel; 0, 0 on a height map.
         periodic: Whether the pixels repeat along x and y; None where a file does not say it.
@@ -102,7 +103,10 @@ class Fields(Arrays):
     gap: NDArray[Any]
     displacement: NDArray[Any]
     contact: NDArray[Any]
-    traction: NDArray[Any]
+    traction_x: NDArray[Any]
+    traction_y: NDArray[Any]
+    slip_x: NDArray[Any]
+    slip_y: NDArray[Any]
     stick: NDArray[Any]
 
     def __init__(self, outcome: _c.Outcome, position: int, step: int):
@@ -139,8 +143,8 @@ class Fields(Arrays):
              percentile: float = 99.5, on: Any = None) -> Axes:
         """Draw one of the arrays in plan on axes of matplotlib, new ones without `ax`.
 
-        Pixels out of contact have no colour in pressure and traction, those in contact none in the
-        gap; `contact` and `stick` have a legend with shares of the area.
+        Pixels out of contact have no colour in pressure, tractions and slip, those in contact none
+        in the gap; `contact` and `stick` have a legend with shares of the area.
 
         Args:
             scale: `linear`, `log`, or `auto`: `log` where the greatest value exceeds 20 medians.
@@ -170,7 +174,7 @@ class Fields(Arrays):
         return draw_pixels(values, *place, ax, origin=self.origin,
                            label=label_of(name, self.units[name]), scale=scale,
                            percentile=percentile,
-                           least=0.0 if name in ("pressure", "gap", "traction") else None)
+                           least=0.0 if name in ("pressure", "gap") else None)
 
     def __repr__(self) -> str:
         unit = f" {self.units['pressure']}" if self.units["pressure"] else ""

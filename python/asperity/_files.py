@@ -148,7 +148,7 @@ def read_vti(path: _a.Path, place: tuple[int, int], length: str, pressure: str) 
                 made.shape[0] * made.shape[1])], is_swapped), made.shape, field in FLAGS))
     made.unit, (made.position, made.step) = length or None, place
     made.periodic = None
-    made.units = {field: pressure if field in ("pressure", "traction") else
+    made.units = {field: pressure if field.startswith(("pressure", "traction")) else
                   "" if field in FLAGS else length for field in made._names}
     return made
 

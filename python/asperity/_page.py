@@ -107,7 +107,7 @@ class Page:
         (rows, columns), (dx, dy) = one.shape, one.spacing
         place = {"x": one.origin[0] - dx / 2, "y": one.origin[1] - dy / 2,
                  "dw": columns * dx, "dh": rows * dy}
-        for name in ("pressure", "gap", "traction", "stick"):
+        for name in ("pressure", "gap", "traction_x", "traction_y", "stick"):
             having = {key: each for key, each in kept.items() if name in list(each)}
             if not having:
                 continue

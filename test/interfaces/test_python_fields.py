@@ -254,15 +254,17 @@ def test_traction_and_stick(package, path, asperity, tmp_path):
     results.save(tmp_path / "r.zip")
     for fields in (results.fields(), package.load(tmp_path / "r.zip").fields(),
                    copy.deepcopy(results.fields())):
-        assert fields.keys() == (*NAMES, "contact", "traction", "stick")
-        assert np.array_equal(fields.traction, arrays["traction"].T, equal_nan=True)
+        assert fields.keys() == (*NAMES, "contact", "traction_x", "traction_y", "slip_x",
+                                 "slip_y", "stick")
+        assert all(np.array_equal(fields[name], arrays[name].T, equal_nan=True)
+                   for name in fields)
         assert fields.stick.dtype == bool and np.array_equal(fields.stick, arrays["stick"].T)
-        assert np.nansum(fields["traction"]) * 0.125 == pytest.approx(3.0)
-        assert fields.units["traction"] == fields.units["pressure"] != ""
-        assert fields.plot("traction") is not None
+        assert np.nansum(fields["traction_x"]) * 0.125 == pytest.approx(3.0)
+        assert fields.units["traction_y"] == fields.units["pressure"] != ""
+        assert fields.plot("slip_x") is not None
     assert results.positions["tangential_load"][0] == pytest.approx(3.0)
     with pytest.raises(KeyError):
-        package.solve(path, fields=True).fields()["traction"]
+        package.solve(path, fields=True).fields()["traction_x"]
 
 
 def test_stress_below(tmp_path):

@@ -72,7 +72,7 @@ def test_states_of_slip(results):
     slip = fields.contact & ~fields.stick
     counts = [(~fields.contact).mean(), slip.mean(), fields.stick.mean()]
     assert np.allclose(shares, 100 * np.array(counts), atol=0.051) and min(counts) > 0
-    assert np.array_equal(np.isnan(fields.plot("traction").images[0].get_array().filled(np.nan)),
+    assert np.array_equal(np.isnan(fields.plot("traction_x").images[0].get_array().filled(np.nan)),
                           ~fields.contact)
 
 
