@@ -22,16 +22,19 @@ module asperity_slip_solver
   use asperity_interruption, only: interruption
   use asperity_kinds, only: real64
   use asperity_solve_ending, only: solve_ending
-  use asperity_traction_convolution, only: by_tractions, inverse_of_tractions, traction_convolution
+  use asperity_traction_convolution, only: by_tractions, element_set, inverse_of_tractions, &
+                                           traction_convolution
   implicit none
   private
 
   public :: find_compliance, find_tractions, set_sticking, slip_problem, tangent_space
 
-  !> Discs of the tractions, and what is prescribed. Lengths and tractions as of the convolution.
+  !> Discs of the tractions, and what is prescribed. Arrays are by element in contact and component;
+  !> lengths and tractions as of the convolution.
   type :: slip_problem
-    real(real64), allocatable :: limit(:, :)      !! largest traction g of an element, 0 or more
-    real(real64), allocatable :: base(:, :, :)    !! displacements b: with them nothing slips
+    type(element_set) :: set                      !! elements in contact
+    real(real64), allocatable :: limit(:)         !! largest traction g of each, more than 0
+    real(real64), allocatable :: base(:, :)       !! displacements b: with them nothing slips
     logical :: by_load = .true.                   !! whether the sum is given, else delta
     real(real64) :: given(2) = 0.0_real64         !! sum of the tractions, or displacement delta
     real(real64) :: scale = 0.0_real64  !! displacement that residuals refer to; 0: that of delta
@@ -40,10 +43,10 @@ module asperity_slip_solver
 
   !> Directions in which tractions can change: two where an element sticks, one where it slides.
   type :: tangent_space
-    real(real64), allocatable :: weight(:, :)        !! 1 on elements in contact, else 0
-    real(real64), allocatable :: normal(:, :, :)     !! n where an element slides, else 0
-    real(real64), allocatable :: stiffening(:, :)    !! (|v|/g - 1)/c where it slides, else 0
-    real(real64), allocatable :: conditioning(:, :)  !! of the inverse, beside the stiffening
+    type(element_set) :: set                         !! elements in contact
+    real(real64), allocatable :: normal(:, :)        !! n where an element slides, else 0
+    real(real64), allocatable :: stiffening(:)       !! (|v|/g - 1)/c where it slides, else 0
+    real(real64), allocatable :: conditioning(:)     !! of the inverse, beside the stiffening
     real(real64) :: inverse(2, 2) = 0.0_real64       !! of the sum of the projections
   end type tangent_space
 
@@ -68,33 +71,33 @@ contains
                             interrupt)
     type(traction_convolution), intent(inout) :: operator  !! matrix A
     type(slip_problem), intent(in) :: problem      !! discs and load; under a load: not sliding
-    real(real64), intent(inout) :: traction(:, :, :)   !! q: start and result
-    real(real64), intent(out) :: slip(:, :, :)     !! s on the elements that slide, else 0
+    real(real64), intent(inout) :: traction(:, :)   !! q: start and result
+    real(real64), intent(out) :: slip(:, :)     !! s on the elements that slide, else 0
     real(real64), intent(out) :: displacement(2)   !! delta of the bodies
     type(tangent_space), intent(out) :: space      !! elements that stick and slide
     !> exit, residual, number of applications of A or its inverse
     type(solve_ending), intent(out) :: ending
     type(interruption), intent(in) :: interrupt    !! request to stop the iteration
-    real(real64), allocatable, dimension(:, :, :) :: aimed, change, image, projected
+    real(real64), allocatable, dimension(:, :) :: aimed, change, image, projected
     real(real64) :: c, level(2), reference, residual
     integer :: k, turn
 
     c = projection_step / operator%diagonal
     associate (limit => problem%limit)
-      allocate (space%weight, source=merge(1.0_real64, 0.0_real64, limit > 0.0_real64))
+      space%set = problem%set
       allocate (aimed, change, image, mold=traction)
       allocate (projected, space%normal, source=0.0_real64 * traction)
       allocate (space%stiffening, space%conditioning, mold=limit)
       ! A start in proportion to the discs has the sum nearly everywhere inside them.
       do k = 1, merge(2, 0, problem%by_load)
-        traction(:, :, k) = traction(:, :, k) + limit * &
-                            ((problem%given(k) - sum(traction(:, :, k))) / sum(limit))
+        traction(:, k) = traction(:, k) + limit * &
+                            ((problem%given(k) - sum(traction(:, k))) / sum(limit))
       end do
       call project_tractions(problem, traction)
-      call operator%apply(traction, image, by_tractions)
+      call operator%apply_at(problem%set, traction, image, by_tractions)
       displacement = problem%given
       if (problem%by_load) then
-        displacement = [(sum(limit * (image(:, :, k) - problem%base(:, :, k))), k=1, 2)] / &
+        displacement = [(sum(limit * (image(:, k) - problem%base(:, k))), k=1, 2)] / &
                        sum(limit)
       end if
       slip = problem%base - image
@@ -106,12 +109,12 @@ contains
           displacement = -level / c
         end if
         do k = 1, 2
-          aimed(:, :, k) = traction(:, :, k) + &
-                           c * space%weight * (slip(:, :, k) + displacement(k))
+          aimed(:, k) = traction(:, k) + &
+                           c * (slip(:, k) + displacement(k))
         end do
         projected = aimed
         call cut_tractions(limit, projected)
-        residual = sqrt(maxval(sum((traction - projected)**2, 3))) / c
+        residual = sqrt(maxval(sum((traction - projected)**2, 2))) / c
         reference = merge(problem%scale, maxval(abs(displacement)), problem%scale > 0.0_real64)
         ending%residual = residual / max(reference, tiny(reference))
         ending%converged = ending%residual <= problem%tolerance
@@ -119,7 +122,7 @@ contains
         if (ending%converged .or. interrupt%is_asked()) exit
         call take_newton_step(operator, problem, space, displacement, &
                               [ending%residual, reference], traction, change, ending%iterations)
-        call search_line(operator, slip, displacement, space%weight, projected, change, image, &
+        call search_line(operator, problem%set, slip, displacement, projected, change, image, &
                          traction, ending%iterations)
         slip = slip - image
       end do
@@ -130,21 +133,21 @@ contains
 
   ! Moves the tractions by a step, or by the part of it at which the energy is least; `image` gets
   ! the change of the displacements.
-  subroutine search_line(operator, slip, displacement, weight, projected, change, image, traction, &
+  subroutine search_line(operator, set, slip, displacement, projected, change, image, traction, &
                          applications)
     type(traction_convolution), intent(inout) :: operator
-    real(real64), intent(in) :: slip(:, :, :), displacement(2), weight(:, :), projected(:, :, :)
-    real(real64), intent(inout) :: change(:, :, :), image(:, :, :), traction(:, :, :)
+    type(element_set), intent(in) :: set
+    real(real64), intent(in) :: slip(:, :), displacement(2), projected(:, :)
+    real(real64), intent(inout) :: change(:, :), image(:, :), traction(:, :)
     integer, intent(inout) :: applications
     real(real64) :: curvature, length, slope
     integer :: turn
 
     length = 1.0_real64
     do turn = 1, 2
-      call operator%apply(change, image, by_tractions)
+      call operator%apply_at(set, change, image, by_tractions)
       applications = applications + 1
-      slope = -sum(change * slip) - sum([sum(change(:, :, 1) * weight), &
-                                         sum(change(:, :, 2) * weight)] * displacement)
+      slope = -sum(change * slip) - sum([sum(change(:, 1)), sum(change(:, 2))] * displacement)
       curvature = sum(change * image)
       if (slope + 0.5_real64 * curvature < least_decrease * slope) exit
       length = 0.0_real64
@@ -166,27 +169,27 @@ contains
     type(tangent_space), intent(in) :: space
     real(real64), intent(in) :: displacement(2)
     real(real64), intent(in) :: residual(2)   ! of the turn, over its reference; the reference
-    real(real64), intent(in) :: traction(:, :, :)
-    real(real64), intent(out) :: change(:, :, :)
+    real(real64), intent(in) :: traction(:, :)
+    real(real64), intent(out) :: change(:, :)
     integer, intent(inout) :: applications
-    real(real64), allocatable, dimension(:, :, :) :: aim, gradient, moved
+    real(real64), allocatable, dimension(:, :) :: aim, gradient, moved
     integer :: k
 
     allocate (aim, moved, mold=traction)
     allocate (gradient, source=0.0_real64 * traction)
     do k = 1, 2
       ! Sliding elements begin on their circles.
-      aim(:, :, k) = merge(problem%limit * space%normal(:, :, k), traction(:, :, k), &
-                           abs(space%normal(:, :, 1)) + abs(space%normal(:, :, 2)) > 0.0_real64)
-      if (problem%by_load) gradient(:, :, k) = problem%given(k) - sum(aim(:, :, k))
+      aim(:, k) = merge(problem%limit * space%normal(:, k), traction(:, k), &
+                           abs(space%normal(:, 1)) + abs(space%normal(:, 2)) > 0.0_real64)
+      if (problem%by_load) gradient(:, k) = problem%given(k) - sum(aim(:, k))
     end do
     moved = gradient
     if (problem%by_load) call spread_sum(space, moved)
-    call operator%apply(aim + moved, gradient, by_tractions)
+    call operator%apply_at(problem%set, aim + moved, gradient, by_tractions)
     applications = applications + 1
     do k = 1, 2
-      gradient(:, :, k) = gradient(:, :, k) - problem%base(:, :, k) - displacement(k) + &
-                          space%stiffening * moved(:, :, k)
+      gradient(:, k) = gradient(:, k) - problem%base(:, k) - displacement(k) + &
+                          space%stiffening * moved(:, k)
     end do
     call solve_tangents(operator, space, problem%by_load, [min(inner_residual, residual(1)), &
                         0.1_real64 * problem%tolerance * residual(2)], moved, gradient, &
@@ -202,18 +205,18 @@ contains
     type(traction_convolution), intent(inout) :: operator  !! matrix A
     type(tangent_space), intent(in) :: space        !! elements that stick and slide
     real(real64), intent(out) :: compliance(2, 2)   !! symmetric
-    real(real64), allocatable, dimension(:, :, :) :: first, gradient, x
+    real(real64), allocatable, dimension(:, :) :: first, gradient, x
     integer :: applications, i, k
 
     applications = 0
     do k = 1, 2
-      allocate (x(size(space%weight, 1), size(space%weight, 2), 2), source=0.0_real64)
-      x(:, :, k) = 1.0_real64
+      allocate (x(size(space%stiffening), 2), source=0.0_real64)
+      x(:, k) = 1.0_real64
       call spread_sum(space, x)
       allocate (gradient, mold=x)
-      call operator%apply(x, gradient, by_tractions)
+      call operator%apply_at(space%set, x, gradient, by_tractions)
       do i = 1, 2
-        gradient(:, :, i) = gradient(:, :, i) + space%stiffening * x(:, :, i)
+        gradient(:, i) = gradient(:, i) + space%stiffening * x(:, i)
       end do
       call solve_tangents(operator, space, .true., [0.0_real64, stiffness_residual * &
                           abs(sum(x * gradient))], x, gradient, applications)
@@ -233,10 +236,10 @@ contains
     type(tangent_space), intent(in) :: space     ! tangents of the discs
     logical, intent(in) :: fixes_sum             ! whether the sum of x stays
     real(real64), intent(in) :: residual_left(2)   ! residual over that of the start; residual
-    real(real64), intent(inout) :: x(:, :, :)    ! start and result, in the tangent space
-    real(real64), intent(inout) :: gradient(:, :, :)   ! (A + stiffening) x + f
+    real(real64), intent(inout) :: x(:, :)    ! start and result, in the tangent space
+    real(real64), intent(inout) :: gradient(:, :)   ! (A + stiffening) x + f
     integer, intent(inout) :: applications       ! of A or its inverse; is increased
-    real(real64), allocatable, dimension(:, :, :) :: direction, image, residual, scaled
+    real(real64), allocatable, dimension(:, :) :: direction, image, residual, scaled
     real(real64) :: curvature, enough, step, product_before, product_now
     integer :: k, turn
 
@@ -249,11 +252,11 @@ contains
     do turn = 1, inner_allowed
       if (maxval(abs(residual)) <= enough) exit
       do k = 1, 2
-        scaled(:, :, k) = space%conditioning * residual(:, :, k)
+        scaled(:, k) = space%conditioning * residual(:, k)
       end do
-      call operator%apply(scaled, image, inverse_of_tractions)
+      call operator%apply_at(space%set, scaled, image, inverse_of_tractions)
       do k = 1, 2
-        image(:, :, k) = space%conditioning * image(:, :, k)
+        image(:, k) = space%conditioning * image(:, k)
       end do
       call take_tangents(space, fixes_sum, image)
       product_now = sum(residual * image)
@@ -261,10 +264,10 @@ contains
       step = 0.0_real64
       if (turn > 1) step = product_now / product_before
       direction = image + step * direction
-      call operator%apply(direction, image, by_tractions)
+      call operator%apply_at(space%set, direction, image, by_tractions)
       applications = applications + 2
       do k = 1, 2
-        image(:, :, k) = image(:, :, k) + space%stiffening * direction(:, :, k)
+        image(:, k) = image(:, k) + space%stiffening * direction(:, k)
       end do
       curvature = sum(direction * image)
       if (.not. curvature > 0.0_real64) exit
@@ -278,38 +281,33 @@ contains
   end subroutine solve_tangents
 
   !> Sets the tangent space of elements that all stick.
-  pure subroutine set_sticking(sticks, space)
-    logical, intent(in) :: sticks(:, :)          !! elements in contact
+  pure subroutine set_sticking(set, space)
+    type(element_set), intent(in) :: set         !! elements in contact
     type(tangent_space), intent(out) :: space    !! both directions of each
 
-    allocate (space%weight, source=merge(1.0_real64, 0.0_real64, sticks))
-    allocate (space%normal(size(sticks, 1), size(sticks, 2), 2), source=0.0_real64)
-    allocate (space%stiffening, source=0.0_real64 * space%weight)
-    allocate (space%conditioning, source=space%weight)
+    space%set = set
+    allocate (space%normal(size(set%column), 2), source=0.0_real64)
+    allocate (space%stiffening(size(set%column)), source=0.0_real64)
+    allocate (space%conditioning(size(set%column)), source=1.0_real64)
     call invert_sum(space)
   end subroutine set_sticking
 
   ! Sets the elements that slide, where the aim is outside the disc.
   pure subroutine set_sliding(problem, aim, c, diagonal, space)
     type(slip_problem), intent(in) :: problem
-    real(real64), intent(in) :: aim(:, :, :)      ! v
+    real(real64), intent(in) :: aim(:, :)      ! v
     real(real64), intent(in) :: c, diagonal       ! step; displacement of an element by itself
     type(tangent_space), intent(inout) :: space
     real(real64) :: distance
-    integer :: i, j
+    integer :: i
 
     space%normal = 0.0_real64
     space%stiffening = 0.0_real64
-    do j = 1, size(aim, 2)
-      do i = 1, size(aim, 1)
-        associate (limit => problem%limit(i, j))
-          if (.not. limit > 0.0_real64) cycle
-          distance = hypot(aim(i, j, 1), aim(i, j, 2))
-          if (.not. distance > limit) cycle
-          space%normal(i, j, :) = aim(i, j, :) / distance
-          space%stiffening(i, j) = (distance / limit - 1.0_real64) / c
-        end associate
-      end do
+    do i = 1, size(aim, 1)
+      distance = hypot(aim(i, 1), aim(i, 2))
+      if (.not. distance > problem%limit(i)) cycle
+      space%normal(i, :) = aim(i, :) / distance
+      space%stiffening(i) = (distance / problem%limit(i) - 1.0_real64) / c
     end do
     space%conditioning = 1.0_real64 / sqrt(1.0_real64 + space%stiffening / diagonal)
     call invert_sum(space)
@@ -323,8 +321,8 @@ contains
 
     do k = 1, 2
       do i = 1, 2
-        total(i, k) = merge(sum(space%weight), 0.0_real64, i == k) - &
-                      sum(space%weight * space%normal(:, :, i) * space%normal(:, :, k))
+        total(i, k) = merge(real(size(space%stiffening), real64), 0.0_real64, i == k) - &
+                      sum(space%normal(:, i) * space%normal(:, k))
       end do
     end do
     ! Where all elements slide in one direction, no sum is free in it.
@@ -339,22 +337,22 @@ contains
   pure subroutine take_tangents(space, fixes_sum, field)
     type(tangent_space), intent(in) :: space
     logical, intent(in) :: fixes_sum
-    real(real64), intent(inout) :: field(:, :, :)
+    real(real64), intent(inout) :: field(:, :)
     real(real64) :: mean(2)
 
     call subtract_normal(space, [0.0_real64, 0.0_real64], field)
     if (.not. fixes_sum) return
-    mean = matmul(space%inverse, [sum(field(:, :, 1)), sum(field(:, :, 2))])
+    mean = matmul(space%inverse, [sum(field(:, 1)), sum(field(:, 2))])
     call subtract_normal(space, mean, field)
   end subroutine take_tangents
 
   ! Replaces a field that is the same everywhere by the field in the tangents with that sum.
   pure subroutine spread_sum(space, field)
     type(tangent_space), intent(in) :: space
-    real(real64), intent(inout) :: field(:, :, :)
+    real(real64), intent(inout) :: field(:, :)
     real(real64) :: mean(2)
 
-    mean = matmul(space%inverse, field(1, 1, :))
+    mean = matmul(space%inverse, field(1, :))
     field = 0.0_real64
     call subtract_normal(space, -mean, field)
   end subroutine spread_sum
@@ -363,24 +361,23 @@ contains
   pure subroutine subtract_normal(space, constant, field)
     type(tangent_space), intent(in) :: space
     real(real64), intent(in) :: constant(2)
-    real(real64), intent(inout) :: field(:, :, :)
-    real(real64) :: part(2)
-    integer :: i, j
+    real(real64), intent(inout) :: field(:, :)
+    real(real64) :: along, x, y
+    integer :: i
 
-    do j = 1, size(field, 2)
-      do i = 1, size(field, 1)
-        part = field(i, j, :) - constant
-        associate (n => space%normal(i, j, :))
-          field(i, j, :) = space%weight(i, j) * (part - n * sum(n * part))
-        end associate
-      end do
+    do i = 1, size(field, 1)
+      x = field(i, 1) - constant(1)
+      y = field(i, 2) - constant(2)
+      along = space%normal(i, 1) * x + space%normal(i, 2) * y
+      field(i, 1) = x - along * space%normal(i, 1)
+      field(i, 2) = y - along * space%normal(i, 2)
     end do
   end subroutine subtract_normal
 
   ! Projects tractions on the discs and, under a load, on their sum.
   pure subroutine project_tractions(problem, traction)
     type(slip_problem), intent(in) :: problem
-    real(real64), intent(inout) :: traction(:, :, :)
+    real(real64), intent(inout) :: traction(:, :)
     real(real64) :: level(2)
     integer :: k
 
@@ -388,7 +385,7 @@ contains
       level = 0.0_real64
       call find_level(traction, problem%limit, problem%given, level)
       do k = 1, 2
-        traction(:, :, k) = traction(:, :, k) - level(k)
+        traction(:, k) = traction(:, k) - level(k)
       end do
     end if
     call cut_tractions(problem%limit, traction)
@@ -396,24 +393,21 @@ contains
 
   ! Projects tractions on the discs.
   pure subroutine cut_tractions(limit, traction)
-    real(real64), intent(in) :: limit(:, :)
-    real(real64), intent(inout) :: traction(:, :, :)
+    real(real64), intent(in) :: limit(:)
+    real(real64), intent(inout) :: traction(:, :)
     real(real64) :: size_of
-    integer :: i, j
+    integer :: i
 
-    do j = 1, size(limit, 2)
-      do i = 1, size(limit, 1)
-        size_of = hypot(traction(i, j, 1), traction(i, j, 2))
-        if (size_of > limit(i, j)) &
-          traction(i, j, :) = traction(i, j, :) * (limit(i, j) / size_of)
-      end do
+    do i = 1, size(limit)
+      size_of = hypot(traction(i, 1), traction(i, 2))
+      if (size_of > limit(i)) traction(i, :) = traction(i, :) * (limit(i) / size_of)
     end do
   end subroutine cut_tractions
 
   ! Finds the level with sum P(v - level) = total: the gradient of a convex function of two
   ! variables is 0 there; Newton's method with halved steps.
   pure subroutine find_level(v, limit, total, level)
-    real(real64), intent(in) :: v(:, :, :), limit(:, :), total(2)
+    real(real64), intent(in) :: v(:, :), limit(:), total(2)
     real(real64), intent(inout) :: level(2)   ! start and result
     real(real64) :: length, miss(2), next(2), next_miss(2), slope(2, 2), next_slope(2, 2), step(2)
     integer :: turn
@@ -444,29 +438,26 @@ contains
 
   ! Sums P(v - level), and less its derivative by the level.
   pure subroutine sum_cut(v, limit, level, total, slope)
-    real(real64), intent(in) :: v(:, :, :), limit(:, :), level(2)
+    real(real64), intent(in) :: v(:, :), limit(:), level(2)
     real(real64), intent(out) :: total(2), slope(2, 2)
     real(real64) :: at(2), share, size_of
-    integer :: i, j
+    integer :: i
 
     total = 0.0_real64
     slope = 0.0_real64
-    do j = 1, size(limit, 2)
-      do i = 1, size(limit, 1)
-        if (.not. limit(i, j) > 0.0_real64) cycle
-        at = v(i, j, :) - level
-        size_of = hypot(at(1), at(2))
-        share = 1.0_real64
-        if (size_of > limit(i, j)) then
-          share = limit(i, j) / size_of
-          slope(1, 1) = slope(1, 1) - share * (at(1) / size_of)**2
-          slope(2, 2) = slope(2, 2) - share * (at(2) / size_of)**2
-          slope(1, 2) = slope(1, 2) - share * (at(1) / size_of) * (at(2) / size_of)
-        end if
-        total = total + share * at
-        slope(1, 1) = slope(1, 1) + share
-        slope(2, 2) = slope(2, 2) + share
-      end do
+    do i = 1, size(limit)
+      at = v(i, :) - level
+      size_of = hypot(at(1), at(2))
+      share = 1.0_real64
+      if (size_of > limit(i)) then
+        share = limit(i) / size_of
+        slope(1, 1) = slope(1, 1) - share * (at(1) / size_of)**2
+        slope(2, 2) = slope(2, 2) - share * (at(2) / size_of)**2
+        slope(1, 2) = slope(1, 2) - share * (at(1) / size_of) * (at(2) / size_of)
+      end if
+      total = total + share * at
+      slope(1, 1) = slope(1, 1) + share
+      slope(2, 2) = slope(2, 2) + share
     end do
     slope(2, 1) = slope(1, 2)
   end subroutine sum_cut

@@ -27,15 +27,20 @@ module asperity_traction_convolution
   implicit none
   private
 
-  public :: traction_convolution
+  public :: element_set, list_elements, traction_convolution
   public :: by_tractions, inverse_of_tractions, normal_by_tractions, tangential_by_pressures
-
 
   !> Numbers of the operations of `apply` (chosen): tangential displacements by tractions; tractions
   !> by the approximate inverse; of unlike bodies, normal displacements by tractions, and tangential
   !> displacements by pressures.
   integer, parameter :: by_tractions = 1, inverse_of_tractions = 2, normal_by_tractions = 3, &
                         tangential_by_pressures = 4
+
+  !> Elements of a lattice, row by row.
+  type :: element_set
+    integer, allocatable :: column(:)  !! of each element
+    integer, allocatable :: first(:)   !! index of the first one of each row, and of one row more
+  end type element_set
 
   !> The convolution for one lattice. It owns its plans: it must not be copied.
   type :: traction_convolution
@@ -51,6 +56,7 @@ module asperity_traction_convolution
   contains
     procedure :: prepare => prepare_tractions
     procedure :: apply => apply_tractions
+    procedure :: apply_at => apply_at_elements
   end type traction_convolution
 
   ! Numbers of the terms: compliance, its inverse, coupling of normal and tangential parts (chosen).
@@ -59,6 +65,9 @@ module asperity_traction_convolution
   ! Parity of each term along x and y; 1: odd (derived from the formulas).
   integer, parameter :: odd(2, 8) = &
     reshape([0, 0, 1, 1, 0, 0, 0, 0, 1, 1, 0, 0, 1, 0, 0, 1], [2, 8])
+  complex(c_double_complex), parameter :: i_unit = cmplx(0, 1, c_double_complex)
+  ! Number of columns that are copied together, as they share lines of the cache (chosen).
+  integer, parameter :: block_columns = 8
   ! Size of a transform above which threads share it (chosen, as in `lattice_convolution`).
   integer, parameter :: thread_threshold = 30000
 
@@ -189,57 +198,142 @@ contains
 
   !> Convolves fields on the lattice of the preparation. Two components are those along x and y;
   !> pressures and normal displacements have one.
-  !>
-  !> The bytes of the result do not depend on the number of threads: each column is transformed,
-  !> multiplied and transformed back by one of them.
   subroutine apply_tractions(self, from, to, operation)
     class(traction_convolution), intent(inout), target :: self  !! convolution with its plans
     real(real64), intent(in) :: from(:, :, :)   !! (column, row, component)
     real(real64), intent(out) :: to(:, :, :)    !! (column, row, component)
     integer, intent(in) :: operation            !! what is computed
     real(c_double), allocatable, target :: row(:)
-    complex(c_double_complex), allocatable, target :: column(:), waves(:, :), images(:, :)
-    integer :: c, i, j, m, n
+    integer :: c, j
 
-    m = size(from, 1)
-    n = size(from, 2)
-    !$omp parallel private(row, column, waves, images, c) &
-    !$omp if(size(self%transform) > thread_threshold)
-    allocate (row(self%columns), column(0:self%rows - 1))
-    allocate (waves(0:self%rows - 1, 2), images(0:self%rows - 1, 2))
+    !$omp parallel private(row, c) if(size(self%transform) > thread_threshold)
+    allocate (row(self%columns))
     do c = 1, size(from, 3)
       !$omp do schedule(static)
-      do j = 1, n
-        row(:m) = from(:, j, c)
-        row(m + 1:) = 0.0_c_double
+      do j = 1, size(from, 2)
+        row(:size(from, 1)) = from(:, j, c)
+        row(size(from, 1) + 1:) = 0.0_c_double
         call self%row_forward%apply(c_loc(row), c_loc(self%transform(0, j - 1, c)))
       end do
       !$omp end do
     end do
-    !$omp do schedule(static)
-    do i = 0, self%columns / 2
-      do c = 1, size(from, 3)
-        column(:n - 1) = self%transform(i, :, c)
-        column(n:) = (0.0_c_double, 0.0_c_double)
-        call self%column_forward%apply(c_loc(column), c_loc(waves(0, c)))
-      end do
-      call multiply_waves(self, i, operation, waves, images)
-      do c = 1, size(to, 3)
-        call self%column_back%apply(c_loc(images(0, c)), c_loc(column))
-        self%transform(i, :, c) = column(:n - 1)
-      end do
-    end do
-    !$omp end do
+    !$omp end parallel
+    call convolve_columns(self, size(from, 3), size(to, 3), operation)
+    !$omp parallel private(row, c) if(size(self%transform) > thread_threshold)
+    allocate (row(self%columns))
     do c = 1, size(to, 3)
       !$omp do schedule(static)
-      do j = 1, n
+      do j = 1, size(to, 2)
         call self%row_back%apply(c_loc(self%transform(0, j - 1, c)), c_loc(row))
-        to(:, j, c) = row(:m)
+        to(:, j, c) = row(:size(to, 1))
       end do
       !$omp end do
     end do
     !$omp end parallel
   end subroutine apply_tractions
+
+  !> The same for values on some elements, 0 on the others: rows without one are not transformed.
+  subroutine apply_at_elements(self, set, from, to, operation)
+    class(traction_convolution), intent(inout), target :: self  !! convolution with its plans
+    type(element_set), intent(in) :: set        !! elements of the lattice
+    real(real64), intent(in) :: from(:, :)      !! (element, component along x and y)
+    real(real64), intent(out) :: to(:, :)       !! (element, component)
+    integer, intent(in) :: operation            !! tractions or their inverse
+    real(c_double), allocatable, target :: row(:)
+    integer :: c, j, rows
+
+    rows = size(set%first) - 1
+    !$omp parallel private(row, c) if(size(self%transform) > thread_threshold)
+    allocate (row(self%columns))
+    do c = 1, 2
+      !$omp do schedule(static)
+      do j = 1, rows
+        associate (first => set%first(j), last => set%first(j + 1) - 1)
+          if (last < first) then
+            self%transform(:, j - 1, c) = (0.0_c_double, 0.0_c_double)
+          else
+            row = 0.0_c_double
+            row(set%column(first:last)) = from(first:last, c)
+            call self%row_forward%apply(c_loc(row), c_loc(self%transform(0, j - 1, c)))
+          end if
+        end associate
+      end do
+      !$omp end do
+    end do
+    !$omp end parallel
+    call convolve_columns(self, 2, 2, operation)
+    !$omp parallel private(row, c) if(size(self%transform) > thread_threshold)
+    allocate (row(self%columns))
+    do c = 1, 2
+      !$omp do schedule(static)
+      do j = 1, rows
+        associate (first => set%first(j), last => set%first(j + 1) - 1)
+          if (last >= first) then
+            call self%row_back%apply(c_loc(self%transform(0, j - 1, c)), c_loc(row))
+            to(first:last, c) = row(set%column(first:last))
+          end if
+        end associate
+      end do
+      !$omp end do
+    end do
+    !$omp end parallel
+  end subroutine apply_at_elements
+
+  !> Lists the marked elements of a lattice.
+  pure subroutine list_elements(marks, set)
+    logical, intent(in) :: marks(:, :)       !! (column, row)
+    type(element_set), intent(out) :: set    !! marked elements
+    integer :: i, j, number
+
+    allocate (set%column(count(marks)), set%first(size(marks, 2) + 1))
+    number = 0
+    do j = 1, size(marks, 2)
+      set%first(j) = number + 1
+      do i = 1, size(marks, 1)
+        if (.not. marks(i, j)) cycle
+        number = number + 1
+        set%column(number) = i
+      end do
+    end do
+    set%first(size(set%first)) = number + 1
+  end subroutine list_elements
+
+  ! Transforms the rows' waves along the columns, multiplies, and transforms them back. The bytes of
+  ! the result do not depend on the number of threads: each column belongs to one of them.
+  subroutine convolve_columns(self, components_from, components_to, operation)
+    class(traction_convolution), intent(inout), target :: self
+    integer, intent(in) :: components_from, components_to, operation
+    complex(c_double_complex), allocatable, target :: column(:, :, :), waves(:, :), images(:, :)
+    integer :: c, i, k, last, n
+
+    n = size(self%transform, 2)
+    !$omp parallel private(column, waves, images, c, k, last) &
+    !$omp if(size(self%transform) > thread_threshold)
+    allocate (column(0:self%rows - 1, 0:block_columns - 1, 2))
+    allocate (waves(0:self%rows - 1, 2), images(0:self%rows - 1, 2))
+    !$omp do schedule(static)
+    do i = 0, self%columns / 2, block_columns
+      last = min(block_columns - 1, self%columns / 2 - i)
+      do c = 1, components_from
+        column(:n - 1, :last, c) = transpose(self%transform(i:i + last, :, c))
+      end do
+      do k = 0, last
+        do c = 1, components_from
+          column(n:, k, c) = (0.0_c_double, 0.0_c_double)
+          call self%column_forward%apply(c_loc(column(0, k, c)), c_loc(waves(0, c)))
+        end do
+        call multiply_waves(self, i + k, operation, waves, images)
+        do c = 1, components_to
+          call self%column_back%apply(c_loc(images(0, c)), c_loc(column(0, k, c)))
+        end do
+      end do
+      do c = 1, components_to
+        self%transform(i:i + last, :, c) = transpose(column(:n - 1, :last, c))
+      end do
+    end do
+    !$omp end do
+    !$omp end parallel
+  end subroutine convolve_columns
 
   ! Multiplies the waves of one column: the upper half mirrors the lower one.
   pure subroutine multiply_waves(self, i, operation, waves, images)
@@ -247,26 +341,31 @@ contains
     integer, intent(in) :: i, operation
     complex(c_double_complex), intent(in) :: waves(0:, :)
     complex(c_double_complex), intent(out) :: images(0:, :)
-    complex(c_double_complex), parameter :: i_unit = cmplx(0, 1, c_double_complex)
-    real(c_double) :: mirror
     integer :: j, k, first
 
     first = merge(xx, inverse_xx, operation == by_tractions)
-    do j = 0, self%rows - 1
-      k = min(j, self%rows - j)
-      mirror = merge(-1.0_c_double, 1.0_c_double, j > k)
-      associate (s => self%spectrum(k, i, :), w => waves(j, :))
-        select case (operation)
-        case (normal_by_tractions)
-          images(j, 1) = i_unit * (s(normal_x) * w(1) + mirror * s(normal_y) * w(2))
-        case (tangential_by_pressures)
-          images(j, :) = -i_unit * [s(normal_x), mirror * s(normal_y)] * w(1)
-        case default
-          images(j, 1) = s(first) * w(1) + mirror * s(first + 1) * w(2)
-          images(j, 2) = mirror * s(first + 1) * w(1) + s(first + 2) * w(2)
-        end select
-      end associate
-    end do
+    select case (operation)
+    case (normal_by_tractions)
+      do j = 0, self%rows - 1
+        k = min(j, self%rows - j)
+        images(j, 1) = i_unit * (self%spectrum(k, i, normal_x) * waves(j, 1) + &
+                                 sign(1, k - j) * self%spectrum(k, i, normal_y) * waves(j, 2))
+      end do
+    case (tangential_by_pressures)
+      do j = 0, self%rows - 1
+        k = min(j, self%rows - j)
+        images(j, 1) = -i_unit * self%spectrum(k, i, normal_x) * waves(j, 1)
+        images(j, 2) = -i_unit * sign(1, k - j) * self%spectrum(k, i, normal_y) * waves(j, 1)
+      end do
+    case default
+      do j = 0, self%rows - 1
+        k = min(j, self%rows - j)
+        associate (cross => sign(1, k - j) * self%spectrum(k, i, first + 1))
+          images(j, 1) = self%spectrum(k, i, first) * waves(j, 1) + cross * waves(j, 2)
+          images(j, 2) = cross * waves(j, 1) + self%spectrum(k, i, first + 2) * waves(j, 2)
+        end associate
+      end do
+    end select
   end subroutine multiply_waves
 
 end module asperity_traction_convolution

@@ -15,7 +15,7 @@ module asperity_slip_increments
   use asperity_slip_solver, only: find_tractions, slip_problem, tangent_space
   use asperity_solve_ending, only: solve_ending
   use asperity_tangential_stiffness, only: prepare_for_map
-  use asperity_traction_convolution, only: by_tractions, normal_by_tractions, &
+  use asperity_traction_convolution, only: by_tractions, list_elements, normal_by_tractions, &
                                            tangential_by_pressures, traction_convolution
   implicit none
   private
@@ -100,17 +100,18 @@ contains
     real(real64), intent(in), optional :: load     !! normal load; absent: the level of `answer`
     type(slip_problem) :: problem
     type(solve_ending) :: ending
-    real(real64), allocatable :: by_pressure(:, :, :), pressure(:, :), slip(:, :, :), u(:, :, :)
+    real(real64), allocatable :: by_pressure(:, :, :), pressure(:, :), q(:, :), slip(:, :), &
+                                 u(:, :, :)
+    logical, allocatable :: in_contact(:, :)
     real(real64) :: change, displacement(2)
     integer :: turn
 
     problem%by_load = by_load
     problem%given = given
-    allocate (problem%base, by_pressure, slip, mold=memory%traction)
-    allocate (problem%limit, mold=surface%height)
-    allocate (pressure, source=0.0_real64 * surface%height)
-    allocate (u(size(pressure, 1), size(pressure, 2), 1))
-    by_pressure = 0.0_real64
+    allocate (by_pressure(size(surface%height, 1), size(surface%height, 2), 2), &
+              u(size(surface%height, 1), size(surface%height, 2), 1), &
+              pressure(size(surface%height, 1), size(surface%height, 2)), source=0.0_real64)
+    allocate (in_contact(size(pressure, 1), size(pressure, 2)))
     do turn = 1, turns_allowed
       if (surface%is_coupled) then
         surface%map%height = merge(surface%height - memory%lift, surface%height, &
@@ -124,36 +125,67 @@ contains
         call surface%operator%apply(u, by_pressure, tangential_by_pressures)
         problem%scale = maxval(abs(by_pressure))
       end if
-      problem%limit = surface%coefficient / surface%modulus * max(0.0_real64, answer%pressure)
-      if (.not. any(problem%limit > 0.0_real64)) then
+      in_contact = answer%pressure > 0.0_real64 .and. surface%coefficient > 0.0_real64
+      if (.not. any(in_contact)) then
         memory%traction = 0.0_real64
         memory%moved = by_pressure
         memory%lift = 0.0_real64
         memory%sticks = .false.
         return
       end if
-      problem%base = memory%moved - by_pressure
-      call find_tractions(surface%operator, problem, memory%traction, slip, displacement, &
-                          surface%space, ending, answer%interrupt)
+      call list_elements(in_contact, problem%set)
+      problem%limit = surface%coefficient / surface%modulus * pack(answer%pressure, in_contact)
+      problem%base = packed(memory%moved - by_pressure)
+      q = packed(memory%traction)
+      slip = q
+      call find_tractions(surface%operator, problem, q, slip, displacement, surface%space, ending, &
+                          answer%interrupt)
       if (.not. ending%converged) failure = 'partial slip: the tractions did not converge'
       if (answer%interrupt%is_asked()) failure = 'interrupted'
-      if (allocated(failure) .or. .not. surface%is_coupled) exit
+      if (allocated(failure)) return
+      memory%traction = unpacked(q)
+      if (.not. surface%is_coupled) exit
       change = maxval(abs(answer%pressure - pressure)) / maxval(answer%pressure)
       if (turn > 1 .and. change <= settled) exit
       pressure = answer%pressure
       call surface%operator%apply(memory%traction, u, normal_by_tractions)
       memory%lift = surface%map%pixel_spacing(1) * u(:, :, 1)
     end do
-    if (turn > turns_allowed) failure = 'coupling: the pressures still change by ' // &
-      real_text(change) // ' of the greatest after the last turn, expected loading_steps, a ' // &
-      'smaller friction_coefficient or coupling = ''off'''
-    if (allocated(failure)) return
+    if (turn > turns_allowed) then
+      failure = 'coupling: the pressures still change by ' // real_text(change) // ' of the ' // &
+                'greatest after the last turn, expected more loading_steps, a smaller ' // &
+                'friction_coefficient or coupling = ''off'''
+      return
+    end if
     call surface%operator%apply(memory%traction, memory%moved, by_tractions)
     memory%moved = memory%moved + by_pressure
     memory%displacement = memory%displacement + displacement
-    memory%slip = memory%slip + slip
-    memory%energy = memory%energy + sum(memory%traction * slip)
-    memory%sticks = problem%limit > 0.0_real64 .and. .not. surface%space%stiffening > 0.0_real64
+    memory%slip = memory%slip + unpacked(slip)
+    memory%energy = memory%energy + sum(q * slip)
+    memory%sticks = unpack(.not. surface%space%stiffening > 0.0_real64, in_contact, .false.)
+
+  contains
+
+    ! Both components on the pixels in contact.
+    pure function packed(field) result(values)
+      real(real64), intent(in) :: field(:, :, :)
+      real(real64), allocatable :: values(:, :)
+
+      allocate (values(count(in_contact), 2))
+      values(:, 1) = pack(field(:, :, 1), in_contact)
+      values(:, 2) = pack(field(:, :, 2), in_contact)
+    end function packed
+
+    ! The same on all pixels, 0 out of contact.
+    pure function unpacked(values) result(field)
+      real(real64), intent(in) :: values(:, :)
+      real(real64), allocatable :: field(:, :, :)
+
+      allocate (field(size(in_contact, 1), size(in_contact, 2), 2))
+      field(:, :, 1) = unpack(values(:, 1), in_contact, 0.0_real64)
+      field(:, :, 2) = unpack(values(:, 2), in_contact, 0.0_real64)
+    end function unpacked
+
   end subroutine take_increment
 
 end module asperity_slip_increments

@@ -11,7 +11,7 @@ module asperity_tangential_stiffness
   use asperity_line_transform, only: bytes_of_plans
   use asperity_process, only: has_memory
   use asperity_slip_solver, only: find_compliance, set_sticking, tangent_space
-  use asperity_traction_convolution, only: traction_convolution
+  use asperity_traction_convolution, only: element_set, list_elements, traction_convolution
   implicit none
   private
 
@@ -28,6 +28,7 @@ contains
     logical, intent(in) :: sticks(:, :)           !! pixels in contact
     real(real64), intent(out) :: stiffness(2, 2)  !! load by displacement [force/length]
     type(traction_convolution) :: operator
+    type(element_set) :: set
     type(tangent_space) :: space
 
     stiffness = 0.0_real64
@@ -36,7 +37,8 @@ contains
     if (.not. (poisson_ratio > not_computed .and. map%strip_axis == 0)) return
     if (.not. has_memory(room_for_tractions(map))) return
     call prepare_for_map(map, poisson_ratio, 0.0_real64, operator)
-    call set_sticking(sticks, space)
+    call list_elements(sticks, set)
+    call set_sticking(set, space)
     stiffness = stiffness_of(map, modulus, operator, space)
   end subroutine find_tangential_stiffness
 
@@ -53,7 +55,7 @@ contains
     call find_compliance(operator, space, compliance)
     associate (determinant => compliance(1, 1) * compliance(2, 2) - compliance(1, 2)**2)
       if (.not. min(compliance(1, 1), compliance(2, 2)) > sqrt(epsilon(modulus)) * &
-          operator%diagonal / sum(space%weight)) return
+          operator%diagonal / size(space%stiffening)) return
       ! Lengths across are over the side of a pixel.
       stiffness = modulus * map%pixel_spacing(2) / determinant * &
                   reshape([compliance(2, 2), -compliance(2, 1), -compliance(1, 2), &
