@@ -24,10 +24,9 @@ from ._results import Results, Summits, load
 from ._scenes import Scene, solve
 
 __all__ = ["solve", "accuracy", "report", "summits", "generate", "generate_map", "read_map", "load",
-           "Scene", "HeightMap", "Results", "Fields", "Stress", "HalfSpace", "Summits", "Accuracy", "Table",
-           "Values",
-           "InputError", "ComputeError", "Problem", "TheoryWarning", "AccuracyWarning",
-           "theory", "__version__"]
+           "Scene", "HeightMap", "Results", "Fields", "Stress", "HalfSpace", "Summits", "Accuracy",
+           "Table", "Values", "InputError", "ComputeError", "Problem", "TheoryWarning",
+           "AccuracyWarning", "theory", "__version__"]
 
 __version__ = _c.VERSION
 

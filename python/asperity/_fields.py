@@ -74,7 +74,7 @@ class Fields(Arrays):
             the pixel sticks.
         spacing: Distance of pixels along x and y.
         origin: Centre of the first pixel; 0, 0 on a height map.
-        periodic: Whether the pixels repeat along x and y; None where a file does not say it.
+        periodic: Whether the pixels repeat along x and y; None where a file does not have it.
         unit: Unit of gap, displacement, spacing and origin.
         units: Unit of each array, empty where it is not known.
         position: Position of the motion, from 1.

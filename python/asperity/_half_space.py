@@ -94,6 +94,6 @@ class HalfSpace:
 
 
 def loaded(body: _c.Body, what: int, arrays: Sequence[Any], depth: float = 0.0) -> Table:
-    """What the library computes of a body under pressures and, where given, both tractions."""
+    """A table of a body under pressures, or displacements, and where given both tractions."""
     addresses = [one.ctypes.data for one in arrays] + [None] * (3 - len(arrays))
     return _c.call("loaded", body, what, *addresses, depth).checked().table(_c.FIELDS, "pixels")

@@ -22,7 +22,7 @@ module asperity_c_half_space
 
   public :: c_half_space, c_loaded
 
-  ! What is computed, as in the header.
+  ! Numbers of the requests in the header.
   integer(c_int), parameter :: displacements = 1_c_int, pressures = 2_c_int, stresses = 3_c_int
 
   !> `asperity_half_space` of the header.
@@ -74,7 +74,7 @@ contains
         select case (what)
         case (displacements)
           names(:3) = ['displacement_z', 'displacement_x', 'displacement_y']
-          call displace(map, field, modulus, cells)
+          call find_displacements(map, field, modulus, cells)
         case (pressures)
           names(1) = 'pressure'
           call find_pressure(map, modulus, field%pressure, pressure, new%failure)
@@ -97,7 +97,7 @@ contains
   end function c_loaded
 
   ! Displacements along z and, with tractions, along x and y.
-  subroutine displace(map, field, modulus, cells)
+  subroutine find_displacements(map, field, modulus, cells)
     type(height_map), intent(in) :: map
     type(contact_field), intent(in) :: field   ! pressures and tractions
     real(real64), intent(in) :: modulus
@@ -124,7 +124,7 @@ contains
       direct(:, :, 1) = displacement_by(map, modulus, field%pressure)
       cells = reshape(direct + coupled * (sides(1) / modulus), [n, 3])
     end associate
-  end subroutine displace
+  end subroutine find_displacements
 
   ! Refuses what has no displacements, and a lack of memory.
   subroutine check_surface(map, has_tractions, problems, failure)
@@ -149,26 +149,26 @@ contains
     type(c_half_space), pointer :: numbers
     integer :: i
 
-    call require(c_associated(given), 'body: found NULL, expected a half-space')
-    call require(c_associated(values), 'values: found NULL, expected numbers')
-    call require(c_associated(tractions(1)) .eqv. c_associated(tractions(2)), &
+    call require_fact(c_associated(given), 'body: found NULL, expected a half-space')
+    call require_fact(c_associated(values), 'values: found NULL, expected numbers')
+    call require_fact(c_associated(tractions(1)) .eqv. c_associated(tractions(2)), &
                  'tractions: found one of two, expected both or none')
     if (problems%count() > 0) return
     call c_f_pointer(given, numbers)
-    call require(min(numbers%columns, numbers%rows) > 0_c_int .and. real(numbers%columns, real64) &
-                 * numbers%rows < most_samples, 'body: found ' // decimal_text(numbers%columns) // &
-                 ' x ' // decimal_text(numbers%rows) // ' pixels, expected 1 to ' // &
+    call require_fact(min(numbers%columns, numbers%rows) > 0_c_int .and. &
+                 real(numbers%columns, real64) * numbers%rows < most_samples, 'body: found ' // &
+                 decimal_text(numbers%columns) // ' x ' // decimal_text(numbers%rows) // ' pixels, expected 1 to ' // &
                  decimal_text(most_samples))
-    call require(all([(in_range(numbers%pixel_spacing(i), above_zero), i=1, 2)]), &
+    call require_fact(all([(in_range(numbers%pixel_spacing(i), above_zero), i=1, 2)]), &
                  'body.spacing: found ' // real_text(minval(numbers%pixel_spacing)) // ', ' // &
                  'expected numbers more than 0')
-    call require(in_range(numbers%thickness, not_negative), 'body.layer: found ' // &
+    call require_fact(in_range(numbers%thickness, not_negative), 'body.layer: found ' // &
                  real_text(numbers%thickness) // ', expected a number of 0 or more')
-    call require(in_range(numbers%modulus(1), above_zero) .and. &
+    call require_fact(in_range(numbers%modulus(1), above_zero) .and. &
                  in_range(numbers%modulus(2), not_negative), 'body.modulus: found ' // &
-                 real_text(minval(numbers%modulus)) // ', expected numbers more than 0, or 0 of ' // &
-                 'a rigid base')
-    call require(all([(in_range(numbers%ratio(i), poisson_range), i=1, 2)]), &
+                 real_text(minval(numbers%modulus)) // ', expected numbers more than 0, or ' // &
+                 '0 of a rigid base')
+    call require_fact(all([(in_range(numbers%ratio(i), poisson_range), i=1, 2)]), &
                  'body.ratio: found ' // real_text(maxval(numbers%ratio)) // ', expected ' // &
                  trim(expected_numbers(poisson_range)))
     if (problems%count() > 0) return
@@ -190,22 +190,22 @@ contains
 
   contains
 
-    subroutine require(is_good, message)
+    subroutine require_fact(is_good, message)
       logical, intent(in) :: is_good
       character(len=*), intent(in) :: message
 
       if (.not. is_good) call problems%add(message)
-    end subroutine require
+    end subroutine require_fact
 
     ! Copies the values of pixels; 0 where one is missing.
     subroutine take_pixels(address, copy)
       type(c_ptr), intent(in) :: address
       real(real64), allocatable, intent(out) :: copy(:, :)
-      real(c_double), pointer :: there(:, :)
+      real(c_double), pointer :: numbers_of(:, :)
 
       if (.not. c_associated(address)) return
-      call c_f_pointer(address, there, [field%columns, field%rows])
-      allocate (copy, source=merge(there, 0.0_real64, abs(there) <= huge(1.0_real64)))
+      call c_f_pointer(address, numbers_of, [field%columns, field%rows])
+      allocate (copy, source=merge(numbers_of, 0.0_real64, abs(numbers_of) <= huge(1.0_real64)))
     end subroutine take_pixels
 
   end subroutine take_half_space

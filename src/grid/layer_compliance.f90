@@ -23,22 +23,22 @@ module asperity_layer_compliance
 
   public :: add_layers, layer_factor, mean_displacement, shear_ratio
 
-  ! Where waves end, in x: the rest behind the image of the header falls as x**2 exp(-2 x); 1e-17.
+  ! Largest x of the waves (derived: the rest behind the image falls as x**2 exp(-2 x), to 1e-17).
   real(real64), parameter :: last_number = 22.0_real64
-  ! Nodes of the table of radii, and the distance in thicknesses from which on a pixel needs no finer
-  ! squares (chosen; test: Hankel's integral in test/maps/test_layers.py).
+  ! Nodes of the table of radii (chosen: cubics are then in error by 1e-7 of it; test: Hankel's
+  ! integral in test/maps/test_layers.py).
   integer, parameter :: nodes = 300
-  real(real64), parameter :: near = 8.0_real64
-  ! Radius in thicknesses from which on the rest falls as its cube (derived: rest(q) is analytic in q,
-  ! its even powers give r**-3, r**-5 ...), and a layer so thin beside an element that the rest acts
-  ! at a point: the errors are squares of 1/far and of thin.
-  real(real64), parameter :: far = 50.0_real64, thin = 2.0e-3_real64
+  ! Distance in thicknesses from which on an element needs no finer squares, radius from which on
+  ! the rest falls as its cube, and the largest number of squares along an element (derived: rest(q)
+  ! is analytic in q, its even powers give r**-3, r**-5 ...: errors of the order of the square of
+  ! 1/far, and of the thickness over an element of many squares; test: test/maps/test_layers.py).
+  real(real64), parameter :: near = 8.0_real64, far = 50.0_real64, most_squares = 1000.0_real64
 
 contains
 
   !> Ratio of the shear moduli of layer and base; 0: the base is rigid.
   elemental real(real64) function shear_ratio(body) result(ratio)
-    type(layered_body), intent(in) :: body  !! its materials
+    type(layered_body), intent(in) :: body  !! layer and base
 
     ratio = 0.0_real64
     if (body%modulus(2) > 0.0_real64) ratio = body%modulus(1) * (1.0_real64 + body%ratio(2)) / &
@@ -50,20 +50,21 @@ contains
     type(layered_body), intent(in) :: bodies(:)  !! one or both
     real(real64), intent(in) :: q                !! wave number, more than 0
 
-    factor = sum(shares(bodies) * (1.0_real64 + excess(bodies, q * bodies%thickness)))
+    factor = sum(body_shares(bodies) * (1.0_real64 + factor_excess(bodies, q * bodies%thickness)))
   end function layer_factor
 
   !> Displacement times the modulus by a mean pressure of 1 [length].
   pure real(real64) function mean_displacement(bodies) result(displacement)
     type(layered_body), intent(in) :: bodies(:)  !! one or both
 
-    displacement = sum(shares(bodies) * bodies%thickness * (1.0_real64 - 2.0_real64 * &
+    displacement = sum(body_shares(bodies) * bodies%thickness * (1.0_real64 - 2.0_real64 * &
                        bodies%ratio(1)) / (1.0_real64 - bodies%ratio(1))**2, &
-                       mask=bodies%thickness > 0.0_real64 .and. .not. bodies%modulus(2) > 0.0_real64)
+                       mask=bodies%thickness > 0.0_real64 .and. &
+                            .not. bodies%modulus(2) > 0.0_real64)
   end function mean_displacement
 
   ! Shares of the bodies in the displacement by short waves.
-  pure function shares(bodies) result(share)
+  pure function body_shares(bodies) result(share)
     type(layered_body), intent(in) :: bodies(:)  ! moduli of 0: a rigid one
     real(real64) :: share(size(bodies))
 
@@ -71,11 +72,11 @@ contains
     where (bodies%modulus(1) > 0.0_real64) share = (1.0_real64 - bodies%ratio(1)**2) / &
                                                    bodies%modulus(1)
     share = share / max(sum(share), tiny(share))
-  end function shares
+  end function body_shares
 
   ! The factor of C(q) in the header, less 1. With c = 3 - 4 nu of layer and base the numerator is
   ! 1 - l k + 2 e (l k (sinh 2x - 2x) + k (1 + l) 2x): nothing cancels where x is small.
-  elemental real(real64) function excess(body, x)
+  elemental real(real64) function factor_excess(body, x) result(excess)
     type(layered_body), intent(in) :: body
     real(real64), intent(in) :: x
     real(real64) :: c(2), e, k, l, m, y
@@ -94,20 +95,21 @@ contains
       else
         ! Series of sinh y - y, to 1e-17 of it.
         excess = y**3 / 6.0_real64 * (1.0_real64 + y**2 / 20.0_real64 * (1.0_real64 + y**2 / &
-                 42.0_real64 * (1.0_real64 + y**2 / 72.0_real64 * (1.0_real64 + y**2 / 110.0_real64))))
+                 42.0_real64 * (1.0_real64 + y**2 / 72.0_real64 * (1.0_real64 + y**2 / &
+                 110.0_real64))))
         excess = (m * (1.0_real64 + c(1)) * (1.0_real64 + c(2)) / &
                   ((1.0_real64 + m * c(2)) * (m + c(1))) + 2.0_real64 * e * (l * k * excess + &
                   k * (1.0_real64 + l) * y)) / denominator - 1.0_real64
       end if
     end associate
-  end function excess
+  end function factor_excess
 
   !> Adds the layers to displacements times the modulus at the centres of elements by unit pressure
   !> on one of them, over the side along x.
   !>
   !> The factor of C(q) is 1 + d exp(-2 x) + rest(q), d + 1 its value for small q: Boussinesq's
-  !> point load, its image at the height 2 t, whose integral over an element is closed, and the rest,
-  !> the integral of rest(q) J0(q r) over q (Hankel). It is smooth at the scale of t: cubic
+  !> point load, its image at the height 2 t, whose integral over an element is closed, and the
+  !> rest, the integral of rest(q) J0(q r) over q (Hankel). It is smooth at the scale of t: cubic
   !> interpolation in asinh(r/t), Gauss's rule on squares of an element.
   subroutine add_layers(bodies, side, table)
     type(layered_body), intent(in) :: bodies(:)       !! one or both
@@ -117,7 +119,7 @@ contains
     real(real64) :: corner(0:1, 0:1), d, share(size(bodies)), step, x, y
     integer :: b, i, j, k, l
 
-    share = shares(bodies)
+    share = body_shares(bodies)
     do b = 1, size(bodies)
       associate (body => bodies(b), s => 2.0_real64 * bodies(b)%thickness)
         if (.not. body%thickness > 0.0_real64) cycle
@@ -165,7 +167,7 @@ contains
         do g = 1, gauss_points
           x = (k + gauss_node(g)) * panel
           rest(i) = rest(i) + panel * gauss_weight(g) * bessel_j0(x * r) * &
-                    (excess(body, x) - d * exp(-2.0_real64 * x))
+                    (factor_excess(body, x) - d * exp(-2.0_real64 * x))
         end do
       end do
     end do
@@ -178,22 +180,21 @@ contains
     real(real64), allocatable, intent(in) :: rest(:)
     real(real64), intent(in) :: step, side(2)
     integer, intent(in) :: i, j
-    ! Gauss's rule of three points.
-    real(real64), parameter :: node(3) = [-sqrt(0.15_real64), 0.0_real64, sqrt(0.15_real64)], &
-                               weight(3) = [5.0_real64, 8.0_real64, 5.0_real64] / 18.0_real64
     integer :: k, l, m, n, squares
 
     squares = 1
     if (norm2(max(0.0_real64, [i, j] - 0.5_real64) * side) < near) &
-      squares = ceiling(2.0_real64 * min(maxval(side), 1.0_real64 / thin))
+      squares = ceiling(min(2.0_real64 * maxval(side), most_squares))
     integral = 0.0_real64
     do l = 1, squares
       do k = 1, squares
-        do m = 1, 3
-          do n = 1, 3
-            integral = integral + weight(m) * weight(n) * value_at(hypot( &
-              (i + (k - 0.5_real64 + node(n)) / squares - 0.5_real64) * side(1), &
-              (j + (l - 0.5_real64 + node(m)) / squares - 0.5_real64) * side(2)))
+        ! Gauss's rule of three points along each side.
+        do m = -1, 1
+          do n = -1, 1
+            integral = integral + (8 - 3 * abs(m)) * (8 - 3 * abs(n)) / 324.0_real64 * &
+              value_at(hypot( &
+                (i + (k - 0.5_real64 + n * sqrt(0.15_real64)) / squares - 0.5_real64) * side(1), &
+                (j + (l - 0.5_real64 + m * sqrt(0.15_real64)) / squares - 0.5_real64) * side(2)))
           end do
         end do
       end do

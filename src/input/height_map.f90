@@ -9,9 +9,9 @@ module asperity_height_map
   implicit none
   private
 
-  public :: height_map, layered_body, map_request, change_unit, copy_map, move_map, put_in_unit, give_spacing, &
-            check_heights, check_spacing, known_units, length_units, unit_number, unit_ratio, &
-            plain_unit, no_height, is_measured, is_length, make_room, read_height, &
+  public :: height_map, layered_body, map_request, change_unit, copy_map, move_map, put_in_unit, &
+            give_spacing, check_heights, check_spacing, known_units, length_units, unit_number, &
+            unit_ratio, plain_unit, no_height, is_measured, is_length, make_room, read_height, &
             expected_length, expected_height, highest, largest_height, &
             most_samples, digit_of, no_power, edge_names, index_beside, level_mean, level_names, &
             level_none, level_plane, free_edge, note_repeated_line, periodic_edge, usual_level

@@ -71,28 +71,29 @@ contains
 
     if (.not. fields%has_name('material', trim(names(1))) .or. fields%lacks_file) return
     if (.not. allocated(checked%map)) then
-      call refuse('layers are solved on pixels: found no map, expected one')
+      call refuse_layers('layers are solved on pixels: found no map, expected one')
       return
     end if
     if (.not. any(checked%bodies%thickness > 0.0_real64)) return
     if (max(checked%map%upper%strip_axis, checked%map%lower%strip_axis) > 0) &
-      call refuse('found beside a map that is periodic along one axis, expected both axes or none')
+      call refuse_layers('found beside a map that is periodic along one axis, expected both ' // &
+                         'axes or none')
     if (any(checked%conductivity > 0.0_real64)) &
-      call refuse('found beside conductivities, which a layer changes, expected one of both')
+      call refuse_layers('found beside conductivities, which a layer changes, expected one of both')
     do i = 1, 2
       associate (name => merge('creep   ', 'friction', i == 1))
-        if (checked%effects%mode(trim(name)) /= effect_off) call refuse( &
+        if (checked%effects%mode(trim(name)) /= effect_off) call refuse_layers( &
           'found beside ' // trim(name) // ', which is not solved on layers, expected one of both')
       end associate
     end do
 
   contains
 
-    subroutine refuse(message)
+    subroutine refuse_layers(message)
       character(len=*), intent(in) :: message
 
       call fields%complain_of('material', trim(names(1)), message)
-    end subroutine refuse
+    end subroutine refuse_layers
 
   end subroutine check_layers
 

@@ -72,7 +72,7 @@ module asperity_scene_names
                unit='force/length^2', &
                synonyms=' e_star estar reduced_modulus effective_modulus '), &
     known_name('material', 'layer_thickness', not_negative, 'of layers on the bodies of a map', 2, &
-               unit='length'), &
+               otherwise='none', unit='length'), &
     known_name('material', 'layer_modulus', not_negative, 'their Young''s moduli', 2, &
                otherwise='none', unit='force/length^2'), &
     known_name('material', 'layer_poisson', poisson_range, 'their Poisson''s ratios', 2, &

@@ -1,10 +1,10 @@
 !> Stress in a layer that is bonded to a half-space, and below it, by a wave of pressure.
 !>
-!> Airy's function of a wave of the number q is f(x) exp(i q s) along the wave, x = q z; the stresses
-!> are f'' along it, -f down and i T with T = -f' in shear, nu times the sum of the first two across.
-!> f is a sum of exp(-x), x exp(-x) and of the growing pair, which begins at the base, in the layer,
-!> and of the decaying pair in the base: six coefficients from pressure and shear at the surface and
-!> from stresses and displacements at the base,
+!> Airy's function of a wave of the number q is f(x) exp(i q s) along the wave, with x = q z. The
+!> stresses are f'' along it, -f down, i T with T = -f' in shear, nu times the sum of the first two
+!> across. f is a sum of exp(-x), x exp(-x) and of the growing pair, which begins at the base, in the
+!> layer, and of the decaying pair in the base: six coefficients from pressure and shear at the
+!> surface and from stresses and displacements at the base,
 !>
 !>   2 G q U = -((1 - nu) f'' + nu f),  2 G q W = (1 - nu) f''' - (2 - nu) f'
 !>
@@ -23,7 +23,7 @@ contains
   !> Stresses along, across and down the wave, and T, by a pressure of 1. At the base those of the
   !> layer.
   pure function layer_stress(body, q, depth) result(stress)
-    type(layered_body), intent(in) :: body  !! its materials
+    type(layered_body), intent(in) :: body  !! layer and base
     real(real64), intent(in) :: q           !! wave number, more than 0
     real(real64), intent(in) :: depth       !! below the surface, 0 or more
     real(real64) :: stress(4)
@@ -39,7 +39,7 @@ contains
       parts(:, 5:) = -wave_parts(0.0_real64, -1, soft, nu(2))
       system(3:, :6) = parts(:4, :)
       system(1, 7) = -1.0_real64
-      call eliminate(system)
+      call solve_system(system)
       if (depth > body%thickness) then
         parts(:, 5:) = wave_parts(q * depth - base, -1, soft, nu(2))
         first = 5
@@ -71,7 +71,7 @@ contains
     integer, intent(in) :: component       !! xx, yy, zz, xy, xz, yz
     real(real64), intent(in) :: wave(2)    !! numbers along x and y, not both 0
     real(real64), intent(in) :: odd(2)     !! the same, 0 where the sign is not known
-    real(real64), intent(in) :: stress(4)  !! of `layer_stress`
+    real(real64), intent(in) :: stress(4)  !! those of `layer_stress`
 
     associate (square => wave**2 / sum(wave**2))
       select case (component)
@@ -87,16 +87,16 @@ contains
     end associate
   end function along_axes
 
-  ! Down, T, 2 G U, 2 G W and along, of exp(sign x) and x exp(sign x).
-  pure function wave_parts(x, sign, softness, ratio) result(parts)
+  ! Down, T, 2 G U, 2 G W and along, of exp(growth x) and x exp(growth x).
+  pure function wave_parts(x, growth, softness, ratio) result(parts)
     real(real64), intent(in) :: x, softness, ratio  ! softness: shear modulus of the layer over G
-    integer, intent(in) :: sign
+    integer, intent(in) :: growth  ! 1 or -1
     real(real64) :: parts(5, 2)
     real(real64) :: d(0:3, 2), e  ! derivatives
 
-    e = exp(sign * x)
-    d(:, 1) = e * [1, sign, 1, sign]
-    d(:, 2) = e * [x, 1.0_real64 + sign * x, 2.0_real64 * sign + x, 3.0_real64 + sign * x]
+    e = exp(growth * x)
+    d(:, 1) = e * [1, growth, 1, growth]
+    d(:, 2) = e * [x, 1.0_real64 + growth * x, 2.0_real64 * growth + x, 3.0_real64 + growth * x]
     parts(1, :) = -d(0, :)
     parts(2, :) = -d(1, :)
     parts(3, :) = -softness * ((1.0_real64 - ratio) * d(2, :) + ratio * d(0, :))
@@ -105,7 +105,7 @@ contains
   end function wave_parts
 
   ! Gauss's elimination with pivots over the largest entry of a row; the last column is solved.
-  pure subroutine eliminate(system)
+  pure subroutine solve_system(system)
     real(real64), intent(inout) :: system(:, :)
     integer :: i, j, n
 
@@ -121,6 +121,6 @@ contains
         if (j /= i) system(j, :) = system(j, :) - system(j, i) * system(i, :)
       end do
     end do
-  end subroutine eliminate
+  end subroutine solve_system
 
 end module asperity_layer_stress

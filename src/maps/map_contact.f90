@@ -156,9 +156,10 @@ contains
   end subroutine press_map
 
   !> Sets the failure where an elastic map has no solution at the level of `answer`: the mean
-  !> displacement of a periodic map is 0, but on a rigid base, so that its mean gap would be negative; at 0 it is in full
-  !> contact at any load. Only surfaces that a load has brought into full contact stay in it, with
-  !> their load, where that level is held. A flat that does not reach the map is above its mean.
+  !> displacement of a periodic map is 0, but on a rigid base, so that its mean gap would be
+  !> negative; at 0 it is in full contact at any load. Only surfaces that a load has brought into
+  !> full contact stay in it, with their load, where that level is held. A flat that does not reach
+  !> the map is above its mean.
   subroutine check_level(map, start, error, answer)
     type(height_map), intent(in) :: map                 !! at least one pixel measured
     real(real64), allocatable, intent(in) :: start(:, :)  !! contact pressures before, if any

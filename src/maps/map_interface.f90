@@ -47,7 +47,7 @@ contains
     if (present(hardness)) carries = carries .and. pressure < hardness
     call find_stiffness(map, material(1), carries, by_compression, by_gap)
     conductance = by_compression
-    ! Of one conductivity in layer and base: as without the layer.
+    ! The conductance is that of one conductivity in layer and base.
     if (any(map%bodies%thickness > 0.0_real64)) then
       bare = map
       bare%bodies%thickness = 0.0_real64

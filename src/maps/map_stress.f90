@@ -126,7 +126,7 @@ contains
   subroutine prepare_solver(self, field, body, is_upper)
     class(stress_solver), intent(inout) :: self  !! solver without plans
     type(contact_field), intent(in) :: field     !! pressures and tractions on pixels
-    type(layered_body), intent(in) :: body       !! its material
+    type(layered_body), intent(in) :: body       !! material of it
     logical, intent(in) :: is_upper              !! whose tractions are those of the field reversed
     real(real64), allocatable :: traction(:, :)
     integer :: axis, beside(2), i, j, padded(2)
@@ -269,9 +269,9 @@ contains
     integer, intent(in) :: source, component
     real(real64), intent(out) :: kernel(:, :)
     real(real64), allocatable :: corner(:, :)
-    integer :: i, j, parity(2)
+    integer :: i, j, mirrored(2)
 
-    parity = corner_parity(source, component)
+    mirrored = corner_parity(source, component)
     allocate (corner(-self%columns:self%columns - 1, -self%rows:self%rows - 1))
     !$omp parallel do
     do j = 0, self%rows - 1
@@ -279,11 +279,11 @@ contains
         corner(i, j) = corner_function(source, component, (i + 0.5_real64) * self%side(1), &
                                        (j + 0.5_real64) * self%side(2), depth, self%body%ratio(1))
       end do
-      corner(-1:-self%columns:-1, j) = parity(1) * corner(0:, j)
+      corner(-1:-self%columns:-1, j) = mirrored(1) * corner(0:, j)
     end do
     !$omp end parallel do
     do j = 0, self%rows - 1
-      corner(:, -1 - j) = parity(2) * corner(:, j)
+      corner(:, -1 - j) = mirrored(2) * corner(:, j)
     end do
     kernel = 0.0_real64
     do j = 1 - self%rows, self%rows - 1

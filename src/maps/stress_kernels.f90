@@ -7,14 +7,14 @@
 !> u = asinh(X/sqrt(Y**2 + z**2)), v = asinh(Y/sqrt(X**2 + z**2)) and w = R + z the stresses are the
 !> differences over the four corners of
 !>
-!>   component  by p, times -1/(2 pi)                                    by qx, times 1/(2 pi)
-!>   xx         2 nu t + (1 - 2 nu) (atan(Y/X) - atan(z Y/(X R)))        2 v + 2 nu Y/w + z Y/(R w)
-!>              - z X Y/(R (X**2 + z**2)); yy alike                      - z**2 Y/((X**2 + z**2) R)
-!>   yy                                                                  2 nu v - 2 nu Y/w - z Y/(R w)
-!>   zz         t + X Y z/R (1/(X**2 + z**2) + 1/(Y**2 + z**2))          z**2 Y/((X**2 + z**2) R)
-!>   xy         (1 - 2 nu) ln(R + z) + z/R                               u - 2 nu X/w - z X/(R w)
-!>   xz         -z**2 Y/(R (X**2 + z**2)); yz alike                      z X Y/((X**2 + z**2) R) - t
-!>   yz                                                                  -z/R
+!>   component  by p, times -1/(2 pi)                             by qx, times 1/(2 pi)
+!>   xx         2 nu t + (1 - 2 nu) (atan(Y/X) - atan(z Y/(X R))) 2 v + 2 nu Y/w + z Y/(R w)
+!>              - z X Y/(R (X**2 + z**2)); yy alike               - z**2 Y/((X**2 + z**2) R)
+!>   yy                                                           2 nu v - 2 nu Y/w - z Y/(R w)
+!>   zz         t + X Y z/R (1/(X**2 + z**2) + 1/(Y**2 + z**2))   z**2 Y/((X**2 + z**2) R)
+!>   xy         (1 - 2 nu) ln(R + z) + z/R                        u - 2 nu X/w - z X/(R w)
+!>   xz         -z**2 Y/(R (X**2 + z**2)); yz alike               z X Y/((X**2 + z**2) R) - t
+!>   yz                                                           -z/R
 !>
 !> (p: Love, Phil. Trans. R. Soc. A 228 (1929) 377; qx: Cerruti's stresses, Johnson, Contact
 !> Mechanics, 1985, eq. 3.76, integrated.)
@@ -54,12 +54,12 @@ module asperity_stress_kernels
 contains
 
   !> Parities of a corner function in X and in Y.
-  pure function corner_parity(source, component) result(parity)
+  pure function corner_parity(source, component) result(mirrored)
     integer, intent(in) :: source, component  !! which of the `by_`; from 1
-    integer :: parity(2)
+    integer :: mirrored(2)
 
-    parity = parities(:, component, min(source, 2))
-    if (source == by_traction_y) parity = parities([2, 1], exchanged(component), 2)
+    mirrored = parities(:, component, min(source, 2))
+    if (source == by_traction_y) mirrored = parities([2, 1], exchanged(component), 2)
   end function corner_parity
 
   !> A corner function of the header, without its factor over 2 pi.
@@ -144,9 +144,9 @@ contains
     end select
   end function traction_corner
 
-  !> What a component at the centre of a pixel lacks by the steps of tractions from pixel to pixel.
+  !> Error of a component at the centre of a pixel by steps of tractions, with the sign reversed.
   !>
-  !> The stress xx by a wave of qx near the surface is i c (2 - w) exp(-w) of it, of order 0 and odd.
+  !> The stress xx by a wave of qx near the surface is i c (2 - w) exp(-w) of it, odd, of order 0.
   !> A traction that is uniform on pixels of the side h adds, to the wave q, waves q + 2 pi k/h of
   !> the relative size (-1)**k q h/(2 pi k). At the centres all are one wave: the sum over k is
   !> -h dq/dx (2 L - W), with L = ln(1 + e)/pi, W = (2 pi z/h) e/(1 + e)/pi and e = exp(-2 pi z/h).
@@ -156,7 +156,7 @@ contains
     integer, intent(in) :: component        !! of the stress, from 1
     real(real64), intent(in) :: depth       !! below the surface, 0 or more
     real(real64), intent(in) :: side(2)     !! of a pixel along x and y
-    real(real64), intent(in) :: ratio       !! Poisson's ratio
+    real(real64), intent(in) :: ratio       !! Poisson's ratio of the body
     !> (traction, axis): half of the difference of the neighbours along the axis
     real(real64), intent(in) :: steps(2, 2)
     real(real64), dimension(2) :: e, l, w
@@ -185,7 +185,7 @@ contains
     real(real64), intent(in) :: wave(2)       !! numbers along x and y
     real(real64), intent(in) :: odd(2)        !! the same, 0 where the sign is not known
     real(real64), intent(in) :: depth         !! below the surface, 0 or more
-    real(real64), intent(in) :: ratio         !! Poisson's ratio
+    real(real64), intent(in) :: ratio         !! Poisson's ratio of the body
     real(real64) :: q
 
     q = hypot(wave(1), wave(2))

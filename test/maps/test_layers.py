@@ -157,7 +157,7 @@ def test_stress_of_a_scene(package):
 
 @pytest.mark.parametrize("material, groups, text", [
     ({"layer_thickness": (0, 0.1)}, {}, "needs layer_modulus: found none, expected that of each"),
-    ({**LAYER, "layer_modulus": (0, 0)}, {}, "layer_modulus: found 0 of a layer, expected a number"),
+    ({**LAYER, "layer_modulus": (0, 0)}, {}, "layer_modulus: found 0 of a layer, expected"),
     ({"layer_modulus": (0, 1)}, {}, "layer_modulus: found without layer_thickness"),
     ({**LAYER, "elastic_modulus": (0, 1)}, {}, "found 0 of a body without a layer, expected"),
     (LAYER, {"effects": {"friction_coefficient": 0.3}}, "found beside friction, which is not"),

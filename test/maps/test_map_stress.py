@@ -276,8 +276,8 @@ def test_tractions_on_strips_are_those_of_plane_strain(package, axis):
 
 @pytest.mark.filterwarnings("ignore::UserWarning")
 def test_tractions_of_a_scene_and_both_bodies(asperity, package, tmp_path):
-    """Complete sliding: the stress of p and mu p in the lower body, of p and -mu p in the upper one,
-    the same in the program, in C and of saved results; the rim of the contact is named."""
+    """Complete sliding: the stress of p and mu p in the lower body, of p and -mu p in the upper
+    one, the same in the program, in C and of saved results; the rim of the contact is named."""
     pixels, contact = 64, 0.1
     side, friction = 2.5 * contact / pixels, 0.5
     place = (np.arange(pixels) - (pixels - 1) / 2) * side
