@@ -4,24 +4,18 @@ module asperity_run_accuracy
   use asperity_command_line, only: command_line, refuse_input
   use asperity_command_outcome, only: command_outcome
   use asperity_files, only: same_name
-  use asperity_interruption, only: interruption
   use asperity_kinds, only: real64
-  use asperity_method_study, only: run_method_study, method_table
-  use asperity_progress, only: progress_line
+  use asperity_method_study, only: method_table, study_scene
   use asperity_scene_reader, only: read_scene
   use asperity_scene_values, only: scene
-  use asperity_study_methods, only: most_methods
   use asperity_text_buffer, only: text_buffer
   implicit none
   private
 
   public :: run_accuracy_command
 
-  ! Time spent on every row at most, s: enough for a steady median; and what all of them may take
-  ! when the user does not say.
-  real(real64), parameter :: seconds_a_row = 0.2_real64, usual_seconds = 60.0_real64
-  ! Repetitions take a quarter of the time: the rest is for single runs that take longer.
-  integer, parameter :: share_of_rows = 4
+  ! Time that all methods may take when the user does not say, s.
+  real(real64), parameter :: usual_seconds = 60.0_real64
 
 contains
 
@@ -32,10 +26,7 @@ contains
     type(scene) :: scene_in
     type(method_table) :: table
     type(text_buffer) :: csv
-    type(interruption) :: allowance
-    type(progress_line) :: progress
-    real(real64) :: seconds, least_seconds
-    integer :: pieces
+    real(real64) :: seconds
 
     call read_scene(line%input, scene_in, outcome%problems)
     if (outcome%problems%count() == 0) then
@@ -45,14 +36,8 @@ contains
     end if
     if (outcome%problems%count() > 0) return
     seconds = merge(line%number('--seconds'), usual_seconds, line%has('--seconds'))
-    pieces = most_methods(scene_in)
-    least_seconds = min(seconds_a_row, seconds / (share_of_rows * pieces))
-    call progress%begin(.true., 'methods', pieces, 0)
-    call allowance%end_within(seconds)
-    call run_method_study(scene_in, least_seconds, &
-                          merge(2.0_real64, 1.0_real64, line%has('--finer')), allowance, progress, &
-                          table, outcome%failure)
-    call progress%finish()
+    call study_scene(scene_in, seconds, merge(2.0_real64, 1.0_real64, line%has('--finer')), &
+                     .true., table, outcome%failure)
     if (allocated(outcome%failure)) then
       outcome%failure = line%input // ': ' // outcome%failure
       return

@@ -56,8 +56,9 @@ enum {
                                  text, with tabulators between and values on one line. A card deck has
                                  the lines of the scene that says the same. Names of files are
                                  relative to the scene's file */
-  ASPERITY_SCENE = 9          /* asperity_solve_scene: an object of JSON with "scene" (file, text, units)
+  ASPERITY_SCENE = 9,         /* asperity_solve_scene: an object of JSON with "scene" (file, text, units)
                                  and "provenance" as docs/results.schema.json has them */
+  ASPERITY_METHODS = 10       /* asperity_study_scene: the lines of asperity accuracy --csv */
 };
 
 /* Tables of an outcome, with the columns of the CSV files. A cell that was not computed is NaN. */
@@ -135,9 +136,9 @@ typedef struct {
   const int *interrupt;   /* NULL, or a number that another thread or a signal's handler makes other
                              than 0 to end the call: it goes no further than the states that are
                              under way, and fails with "interrupted" */
-  const char *accuracy_of; /* results that `accuracy` limits: "all" (also for NULL: load and area),
-                              "load" (the separation under a load), "area", or "pressure" (the
-                              greatest, of height maps) */
+  const char *accuracy_of; /* results that `accuracy` limits: "load" (also for NULL; the separation and
+                              compression under a load), "area", "pressure" (the greatest, of height
+                              maps), or "all" (load and area) */
   int *progress;          /* NULL, or two numbers that other threads may read at any time: states
                              that are done, and all of them, 0 as long as that is not known. They
                              begin anew where a scene is solved in several ways */
@@ -197,6 +198,11 @@ asperity_outcome *asperity_build_scene(const char *groups, const asperity_side *
  * enough to ask here. options may be NULL. */
 asperity_outcome *asperity_solve_scene(const asperity_outcome *scene,
                                        const asperity_options *options);
+
+/* Run time and error of each method of a scene, as `asperity accuracy` has them: texts ASPERITY_REPORT
+ * and ASPERITY_METHODS. seconds: time that may be spent, more than 0. finest: 1, or
+ * 2: a height map on pixels half as wide, too. */
+asperity_outcome *asperity_study_scene(const asperity_outcome *scene, double seconds, int finest);
 
 /* A scene with the surfaces of another scene, which are not read again, and the text of all its
  * groups. &surfaces of the text is not looked at: nominal_area, units, map_level and so on keep their

@@ -20,7 +20,8 @@ if TYPE_CHECKING:
 
 # Of the header.
 NOT_COMPUTED, BAD_INPUT = 1, 2
-FAILURE, PROBLEMS, WARNINGS, NOTES, REPORT, WARNING_KINDS, UNIT, GROUPS, SCENE = range(1, 10)
+FAILURE, PROBLEMS, WARNINGS, NOTES, REPORT, WARNING_KINDS, UNIT, GROUPS, SCENE, METHODS = (
+    range(1, 11))
 POSITIONS, STATES, CONTACTS, SUMMITS, STATISTICS, UPPER, LOWER, MAP, PIXELS, FIELDS = range(1, 11)
 DISPLACEMENTS, PRESSURES, STRESSES = 1, 2, 3
 SPECTRA = {"iso": 11, "x": 12, "y": 13}
@@ -85,6 +86,7 @@ _FUNCTIONS: list[tuple[Any, ...]] = [
     ("build_scene", c_void_p, c_char_p, POINTER(Side), POINTER(Side)),
     ("rebuild_scene", c_void_p, c_void_p, c_char_p),
     ("solve_scene", c_void_p, c_void_p, POINTER(Options)),
+    ("study_scene", c_void_p, c_void_p, c_double, c_int),
     ("fields", c_void_p, c_void_p, c_int, c_int),
     ("loaded", c_void_p, POINTER(Body), c_int, c_void_p, c_void_p, c_void_p, c_double),
     ("make_report", c_void_p, c_char_p, c_char_p, POINTER(c_int), c_int),

@@ -61,7 +61,7 @@ class Scene:
                 group, name, values = line.split("\t", 2)
                 self.groups.setdefault(group, {})[name] = _a.Written(values)
 
-    def solve(self, *, arithmetic: str = "real64", accuracy: float = 0.0, accuracy_of: str = "all",
+    def solve(self, *, arithmetic: str = "real64", accuracy: float = 0.0, accuracy_of: str = "load",
               contacts: bool = True, threads: int = 0, progress: bool = False,
               fields: bool | str = False, **groups: Mapping[str, Any] | None) -> Results:
         """Solve the scene, with other values where they are given.
@@ -95,7 +95,7 @@ class Scene:
 
 
 def solve(scene: _a.Path | Mapping[str, Mapping[str, Any]] | Scene, *, arithmetic: str = "real64",
-          accuracy: float = 0.0, accuracy_of: str = "all", contacts: bool = True,
+          accuracy: float = 0.0, accuracy_of: str = "load", contacts: bool = True,
           threads: int = 0, progress: bool = False, fields: bool | str = False) -> Results:
     """Solve a scene: contacts, load, area and pressures of two surfaces.
 

@@ -25,7 +25,7 @@ module asperity_c_outcome
   integer, parameter, public :: text_failure = 1, text_problems = 2, text_warnings = 3, &
                                 text_notes = 4, text_report = 5, text_warning_kinds = 6, &
                                 text_unit = 7, text_groups = 8, text_scene = 9, &
-                                texts = 9
+                                text_methods = 10, texts = 10
   !> The first three are those of a run; the lower surface follows the upper one, the spectra of
   !> lines along x and along y that of the area.
   integer, parameter, public :: table_summits = 4, table_statistics = 5, table_upper = 6, &

@@ -11,17 +11,20 @@ module asperity_c_scenes
                       input_file, keep_checksums, list_inputs, list_warnings, make_arrays, &
                       name_units, of_contacts, problem_list, read_scene, rebuild_scene, &
                       run_options, scene_results, scene_side, solve, text_buffer, write_summary
+  use asperity_accuracy_table, only: write_accuracy_csv, write_accuracy_table
   use asperity_kinds, only: real64
+  use asperity_method_study, only: method_table, study_scene
+  use asperity_problems, only: real_text
   use asperity_c_arguments, only: require_text, take_asperities, take_heights
   use asperity_c_outcome, only: begin_outcome, finish_outcome, finish_scene, look_at, outcome, &
-                                set_text, text_notes, text_of, text_report, text_scene, &
-                                text_warning_kinds, text_warnings
+                                set_text, text_methods, text_notes, text_of, text_report, &
+                                text_scene, text_warning_kinds, text_warnings
   use asperity_library_turn, only: library_turn
   use asperity_results_json, only: write_json_scene
   implicit none
   private
 
-  public :: c_read_scene, c_build_scene, c_rebuild_scene, c_solve
+  public :: c_read_scene, c_build_scene, c_rebuild_scene, c_solve, c_study
   public :: c_options, c_side
 
   !> `asperity_options` of the header.
@@ -159,6 +162,40 @@ contains
     if (associated(from)) call set_results(from, results, new)
     call finish_outcome(new)
   end function c_solve
+
+  !> `asperity_study_scene`.
+  type(c_ptr) function c_study(of_scene, seconds, finest) bind(c, name='asperity_study_scene') &
+    result(handle)
+    type(c_ptr), value :: of_scene        !! outcome that has a scene
+    real(c_double), value :: seconds      !! time that may be spent, s
+    integer(c_int), value :: finest       !! of a map: 1, or 2: pixels half as wide too
+    type(library_turn) :: turn
+    type(outcome), pointer :: from, new
+    type(method_table) :: methods
+    type(text_buffer) :: report, rows
+
+    call begin_outcome(new, handle)
+    if (.not. associated(new)) return
+    call look_at(of_scene, from)
+    call turn%begin()
+    if (associated(from)) call new%problems%append(from%problems)
+    if (.not. (seconds > 0 .and. seconds <= huge(seconds))) &
+      call new%problems%add('seconds: found ' // real_text(real(seconds, real64)) // &
+                            ', expected more than 0')
+    if (.not. has_scene(from)) new%failure = 'no scene'
+    call turn%finish()
+    if (new%problems%count() == 0 .and. .not. allocated(new%failure)) &
+      call study_scene(from%scene_in, real(seconds, real64), real(max(1, min(2, finest)), real64), &
+                       .false., methods, new%failure)
+    call turn%begin()
+    if (new%problems%count() == 0 .and. .not. allocated(new%failure)) then
+      call write_accuracy_table(from%scene_in, methods, report)
+      call set_text(new, text_report, report%text())
+      call write_accuracy_csv(methods, rows)
+      call set_text(new, text_methods, rows%text())
+    end if
+    call finish_outcome(new)
+  end function c_study
 
   ! Whether an outcome has a scene.
   logical function has_scene(from)

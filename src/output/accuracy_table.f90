@@ -185,6 +185,7 @@ contains
     type(array_table) :: columns
     type(method_row), allocatable :: rows(:)
     character(len=400) :: left_out(size(table%rows))
+    character(len=96) :: typed(size(table%rows))
     integer :: i, k
 
     allocate (rows, source=table%rows)
@@ -192,6 +193,7 @@ contains
     do i = 1, size(rows)
       ! A comma would end a cell.
       rows(i)%method%name = replaced_text(rows(i)%method%name, ',', ';')
+      typed(i) = replaced_text(rows(i)%method%typed, ',', ';')
       if (allocated(rows(i)%left_out)) left_out(i) = replaced_text(rows(i)%left_out, ',', ';')
     end do
     call add_words(columns, 'family', family_words(rows%method%family))
@@ -219,6 +221,7 @@ contains
     call add_reals(columns, 'area', rows%ends(3))
     call add_wholes(columns, 'front', merge(1, 0, rows%on_front))
     call add_wholes(columns, 'reference', merge(1, 0, rows%is_reference))
+    call add_words(columns, 'typed', typed)
     call add_words(columns, 'left_out', left_out)
     call write_table(columns, buffer)
   end subroutine write_accuracy_csv

@@ -12,13 +12,13 @@ module asperity_method_study
   use asperity_run_options, only: run_options
   use asperity_scene_results, only: scene_results
   use asperity_scene_values, only: effect_boundary, effect_off, scene
-  use asperity_study_methods, only: list_methods, of_arithmetic, of_effects, of_neighbours, &
+  use asperity_study_methods, only: list_methods, most_methods, of_arithmetic, of_effects, of_neighbours, &
                                     of_steps, request_of, run_method, simulated_effects, &
                                     study_method
   implicit none
   private
 
-  public :: error_against, fastest_within, on_front, run_method_study, method_row, method_table
+  public :: error_against, fastest_within, on_front, study_scene, method_row, method_table
 
   ! The scene as it asks may take so much: the rest is for methods that are cheaper.
   real(real64), parameter :: share_of_scene = 0.5_real64
@@ -60,17 +60,43 @@ module asperity_method_study
   integer, parameter :: least_passes = 3
   real(real64), parameter :: most_times = 3.0_real64
 
+  ! Time spent on every method at most, s: enough for a steady median. Repetitions take a quarter of
+  ! the time: the rest is for single runs that take longer.
+  real(real64), parameter :: seconds_a_method = 0.2_real64
+  integer, parameter :: share_of_repetitions = 4
+
 contains
 
-  !> Runs the study. `failure` is allocated when the scene as it asks cannot be solved in the time.
-  subroutine run_method_study(scene_in, least_seconds, finest, allowance, progress, table, failure)
-    type(scene), intent(in) :: scene_in               !! scene with checked values
-    real(real64), intent(in) :: least_seconds         !! to spend on a method, s
-    real(real64), intent(in) :: finest                !! resolution of a map: 1, or 2: doubled too
-    type(interruption), intent(in) :: allowance       !! time that may be spent
-    type(progress_line), intent(inout) :: progress    !! progress; a piece is a method
-    type(method_table), intent(out) :: table             !! all methods of a scene
+  !> Runs all methods of a scene. `failure` is allocated when the scene as it asks cannot be solved in
+  !> the time.
+  subroutine study_scene(scene_in, seconds, finest, shows_progress, table, failure)
+    type(scene), intent(in) :: scene_in         !! scene with checked values
+    real(real64), intent(in) :: seconds         !! time that may be spent, s
+    real(real64), intent(in) :: finest          !! resolution of a map: 1, or 2: doubled too
+    logical, intent(in) :: shows_progress       !! on a terminal; a piece is a method
+    type(method_table), intent(out) :: table       !! all methods of a scene
     character(len=:), allocatable, intent(out) :: failure  !! reason of a failure
+    type(interruption) :: allowance
+    type(progress_line) :: progress
+    integer :: pieces
+
+    pieces = most_methods(scene_in)
+    if (shows_progress) call progress%begin(.true., 'methods', pieces, 0)
+    call allowance%end_within(seconds)
+    call run_methods(scene_in, min(seconds_a_method, seconds / (share_of_repetitions * pieces)), &
+                     finest, allowance, progress, table, failure)
+    if (shows_progress) call progress%finish()
+  end subroutine study_scene
+
+  ! Runs the study.
+  subroutine run_methods(scene_in, least_seconds, finest, allowance, progress, table, failure)
+    type(scene), intent(in) :: scene_in               ! scene with checked values
+    real(real64), intent(in) :: least_seconds         ! to spend on a method, s
+    real(real64), intent(in) :: finest                ! resolution of a map: 1, or 2: doubled too
+    type(interruption), intent(in) :: allowance       ! time that may be spent
+    type(progress_line), intent(inout) :: progress    ! progress; a piece is a method
+    type(method_table), intent(out) :: table             ! all methods of a scene
+    character(len=:), allocatable, intent(out) :: failure  ! reason of a failure
     type(scene_results) :: results
     type(study_method), allocatable :: methods(:)
     type(method_totals), allocatable :: totals(:)
@@ -137,7 +163,7 @@ contains
       call measure_errors(scene_in, others, table, totals)
       call mark_front(table%rows)
     end if
-  end subroutine run_method_study
+  end subroutine run_methods
 
   ! Whether a method was left out as it takes too long.
   pure logical function is_too_long(row)

@@ -1,7 +1,6 @@
-"""`asperity.accuracy`: errors of `asperity accuracy`, rows that can be typed, digits of heights."""
+"""`asperity.accuracy`: the numbers of `asperity accuracy`, and digits of heights."""
 
 import csv
-import re
 
 import numpy as np
 import pytest
@@ -10,13 +9,7 @@ from programs import run_program
 pytestmark = [pytest.mark.once, pytest.mark.filterwarnings("ignore::UserWarning")]
 
 CAPS = 30
-OF_COMMAND = {"as in the scene": "as in the scene", "isolated contacts": "interaction='off'",
-              "contacts coupled": "interaction='coupled'",
-              **{f"auto; tolerance {share}": f"interaction='auto', tolerance={share}"
-                 for share in ("0.01", "0.003", "0.001")},
-              **{f"boundary elements; {share}":
-                 f"interaction='boundary', boundary_tolerance={share}"
-                 for share in ("0.01", "0.001", "0.0001")}}
+CLOCK = {"seconds", "front"}
 
 
 @pytest.fixture(scope="module")
@@ -27,76 +20,52 @@ def caps(package):
     return lower
 
 
-def test_errors_of_the_command(package, caps, asperity, tmp_path):
-    """The same errors of the methods that both have, against the same reference."""
-    (tmp_path / "l.csv").write_text("x,y,height,radius\n" + "".join(
-        ",".join(repr(row[name]) for name in ("x", "y", "height", "radius")) + "\n"
-        for row in caps.rows()))
-    (tmp_path / "s.scene").write_text(
-        "&surfaces upper = 'plane', lower = 'l.csv' /\n&material contact_modulus = 1e5 /\n"
-        "&loading control = 'load', value = 1e5 /\n")
-    run_program(asperity, "accuracy", tmp_path / "s.scene", "--quiet", "--csv", tmp_path / "a.csv",
-                "--seconds", "20")
-    found = package.accuracy(tmp_path / "s.scene", ["area", "separation"], seconds=20)
-    rows = {OF_COMMAND.get(row["method"]): row
-            for row in csv.DictReader(open(tmp_path / "a.csv", encoding="ascii"))
-            if row["error_max"]}
-    [reference] = [name for name, row in rows.items() if row["reference"] == "1"]
-    assert found.reference == reference
-    compared = 0
-    for number, method in enumerate(found.table["method"].tolist()):
-        for name, title in (("separation", "error_max"), ("area", "area_error_max")):
-            if method in rows:
-                own = found.own[name]
-                compared += 1
-                assert found.table[name][number] == pytest.approx(
-                    max(own, float(rows[method][title])), rel=1e-6), (method, name)
-    assert compared >= 10 and max(found.own.values()) > 0
-
-
-def test_rows_can_be_typed(package):
-    """What a row says to type gives the totals of its errors."""
-    lower = package.generate_map(pixels=64, spacing=1, unit="um", hurst=0.8, rms_slope=0.02)
-    def groups(surface):
-        return {"surfaces": {"upper": "plane", "lower": surface, "units": ("um", "uN")},
-                "material": {"contact_modulus": 1e5},
-                "loading": {"control": "pressure", "value": 100, "points": 3}}
-    found = package.accuracy(groups(lower), ["area", "pressure"])
-    assert "pixels of the map" in found.table["method"].tolist() and len(found.table) >= 4
-    solved = {}
-    for row in found.table.rows():
-        names = {"HeightMap": package.HeightMap, "lower": lower}
-        exec(row["type"].replace("scene.solve()", "lower = lower"), names)
-        results = package.solve(groups(names["lower"]))
-        solved[row["method"]] = (results.states["area"][-1], results.contacts["maximum_pressure"][
-            results.contacts["step"] == results.states["step"][-1]].max())
-    for row in found.table.rows():
-        for number, name in enumerate(("area", "pressure")):
-            mine, best = solved[row["method"]][number], solved[found.reference][number]
-            assert row[name] == pytest.approx(max(found.own[name], abs(mine - best) / best),
-                                              rel=1e-6, abs=1e-9)
+@pytest.mark.parametrize("kind", ("asperities", "deck"))
+def test_numbers_of_the_command(kind, package, caps, asperity, root, tmp_path):
+    """All numbers of `--csv` but the clock's; of a deck the arithmetics and steps, too."""
+    scene = root / "data/hard/deck_one_pair.deck"
+    if kind == "asperities":
+        (tmp_path / "l.csv").write_text("x,y,height,radius\n" + "".join(
+            ",".join(repr(row[name]) for name in ("x", "y", "height", "radius")) + "\n"
+            for row in caps.rows()))
+        scene = tmp_path / "s.scene"
+        scene.write_text(
+            "&surfaces upper = 'plane', lower = 'l.csv' /\n&material contact_modulus = 1e5 /\n"
+            "&loading control = 'load', value = 1e5 /\n")
+    run_program(asperity, "accuracy", scene, "--quiet", "--csv", tmp_path / "a.csv")
+    found = package.accuracy(scene)
+    rows = list(csv.DictReader(open(tmp_path / "a.csv", encoding="ascii")))
+    assert len(rows) == len(found.table)
+    assert list(rows[0]) == list(found.table)
+    for mine, row in zip(found.table.rows(), rows):
+        for name in row.keys() - CLOCK:
+            text = row[name].replace(";", ",")
+            if isinstance(mine[name], str):
+                assert mine[name] == text
+            else:
+                assert mine[name] == pytest.approx(float(text or "nan"), rel=1e-9, nan_ok=True)
+    assert found.reference in str(found) and "what to type" in str(found)
+    assert ("ibm370" in str(found)) == (kind == "deck")
 
 
 def test_answers(package, caps):
-    """The fastest row within a goal; text, table and figure have them."""
+    """The fastest row within a goal that can be typed, and which then has these totals."""
     scene = {"surfaces": {"upper": "plane", "lower": caps}, "material": {"contact_modulus": 1e5},
              "loading": {"control": "load", "value": 1e5}}
-    found = package.accuracy(scene, goals=(0.5, 1e-30))
-    assert list(found.own) == ["area", "separation", "pressure"]
-    row = found.answer(0.5, "separation")
-    within = found.table["separation"] <= 0.5
-    assert row["seconds"] == found.table["seconds"][within].min() and row["separation"] <= 0.5
-    assert found.answer(1e-30, "area") is None and "not reached, best" in str(found)
-    assert all(row["type"] in str(found) for row in found.table.rows())
+    found = package.accuracy(scene)
+    row = found.answer(0.02)
+    typed = {name: eval(value) for name, _, value in (
+        part.partition(" = ") for part in row["typed"].split(", "))}
+    area = package.solve({**scene, "effects": typed}).states["area"][-1]
+    assert row["area"] == pytest.approx(area, rel=1e-3) and found.error(row) <= 0.02
+    assert found.answer(1e-30) is None
     axes = found.plot()
-    assert len([line for line in axes.lines if line.get_drawstyle() == "steps-post"]) == 3
+    assert len(axes.lines) > len(found.table) / 2
     assert "<img" in found._repr_html_()
-    with pytest.raises(ValueError, match="of: found 'load', expected 'area', 'separation'"):
-        found.answer(0.1, "load")
-    with pytest.raises(ValueError, match="quantities: found"):
-        package.accuracy(scene, ["volume"])
-    short = package.accuracy(scene, seconds=0.0)
-    assert re.search(r"Left out: interaction='auto', tolerance=0.003: it could take", str(short))
+    with pytest.raises(ValueError, match="of: found 'gap', expected 'load', 'area'"):
+        found.answer(0.1, "gap")
+    with pytest.raises(ValueError, match="seconds: found"):
+        package.accuracy(scene, seconds=0.0)
 
 
 def test_digits_of_heights(package):
@@ -109,3 +78,14 @@ def test_digits_of_heights(package):
     expected = [abs((1 + sign * 0.005 / 0.04)**1.5 - 1) for sign in (-1, 1)]
     assert np.isclose(found.digits, expected, rtol=1e-9).any()
     assert "digit of the heights" in str(found)
+
+
+def test_pixels(package):
+    """A map in an array: what to type for its pixels is the option of the command."""
+    lower = package.generate_map(pixels=64, spacing=1, unit="um", hurst=0.8, rms_slope=0.02)
+    found = package.accuracy({
+        "surfaces": {"upper": "plane", "lower": lower, "units": ("um", "uN")},
+        "material": {"contact_modulus": 1e5}, "loading": {"control": "pressure", "value": 100}},
+        finer=True)
+    assert found.reference == "pixels half as wide"
+    assert {"--accuracy", "pixels"} <= set(found.table["typed"].tolist())
