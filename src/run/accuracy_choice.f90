@@ -18,7 +18,7 @@ module asperity_accuracy_choice
   use asperity_scene_results, only: last_state, scene_results
   use asperity_scene_values, only: combined_modulus, effect_auto, effect_boundary, effect_coupled, &
                                    effect_off, is_load, scene
-  use asperity_theory_warnings, only: of_slope, warning_kinds
+  use asperity_theory_warnings, only: of_error, of_slope, warning_kinds
   implicit none
   private
 
@@ -29,9 +29,9 @@ module asperity_accuracy_choice
   real(real64), parameter :: effect_error = 1.0e-9_real64
 
   ! The first tolerance of boundary elements over the accuracy of loads, whose error is often far
-  ! less than the tolerance; the largest reduction of a tolerance, and the part of the accuracy below
-  ! which it is not reduced, as other errors prevail; the part of the accuracy that is aimed at
-  ! (chosen; test: times in test/bench/accuracy_promises.py).
+  ! less than the tolerance; the largest reduction of a tolerance, as a run takes six times as long
+  ! then, and the part of the accuracy below which it is not reduced; the part of the accuracy that is
+  ! aimed at (chosen; test: times in test/bench/accuracy_promises.py).
   real(real64), parameter :: first_share = 10.0_real64, largest_step = 0.1_real64, &
                              least_share = 0.25_real64, aimed_share = 0.95_real64
 
@@ -53,6 +53,8 @@ module asperity_accuracy_choice
   type :: method_choice
     real(real64) :: tolerance = 0.0_real64   !! relative error of the totals, by effects left out
     logical :: on_elements = .false.         !! boundary elements where Hertz is inaccurate
+    !> Tolerance and error of the last run on elements; 0: there is none.
+    real(real64) :: last(2) = 0.0_real64
     real(real64) :: resolution = 1.0_real64  !! pixels along a side over those of the map
   end type method_choice
 
@@ -76,9 +78,9 @@ contains
     type(run_options), intent(in) :: options      !! requested accuracy and its total
     real(real64), intent(in) :: error             !! relative error with the method
     type(method_choice), intent(inout) :: method  !! last method, then the next one
-    logical :: by_load
+    real(real64) :: last(2)
 
-    by_load = options%accuracy_of == 'load'
+    last = method%last
     associate (goal => options%accuracy)
       if (allocated(scene_in%map)) then
         if (method%resolution >= 1.0_real64) method%tolerance = 0.0_real64
@@ -87,13 +89,16 @@ contains
         method%tolerance = 0.0_real64
       else if (.not. method%on_elements) then
         method%on_elements = .true.
-        method%tolerance = min(merge(first_share, 1.0_real64, by_load) * goal, aimed_share * error)
-      else if (.not. method%tolerance > least_share * goal) then
+        method%tolerance = min(aimed_share * error, max(largest_step * error, goal * merge( &
+                               first_share, 1.0_real64, options%accuracy_of == 'load')))
+      else if (.not. method%tolerance > least_share * goal .or. &
+               (method%tolerance < 0.3_real64 * last(1) .and. error > 0.7_real64 * last(2))) then
+        ! Other errors prevail.
         method%tolerance = 0.0_real64
       else
-        ! Of the error of a load a part does not depend on the tolerance.
-        method%tolerance = method%tolerance * max( &
-          largest_step, (aimed_share * goal / error)**merge(2, 1, by_load))
+        ! A part of the error does not depend on the tolerance.
+        method%last = [method%tolerance, error]
+        method%tolerance = method%tolerance * max(largest_step, (aimed_share * goal / error)**2)
       end if
     end associate
   end subroutine take_next
@@ -293,11 +298,21 @@ contains
 
   end function errors_of_run
 
-  !> Sets the words of the chosen method: what a scene has for it.
+  !> Sets the words of the chosen method: what a scene has for it. Its own tolerance is no limit of
+  !> the error.
   subroutine report_method(scene_in, method, results)
     type(scene), intent(in) :: scene_in             !! scene that was solved
     type(method_choice), intent(in) :: method       !! method that was chosen
     type(scene_results), intent(inout) :: results   !! results with the error bound; get the text
+    integer :: m
+
+    do m = 1, size(results%positions)
+      associate (position => results%positions(m))
+        if (allocated(position%warnings)) position%warnings = pack( &
+          position%warnings, position%warnings%number /= of_error .or. &
+          position%warnings%magnitude > results%error_bound)
+      end associate
+    end do
 
     associate (effects => scene_in%effects, mode => scene_in%effects%modes(of_interaction))
       if (allocated(scene_in%map)) then

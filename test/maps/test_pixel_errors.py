@@ -269,13 +269,12 @@ def test_a_coarse_ball(asperity, tmp_path):
     assert 0.1 < error < found["area_error_estimate"]
     done = run_program(asperity, "solve", tmp_path / "m.scene")
     assert "not resolved by the pixels of the map" in done.stderr
-    done = run_program(asperity, "solve", tmp_path / "m.scene", "--accuracy", "1e-3", status=1)
-    assert "no method has this accuracy" in done.stderr
-    assert re.search(r"areas of \S+: set --accuracy \S+, or take a map of finer pixels",
-                     done.stderr)
-    done = run_program(asperity, "solve", tmp_path / "m.scene", "--accuracy", "1e-3", "--of",
-                       "load", status=1)
-    assert re.search(": set --accuracy .* --of load, or take a map of finer pixels", done.stderr)
+    for of in ((), ("--of", "area")):
+        done = run_program(asperity, "solve", tmp_path / "m.scene", "--accuracy", "1e-3", *of,
+                           status=1)
+        assert "no method has this accuracy" in done.stderr
+        assert re.search(rf"of \S+: set --accuracy \S+{' '.join(['', *of])}, or take a map of "
+                         "finer pixels", done.stderr)
 
 
 def test_an_accuracy_of_the_load_where_areas_have_none(asperity, tmp_path):
@@ -284,8 +283,10 @@ def test_an_accuracy_of_the_load_where_areas_have_none(asperity, tmp_path):
     found = solve(asperity, tmp_path, np.random.default_rng(0).standard_normal((N, N)), 1.0,
                   control="load", value=2.0 * N**2)
     assert found["area_error_estimate"] > 1
+    run_program(asperity, "solve", tmp_path / "m.scene", "--accuracy", "0.99", "--of", "area",
+                status=1)
     told = run_program(asperity, "solve", tmp_path / "m.scene", "--accuracy", "1e-3", status=1)
-    option = re.search("set (--accuracy .* --of load), or take a map of finer pixels", told.stderr)
+    option = re.search("set (--accuracy .*), or take a map of finer pixels", told.stderr)
     run_program(asperity, "solve", tmp_path / "m.scene", *option[1].split())
 
 
