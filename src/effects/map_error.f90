@@ -85,6 +85,9 @@ contains
     real(real64) :: area, growth, of_top, pressure
 
     elastic = state
+    ! Coarser maps start from pressures alone.
+    deallocate (elastic%deformed%height)
+    if (allocated(elastic%answer%displacement)) deallocate (elastic%answer%displacement)
     growth = growth_of_slope(map)
     request = given
     request%is_rough = growth > 0.0_real64

@@ -4,7 +4,7 @@
 !> keep in the opposite order what the solution leaves to the next state.
 module asperity_pixel_sequence
   use asperity_effect_sequence, only: leave_smallest
-  use asperity_height_map, only: copy_map, height_map
+  use asperity_height_map, only: copy_map, height_map, move_map
   use asperity_kinds, only: real64
   use asperity_map_contact, only: press_map
   use asperity_map_top, only: find_top
@@ -23,8 +23,15 @@ contains
     type(pixel_law_box), intent(inout) :: laws(:)  !! laws with the memory of the state before
     type(pixel_state), intent(inout) :: state      !! state before; becomes this state
     integer :: i, solver
+    logical :: is_elastic
 
-    call copy_map(state%deformed, state%problem_map, state%answer%failure)
+    ! Laws may change the map of the problem; without them one map is enough.
+    is_elastic = .not. any([(laws(i)%law%is_simulated, i=1, size(laws))])
+    if (is_elastic) then
+      call move_map(state%deformed, state%problem_map)
+    else
+      call copy_map(state%deformed, state%problem_map, state%answer%failure)
+    end if
     if (allocated(state%answer%failure)) return
     state%problem_modulus = state%modulus
     if (allocated(state%hardness)) deallocate (state%hardness)
@@ -39,6 +46,7 @@ contains
     else
       call press_state(state)
     end if
+    if (is_elastic) call move_map(state%problem_map, state%deformed)
     call free_map(state%problem_map)
     if (allocated(state%answer%failure)) return
     do i = size(laws), 1, -1

@@ -381,17 +381,20 @@ contains
 
   ! Adds the columns of the interface, and those of the smooth form of a map.
   subroutine add_surface_columns(self, columns)
-    class(pixel_bodies), intent(in) :: self
+    class(pixel_bodies), intent(in), target :: self
     type(column_list), intent(inout) :: columns
     real(real64) :: width, smooth(2)
-    real(real64), allocatable :: pressure(:, :)
+    real(real64), allocatable, target :: in_contact(:, :)
+    real(real64), pointer :: pressure(:, :)
     integer :: axis
 
     associate (answer => self%state%answer, map => self%map, &
                form => self%model%scene_in%map%form_radius)
-      allocate (pressure, source=answer%pressure)
-      if (allocated(answer%touches)) &
-        pressure = merge(max(pressure, tiny(pressure)), 0.0_real64, answer%touches)
+      pressure => self%state%answer%pressure
+      if (allocated(answer%touches)) then
+        in_contact = merge(max(pressure, tiny(pressure)), 0.0_real64, answer%touches)
+        pressure => in_contact
+      end if
       call add_interface(self%state%deformed, [self%model%modulus, &
                          shared_poisson_ratio(self%model%scene_in)], pressure, &
                          self%model%scene_in%conductivity, columns, self%state%hardness)
