@@ -101,7 +101,7 @@ contains
       type(map_patch), intent(inout) :: patch
       integer, parameter :: step(2, 4) = reshape([1, 0, -1, 0, 0, 1, 0, -1], [2, 4])
       real(real64) :: least, rim
-      integer :: k, next(2), place(2), winding(2)
+      integer :: beside(2), k, next(2), place(2), winding(2)
 
       deep = deep - 1
       place = wrapped_pixel(across, along)
@@ -119,14 +119,16 @@ contains
         patch%along = [min(patch%along(1), along), max(patch%along(2), along)]
       end associate
       do k = 1, 4
-        next = wrapped_pixel(across + step(1, k), along + step(2, k))
+        beside = [across, along] + step(:, k)
+        next = wrapped_pixel(beside(1), beside(2))
         if (any(next < 1 .or. next > shape(pressure))) cycle
-        winding = ([across, along] + step(:, k) - next) / shape(pressure)
+        winding = 0
+        if (any(beside /= next)) winding = (beside - next) / shape(pressure)
         if (.not. pressure(next(1), next(2)) > 0.0_real64) then
           if (is_measured(map%height(next(1), next(2)))) rim = rim + rim_of_samples
         else if (label(next(1), next(2)) == 0) then
           deep = deep + 1
-          stack(:, deep) = [across, along] + step(:, k)
+          stack(:, deep) = beside
           label(next(1), next(2)) = n
           if (any(repeats)) windings(:, next(1), next(2)) = winding
         else if (any(repeats)) then
@@ -142,6 +144,7 @@ contains
       integer :: place(2)
 
       place = [across, along]
+      if (all(place > 0 .and. place <= shape(pressure))) return
       where (repeats) place = 1 + modulo(place - 1, shape(pressure))
     end function wrapped_pixel
 

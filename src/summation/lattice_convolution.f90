@@ -203,27 +203,28 @@ contains
     integer, intent(in) :: j                             ! the line
     real(real64), intent(out) :: line(size(values, 1))
     real(real64), intent(in), contiguous, optional :: in_w(:, :)  ! not 0 in W
-    real(real64) :: across(0:size(values, 1) + 1), weight
-    integer :: i, k, m, row
+    real(real64) :: across(0:size(values, 1) + 1), weight(2)
+    integer :: i, m, row(2)
 
     m = size(values, 1)
-    across = 0.0_real64
-    do k = j - 1, j + 1
-      row = modulo(k - 1, size(values, 2)) + 1
-      if (row /= k .and. .not. repeats(2)) cycle
-      weight = share * merge(1.0_real64, neighbour_ratio, k == j)
-      if (present(in_w)) then
-        !$omp simd
-        do i = 1, m
-          across(i) = across(i) + beside(in_w(i, row)) * (weight * values(i, row))
-        end do
-      else
-        !$omp simd
-        do i = 1, m
-          across(i) = across(i) + weight * values(i, row)
-        end do
-      end if
-    end do
+    row = 1 + modulo([j - 2, j], size(values, 2))
+    weight = share * neighbour_ratio * merge(1.0_real64, 0.0_real64, repeats(2) .or. &
+                                             row == [j - 1, j + 1])
+    across([0, m + 1]) = 0.0_real64
+    if (present(in_w)) then
+      !$omp simd
+      do i = 1, m
+        across(i) = beside(in_w(i, j)) * (share * values(i, j)) + &
+                    beside(in_w(i, row(1))) * (weight(1) * values(i, row(1))) + &
+                    beside(in_w(i, row(2))) * (weight(2) * values(i, row(2)))
+      end do
+    else
+      !$omp simd
+      do i = 1, m
+        across(i) = share * values(i, j) + weight(1) * values(i, row(1)) + &
+                    weight(2) * values(i, row(2))
+      end do
+    end if
     if (repeats(1)) across([0, m + 1]) = across([m, 1])
     !$omp simd
     do i = 1, m
