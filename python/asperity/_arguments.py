@@ -5,6 +5,7 @@ The ranges of numbers are checked by the library itself, for all languages.
 
 from __future__ import annotations
 
+import contextlib
 import difflib
 import operator
 import os
@@ -167,10 +168,9 @@ def doubles(name: str, values: Any, dimensions: int = 1) -> Any:
                 raise wrong(f"{name}[{i}]", f"{len(row)} heights",
                             f"{shape[1]}, as many as in the first row")
         values = memoryview(array("d", (value for row in rows for value in row)))
-    try:
+    view: Any = None
+    with contextlib.suppress(TypeError):
         view = memoryview(values)
-    except TypeError:
-        view = None
     if isinstance(values, (bytes, bytearray)) or view is None or view.format != "d" or \
             view.ndim != 1 or not view.c_contiguous:
         view = memoryview(_copied(name, values, expected))
@@ -209,15 +209,12 @@ def _numpy_doubles(name: str, values: Any, dimensions: int,
 
 def _copied(name: str, values: Any, expected: str) -> array[float]:
     """A copy of numbers of any type."""
-    if hasattr(type(values), "__float__") and not hasattr(type(values), "__iter__"):
-        values = (values,)
-    members = several(name, values, expected)
-    try:
-        if not set(map(type, members)) <= {float, int}:
-            raise OverflowError
-        return array("d", members)
-    except OverflowError:
-        return array("d", [number(f"{name}[{i}]", value) for i, value in enumerate(members)])
+    is_single = hasattr(type(values), "__float__") and not hasattr(type(values), "__iter__")
+    members = [values] if is_single else several(name, values, expected)
+    with contextlib.suppress(OverflowError):
+        if set(map(type, members)) <= {float, int}:
+            return array("d", members)
+    return array("d", [number(f"{name}[{i}]", value) for i, value in enumerate(members)])
 
 
 def pair(name: str, values: Any) -> tuple[float, float]:

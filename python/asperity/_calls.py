@@ -4,16 +4,13 @@ from __future__ import annotations
 
 from collections.abc import Iterable, Mapping, Sequence
 from ctypes import byref, c_int
-from typing import TYPE_CHECKING, Any
+from typing import Any
 
 from . import _arguments as _a
 from . import _library as _c
-from ._columns import Table
+from ._columns import NDArray, Table
 from ._maps import HeightMap, is_topography, map_of
 from ._results import Summits
-
-if TYPE_CHECKING:
-    from numpy.typing import NDArray
 
 
 def report(deck: _a.Path, arithmetic: str = "ibm370",
@@ -27,7 +24,6 @@ def report(deck: _a.Path, arithmetic: str = "ibm370",
         tables: Positions, from 1 to 100, whose contact tables are printed.
 
     Examples:
-        >>> import asperity
         >>> lines = asperity.report("data/thesis.deck").splitlines()
         >>> sum("TABLE" in line for line in lines) >= 4
         True
@@ -62,7 +58,6 @@ def summits(map: _a.Path | HeightMap | NDArray[Any] | Sequence[Sequence[float]],
             otherwise `free`.
 
     Examples:
-        >>> import asperity
         >>> found = asperity.summits([[0, 0, 0, 0], [0, 2, 0, 0], [0, 0, 0, 0]], spacing=1,
         ...                          level="none", unit="um")
         >>> found["x"].tolist(), found["y"].tolist(), found["height"].tolist()
@@ -106,7 +101,6 @@ def generate(specification: _a.Path | Mapping[str, Mapping[str, Any]],
         numbers everywhere. A surface without room for so many asperities is a ComputeError.
 
     Examples:
-        >>> import asperity
         >>> upper, lower = asperity.generate({"surfaces": {"number": 60, "length": 1, "width": 1},
         ...     "heights": {"mean": 0.01, "deviation": 0.001}, "radii": {"mean": 0.5}})
         >>> upper

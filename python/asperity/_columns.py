@@ -12,12 +12,18 @@ from collections.abc import Callable, Iterator, Sequence
 from types import ModuleType
 from typing import TYPE_CHECKING, Any, TypeAlias, cast
 
+# Types of libraries that are imported when they are used.
 if TYPE_CHECKING:
-    import pandas  # type: ignore[import-untyped, unused-ignore]
-    from numpy.typing import NDArray
+    import pandas as pandas  # type: ignore[import-untyped, unused-ignore]
+    import xarray as xarray
+    from matplotlib.axes import Axes as Axes
+    from numpy.typing import ArrayLike as ArrayLike
+    from numpy.typing import NDArray as NDArray
 
     #: A numpy array, read-only; where numpy is not installed a `Values`.
     Column: TypeAlias = NDArray[Any]
+else:
+    pandas = xarray = Axes = ArrayLike = NDArray = Column = Any
 
 # Names of columns in version 0.2.0, and their names since.
 EARLIER_NAMES = {"approach": "separation", "decrease": "compression"}
@@ -148,7 +154,6 @@ class Table(dict[str, "Column"]):
         units: The unit of each column, "" where it is not known or has none.
 
     Examples:
-        >>> import asperity
         >>> upper, lower = asperity.generate({"surfaces": {"number": 3, "length": 1, "width": 1},
         ...     "heights": {"mean": 0.01, "deviation": 0.001}, "radii": {"mean": 0.5}})
         >>> len(upper), list(upper)

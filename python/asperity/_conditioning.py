@@ -31,12 +31,10 @@ class Conditioning:
     """Methods of a height map that return a new map, whose `notes` state what was done."""
 
     def level(self: Any, degree: int = 1, robust: bool = False) -> HeightMap:
-        """Subtract a polynomial in x and y of a total degree: 0 is the mean, 1 a plane, 2 a form.
-
-        `robust`: by Tukey's biweight, which leaves outliers out, in place of least squares.
+        """Subtract a polynomial in x and y of a total degree: 0 is the mean, 1 a plane, 2 a form;
+        `robust` by Tukey's biweight, which leaves outliers out, in place of least squares.
 
         Examples:
-            >>> import asperity
             >>> tilted = asperity.HeightMap([[0, 1, 2], [1, 2, 3], [2, 3, 9]], spacing=1)
             >>> print(f"{tilted.level(robust=True).heights[2, 2]:.3f}", tilted.level().notes)
             5.000 ['level: degree 1, least squares']
@@ -46,9 +44,8 @@ class Conditioning:
         if not 0 <= degree <= highest:
             raise _a.wrong("degree", str(degree), f"0 to {highest}" + (
                 ": a periodic map without a plane would not be periodic" if self.periodic else ""))
-        heights = np.array(self.heights)
-        fit = _fitted(heights, degree, _a.flag("robust", robust))
-        return _new(self, heights - fit, f"level: degree {degree}, " + (
+        fit = _fitted(self.heights, degree, _a.flag("robust", robust))
+        return _new(self, self.heights - fit, f"level: degree {degree}, " + (
             "Tukey's biweight" if robust else "least squares"))
 
     def fill(self: Any) -> HeightMap:
@@ -130,36 +127,29 @@ class Conditioning:
                     periodic=False)
 
     def resample(self: Any, spacing: float | Sequence[float]) -> HeightMap:
-        """Interpolate on pixels of another spacing, the nearest one that divides the sides of the
-        map, which stay as they are.
-
-        A periodic map by its Fourier series; otherwise by cubic splines through the centres of the
-        pixels, and for a coarser map after `filter(shortest=...)`.
+        """Interpolate on pixels of the nearest spacing that divides the sides of the map: a periodic
+        map by its Fourier series; otherwise by cubic splines through the centres of the pixels, for
+        a coarser map after `filter(shortest=...)`.
         """
         heights = np.array(self.heights)
         if np.isnan(heights).any():
             raise _a.wrong("heights", "missing pixels", "none: fill() first")
         steps, made = list(self.spacing), _a.pair("spacing", spacing)
-        for axis in (0, 1)[:1 if self.is_profile else 2]:
+        for axis, size in enumerate(self.sizes[:1 if self.is_profile else 2]):
             if not made[axis] > 0.0:
                 raise _a.wrong("spacing", str(made[axis]), "more than 0")
-            place, size = 1 - axis, self.sizes[axis]
             number = max(1, round(size / made[axis]))
-            heights = _interpolated(heights, place, number, self.periodic)
+            heights = _interpolated(heights, 1 - axis, number, self.periodic)
             steps[axis] = size / number
         kind = "Fourier series" if self.periodic else "cubic splines"
         return _new(self, heights, f"resample: {heights.shape[1]} x {heights.shape[0]} pixels, "
                     f"{kind}", spacing=(steps[0], steps[1]))
 
     def parameters(self: Any) -> dict[str, float]:
-        """Sa, Sq, Ssk, Sku, Sp, Sv, Sz, Sdq and Sdr of ISO 25178-2, about the mean; nothing is
-        subtracted first.
-
-        Sdq is the `rms_slope` of `asperity.summits`. Sdr, a share, is by triangles of three
-        neighbouring pixels.
+        """Sa, Sq, Ssk, Sku, Sp, Sv, Sz, Sdq and Sdr of ISO 25178-2 about the mean: Sdq as the
+        `rms_slope` of `asperity.summits`, Sdr, a share, by triangles of three neighbouring pixels.
 
         Examples:
-            >>> import asperity
             >>> ridges = asperity.HeightMap([[0.0, 1.0, 0.0, -1.0]] * 4, spacing=1, periodic=True)
             >>> found = ridges.parameters()
             >>> print(f"{found['Sa']:.4f} {found['Sq']:.4f} {found['Sdq']:.4f} {found['Sdr']:.4f}")

@@ -57,17 +57,12 @@ _shown: set[tuple[str, int, str]] = set()
 
 
 def issue(lines: list[str], kinds: list[str]) -> None:
-    """Issue the warnings of a run as Python warnings that point at the caller of the package.
+    """Issue the warnings of a run, printed lines with the name and class of their kinds, as Python
+    warnings that point at the caller of the package.
 
-    Args:
-        lines: One line for each kind, as the program prints it.
-        kinds: For each line the name of its kind and its class, `theory` or `accuracy`.
-        Python's default is to show a text once for each line of code. The texts have numbers,
-            which:
-        differ from solve to solve: with that default a kind is shown once for each line of code.:
+    Python's default is to show a text once for each line of code. The texts have numbers, which
+    differ from solve to solve: with that default a kind is shown once for each line of code.
     """
-    if not lines:
-        return
     level, frame = _caller()
     for line, kind in zip(lines, kinds):
         name, _, family = kind.partition(" ")
@@ -96,8 +91,7 @@ def _caller() -> tuple[int, types.FrameType]:
 def _is_shown_once(text: str, category: type[Warning], module: str) -> bool:
     """Whether Python's filters show a warning once for each line of code."""
     for action, message, kind, where, line in warnings.filters:
-        if issubclass(category, kind) and line == 0 and \
-                (message is None or message.match(text)) and \
-                (where is None or where.match(module)):
+        if issubclass(category, kind) and line == 0 and not any(
+                one and not one.match(own) for one, own in ((message, text), (where, module))):
             return action in ("default", "once", "module")
     return True

@@ -5,20 +5,15 @@ from __future__ import annotations
 import html
 import math
 from collections.abc import Iterator
-from typing import TYPE_CHECKING, Any, cast
+from typing import Any, cast
 
 from . import _arguments as _a
 from . import _library as _c
-from ._columns import Table, Values, column, in_rows, label_of, needed, numpy, shown
+from ._columns import (Axes, Column, NDArray, Table, Values, column, in_rows, label_of, needed,
+                       numpy, shown, xarray)
 from ._errors import AccuracyWarning, warn_caller
-from ._plots import draw_pixels, draw_section, draw_states, new_axes, picture_html, shade_hills
-
-if TYPE_CHECKING:
-    import xarray
-    from matplotlib.axes import Axes
-    from numpy.typing import NDArray
-
-    from ._columns import Column
+from ._plots import (STATES, draw_pixels, draw_section, draw_states, new_axes, picture_html,
+                     shade_hills)
 
 NAMES = ("pressure", "gap", "displacement", "contact")
 # With friction on pixels alone.
@@ -83,7 +78,6 @@ class Fields(Arrays):
             elements, and with that of Hertz.
 
     Examples:
-        >>> import asperity
         >>> rough = asperity.generate_map(pixels=64, spacing=1, hurst=0.8, rms_slope=0.1)
         >>> results = asperity.solve({
         ...     "surfaces": {"upper": "plane", "lower": rough},
@@ -155,11 +149,8 @@ class Fields(Arrays):
         library: Any = needed("numpy", "plot", "a plot")
         place = self.spacing, self.unit
         if name in FLAGS:
-            state = library.asarray(self.contact, int) * (1 + library.asarray(self[name], int))
-            names = "no contact", "slip", "stick"
-            if name == "contact":
-                state, names = state // 2, ("no contact", "contact")  # type: ignore[assignment]
-            return draw_states(state, names, *place, ax, self.origin)
+            names = ("no contact", "contact") if name == "contact" else tuple(STATES)
+            return draw_states(self._drawn(name), names, *place, ax, self.origin)
         if on is not None:
             heights = library.ma.filled(library.ma.asarray(getattr(on, "heights", on), float),
                                         math.nan)
@@ -167,14 +158,19 @@ class Fields(Arrays):
                 raise _a.wrong("on", f"an array of shape {heights.shape}", f"{self.shape}")
             ax = new_axes(ax)
             shade_hills(heights, self.spacing, ax, self.origin)
-        values = library.asarray(self[name], dtype=float)
-        if name != "displacement":
-            in_contact = library.asarray(self.contact) == (name != "gap")
-            values = library.where(in_contact, values, math.nan)
-        return draw_pixels(values, *place, ax, origin=self.origin,
+        return draw_pixels(self._drawn(name), *place, ax, origin=self.origin,
                            label=label_of(name, self.units[name]), scale=scale,
                            percentile=percentile,
                            least=0.0 if name in ("pressure", "gap") else None)
+
+    def _drawn(self, name: str) -> Any:
+        """The values of an array that a picture has, NaN elsewhere; of stick 1 where it slips."""
+        library: Any = needed("numpy", "plot", "a plot")
+        if name in FLAGS:
+            return library.asarray(self.contact, int) + (
+                library.logical_and(self.contact, self.stick) if name == "stick" else 0)
+        return library.asarray(self[name]) if name == "displacement" else library.where(
+            self.contact == (name != "gap"), self[name], math.nan)
 
     def __repr__(self) -> str:
         unit = f" {self.units['pressure']}" if self.units["pressure"] else ""

@@ -9,14 +9,11 @@ import time
 from collections.abc import Callable
 from ctypes import POINTER, Structure, byref, c_char, c_char_p, c_double, c_int, c_void_p
 from pathlib import Path
-from typing import TYPE_CHECKING, Any
+from typing import Any
 
 from . import _errors
-from ._columns import Table, column
+from ._columns import Column, Table, column
 from ._errors import ComputeError, InputError, Problem
-
-if TYPE_CHECKING:
-    from ._columns import Column
 
 # Of the header.
 NOT_COMPUTED, BAD_INPUT = 1, 2

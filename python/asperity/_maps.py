@@ -12,20 +12,15 @@ import typing
 from collections.abc import Mapping, Sequence
 from ctypes import POINTER, byref, c_char_p, c_double, cast
 from pathlib import Path
-from typing import TYPE_CHECKING, Any
+from typing import Any
 
 from . import _arguments as _a
 from . import _library as _c
-from ._columns import Table, in_rows, label_of, needed, shown
+from ._columns import ArrayLike, Axes, NDArray, Table, in_rows, label_of, needed, shown
 from ._conditioning import Conditioning
 from ._errors import InputError, Problem, warn_caller
 from ._plots import draw_pixels
 from ._text_maps import named_columns, read_text, written_header
-
-if TYPE_CHECKING:
-    from matplotlib.axes import Axes
-    from numpy.typing import ArrayLike, NDArray
-
 
 UNITS = ("m", "mm", "um", "nm", "cm", "in")
 METRES = ("1", "1e-3", "1e-6", "1e-9", "1e-2", "0.0254")
@@ -56,7 +51,6 @@ class HeightMap(Conditioning):
         notes: Notes on the file that it was read from, and what methods have done to the heights.
 
     Examples:
-        >>> import asperity
         >>> tilted = asperity.HeightMap([[0, 1, 2], [0, 1, 2], [0, 1, 2]], spacing=0.5, unit="um")
         >>> tilted
         <asperity.HeightMap of 3 x 3 pixels: 1.5 x 1.5 um, heights 0 to 2 um, free>
@@ -99,19 +93,17 @@ class HeightMap(Conditioning):
     @classmethod
     def profile(cls, heights: ArrayLike | Sequence[float], spacing: float,
                 unit: str | None = None, periodic: bool = False) -> HeightMap:
-        """A profile along x, with its spacing, unit and edge, as a body in plane strain.
-
-        It is a map that repeats itself along y: three equal rows, 1 unit of length wide in all, so
-        that a load is a load per length, an area a contact width. A scene with a free profile has
-        `map_edge = 'free', 'periodic'`.
+        """A profile along x, with its spacing, unit and edge, as a body in plane strain: three
+        equal rows that repeat themselves along y, 1 unit of length wide in all, so that a load is a
+        load per length, an area a contact width. A free profile has `map_edge = 'free',
+        'periodic'`.
 
         Examples:
-            >>> import asperity
             >>> places = [0.01 * i - 1.0 for i in range(201)]
             >>> cylinder = asperity.HeightMap.profile([-x**2 / 20 for x in places], 0.01)
             >>> found = asperity.solve({
             ...     "surfaces": {"upper": "plane", "lower": cylinder},
-            ...     "material": {"contact_modulus": 1000.0},
+            ...     "material": {"contact_modulus": 1e3},
             ...     "loading": {"control": "load", "value": 10.0}}).states
             >>> print(f"{found['area'][-1]:.3f}")  # 2 sqrt(4 P R/(pi E*)) = 0.714
             0.714
@@ -157,7 +149,6 @@ class HeightMap(Conditioning):
             length to the power 3. `number`: wave vectors or lines that were averaged.
 
         Examples:
-            >>> import asperity
             >>> rough = asperity.generate_map(pixels=64, spacing=1, hurst=0.8, rms_height=1)
             >>> rough.power_spectrum()
             <asperity.Table of 25 wave numbers: 3 columns q, c_iso, number>
@@ -325,7 +316,6 @@ def read_map(path: _a.Path, *, spacing: float | Sequence[float] | None = None,
         InputError with the reasons of both readers.
 
     Examples:
-        >>> import asperity
         >>> asperity.read_map("data/examples/summits/rough.sdf", unit="um")
         <asperity.HeightMap of 64 x 64 pixels: 32 x 32 um, heights -0.0623152 to 0.0478979 um, free,
          20 pixels missing>
@@ -395,7 +385,6 @@ def generate_map(specification: _a.Path | Mapping[str, Mapping[str, Any]] | None
         Maps of two machines agree to 1e-12 of the rms height.
 
     Examples:
-        >>> import asperity
         >>> asperity.generate_map(pixels=(256, 128), spacing=0.1, unit="um", hurst=0.8, roll_off=8,
         ...                       rms_slope=0.1, seed=2, periodic=False).shape
         (128, 256)

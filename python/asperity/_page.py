@@ -12,7 +12,7 @@ from typing import TYPE_CHECKING, Any
 
 from ._columns import Table, label_of, needed
 from ._fields import FLAGS
-from ._plots import STATES, colour_limits, error_of, is_monotonic
+from ._plots import STATES, colour_limits, error_of, is_monotonic, quantities
 
 if TYPE_CHECKING:
     from ._results import Results
@@ -102,8 +102,7 @@ class Page:
         kept = {key: one for key, one in self.fields.items() if key in self.shown}
         if not kept:
             return []
-        numpy, found = self.numpy, []
-        one = list(kept.values())[-1]
+        found, one = [], list(kept.values())[-1]
         (rows, columns), (dx, dy) = one.shape, one.spacing
         place = {"x": one.origin[0] - dx / 2, "y": one.origin[1] - dy / 2,
                  "dw": columns * dx, "dh": rows * dy}
@@ -111,17 +110,14 @@ class Page:
             having = {key: each for key, each in kept.items() if name in list(each)}
             if not having:
                 continue
+            images = [each._drawn(name).astype("f4") for each in having.values()]
             if name == "stick":
-                images = [(each.contact * (1.0 + each.stick)).astype("f4")
-                          for each in having.values()]
                 figure = self.plan("Stick (blue), slip (orange)", one.unit or "")
                 mapper = self.models.LinearColorMapper(list(STATES.values()), low=-0.5, high=2.5)
             else:
-                images = [numpy.where(each.contact == (name != "gap"), each[name], math.nan)
-                          .astype("f4") for each in having.values()]
                 label = label_of(name, one.units[name])
                 figure = self.plan(label[0].upper() + label[1:], one.unit or "")
-                mapper = self.colours(numpy.concatenate([each.ravel() for each in images]), figure)
+                mapper = self.colours(self.numpy.concatenate(images, axis=None), figure)
             source = self.models.ColumnDataSource({"image": images, "key": list(having)})
             drawn = figure.image("image", source=source, view=self.view(), color_mapper=mapper,
                                  **place)
@@ -175,8 +171,7 @@ class Page:
 
     def curves(self, slider: Any) -> list[Any]:
         """Curves of the states, with their errors; a click on a point moves the slider."""
-        force, size = ("nominal_pressure", "area_fraction") if "area_fraction" in self.states \
-            else ("load", "area")
+        force, size = quantities(self.states)
         pairs = [("position", force), ("position", "separation")] if self.has_positions \
             else [("separation", force), (force, size)]
         return [self.curve(across, up, slider) for across, up in pairs]
@@ -209,12 +204,6 @@ class Page:
             "slider": slider, "keys": self.shown, "source": source}, code=CHOOSE))
         return figure
 
-    def slider(self) -> Any:
-        made = self.models.Slider(start=0, end=max(1, len(self.shown) - 1), step=1, width=WIDTH,
-                                  value=len(self.shown) - 1, show_value=False,
-                                  title=self.name_of(self.shown[-1]), visible=len(self.shown) > 1)
-        return made
-
     def name_of(self, key: str) -> str:
         position, step = key.split(".")
         return f"position {position}, state {step}" if self.has_positions else f"state {step}"
@@ -229,7 +218,9 @@ def page_of(results: Results, position: int | None, title: str | None) -> str:
     """The text of the page."""
     page = Page(results, position)
     layouts = needed("bokeh.layouts", "page", "a page")
-    slider = page.slider()
+    slider = page.models.Slider(start=0, end=max(1, len(page.shown) - 1), step=1, width=WIDTH,
+                                value=len(page.shown) - 1, show_value=False,
+                                title=page.name_of(page.shown[-1]), visible=len(page.shown) > 1)
     maps = page.images()
     circles, listed = page.contacts()
     figures = [*maps, *circles, *page.curves(slider)]
@@ -238,22 +229,17 @@ def page_of(results: Results, position: int | None, title: str | None) -> str:
         "names": [page.name_of(key) for key in page.shown]}, code=MOVE))
     about = results.scene.get("provenance", {})
     name = title or results.scene.get("file", "asperity")
-    lines = [("#a00", line) for line in results.warnings] + [("#555", line) for line in page.notes]
-
-    def block(text: str) -> Any:
-        return page.models.Div(text=text, sizing_mode="stretch_width",
-                               styles={"overflow-x": "auto"})
-
-    head = f"<h2>{html.escape(name)}</h2><ul>" + "".join(
-        f"<li style='color:{colour}'>{html.escape(line)}</li>" for colour, line in lines) + "</ul>"
-    foot = (f"<h3>Summary</h3><pre>{html.escape(results.summary)}</pre><h3>Input</h3>"
-            f"<p>asperity {html.escape(about.get('version', ''))}; " + "; ".join(
-                html.escape(f"{one['file']}, checksum {one['checksum']}")
-                for one in about.get("inputs", [])) +
-            f"</p><pre>{html.escape(results.scene.get('text', ''))}</pre>")
-    layout = layouts.column(block(head), slider, layouts.row(*figures, **WRAPPED), listed,
-                            block(foot), sizing_mode="stretch_width",
-                            styles={"max-width": "1180px"})
+    lines = "".join(f"<li style='color:{colour}'>{html.escape(line)}</li>" for colour, texts in (
+        ("#a00", results.warnings), ("#555", page.notes)) for line in texts)
+    inputs = "; ".join([f"asperity {about.get('version', '')}", *(
+        f"{one['file']}, checksum {one['checksum']}" for one in about.get("inputs", []))])
+    head, foot = (page.models.Div(text=text, sizing_mode="stretch_width",
+                                  styles={"overflow-x": "auto"}) for text in (
+        f"<h2>{html.escape(name)}</h2><ul>{lines}</ul>",
+        f"<h3>Summary</h3><pre>{html.escape(results.summary)}</pre><h3>Input</h3>"
+        f"<p>{html.escape(inputs)}</p><pre>{html.escape(results.scene.get('text', ''))}</pre>"))
+    layout = layouts.column(head, slider, layouts.row(*figures, **WRAPPED), listed, foot,
+                            sizing_mode="stretch_width", styles={"max-width": "1180px"})
     text: str = needed("bokeh.embed", "page", "a page").file_html(
         layout, needed("bokeh.resources", "page", "a page").INLINE, name)
     return text

@@ -6,25 +6,19 @@ import base64
 import io
 import math
 from collections.abc import Mapping
-from typing import TYPE_CHECKING, Any
+from typing import Any
 
 from . import _arguments as _a
-from ._columns import Lazy, Table, label_of, needed
-
-if TYPE_CHECKING:
-    from matplotlib.axes import Axes
+from ._columns import Axes, Lazy, Table, label_of, needed
 
 numpy: Any = Lazy("numpy", "plot", "a plot")
 colors, patches, collections = (Lazy(f"matplotlib.{name}", "plot", "a plot")
                                 for name in ("colors", "patches", "collections"))
 # More curves than these are drawn without a legend.
 MOST_NAMED = 8
-# Chosen: a scale is logarithmic where the greatest value exceeds this number of medians.
-LOG_MEDIANS = 20.0
-# Chosen: share of the values below the least one on a logarithmic scale, in per cent.
-LOG_PERCENT = 1.0
-# Chosen: outliers that would widen a linear scale by more than this share have the last colour.
-OUTLIER_SHARE = 0.25
+# Chosen: a scale is logarithmic where the greatest value exceeds this number of medians, and begins
+# at this percentile; outliers that would widen a linear scale by the share have the last colour.
+LOG_MEDIANS, LOG_PERCENT, OUTLIER_SHARE = 20.0, 1.0, 0.25
 # No contact, slip, stick; orange and blue of Okabe and Ito, which the colour-blind tell apart.
 STATES = {"no contact": "#ffffff", "slip": "#e69f00", "stick": "#0072b2"}
 SCALES = ("auto", "linear", "log")
@@ -39,13 +33,17 @@ def new_axes(ax: Any, number: int = 1, size: tuple[float, float] = (5.0, 4.0)) -
     return made
 
 
+def quantities(states: Table) -> tuple[str, str]:
+    """The columns of force and contact area that are drawn: with a nominal area over it."""
+    return ("nominal_pressure", "area_fraction") if "area_fraction" in states else ("load", "area")
+
+
 def draw_curves(states: Table, ax: Any, *, control: str = "", log: bool = False,
                 errors: bool = True, theory: Mapping[str, Any] | None = None) -> tuple[Axes, Axes]:
     """Load against separation, and contact area against load, one curve for each position; with a
     nominal area, nominal pressure and area fraction. Bands are the estimated errors."""
     left, right = new_axes(ax, 2)
-    force, size = ("nominal_pressure", "area_fraction") if "area_fraction" in states \
-        else ("load", "area")
+    force, size = quantities(states)
     positions = sorted(set(states["position"].tolist()))
     for position in positions:
         rows = states["position"] == position
@@ -110,9 +108,8 @@ def draw_contacts(contacts: Table, rows: Any, ax: Axes | None) -> Axes:
     if "samples" in contacts:
         drawn: Any = axes.scatter(*places, marker="+", c=contacts["maximum_pressure"][rows])
     else:
-        circle = patches.Circle
         drawn = collections.PatchCollection(
-            [circle((x, y), math.sqrt(area / math.pi))
+            [patches.Circle((x, y), math.sqrt(area / math.pi))
              for x, y, area in zip(*places, contacts["area"][rows])], cmap="viridis")
         drawn.set_array(contacts["maximum_pressure"][rows])
         axes.add_collection(drawn)
@@ -156,33 +153,36 @@ def draw_pixels(values: Any, spacing: tuple[float, float], unit: str | None, ax:
     """Values on pixels in plan; x to the right, y upwards. `origin` is the centre of the first
     pixel. An arrow of the colour bar marks values beyond it, and the greatest stands above."""
     axes: Axes = new_axes(ax)
-    is_log, low, high = colour_limits(values, scale, percentile, least=least, is_signed=is_signed)
-    drawn = axes.imshow(values, origin="lower", cmap="RdBu_r" if is_signed else cmap,
-                        norm=(colors.LogNorm if is_log else colors.Normalize)(low, high),
-                        interpolation="nearest", extent=extent_of(values.shape, spacing, origin))
+    colours = colours_of(values, scale, percentile, least, is_signed, cmap)
+    drawn = axes.imshow(values, origin="lower", interpolation="nearest",
+                        extent=extent_of(values.shape, spacing, origin), **colours)
     in_plan(axes, unit or "")
     if label:
-        shown = values[numpy.isfinite(values)]
-        is_below, is_above = (bool(shown.size) and beyond for beyond in (
-            (shown < low).any(), (shown > high).any()))
-        bar = axes.figure.colorbar(drawn, ax=axes, label=label, extend={
-            (False, False): "neither", (True, False): "min", (False, True): "max",
-            (True, True): "both"}[bool(is_below), bool(is_above)])
-        if is_above:
+        shown, norm = values[numpy.isfinite(values)], colours["norm"]
+        beyond = 2 * bool((shown > norm.vmax).any()) + bool((shown < norm.vmin).any())
+        bar = axes.figure.colorbar(drawn, ax=axes, label=label,
+                                   extend=("neither", "min", "max", "both")[beyond])
+        if beyond > 1:
             bar.ax.set_title(f"max {shown.max():.4g}", fontsize="x-small")
     return axes
+
+
+def colours_of(values: Any, scale: str, percentile: float, least: float | None, is_signed: bool,
+               cmap: str = "viridis") -> dict[str, Any]:
+    """The map of colours of values, and their norm."""
+    is_log, low, high = colour_limits(values, scale, percentile, least=least, is_signed=is_signed)
+    return {"cmap": "RdBu_r" if is_signed else cmap,
+            "norm": (colors.LogNorm if is_log else colors.Normalize)(low, high)}
 
 
 def draw_states(state: Any, names: tuple[str, ...], spacing: tuple[float, float],
                 unit: str | None, ax: Axes | None, origin: tuple[float, float]) -> Axes:
     """Pixels in one of the named states, a number from 0 each, with their shares in the legend."""
     axes: Axes = new_axes(ax)
-    patch = patches.Patch
     colours = [STATES.get(name, STATES["stick"]) for name in names]
     axes.imshow(state, origin="lower", interpolation="nearest", vmin=-0.5, vmax=len(names) - 0.5,
-                cmap=colors.ListedColormap(colours),
-                extent=extent_of(state.shape, spacing, origin))
-    axes.legend(handles=[patch(facecolor=colour, edgecolor="0.5", label=(
+                cmap=colors.ListedColormap(colours), extent=extent_of(state.shape, spacing, origin))
+    axes.legend(handles=[patches.Patch(facecolor=colour, edgecolor="0.5", label=(
         f"{name} {float((state == number).mean()):.1%}"))
         for number, (name, colour) in enumerate(zip(names, colours))],
         loc="lower left", bbox_to_anchor=(0.0, 1.0), frameon=False, fontsize="small")
@@ -208,10 +208,8 @@ def draw_section(values: Any, across: Any, depth: Any, ax: Axes | None, *, label
                  scale: str, percentile: float, is_signed: bool) -> Axes:
     """Values by depth and place along x: the surface is above."""
     axes: Axes = new_axes(ax)
-    is_log, low, high = colour_limits(values, scale, percentile, is_signed=is_signed)
     drawn = axes.pcolormesh(across, depth, values, shading="nearest",
-                            cmap="RdBu_r" if is_signed else "viridis",
-                            norm=(colors.LogNorm if is_log else colors.Normalize)(low, high))
+                            **colours_of(values, scale, percentile, None, is_signed))
     axes.invert_yaxis()
     axes.figure.colorbar(drawn, ax=axes, label=label)
     axes.set(xlabel=label_of("x", unit), ylabel=label_of("depth", unit))

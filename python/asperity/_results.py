@@ -3,36 +3,28 @@
 from __future__ import annotations
 
 import contextlib
+import functools
 import html
 import json
 import math
 import os
 import re
 from collections.abc import Mapping, Sequence
-from typing import TYPE_CHECKING, Any, cast
+from typing import Any, cast
 
 from . import _arguments as _a
 from . import _fields
 from . import _library as _c
-from ._columns import Table, needed, shown
+from ._columns import Axes, Column, Table, needed, pandas, shown, xarray
 from ._errors import ComputeError, warn_caller
-from ._fields import Stress
+from ._fields import Fields, Stress
 from ._half_space import loaded
 from ._maps import HeightMap, map_of_file
 from ._page import page_of
 from ._plots import draw_contacts, draw_curves, draw_pixels, draw_points, new_axes
 from .theory import AREA_THEORIES, area_fraction
 
-if TYPE_CHECKING:
-    import pandas  # type: ignore[import-untyped, unused-ignore]
-    import xarray
-    from matplotlib.axes import Axes
-
-    from ._columns import Column
-    from ._fields import Fields
-
-# Tables of results by the name of the attribute.
-TABLES = {"positions": _c.POSITIONS, "states": _c.STATES, "contacts": _c.CONTACTS}
+TABLES = ("positions", "states", "contacts")
 # Names of the group `material`: moduli of both bodies, and of layers on them.
 MATERIAL = ("elastic_modulus", "poisson_ratio", "layer_thickness", "layer_modulus", "layer_poisson")
 SIDES = ("upper", "lower")
@@ -59,7 +51,6 @@ class Results:
             files.
 
     Examples:
-        >>> import asperity
         >>> sphere = {"x": [0.0], "y": [0.0], "height": [1.0], "radius": [10.0]}
         >>> results = asperity.solve({"surfaces": {"upper": sphere, "lower": "plane"},
         ...     "material": {"contact_modulus": 1000.0},
@@ -73,31 +64,29 @@ class Results:
     """
 
     def __init__(self, outcome: _c.Outcome, kept: int = _fields.NONE):
-        self._outcome: _c.Outcome | None = outcome
+        self._outcome: _c.Outcome = outcome  #: None of results that were loaded or copied
         self._kept = kept
         self._fields: dict[tuple[int, int], Fields] = {}
         self.summary: str = outcome.text(_c.REPORT)
         self.warnings: list[str] = outcome.lines(_c.WARNINGS)
         self.notes: list[str] = outcome.lines(_c.NOTES)
 
-    if TYPE_CHECKING:
-        positions: Table
-        states: Table
-        contacts: Table
-        scene: dict[str, Any]
+    @functools.cached_property
+    def positions(self) -> Table:
+        return self._outcome.table(_c.POSITIONS, "positions")
 
-    def __getattr__(self, name: str) -> Any:
-        # A table, and the scene, are made when they are first asked for.
-        outcome = vars(self).get("_outcome")
-        if name == "scene" and outcome is not None:
-            facts = json.loads(outcome.text(_c.SCENE))
-            self.scene = {**facts["scene"], "provenance": facts["provenance"]}
-            return self.scene
-        if name not in TABLES or outcome is None:
-            raise AttributeError(f"{type(self).__name__!r} object has no attribute {name!r}")
-        table: Table = outcome.table(TABLES[name], name)
-        setattr(self, name, table)
-        return table
+    @functools.cached_property
+    def states(self) -> Table:
+        return self._outcome.table(_c.STATES, "states")
+
+    @functools.cached_property
+    def contacts(self) -> Table:
+        return self._outcome.table(_c.CONTACTS, "contacts")
+
+    @functools.cached_property
+    def scene(self) -> dict[str, Any]:
+        facts = json.loads(self._outcome.text(_c.SCENE))
+        return {**facts["scene"], "provenance": facts["provenance"]}
 
     def __getstate__(self) -> dict[str, Any]:
         for name in (*TABLES, "scene"):
@@ -113,9 +102,6 @@ class Results:
                 if self._keeps(*place):
                     self.fields(place[0], step=place[1])
         return [self._fields[place] for place in sorted(self._fields)]
-
-    def __dir__(self) -> list[str]:
-        return sorted({*super().__dir__(), *TABLES, "scene"})
 
     def to_dict(self) -> dict[str, Any]:
         """All results as lists, numbers and texts: what `json` writes. None: not computed."""
@@ -271,7 +257,7 @@ class Results:
         without Poisson's ratio is a ComputeError.
 
         Examples:
-            >>> import asperity, numpy as np
+            >>> import numpy as np
             >>> x = np.linspace(-0.2, 0.2, 65)
             >>> results = asperity.solve({
             ...     "surfaces": {"upper": "plane", "lower": asperity.HeightMap(
@@ -377,7 +363,7 @@ def load(path: _a.Path, *, fields: _a.Path | Sequence[_a.Path] | None = None) ->
             those of all states in their order (`--fields-of all`).
 
     Examples:
-        >>> import asperity, tempfile
+        >>> import tempfile
         >>> results = asperity.solve("data/examples/one_pair.scene")
         >>> path = tempfile.mkdtemp() + "/one_pair.zip"
         >>> results.save(path)

@@ -30,7 +30,6 @@ class Scene:
         groups: The groups of the scene without its arrays; for a file, values as they stand there.
 
     Examples:
-        >>> import asperity
         >>> sphere = {"x": [0.0], "y": [0.0], "height": [1.0], "radius": [10.0]}
         >>> scene = asperity.Scene({"surfaces": {"upper": sphere, "lower": "plane"},
         ...     "material": {"contact_modulus": 1e3}, "loading": {"control": "load", "value": 1}})
@@ -131,7 +130,6 @@ def solve(scene: _a.Path | Mapping[str, Mapping[str, Any]] | Scene, *, arithmeti
         AccuracyWarning: A result has a larger error than the tolerance.
 
     Examples:
-        >>> import asperity
         >>> ridges = [[0.0, 0.1, 0.0, -0.1] * 8] * 32  # heights in um
         >>> results = asperity.solve({
         ...     "surfaces": {"upper": "plane", "lower": ridges, "map_spacing": 0.5,

@@ -81,7 +81,6 @@ def moments(surface: Any, spacing: Any = None) -> Moments:
     P. R. Nayak, J. Lubr. Technol. 93 (1971) 398. Checked on the closed moments of a cosine.
 
     Examples:
-        >>> import asperity
         >>> waves = asperity.HeightMap([[0.0, 1.0, 0.0, -1.0]] * 4, spacing=1, periodic=True)
         >>> print(f"{asperity.theory.moments(waves).m0:.3f}")
         0.500
@@ -107,11 +106,10 @@ def moments(surface: Any, spacing: Any = None) -> Moments:
 def summit_statistics(surface: Any, area: float | None = None) -> SummitStatistics:
     """Density, radius and heights of the asperities of a surface.
 
-    Args:
-        surface: Of a map or moments the expected summits of an isotropic Gaussian surface (A. W.
-            Bush, R. D. Gibson, G. P. Keogh, Mech. Res. Commun. 3 (1976) 169; J. I. McCool, Wear 107
-            (1986) 37), checked on `asperity.summits`.
-        area: Nominal area of a table; without it the rectangle of the extreme places.
+    `surface` is a table of summits or asperities; of a map or moments the expected summits of an
+    isotropic Gaussian surface are returned (A. W. Bush, R. D. Gibson, G. P. Keogh, Mech. Res.
+    Commun. 3 (1976) 169; J. I. McCool, Wear 107 (1986) 37), checked on `asperity.summits`. The
+    nominal `area` of a table is the rectangle of the extreme places unless given.
     """
     if isinstance(surface, SummitStatistics):
         return surface
@@ -154,8 +152,6 @@ def persson_pressures(surface: Any, contact_modulus: float, pressure: float, at:
 
 def bush_gibson_thomas(surface: Any, contact_modulus: float, pressure: Any) -> Any:
     """Contact area over nominal area, sqrt(2 pi) p/(E* h'), by Bush, Gibson and Thomas.
-
-    Parameters are those of `persson`.
 
     A. W. Bush, R. D. Gibson, T. R. Thomas, Wear 35 (1975) 87, in the limit of small pressures: area
     fractions of a few per mille. Checked on the factor 2.507 of Hyun et al. (2004).

@@ -46,7 +46,7 @@ def test_examples_of_docstrings(package, monkeypatch):
     finder, runner = doctest.DocTestFinder(), doctest.DocTestRunner(
         optionflags=doctest.NORMALIZE_WHITESPACE)
     with_example = set()
-    for test in finder.find(package, "asperity"):
+    for test in finder.find(package, "asperity", extraglobs={"asperity": package}):
         if test.examples:
             runner.run(test)
             with_example.add(test.name)
