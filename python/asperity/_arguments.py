@@ -200,11 +200,9 @@ def _numpy_doubles(name: str, values: Any, dimensions: int,
         raise wrong(name, f"an array of {cells.ndim} dimensions", expected)
     if cells.dtype.kind not in ("fiuO" if dimensions == 1 else "fiu"):
         raise TypeError(f"{name}: found an array of {cells.dtype}, expected {expected}")
-    shape = cells.shape if dimensions == 2 else None
-    values = cells.reshape(-1)
-    if cells.dtype.kind == "O":
-        return values, shape
-    return library.require(values, library.float64, ("C", "W", "A")).data, shape
+    flat = cells.reshape(-1)
+    return flat if cells.dtype.kind == "O" else library.require(
+        flat, library.float64, ("C", "W", "A")).data, cells.shape if dimensions == 2 else None
 
 
 def _copied(name: str, values: Any, expected: str) -> array[float]:

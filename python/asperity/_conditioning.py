@@ -114,23 +114,19 @@ class Conditioning:
         """Keep the pixels whose centres lie between two places along x and y, from the edge of the
         first pixel, in the unit of the map. The result is a free map."""
         parts, words = [], []
-        for name, ends, step, number in (("y", y, self.spacing[1], self.shape[0]),
-                                         ("x", x, self.spacing[0], self.shape[1])):
-            first, last = (0.0, number * step) if ends is None else _a.pair(name, ends)
-            part = slice(round(first / step), round(last / step))
-            if not 0 <= part.start < part.stop <= number:
-                raise _a.wrong(name, f"{shown(first)} to {shown(last)}",
-                               f"two ascending places from 0 to {shown(number * step)}")
-            parts.append(part)
+        for name, ends, step, size in zip("xy", (x, y), self.spacing, self.sizes):
+            first, last = (0.0, size) if ends is None else _a.pair(name, ends)
+            parts.append(slice(round(first / step), round(last / step)))
             words.append(f"{name} {shown(first)} to {shown(last)}")
-        return _new(self, self.heights[tuple(parts)], f"crop: {words[1]}, {words[0]}",
+            if not 0 <= parts[-1].start < parts[-1].stop <= round(size / step):
+                raise _a.wrong(name, words[-1][2:], f"two ascending places from 0 to {shown(size)}")
+        return _new(self, self.heights[tuple(parts[::-1])], f"crop: {', '.join(words)}",
                     periodic=False)
 
     def resample(self: Any, spacing: float | Sequence[float]) -> HeightMap:
-        """Interpolate on pixels of the nearest spacing that divides the sides of the map: a periodic
-        map by its Fourier series; otherwise by cubic splines through the centres of the pixels, for
-        a coarser map after `filter(shortest=...)`.
-        """
+        """Interpolate on pixels of the nearest spacing that divides the sides of the map: periodic
+        ones by their Fourier series; others by cubic splines through the centres of the pixels, for
+        a coarser map after `filter(shortest=...)`."""
         heights = np.array(self.heights)
         if np.isnan(heights).any():
             raise _a.wrong("heights", "missing pixels", "none: fill() first")

@@ -9,12 +9,13 @@ from typing import Any, cast
 
 from . import _arguments as _a
 from . import _library as _c
-from ._columns import (Axes, Column, NDArray, Table, Values, column, in_rows, label_of, needed,
-                       numpy, shown, xarray)
+from ._columns import (Axes, Column, Lazy, NDArray, Table, in_rows, label_of, needed, numpy, shown,
+                       xarray)
 from ._errors import AccuracyWarning, warn_caller
 from ._plots import (STATES, draw_pixels, draw_section, draw_states, new_axes, picture_html,
                      shade_hills)
 
+np: Any = Lazy("numpy", "numpy", "an array of fields")
 NAMES = ("pressure", "gap", "displacement", "contact")
 # With friction on pixels alone.
 SLIP_NAMES = ("traction_x", "traction_y", "slip_x", "slip_y", "stick")
@@ -65,8 +66,7 @@ class Fields(Arrays):
             other. On a periodic map its mean is 0.
         contact: True where the pixel is in contact.
         traction_x, traction_y, slip_x, slip_y, stick: Under a tangential load or with coupling:
-            tangential traction on the lower body, slip of the upper body over it, and True where
-            the pixel sticks.
+            traction on the lower body, slip of the upper body over it, True where a pixel sticks.
         spacing: Distance of pixels along x and y.
         origin: Centre of the first pixel; 0, 0 on a height map.
         periodic: Whether the pixels repeat along x and y; None where a file does not have it.
@@ -124,12 +124,11 @@ class Fields(Arrays):
     def to_xarray(self) -> xarray.Dataset:
         """The arrays as a dataset with the coordinates `y` and `x`, the centres of the pixels,
         `position` and `step`; `attrs["units"]` of each variable is its unit."""
-        library: Any = needed("xarray", "xarray", "a dataset")
         places = {axis: (axis, [start + number * step for number in range(count)],
                          {"units": self.unit or ""})
                   for axis, start, step, count in zip("xy", self.origin, self.spacing,
                                                       reversed(self.shape))}
-        return cast("xarray.Dataset", library.Dataset(
+        return cast("xarray.Dataset", needed("xarray", "xarray", "a dataset").Dataset(
             {name: (("y", "x"), self[name], {"units": self.units[name]}) for name in self._names},
             {**places, "position": self.position, "step": self.step}))
 
@@ -146,30 +145,26 @@ class Fields(Arrays):
             on: Heights of the same pixels, drawn as hills in oblique light below the array.
         """
         self._checked(name)
-        library: Any = needed("numpy", "plot", "a plot")
         place = self.spacing, self.unit
         if name in FLAGS:
             names = ("no contact", "contact") if name == "contact" else tuple(STATES)
             return draw_states(self._drawn(name), names, *place, ax, self.origin)
         if on is not None:
-            heights = library.ma.filled(library.ma.asarray(getattr(on, "heights", on), float),
-                                        math.nan)
+            heights = np.ma.filled(np.ma.asarray(getattr(on, "heights", on), float), math.nan)
             if heights.shape != self.shape:
                 raise _a.wrong("on", f"an array of shape {heights.shape}", f"{self.shape}")
             ax = new_axes(ax)
             shade_hills(heights, self.spacing, ax, self.origin)
-        return draw_pixels(self._drawn(name), *place, ax, origin=self.origin,
-                           label=label_of(name, self.units[name]), scale=scale,
-                           percentile=percentile,
+        return draw_pixels(self._drawn(name), *place, ax, origin=self.origin, scale=scale,
+                           label=label_of(name, self.units[name]), percentile=percentile,
                            least=0.0 if name in ("pressure", "gap") else None)
 
     def _drawn(self, name: str) -> Any:
         """The values of an array that a picture has, NaN elsewhere; of stick 1 where it slips."""
-        library: Any = needed("numpy", "plot", "a plot")
         if name in FLAGS:
-            return library.asarray(self.contact, int) + (
-                library.logical_and(self.contact, self.stick) if name == "stick" else 0)
-        return library.asarray(self[name]) if name == "displacement" else library.where(
+            return np.asarray(self.contact, int) + (
+                np.logical_and(self.contact, self.stick) if name == "stick" else 0)
+        return np.asarray(self[name]) if name == "displacement" else np.where(
             self.contact == (name != "gap"), self[name], math.nan)
 
     def __repr__(self) -> str:
@@ -204,14 +199,13 @@ class Stress(Arrays):
     largest_shear: NDArray[Any]
 
     def __init__(self, fields: Fields, depths: Any, tables: list[Table]):
-        library: Any = needed("numpy", "stress", "stresses")
         self.depth: NDArray[Any] = depths
         self.unit = fields.units["pressure"]
         self._fields = fields
         self._names = tuple(name.removeprefix("stress_") for name in tables[0])
         for name, column_ in zip(self._names, tables[0]):
-            setattr(self, name, library.stack(
-                [library.asarray(table[column_]).reshape(fields.shape) for table in tables]))
+            setattr(self, name, np.stack(
+                [np.asarray(table[column_]).reshape(fields.shape) for table in tables]))
 
     def __repr__(self) -> str:
         unit = f" {self.unit}" if self.unit else ""
@@ -224,14 +218,13 @@ class Stress(Arrays):
         in a section along x at `y`, with the surface above; components with a sign have white at 0.
         `scale` and `percentile` are as of `Fields.plot`."""
         self._checked(name)
-        library: Any = needed("numpy", "plot", "a plot")
         at, unit = self._fields, self._fields.unit or ""
         how: dict[str, Any] = {"scale": scale, "percentile": percentile,
                                "label": label_of(name, self.unit),
                                "is_signed": name not in ("von_mises", "largest_shear")}
         if y is None:
             near = self.depth - (self.largest(name)[1] if depth is None else depth)
-            level = int(library.abs(near).argmin())
+            level = int(np.abs(near).argmin())
             axes = draw_pixels(self[name][level], at.spacing, at.unit, ax, origin=at.origin, **how)
             axes.set_title(f"depth {shown(float(self.depth[level]))} {unit}", fontsize="medium")
             return axes
@@ -239,7 +232,7 @@ class Stress(Arrays):
             raise _a.wrong("y", "stresses at one depth", "stresses at two depths or more")
         order = self.depth.argsort()
         row = min(max(round((y - at.origin[1]) / at.spacing[1]), 0), at.shape[0] - 1)
-        across = at.origin[0] + library.arange(at.shape[1]) * at.spacing[0]
+        across = at.origin[0] + np.arange(at.shape[1]) * at.spacing[0]
         axes = draw_section(self[name][order, row], across, self.depth[order], ax, unit=unit, **how)
         axes.set_title(f"y = {shown(float(at.origin[1] + row * at.spacing[1]))} {unit}",
                        fontsize="medium")
@@ -247,8 +240,8 @@ class Stress(Arrays):
 
     def largest(self, name: str = "von_mises") -> tuple[float, float, float, float]:
         """The largest value of an array, with its depth, x and y."""
-        depth, row, column_ = (int(index) for index in needed(
-            "numpy", "stress", "stresses").unravel_index(self[name].argmax(), self[name].shape))
+        depth, row, column_ = map(int, np.unravel_index(
+            self[name].argmax(), self[name].shape))
         at = self._fields
         near: Any = at.contact[max(0, row - 1):row + 2, max(0, column_ - 1):column_ + 2]
         if self.depth[depth] < min(at.spacing) and near.any() and not near.all():
@@ -275,10 +268,9 @@ def pressures(fields: Fields) -> Any:
 
 def histogram(fields: Fields, bins: int) -> tuple[Column, Column]:
     """Pressures in the middle of bins up to the greatest, and the density of the area there."""
-    library: Any = needed("numpy", "numpy", "a histogram")
     pressed = pressures(fields)
     greatest = float(pressed.max(initial=0.0))
-    width, counts = greatest / bins, library.histogram(pressed, bins, (0.0, greatest or 1.0))[0]
+    width, counts = greatest / bins, np.histogram(pressed, bins, (0.0, greatest or 1.0))[0]
     measured = (fields.pressure >= 0).sum()
-    return ((library.arange(bins) + 0.5) * width,
-            counts / (measured * width) if width else library.zeros(bins))
+    return ((np.arange(bins) + 0.5) * width,
+            counts / (measured * width) if width else np.zeros(bins))

@@ -145,15 +145,13 @@ class Outcome:
 
     def table(self, which: int, name: str) -> Table:
         """A table, with the units of its columns."""
-        found: dict[str, Column] = {}
-        units: dict[str, str] = {}
-        rows = _C.asperity_rows(self.handle, which)
+        table, rows = Table(name=name), _C.asperity_rows(self.handle, which)
         for number in range(_C.asperity_columns(self.handle, which)):
             place = self.handle, which, number
             title = _C.asperity_column_name(*place).decode()
-            units[title] = _C.asperity_column_unit(*place).decode()
-            found[title] = self._column(place, rows)
-        return Table(found, units, name)
+            table.units[title] = _C.asperity_column_unit(*place).decode()
+            table[title] = self._column(place, rows)
+        return table
 
     def _column(self, place: tuple[int | None, int, int], rows: int) -> Column:
         size, code = CELLS[_C.asperity_column_type(*place)]
@@ -191,12 +189,11 @@ def call(name: str, *arguments: Any, interrupt: c_int | None = None,
     """Call the library from a thread of its own, so that Ctrl-C is heard while it computes; a call
     that `is_short` from the thread of the caller.
 
-    `watch` is called ten times a second. After Ctrl-C the call is asked to end by its `interrupt`;
-    `KeyboardInterrupt` is raised when it has ended, and after a second at the latest. The thread
-    keeps the arguments until the call has ended.
+    `watch` is called ten times a second. Ctrl-C sets `interrupt`, which ends the call;
+    `KeyboardInterrupt` is raised then, and after a second at the latest. The thread keeps the
+    arguments until the call has ended.
     """
-    outcomes: list[Outcome] = []
-    errors: list[BaseException] = []
+    outcomes: list[Outcome | BaseException] = []
 
     def compute() -> Outcome:
         handles = [getattr(value, "handle", value) for value in arguments]
@@ -209,7 +206,7 @@ def call(name: str, *arguments: Any, interrupt: c_int | None = None,
         try:
             outcomes.append(compute())
         except BaseException as error:
-            errors.append(error)
+            outcomes.append(error)
 
     if is_short:
         return compute()
@@ -228,6 +225,6 @@ def call(name: str, *arguments: Any, interrupt: c_int | None = None,
             interrupt.value = 1
             thread.join(TIME_TO_END)
         raise
-    if errors:
-        raise errors[0]
+    if isinstance(outcomes[0], BaseException):
+        raise outcomes[0]
     return outcomes[0]

@@ -184,25 +184,18 @@ class Results:
         """The curve of a theory that is named with a surface; another curve as it was given."""
         if name not in AREA_THEORIES or callable(given) or type(given) in (tuple, list):
             return given
-        if "nominal_pressure" not in self.states:
-            raise _a.wrong("theory", f"{name!r} for a scene without a nominal area",
-                           "(x, y) or a function")
-        library: Any = needed("numpy", "theory", "a theory")
-        pressures = library.unique(self.states["nominal_pressure"])
+        text = self.scene.get("text", "")
+        modulus, both, ratios = (numbers_of(text, title) for title in (
+            "contact_modulus", "elastic_modulus", "poisson_ratio"))
+        if not modulus and len(both) == len(ratios) == 2:
+            modulus = [1.0 / sum((1.0 - nu**2) / one for nu, one in zip(ratios, both))]
+        if "nominal_pressure" not in self.states or not modulus:
+            raise _a.wrong("theory", f"{name!r} for a scene " + (
+                "that states no moduli" if "nominal_pressure" in self.states else
+                "without a nominal area"), "(x, y) or a function")
+        pressures = needed("numpy", "theory", "a theory").unique(self.states["nominal_pressure"])
         pressures = pressures[pressures > 0.0]
-        return pressures, area_fraction(name, given, self._contact_modulus(name), pressures)
-
-    def _contact_modulus(self, name: str) -> float:
-        """E* of the group `material`: 1/E* is the sum of (1 - nu**2)/E."""
-        stated = {title: numbers_of(self.scene.get("text", ""), title)
-                  for title in ("contact_modulus", "elastic_modulus", "poisson_ratio")}
-        if stated["contact_modulus"]:
-            return stated["contact_modulus"][0]
-        if len(stated["elastic_modulus"]) != 2 or len(stated["poisson_ratio"]) != 2:
-            raise _a.wrong("theory", f"{name!r} for a scene that states no moduli",
-                           "(x, y) or a function")
-        return 1.0 / sum((1.0 - ratio**2) / modulus for modulus, ratio in zip(
-            stated["elastic_modulus"], stated["poisson_ratio"]))
+        return pressures, area_fraction(name, given, modulus[0], pressures)
 
     def _control(self) -> str:
         """The prescribed quantity of the loading; empty where the scene does not state it."""

@@ -352,11 +352,9 @@ def _table(factors: dict[str, tuple[float, float]], mean: float, deviation: floa
     if (separation is None) == (pressure is None):
         raise _a.wrong("separation, pressure", "both or none", "one of them")
     order, factor = factors["pressure"]
-    if separation is None:
-        h = np.array([_separation(lambda at: factor * height_integral(order, at, heights), one)
-                      for one in np.atleast_1d(np.asarray(pressure, dtype=float))])
-    else:
-        h = (np.atleast_1d(np.asarray(separation, dtype=float)) - mean) / deviation
+    given = np.atleast_1d(np.asarray(pressure if separation is None else separation, dtype=float))
+    h = (given - mean) / deviation if separation is not None else np.array([
+        _separation(lambda at: factor * height_integral(order, at, heights), one) for one in given])
     return Table({"separation": mean + deviation * h,
                   **{name: of * height_integral(n, h, heights)
                      for name, (n, of) in factors.items()}}, name="separations")
@@ -366,9 +364,7 @@ def _separation(pressure_at: Callable[[float], Any], pressure: float) -> float:
     """The separation, in deviations from the mean, at a nominal pressure."""
     if not pressure_at(HIGHEST) <= pressure <= pressure_at(LOWEST):
         raise _a.wrong("pressure", str(pressure), "one between the highest summit and full overlap")
-    found: float = optimize.brentq(
-        lambda at: math.log(pressure_at(at) / pressure), LOWEST, HIGHEST)
-    return found
+    return float(optimize.brentq(lambda at: math.log(pressure_at(at) / pressure), LOWEST, HIGHEST))
 
 
 @functools.cache
