@@ -15,11 +15,10 @@ from ._results import Summits
 
 def report(deck: _a.Path, arithmetic: str = "ibm370",
            tables: Iterable[int] = (13, 55, 56)) -> str:
-    """The printed report of the original program of the thesis on a card deck. A deck on which
-    that program would have failed is a ComputeError.
+    """The printed report, in cm and N, of the original program of the thesis on a card deck. A deck
+    on which that program would have failed is a ComputeError.
 
     Args:
-        deck: A card deck, in inches and psi; the report is in cm and N.
         arithmetic: `ibm370`, with which the thesis was printed, `real32`, `real64` or `real128`.
         tables: Positions, from 1 to 100, whose contact tables are printed.
 
@@ -43,19 +42,16 @@ def summits(map: _a.Path | HeightMap | NDArray[Any] | Sequence[Sequence[float]],
     """Find the summits of a height map (`docs/reference/height-maps.md`).
 
     Args:
-        map: A file, a height map, a matrix of heights with `spacing`, or a topography of
-            SurfaceTopography.
+        map: A file, a height map, a topography of SurfaceTopography, or a matrix with `spacing`.
         rule: `eight` (higher than all eight neighbours) or `contact` (for a contact calculation).
-        level: Subtract the least-squares `plane`, the `mean`, or `none`. Default: `plane` for a
-            free map, `mean` for a periodic one.
+        level: Subtract the least-squares `plane` (default of a free map), the `mean` (of a
+            periodic one) or `none`.
         radius: `neighbours`, `geometric` or `paraboloid`. Default: that of the rule.
         unit: `m`, `mm`, `um`, `nm`, `cm` or `in`, of all lengths that are returned. Default: that
             of the map. For a map without a unit it is the unit of its numbers.
-        spacing: Distance of pixels along x and y, from 1e-30 to 1e30, for a map without one, in its
-            unit.
+        spacing: Distance of pixels along x and y, for a map without one, in its unit.
         despike: Remove single outliers.
-        edge: `free`, or `periodic` for a map that repeats itself. Default: that of a `HeightMap`,
-            otherwise `free`.
+        edge: `free` or `periodic`. Default: that of a `HeightMap`, otherwise `free`.
 
     Examples:
         >>> found = asperity.summits([[0, 0, 0, 0], [0, 2, 0, 0], [0, 0, 0, 0]], spacing=1,
@@ -91,14 +87,10 @@ def generate(specification: _a.Path | Mapping[str, Mapping[str, Any]],
              surface: int = 1) -> tuple[Table, Table]:
     """Make the two random surfaces of a specification (`docs/reference/generate.md`).
 
-    Args:
-        specification: The path of a file, or its groups as a dict of dicts.
-        surface: Which of the ensemble, from 1.
-
-    Returns:
-        The upper and the lower surface: columns `x`, `y`, `height` and `radius` in the unit of the
-        specification, which serve as surfaces of a scene. The same specification gives the same
-        numbers everywhere. A surface without room for so many asperities is a ComputeError.
+    The specification is the path of a file, or its groups as a dict of dicts; `surface` counts the
+    ensemble from 1. The upper and the lower surface have the columns `x`, `y`, `height` and
+    `radius`, and serve in a scene. The same specification gives the same numbers everywhere. A
+    surface without room for so many asperities is a ComputeError.
 
     Examples:
         >>> upper, lower = asperity.generate({"surfaces": {"number": 60, "length": 1, "width": 1},

@@ -84,12 +84,8 @@ class Fields(Arrays):
         ...     "material": {"contact_modulus": 1000.0},
         ...     "loading": {"control": "pressure", "value": 5.0}}, fields=True)
         >>> fields = results.fields()
-        >>> fields.pressure.shape
-        (64, 64)
-        >>> print(f"{fields.pressure.mean():.3f}")
-        5.000
-        >>> print(fields.gap[fields.contact].max())
-        0.0
+        >>> print(f"{fields.pressure.mean():.3f}", fields.gap[fields.contact].max())
+        5.000 0.0
     """
 
     _kind = "field"
@@ -104,11 +100,10 @@ class Fields(Arrays):
     stick: NDArray[Any]
 
     def __init__(self, outcome: _c.Outcome, position: int, step: int):
-        facts = {name: values[0] for name, values in outcome.table(_c.MAP, "maps").items()}
-        table = outcome.table(_c.FIELDS, "pixels")
+        facts, table = outcome.facts(_c.MAP), outcome.table(_c.FIELDS, "pixels")
         self.shape: tuple[int, int] = int(facts["rows"]), int(facts["columns"])
-        self.spacing: tuple[float, float] = float(facts["spacing_x"]), float(facts["spacing_y"])
-        self.origin: tuple[float, float] = float(facts["origin_x"]), float(facts["origin_y"])
+        self.spacing: tuple[float, float] = facts["spacing_x"], facts["spacing_y"]
+        self.origin: tuple[float, float] = facts["origin_x"], facts["origin_y"]
         self.periodic: tuple[bool, bool] | None = (bool(facts["periodic_x"]),
                                                    bool(facts["periodic_y"]))
         self.boundary_contacts, self.hertz_contacts = (
@@ -124,10 +119,9 @@ class Fields(Arrays):
     def to_xarray(self) -> xarray.Dataset:
         """The arrays as a dataset with the coordinates `y` and `x`, the centres of the pixels,
         `position` and `step`; `attrs["units"]` of each variable is its unit."""
-        places = {axis: (axis, [start + number * step for number in range(count)],
-                         {"units": self.unit or ""})
-                  for axis, start, step, count in zip("xy", self.origin, self.spacing,
-                                                      reversed(self.shape))}
+        places = {axis: (axis, [start + number * step for number in range(count)], {
+            "units": self.unit or ""}) for axis, start, step, count in zip(
+                "xy", self.origin, self.spacing, self.shape[::-1])}
         return cast("xarray.Dataset", needed("xarray", "xarray", "a dataset").Dataset(
             {name: (("y", "x"), self[name], {"units": self.units[name]}) for name in self._names},
             {**places, "position": self.position, "step": self.step}))
@@ -240,8 +234,7 @@ class Stress(Arrays):
 
     def largest(self, name: str = "von_mises") -> tuple[float, float, float, float]:
         """The largest value of an array, with its depth, x and y."""
-        depth, row, column_ = map(int, np.unravel_index(
-            self[name].argmax(), self[name].shape))
+        depth, row, column_ = map(int, np.unravel_index(self[name].argmax(), self[name].shape))
         at = self._fields
         near: Any = at.contact[max(0, row - 1):row + 2, max(0, column_ - 1):column_ + 2]
         if self.depth[depth] < min(at.spacing) and near.any() and not near.all():

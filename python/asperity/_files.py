@@ -26,6 +26,7 @@ from ._fields import FLAGS, NAMES, SLIP_NAMES, Fields
 
 FORMAT = "asperity results 1"  #: what `results.json` states
 EXPECTED = "a file that Results.save or asperity solve --json wrote"
+TABLES = ("positions", "states", "contacts")
 TEXTS = ("summary", "warnings", "notes")
 # What the readers of the standard library raise for damaged files.
 FAULTS = (zipfile.BadZipFile, zlib.error, csv.Error, struct.error, ArithmeticError, AttributeError,
@@ -97,8 +98,7 @@ def read_results(path: _a.Path) -> tuple[dict[str, Any], dict[str, Table], list[
                 facts = json.load(file)
             facts["scene"]["provenance"] = facts["provenance"]
             tables = {key: Table({title: _column_of(cells) for title, cells in facts[key].items()},
-                                 facts["units"][key], key)
-                      for key in ("positions", "states", "contacts")}
+                                 facts["units"][key], key) for key in TABLES}
         if facts.get("format", FORMAT) != FORMAT or [type(facts[title]) for title in TEXTS] != [
                 str, list, list]:
             raise KeyError("format")

@@ -153,6 +153,10 @@ class Outcome:
             table[title] = self._column(place, rows)
         return table
 
+    def facts(self, which: int) -> dict[str, float]:
+        """A table of one row."""
+        return {name: values.tolist()[0] for name, values in self.table(which, "maps").items()}
+
     def _column(self, place: tuple[int | None, int, int], rows: int) -> Column:
         size, code = CELLS[_C.asperity_column_type(*place)]
         cells: Any = (c_char * 0)()

@@ -176,10 +176,10 @@ class HeightMap(Conditioning):
         rows = f"a profile of {self.shape[1]}" if self.is_profile else \
             f"{self.shape[1]} x {self.shape[0]}"
         unit = f" {self.unit}" if self.unit else ""
-        known = [value for value in self._cells if value == value] or [math.nan]
-        missing = sum(value != value for value in self._cells)
+        known = [value for value in self._cells if value == value]
+        missing = len(self._cells) - len(known)
         return f"<asperity.HeightMap of {rows} pixels: {shown_pair(self.sizes)}{unit}, heights " \
-               f"{min(known):.6g} to {max(known):.6g}{unit}, " \
+               f"{min(known, default=math.nan):.6g} to {max(known, default=math.nan):.6g}{unit}, " \
                f"{'periodic' if self.periodic else 'free'}" + (
                    f", {missing} pixels missing>" if missing else ">")
 
@@ -375,14 +375,10 @@ def generate_map(specification: _a.Path | Mapping[str, Mapping[str, Any]] | None
                  **names: Any) -> HeightMap:
     """Make a self-affine random height map (`docs/reference/generate.md`).
 
-    Args:
-        specification: The path of a file with a group `&map`, or its groups as a dict of dicts.
-        **names: Without a specification, the names of the group: `pixels`, `spacing`, `hurst` and
-            `rms_height` or `rms_slope` are needed; `roll_off`, `cut_off`, `below_roll_off`, `seed`,
-            `periodic` and `unit` are not.
-
-    Returns:
-        Maps of two machines agree to 1e-12 of the rms height.
+    The specification is the path of a file with a group `&map`, its groups as a dict of dicts, or
+    the names of the group: `pixels`, `spacing`, `hurst` and `rms_height` or `rms_slope` are needed;
+    `roll_off`, `cut_off`, `below_roll_off`, `seed`, `periodic` and `unit` are not. Maps of two
+    machines agree to 1e-12 of the rms height.
 
     Examples:
         >>> asperity.generate_map(pixels=(256, 128), spacing=0.1, unit="um", hurst=0.8, roll_off=8,
@@ -397,13 +393,10 @@ def generate_map(specification: _a.Path | Mapping[str, Mapping[str, Any]] | None
 
 def _map_of_outcome(outcome: _c.Outcome, periodic: bool = False) -> HeightMap:
     """The map that a call has returned; periodic where it or the call is."""
-    facts = {name: values[0] for name, values in outcome.table(_c.MAP, "maps").items()}
-    cells = outcome.table(_c.PIXELS, "pixels")["height"]
-    made = HeightMap.__new__(HeightMap)
-    made._cells = _a.doubles("heights", cells)
-    made._cells.rows, made._cells.columns = int(facts["rows"]), int(facts["columns"])
-    made.shape = made._cells.rows, made._cells.columns
-    made.spacing = float(facts["spacing_x"]), float(facts["spacing_y"])
+    facts, made = outcome.facts(_c.MAP), HeightMap.__new__(HeightMap)
+    made._cells = _a.doubles("heights", outcome.table(_c.PIXELS, "pixels")["height"])
+    made.shape = made._cells.rows, made._cells.columns = int(facts["rows"]), int(facts["columns"])
+    made.spacing = facts["spacing_x"], facts["spacing_y"]
     made.unit = outcome.text(_c.UNIT) or None
     made.periodic = periodic or bool(facts.get("periodic", 0))
     made.notes = outcome.lines(_c.NOTES)

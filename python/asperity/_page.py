@@ -83,8 +83,8 @@ class Page:
         """A figure in plan; all of them have the same ranges."""
         made = self.figure(title=title, width=WIDTH, height=HEIGHT, match_aspect=True,
                            x_axis_label=label_of("x", unit), y_axis_label=label_of("y", unit),
-                           **self.ranges,
-                           toolbar_location="above", active_scroll="wheel_zoom", tools=TOOLS)
+                           toolbar_location="above", active_scroll="wheel_zoom", tools=TOOLS,
+                           **self.ranges)
         self.ranges = {"x_range": made.x_range, "y_range": made.y_range}
         made.grid.visible = False
         return made

@@ -43,12 +43,10 @@ class Results:
         states: One row for each state of each position.
         contacts: One row for each contact of each state.
         summary: The printed summary.
-        warnings: One line for each kind; each is also issued as `TheoryWarning` or
-            `AccuracyWarning`.
+        warnings: One line for each kind, issued also as `TheoryWarning` or `AccuracyWarning`.
         notes: Notes on the deck, the scene or the map.
-        scene: The `text` of the scene without its arrays, its `file`, its `units` of length and
-            force where they are known, and `provenance`: version, arithmetic, effects, checksums of
-            files.
+        scene: `text` without arrays, `file`, `units` of length and force where they are known, and
+            `provenance`: version, arithmetic, effects, checksums of files.
 
     Examples:
         >>> sphere = {"x": [0.0], "y": [0.0], "height": [1.0], "radius": [10.0]}
@@ -105,11 +103,10 @@ class Results:
 
     def to_dict(self) -> dict[str, Any]:
         """All results as lists, numbers and texts: what `json` writes. None: not computed."""
-        tables = {name: getattr(self, name) for name in TABLES}
         return {**{name: {title: [None if cell != cell else cell for cell in cells]
-                          for title, cells in table.to_dict().items()}
-                   for name, table in tables.items()},
-                "units": {name: dict(table.units) for name, table in tables.items()},
+                          for title, cells in getattr(self, name).to_dict().items()}
+                   for name in TABLES},
+                "units": {name: dict(getattr(self, name).units) for name in TABLES},
                 "summary": self.summary, "warnings": list(self.warnings),
                 "notes": list(self.notes), "scene": dict(self.scene)}
 
@@ -354,14 +351,6 @@ def load(path: _a.Path, *, fields: _a.Path | Sequence[_a.Path] | None = None) ->
         path: Name of the file; one of another kind is an InputError.
         fields: Beside a file of `--json`: the file of `--fields`, of the last state; a list has
             those of all states in their order (`--fields-of all`).
-
-    Examples:
-        >>> import tempfile
-        >>> results = asperity.solve("data/examples/one_pair.scene")
-        >>> path = tempfile.mkdtemp() + "/one_pair.zip"
-        >>> results.save(path)
-        >>> asperity.load(path).states == results.states
-        True
     """
     from . import _files
     made = Results.__new__(Results)
@@ -409,9 +398,7 @@ class Summits(Table):
     def __init__(self, outcome: _c.Outcome, source: Any):
         table = outcome.table(_c.SUMMITS, "summits")
         super().__init__(dict(table), table.units, table.name)
-        self.statistics: dict[str, float] = {
-            name: float(values[0])
-            for name, values in outcome.table(_c.STATISTICS, "maps").items()}
+        self.statistics = outcome.facts(_c.STATISTICS)
         self.summary: str = outcome.text(_c.REPORT)
         self.notes: list[str] = outcome.lines(_c.NOTES)
         self._source = source

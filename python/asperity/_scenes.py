@@ -48,8 +48,7 @@ class Scene:
         if isinstance(scene, Mapping):
             rest, sides = _without_arrays(scene)
             text = _a.Groups(self._name, rest)
-            self._read = _c.call("build_scene", text.text, *map(byref, sides)).checked(
-                text.named)
+            self._read = _c.call("build_scene", text.text, *map(byref, sides)).checked(text.named)
             self.groups = {group: dict(names) for group, names in rest.items()}
         else:
             coded = _a.path("scene", scene, EXPECTED_SCENE)

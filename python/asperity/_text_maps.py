@@ -61,9 +61,9 @@ def read_text(path: str, spacing: tuple[float, float] | None, delimiter: str | N
         raise _a.wrong("spacing", str(spacing), "that of a matrix of heights, or none beside the "
                        "places in columns")
     wanted, heading = None if columns is None else list(columns), 0
-    if wanted is not None and len(wanted) != 3:
+    if len(wanted or "xyz") != 3:
         raise _a.wrong("columns", str(columns), "three: x, y and height, as names or from 0")
-    if wanted is not None and any(isinstance(one, str) for one in wanted):
+    if wanted and any(isinstance(one, str) for one in wanted):
         heading, line = _first_line(path)
         names = _names(line, delimiter)
         if not set(wanted) <= set(names):

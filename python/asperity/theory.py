@@ -355,9 +355,9 @@ def _table(factors: dict[str, tuple[float, float]], mean: float, deviation: floa
     given = np.atleast_1d(np.asarray(pressure if separation is None else separation, dtype=float))
     h = (given - mean) / deviation if separation is not None else np.array([
         _separation(lambda at: factor * height_integral(order, at, heights), one) for one in given])
-    return Table({"separation": mean + deviation * h,
-                  **{name: of * height_integral(n, h, heights)
-                     for name, (n, of) in factors.items()}}, name="separations")
+    return Table({"separation": mean + deviation * h, **{
+        name: of * height_integral(n, h, heights) for name, (n, of) in factors.items()}},
+        name="separations")
 
 
 def _separation(pressure_at: Callable[[float], Any], pressure: float) -> float:
