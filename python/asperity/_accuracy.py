@@ -135,7 +135,8 @@ def accuracy(scene: Any, *, seconds: float = 60.0, finer: bool = False) -> Accur
 
 
 def _digits(given: Scene) -> float | None:
-    """Greatest change of a total when the heights of arrays change by half of their last digit."""
+    """Greatest change of a total when the heights of surfaces change by half of their last digit."""
+    given = given.with_arrays()
     source = given._source if isinstance(given._source, Mapping) else {}
     arrays = {side: value for side, value in dict(source.get("surfaces", {})).items()
               if side in ("upper", "lower") and isinstance(value, (HeightMap, Mapping))}

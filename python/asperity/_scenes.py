@@ -6,6 +6,7 @@ import contextlib
 import importlib
 import math
 import os
+import re
 import sys
 from collections.abc import Mapping
 from ctypes import POINTER, byref, c_int, pointer
@@ -14,7 +15,7 @@ from typing import Any
 from . import _arguments as _a
 from . import _library as _c
 from ._fields import states_kept
-from ._maps import HeightMap, map_of
+from ._maps import HeightMap, map_of, map_of_file
 from ._results import Results
 
 EXPECTED_SCENE = "a path, or a dict of groups"
@@ -84,6 +85,30 @@ class Scene:
         solved = _solve(read, text, *choices, is_short)
         self._seconds, self._choices = solved.seconds, choices
         return Results(solved, kept)
+
+    def with_arrays(self) -> Scene:
+        """The scene with the surfaces of its files as arrays; those of decks stay as they are."""
+        own = dict(self.groups.get("surfaces", {}))
+        given = self._source.get("surfaces", {}) if isinstance(self._source, Mapping) else own
+        folder = "" if isinstance(self._source, Mapping) else os.path.dirname(self._name)
+        words = {name: re.findall(r"[^\s,']+", str(value)) for name, value in own.items()}
+        steps = [float(one) for one in words.get("map_spacing", ())]
+        made = {name: value for name, value in given.items() if given is not own or name not in (
+            "radius", "map_spacing", "map_unit")}
+        for place, side in ((0, "upper"), (-1, "lower")):
+            path = str(given.get(side, "plane")).strip("'")
+            if not _a.is_text(given.get(side, "")) or path == "plane":
+                continue
+            path = os.path.join(folder, path)
+            if path.lower().endswith(".csv"):
+                table = importlib.import_module("numpy").genfromtxt(path, delimiter=",", names=True)
+                made[side] = {"radius": [float(words.get("radius", "1")[place])], **{
+                    name: table[name].reshape(-1) for name in table.dtype.names}}
+            else:
+                made[side] = map_of_file(path, steps[2 * place:][:2] or None,
+                                         words.get("map_unit", [None])[place])
+        is_same = all(value is given[name] for name, value in made.items())
+        return self if is_same else Scene({**self.groups, "surfaces": made})
 
     def __reduce__(self) -> Any:
         return Scene, (self._source,)

@@ -89,3 +89,26 @@ def test_pixels(package):
         finer=True)
     assert found.reference == "pixels half as wide"
     assert {"--accuracy", "pixels"} <= set(found.table["typed"].tolist())
+
+
+@pytest.mark.parametrize("is_map", [False, True])
+def test_digits_of_files(package, tmp_path, is_map):
+    """A scene with files has the digits of the arrays that they have."""
+    x = np.arange(-20, 21) * 0.1
+    surface = package.HeightMap(np.round(2.0 - (x[:, None]**2 + x**2) / 20, 3), 0.1) if is_map \
+        else {"x": [0.0, 9.0], "y": [0.0, 3.0], "height": [1.04, 1.02], "radius": [10.0, 10.0]}
+    if is_map:
+        surface.write(tmp_path / "s.txt")
+    else:
+        (tmp_path / "s.csv").write_text("x,y,height\n0,0,1.04\n9,3,1.02\n")
+    names = "'s.txt', map_spacing = 0.1, 0.1" if is_map else "'s.csv', radius = 10.0, 10.0"
+    (tmp_path / "s.scene").write_text(
+        f"&surfaces upper = 'plane', lower = {names} /\n&material contact_modulus = 1e3 /\n"
+        "&loading control = 'load', value = 5 /\n")
+    of_file = package.accuracy(tmp_path / "s.scene")
+    of_arrays = package.accuracy({
+        "surfaces": {"upper": "plane", "lower": surface}, "material": {"contact_modulus": 1e3},
+        "loading": {"control": "load", "value": 5}})
+    # Of a map in a dict finer pixels are the reference, which average the digits.
+    assert of_file.digits == pytest.approx(of_arrays.digits, rel=0.5 if is_map else 1e-6)
+    assert of_file.digits > 1e-3
