@@ -107,6 +107,24 @@ class Values(Sequence[Any]):
         return f"[{', '.join(parts)}]" + (f" ({count} values)" if count > SHOWN_VALUES else "")
 
 
+@functools.cache
+def _one_row() -> Any:
+    """The type of a column of one row: its number is that of `float`, as in numpy before 2.4."""
+    class array(needed("numpy", "numpy", "an array").ndarray):  # type: ignore[misc]
+        def __float__(self) -> float:
+            return float(self.item())
+
+        def __int__(self) -> int:
+            return int(self.item())
+
+        def __array_wrap__(self, made: Any, *_: Any) -> Any:
+            return made if made.ndim else made[()]
+
+        def __reduce__(self) -> Any:
+            return column, (needed("numpy", "numpy", "an array").asarray(self),)
+    return array
+
+
 def column(values: Any) -> Column:
     """A column of a read-only `memoryview` of numbers, or of a list of words."""
     library = numpy()
@@ -115,6 +133,8 @@ def column(values: Any) -> Column:
     array = library.asarray(values)
     if not len(array) and isinstance(values, list):
         array = library.empty(0, dtype="U1")
+    if len(array) == 1:
+        array = array.view(_one_row())
     array.flags.writeable = False
     return cast("Column", array)
 

@@ -1,7 +1,9 @@
 """Tables, columns and drawings of the Python package, with numpy and without it."""
 
+import copy
 import gc
 import json
+import pickle
 import warnings
 
 import matplotlib.pyplot as plt
@@ -25,6 +27,22 @@ LOAD = 4 / 3 * 1000.0 * np.sqrt(10.0) * COMPRESSION**1.5
 @pytest.fixture
 def results(package):
     return package.solve(CURVE)
+
+
+def test_float_of_a_column_with_one_row(results):
+    """As numpy before 2.4 did; calculations, copies and repr are those of any column."""
+    column = results.positions["load"]
+    assert float(column) == pytest.approx(LOAD[-1], rel=1e-12)
+    assert isinstance(column, np.ndarray) and repr(column).startswith("array([4.21")
+    for made in (column * 2, np.sqrt(column), np.concatenate([column, column])):
+        assert type(made) is np.ndarray
+    for made in (column.sum(), column.max(), column[0], np.mean(column)):
+        assert type(made) is np.float64
+    for same in (copy.copy(results.positions), copy.deepcopy(results.positions),
+                 pickle.loads(pickle.dumps(results.positions))):
+        assert float(same["load"]) == float(column) and not same["load"].flags.writeable
+    assert pickle.loads(pickle.dumps(column)) == column
+    assert int(results.positions["steps"]) == 5
 
 
 def test_columns_compute(results):
