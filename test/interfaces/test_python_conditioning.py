@@ -328,29 +328,8 @@ def test_profile(package):
     assert back.is_profile and np.array_equal(back.heights, cylinder.heights)
 
 
-@pytest.mark.parametrize("ending", ["x3p", "nc", "sdf"])
-def test_from_a_file_to_a_curve(package, tmp_path, ending):
-    """A map of an instrument, made fit, and its curve beside the theories."""
-    read = package.read_map(ROOT / "data/examples/summits/rough.sdf", unit="um")
-    path = tmp_path / f"m.{ending}"
-    if ending == "sdf":
-        read.write(path)
-    else:
-        getattr(package.HeightMap(read.fill(), read.spacing, "um").to_topography().to_unit("m"),
-                {"x3p": "to_x3p", "nc": "to_netcdf"}[ending])(str(path))
-    surface = package.read_map(path, unit="um").fill().align().level(2).filter(
-        shortest=2, longest=20).crop(x=(2, 30), y=(2, 30))
-    assert surface.shape == (56, 56) and len(surface.notes) >= 5
-    states = package.solve({
-        "surfaces": {"upper": "plane", "lower": surface, "units": ("um", "uN")},
-        "material": {"contact_modulus": 1e5},
-        "loading": {"control": "pressure", "value": 50, "points": 3}}).states
-    persson = package.theory.persson(surface, 1e5, states["nominal_pressure"])
-    assert (states["area_fraction"][1:] > 0.5 * persson[1:]).all()
-
-
-def test_gwyddion_without_heights(package, tmp_path):
-    """A Gwyddion file whose one channel has the unit of an angle: the message says so."""
+def write_gwyddion(path, heights, sizes, unit="m"):
+    """A file of Gwyddion with one channel, whose heights have a unit; lengths are in metres."""
     def item(name, kind, data):
         return name.encode() + b"\0" + kind + data
 
@@ -358,18 +337,50 @@ def test_gwyddion_without_heights(package, tmp_path):
         body = b"".join(items)
         return name.encode() + b"\0" + struct.pack("<I", len(body)) + body
 
-    heights = noise(5, 4)
-    field = group(
-        "GwyDataField", item("xres", b"i", struct.pack("<i", 4)),
-        item("yres", b"i", struct.pack("<i", 5)), item("xreal", b"d", struct.pack("<d", 1e-6)),
-        item("yreal", b"d", struct.pack("<d", 1e-6)),
-        *(item(f"si_unit_{axis}", b"o", group("GwySIUnit", item("unitstr", b"s", unit + b"\0")))
-          for axis, unit in (("xy", b"m"), ("z", b"deg"))),
-        item("data", b"D", struct.pack("<I", heights.size) + heights.tobytes()))
-    path = tmp_path / "m.gwy"
-    path.write_bytes(b"GWYP" + group("GwyContainer", item("/0/data", b"o", field)))
+    numbers = [item(f"{axis}res", b"i", struct.pack("<i", count))
+               for axis, count in zip("xy", heights.shape[::-1])]
+    numbers += [item(f"{axis}real", b"d", struct.pack("<d", size))
+                for axis, size in zip("xy", sizes)]
+    units = (item(f"si_unit_{axis}", b"o", group("GwySIUnit", item(
+        "unitstr", b"s", text.encode() + b"\0"))) for axis, text in (("xy", "m"), ("z", unit)))
+    data = item("data", b"D", struct.pack("<I", heights.size) + heights.tobytes())
+    path.write_bytes(b"GWYP" + group("GwyContainer", item("/0/data", b"o", group(
+        "GwyDataField", *numbers, *units, data))))
+
+
+@pytest.mark.parametrize("ending", ["x3p", "nc", "sdf", "gwy"])
+def test_from_a_file_to_a_curve(package, tmp_path, ending):
+    """A map of an instrument, made fit, and its curve beside the theories."""
+    read = package.read_map(ROOT / "data/examples/summits/rough.sdf", unit="um")
+    filled = package.HeightMap(read.fill().heights[:-4], read.spacing, "um")
+    path = tmp_path / f"m.{ending}"
+    if ending == "sdf":
+        filled.write(path)
+    elif ending == "gwy":
+        write_gwyddion(path, filled.heights * 1e-6, [size * 1e-6 for size in filled.sizes])
+    else:
+        getattr(filled.to_topography().to_unit("m"),
+                {"x3p": "to_x3p", "nc": "to_netcdf"}[ending])(str(path))
+    found = package.read_map(path, unit="um")
+    assert found.shape == (60, 64) and np.allclose(found.heights, filled.heights, atol=1e-9)
+    surface = found.fill().align().level(2).filter(
+        shortest=2, longest=20).crop(x=(2, 30), y=(1, 29))
+    assert surface.shape == (56, 56) and len(surface.notes) >= 5
+    results = package.solve({
+        "surfaces": {"upper": "plane", "lower": surface, "units": ("um", "uN")},
+        "material": {"contact_modulus": 1e5},
+        "loading": {"control": "pressure", "value": 50, "points": 3}})
+    persson = package.theory.persson(surface, 1e5, results.states["nominal_pressure"])
+    assert (results.states["area_fraction"][1:] > 0.5 * persson[1:]).all()
+    _, right = results.plot(theory={"persson": surface, "bush_gibson_thomas": surface})
+    assert [line.get_label() for line in right.lines[1:]] == ["persson", "bush_gibson_thomas"]
+
+
+def test_gwyddion_without_heights(package, tmp_path):
+    """A Gwyddion file whose one channel has the unit of an angle: the message says so."""
+    write_gwyddion(tmp_path / "m.gwy", noise(5, 4), (1e-6, 1e-6), "deg")
     with pytest.raises(package.InputError, match="cannot read it: found no channel of heights"):
-        package.read_map(path)
+        package.read_map(tmp_path / "m.gwy")
 
 
 def test_refusals(package):
