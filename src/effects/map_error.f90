@@ -1,29 +1,34 @@
 !> Estimated error of the contact of a height map by the size of its pixels.
 !>
-!> The map is solved again on every m-th pixel along both sides, from each of four first pixels,
-!> with adhesion from the attraction of its pixels: m is 2 and, where the map keeps its lengths, 3,
-!> as halves of a symmetric map are mirror images of each other. Let d be the root mean square of
-!> the four differences of a result. With the safety factor 3 of two grids (Roache, J. Fluids Eng.
-!> 116 (1994) 405) its error is 3 d/(m**p - 1), the larger of the two, where p is the order: 2 on a
-!> surface that is smooth between the pixels. The compression has the error of first contact
-!> besides (`map_top`). That of the area is at least half of the correction of the
-!> rim, and at least that of straight rims: each straight piece of a rim along the pixels lies up to
-!> half a pixel from its sides. The errors of pieces are independent, but those of grooves, which
-!> have no ends, add up. The relative error of the greatest pressure is at least that of the area,
-!> as peaks lie between the pixels of all grids (measured:
-!> reference_output/bench/pixel_estimates.csv; test: test/maps/test_pixel_errors.py).
+!> The map is solved again on every m-th pixel along both sides, with adhesion from the attraction of
+!> its pixels: for m = 2 from two first pixels along a diagonal through the highest pixel, and from
+!> three for m = 3, 4 or 5, the first one with which the map keeps its lengths. The former alone are
+!> mirror images of each other on a symmetric map. Let d be the root mean square of the differences
+!> of a result. With the safety factor 3 of two grids (Roache, J. Fluids Eng. 116 (1994) 405) its
+!> error is 3 d/(m**p - 1), the larger of the two. The order p is 2, that of the area 3/2: the pixels
+!> along a rim, 1/h of the spacing h, have independent errors of h**2.
 !>
-!> On a map that is rough at the size of its pixels p is 1, and the errors are those of pixels a
-!> quarter as wide. Its slope grows on by the observed ratio, and the area is inverse to the slope
-!> (Persson, J. Chem. Phys. 115 (2001) 3840): its error is at least the growth. The greatest
-!> pressure has no estimate, as it grows with the slope and with the number of peaks.
+!> The error of first contact is that of a vertex (`map_top`) where the map is smooth. Where it is
+!> not, it is that of the tops of every second, third and fourth pixel by the same formula, with
+!> their observed order, 1 to 2. The compression has both errors, which are independent.
+!>
+!> The error of the area is at least half of the correction of the rim, and at least that of straight
+!> rims: each straight piece of a rim along the pixels lies up to half a pixel from its sides. The
+!> errors of pieces are independent, but those of grooves, which have no ends, add up. On a map that
+!> is rough at the size of its pixels the slope grows on by the observed ratio to pixels a quarter as
+!> wide, and the area is inverse to the slope (Persson, J. Chem. Phys. 115 (2001) 3840).
+!>
+!> The greatest pressure, which lies between the pixels of all grids, has the order 3/2. It has no
+!> estimate where no limit is in sight: on rough maps, and on others that are not smooth, as at
+!> kinks, where pixels twice as wide have a pressure that is a tenth less (measured:
+!> reference_output/bench/pixel_estimates.csv; test: test/maps/test_pixel_errors.py).
 !>
 !> With creep they are those of the elastic state of the same displacements, with its own load (Lee
 !> and Radok 1960), which holds as long as no pixel has left the contact.
 module asperity_map_error
   use asperity_contact_records, only: state_row
   use asperity_height_map, only: height_map, is_measured
-  use asperity_kinds, only: real64
+  use asperity_kinds, only: not_computed, real64
   use asperity_map_contact, only: most_load
   use asperity_map_fields, only: measure_fields
   use asperity_map_patches, only: map_patch
@@ -35,11 +40,13 @@ module asperity_map_error
   implicit none
   private
 
-  public :: error_request, estimate_pixel_errors, growth_of_slope, share_at_ends
+  public :: error_request, estimate_pixel_errors, find_first_contact, share_at_ends
 
   ! Safety factor of the error of two grids (Roache 1994; test: rough maps in
   ! test/maps/test_pixel_errors.py).
   real(real64), parameter :: safety = 3.0_real64
+  ! Halvings of the interval of the observed order (chosen: to 1e-3).
+  integer, parameter :: digits_of_order = 11
   ! Tolerance of the gaps over the range of heights, or of the attraction (chosen: the differences
   ! are larger by far).
   real(real64), parameter :: closed_halves = 1.0e-4_real64
@@ -48,141 +55,150 @@ module asperity_map_error
   ! self-affine surface, at least 0.63 where that ends at two pixels (chosen; test: waves and random
   ! maps in test/maps/test_pixel_errors.py).
   real(real64), parameter :: rough_growth = 0.6_real64
+  ! The same, below which it is smooth (derived: between 1/4 and 1/2; test: kinks there).
+  real(real64), parameter :: smooth_growth = 1.0_real64 / 3.0_real64
   ! The same of independent heights (derived: their slope is inverse to the size of the pixel).
   real(real64), parameter :: fastest_growth = 2.0_real64
+  ! Fall of the greatest pressure by pixels twice as wide, relative, below which it is resolved
+  ! (chosen: the limit of the warning of resolution).
+  real(real64), parameter :: resolved = 0.1_real64
   ! Least number of pixels along a side (chosen: halves of two are no maps).
   integer, parameter :: least_side = 4
 
-  !> The quantity that is prescribed, and the error of first contact.
+  !> The map between its pixels, and the quantity that is prescribed.
   type :: error_request
-    logical :: by_load                         !! the load is prescribed, else the separation
-    logical :: by_top                          !! the compression is: the load has its error
-    real(real64) :: top_error                  !! error of first contact [length]
-    logical, private :: is_rough = .false.     !! the map is rough at the size of its pixels
+    logical :: by_load = .false.               !! the load is prescribed, else the separation
+    logical :: by_top = .false.                !! the compression is: the load has its error
+    logical :: is_smooth = .true.              !! the map is smooth between its pixels
+    real(real64) :: top_error = 0.0_real64     !! error of first contact [length]
+    !> Relative growth of the slope to pixels a quarter as wide; 0: the map is not rough.
+    real(real64) :: growth = 0.0_real64
     real(real64), private :: lowered = 0.0_real64  !! the flat below its level, unless by load
   end type error_request
 
 contains
 
-  !> Estimates the errors of a solution. Nothing is known, and both are unchanged, where a map is
-  !> too small, or its halves cannot be solved.
-  subroutine estimate_pixel_errors(map, laws, state, row, given, of_total, other_errors, unsolved)
+  !> Estimates the errors of a solution. They are unchanged where a map is too small, or its halves
+  !> cannot be solved.
+  subroutine estimate_pixel_errors(map, laws, state, request, row, unsolved)
     type(height_map), intent(in) :: map            !! map without plastic deformation
     type(pixel_law_box), intent(in) :: laws(:)     !! laws with the memory of this solution
     type(pixel_state), intent(in) :: state         !! solution; under a load: > 0
-    type(state_row), intent(in) :: row             !! totals of this solution
-    type(error_request), intent(in) :: given       !! quantity that is prescribed
-    !> relative, of the load or, under a prescribed one, of the compression
-    real(real64), intent(inout) :: of_total
-    !> Relative, of area, mean gap and greatest pressure and, under a prescribed load, of the
-    !> separation over the compression; `not_computed`: unknown.
-    real(real64), intent(inout) :: other_errors(4)
+    type(error_request), intent(in) :: request     !! quantity that is prescribed
+    type(state_row), intent(inout) :: row          !! totals of this solution; gets their errors
     !> Reason why a map of every second pixel could not be solved; not allocated: all were.
     character(len=:), allocatable, intent(out) :: unsolved
     type(pixel_state) :: elastic
-    type(error_request) :: request
     real(real64), allocatable :: error(:)
-    real(real64) :: area, growth, of_top, pressure
+    real(real64) :: area, of_top, pressure
 
     elastic = state
     ! Coarser maps start from pressures alone.
     deallocate (elastic%deformed%height)
     if (allocated(elastic%answer%displacement)) deallocate (elastic%answer%displacement)
-    growth = growth_of_slope(map)
-    request = given
-    request%is_rough = growth > 0.0_real64
-    if (request%is_rough) request%top_error = max(given%top_error, safety * difference_of_tops( &
-                                                  map, row%approach + row%compression))
     call compare_coarser(map, laws, request, row, elastic, error, of_top, unsolved)
     if (.not. allocated(error)) return
     associate (answer => state%answer, patches => state%patches)
-      area = max(error(3), 0.5_real64 * sum(patches%rim), growth * row%area)
+      area = max(error(3), 0.5_real64 * sum(patches%rim), request%growth * row%area)
       if (allocated(answer%contact_pressure)) then
         area = max(area, error_of_rims(map, answer%contact_pressure))
       else
         area = max(area, error_of_rims(map, answer%pressure))
       end if
-      other_errors(1) = area / row%area
-      other_errors(2) = error(4) / max(row%mean_gap, error(4), tiny(area))
-      if (.not. growth > 0.0_real64) then
-        pressure = row%greatest_pressure * max(area / row%area, error(5) / &
-                   max(maxval(elastic%answer%pressure), tiny(error)))
-        other_errors(3) = max(0.0_real64, pressure) / &
-                          max(row%greatest_pressure, pressure, tiny(area))
+      row%area_error = area / row%area
+      if (request%growth > 0.0_real64) row%area_error = area / (row%area + area)
+      row%gap_error = error(4) / max(row%mean_gap, error(4), tiny(area))
+      if (error(5) > not_computed) then
+        pressure = row%greatest_pressure * error(5) / &
+                   max(maxval(elastic%answer%pressure), tiny(error))
+        row%pressure_error = max(0.0_real64, pressure) / &
+                             max(row%greatest_pressure, pressure, tiny(area))
       end if
-      if (given%by_load .and. row%compression > 0.0_real64) then
-        other_errors(4) = error(1) / row%compression
-        of_total = (error(1) + request%top_error) / row%compression
+      if (request%by_load .and. row%compression > 0.0_real64) then
+        row%separation_error = error(1) / row%compression
+        row%error_estimate = hypot(error(1), request%top_error) / row%compression
       end if
-      if (.not. given%by_load .and. abs(answer%load) > 0.0_real64) &
-        of_total = (error(2) + of_top) * answer%load / elastic%answer%load / abs(answer%load)
+      if (.not. request%by_load .and. abs(answer%load) > 0.0_real64) &
+        row%error_estimate = hypot(error(2), of_top) * answer%load / elastic%answer%load / &
+                             abs(answer%load)
     end associate
   end subroutine estimate_pixel_errors
 
-  ! Solves the maps of every second and, where they keep their lengths, every third pixel of a map,
-  ! and compares the totals: level, load, area, mean gap, greatest pressure.
+  ! Solves the maps of every second and of fewer pixels of a map, and compares the totals: level,
+  ! load, area, mean gap, greatest pressure.
   subroutine compare_coarser(map, laws, request, row, full, errors, of_top, unsolved)
     type(height_map), intent(in) :: map
     type(pixel_law_box), intent(in) :: laws(:)
     type(error_request), intent(in) :: request
     type(state_row), intent(in) :: row
     type(pixel_state), intent(inout) :: full       ! solution on all pixels; gets the elastic one
-    ! Not allocated: the map is too small, or one of its halves is not solved.
+    ! Not allocated: the map is too small, or one of its halves is not solved. The last one is
+    ! `not_computed` where the greatest pressure has no limit in sight.
     real(real64), allocatable, intent(out) :: errors(:)
     real(real64), intent(out) :: of_top            ! change of the load by that of first contact
     character(len=:), allocatable, intent(out) :: unsolved  ! why one is not
-    ! First columns of maps of every third pixel: mirror images of each other on no even map.
-    integer, parameter :: column_of_third(4) = [1, 2, 3, 2], row_of_third(4) = [1, 3, 2, 2]
     type(error_request) :: lowering
-    real(real64) :: halves(5, 4), lower(5), thirds(5, 4), total(5)
-    integer :: i, k
+    real(real64) :: fall, halves(5, 2), lower(5), total(5), wider(5, 3)
+    integer :: i, k, place(2), step
 
     of_top = 0.0_real64
     if (any(shape(map%height) < least_side)) return
-    do k = 1, 4
-      call solve_coarser(map, laws, request, 2, [1 + mod(k, 2), 1 + k / 3], full, halves(:, k), &
-                         unsolved)
+    place = maxloc(map%height)
+    do k = 1, 2
+      call solve_coarser(map, laws, request, 2, 1 + mod(place + k, 2), full, halves(:, k), unsolved)
       if (allocated(unsolved)) return
     end do
     if (request%by_top .and. request%top_error > 0.0_real64 .and. .not. request%by_load) then
       lowering = request
       lowering%lowered = request%top_error
-      call solve_coarser(map, laws, lowering, 2, [2, 1], full, lower, unsolved)
+      call solve_coarser(map, laws, lowering, 2, 1 + mod(place + 1, 2), full, lower, unsolved)
       if (allocated(unsolved)) return
       of_top = abs(lower(2) - halves(2, 1))
     end if
     total = [full%answer%level, full%answer%load, row%area, row%mean_gap, &
              maxval(full%answer%pressure)]
-    errors = error_of_ratio(2) * root_mean(halves)
-    if (any([(laws(i)%law%solves .and. laws(i)%law%is_simulated, i=1, size(laws))]) .or. &
-        any(shape(map%height) < 3 * least_side / 2) .or. any(mod(shape(map%height), 3) > 0 .and. &
-            [map%repeats(1), map%repeats(2)])) return
-    do k = 1, 4
-      call solve_coarser(map, laws, request, 3, [column_of_third(k), row_of_third(k)], full, &
-                         thirds(:, k), unsolved)
+    errors = error_by(halves, 2)
+    step = step_beside_two(map)
+    if (any([(laws(i)%law%solves .and. laws(i)%law%is_simulated, i=1, size(laws))])) step = 0
+    do k = 1, merge(3, 0, step > 0)
+      call solve_coarser(map, laws, request, step, 1 + mod(place + k, step), full, wider(:, k), &
+                         unsolved)
+      if (allocated(unsolved)) step = 0
       if (allocated(unsolved)) exit
     end do
-    if (.not. allocated(unsolved)) errors = max(errors, error_of_ratio(3) * root_mean(thirds))
     if (allocated(unsolved)) deallocate (unsolved)
+    if (step > 0) errors = max(errors, error_by(wider, step))
+    fall = total(5) - sum(halves(5, :)) / size(halves, 2)
+    if (request%growth > 0.0_real64 .or. &
+        (fall > resolved * total(5) .and. .not. request%is_smooth)) errors(5) = not_computed
 
   contains
 
-    ! Root of the mean square of the differences. No norm2: its last digit changes with the unit.
-    function root_mean(coarser)
-      real(real64), intent(in) :: coarser(5, 4)
-      real(real64) :: root_mean(5)
+    ! Errors by the differences from pixels that are `step` times as wide. No norm2: its last digit
+    ! changes with the unit.
+    pure function error_by(coarser, step) result(error)
+      real(real64), intent(in) :: coarser(:, :)
+      integer, intent(in) :: step
+      real(real64) :: error(5)
 
-      root_mean = 0.5_real64 * sqrt(sum((coarser - spread(total, 2, 4))**2, 2))
-    end function root_mean
-
-    ! Error over the difference by pixels that are `ratio` times as wide.
-    pure real(real64) function error_of_ratio(ratio)
-      integer, intent(in) :: ratio
-
-      error_of_ratio = safety / (ratio**merge(1, 2, request%is_rough) - 1)
-    end function error_of_ratio
+      error = sqrt(sum((coarser - spread(total, 2, size(coarser, 2)))**2, 2) / size(coarser, 2))
+      error([1, 2, 4]) = error([1, 2, 4]) * safety / (step**2 - 1)
+      error([3, 5]) = error([3, 5]) * safety / (step**1.5_real64 - 1.0_real64)
+    end function error_by
 
   end subroutine compare_coarser
+
+  ! The first of the steps 3, 4 and 5 with which a map keeps its lengths; 0: none, or the map is too
+  ! small.
+  pure integer function step_beside_two(map) result(step)
+    type(height_map), intent(in) :: map
+
+    do step = 3, 5
+      if (any(shape(map%height) < step * least_side / 2)) exit
+      if (.not. any(mod(shape(map%height), step) > 0 .and. [map%repeats(1), map%repeats(2)])) return
+    end do
+    step = 0
+  end function step_beside_two
 
   ! Solves the map on every `step`th pixel.
   subroutine solve_coarser(map, laws, request, step, first, full, total, unsolved)
@@ -230,22 +246,48 @@ contains
     end associate
   end subroutine solve_coarser
 
-  ! Root mean square difference of first contact of the four maps of every second pixel.
-  pure real(real64) function difference_of_tops(map, top) result(difference)
-    type(height_map), intent(in) :: map
-    real(real64), intent(in) :: top  ! first contact of all pixels
-    real(real64) :: error, half
+  !> Finds first contact, its estimated error, and whether the map is smooth or rough at the size
+  !> of its pixels.
+  pure subroutine find_first_contact(map, top, request)
+    type(height_map), intent(in) :: map            !! levelled height map
+    real(real64), intent(out) :: top               !! height of the top [length]
+    type(error_request), intent(out) :: request    !! gets the properties of the map
+    real(real64), parameter :: wide(2:4) = [2.0_real64, 3.0_real64, 4.0_real64]
+    real(real64) :: difference(2:4), highest, lower, lowest, order, ratio, unused
     type(height_map) :: coarse
-    integer :: k
+    integer :: i, k, step
 
-    difference = 0.0_real64
-    do k = 0, 3
-      coarse = every_pixel(map, 2, [1 + mod(k, 2), 1 + k / 2])
-      if (.not. any(is_measured(coarse%height))) cycle
-      call find_top(coarse, half, error)
-      difference = hypot(difference, 0.5_real64 * (half - top))
+    call find_top(map, top, request%top_error)
+    call measure_growth(map, ratio, request%growth)
+    request%is_smooth = ratio < smooth_growth
+    if (request%is_smooth .or. any(shape(map%height) < least_side)) return
+    do step = 2, 4
+      difference(step) = 0.0_real64
+      do k = 0, step**2 - 1
+        coarse = every_pixel(map, step, [1 + mod(k, step), 1 + k / step])
+        if (.not. any(is_measured(coarse%height))) cycle
+        call find_top(coarse, lower, unused)
+        difference(step) = difference(step) + (lower - top)**2
+      end do
+      difference(step) = sqrt(difference(step)) / step
     end do
-  end function difference_of_tops
+    ! The largest order with which the differences grow as much.
+    lowest = 1.0_real64
+    highest = 2.0_real64
+    do i = 1, digits_of_order
+      order = 0.5_real64 * (lowest + highest)
+      if (all(difference(3:) * (wide(:3)**order - 1.0_real64) >= &
+              difference(:3) * (wide(3:)**order - 1.0_real64))) then
+        lowest = order
+      else
+        highest = order
+      end if
+    end do
+    ! A quadratic has the same top on all pixels.
+    request%is_smooth = .not. highest < 2.0_real64
+    request%top_error = max(request%top_error, &
+                            safety * maxval(difference / (wide**lowest - 1.0_real64)))
+  end subroutine find_first_contact
 
   !> Share of the load on pixels of contact patches that a free edge or a missing pixel cuts. Their
   !> pressure grows without limit with finer pixels, as at the edge of a punch.
@@ -308,21 +350,24 @@ contains
     error = 0.5_real64 * (sqrt(error) + grooves) * product(map%pixel_spacing)
   end function error_of_rims
 
-  !> Relative growth of the slope of a map that is rough at the size of its pixels, by differences
-  !> over 1, 2 and 4 of them, to pixels a quarter as wide; 0: it is not rough.
-  pure real(real64) function growth_of_slope(map) result(growth)
-    type(height_map), intent(in) :: map  !! levelled height map
-    real(real64) :: ratio, slope(0:2)
+  ! Finds the growth of the slope of a map from differences over 2 pixels to those over 1, over that from 4 to
+  ! 2; at most `fastest_growth`.
+  pure subroutine measure_growth(map, ratio, growth)
+    type(height_map), intent(in) :: map       ! levelled
+    real(real64), intent(out) :: ratio
+    ! Relative, to pixels a quarter as wide; 0: the map is not rough at the size of its pixels.
+    real(real64), intent(out) :: growth
+    real(real64) :: slope(0:2)
     integer :: k
 
     growth = 0.0_real64
+    ratio = fastest_growth
     if (any(shape(map%height) <= 4)) return
     slope = [(rms_slope_over(map, 2**k), k=0, 2)]
-    ratio = fastest_growth
     if (slope(1) > slope(2)) &
       ratio = min(ratio, (slope(0) - slope(1)) / (slope(1) - slope(2)))
     if (slope(0) > slope(1) .and. ratio > rough_growth) &
       growth = (1.0_real64 - slope(1) / slope(0)) * (ratio + ratio**2)
-  end function growth_of_slope
+  end subroutine measure_growth
 
 end module asperity_map_error

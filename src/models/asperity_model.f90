@@ -5,8 +5,8 @@
 !> effect that is off.
 module asperity_asperity_model
   use asperity_asperity_position, only: asperity_bodies, begin_asperities
-  use asperity_asperity_records, only: add_nothing, add_without_effects, name_effects, &
-                                       of_compression
+  use asperity_asperity_records, only: add_nothing, add_without_effects, error_of_share, &
+                                       name_effects
   use asperity_contact_effect, only: effect_box
   use asperity_contact_field, only: fields_all, fields_none
   use asperity_contact_law, only: contact_law
@@ -230,6 +230,7 @@ contains
       call move_values(columns, result)
     end if
     call estimate_left_out(self, pairs, law, result)
+    result%error_estimate = result%states(size(result%states))%error_estimate
 
   contains
 
@@ -253,7 +254,8 @@ contains
     call move_alloc(columns%state_values, result%state_values)
     call move_alloc(columns%contact_columns, result%contact_columns)
     call move_alloc(columns%state_columns, result%state_columns)
-    result%error_estimate = columns%error_estimate
+    result%states%error_estimate = columns%states%error_estimate
+    result%states%area_error = columns%states%area_error
   end subroutine move_values
 
   ! Estimates the influence of every effect that is off, in the state of the largest compression.
@@ -269,7 +271,9 @@ contains
     integer :: deepest, i, k, warned
 
     if (size(self%left_out) == 0) return
-    result%error_estimate = max(result%error_estimate, 0.0_real64)
+    associate (error => result%states%error_estimate)
+      error = max(error, 0.0_real64)
+    end associate
     call copy_effects(self%left_out, effects)
     if (.not. allocated(law)) allocate (law, source=hertz_law(modulus=pairs%modulus))
     deepest = maxloc(result%states%compression, 1)
@@ -281,8 +285,8 @@ contains
         share = 0.0_real64
         if (size(pairs%list) > 0) share = effect%estimate(pairs, state)
         result%left_out(findloc(known_effects%name, effect%name, 1)) = share
-        result%error_estimate = result%error_estimate + &
-          merge(of_compression, 1.0_real64, is_load(self%scene_in%loading%control)) * share
+        result%states%error_estimate = result%states%error_estimate + &
+                                       error_of_share(self%scene_in, share)
         if (.not. share > effect%tolerance) cycle
         warned = of_off
         ! It has no common theory with an effect that is on, or `auto`.

@@ -3,7 +3,7 @@ module asperity_asperity_records
   use asperity_constants, only: pi
   use asperity_contact_effect, only: column_name, effect_box, effect_outcome, moment
   use asperity_contact_pairs, only: contact_pairs, in_scene_units
-  use asperity_contact_records, only: contact_row, position_result
+  use asperity_contact_records, only: contact_row, position_result, state_row
   use asperity_contact_state, only: contact_state, in_contact, start_state
   use asperity_contact_law, only: contact_response
   use asperity_hertz_law, only: hertz_law
@@ -16,10 +16,10 @@ module asperity_asperity_records
   implicit none
   private
 
-  public :: add_contacts, add_nothing, add_without_effects, name_effects, of_compression
+  public :: add_contacts, add_nothing, add_without_effects, error_of_share, name_effects
 
-  !> Largest ratio of the relative error of the compression at a load to that of the load at a
-  !> compression.
+  ! Largest ratio of the relative error of the compression at a load to that of the load at a
+  ! compression.
   real(real64), parameter :: of_compression = 0.75_real64
 
 contains
@@ -80,6 +80,7 @@ contains
       if (outcomes(i)%dissipated_work > not_computed) result%states(number)%dissipated_work = &
         in_scene_units(pairs, outcomes(i)%dissipated_work, moment(1), moment(2))
     end do
+    call add_errors(scene_in, effects, outcomes, result%states(number))
     if (number == size(result%states)) &
       call close_position(scene_in, pairs, effects, outcomes, result)
   end subroutine add_contacts
@@ -105,9 +106,43 @@ contains
       result%rows_used = result%rows_used + count([(in_contact(state, i), i=1, size(pairs%list))])
       call add_contact_values(pairs, effects, state, outcomes, result)
     end if
+    call add_errors(scene_in, effects, outcomes, result%states(number))
     if (number == size(result%states)) &
       call close_position(scene_in, pairs, effects, outcomes, result)
   end subroutine add_without_effects
+
+  ! Adds the errors of a state: estimates of the effects that `auto` left out, and errors of the
+  ! simulated ones.
+  subroutine add_errors(scene_in, effects, outcomes, state)
+    type(scene), intent(in) :: scene_in
+    type(effect_box), intent(in) :: effects(:)
+    type(effect_outcome), intent(in) :: outcomes(:)
+    type(state_row), intent(inout) :: state
+    integer :: at, i
+
+    associate (total => state%error_estimate)
+      do i = 1, size(outcomes)
+        associate (outcome => outcomes(i))
+          if (outcome%simulated == 'off' .and. outcome%estimate > not_computed) then
+            total = max(total, 0.0_real64) + error_of_share(scene_in, outcome%estimate)
+          else if (outcome%error > not_computed) then
+            total = max(total, 0.0_real64) + outcome%error
+          end if
+          at = findloc(effects(i)%effect%state_columns%text, 'area_error_estimate', 1)
+          if (at > 0) state%area_error = outcome%of_state(at)
+        end associate
+      end do
+    end associate
+  end subroutine add_errors
+
+  !> Relative error by a share of the load that is left out: of the load or, under a prescribed one,
+  !> of the compression.
+  pure real(real64) function error_of_share(scene_in, share)
+    type(scene), intent(in) :: scene_in  !! scene that is solved
+    real(real64), intent(in) :: share    !! of the load
+
+    error_of_share = merge(of_compression, 1.0_real64, is_load(scene_in%loading%control)) * share
+  end function error_of_share
 
   ! Sets the results of the effects for a position, from its last state.
   subroutine close_position(scene_in, pairs, effects, outcomes, result)
@@ -117,7 +152,6 @@ contains
     type(effect_outcome), intent(in) :: outcomes(:)
     type(position_result), intent(inout) :: result
     type(theory_warning), allocatable :: warnings(:)
-    real(real64) :: per_load
     integer :: i
 
     call set_state_values(pairs, effects, outcomes, result)
@@ -125,28 +159,16 @@ contains
     do i = 1, size(outcomes)
       result%effects(i) = outcomes(i)%effect_record
     end do
-    ! Estimates of the effects that `auto` left out, and errors of the simulated ones.
-    per_load = merge(of_compression, 1.0_real64, is_load(scene_in%loading%control))
-    associate (total => result%error_estimate)
-      total = not_computed
-      do i = 1, size(outcomes)
-        associate (outcome => outcomes(i))
-          if (outcome%simulated == 'off' .and. outcome%estimate > not_computed) then
-            total = max(total, 0.0_real64) + per_load * outcome%estimate
-          else if (outcome%error > not_computed) then
-            total = max(total, 0.0_real64) + outcome%error
-          end if
-        end associate
-      end do
-    end associate
     ! The largest estimate, over the states, of an effect that is left out because it has no common
     ! theory with another one.
     if (allocated(result%warnings)) then
       do i = 1, size(result%warnings)
-        if (result%warnings(i)%number == of_together) result%error_estimate = max( &
-          result%error_estimate, per_load * result%warnings(i)%magnitude)
+        if (result%warnings(i)%number == of_together) &
+          result%states%error_estimate = max(result%states%error_estimate, &
+                                             error_of_share(scene_in, result%warnings(i)%magnitude))
       end do
     end if
+    result%error_estimate = result%states(size(result%states))%error_estimate
     if (result%error_estimate > scene_in%effects%number('tolerance')) &
       call add_warning(warnings, of_error, result%error_estimate)
     call take_worse(result%warnings, warnings, size(result%states))

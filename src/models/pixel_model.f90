@@ -3,7 +3,7 @@
 !> Each state is the start of the next. A path is followed without the effects of `auto`; each state
 !> estimates them. Where one is called for the path is repeated with it, from the last pressures.
 module asperity_pixel_model
-  use asperity_asperity_records, only: of_compression
+  use asperity_asperity_records, only: error_of_share
   use asperity_contact_field, only: fields_all, fields_none, room_of_fields
   use asperity_contact_model, only: at_distance, at_load, contact_model, held_load, no_load, &
                                     path_step, placed_bodies
@@ -18,7 +18,7 @@ module asperity_pixel_model
   use asperity_kinds, only: int64, not_computed, real64
   use asperity_map_caps, only: placed_caps
   use asperity_map_contact, only: most_load, room_to_press
-  use asperity_map_error, only: error_request, estimate_pixel_errors, growth_of_slope, &
+  use asperity_map_error, only: error_request, estimate_pixel_errors, find_first_contact, &
                                 share_at_ends
   use asperity_map_fields, only: measure_fields, take_field
   use asperity_map_form, only: find_form_contact
@@ -26,7 +26,6 @@ module asperity_pixel_model
   use asperity_map_levelling, only: is_flat
   use asperity_map_scene, only: area_of_map, displacement_of, join_maps, plan_map_path
   use asperity_map_shares, only: find_shares, map_shares, warn_of_map, warn_of_shares
-  use asperity_map_top, only: find_top
   use asperity_path_steps, only: plan_hold
   use asperity_pixel_law, only: patches_in_contact, pixel_law_box, pixel_state, unknown_influence
   use asperity_pixel_sequence, only: choose_laws, solve_pixel_state
@@ -80,7 +79,7 @@ module asperity_pixel_model
     real(real64) :: spike_limit = -1.0_real64    ! of outliers of the map; below 0: unknown
     real(real64) :: held = 0.0_real64            ! load of the last state of loading
     real(real64) :: top = 0.0_real64             ! first contact: top of the map
-    real(real64) :: top_error = 0.0_real64       ! estimated error of it
+    type(error_request) :: request               ! what errors depend on, with its error
     integer :: states = 0                        ! number of states
   contains
     procedure :: list_steps => list_pixel_steps
@@ -200,7 +199,7 @@ contains
     self%map => self%model%first_map
     if (allocated(self%moved)) self%map => self%moved
     self%state%deformed = self%map
-    call find_top(self%map, self%top, self%top_error)
+    call find_first_contact(self%map, self%top, self%request)
     in_time = any([(self%laws(i)%law%acts_in_time .and. self%laws(i)%law%is_simulated, &
                     i=1, size(self%laws))])
     associate (model => self%model, map => self%map)
@@ -270,6 +269,7 @@ contains
       end do
       call take_worse(result%warnings, warnings, number)
       call fill_state(self, result, number)
+      call estimate_errors(self, step%load < no_load .or. step%control == held_load, number, result)
       if (self%keep_rows) &
         self%samples = [self%samples, real(self%state%patches%samples, real64)]
       if (model%fields == fields_none .or. &
@@ -310,14 +310,10 @@ contains
     character(len=:), allocatable, intent(out) :: failure
     type(theory_warning), allocatable :: warnings(:)
     type(column_list) :: columns, of_contacts
-    real(real64) :: other_errors(4)
     integer :: i
 
-    associate (model => self%model, map => self%map, patches => self%state%patches)
-      associate (last => steps(size(steps)))
-        call estimate_errors(self, last%load < no_load .or. last%control == held_load, result, &
-                             other_errors, warnings)
-      end associate
+    associate (model => self%model, map => self%map, patches => self%state%patches, &
+               last => result%states(size(steps)))
       call add_left_out(self, result, warnings)
       if (result%error_estimate > model%tolerance) &
         call add_warning(warnings, of_error, result%error_estimate)
@@ -327,10 +323,10 @@ contains
       if (.not. model%nominal_area > 0.0_real64) result%nominal_area = area_of_map(map)
       call columns%add('samples_in_contact', plain, real(sum(patches%samples), real64))
       call columns%add('sample_area', area, sum(patches%samples) * product(map%pixel_spacing))
-      call columns%add('area_error_estimate', plain, other_errors(1))
-      call columns%add('gap_error_estimate', plain, other_errors(2))
-      call columns%add('pressure_error_estimate', plain, other_errors(3))
-      call columns%add('separation_error_estimate', plain, other_errors(4))
+      call columns%add('area_error_estimate', plain, last%area_error)
+      call columns%add('gap_error_estimate', plain, last%gap_error)
+      call columns%add('pressure_error_estimate', plain, last%pressure_error)
+      call columns%add('separation_error_estimate', plain, last%separation_error)
       call add_surface_columns(self, columns)
       of_contacts%rows = size(self%samples)
       call of_contacts%add('samples', plain, self%samples)
@@ -455,10 +451,12 @@ contains
       end associate
     end do
     if (unknown /= '') call add_warning(warnings, of_not_estimated, 0.0_real64, whose=unknown)
-    if (unknown /= '') result%error_estimate = not_computed
-    if (unknown /= '' .or. .not. share > 0.0_real64) return
-    if (is_load(self%model%scene_in%loading%control)) share = of_compression * share
-    result%error_estimate = max(result%error_estimate, 0.0_real64) + share
+    share = error_of_share(self%model%scene_in, share)
+    associate (error => result%states%error_estimate)
+      if (unknown /= '') error = not_computed
+      if (unknown == '' .and. share > 0.0_real64) error = max(error, 0.0_real64) + share
+    end associate
+    result%error_estimate = result%states(self%states)%error_estimate
 
   contains
 
@@ -479,46 +477,44 @@ contains
 
   end subroutine add_left_out
 
-  ! Estimates the errors of the last state by the size of the pixels, and warns of them, where the
-  ! laws have them.
-  subroutine estimate_errors(self, by_load, result, other_errors, warnings)
-    class(pixel_bodies), intent(in), target :: self
+  ! Estimates the errors of a state by the size of the pixels, where the laws have them, and warns
+  ! of those of the last one.
+  subroutine estimate_errors(self, by_load, number, result)
+    class(pixel_bodies), intent(inout) :: self
     logical, intent(in) :: by_load  ! the load is prescribed
+    integer, intent(in) :: number   ! of the state, from 1
     type(position_result), intent(inout) :: result
-    ! Relative errors of area, mean gap and greatest pressure, and of the separation over the
-    ! compression; `not_computed`: unknown.
-    real(real64), intent(out) :: other_errors(4)
-    type(theory_warning), allocatable, intent(inout) :: warnings(:)
+    type(theory_warning), allocatable :: warnings(:)
     real(real64) :: area_error, at_ends
     character(len=:), allocatable :: unsolved
     character(len=32) :: whose
     logical :: shapes(size(self%laws))
     integer :: i
 
-    other_errors = not_computed
     if (size(self%state%patches) == 0) return
     shapes = [(self%laws(i)%law%shapes .and. self%laws(i)%law%is_simulated, i=1, size(shapes))]
     do i = 1, size(shapes)
       if (.not. shapes(i)) cycle
       if (.not. self%laws(i)%law%has_error(self%state, count(shapes) == 1)) return
     end do
-    call estimate_pixel_errors(self%map, self%laws, self%state, result%states(self%states), &
-                               error_request(by_load, is_compression( &
-                                 self%model%scene_in%loading%control), self%top_error), &
-                               result%error_estimate, other_errors, unsolved)
-    if (allocated(unsolved)) result%no_estimate = unsolved
-    at_ends = 0.0_real64
-    if (self%state%answer%load > 0.0_real64 .and. .not. allocated(self%state%hardness)) &
-      at_ends = share_at_ends(self%map, self%state%answer%pressure)
-    if (at_ends > 0.0_real64) then
-      other_errors(3) = not_computed
-      call add_warning(warnings, of_edge_pressure, at_ends)
-    end if
-    area_error = max(0.5_real64 * sum(self%state%patches%rim) / sum(self%state%patches%area), &
-                     other_errors(1))
+    associate (row => result%states(number))
+      self%request%by_load = by_load
+      self%request%by_top = is_compression(self%model%scene_in%loading%control)
+      call estimate_pixel_errors(self%map, self%laws, self%state, self%request, row, unsolved)
+      at_ends = 0.0_real64
+      if (self%state%answer%load > 0.0_real64 .and. .not. allocated(self%state%hardness)) &
+        at_ends = share_at_ends(self%map, self%state%answer%pressure)
+      if (at_ends > 0.0_real64) row%pressure_error = not_computed
+      result%error_estimate = row%error_estimate
+      if (number < self%states) return
+      if (allocated(unsolved)) result%no_estimate = unsolved
+      if (at_ends > 0.0_real64) call add_warning(warnings, of_edge_pressure, at_ends)
+      area_error = max(0.5_real64 * sum(self%state%patches%rim) / row%area, row%area_error)
+    end associate
     whose = ''
-    if (growth_of_slope(self%map) > 0.0_real64) whose = 'it is rough at their size'
+    if (self%request%growth > 0.0_real64) whose = 'it is rough at their size'
     call warn_above(warnings, of_resolution, area_error, whose=whose)
+    call take_worse(result%warnings, warnings, number)
   end subroutine estimate_errors
 
   ! Warns of patches beyond yield or the limit, of strains beyond the linear theory, and of contacts

@@ -144,7 +144,7 @@ contains
       end if
       call add_wholes(table, 'warnings', [(kinds_of_warnings(positions(m)), m=1, size(positions))])
     end associate
-    call add_estimates(results, position, table)
+    call add_estimates(results, position, results%positions%error_estimate, table)
   end subroutine add_positions
 
   ! Records of an effect: how it was simulated (off: left out), the share of the vertical load that
@@ -189,7 +189,16 @@ contains
         call add_reals(table, 'plastic_area', states%plastic_area, dimension=is_area)
     end if
     call add_nominal(results, states, position, table)
-    call add_estimates(results, position, table)
+    if (has_height_map(results)) &
+      call add_reals(table, 'greatest_pressure', states%greatest_pressure, dimension=is_pressure)
+    call add_estimates(results, position, states%error_estimate, table)
+    if (.not. allocated(results%effects)) return
+    if (any(results%effects%state_columns == 'area_error_estimate')) &
+      call add_reals(table, 'area_error_estimate', states%area_error)
+    if (.not. has_height_map(results)) return
+    call add_reals(table, 'gap_error_estimate', states%gap_error)
+    call add_reals(table, 'pressure_error_estimate', states%pressure_error)
+    call add_reals(table, 'separation_error_estimate', states%separation_error)
   end subroutine add_states
 
   ! States over the nominal area, where one is given; gap, rims and energy of a height map.
@@ -215,10 +224,11 @@ contains
     end if
   end subroutine add_nominal
 
-  ! Estimates of positions: the influence of each effect that is off, the error.
-  subroutine add_estimates(results, position, table)
+  ! Estimates: the influence of each effect that is off, by position, and the errors of the rows.
+  subroutine add_estimates(results, position, errors, table)
     type(scene_results), intent(in) :: results
     integer, intent(in) :: position(:)
+    real(real64), intent(in) :: errors(:)
     type(array_table), intent(inout) :: table
     integer :: e
 
@@ -227,7 +237,7 @@ contains
         if (positions(1)%left_out(e) > not_computed) call add_reals(table, &
           trim(known_effects(e)%name) // '_estimate', positions(position)%left_out(e))
       end do
-      call add_reals(table, 'error_estimate', positions(position)%error_estimate)
+      call add_reals(table, 'error_estimate', errors)
     end associate
   end subroutine add_estimates
 

@@ -22,7 +22,7 @@ module asperity_contact_records
   integer, parameter :: most_rows = 5000000
 
   !> Memory of a state of a position, with its share of the position, bytes.
-  integer, parameter :: room_of_a_state = 440
+  integer, parameter :: room_of_a_state = 480
 
   !> Path to the end of a position: solved at first touches and at the end; or marching in equal
   !> steps until a limit is passed, as in the original.
@@ -90,6 +90,12 @@ module asperity_contact_records
     real(real64) :: contact_perimeter = not_computed, elastic_energy = not_computed
     !> Area at the hardness [length**2]; `not_computed` without one.
     real(real64) :: plastic_area = not_computed
+    !> Estimated errors; `not_computed`: unknown. Relative ones of the load, under a prescribed load
+    !> of the compression; of area, mean gap and greatest pressure; of the separation under a
+    !> prescribed load, over the compression.
+    real(real64) :: error_estimate = not_computed
+    real(real64) :: area_error = not_computed, gap_error = not_computed
+    real(real64) :: pressure_error = not_computed, separation_error = not_computed
   end type state_row
 
   !> Totals of a state before its contacts are added; the compression is set apart.
@@ -120,8 +126,7 @@ module asperity_contact_records
     integer :: overlapping_circles = -1  !! pairs of contact circles, at the end; < 0: no circles
     real(real64) :: nominal_area = 0.0_real64          !! of this position; 0: that of the scene
     real(real64) :: first_step_pressure = 0.0_real64   !! of the first contact one step past touch
-    !> Estimated error of the load over the load or, under load control, of the separation over the
-    !> compression; `not_computed`: unknown.
+    !> `error_estimate` of the last state.
     real(real64) :: error_estimate = not_computed
     !> Reason why the error by the pixels could not be estimated, in words of 64 bits; blank: none.
     character(len=160) :: no_estimate = ''
@@ -211,7 +216,8 @@ contains
       are_finite = are_finite .and. all_finite([ &
         states%approach, states%compression, states%load, states%vertical_load, states%area, &
         states%projected_area, states%greatest_pressure, states%mean_gap, states%rms_gap, &
-        states%contact_perimeter, states%elastic_energy])
+        states%contact_perimeter, states%elastic_energy, states%error_estimate, &
+        states%area_error, states%gap_error, states%pressure_error, states%separation_error])
     end associate
     do i = 1, result%rows_used
       associate (row => result%rows(i))
