@@ -408,6 +408,10 @@ COMMON = {
     "dissipated_work": work, "plastic_area": plastic_area,
     "error_estimate": lambda scene, row: row["error_estimate"] is EMPTY or row[
         "error_estimate"] >= 0,
+    "area_error_estimate": lambda scene, row: row["area_error_estimate"] is EMPTY or row[
+        "area_error_estimate"] > 0 or sum(c["load"] > 0 for c in scene.rows_of(row)) < 2,
+    **{name: error_of(name) for name in (
+        "gap_error_estimate", "pressure_error_estimate", "separation_error_estimate")},
     **{f"{effect}_estimate": estimate(effect) for effect in EFFECTS}, **TOTALS}
 PLACES = {"x_displacement": displaced("x_displacement"),
           "y_displacement": displaced("y_displacement")}
@@ -434,10 +438,6 @@ LAWS = {
         else row["factor"] == 1 or row["alone_load"] > 0 and row["factor"] > 0,
         "cells": lambda scene, row: (row["cells"] > 0) == ("boundary" in row["interaction"]),
         "resolved": lambda scene, row: (row["resolved"] > 0) == (row["cells"] > 0),
-        "area_error_estimate": lambda scene, row: row["area_error_estimate"] is EMPTY or row[
-            "area_error_estimate"] > 0 or sum(c["load"] > 0 for c in scene.rows_of(row)) < 2,
-        **{name: error_of(name) for name in (
-            "gap_error_estimate", "pressure_error_estimate", "separation_error_estimate")},
         "elastic_load": total_of("elastic_load", "elastic_load", "creep"),
         "frictionless_load": of("frictionless_load", strict=True, effect="friction"),
         "sliding_contacts": counted("sliding_contacts", lambda c: c["sliding"], "friction"),
@@ -452,7 +452,9 @@ LAWS = {
         "sample_area": lambda scene, row: close(row["sample_area"],
                                                 0.25 * row["samples_in_contact"]),
         "warnings": of("warnings")},
-    "curve": {**COMMON, "step": of("step", 1), "time": time},
+    "curve": {**COMMON, "step": of("step", 1), "time": time,
+              "greatest_pressure": lambda scene, row: close(row["greatest_pressure"], max(
+                  (c["maximum_pressure"] for c in scene.rows_of(row)), default=0.0))},
     "contacts": {
         **PLACES, "position": COMMON["position"], "step": of("step", 1), "separation": compression,
         "compression": compression, "area_no": of("area_no", 1), "x": centre(0), "y": centre(1),

@@ -134,6 +134,60 @@ def test_first_contact_of_waves(asperity, tmp_path, tally, kind):
     tally.add("errors of pixels", len(ratios), len(ratios))
 
 
+def test_errors_of_each_state(asperity, tmp_path):
+    """Each row of a curve has the errors of its state alone, and its greatest pressure; the row
+    without contact has none. A ridge that a free edge cuts has none of the pressure in any row."""
+    height, loads = rough(36, shortest=8, seed=5), (0.05, 0.4, 2.0)
+    names = ("error_estimate", "area_error_estimate", "gap_error_estimate",
+             "pressure_error_estimate", "separation_error_estimate", "greatest_pressure")
+    solve(asperity, tmp_path, height, 1.0, control="load", value=(0.0, *loads))
+    run_program(asperity, "solve", tmp_path / "m.scene", "--curve", tmp_path / "all.csv")
+    first, *rows = records(tmp_path / "all.csv")
+    assert [first[name] for name in names[:-1]] == [""] * 5
+    for load, row in zip(loads, rows):
+        solve(asperity, tmp_path, height, 1.0, control="load", value=load)
+        run_program(asperity, "solve", tmp_path / "m.scene", "--curve", tmp_path / "one.csv")
+        alone = records(tmp_path / "one.csv")[-1]
+        for name in names:
+            assert float(row[name]) == pytest.approx(float(alone[name]), 1e-3), name
+    assert float(rows[0]["error_estimate"]) > 2 * float(rows[-1]["error_estimate"])
+    x = np.arange(24) - 11.5
+    solve(asperity, tmp_path, np.repeat(-(x**2)[None, :] / 100, 24, 0), 1.0, "free",
+          control="load", value=(1.0, 5.0))
+    run_program(asperity, "solve", tmp_path / "m.scene", "--curve", tmp_path / "cut.csv")
+    for row in records(tmp_path / "cut.csv"):
+        assert row["pressure_error_estimate"] == ""
+
+
+@pytest.mark.parametrize("kind", ["cone", "tent", "ridge"])
+def test_kinks(asperity, tmp_path, tally, kind):
+    """The compression of a cone (Sneddon 1965) anywhere between the pixels, and the first contact
+    of tents and ridges that end between them, where the greatest pressure has no estimate."""
+    random = np.random.default_rng(11)
+    ratios = []
+    for _ in range(10):
+        x, y = np.arange(N)[None, :] - random.uniform(18, 21), np.arange(N)[:, None] - \
+            random.uniform(18, 21)
+        if kind == "cone":
+            height, deep, edge = -0.02 * np.hypot(x, y), 0.01 * np.pi * random.uniform(3, 12), "free"
+            found = solve(asperity, tmp_path, height, 1.0, edge, control="load", value=float(
+                E * deep**2 * 2 / (np.pi * 0.02)))
+        else:
+            x, y = ((place + N / 2) % N - N / 2 for place in (x, y))
+            height = -abs(x) - (abs(y) if kind == "tent" else 0.3 * np.cos(y * 2 * np.pi / N) + 0.3)
+            found = solve(asperity, tmp_path, height, 1.0, control="load",
+                          value=float(10**random.uniform(-1, 0.5) * N))
+            deep = found["separation"] * -1
+        if kind == "cone":
+            ratios.append(abs(1 - deep / found["compression"]) / found["error_estimate"])
+        else:
+            assert "pressure_error_estimate" not in found
+            top = (found["separation"] + found["compression"]) / found["compression"]
+            ratios.append(abs(top) / found["error_estimate"])
+    assert max(ratios) < 1, ratios
+    tally.add("errors of pixels", len(ratios), len(ratios))
+
+
 def test_first_contact_by_vertices(asperity, tmp_path):
     """Vertices of nine pixels in numpy: free, periodic, with a missing pixel beside the highest. A
     plateau of three pixels is its own top; so is a flat map."""
