@@ -202,10 +202,11 @@ def make_map(exe, folder, **names):
 def press_map(exe, path, values, *words, spacing=1.0, edge="free", level="", **how):
     """Solve the pixels of a height map under a plane as `solve_surface` does.
 
-    A map with a spacing of its own has `spacing=None`.
+    A map with a spacing of its own has `spacing=None`; a strip has two edges.
     """
+    edge = ", ".join(map(repr, [edge] if isinstance(edge, str) else edge))
     of_map = "" if spacing is None else (
-        f", map_spacing = {spacing!r}, {spacing!r}, map_edge = '{edge}'")
+        f", map_spacing = {spacing!r}, {spacing!r}, map_edge = {edge}")
     of_map += f", map_level = {level!r}" if level else ""
     return solve_surface(exe, path, of_map, values, *words, **how)
 
@@ -228,15 +229,15 @@ def press_summits(exe, path, values, *words, spacing=None, area=None, rule="cont
 
 
 def solve_surface(exe, path, more, values, *words, control="pressure", interaction="boundary",
-                  modulus=1.0, files=("positions",), threads=1):
+                  modulus=1.0, files=("positions",), threads=1, effects=""):
     """Solve a surface under a plane: seconds of the whole process, what it prints, and the rows of
-    each file. `more` are further names of &surfaces."""
+    each file. `more` and `effects` are further names of &surfaces and &effects."""
     scene = path.with_suffix(".scene")
     scene.write_text(
         f"&surfaces upper = 'plane', lower = '{path.name}'{more} /\n"
         f"&material contact_modulus = {modulus!r} /\n"
         f"&loading control = '{control}', value = {', '.join(repr(float(v)) for v in values)} /\n"
-        f"&effects interaction = '{interaction}' /\n", encoding="ascii")
+        f"&effects interaction = '{interaction}'{effects} /\n", encoding="ascii")
     paths = [path.with_suffix(f".{name}.csv") for name in files]
     begin = time.perf_counter()
     done = subprocess.run(
