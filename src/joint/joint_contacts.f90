@@ -169,6 +169,9 @@ contains
         if (allocated(task%target)) &
           call correct_to_load(pairs, task%law, task%target / pairs%modulus, coupled)
       else
+        ! A correction that is not made is an error of the area.
+        task%errors%of_shape(contact, 2) = task%errors%of_shape(contact, 2) + set%radius**2 * &
+          abs(task%correction%area_ratio - 1.0_real64) / sum(set%radius**2)
         task%correction%area_ratio = 1.0_real64
       end if
       do k = 1, size(contact)

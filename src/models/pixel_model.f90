@@ -413,12 +413,12 @@ contains
     type(position_result), intent(inout) :: result
     type(theory_warning), allocatable, intent(inout) :: warnings(:)
     character(len=*), parameter :: on_pixels = 'on the pixels of the map'
-    character(len=36) :: unknown  ! names without an estimate
+    logical :: is_unknown  ! an influence has no estimate
     real(real64) :: share
     integer :: i
 
     share = 0.0_real64
-    unknown = ''
+    is_unknown = .false.
     allocate (result%effects(1 + size(self%laws)))
     result%effects%simulated = 'on'
     result%effects(1)%simulated = 'boundary'
@@ -434,7 +434,7 @@ contains
           ! Without a tangential load friction changes nothing.
           if (law%name == 'friction' .and. .not. law%solves .and. &
               .not. has_tangential(self%model%scene_in%loading)) &
-            record = effect_record(why='no tangential load on the map')
+            record = effect_record(why='no tangential load on the map', estimate=0.0_real64)
           cycle
         end if
         record = effect_record(estimate=record%estimate)
@@ -450,11 +450,10 @@ contains
           of_barred, of_off, self%model%scene_in%effects%is_barred(law%name)), estimate)
       end associate
     end do
-    if (unknown /= '') call add_warning(warnings, of_not_estimated, 0.0_real64, whose=unknown)
     share = error_of_share(self%model%scene_in, share)
     associate (error => result%states%error_estimate)
-      if (unknown /= '') error = not_computed
-      if (unknown == '' .and. share > 0.0_real64) error = max(error, 0.0_real64) + share
+      if (is_unknown) error = not_computed
+      if (.not. is_unknown .and. share > 0.0_real64) error = max(error, 0.0_real64) + share
     end associate
     result%error_estimate = result%states(self%states)%error_estimate
 
@@ -466,9 +465,8 @@ contains
       real(real64), intent(in) :: estimate
 
       if (.not. estimate < unknown_influence) then
-        if (unknown /= '') unknown = trim(unknown) // ', '
-        unknown = trim(unknown) // ' ' // name
-        unknown = adjustl(unknown)
+        is_unknown = .true.
+        call add_warning(warnings, of_not_estimated, 0.0_real64, whose=name)
         return
       end if
       share = share + max(0.0_real64, estimate)

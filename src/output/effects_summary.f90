@@ -83,7 +83,8 @@ contains
       tolerance = percent_text(header%tolerance)
       if (.not. all(is_simulated)) left_out = percent_text(max(0.0_real64, &
         maxval(outcomes%estimate, .not. is_simulated)))
-      if (any(.not. is_simulated .and. outcomes%why /= '')) left_out = 'unknown'
+      if (any(.not. is_simulated .and. outcomes%why /= '' .and. .not. &
+              outcomes%estimate > not_computed)) left_out = 'unknown'
     end if
     ! On pixels the load without an effect is not computed.
     at = maxloc(abs(outcomes%influence), 1, is_simulated .and. outcomes%influence > not_computed)

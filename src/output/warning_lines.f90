@@ -1,4 +1,4 @@
-!> The warnings of a run: one line a kind, for the worst position.
+!> The warnings of a run: one line a kind, or an effect of it, for the worst position.
 module asperity_warning_lines
   use asperity_input_text, only: replaced_text
   use asperity_kinds, only: real64
@@ -6,7 +6,8 @@ module asperity_warning_lines
   use asperity_number_format, only: count_text, percent_text
   use asperity_problems, only: decimal_text, problem_list, real_text
   use asperity_scene_results, only: scene_results
-  use asperity_theory_warnings, only: class_names, theory_warning, warning_kinds
+  use asperity_theory_warnings, only: are_alike, class_names, take_worse, theory_warning, &
+                                      warning_kinds
   implicit none
   private
 
@@ -14,42 +15,36 @@ module asperity_warning_lines
 
 contains
 
-  !> Adds `FILE: warning: position N and M more: what, how much, what to do` for every kind that
+  !> Adds `FILE: warning: position N and M more: what, how much, what to do` for every warning that
   !> applies anywhere, in the order of the kinds; N is the position where it is worst. `kinds` gets
   !> `NAME CLASS` for each line.
   subroutine list_warnings(file, results, lines, kinds)
     character(len=*), intent(in) :: file         !! the scene, as the user named it
     type(scene_results), intent(in) :: results   !! results of a run
-    type(problem_list), intent(inout) :: lines   !! gets a line a kind
+    type(problem_list), intent(inout) :: lines   !! gets a line a warning
     type(problem_list), intent(inout), optional :: kinds  !! gets their names
-    type(theory_warning) :: worst
+    type(theory_warning), allocatable :: worst(:)  ! with the position in place of the state
     character(len=:), allocatable :: more
-    integer :: which, at, i, m, positions
+    integer :: i, m, positions
     type(library_turn) :: turn
 
     call turn%begin()
-    do which = 1, size(warning_kinds)
-      at = 0
+    allocate (worst(0))
+    do m = 1, size(results%positions)
+      call take_worse(worst, results%positions(m)%warnings, m)
+    end do
+    do i = 1, size(worst)
       positions = 0
       do m = 1, size(results%positions)
         if (.not. allocated(results%positions(m)%warnings)) cycle
-        associate (found => results%positions(m)%warnings)
-          do i = 1, size(found)
-            if (found(i)%number /= which) cycle
-            positions = positions + 1
-            if (at > 0 .and. found(i)%magnitude <= worst%magnitude) cycle
-            at = m
-            worst = found(i)
-          end do
-        end associate
+        if (any(are_alike(results%positions(m)%warnings, worst(i)))) positions = positions + 1
       end do
-      if (positions == 0) cycle
       more = ''
       if (positions > 1) more = ' and ' // decimal_text(positions - 1) // ' more'
-      call lines%add(file // ': warning: position ' // decimal_text(at) // more // ': ' // &
-                     in_words(worst))
-      if (present(kinds)) call kinds%add(trim(warning_kinds(which)%name) // ' ' // &
-                                         trim(class_names(warning_kinds(which)%class)))
+      call lines%add(file // ': warning: position ' // decimal_text(worst(i)%state) // more // &
+                     ': ' // in_words(worst(i)))
+      if (present(kinds)) call kinds%add(trim(warning_kinds(worst(i)%number)%name) // ' ' // &
+                                         trim(class_names(warning_kinds(worst(i)%number)%class)))
     end do
   end subroutine list_warnings
 

@@ -7,8 +7,8 @@ module asperity_theory_warnings
   implicit none
   private
 
-  public :: theory_warning, warning_kind, warning_kinds, class_names, add_warning, take_worse, &
-            warn_above
+  public :: theory_warning, warning_kind, warning_kinds, class_names, add_warning, are_alike, &
+            take_worse, warn_above
   public :: of_contact_radius, of_cap, of_slope, of_yield, of_overlapping, of_crowding, of_tabor, &
             of_creep_strain, of_relaxing, of_together, of_load_direction, of_map_edge, &
             of_scan_lines, of_spikes, of_area, of_limit, of_range, &
@@ -198,16 +198,30 @@ module asperity_theory_warnings
 
 contains
 
-  !> Adds a warning to those of a state, with the largest size and the sum of contacts of each kind.
+  !> Whether two warnings are of one kind, and of one effect where the kind names an effect.
+  elemental logical function are_alike(one, other)
+    type(theory_warning), intent(in) :: one    !! of any kind
+    type(theory_warning), intent(in) :: other  !! of any kind
+
+    are_alike = one%number == other%number
+    if (.not. are_alike) return
+    if (one%number == of_together .or. index(warning_kinds(one%number)%what, '*') > 0) &
+      are_alike = one%whose == other%whose
+  end function are_alike
+
+  !> Adds a warning to those of a state: of alike ones the largest size and the sum of contacts.
   pure subroutine add_warning(list, number, size_found, contacts, whose)
     type(theory_warning), allocatable, intent(inout) :: list(:)  !! warnings of a state, by kind
     integer, intent(in) :: number                                !! one of the `of_` numbers
     real(real64), intent(in) :: size_found                       !! size in the measure of the kind
     integer, intent(in), optional :: contacts                    !! number; absent: of the state
     character(len=*), intent(in), optional :: whose              !! effects of the warning
+    type(theory_warning) :: new
     integer :: at
 
-    call find_place(list, number, at)
+    new%number = number
+    if (present(whose)) new%whose = whose
+    call find_place(list, new, at)
     if (present(contacts)) list(at)%contacts = list(at)%contacts + contacts
     if (list(at)%magnitude >= size_found) return
     ! A size beyond the range of a double is reported as the largest double.
@@ -230,8 +244,8 @@ contains
     end associate
   end subroutine warn_above
 
-  !> Adds the warnings of a state to those of its position: of each kind that with the largest size,
-  !> the first of equal ones.
+  !> Adds the warnings of a state to those of its position: of alike ones the first of the largest
+  !> size.
   pure subroutine take_worse(list, found, state)
     type(theory_warning), allocatable, intent(inout) :: list(:)  !! warnings of a position
     type(theory_warning), allocatable, intent(in) :: found(:)    !! warnings of the state, or none
@@ -240,23 +254,25 @@ contains
 
     if (.not. allocated(found)) return
     do i = 1, size(found)
-      call find_place(list, found(i)%number, at)
+      call find_place(list, found(i), at)
       if (list(at)%magnitude >= found(i)%magnitude) cycle
       list(at) = found(i)
       list(at)%state = state
     end do
   end subroutine take_worse
 
-  ! Finds the place of a kind in a list; adds the kind if it is not in the list.
-  pure subroutine find_place(list, number, at)
+  ! Finds the place of a warning that is alike; adds one of no size behind those of its kind if
+  ! there is none.
+  pure subroutine find_place(list, new, at)
     type(theory_warning), allocatable, intent(inout) :: list(:)
-    integer, intent(in) :: number
+    type(theory_warning), intent(in) :: new
     integer, intent(out) :: at
 
     if (.not. allocated(list)) allocate (list(0))
-    at = count(list%number < number) + 1
-    if (any(list%number == number)) return
-    list = [list(:at - 1), theory_warning(number=number, magnitude=-1.0_real64), list(at:)]
+    at = findloc(are_alike(list, new), .true., 1)
+    if (at > 0) return
+    at = count(list%number <= new%number) + 1
+    list = [list(:at - 1), theory_warning(number=new%number, magnitude=-1.0_real64), list(at:)]
   end subroutine find_place
 
 end module asperity_theory_warnings

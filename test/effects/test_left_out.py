@@ -1,105 +1,144 @@
-"""What `auto` leaves out: on random maps the result by default is that with the effects on, within
-the tolerance, or the effect is named; a number below the tolerance changes no digit."""
+"""What `auto` leaves out: in random scenes the result by default is that with the effects on,
+within the tolerance, or the effect is named; a number below the tolerance changes no digit."""
+
+import re
 
 import numpy as np
 import pytest
 
-from map_scenes import map_scene, numbers
+from left_out_scenes import (EVERY, MAKERS, ball, loading_of, numbers_of, random_map,
+                             scene_of, with_shear)
+from map_scenes import numbers
 from surfaces_csv import solve
 
 TOLERANCE = 1e-2  # of `auto` by default
-MODULUS = 1e3
-RANGE = 9 * 3**0.5 / 16  # of the exponential law over the equilibrium distance
+# Refusals of what cannot be solved with the effects on.
+NO_PAIR = "do not go together"
+REFUSED = ("too wide for the range of adhesion", "plastic_hardness times the measured area",
+           "the pull is larger than the contacts carry", "pixels of a map yield at a pressure",
+           NO_PAIR)
+
+# Warnings of the size of pixels and of their edge, of the theory of spheres that adhere, and of the
+# size of plastic flow, which pixels without a hardness cannot estimate.
+OF_MODEL = ("contact patches are not resolved", "the estimated error is above", "an edge of the",
+            "the map ends within", "a contact adheres by the law for small", "plasticity is ")
 
 
-def random_map(rng):
-    """Heights with a random spectrum and rms slope; whether they are periodic."""
-    pixels = int(rng.choice([24, 32]))
-    q = np.hypot(*np.meshgrid(*2 * [np.fft.fftfreq(pixels)]))
-    q[0, 0] = 1
-    keeps = (q <= 1 / rng.uniform(4, 8)) & (q >= 1 / rng.uniform(10, pixels))
-    height = np.fft.ifft2(np.where(keeps, q**-(1 + rng.uniform(0.3, 1)), 0) *
-                          np.fft.fft2(rng.standard_normal((pixels, pixels)))).real
-    slope = rng.uniform(0.02, 0.2)
-    steps = np.gradient(height)
-    height *= slope / np.sqrt(np.mean(steps[0]**2 + steps[1]**2))
-    return height, slope, bool(rng.integers(2))
+def run(asperity, folder, body, loading, effects):
+    """Messages of a run, and its position; None: refused."""
+    done = solve(asperity, body.write(folder, loading=loading, effects=effects))
+    assert not done.status or any(text in done.stderr for text in REFUSED), done.stderr
+    return done, None if done.status else numbers(done.positions[0])
 
 
-def random_effects(rng, height, slope):
-    """Numbers of one effect or two, over decades of their influence. The pixels resolve the
-    attraction: its steepness w/(range**2 E) is at most 1."""
-    reach = np.std(height) * 10**rng.uniform(-1.5, 0.7)
-    every = {"adhesion": {"work_of_adhesion": float(10**rng.uniform(-5, -0.9) * reach**2 * MODULUS),
-                          "equilibrium_distance": float(reach / RANGE),
-                          "adhesion_law": str(rng.choice(["exponential", "van_der_waals"]))},
-             "creep": {"hold_time": float(10**rng.uniform(-1, 1)), "relaxation_time": 1.0,
-                       "relaxed_modulus_ratio": float(1 - 10**rng.uniform(-3, -0.1))},
-             "plasticity": {"plastic_hardness": float(MODULUS * slope * 10**rng.uniform(0, 0.7))}}
-    return {name: every[name] for name in
-            map(str, rng.choice(list(every), rng.integers(1, 3), replace=False))}
+def judge_on(solve_with, words, silent, default, body):
+    """Compares a result without silent effects with that with them on. What has no common theory
+    with an effect that is on is left out of both."""
+    reference, on = solve_with(**words)
+    apart = re.findall(r"\((\w+) beside", reference.stderr)
+    if on is None:
+        return
+    if apart or default is None:
+        default = solve_with(**{**words, **dict.fromkeys((*silent, *apart), "off")})[1]
+    for column in ("area", "compression", "load"):
+        change = abs(default[column] / on[column] - 1) if on[column] else abs(default[column])
+        # The area of pixels is that of whole ones and their rims: two more may close or open, of a
+        # ball 8 at once. With other laws than Hertz' caps are not resolved, to a printed error.
+        error = on["area_error_estimate"] if not body.is_map else \
+            (8 if body.is_ball else 2) / max(1, on["samples_in_contact"])
+        bound = TOLERANCE + (error if column == "area" else 0)
+        assert change <= bound, (silent, column, change, bound)
+
+
+def judge_body(asperity, folder, body, loading, effects):
+    """Solves a scene by default, and with the effects on that it leaves out without a word.
+    Messages, and effects left out."""
+    given = {key: value for group in effects.values() for key, value in group.items()}
+
+    def solve_with(**words):
+        return run(asperity, folder, body, loading, {**given, **words})
+
+    done, default = solve_with()
+    if default is None:
+        return done, []
+    left = [name for name in effects if default.get(name, "off") == "off"]
+    named = [name for name in left
+             if re.search(rf"\b{name} (beside|is left out|is off)", done.stderr)]
+    for name in effects:
+        assert f"\n{name} " in done.stdout or name in named, (name, done.stdout, done.stderr)
+    silent = [name for name in left if name not in named]
+    words = {name: "on" for name in effects if name not in named}
+    if silent and NO_PAIR in solve_with(**words)[0].stderr:
+        for name in silent:
+            judge_on(solve_with, {**dict.fromkeys(effects, "off"), name: "on"}, [name], None,
+                     body)
+    elif silent:
+        judge_on(solve_with, words, silent, default, body)
+    return done, left
+
+
+def warnings_of(done):
+    """What each warning says, without its numbers, except those of one model."""
+    lines = (line.split(": ", 3)[3] for line in done.stderr.splitlines() if "warning:" in line)
+    return sorted(re.sub(r"[\d.E+-]+", "N", line) for line in lines
+                  if not line.startswith(OF_MODEL))
+
+
+def judge_ball(asperity, folder, rng, names):
+    """Where both models simulate the same effects of a ball they print the same warnings. A yield
+    stress has a warning alone."""
+    row, pixels = ball(False), ball(True)
+    loading, effects = loading_of(rng, row), numbers_of(rng, row, names)
+    if "plasticity" in effects:
+        effects["plasticity"]["plasticity"] = "off"
+    (of_row, left), (of_pixels, also_left) = (judge_body(asperity, folder, body, loading, effects)
+                                              for body in (row, pixels))
+    if left == also_left:
+        assert warnings_of(of_row) == warnings_of(of_pixels), (loading, effects)
+    return len(left) + len(also_left)
 
 
 def judge(asperity, folder, seed):
-    """Solves a scene by default and with its effects on. The number of effects left out."""
-    rng = np.random.default_rng(seed)
-    height, slope, periodic = random_map(rng)
-    effects = random_effects(rng, height, slope)
-    given = {key: value for group in effects.values() for key, value in group.items()}
-    pressure = float(MODULUS * slope * 10**rng.uniform(-3.5, -0.1))
-
-    def run(**words):
-        done = solve(asperity, map_scene(
-            folder, height, (1.0, 1.0), material=MODULUS, interaction="auto", by_default=True,
-            surfaces={"map_edge": "periodic" if periodic else "free"},
-            loading={"control": "pressure", "value": pressure}, effects={**given, **words}))
-        return done, numbers(done.positions[0]) if done.positions else None
-
-    done, default = run()
-    if default is None:
-        # The hardness carries no more.
-        assert "plastic_hardness times the measured area" in done.stderr, (seed, done.stderr)
-        return 0
-    left = [name for name in effects if default[name] == "off"]
-    named = [name for name in left if f"{name} is left out" in done.stderr]
-    assert all(f"\n{name} " in done.stdout for name in effects), (seed, done.stdout)
-    other, on = run(**{name: "on" for name in effects})
-    if on is None:
-        assert "too wide for the range of adhesion" in other.stderr and left, (seed, other.stderr)
-        return len(left)
-    for column in ("area", "compression", "load"):
-        change = abs(default[column] / on[column] - 1)
-        # The area is that of whole pixels and their rims: two more of them may close or open.
-        step = 2 / on["samples_in_contact"] if column == "area" else 0
-        assert change <= TOLERANCE + step or named, (seed, left, column, change)
-    return len(left)
+    """Judges a scene. The number of effects left out."""
+    kind, names, rng = scene_of(seed)
+    if kind == "ball":
+        return judge_ball(asperity, folder, rng, names)
+    body = MAKERS[kind](rng, asperity, folder)
+    loading = with_shear(rng, body, loading_of(rng, body), names)
+    return len(judge_body(asperity, folder, body, loading, numbers_of(rng, body, names))[1])
 
 
 def judge_all(asperity, folder, seeds):
     left = sum(judge(asperity, folder, seed) for seed in seeds)
-    assert 0.1 * len(seeds) < left < len(seeds), left
+    assert 0.3 * len(seeds) < left < 1.5 * len(seeds), left
 
 
 def test_default_is_on_or_named(asperity, tmp_path):
-    judge_all(asperity, tmp_path, range(40))
+    """Each effect and each pair on each kind of body."""
+    judge_all(asperity, tmp_path, range(EVERY))
 
 
 @pytest.mark.long
 def test_default_is_on_or_named_often(asperity, tmp_path):
-    judge_all(asperity, tmp_path, range(40, 340))
+    judge_all(asperity, tmp_path, range(EVERY, EVERY + 300))
+
+
+@pytest.mark.parametrize("seed, was", [
+    (973, "the area of circles without a correction had the printed error of corrected ones"),
+    (2198, "of two effects beside a third one only the larger had a warning")])
+def test_found_scene(seed, was, asperity, tmp_path):
+    judge(asperity, tmp_path, seed)
 
 
 def test_left_out_changes_no_digit(asperity, tmp_path):
-    """Adhesion and creep far below the tolerance: the solution is the one without their numbers."""
-    height, slope, _ = random_map(np.random.default_rng(3))
+    """Adhesion and creep far below the tolerance: the solution is the one without their numbers,
+    also the number of its iterations."""
+    body = random_map(np.random.default_rng(3))
     rows = []
     for effects in ({}, {"work_of_adhesion": 1e-9, "equilibrium_distance": 0.1},
                     {"hold_time": 1.0, "relaxation_time": 1.0, "relaxed_modulus_ratio": 1 - 1e-6}):
-        done = solve(asperity, map_scene(
-            tmp_path, height, (1.0, 1.0), material=MODULUS, interaction="auto", by_default=True,
-            effects=effects,
-            loading={"control": "pressure", "value": 0.05 * MODULUS * slope}))
-        rows.append({key: done.positions[0][key] for key in (
-            "load", "area", "separation", "mean_gap", "area_error_estimate",
-            "interaction_iterations")})
+        row = run(asperity, tmp_path, body, {"control": "pressure",
+                                             "value": 0.05 * body.pressure}, effects)[1]
+        rows.append([row[key] for key in ("load", "area", "separation", "mean_gap",
+                                          "area_error_estimate", "interaction_iterations")])
     assert rows[0] == rows[1] == rows[2]

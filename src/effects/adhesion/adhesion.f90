@@ -129,7 +129,8 @@ contains
         smaller = min(pair%upper_radius, pair%lower_radius)
         if (.not. smaller > 0.0_real64) smaller = max(pair%upper_radius, pair%lower_radius)
         call warn_above(outcome%warnings, of_range, distance / smaller, 1)
-        if (known%model == model_dmt) call warn_above(outcome%warnings, of_tabor, known%tabor, 1)
+        if (known%model == model_dmt) &
+          call warn_above(outcome%warnings, of_tabor, outcome%of_contacts(i, 3), 1)
       end associate
     end do
   end subroutine apply_adhesion
@@ -145,7 +146,7 @@ contains
     type is (adhesion_law)
       if (size(law%known) /= size(self%law%known)) return
       is_prepared = .not. (any(abs(law%known%radius - self%law%known%radius) > 0.0_real64) .or. &
-                           any(abs(law%known%tabor - self%law%known%tabor) > 0.0_real64))
+                           abs(law%numbers%work - self%law%numbers%work) > 0.0_real64)
     end select
   end function is_prepared
 

@@ -230,47 +230,54 @@ contains
     call complete_contact(numbers, contact)
   end subroutine new_adhering_contact
 
-  ! Sets the theory of a contact, and where it begins to adhere.
+  ! Sets the theory of a contact, and where it begins to adhere: of most of many contacts nothing
+  ! else is used.
   pure subroutine begin_contact(numbers, radius, contact)
     type(adhesion_numbers), intent(in) :: numbers
     real(real64), intent(in) :: radius
     type(adhering_contact), intent(out) :: contact
+    real(real64) :: ratio, root  ! the Tabor parameter to the power 3/2 is ratio/root
 
     contact%radius = radius
     if (.not. numbers%work > 0.0_real64) return
-    ! Roots of dimensionless ratios: the same digits in any unit.
-    contact%tabor = (numbers%work / numbers%modulus / radius)**(2.0_real64 / 3.0_real64) * &
-                    (radius / numbers%distance)
-    if (contact%tabor > least_of_jkr) then
+    contact%is_complete = .false.
+    ratio = numbers%work / numbers%modulus / numbers%distance
+    root = sqrt(numbers%distance / radius)
+    if (ratio > root * least_of_jkr**1.5_real64) then
       contact%model = model_jkr
-      contact%snap_off = last_overlap * radius_unit(numbers, radius, of_jkr)**2 / radius
-      contact%pull_off = 1.5_real64 * pi * numbers%work * radius
-    else if (contact%tabor < most_of_dmt) then
-      contact%model = model_dmt
-      contact%snap_in = -range_of_attraction * numbers%distance
-      contact%snap_off = contact%snap_in
-      contact%pull_off = 2.0_real64 * pi * numbers%work * radius
-    else
-      contact%model = model_maugis
-      contact%snap_in = -range_of_attraction * numbers%distance
-      contact%is_complete = .false.
+      return
     end if
+    contact%model = merge(model_dmt, model_maugis, ratio < root * most_of_dmt**1.5_real64)
+    contact%snap_in = -range_of_attraction * numbers%distance
   end subroutine begin_contact
 
-  !> Completes the parameters of a contact by the curve of Maugis.
+  !> Completes the parameters of a contact: its Tabor parameter and the ends of its curve.
   pure subroutine complete_contact(numbers, contact)
     type(adhesion_numbers), intent(in) :: numbers     !! parameters of all contacts
     type(adhering_contact), intent(inout) :: contact  !! parameters of the contact
 
     if (contact%is_complete) return
     contact%is_complete = .true.
-    ! 2 sigma0 (R/(pi w K**2))**(1/3), K = 4/3 E.
-    call new_maugis(contact%tabor * (2.0_real64 / range_of_attraction) * &
-                    (9.0_real64 / (16.0_real64 * pi))**(1.0_real64 / 3.0_real64), contact%curve)
-    contact%snap_off = min(contact%curve%snap_off * &
-                           radius_unit(numbers, contact%radius, of_maugis)**2 / contact%radius, &
-                           contact%snap_in)
-    contact%pull_off = contact%curve%pull_off * pi * numbers%work * contact%radius
+    associate (radius => contact%radius)
+      ! Roots of dimensionless ratios: the same digits in any unit.
+      contact%tabor = (numbers%work / numbers%modulus / radius)**(2.0_real64 / 3.0_real64) * &
+                      (radius / numbers%distance)
+      select case (contact%model)
+      case (model_jkr)
+        contact%snap_off = last_overlap * radius_unit(numbers, radius, of_jkr)**2 / radius
+        contact%pull_off = 1.5_real64 * pi * numbers%work * radius
+      case (model_dmt)
+        contact%snap_off = contact%snap_in
+        contact%pull_off = 2.0_real64 * pi * numbers%work * radius
+      case default
+        ! 2 sigma0 (R/(pi w K**2))**(1/3), K = 4/3 E.
+        call new_maugis(contact%tabor * (2.0_real64 / range_of_attraction) * &
+                        (9.0_real64 / (16.0_real64 * pi))**(1.0_real64 / 3.0_real64), contact%curve)
+        contact%snap_off = min(contact%curve%snap_off * radius_unit(numbers, radius, of_maugis)**2 &
+                               / radius, contact%snap_in)
+        contact%pull_off = contact%curve%pull_off * pi * numbers%work * radius
+      end select
+    end associate
   end subroutine complete_contact
 
   !> Whether a contact adheres at an overlap that was reached monotonically.
