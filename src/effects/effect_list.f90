@@ -39,7 +39,7 @@ contains
     integer :: i
 
     associate (effects => scene_in%effects)
-      some = effects%modes == effect_off .and. &
+      some = effects%modes == effect_off .and. known_effects%not_on_asperities == '' .and. &
              (.not. abs(scene_in%contact_modulus) > 0.0_real64 .or. &
               known_effects%needs == '') .and. &
              [(known_effects(i)%own(1) == '' .or. effects%has_numbers(i), i=1, size(some))]

@@ -49,6 +49,7 @@ module asperity_effect_names
     character(len=20) :: own(2) = ''   !! numbers that call for it where none of them is 0
     !> Why the pixels of a map do not have it; blank: they do. Plasticity needs a hardness there.
     character(len=88) :: not_on_pixels = ''
+    character(len=88) :: not_on_asperities = ''  !! why asperities do not have it; blank: they do
   end type known_effect
 
   integer, parameter :: switch(4) = [effect_off, effect_on, effect_auto, 0]

@@ -123,7 +123,10 @@ contains
       if (checked%contact_modulus > 0.0_real64 .and. effect%needs /= '' .and. &
           .not. has_hardness_alone) why = needs_both(effect)
       if (name == 'friction' .and. rubs_back(checked)) why = no_way_back
-      if (.not. allocated(checked%map)) return
+      if (.not. allocated(checked%map)) then
+        if (why == '') why = trim(effect%not_on_asperities)
+        return
+      end if
       if (name /= 'interaction') then
         if (effect%not_on_pixels /= '' .and. .not. has_hardness_alone) &
           why = trim(effect%not_on_pixels)

@@ -274,6 +274,9 @@ contains
         call fields%refuse_name('surfaces', trim(own_names(i)), 'found without a map, ' // &
                                 'expected a map as upper or lower')
       end do
+      others = checked%effects%modes /= effect_off .and. known_effects%not_on_asperities /= ''
+      if (any(others)) call fields%complain_of_group('effects', &
+        trim(known_effects(findloc(others, .true., 1))%not_on_asperities))
       return
     end if
     if (fields%has_group('motion') .and. .not. has_caps(checked) .and. &
