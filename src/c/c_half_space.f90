@@ -78,12 +78,13 @@ contains
         case (pressures)
           names(1) = 'pressure'
           call find_pressure(map, modulus, field%pressure, pressure, new%failure)
-          if (.not. allocated(new%failure)) cells = reshape(pressure, [size(pressure), 1])
+          if (.not. allocated(new%failure)) &
+            allocate (cells, source=reshape(pressure, [size(pressure), 1]))
         case default
           first = first_stress
           call solver%prepare(field, map%bodies(1), .false.)
           call solver%solve(depth, stress)
-          cells = stress_cells(field, depth, stress)
+          allocate (cells, source=stress_cells(field, depth, stress))
         end select
       end associate
     end if
@@ -108,7 +109,7 @@ contains
 
     n = size(map%height)
     if (.not. allocated(field%traction)) then
-      cells = reshape(displacement_by(map, modulus, field%pressure), [n, 1])
+      allocate (cells, source=reshape(displacement_by(map, modulus, field%pressure), [n, 1]))
       return
     end if
     associate (nu => map%bodies(1)%ratio(1), sides => map%pixel_spacing, &
@@ -122,7 +123,7 @@ contains
                             coupled(:, :, 2:), tangential_by_pressures)
       direct(:, :, 2:) = direct(:, :, 2:) * (sides(1) / modulus)
       direct(:, :, 1) = displacement_by(map, modulus, field%pressure)
-      cells = reshape(direct + coupled * (sides(1) / modulus), [n, 3])
+      allocate (cells, source=reshape(direct + coupled * (sides(1) / modulus), [n, 3]))
     end associate
   end subroutine find_displacements
 

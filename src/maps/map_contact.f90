@@ -257,7 +257,7 @@ contains
         call influence%prepare(strip_influence(shape(gap), side_ratio, map%strip_axis), &
                                side_ratio, map%strip_axis)
       else
-        table = centre_influence(size(gap, 1), size(gap, 2), side_ratio)
+        allocate (table, source=centre_influence(size(gap, 1), size(gap, 2), side_ratio))
         if (layered) call add_layers(map%bodies, map%pixel_spacing, table)
         call influence%prepare(table, side_ratio)
       end if

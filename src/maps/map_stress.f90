@@ -150,8 +150,8 @@ contains
     allocate (self%steps(2, 2, self%columns, self%rows), source=0.0_real64)
     do axis = 1, 2
       if (.not. self%uses(1 + axis)) cycle
-      if (axis == 1) traction = field%traction
-      if (axis == 2) traction = field%traction_y
+      if (axis == 1) allocate (traction, source=field%traction)
+      if (axis == 2) allocate (traction, source=field%traction_y)
       where (.not. traction > not_computed) traction = 0.0_real64
       if (is_upper) traction = -traction
       call self%transform%make_waves(traction, self%waves(:, :, 1 + axis))
@@ -163,6 +163,7 @@ contains
           self%steps(axis, 2, i, j) = 0.5_real64 * (traction(i, beside(2)) - traction(i, beside(1)))
         end do
       end do
+      deallocate (traction)
     end do
 
   contains
