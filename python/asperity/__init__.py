@@ -9,8 +9,6 @@ Units are those of the scene, any consistent set: with mm and N, moduli and pres
 A card deck brings cm, N and N/cm2. Angles are radians. Heights are indexed `[y, x]`.
 """
 
-from __future__ import annotations
-
 from . import _library as _c
 from . import theory
 from ._accuracy import Accuracy, accuracy

@@ -1,7 +1,5 @@
 """`python -m asperity page RESULTS`: the page of a run of the program, or of saved results."""
 
-from __future__ import annotations
-
 import argparse
 import os
 import sys

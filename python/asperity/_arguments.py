@@ -196,7 +196,7 @@ def _numpy_doubles(name: str, values: Any, dimensions: int,
         cells = library.asarray(values)
     except (AttributeError, TypeError, ValueError):
         raise wrong_type(name, values, expected) from None
-    if cells.ndim > dimensions or (dimensions == 2 and cells.ndim < 2):
+    if cells.ndim > dimensions or cells.ndim < dimensions == 2:
         raise wrong(name, f"an array of {cells.ndim} dimensions", expected)
     if cells.dtype.kind not in ("fiuO" if dimensions == 1 else "fiu"):
         raise TypeError(f"{name}: found an array of {cells.dtype}, expected {expected}")

@@ -99,12 +99,11 @@ class Values(Sequence[Any]):
         return Values, (self.tolist(),)
 
     def __repr__(self) -> str:
-        count, parts = len(self), [repr(value) for value in self._values[:SHOWN_VALUES // 2]]
-        if count > SHOWN_VALUES:
-            parts.append("...")
-        rest = max(SHOWN_VALUES // 2, count - SHOWN_VALUES // 2)
-        parts += [repr(value) for value in self._values[rest:]]
-        return f"[{', '.join(parts)}]" + (f" ({count} values)" if count > SHOWN_VALUES else "")
+        count, half = len(self), SHOWN_VALUES // 2
+        if count <= SHOWN_VALUES:
+            return repr(self.tolist())
+        ends = [", ".join(map(repr, part)) for part in (self._values[:half], self._values[-half:])]
+        return f"[{ends[0]}, ..., {ends[1]}] ({count} values)"
 
 
 @functools.cache
@@ -170,7 +169,7 @@ class Table(dict[str, "Column"]):
     compare (`asperity.Values`).
 
     Attributes:
-        name: What the rows are, for instance `states`.
+        name: Kind of the rows, for instance `states`.
         units: The unit of each column, "" where it is not known or has none.
 
     Examples:

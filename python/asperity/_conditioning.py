@@ -3,14 +3,13 @@
 from __future__ import annotations
 
 import math
+from collections.abc import Sequence
 from typing import TYPE_CHECKING, Any
 
 from . import _arguments as _a
 from ._columns import Lazy, needed, shown
 
 if TYPE_CHECKING:
-    from collections.abc import Sequence
-
     from ._maps import HeightMap
 
 np: Any = Lazy("numpy", "numpy", "a method of HeightMap")

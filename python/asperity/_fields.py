@@ -246,11 +246,9 @@ class Stress(Arrays):
 
 def states_kept(fields: Any) -> int:
     """The states whose fields a solve keeps."""
-    if isinstance(fields, str):
-        if fields != "all":
-            raise _a.wrong("fields", repr(fields), "True, False or 'all'")
-        return ALL
-    return LAST if _a.flag("fields", fields) else NONE
+    if isinstance(fields, str) and fields != "all":
+        raise _a.wrong("fields", repr(fields), "True, False or 'all'")
+    return ALL if isinstance(fields, str) else LAST if _a.flag("fields", fields) else NONE
 
 
 def pressures(fields: Fields) -> Any:

@@ -77,33 +77,17 @@ def _loaded(path: Path) -> ctypes.CDLL:
 
 
 _C = _loaded(next(Path(__file__).parent.glob("libasperity.so*")))
-_FUNCTIONS: list[tuple[Any, ...]] = [
-    ("get_version", c_char_p),
-    ("read_scene", c_void_p, c_char_p),
-    ("build_scene", c_void_p, c_char_p, POINTER(Side), POINTER(Side)),
-    ("rebuild_scene", c_void_p, c_void_p, c_char_p),
-    ("solve_scene", c_void_p, c_void_p, POINTER(Options)),
-    ("study_scene", c_void_p, c_void_p, c_double, c_int),
-    ("fields", c_void_p, c_void_p, c_int, c_int),
-    ("loaded", c_void_p, POINTER(Body), c_int, c_void_p, c_void_p, c_void_p, c_double),
-    ("make_report", c_void_p, c_char_p, c_char_p, POINTER(c_int), c_int),
-    ("summits", c_void_p, c_char_p, POINTER(Map), POINTER(SummitsOptions)),
-    ("read_map", c_void_p, c_char_p, POINTER(c_double), c_char_p),
-    ("write_map", c_void_p, POINTER(Map), c_char_p),
-    ("generate", c_void_p, c_char_p, c_char_p, c_int),
-    ("generate_map", c_void_p, c_char_p, c_char_p),
-    ("power_spectrum", c_void_p, POINTER(Map), c_char_p),
-    ("status", c_int, c_void_p),
-    ("text", c_char_p, c_void_p, c_int),
-    ("problem_count", c_int, c_void_p),
-    ("get_problem", None, c_void_p, c_int, POINTER(CProblem)),
-    ("rows", c_int, c_void_p, c_int),
-    ("columns", c_int, c_void_p, c_int),
-    ("column_name", c_char_p, c_void_p, c_int, c_int),
-    ("column_type", c_int, c_void_p, c_int, c_int),
-    ("column_unit", c_char_p, c_void_p, c_int, c_int),
-    ("column", c_void_p, c_void_p, c_int, c_int),
-    ("free", None, c_void_p)]
+# Result and arguments of each function by these letters.
+LETTERS: dict[str, Any] = {
+    "p": c_void_p, "s": c_char_p, "i": c_int, "d": c_double, "-": None, "I": POINTER(c_int),
+    "D": POINTER(c_double), "S": POINTER(Side), "M": POINTER(Map), "O": POINTER(Options),
+    "R": POINTER(SummitsOptions), "P": POINTER(CProblem), "B": POINTER(Body)}
+_FUNCTIONS = [(name, *map(LETTERS.get, letters)) for name, letters in map(str.split, """
+    get_version s, read_scene ps, build_scene psSS, rebuild_scene pps, solve_scene ppO,
+    study_scene ppdi, fields ppii, loaded ppBipppd, make_report pssIi, summits psMR, read_map psDs, write_map pMs,
+    generate pssi, generate_map pss, power_spectrum pMs, status ip, text spi, problem_count ip,
+    get_problem -piP, rows ipi, columns ipi, column_name spii, column_type ipii, column_unit spii,
+    column ppii, free -p""".split(","))]
 for _name, _result, *_arguments in _FUNCTIONS:
     _function = getattr(_C, f"asperity_{_name}")
     _function.restype, _function.argtypes = _result, _arguments

@@ -216,15 +216,6 @@ def draw_section(values: Any, across: Any, depth: Any, ax: Axes | None, *, label
     return axes
 
 
-def draw_points(table: Table, axes: Axes) -> Axes:
-    """Summits, coloured by height."""
-    drawn = axes.scatter(table["x"], table["y"], c=table["height"], s=14,
-                         edgecolors="white", linewidths=0.3)
-    in_plan(axes, table.units.get("x", ""))
-    axes.figure.colorbar(drawn, ax=axes, label=table.label("height"))
-    return axes
-
-
 def extent_of(shape: tuple[int, ...], spacing: tuple[float, float],
               origin: tuple[float, float]) -> tuple[float, float, float, float]:
     """Left, right, lower and upper edge of pixels."""

@@ -21,7 +21,7 @@ from ._fields import Fields, Stress
 from ._half_space import loaded
 from ._maps import HeightMap, map_of_file
 from ._page import page_of
-from ._plots import draw_contacts, draw_curves, draw_pixels, draw_points, new_axes
+from ._plots import draw_contacts, draw_curves, draw_pixels, in_plan, new_axes
 from .theory import AREA_THEORIES, area_fraction
 
 TABLES = ("positions", "states", "contacts")
@@ -412,7 +412,11 @@ class Summits(Table):
                 pixels = map_of_file(pixels, unit=unit or None)
             if (pixels.unit or "") == unit:
                 draw_pixels(pixels.heights, pixels.spacing, pixels.unit, axes, cmap="gray")
-        return draw_points(self, axes)
+        drawn = axes.scatter(self["x"], self["y"], c=self["height"], s=14, edgecolors="white",
+                             linewidths=0.3)
+        in_plan(axes, unit)
+        axes.figure.colorbar(drawn, ax=axes, label=self.label("height"))
+        return axes
 
     def __str__(self) -> str:
         return self.summary

@@ -88,18 +88,18 @@ class Scene:
 
     def with_arrays(self) -> Scene:
         """The scene with the surfaces of its files as arrays; those of decks stay as they are."""
-        own = dict(self.groups.get("surfaces", {}))
-        given = self._source.get("surfaces", {}) if isinstance(self._source, Mapping) else own
-        folder = "" if isinstance(self._source, Mapping) else os.path.dirname(self._name)
-        words = {name: re.findall(r"[^\s,']+", str(value)) for name, value in own.items()}
+        given = (self._source if isinstance(self._source, Mapping) else self.groups).get(
+            "surfaces", {})
+        is_file = not isinstance(self._source, Mapping)
+        words = {name: re.findall(r"[^\s,'()\[\]]+", str(given[name])) for name in (
+            "radius", "map_spacing", "map_unit") if name in given}
         steps = [float(one) for one in words.get("map_spacing", ())]
-        made = {name: value for name, value in given.items() if given is not own or name not in (
-            "radius", "map_spacing", "map_unit")}
+        made = {name: value for name, value in given.items() if not is_file or name not in words}
         for place, side in ((0, "upper"), (-1, "lower")):
             path = str(given.get(side, "plane")).strip("'")
             if not _a.is_text(given.get(side, "")) or path == "plane":
                 continue
-            path = os.path.join(folder, path)
+            path = os.path.join(os.path.dirname(self._name) if is_file else "", path)
             if path.lower().endswith(".csv"):
                 table = importlib.import_module("numpy").genfromtxt(path, delimiter=",", names=True)
                 made[side] = {"radius": [float(words.get("radius", "1")[place])], **{

@@ -1,7 +1,5 @@
 """Text files of heights by explicit keywords; other text is refused."""
 
-from __future__ import annotations
-
 import re
 from collections.abc import Sequence
 from typing import Any
