@@ -5,7 +5,7 @@ from __future__ import annotations
 import html
 import math
 from collections.abc import Iterator
-from typing import Any, cast
+from typing import TYPE_CHECKING, Any, cast
 
 from . import _arguments as _a
 from . import _library as _c
@@ -30,6 +30,8 @@ class Arrays:
 
     _kind = ""
     _names: tuple[str, ...]
+    if TYPE_CHECKING:
+        def __getattr__(self, name: str) -> NDArray[Any]: ...
 
     def keys(self) -> tuple[str, ...]:
         """The names of the arrays."""
@@ -89,15 +91,6 @@ class Fields(Arrays):
     """
 
     _kind = "field"
-    pressure: NDArray[Any]
-    gap: NDArray[Any]
-    displacement: NDArray[Any]
-    contact: NDArray[Any]
-    traction_x: NDArray[Any]
-    traction_y: NDArray[Any]
-    slip_x: NDArray[Any]
-    slip_y: NDArray[Any]
-    stick: NDArray[Any]
 
     def __init__(self, outcome: _c.Outcome, position: int, step: int):
         facts, table = outcome.facts(_c.MAP), outcome.table(_c.FIELDS, "pixels")
@@ -183,14 +176,6 @@ class Stress(Arrays):
     """
 
     _kind = "stress"
-    xx: NDArray[Any]
-    yy: NDArray[Any]
-    zz: NDArray[Any]
-    xy: NDArray[Any]
-    xz: NDArray[Any]
-    yz: NDArray[Any]
-    von_mises: NDArray[Any]
-    largest_shear: NDArray[Any]
 
     def __init__(self, fields: Fields, depths: Any, tables: list[Table]):
         self.depth: NDArray[Any] = depths

@@ -41,11 +41,9 @@ class Scene:
     """
 
     def __init__(self, scene: _a.Path | Mapping[str, Mapping[str, Any]]):
-        self._source = scene
-        self._seconds = math.inf             # of processor, of the last solve
-        self._choices: tuple[Any, ...] = ()  # of the last solve
+        self._source, self._name = scene, "scene"
+        self._last: tuple[float, Any] = math.inf, None  # seconds of processor and choices
         self.groups: dict[str, dict[str, Any]]
-        self._name = "scene"
         if isinstance(scene, Mapping):
             rest, sides = _without_arrays(scene)
             text = _a.Groups(self._name, rest)
@@ -74,17 +72,26 @@ class Scene:
         kept = states_kept(fields)
         choices = arithmetic, accuracy, accuracy_of, contacts, threads, progress, kept
         # Another value of the loading keeps the number of states: the solve takes about as long.
-        is_short = (self._seconds < _c.SHORT and choices == self._choices
-                    and _is_another_value(groups))
+        is_short = self._last[0] < _c.SHORT and choices == self._last[1] \
+            and _is_another_value(groups)
         if groups:
             if "surfaces" in groups:
                 raise _a.wrong("surfaces", "a change of the surfaces", "a new asperity.Scene")
             text = _a.Groups(self._name, _changed(self.groups, groups))
             read = _c.call("rebuild_scene", self._read, text.text,
                            is_short=is_short).checked(text.named)
-        solved = _solve(read, text, *choices, is_short)
-        self._seconds, self._choices = solved.seconds, choices
-        return Results(solved, kept)
+        interrupt, counts = c_int(0), (c_int * 2)()
+        options = _c.Options(
+            _a.word("arithmetic", arithmetic), _a.number("accuracy", accuracy),
+            not _a.flag("contacts", contacts),
+            _a.whole("threads", threads, "a number from 1 to 9999, or 0 for all cores"),
+            POINTER(c_int)(interrupt), _a.word("accuracy_of", accuracy_of), counts, kept)
+        shows = _a.flag("progress", progress)
+        with _Progress(counts) if shows else contextlib.nullcontext() as bar:
+            solved = _c.call("solve_scene", read, byref(options), interrupt=interrupt,
+                             watch=bar.show if bar else None, is_short=is_short and bar is None)
+        self._last = solved.seconds, choices
+        return Results(solved.checked(text.named), kept)
 
     def with_arrays(self) -> Scene:
         """The scene with the surfaces of its files as arrays; those of decks stay as they are."""
@@ -168,25 +175,6 @@ def solve(scene: _a.Path | Mapping[str, Mapping[str, Any]] | Scene, *, arithmeti
                        contacts=contacts, threads=threads, progress=progress, fields=fields)
 
 
-def _solve(read: _c.Outcome, text: _a.Groups, arithmetic: str,
-           accuracy: float, accuracy_of: str, contacts: bool, threads: int, progress: bool,
-           fields: int, is_short: bool) -> _c.Outcome:
-    interrupt, counts = c_int(0), (c_int * 2)()
-    options = _c.Options(
-        _a.word("arithmetic", arithmetic), _a.number("accuracy", accuracy),
-        not _a.flag("contacts", contacts),
-        _a.whole("threads", threads, "a number from 1 to 9999, or 0 for all cores"),
-        POINTER(c_int)(interrupt), _a.word("accuracy_of", accuracy_of), counts, fields)
-    bar = _Progress(counts) if _a.flag("progress", progress) else None
-    try:
-        return _c.call("solve_scene", read, byref(options), interrupt=interrupt,
-                       watch=bar.show if bar else None, is_short=is_short and bar is None
-                       ).checked(text.named)
-    finally:
-        if bar:
-            bar.end()
-
-
 def _without_arrays(scene: Mapping[str, Any]) -> tuple[dict[str, Any], list[Any]]:
     """The groups of a scene without its arrays, and the two sides for the library."""
     rest, sides = dict(scene), [_c.Side(), _c.Side()]
@@ -203,25 +191,20 @@ def _without_arrays(scene: Mapping[str, Any]) -> tuple[dict[str, Any], list[Any]
         value = given.get(name, "")
         if not _a.is_text(value):
             # Of two pairs the first is that of the upper side.
-            _fill(side, f"surfaces.{name}", own.pop(name),
-                  numbers[place:][:2] if len(numbers) in (2, 4) else None)
+            pixels = map_of(f"surfaces.{name}", own.pop(name),
+                            numbers[place:][:2] if len(numbers) in (2, 4) else None)
+            known = _a.columns_of(value)
+            if pixels is not None:
+                side.map = pointer(pixels)
+            elif known is None:
+                raise _a.wrong_type(f"surfaces.{name}", value, EXPECTED_SIDE)
+            else:
+                side.asperities = pointer(_a.asperities(f"surfaces.{name}", value, known))
             if isinstance(value, HeightMap) and value.is_profile and not value.periodic:
                 own.setdefault("map_edge", ["free", "periodic"])
     if not own:
         del rest["surfaces"]
     return rest, sides
-
-
-def _fill(side: Any, name: str, value: Any, spacing: Any) -> None:
-    """Set one side of a scene to a height map or a table of asperities."""
-    pixels = map_of(name, value, spacing)
-    if pixels is not None:
-        side.map = pointer(pixels)
-        return
-    known = _a.columns_of(value)
-    if known is None:
-        raise _a.wrong_type(name, value, EXPECTED_SIDE)
-    side.asperities = pointer(_a.asperities(name, value, known))
 
 
 def _is_another_value(groups: Mapping[str, Mapping[str, Any] | None]) -> bool:
@@ -260,7 +243,10 @@ class _Progress:
             print(line, end="", file=sys.stderr, flush=True)
             self._last = line
 
-    def end(self) -> None:
+    def __enter__(self) -> _Progress:
+        return self
+
+    def __exit__(self, *_: Any) -> None:
         self.show()
         if self._bar is not None:
             self._bar.close()
