@@ -114,8 +114,8 @@ def number(name: str, value: Any, expected: str = "a number") -> float:
         raise wrong(name, shown(value), f"{expected} within the range of a double") from None
 
 
-def whole(name: str, value: Any, expected: str) -> int:
-    """A whole number that C's int can hold."""
+def whole(name: str, value: Any, expected: str, within: range = INT) -> int:
+    """A whole number in a range, or that C's int can hold."""
     value = unwrapped(name, value)
     try:
         found = operator.index(value)
@@ -123,7 +123,7 @@ def whole(name: str, value: Any, expected: str) -> int:
         raise wrong_type(name, value, expected) from None
     if isinstance(value, bool):
         raise wrong_type(name, value, expected)
-    if found not in INT:
+    if found not in within:
         raise wrong(name, shown(found), expected)
     return found
 

@@ -32,17 +32,10 @@ class Conditioning:
     def level(self: Any, degree: int = 1, robust: bool = False) -> HeightMap:
         """Subtract a polynomial in x and y of a total degree: 0 is the mean, 1 a plane, 2 a form;
         `robust` by Tukey's biweight, which leaves outliers out, in place of least squares.
-
-        Examples:
-            >>> tilted = asperity.HeightMap([[0, 1, 2], [1, 2, 3], [2, 3, 9]], spacing=1)
-            >>> print(f"{tilted.level(robust=True).heights[2, 2]:.3f}", tilted.level().notes)
-            5.000 ['level: degree 1, least squares']
         """
-        highest = 0 if self.periodic else min(self.shape) - 1
-        degree = _a.whole("degree", degree, f"0 to {highest}")
-        if not 0 <= degree <= highest:
-            raise _a.wrong("degree", str(degree), f"0 to {highest}" + (
-                ": a periodic map without a plane would not be periodic" if self.periodic else ""))
+        number = 1 if self.periodic else min(self.shape)
+        degree = _a.whole("degree", degree, f"0 to {number - 1}" + self.periodic * (
+            ": a periodic map without a plane would not be periodic"), range(number))
         fit = _fitted(self.heights, degree, _a.flag("robust", robust))
         return _new(self, self.heights - fit, f"level: degree {degree}, " + (
             "Tukey's biweight" if robust else "least squares"))

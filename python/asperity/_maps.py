@@ -147,11 +147,6 @@ class HeightMap(Conditioning):
         Returns:
             `q`: wave number, 2 pi over the wavelength. `c_iso`, length to the power 4, or `c_1d`,
             length to the power 3. `number`: wave vectors or lines that were averaged.
-
-        Examples:
-            >>> rough = asperity.generate_map(pixels=64, spacing=1, hurst=0.8, rms_height=1)
-            >>> rough.power_spectrum()
-            <asperity.Table of 25 wave numbers: 3 columns q, c_iso, number>
         """
         if kind not in _c.SPECTRA:
             raise _a.wrong("kind", repr(kind), "'iso', 'x' or 'y'")

@@ -10,13 +10,15 @@ import html
 import math
 from typing import TYPE_CHECKING, Any
 
-from ._columns import Table, label_of, needed
+from ._columns import Lazy, Table, label_of
 from ._fields import FLAGS
 from ._plots import STATES, colour_limits, error_of, is_monotonic, quantities
 
 if TYPE_CHECKING:
     from ._results import Results
 
+numpy, embed, layouts, models, plotting, resources = (Lazy(name, "page", "a page") for name in (
+    "numpy", "bokeh.embed", "bokeh.layouts", "bokeh.models", "bokeh.plotting", "bokeh.resources"))
 # Chosen: bytes of images, as single precision, from which on states are left out; contacts listed.
 MOST_BYTES, MOST_CONTACTS = 32_000_000, 20_000
 # Two figures are side by side on a desk, one fits a width of 400 pixels with the margins.
@@ -36,16 +38,13 @@ class Page:
     """A page under construction: its filters and figures."""
 
     def __init__(self, results: Results, position: int | None):
-        self.numpy = needed("numpy", "page", "a page")
-        self.models = needed("bokeh.models", "page", "a page")
-        self.figure = needed("bokeh.plotting", "page", "a page").figure
         self.results, self.states = results, results.states
         self.notes: list[str] = []
         self.filters: list[Any] = []
         self.ranges: dict[str, Any] = {}
         chosen = self.states["position"] == self.states["position"] if position is None \
             else self.states["position"] == position
-        self.rows = self.numpy.flatnonzero(chosen)
+        self.rows = numpy.flatnonzero(chosen)
         self.keys = keys_of(self.states, self.rows)
         self.fields = {f"{one.position}.{one.step}": one for one in results._all_fields()}
         self.fields = {key: self.fields[key] for key in self.keys if key in self.fields}
@@ -60,7 +59,7 @@ class Page:
         images = sum(name not in ("contact", "displacement") for name in one)
         most = max(1, MOST_BYTES // (4 * images * one.shape[0] * one.shape[1]))
         if len(self.fields) > most:
-            ends = self.numpy.linspace(len(self.keys) - 1, 0, most).round().astype(int)
+            ends = numpy.linspace(len(self.keys) - 1, 0, most).round().astype(int)
             self.notes.append(f"{most} of {len(self.keys)} states are shown: "
                               "images of all would be too large for a page.")
             return [self.keys[place] for place in sorted(ends.tolist())]
@@ -70,18 +69,18 @@ class Page:
 
     def view(self) -> Any:
         """A view of the state of the slider."""
-        self.filters.append(self.models.GroupFilter(column_name="key", group=self.shown[-1]))
-        return self.models.CDSView(filter=self.filters[-1])
+        self.filters.append(models.GroupFilter(column_name="key", group=self.shown[-1]))
+        return models.CDSView(filter=self.filters[-1])
 
     def hover(self, renderer: Any, values: dict[str, str]) -> Any:
-        return self.models.HoverTool(renderers=[renderer], tooltips=[
+        return models.HoverTool(renderers=[renderer], tooltips=[
             (name, f"{place}{{%.{DIGITS}g}}" if place != "@key" else place)
             for name, place in values.items()],
             formatters={place: "printf" for place in values.values() if place != "@key"})
 
     def plan(self, title: str, unit: str) -> Any:
         """A figure in plan; all of them have the same ranges."""
-        made = self.figure(title=title, width=WIDTH, height=HEIGHT, match_aspect=True,
+        made = plotting.figure(title=title, width=WIDTH, height=HEIGHT, match_aspect=True,
                            x_axis_label=label_of("x", unit), y_axis_label=label_of("y", unit),
                            toolbar_location="above", active_scroll="wheel_zoom", tools=TOOLS,
                            **self.ranges)
@@ -92,9 +91,9 @@ class Page:
     def colours(self, values: Any, figure: Any) -> Any:
         """Colours of values, with their bar."""
         is_log, low, high = colour_limits(values)
-        kind = self.models.LogColorMapper if is_log else self.models.LinearColorMapper
+        kind = models.LogColorMapper if is_log else models.LinearColorMapper
         mapper = kind("Viridis256", low=low, high=high, nan_color="rgba(255, 255, 255, 0)")
-        figure.add_layout(self.models.ColorBar(color_mapper=mapper, width=12), "right")
+        figure.add_layout(models.ColorBar(color_mapper=mapper, width=12), "right")
         return mapper
 
     def images(self) -> list[Any]:
@@ -113,12 +112,12 @@ class Page:
             images = [each._drawn(name).astype("f4") for each in having.values()]
             if name == "stick":
                 figure = self.plan("Stick (blue), slip (orange)", one.unit or "")
-                mapper = self.models.LinearColorMapper(list(STATES.values()), low=-0.5, high=2.5)
+                mapper = models.LinearColorMapper(list(STATES.values()), low=-0.5, high=2.5)
             else:
                 label = label_of(name, one.units[name])
                 figure = self.plan(label[0].upper() + label[1:], one.unit or "")
-                mapper = self.colours(self.numpy.concatenate(images, axis=None), figure)
-            source = self.models.ColumnDataSource({"image": images, "key": list(having)})
+                mapper = self.colours(numpy.concatenate(images, axis=None), figure)
+            source = models.ColumnDataSource({"image": images, "key": list(having)})
             drawn = figure.image("image", source=source, view=self.view(), color_mapper=mapper,
                                  **place)
             if name not in FLAGS:
@@ -128,7 +127,7 @@ class Page:
 
     def contacts(self) -> tuple[list[Any], Any]:
         """The loaded contacts in plan, where no fields are, and as a table that sorts."""
-        numpy, table = self.numpy, self.results.contacts
+        table = self.results.contacts
         rows = numpy.flatnonzero((table["load"] != 0) & numpy.isin(
             numpy.array(keys_of(table, numpy.arange(len(table))), dtype="U"), self.shown))
         if len(rows) > MOST_CONTACTS:
@@ -139,10 +138,10 @@ class Page:
         names = [name for name in COLUMNS if name in table]
         data = {name: table[name][rows] for name in names}
         data |= {"key": keys_of(table, rows), "radius": numpy.sqrt(table["area"][rows] / math.pi)}
-        source = self.models.ColumnDataSource(data)
-        listed = self.models.DataTable(
+        source = models.ColumnDataSource(data)
+        listed = models.DataTable(
             source=source, view=self.view(), height=260, index_position=None, reorderable=False,
-            sizing_mode="stretch_width", autosize_mode="none", columns=[self.models.TableColumn(
+            sizing_mode="stretch_width", autosize_mode="none", columns=[models.TableColumn(
                 field=name, title=table.label(name), width=145, formatter=self.format(data[name]))
                 for name in names])
         if self.fields or not len(rows):
@@ -161,13 +160,13 @@ class Page:
     def format(self, values: Any) -> Any:
         """Numbers of a column with six digits of the greatest."""
         if values.dtype.kind == "i":
-            return self.models.NumberFormatter(format="0")
-        greatest = float(self.numpy.abs(values).max(initial=0.0))
+            return models.NumberFormatter(format="0")
+        greatest = float(numpy.abs(values).max(initial=0.0))
         decimals = DIGITS - 1 - (math.floor(math.log10(greatest)) if greatest > 0 else 0)
         if decimals > 9 or decimals < -DIGITS:
-            return self.models.ScientificFormatter(precision=DIGITS - 1, power_limit_low=0,
+            return models.ScientificFormatter(precision=DIGITS - 1, power_limit_low=0,
                                                    power_limit_high=0)
-        return self.models.NumberFormatter(format="0." + "0" * decimals if decimals > 0 else "0")
+        return models.NumberFormatter(format="0." + "0" * decimals if decimals > 0 else "0")
 
     def curves(self, slider: Any) -> list[Any]:
         """Curves of the states, with their errors; a click on a point moves the slider."""
@@ -177,8 +176,8 @@ class Page:
         return [self.curve(across, up, slider) for across, up in pairs]
 
     def curve(self, across: str, up: str, slider: Any) -> Any:
-        numpy, states, models = self.numpy, self.states, self.models
-        figure = self.figure(width=WIDTH, height=HEIGHT, x_axis_label=states.label(across),
+        states = self.states
+        figure = plotting.figure(width=WIDTH, height=HEIGHT, x_axis_label=states.label(across),
                              y_axis_label=states.label(up), toolbar_location="above", tools=TOOLS)
         x, y = states[across][self.rows], states[up][self.rows]
         data = {"x": x, "y": y, "key": self.keys}
@@ -217,14 +216,13 @@ def keys_of(table: Table, rows: Any) -> list[str]:
 def page_of(results: Results, position: int | None, title: str | None) -> str:
     """The text of the page."""
     page = Page(results, position)
-    layouts = needed("bokeh.layouts", "page", "a page")
-    slider = page.models.Slider(start=0, end=max(1, len(page.shown) - 1), step=1, width=WIDTH,
+    slider = models.Slider(start=0, end=max(1, len(page.shown) - 1), step=1, width=WIDTH,
                                 value=len(page.shown) - 1, show_value=False,
                                 title=page.name_of(page.shown[-1]), visible=len(page.shown) > 1)
     maps = page.images()
     circles, listed = page.contacts()
     figures = [*maps, *circles, *page.curves(slider)]
-    slider.js_on_change("value", page.models.CustomJS(args={
+    slider.js_on_change("value", models.CustomJS(args={
         "filters": page.filters, "keys": page.shown,
         "names": [page.name_of(key) for key in page.shown]}, code=MOVE))
     about = results.scene.get("provenance", {})
@@ -233,13 +231,11 @@ def page_of(results: Results, position: int | None, title: str | None) -> str:
         ("#a00", results.warnings), ("#555", page.notes)) for line in texts)
     inputs = "; ".join([f"asperity {about.get('version', '')}", *(
         f"{one['file']}, checksum {one['checksum']}" for one in about.get("inputs", []))])
-    head, foot = (page.models.Div(text=text, sizing_mode="stretch_width",
+    head, foot = (models.Div(text=text, sizing_mode="stretch_width",
                                   styles={"overflow-x": "auto"}) for text in (
         f"<h2>{html.escape(name)}</h2><ul>{lines}</ul>",
         f"<h3>Summary</h3><pre>{html.escape(results.summary)}</pre><h3>Input</h3>"
         f"<p>{html.escape(inputs)}</p><pre>{html.escape(results.scene.get('text', ''))}</pre>"))
     layout = layouts.column(head, slider, layouts.row(*figures, **WRAPPED), listed, foot,
                             sizing_mode="stretch_width", styles={"max-width": "1180px"})
-    text: str = needed("bokeh.embed", "page", "a page").file_html(
-        layout, needed("bokeh.resources", "page", "a page").INLINE, name)
-    return text
+    return str(embed.file_html(layout, resources.INLINE, name))

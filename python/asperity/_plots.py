@@ -54,12 +54,12 @@ def draw_curves(states: Table, ax: Any, *, control: str = "", log: bool = False,
             along, band = error_of(states, across, up, control) if errors else ("", None)
             if band is not None:
                 style = {"color": line.get_color(), "alpha": 0.25}
-                if not is_monotonic(x):
-                    axes.errorbar(x, y, fmt="none", **{f"{along}err": band[rows]}, **style)
-                elif along == "y":
-                    axes.fill_between(x, y - band[rows], y + band[rows], lw=0, **style)
+                fill, base, of = (axes.fill_between, x, y) if along == "y" else (
+                    axes.fill_betweenx, y, x)
+                if is_monotonic(x):
+                    fill(base, of - band[rows], of + band[rows], lw=0, **style)
                 else:
-                    axes.fill_betweenx(y, x - band[rows], x + band[rows], lw=0, **style)
+                    axes.errorbar(x, y, fmt="none", **{f"{along}err": band[rows]}, **style)
             axes.set_xlabel(states.label(across))
             axes.set_ylabel({"area": "contact "}.get(up, "") + states.label(up))
             axes.grid(alpha=0.3)

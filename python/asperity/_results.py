@@ -53,12 +53,8 @@ class Results:
         >>> results = asperity.solve({"surfaces": {"upper": sphere, "lower": "plane"},
         ...     "material": {"contact_modulus": 1000.0},
         ...     "loading": {"control": "compression", "value": 0.01, "points": 4}})
-        >>> len(results.states)
-        5
         >>> print(f"{results.states['load'][-1]:.6f}")  # Hertz: 4/3 E sqrt(R) d**1.5
         4.216370
-        >>> [f"{row['load']:.3f}" for row in results.states.rows()]
-        ['0.000', '0.527', '1.491', '2.739', '4.216']
     """
 
     def __init__(self, outcome: _c.Outcome, kept: int = _fields.NONE):
@@ -297,9 +293,7 @@ class Results:
         of the `bins` of equal width up to the greatest one, and the area per pressure over the
         measured area, whose integral is the contact area fraction. Other arguments as for `fields`.
         """
-        number = _a.whole("bins", bins, "a number from 1")
-        if number < 1:
-            raise _a.wrong("bins", str(number), "a number from 1")
+        number = _a.whole("bins", bins, "a number from 1", range(1, 2**31))
         return _fields.histogram(self.fields(position, state, step=step), number)
 
     def _step(self, position: int, state: int | None, step: int | None) -> int:

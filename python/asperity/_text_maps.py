@@ -71,9 +71,9 @@ def read_text(path: str, spacing: tuple[float, float] | None, delimiter: str | N
 
     def number(text: str) -> float:
         text = text.strip().strip('"')
-        if text.lower() in ("", "bad"):
-            return float("nan")
-        return float(text if decimal == "." else text.replace(".", "?").replace(",", "."))
+        if decimal == ",":
+            text = text.replace(".", "?").replace(",", ".")
+        return float("nan" if text.lower() in ("", "bad") else text)
 
     try:
         found = np.loadtxt(path, comments=COMMENTS, delimiter=delimiter, converters=number, ndmin=2,
