@@ -32,6 +32,8 @@
 !> with this sum are not larger: such a problem is solved without a limit.
 module asperity_element_forces
   use asperity_lattice_convolution, only: lattice_convolution, thread_threshold
+  use asperity_force_rows, only: direction_row, gradient_row, product_row, residual_row, step_row, &
+                                 working_row
   use asperity_interruption, only: interruption
   use asperity_kinds, only: int64, real64
   use asperity_solve_ending, only: solve_ending
@@ -152,105 +154,61 @@ contains
     real(real64), intent(in) :: gap(:, :)
     type(force_bounds), intent(in) :: bounds
     type(force_iterate), intent(inout) :: state
-    real(real64) :: change, changes, curvature, force, mean, rest, step, total, others(5)
-    integer :: i, j
+    real(real64) :: curvature, mean, step, sums(5)
+    integer :: j
 
-    associate (w => state%next_force)
-    !$omp parallel do if(size(gap, kind=int64) > thread_threshold)
-    do j = 1, size(gap, 2)
-      do i = 1, size(gap, 1)
-        w(i, j) = state%gradient(i, j) * &
-          in_working_set(state%force(i, j), state%gradient(i, j), bounds%limit)
+    associate (f => state%force, r => state%gradient, next => state%next_force, d => state%direction, &
+               gradient => state%next_gradient, image => state%image, limit => bounds%limit)
+      !$omp parallel do if(size(gap, kind=int64) > thread_threshold)
+      do j = 1, size(gap, 2)
+        call working_row(limit, f(:, j), r(:, j), next(:, j))
       end do
-    end do
-    call influence%invert_on(w, state%image)
-    !$omp parallel do private(force, change, changes, mean, rest, total) &
-    !$omp if(size(gap, kind=int64) > thread_threshold)
-    do j = 1, size(gap, 2)
-      change = 0.0_real64
-      changes = 0.0_real64
+      call influence%invert_on(next, image)
+      !$omp parallel do if(size(gap, kind=int64) > thread_threshold)
+      do j = 1, size(gap, 2)
+        call product_row(next(:, j), image(:, j), r(:, j), gradient(:, j), d(:, j), &
+                         state%row_sums(:, j))
+      end do
+      sums = sum(state%row_sums, 2)
+      ! W changes at nearly every step: the formula of Polak and Ribiere (1969), with the change of
+      ! the gradient, makes a restart at each change unnecessary.
+      step = 0.0_real64
+      if (state%gradient_product > 0.0_real64) &
+        step = max(0.0_real64, sums(2) / state%gradient_product)
+      state%gradient_product = sums(1)
+      ! The sum of the forces does not change.
       mean = 0.0_real64
-      rest = 0.0_real64
-      total = 0.0_real64
-      !$omp simd private(force) reduction(+:change, changes, mean, rest, total)
-      do i = 1, size(gap, 1)
-        force = one_where(abs(w(i, j)) > 0.0_real64) * state%image(i, j)
-        change = change + force * w(i, j)
-        changes = changes + force * (state%gradient(i, j) - state%next_gradient(i, j))
-        mean = mean + force
-        rest = rest + one_where(abs(w(i, j)) > 0.0_real64) * state%direction(i, j)
-        total = total + one_where(abs(w(i, j)) > 0.0_real64)
+      if (bounds%load > 0.0_real64) mean = (sums(3) + step * sums(4)) / max(1.0_real64, sums(5))
+      !$omp parallel do if(size(gap, kind=int64) > thread_threshold)
+      do j = 1, size(gap, 2)
+        call direction_row(step, mean, next(:, j), image(:, j), d(:, j), state%row_sums(1, j))
       end do
-      state%row_sums(:, j) = [change, changes, mean, rest, total]
-    end do
-    others = sum(state%row_sums, 2)
-    ! W changes at nearly every step: the formula of Polak and Ribiere (1969), with the change of the
-    ! gradient, makes a restart at each change unnecessary.
-    step = 0.0_real64
-    if (state%gradient_product > 0.0_real64) &
-      step = max(0.0_real64, others(2) / state%gradient_product)
-    state%gradient_product = others(1)
-    ! The sum of the forces does not change.
-    mean = 0.0_real64
-    if (bounds%load > 0.0_real64) mean = (others(3) + step * others(4)) / max(1.0_real64, others(5))
-    !$omp parallel do private(total) if(size(gap, kind=int64) > thread_threshold)
-    do j = 1, size(gap, 2)
-      total = 0.0_real64
-      !$omp simd reduction(+:total)
-      do i = 1, size(gap, 1)
-        state%direction(i, j) = one_where(abs(w(i, j)) > 0.0_real64) * &
-          (state%image(i, j) + step * state%direction(i, j) - mean)
-        total = total + state%direction(i, j) * w(i, j)
+      step = sum(state%row_sums(1, :))
+      call influence%apply(d, image)
+      !$omp parallel do if(size(gap, kind=int64) > thread_threshold)
+      do j = 1, size(gap, 2)
+        state%row_sums(1, j) = dot_product(image(:, j), d(:, j))
       end do
-      state%row_sums(1, j) = total
-    end do
+      curvature = sum(state%row_sums(1, :))
+      state%decrease = -1.0_real64
+      if (.not. (step > 0.0_real64 .and. curvature > 0.0_real64)) return
+      step = step / curvature
+      !$omp parallel do if(size(gap, kind=int64) > thread_threshold)
+      do j = 1, size(gap, 2)
+        call step_row([step, limit], f(:, j), d(:, j), r(:, j), image(:, j), next(:, j), &
+                      gradient(:, j), state%row_sums(:4, j))
+      end do
+      sums = sum(state%row_sums, 2)
+      ! The gradient is exact where no force is cut.
+      if (sums(2) > 0.0_real64) then
+        call scale_to_load(gap, bounds, next, sums(1))
+        call find_gradient(influence, gap, bounds, state)
+        return
+      end if
     end associate
-    total = sum(state%row_sums(1, :))
-    call influence%apply(state%direction, state%image)
-    !$omp parallel do private(curvature) if(size(gap, kind=int64) > thread_threshold)
-    do j = 1, size(gap, 2)
-      curvature = 0.0_real64
-      !$omp simd reduction(+:curvature)
-      do i = 1, size(gap, 1)
-        curvature = curvature + state%image(i, j) * state%direction(i, j)
-      end do
-      state%row_sums(1, j) = curvature
-    end do
-    curvature = sum(state%row_sums(1, :))
-    state%decrease = -1.0_real64
-    if (.not. (total > 0.0_real64 .and. curvature > 0.0_real64)) return
-    step = total / curvature
-    ! The gradient is exact where no force is cut.
-    !$omp parallel do private(changes, mean, rest, total) &
-    !$omp if(size(gap, kind=int64) > thread_threshold)
-    do j = 1, size(gap, 2)
-      changes = 0.0_real64
-      mean = 0.0_real64
-      rest = 0.0_real64
-      total = 0.0_real64
-      !$omp simd private(change, force) reduction(+:changes, mean, rest, total)
-      do i = 1, size(gap, 1)
-        change = state%force(i, j) - step * state%direction(i, j)
-        force = min(bounds%limit, max(0.0_real64, change))
-        state%next_force(i, j) = force
-        state%next_gradient(i, j) = state%gradient(i, j) - step * state%image(i, j)
-        total = total + force
-        changes = changes + abs(change - force)
-        rest = rest + one_where(force > 0.0_real64) * one_where(force < bounds%limit)
-        mean = mean + one_where(force > 0.0_real64) * one_where(force < bounds%limit) * &
-                      state%next_gradient(i, j)
-      end do
-      state%row_sums(:4, j) = [total, changes, rest, mean]
-    end do
-    others = sum(state%row_sums, 2)
-    if (others(2) > 0.0_real64) then
-      call scale_to_load(gap, bounds, state%next_force, others(1))
-      call find_gradient(influence, gap, bounds, state)
-      return
-    end if
     state%is_recomputed = .false.
-    state%level = merge(others(4) / max(1.0_real64, others(3)), 0.0_real64, &
-                        bounds%load > 0.0_real64)
+    state%level = 0.0_real64
+    if (bounds%load > 0.0_real64) state%level = sums(4) / max(1.0_real64, sums(3))
     call finish_step(influence%norm, bounds, state)
   end subroutine take_conjugate_step
 
@@ -280,9 +238,12 @@ contains
     type(force_bounds), intent(in) :: bounds
     type(force_iterate), intent(inout) :: state
     real(real64) :: curvature, enough, least, length, squares
+    integer :: j
 
     associate (f => state%force, r => state%gradient)
-      state%direction = r * in_working_set(f, r, bounds%limit)
+      do j = 1, size(gap, 2)
+        call working_row(bounds%limit, f(:, j), r(:, j), state%direction(:, j))
+      end do
       call influence%apply(state%direction, state%image)
       squares = sum(state%direction**2)
       curvature = sum(state%direction * state%image)
@@ -307,38 +268,23 @@ contains
     real(real64), intent(in) :: gap(:, :)
     type(force_bounds), intent(in) :: bounds
     type(force_iterate), intent(inout) :: state
-    real(real64) :: free, largest, squares, total, others(4)
-    integer :: i, j
+    real(real64) :: sums(3)
+    integer :: j
 
     call influence%apply(state%next_force, state%image)
-    !$omp parallel do private(free, largest, squares, total) &
-    !$omp if(size(gap, kind=int64) > thread_threshold)
+    !$omp parallel do if(size(gap, kind=int64) > thread_threshold)
     do j = 1, size(gap, 2)
-      free = 0.0_real64
-      largest = 0.0_real64
-      squares = 0.0_real64
-      total = 0.0_real64
-      !$omp simd reduction(+:squares, total, free) reduction(max:largest)
-      do i = 1, size(gap, 1)
-        associate (f => state%next_force(i, j), r => state%next_gradient(i, j))
-          largest = max(largest, abs(state%image(i, j)))
-          squares = squares + f**2
-          r = state%image(i, j) + gap(i, j)
-          total = total + one_where(f > 0.0_real64) * one_where(f < bounds%limit) * r
-          free = free + one_where(f > 0.0_real64) * one_where(f < bounds%limit)
-        end associate
-      end do
-      state%row_sums(:4, j) = [squares, total, free, largest]
+      call gradient_row(bounds%limit, state%next_force(:, j), state%image(:, j), gap(:, j), &
+                        state%next_gradient(:, j), state%row_sums(:4, j))
     end do
-    largest = maxval(state%row_sums(4, :))
-    others = sum(state%row_sums(:4, :), 2)
-    state%rounding_error = displacement_error(influence%norm, others(1) / size(gap, kind=int64), &
-                                              largest)
+    sums = sum(state%row_sums(:3, :), 2)
+    state%rounding_error = displacement_error(influence%norm, sums(3) / size(gap, kind=int64), &
+                                              maxval(state%row_sums(4, :)))
     state%is_recomputed = .true.
     state%level = 0.0_real64
     if (bounds%load > 0.0_real64) then
-      state%level = others(2) / max(1.0_real64, others(3))
-      if (.not. others(3) > 0.0_real64) &
+      state%level = sums(2) / max(1.0_real64, sums(1))
+      if (.not. sums(1) > 0.0_real64) &
         state%level = free_level(gap, bounds, state%next_force, state%next_gradient)
     end if
     call finish_step(influence%norm, bounds, state)
@@ -353,29 +299,13 @@ contains
     real(real64), intent(in) :: norm  ! |A|
     type(force_bounds), intent(in) :: bounds
     type(force_iterate), intent(inout) :: state
-    real(real64) :: change, decrease, enough, inverse, r, residual
-    integer :: i, j
+    integer :: j
 
-    inverse = 1.0_real64 / norm
-    !$omp parallel do private(decrease, enough, residual) &
-    !$omp if(size(state%force, kind=int64) > thread_threshold)
+    !$omp parallel do if(size(state%force, kind=int64) > thread_threshold)
     do j = 1, size(state%force, 2)
-      decrease = 0.0_real64
-      enough = 0.0_real64
-      residual = 0.0_real64
-      !$omp simd private(change, r) reduction(+:decrease, enough) reduction(max:residual)
-      do i = 1, size(state%force, 1)
-        associate (f => state%next_force(i, j))
-          r = state%next_gradient(i, j) - state%level
-          state%next_gradient(i, j) = r
-          decrease = decrease + (state%force(i, j) - f) * (state%gradient(i, j) + r)
-          residual = max(residual, one_where(f > 0.0_real64) * r, &
-                         -one_where(f < bounds%limit) * r)
-          change = f - min(bounds%limit, max(0.0_real64, f - inverse * r))
-          enough = enough + change * (r - 0.5_real64 * norm * change)
-        end associate
-      end do
-      state%row_sums(:3, j) = [decrease, enough, residual]
+      call residual_row([state%level, norm, bounds%limit], state%force(:, j), &
+                        state%gradient(:, j), state%next_force(:, j), state%next_gradient(:, j), &
+                        state%row_sums(:3, j))
     end do
     state%decrease = 0.5_real64 * sum(state%row_sums(1, :))
     state%enough = sum(state%row_sums(2, :))
@@ -504,27 +434,12 @@ contains
     if (bounds%load > 0.0_real64) call scale_free_forces(bounds, sum(force), force, is_scaled)
   end subroutine project_forces
 
-  ! 1 or 0, by which loops multiply: they have no branches.
-  elemental real(real64) function one_where(is_true) result(one)
-    logical, intent(in) :: is_true
-
-    one = merge(1.0_real64, 0.0_real64, is_true)
-  end function one_where
-
   ! Whether a force is neither 0 nor at the limit.
   elemental logical function is_free(force, limit)
     real(real64), intent(in) :: force, limit
 
     is_free = force > 0.0_real64 .and. force < limit
   end function is_free
-
-  ! 1 for an element in W, whose force is free or moved off its bound by the gradient, else 0.
-  elemental real(real64) function in_working_set(force, gradient, limit) result(one)
-    real(real64), intent(in) :: force, gradient, limit
-
-    one = max(one_where(force > 0.0_real64), one_where(gradient < 0.0_real64)) * &
-          max(one_where(force < limit), one_where(gradient > 0.0_real64))
-  end function in_working_set
 
   ! Whether an element can carry a force: not so a missing pixel, by its gap.
   elemental logical function is_element(gap)

@@ -1,0 +1,163 @@
+!> Loops of the iteration for forces over one row of elements, with their sums.
+!>
+!> Rows are independent and their sums are added in order: the bytes do not depend on the number of
+!> threads. The loops have no branches and their arrays do not overlap, so that they are vectorised.
+!> Symbols are those of `asperity_element_forces`.
+module asperity_force_rows
+  use asperity_kinds, only: real64
+  implicit none
+  private
+
+  public :: direction_row, gradient_row, one_where, product_row, residual_row, step_row, working_row
+
+contains
+
+  !> The gradient of the elements in W, else 0.
+  pure subroutine working_row(limit, f, r, w)
+    real(real64), intent(in) :: limit                 !! largest force H
+    real(real64), intent(in), contiguous :: f(:), r(:)  !! forces, gradient
+    real(real64), intent(out), contiguous :: w(:)     !! gradient in W
+    integer :: i
+
+    !$omp simd
+    do i = 1, size(f)
+      w(i) = max(-one_where(f(i) < limit) * huge(limit), &
+                 min(one_where(f(i) > 0.0_real64) * huge(limit), r(i)))
+    end do
+  end subroutine working_row
+
+  !> Sums in W of z.r, z.(r - r before), z, d and 1, with z = B r.
+  pure subroutine product_row(w, z, r, before, d, sums)
+    !> gradient in W; B r; gradient; gradient before; direction
+    real(real64), intent(in), contiguous :: w(:), z(:), r(:), before(:), d(:)
+    real(real64), intent(out) :: sums(5)
+    real(real64) :: changes, number, others, products, total, value
+    integer :: i
+
+    changes = 0.0_real64
+    number = 0.0_real64
+    others = 0.0_real64
+    products = 0.0_real64
+    total = 0.0_real64
+    !$omp simd private(value) reduction(+:changes, number, others, products, total)
+    do i = 1, size(w)
+      value = one_where(abs(w(i)) > 0.0_real64) * z(i)
+      products = products + z(i) * w(i)
+      changes = changes + value * (r(i) - before(i))
+      total = total + value
+      others = others + one_where(abs(w(i)) > 0.0_real64) * d(i)
+      number = number + one_where(abs(w(i)) > 0.0_real64)
+    end do
+    sums = [products, changes, total, others, number]
+  end subroutine product_row
+
+  !> Direction z + step d less a mean in W, else 0, and its product with the gradient.
+  pure subroutine direction_row(step, mean, w, z, d, total)
+    real(real64), intent(in) :: step, mean             !! share of the direction before; mean
+    real(real64), intent(in), contiguous :: w(:), z(:)   !! gradient in W; B r
+    real(real64), intent(inout), contiguous :: d(:)    !! direction
+    real(real64), intent(out) :: total                 !! sum of the products
+    integer :: i
+
+    total = 0.0_real64
+    !$omp simd reduction(+:total)
+    do i = 1, size(w)
+      d(i) = one_where(abs(w(i)) > 0.0_real64) * (z(i) + step * d(i) - mean)
+      total = total + d(i) * w(i)
+    end do
+  end subroutine direction_row
+
+  !> Forces after a step along the direction, cut at 0 and H, and the gradient without the cuts; sums
+  !> of the forces, of the cuts, of 1 and the gradient where forces are free.
+  pure subroutine step_row(step_limit, f, d, r, image, next, gradient, sums)
+    real(real64), intent(in) :: step_limit(2)         !! length of the step, largest force
+    real(real64), intent(in), contiguous :: f(:), d(:), r(:), image(:)  !! with A d
+    real(real64), intent(out), contiguous :: next(:), gradient(:)       !! f and r after the step
+    real(real64), intent(out) :: sums(4)
+    real(real64) :: cuts, force, free, level, limit, number, step, total
+    integer :: i
+
+    step = step_limit(1)
+    limit = step_limit(2)
+    cuts = 0.0_real64
+    level = 0.0_real64
+    number = 0.0_real64
+    total = 0.0_real64
+    !$omp simd private(force, free) reduction(+:cuts, level, number, total)
+    do i = 1, size(f)
+      force = f(i) - step * d(i)
+      next(i) = min(limit, max(0.0_real64, force))
+      gradient(i) = r(i) - step * image(i)
+      total = total + next(i)
+      cuts = cuts + abs(force - next(i))
+      free = one_where(next(i) > 0.0_real64) * one_where(next(i) < limit)
+      number = number + free
+      level = level + free * gradient(i)
+    end do
+    sums = [total, cuts, number, level]
+  end subroutine step_row
+
+  !> Gradient from displacements and gaps; sums of 1 and the gradient where forces are free, of the
+  !> squares of the forces, and the largest displacement.
+  pure subroutine gradient_row(limit, f, displacement, gap, r, sums)
+    real(real64), intent(in) :: limit                 !! largest force
+    real(real64), intent(in), contiguous :: f(:), displacement(:), gap(:)
+    real(real64), intent(out), contiguous :: r(:)     !! gradient
+    real(real64), intent(out) :: sums(4)
+    real(real64) :: free, largest, level, number, squares
+    integer :: i
+
+    largest = 0.0_real64
+    level = 0.0_real64
+    number = 0.0_real64
+    squares = 0.0_real64
+    !$omp simd private(free) reduction(+:level, number, squares) reduction(max:largest)
+    do i = 1, size(f)
+      r(i) = displacement(i) + gap(i)
+      free = one_where(f(i) > 0.0_real64) * one_where(f(i) < limit)
+      number = number + free
+      level = level + free * r(i)
+      squares = squares + f(i)**2
+      largest = max(largest, abs(displacement(i)))
+    end do
+    sums = [number, level, squares, largest]
+  end subroutine gradient_row
+
+  !> Subtracts the level from the gradient; sums of the decrease of the energy, twice, and of the
+  !> bound of the next one, and the residual.
+  pure subroutine residual_row(numbers, before, gradient, f, r, sums)
+    real(real64), intent(in) :: numbers(3)            !! level, |A|, largest force
+    real(real64), intent(in), contiguous :: before(:), gradient(:)  !! f and r before the step
+    real(real64), intent(in), contiguous :: f(:)      !! f after the step
+    real(real64), intent(inout), contiguous :: r(:)   !! gradient without its level
+    real(real64), intent(out) :: sums(3)
+    real(real64) :: change, decrease, enough, half, inverse, level, limit, residual
+    integer :: i
+
+    level = numbers(1)
+    half = 0.5_real64 * numbers(2)
+    inverse = 1.0_real64 / numbers(2)
+    limit = numbers(3)
+    decrease = 0.0_real64
+    enough = 0.0_real64
+    residual = 0.0_real64
+    !$omp simd private(change) reduction(+:decrease, enough) reduction(max:residual)
+    do i = 1, size(f)
+      r(i) = r(i) - level
+      decrease = decrease + (before(i) - f(i)) * (gradient(i) + r(i))
+      residual = max(residual, min(r(i), one_where(f(i) > 0.0_real64) * huge(level)), &
+                     min(-r(i), one_where(f(i) < limit) * huge(level)))
+      change = f(i) - min(limit, max(0.0_real64, f(i) - inverse * r(i)))
+      enough = enough + change * (r(i) - half * change)
+    end do
+    sums = [decrease, enough, residual]
+  end subroutine residual_row
+
+  !> 1 or 0, by which loops multiply.
+  elemental real(real64) function one_where(is_true) result(one)
+    logical, intent(in) :: is_true  !! whether it is 1
+
+    one = merge(1.0_real64, 0.0_real64, is_true)
+  end function one_where
+
+end module asperity_force_rows
