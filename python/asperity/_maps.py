@@ -16,7 +16,7 @@ from typing import Any
 
 from . import _arguments as _a
 from . import _library as _c
-from ._columns import ArrayLike, Axes, NDArray, Table, in_rows, label_of, needed, shown
+from ._columns import ArrayLike, Axes, NDArray, Table, in_rows, label_of, needed, numpy, shown
 from ._conditioning import Conditioning
 from ._errors import InputError, Problem, warn_caller
 from ._plots import draw_pixels
