@@ -147,7 +147,7 @@ def several(name: str, values: Any, expected: str) -> list[Any]:
         raise wrong_type(name, values, expected) from None
 
 
-def doubles(name: str, values: Any, dimensions: int = 1) -> Any:
+def doubles(name: str, values: Any, dimensions: int = 1, is_copied: bool = False) -> Any:
     """An array of C's doubles, row by row: in the memory of what has a buffer of them, else a copy.
     Of two dimensions, `rows` and `columns` of the result have the shape."""
     expected = ("numbers, an array of one dimension" if dimensions == 1 else
@@ -177,6 +177,8 @@ def doubles(name: str, values: Any, dimensions: int = 1) -> Any:
     if view.readonly:
         view = memoryview(array("d", bytes(view)))
     found: Any = (c_double * len(view)).from_buffer(view) if len(view) else (c_double * 0)()
+    if is_copied:
+        found = type(found).from_buffer_copy(found)
     if shape is not None:
         if len(found) == 0:
             raise wrong(name, "no heights", expected)

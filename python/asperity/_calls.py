@@ -28,11 +28,9 @@ def report(deck: _a.Path, arithmetic: str = "ibm370",
         True
     """
     expected = "positions from 1 to 100"
-    positions = [_a.whole("tables", one, expected)
-                 for one in _a.several("tables", tables, expected)]
+    listed = [_a.whole("tables", one, expected) for one in _a.several("tables", tables, expected)]
     return _c.call("make_report", _a.path("deck", deck), _a.word("arithmetic", arithmetic),
-                   (c_int * max(1, len(positions)))(*positions), len(positions)
-                   ).checked().text(_c.REPORT)
+                   (c_int * max(1, len(listed)))(*listed), len(listed)).checked().text(_c.REPORT)
 
 
 def summits(map: _a.Path | HeightMap | NDArray[Any] | Sequence[Sequence[float]], *,

@@ -138,13 +138,14 @@ def column(values: Any) -> Column:
     return cast("Column", array)
 
 
-def in_rows(cells: Any, shape: tuple[int, int], is_flag: bool = False) -> Any:
+def in_rows(cells: Any, shape: tuple[int, int], is_flag: bool = False) -> NDArray[Any]:
     """The values of a column by row and column of a map."""
     library: Any = numpy()
     if library is None:
         values = [bool(value) for value in cells] if is_flag else cells
-        return Values([Values(values[i:i + shape[1]]) for i in range(0, len(values), shape[1])])
-    array = library.asarray(cells, dtype=bool if is_flag else None).reshape(shape)
+        return cast("Any", Values([Values(values[i:i + shape[1]])  # type: ignore[no-any-return]
+                                   for i in range(0, len(values), shape[1])]))
+    array: NDArray[Any] = library.asarray(cells, dtype=bool if is_flag else None).reshape(shape)
     array.flags.writeable = False
     return array
 
@@ -222,9 +223,8 @@ class Table(dict[str, "Column"]):
 
     def __array__(self, dtype: Any = None, copy: bool | None = None) -> NDArray[Any]:
         """A numpy array of the rows, whose fields have the names of the columns."""
-        library: Any = needed("numpy", "numpy", "an array")
-        kinds = [(name, values.dtype) for name, values in self.items()]
-        array: NDArray[Any] = library.empty(len(self), dtype=kinds)
+        array: NDArray[Any] = needed("numpy", "numpy", "an array").empty(
+            len(self), dtype=[(name, values.dtype) for name, values in self.items()])
         for name, values in self.items():
             array[name] = values
         return array if dtype is None else array.astype(dtype)

@@ -91,12 +91,10 @@ class Conditioning:
     def align(self: Any) -> HeightMap:
         """Shift each row so that the median of its differences from the row before is 0. That
         removes steps between the lines of a scan along x, and a slope along y."""
-        heights, last = np.array(self.heights), None
+        heights, last = np.array(self.heights), math.nan
         for row in heights:
-            if last is not None:
-                steps = row - last
-                steps = steps[np.isfinite(steps)]
-                row -= np.median(steps) if steps.size else 0.0
+            steps = (row - last)[np.isfinite(row - last)]
+            row -= np.median(steps) if steps.size else 0.0
             if np.isfinite(row).any():
                 last = row
         return _new(self, heights, "align: rows, by the medians of their differences")
@@ -126,8 +124,11 @@ class Conditioning:
         for axis, size in enumerate(self.sizes[:1 if self.is_profile else 2]):
             if not made[axis] > 0.0:
                 raise _a.wrong("spacing", str(made[axis]), "more than 0")
-            number = max(1, round(size / made[axis]))
-            heights = _interpolated(heights, 1 - axis, number, self.periodic)
+            number, count = max(1, round(size / made[axis])), self.shape[1 - axis]
+            places, wanted = (np.arange(n) + 0.5 for n in (count, number))
+            heights = signal.resample(heights, number, axis=1 - axis) if self.periodic else \
+                interpolate.make_interp_spline(places, heights, min(3, count - 1), axis=1 - axis)(
+                    wanted * count / number)
             steps[axis] = size / number
         kind = "Fourier series" if self.periodic else "cubic splines"
         return _new(self, heights, f"resample: {heights.shape[1]} x {heights.shape[0]} pixels, "
@@ -226,13 +227,3 @@ def _harmonic(heights: Any, missing: Any, spacing: tuple[float, float],
             signs = np.where(np.arange(len(rows)) < len(own), weight, -weight)
             matrix = matrix + sparse.csr_matrix((signs, (rows, columns)), (count, count))
     return solvers.spsolve(matrix.tocsc(), right)
-
-
-def _interpolated(heights: Any, axis: int, number: int, periodic: bool) -> Any:
-    """Heights at the centres of another number of pixels along one axis, of the same length."""
-    if periodic:
-        return signal.resample(heights, number, axis=axis)
-    count = heights.shape[axis]
-    places, wanted = (np.arange(n) + 0.5 for n in (count, number))
-    return interpolate.make_interp_spline(places, heights, min(3, count - 1), axis=axis)(
-        wanted * count / number)

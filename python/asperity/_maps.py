@@ -8,7 +8,6 @@ import math
 import operator
 import os
 import re
-import typing
 from collections.abc import Mapping, Sequence
 from ctypes import POINTER, byref, c_char_p, c_double, cast
 from pathlib import Path
@@ -73,11 +72,12 @@ class HeightMap(Conditioning):
         self.spacing: tuple[float, float] = _a.pair("spacing", spacing)
         source, _, own_unit = in_order("heights", source, self.spacing)
         unit = agreed_unit("unit", unit, own_unit)
-        self._cells = _own(_a.doubles("heights", source, 2))
+        self._cells = _a.doubles("heights", source, 2, True)
         self.shape: tuple[int, int] = (self._cells.rows, self._cells.columns)
         self.notes: list[str] = []
         if not all(1e-30 <= step <= 1e30 for step in self.spacing):
-            raise _a.wrong("spacing", shown_pair(self.spacing), "lengths from 1e-30 to 1e30")
+            raise _a.wrong("spacing", " x ".join(map(shown, self.spacing)),
+                           "lengths from 1e-30 to 1e30")
         self.unit: str | None = None if unit is None else plain_unit(_a.word("unit", unit).decode())
         if self.unit not in (None, *UNITS):
             raise _a.wrong("unit", repr(unit), f"one of {', '.join(UNITS)}, or None")
@@ -115,7 +115,7 @@ class HeightMap(Conditioning):
 
     @property
     def heights(self) -> NDArray[Any]:
-        return typing.cast("NDArray[Any]", in_rows(self._cells, self.shape))
+        return in_rows(self._cells, self.shape)
 
     @property
     def sizes(self) -> tuple[float, float]:
@@ -137,16 +137,14 @@ class HeightMap(Conditioning):
     def power_spectrum(self, kind: str = "iso", level: str | None = None) -> Table:
         """Power spectral density of the heights (`docs/reference/height-maps.md`).
 
-        A free map has a Hann window; a map with missing pixels is refused.
+        The table has `q`, the wave number, 2 pi over the wavelength; `c_iso`, length to the power
+        4, or `c_1d`, length to the power 3; and `number` of wave vectors or lines averaged. A free
+        map has a Hann window; a map with missing pixels is refused.
 
         Args:
             kind: `iso`: averaged over rings of equal wave number. `x`, `y`: over lines along them.
             level: Subtract the least-squares `plane` (default of a free map), the `mean` (of a
                 periodic one) or `none`.
-
-        Returns:
-            `q`: wave number, 2 pi over the wavelength. `c_iso`, length to the power 4, or `c_1d`,
-            length to the power 3. `number`: wave vectors or lines that were averaged.
         """
         if kind not in _c.SPECTRA:
             raise _a.wrong("kind", repr(kind), "'iso', 'x' or 'y'")
@@ -170,10 +168,10 @@ class HeightMap(Conditioning):
     def __repr__(self) -> str:
         rows = f"a profile of {self.shape[1]}" if self.is_profile else \
             f"{self.shape[1]} x {self.shape[0]}"
-        unit = f" {self.unit}" if self.unit else ""
+        unit, sizes = f" {self.unit}" if self.unit else "", " x ".join(map(shown, self.sizes))
         known = [value for value in self._cells if value == value]
         missing = len(self._cells) - len(known)
-        return f"<asperity.HeightMap of {rows} pixels: {shown_pair(self.sizes)}{unit}, heights " \
+        return f"<asperity.HeightMap of {rows} pixels: {sizes}{unit}, heights " \
                f"{min(known, default=math.nan):.6g} to {max(known, default=math.nan):.6g}{unit}, " \
                f"{'periodic' if self.periodic else 'free'}" + (
                    f", {missing} pixels missing>" if missing else ">")
@@ -206,7 +204,7 @@ def map_of(name: str, value: Any, spacing: Any = None) -> Any | None:
     if dimensions is None or dimensions < 2:
         return None
     value, steps, unit = in_order(name, value, spacing)
-    return struct(_own(_a.doubles(name, value, 2)), steps, unit, -1)
+    return struct(_a.doubles(name, value, 2, True), steps, unit, -1)
 
 
 def in_order(name: str, value: Any,
@@ -253,13 +251,6 @@ def agreed_unit(name: str, unit: str | None, other: str | None) -> str | None:
     raise _a.wrong(name, f"{unit} and {other}", "one unit for heights and places")
 
 
-def _own(cells: Any) -> Any:
-    """A copy of heights in memory of its own."""
-    copied: Any = type(cells).from_buffer_copy(cells)
-    copied.rows, copied.columns = cells.rows, cells.columns
-    return copied
-
-
 def is_topography(value: Any) -> bool:
     """Whether a value has heights, sizes and a unit as a topography of SurfaceTopography has."""
     return callable(getattr(value, "heights", None)) and hasattr(value, "physical_sizes")
@@ -288,7 +279,8 @@ def map_of_topography(name: str, topography: Any, rows_first: bool = False) -> H
 def read_map(path: _a.Path, *, spacing: float | Sequence[float] | None = None,
              unit: str | None = None, periodic: bool = False, delimiter: str | None = None,
              decimal: str | None = None, columns: Sequence[str | int] | None = None) -> HeightMap:
-    """Read a height map from a file.
+    """Read a height map from a file; its `notes` are issued as warnings (`UserWarning`), too. A
+    file that cannot be read is an InputError with the reasons of both readers.
 
     Args:
         path: Surface data (ISO 25178-71, `.sdf`), a matrix of heights as text, lines of `x,y,z`, or
@@ -305,10 +297,6 @@ def read_map(path: _a.Path, *, spacing: float | Sequence[float] | None = None,
         columns: Columns of x, y and height of a full regular grid: names in the first line of the
             text, or numbers from 0 without names. A first line with `x`, `y` and one of `z`,
             `height`, `value`, `elevation` is read without. Other texts are matrices.
-
-    Returns:
-        Its `notes` are also issued as warnings (`UserWarning`). A file that cannot be read is an
-        InputError with the reasons of both readers.
 
     Examples:
         >>> asperity.read_map("data/examples/summits/rough.sdf", unit="um")
@@ -471,7 +459,3 @@ def _has_all_lines(path: str, pixels: Sequence[int]) -> bool:
     while lines and not re.match(r"\s*[-+.]*(\d|nan)", lines[0], re.IGNORECASE):
         del lines[0]
     return not re.search(r"\d\.?#", text) and 0 in (len(lines) % one for one in pixels)
-
-
-def shown_pair(values: Sequence[float]) -> str:
-    return " x ".join(map(shown, values))

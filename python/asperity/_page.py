@@ -42,12 +42,11 @@ class Page:
         self.notes: list[str] = []
         self.filters: list[Any] = []
         self.ranges: dict[str, Any] = {}
-        chosen = self.states["position"] == self.states["position"] if position is None \
-            else self.states["position"] == position
-        self.rows = numpy.flatnonzero(chosen)
+        places = self.states["position"]
+        self.rows = numpy.flatnonzero(places == (places if position is None else position))
         self.keys = keys_of(self.states, self.rows)
-        self.fields = {f"{one.position}.{one.step}": one for one in results._all_fields()}
-        self.fields = {key: self.fields[key] for key in self.keys if key in self.fields}
+        self.fields = {key: one for one in results._all_fields()
+                       if (key := f"{one.position}.{one.step}") in self.keys}
         self.shown = self.thinned()
         self.has_positions = len(set(self.states["position"][self.rows].tolist())) > 1
 

@@ -58,9 +58,8 @@ class Results:
     """
 
     def __init__(self, outcome: _c.Outcome, kept: int = _fields.NONE):
+        self._kept, self._fields = kept, dict[tuple[int, int], Fields]()
         self._outcome: _c.Outcome = outcome  #: None of results that were loaded or copied
-        self._kept = kept
-        self._fields: dict[tuple[int, int], Fields] = {}
         self.summary: str = outcome.text(_c.REPORT)
         self.warnings: list[str] = outcome.lines(_c.WARNINGS)
         self.notes: list[str] = outcome.lines(_c.NOTES)
