@@ -1,18 +1,17 @@
 !> The one interface of all effects.
 !>
 !> An effect estimates at low cost how much it changes the total vertical load of a state; where it
-!> is simulated it changes the state. Its own quantities are named columns, so that writers need no
-!> knowledge of the effect.
+!> is simulated it changes the state. Its own quantities are columns that are added with name, unit
+!> and value in one call, so that writers need no knowledge of the effect.
 !>
-!> `estimate` and `apply` are deferred; the defaults of the other procedures change nothing. An
-!> effect with a memory overrides `begin` and `keep`; one that acts during a hold sets
-!> `acts_in_time` and overrides `held_share`; one with columns that need no simulation overrides
-!> `leave_out`; one with columns that later effects change, `finish`.
+!> `estimate`, `apply` and `leave_out` are deferred; the defaults of the other procedures change
+!> nothing. An effect with a memory overrides `begin` and `keep`; one that acts during a hold sets
+!> `acts_in_time` and overrides `held_share`; one with columns that later effects change, `finish`.
 module asperity_contact_effect
   use asperity_contact_pairs, only: contact_pairs
   use asperity_contact_records, only: effect_record
   use asperity_contact_state, only: contact_state
-  use asperity_effect_header, only: column_name, effect_column, force, length, moment, plain
+  use asperity_effect_header, only: column_list, column_name, force, length, moment, plain
   use asperity_kinds, only: not_computed, real64
   use asperity_scene_values, only: effect_off, scene_effects
   use asperity_theory_warnings, only: theory_warning
@@ -21,15 +20,15 @@ module asperity_contact_effect
 
   public :: contact_effect, effect_box, effect_outcome
   public :: relative_influence
-  public :: column_name, effect_column, plain, length, force, moment
+  public :: column_name, plain, length, force, moment
 
   !> Outcome of one effect in one state: its change of the state, and the values of its columns.
   type, extends(effect_record) :: effect_outcome
     character(len=:), allocatable :: failure      !! error message; not allocated: simulated
     real(real64) :: load_jump = 0.0_real64   !! jumps of the load with the compression, relative
     real(real64) :: dissipated_work = not_computed  !! since first touch, in the unit of the pairs
-    real(real64), allocatable :: of_contacts(:, :)  !! (pair, column), in the unit of the pairs
-    real(real64), allocatable :: of_state(:)        !! (column), in the unit of the pairs
+    type(column_list) :: of_contacts  !! columns of a row a pair, in the unit of the pairs
+    type(column_list) :: of_state     !! columns of one row, in the unit of the pairs
     type(theory_warning), allocatable :: warnings(:)  !! where it is outside its theory
   end type effect_outcome
 
@@ -41,15 +40,13 @@ module asperity_contact_effect
     logical :: acts_in_time = .false.                   !! acts while load or separation is held
     logical :: approximates = .false.                   !! its `auto` is an approximation itself
     real(real64) :: reach = 0.0_real64                  !! gap from which it attracts, scene's unit
-    type(column_name), allocatable :: contact_columns(:)  !! columns of a contact
-    type(column_name), allocatable :: state_columns(:)    !! columns of a position
   contains
     procedure(estimate_influence), deferred :: estimate  !! influence on the load
     procedure(apply_effect), deferred :: apply           !! changes the state
     procedure :: begin => begin_position   !! clears the memory of the last position
     procedure :: keep => keep_state        !! keeps a state for the next ones of the position
-    procedure :: leave_out                 !! sets its columns where `auto` leaves it out
-    procedure :: finish => finish_columns  !! sets its columns again, after all effects
+    procedure(leave_out_effect), deferred :: leave_out  !! adds its columns where it is left out
+    procedure :: finish => finish_columns  !! adds columns after all effects
     procedure :: held_share                !! share of the load that remains in a hold
     procedure, non_overridable :: call_as  !! sets name, mode and tolerance
   end type contact_effect
@@ -80,6 +77,16 @@ module asperity_contact_effect
       type(contact_state), intent(inout) :: state     !! contacts without, then with this effect
       type(effect_outcome), intent(inout) :: outcome  !! columns, influence, warnings
     end subroutine apply_effect
+
+    !> Adds the columns of `apply` where the effect is left out, empty where they need simulation.
+    subroutine leave_out_effect(self, pairs, state, outcome)
+      import :: contact_effect, contact_pairs, contact_state, effect_outcome
+      implicit none
+      class(contact_effect), intent(in) :: self       !! effect with its parameters
+      type(contact_pairs), intent(in) :: pairs        !! pairs of the position
+      type(contact_state), intent(in) :: state        !! contacts without this effect
+      type(effect_outcome), intent(inout) :: outcome  !! gets the columns
+    end subroutine leave_out_effect
   end interface
 
 contains
@@ -125,20 +132,8 @@ contains
     end associate
   end subroutine keep_state
 
-  !> Sets the columns that need no simulation where `auto` leaves the effect out. This default sets
-  !> none: the values of the columns are empty.
-  subroutine leave_out(self, pairs, state, outcome)
-    class(contact_effect), intent(in) :: self       !! effect with its parameters
-    type(contact_pairs), intent(in) :: pairs        !! pairs of the position
-    type(contact_state), intent(in) :: state        !! contacts without this effect
-    type(effect_outcome), intent(inout) :: outcome  !! gets the columns
-
-    associate (unused => self, unused_too => pairs, unused_also => state, as_it_is => outcome)
-    end associate
-  end subroutine leave_out
-
-  !> Sets the columns again when later effects have changed the state, also where this effect is
-  !> left out. This default leaves them unchanged.
+  !> Adds columns when later effects have changed the state, also where this effect is left out.
+  !> This default adds none.
   subroutine finish_columns(self, pairs, state, outcome)
     class(contact_effect), intent(in) :: self       !! effect with its parameters
     type(contact_pairs), intent(in) :: pairs        !! pairs of the position

@@ -78,11 +78,15 @@ contains
     ! A search for a load has solved this state.
     if (allocated(found%solution)) then
       found%state%solution = found%solution
-    else if (any(is_simulated)) then
     end if
     do i = 1, size(effects)
       associate (effect => effects(i)%effect, outcome => found%outcomes(i))
-        if (without_time .and. effect%acts_in_time) cycle
+        if (without_time .and. effect%acts_in_time) then
+          outcome%of_contacts%is_left_out = .true.
+          outcome%of_state%is_left_out = .true.
+          call effect%leave_out(pairs, found%state, outcome)
+          cycle
+        end if
         if (is_simulated(i) .and. effect%approximates .and. effect%mode == effect_auto .and. &
             .not. allocated(found%fixed_choice)) then
           ! Effects before this one may have changed the contact law and so its estimate.

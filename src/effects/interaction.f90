@@ -4,8 +4,7 @@
 !> `boundary`: all are resolved by boundary elements. `auto`: as many as the tolerance requires.
 module asperity_interaction
   use asperity_constants, only: pi
-  use asperity_contact_effect, only: contact_effect, effect_column, effect_outcome, force, &
-                                     length, plain
+  use asperity_contact_effect, only: contact_effect, effect_outcome, force, length, plain
   use asperity_contact_law, only: contact_law
   use asperity_contact_pairs, only: contact_pairs
   use asperity_contact_state, only: answer_all, contact_state, interaction_solution
@@ -44,15 +43,6 @@ contains
     new%approximates = .true.
     new%boundary_tolerance = scene_in%effects%number('boundary_tolerance')
     new%area_tolerance = scene_in%effects%number('area_tolerance')
-    new%contact_columns = [ &
-      effect_column('lowered', length), &     ! displacement by neighbours
-      effect_column('alone_load', force)]     ! vertical load of the isolated contact
-    new%state_columns = [ &
-      effect_column('alone_load', force), &   ! sum over the isolated contacts
-      effect_column('factor', plain), &       ! load over load of isolated contacts
-      effect_column('cells', plain), &        ! number of boundary elements
-      effect_column('resolved', plain), &     ! number of contacts on boundary elements
-      effect_column('area_error_estimate', plain)]
     allocate (effect, source=new)
   end subroutine new_interaction
 
@@ -74,10 +64,9 @@ contains
     type(contact_pairs), intent(in) :: pairs        !! pairs of the position
     type(contact_state), intent(inout) :: state     !! gets the interacting contacts
     type(effect_outcome), intent(inout) :: outcome  !! gets columns, error and warnings
-    real(real64) :: coupled_load, isolated_load
+    real(real64) :: isolated(size(pairs%list)), factor
 
-    allocate (outcome%of_contacts(size(pairs%list), 2), outcome%of_state(5))
-    outcome%of_contacts(:, 2) = state%answers%vertical_load
+    isolated = state%answers%vertical_load
     outcome%simulated = 'coupled'
     if (self%mode == effect_boundary) outcome%simulated = 'boundary'
     ! `auto` may have begun to simulate plasticity, or ended, since the search for the load.
@@ -108,22 +97,20 @@ contains
         where (solution%pressure > 0.0_real64) &
           answers%maximum_pressure = max(solution%pressure, answers%load / solution%area)
       end where
-      outcome%of_contacts(:, 1) = max(0.0_real64, &
-                                      state%compression - pairs%list%gap - state%penetration)
-      isolated_load = sum(outcome%of_contacts(:, 2))
-      coupled_load = sum(answers%vertical_load)
-      outcome%of_state = [isolated_load, 1.0_real64, real(solution%elements, real64), &
-                          real(count(solution%is_resolved .and. answers%load > 0.0_real64), &
-                               real64), solution%area_error]
-      if (isolated_load > 0.0_real64) outcome%of_state(2) = coupled_load / isolated_load
+      factor = 1.0_real64
+      if (sum(isolated) > 0.0_real64) factor = sum(answers%vertical_load) / sum(isolated)
+      call add_columns(outcome, isolated, max(0.0_real64, state%compression - pairs%list%gap - &
+                       state%penetration), factor, real([solution%elements, count( &
+                       solution%is_resolved .and. answers%load > 0.0_real64)], real64), &
+                       solution%area_error)
       outcome%error = solution%error
       call warn_above(outcome%warnings, of_nested, solution%nested, &
                       whose=merge('other laws than Hertz', '                     ', &
                                   .not. same_type_as(state%law, hertz_law())))
+      if (self%mode == effect_auto .and. solution%area_error > self%tolerance) &
+        call add_warning(outcome%warnings, of_area, solution%area_error)
     end associate
-    outcome%influence = outcome%of_state(2) - 1.0_real64
-    if (self%mode == effect_auto .and. outcome%of_state(5) > self%tolerance) &
-      call add_warning(outcome%warnings, of_area, outcome%of_state(5))
+    outcome%influence = factor - 1.0_real64
   end subroutine apply_interaction
 
   !> Sets the columns where interaction is left out: isolated loads and the estimate as error.
@@ -135,11 +122,30 @@ contains
 
     associate (unused => self)
     end associate
-    allocate (outcome%of_contacts(size(pairs%list), 2), source=not_computed)
-    outcome%of_contacts(:, 2) = state%answers%vertical_load
-    outcome%of_state = [sum(state%answers%vertical_load), not_computed, 0.0_real64, 0.0_real64, &
-                        outcome%estimate]
+    call add_columns(outcome, state%answers%vertical_load, &
+                     spread(not_computed, 1, size(pairs%list)), not_computed, &
+                     spread(0.0_real64, 1, 2), outcome%estimate)
   end subroutine leave_out
+
+  ! Adds the columns.
+  subroutine add_columns(outcome, isolated, lowered, factor, counts, area_error)
+    type(effect_outcome), intent(inout) :: outcome
+    real(real64), intent(in) :: isolated(:)    ! vertical loads of the isolated contacts
+    real(real64), intent(in) :: lowered(:)  ! displacements by neighbours
+    real(real64), intent(in) :: factor      ! load over that of the isolated contacts
+    real(real64), intent(in) :: counts(2)   ! boundary elements, contacts on them
+    real(real64), intent(in) :: area_error  ! estimated relative error of the area
+
+    associate (of_contacts => outcome%of_contacts, of_state => outcome%of_state)
+      call of_contacts%add('lowered', length, lowered)
+      call of_contacts%add('alone_load', force, isolated)
+      call of_state%add('alone_load', force, sum(isolated))
+      call of_state%add('factor', plain, factor)
+      call of_state%add('cells', plain, counts(1))
+      call of_state%add('resolved', plain, counts(2))
+      call of_state%add('area_error_estimate', plain, area_error)
+    end associate
+  end subroutine add_columns
 
   !> Solves the interacting contacts at a compression, or at that of the load `target`.
   subroutine solve_together(self, pairs, law, tolerance, compression, found, failure, target)

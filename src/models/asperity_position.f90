@@ -275,7 +275,7 @@ contains
         call effects(e)%effect%keep(pairs, found%state)
       end do
       call drop_choice(found%choice)
-      call add_contacts(self%scene_in, pairs, effects, found%state, found%outcomes, number, &
+      call add_contacts(self%scene_in, pairs, found%state, found%outcomes, number, &
                         self%keep_rows, result)
       if (found%compression > self%deepest) then
         self%deepest = found%compression

@@ -37,10 +37,9 @@ contains
   end subroutine name_effects
 
   !> Adds a state to its position: totals, and the rows of contacts when they are kept.
-  subroutine add_contacts(scene_in, pairs, effects, state, outcomes, number, keep_rows, result)
+  subroutine add_contacts(scene_in, pairs, state, outcomes, number, keep_rows, result)
     type(scene), intent(in) :: scene_in                !! scene that is solved
     type(contact_pairs), intent(in) :: pairs           !! pairs of the position
-    type(effect_box), intent(in) :: effects(:)         !! effects of the scene
     type(contact_state), intent(in) :: state           !! contacts with the effects
     type(effect_outcome), intent(in) :: outcomes(:)    !! results of each effect
     integer, intent(in) :: number                      !! number of the state, from 1
@@ -59,7 +58,7 @@ contains
     call finish_tally(tally, pairs%limits, pairs%first_touch - state%compression, &
                       state%compression, number, result)
     result%states(number)%time = state%time
-    if (keep_rows) call add_contact_values(pairs, effects, state, outcomes, result)
+    if (keep_rows) call add_contact_values(pairs, state, outcomes, result)
     if (associated(pairs%pressures)) then
       if (pairs%pressures%of_all_states .or. number == size(result%states)) then
         if (.not. allocated(result%pressures)) allocate (result%pressures(size(result%states)))
@@ -82,7 +81,7 @@ contains
     end do
     call add_errors(scene_in, effects, outcomes, result%states(number))
     if (number == size(result%states)) &
-      call close_position(scene_in, pairs, effects, outcomes, result)
+      call close_position(scene_in, pairs, outcomes, result)
   end subroutine add_contacts
 
   !> Adds the results of the effects for a state at which all of them are left out.
@@ -104,11 +103,11 @@ contains
     end do
     if (keep_rows) then
       result%rows_used = result%rows_used + count([(in_contact(state, i), i=1, size(pairs%list))])
-      call add_contact_values(pairs, effects, state, outcomes, result)
+      call add_contact_values(pairs, state, outcomes, result)
     end if
     call add_errors(scene_in, effects, outcomes, result%states(number))
     if (number == size(result%states)) &
-      call close_position(scene_in, pairs, effects, outcomes, result)
+      call close_position(scene_in, pairs, outcomes, result)
   end subroutine add_without_effects
 
   ! Adds the errors of a state: estimates of the effects that `auto` left out, and errors of the
@@ -145,19 +144,24 @@ contains
   end function error_of_share
 
   ! Sets the results of the effects for a position, from its last state.
-  subroutine close_position(scene_in, pairs, effects, outcomes, result)
+  subroutine close_position(scene_in, pairs, outcomes, result)
     type(scene), intent(in) :: scene_in
     type(contact_pairs), intent(in) :: pairs
-    type(effect_box), intent(in) :: effects(:)
     type(effect_outcome), intent(in) :: outcomes(:)
     type(position_result), intent(inout) :: result
     type(theory_warning), allocatable :: warnings(:)
     integer :: i
 
-    call set_state_values(pairs, effects, outcomes, result)
-    allocate (result%effects(size(outcomes)))
+    allocate (result%effects(size(outcomes)), result%state_values(0), result%state_columns(0), &
+              result%contact_columns(0))
     do i = 1, size(outcomes)
       result%effects(i) = outcomes(i)%effect_record
+      associate (columns => outcomes(i)%of_state)
+        result%state_columns = [result%state_columns, columns%names]
+        result%contact_columns = [result%contact_columns, outcomes(i)%of_contacts%names]
+        result%state_values = [result%state_values, &
+                               in_units(columns%names, pairs, columns%values(1, :))]
+      end associate
     end do
     ! The largest estimate, over the states, of an effect that is left out because it has no common
     ! theory with another one.
@@ -230,65 +234,34 @@ contains
   end function contact_of
 
   ! Appends the values of the effects for the contacts of a state to those of the former states.
-  subroutine add_contact_values(pairs, effects, state, outcomes, result)
+  subroutine add_contact_values(pairs, state, outcomes, result)
     type(contact_pairs), intent(in) :: pairs
-    type(effect_box), intent(in) :: effects(:)
     type(contact_state), intent(in) :: state
     type(effect_outcome), intent(in) :: outcomes(:)
     type(position_result), intent(inout) :: result
     real(real64), allocatable :: values(:, :)
-    integer :: at, before, e, i, last, row
+    integer :: before, e, i, last, row
 
     before = 0
     if (allocated(result%contact_values)) before = size(result%contact_values, 1)
-    last = 0
-    do e = 1, size(effects)
-      last = last + size(effects(e)%effect%contact_columns)
-    end do
-    allocate (values(result%rows_used, last))
+    allocate (values(result%rows_used, sum([(size(outcomes(e)%of_contacts%names), &
+                                             e=1, size(outcomes))])))
     if (before > 0) values(:before, :) = result%contact_values
     row = before
     do i = 1, size(pairs%list)
       if (.not. in_contact(state, i)) cycle
       row = row + 1
       last = 0
-      do e = 1, size(effects)
-        associate (columns => effects(e)%effect%contact_columns)
-          at = last + 1
-          last = last + size(columns)
-          if (allocated(outcomes(e)%of_contacts)) then
-            values(row, at:last) = in_units(columns, pairs, outcomes(e)%of_contacts(i, :))
-          else
-            values(row, at:last) = not_computed
-          end if
+      do e = 1, size(outcomes)
+        associate (columns => outcomes(e)%of_contacts)
+          values(row, last + 1:last + size(columns%names)) = &
+            in_units(columns%names, pairs, columns%values(i, :))
+          last = last + size(columns%names)
         end associate
       end do
     end do
     call move_alloc(values, result%contact_values)
   end subroutine add_contact_values
-
-  ! Sets the columns of the effects in the last state.
-  subroutine set_state_values(pairs, effects, outcomes, result)
-    type(contact_pairs), intent(in) :: pairs
-    type(effect_box), intent(in) :: effects(:)
-    type(effect_outcome), intent(in) :: outcomes(:)
-    type(position_result), intent(inout) :: result
-    integer :: e
-
-    allocate (result%state_values(0), result%state_columns(0), result%contact_columns(0))
-    do e = 1, size(effects)
-      result%state_columns = [result%state_columns, effects(e)%effect%state_columns]
-      result%contact_columns = [result%contact_columns, effects(e)%effect%contact_columns]
-      associate (columns => effects(e)%effect%state_columns)
-        if (allocated(outcomes(e)%of_state)) then
-          result%state_values = [result%state_values, &
-                                 in_units(columns, pairs, outcomes(e)%of_state)]
-        else
-          result%state_values = [result%state_values, spread(not_computed, 1, size(columns))]
-        end if
-      end associate
-    end do
-  end subroutine set_state_values
 
   ! A value of a column in the units of the scene.
   elemental real(real64) function in_units(column, pairs, value)

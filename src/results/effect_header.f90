@@ -4,8 +4,7 @@ module asperity_effect_header
   implicit none
   private
 
-  public :: add_effect, begin_header, column_list, column_name, effect_column, effect_header, &
-            take_columns
+  public :: add_effect, begin_header, column_list, column_name, effect_header, take_columns
   public :: plain, length, force, moment, area, stiffness
 
   ! Powers of the modulus and of the length in the unit of a column, derived from the dimension.
@@ -26,7 +25,7 @@ module asperity_effect_header
 
   !> Columns with their names, units and values, of one state or of contacts.
   type :: column_list
-    integer :: rows = 1                                  !! length of each column
+    integer :: rows = 0                                  !! length of each column; 0: of the first
     logical :: is_left_out = .false.                     !! columns that are added get no values
     type(column_name), allocatable :: names(:)           !! names and units
     real(real64), allocatable :: values(:, :)            !! (row, column)
@@ -72,14 +71,6 @@ contains
     header%modes = [header%modes, mode]
   end subroutine add_effect
 
-  !> Column with a name and a unit.
-  pure type(column_name) function effect_column(name, unit) result(column)
-    character(len=*), intent(in) :: name  !! name in the header of the file
-    integer, intent(in) :: unit(2)        !! `plain`, `length`, `force` ...
-
-    column = column_name(name, unit(1), unit(2))
-  end function effect_column
-
   !> Sets the columns of a header.
   pure subroutine take_columns(header, of_states, of_contacts)
     type(effect_header), intent(inout) :: header         !! gets the columns
@@ -113,12 +104,13 @@ contains
     character(len=*), intent(in) :: name       !! name in the header of the file
     integer, intent(in) :: unit(2)             !! `plain`, `length`, `force` ...
     real(real64), intent(in) :: values(:)      !! at most as many as rows
-    real(real64) :: column(self%rows)
+    real(real64) :: column(merge(size(values), self%rows, self%rows == 0))
 
+    self%rows = size(column)
     column = not_computed
     if (.not. self%is_left_out) column(self%rows - size(values) + 1:) = values
     if (.not. allocated(self%names)) allocate (self%names(0), self%values(self%rows, 0))
-    self%names = [self%names, effect_column(name, unit)]
+    self%names = [self%names, column_name(name, unit(1), unit(2))]
     self%values = reshape([self%values, column], [self%rows, size(self%names)])
   end subroutine add_values
 

@@ -3,11 +3,10 @@
 !> Every contact carries a share more than its law says, and that share again for each state kept
 !> before. Where it acts in time, all loads fall by exp(-t).
 module asperity_made_up_effect
-  use asperity_contact_effect, only: contact_effect, effect_column, effect_outcome, force, &
-                                     length, plain
+  use asperity_contact_effect, only: contact_effect, effect_outcome, force, length, plain
   use asperity_contact_pairs, only: contact_pairs
   use asperity_contact_state, only: contact_state
-  use asperity_kinds, only: real64
+  use asperity_kinds, only: not_computed, real64
   implicit none
   private
 
@@ -20,6 +19,7 @@ module asperity_made_up_effect
   contains
     procedure :: estimate
     procedure :: apply
+    procedure :: leave_out
     procedure :: begin
     procedure :: keep
     procedure :: held_share
@@ -44,9 +44,6 @@ contains
     new%tolerance = tolerance
     new%share = share
     new%acts_in_time = in_time
-    new%contact_columns = [effect_column('added_load', force), effect_column('depth', length)]
-    new%state_columns = [effect_column('bare_load', force), &
-                         effect_column('kept', plain)]
     allocate (effect, source=new)
   end subroutine make_up
 
@@ -79,14 +76,40 @@ contains
 
     factor = 1.0_real64 + self%estimate(pairs, state)
     if (self%acts_in_time) factor = factor * exp(-state%time)
-    allocate (outcome%of_contacts(size(pairs%list), 2))
-    outcome%of_contacts(:, 1) = (factor - 1.0_real64) * state%answers%load
-    outcome%of_contacts(:, 2) = state%penetration
-    outcome%of_state = [sum(state%answers%vertical_load), real(self%kept, real64)]
+    call add_columns(outcome, (factor - 1.0_real64) * state%answers%load, state%penetration, &
+                     sum(state%answers%vertical_load), real(self%kept, real64))
     state%answers%load = factor * state%answers%load
     state%answers%vertical_load = factor * state%answers%vertical_load
     outcome%simulated = 'on'
   end subroutine apply
+
+  !> Columns without values.
+  subroutine leave_out(self, pairs, state, outcome)
+    !> the effect
+    class(made_up_effect), intent(in) :: self
+    !> the position
+    type(contact_pairs), intent(in) :: pairs
+    !> without this effect
+    type(contact_state), intent(in) :: state
+    !> gets the columns
+    type(effect_outcome), intent(inout) :: outcome
+
+    associate (unused => self, unused_too => state, &
+               none => spread(not_computed, 1, size(pairs%list)))
+      call add_columns(outcome, none, none, not_computed, not_computed)
+    end associate
+  end subroutine leave_out
+
+  ! Adds the columns.
+  subroutine add_columns(outcome, added, depth, bare, kept)
+    type(effect_outcome), intent(inout) :: outcome
+    real(real64), intent(in) :: added(:), depth(:), bare, kept
+
+    call outcome%of_contacts%add('added_load', force, added)
+    call outcome%of_contacts%add('depth', length, depth)
+    call outcome%of_state%add('bare_load', force, bare)
+    call outcome%of_state%add('kept', plain, kept)
+  end subroutine add_columns
 
   !> Nothing was kept yet.
   subroutine begin(self, pairs)

@@ -228,7 +228,6 @@ contains
     solves = 0
     effect%mode = effect_on
     effect%solves => solves
-    allocate (effect%contact_columns(0), effect%state_columns(0))
     allocate (effects(1)%effect, source=effect)
     call run_position(scene_in, pairs, effects, result, run, failure)
     call check(size(result%states), 3, 'first touch, first contact, last state')
@@ -247,7 +246,7 @@ contains
     real(real64), parameter :: jump = 1.0e-4_real64
 
     self%solves = self%solves + 1
-    allocate (outcome%of_contacts(size(pairs%list), 0), outcome%of_state(0))
+    call self%leave_out(pairs, state, outcome)
     outcome%simulated = 'on'
     outcome%load_jump = jump
     state%penetration(2) = state%compression - pairs%list(2)%gap - &

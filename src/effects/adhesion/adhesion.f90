@@ -6,8 +6,8 @@ module asperity_adhesion
   use asperity_adhesion_law, only: adhering_contact, adhesion_law, adhesion_numbers, begin_law, &
                                    complete_contact, complete_law, model_dmt, &
                                    range_of_attraction, respond_along_centres
-  use asperity_contact_effect, only: contact_effect, effect_column, effect_outcome, force, &
-                                     plain, relative_influence
+  use asperity_contact_effect, only: contact_effect, effect_outcome, force, plain, &
+                                     relative_influence
   use asperity_contact_law, only: contact_response
   use asperity_contact_pairs, only: contact_pairs
   use asperity_contact_state, only: answer_all, contact_state
@@ -45,14 +45,6 @@ contains
     new%work = scene_in%effects%number('work_of_adhesion')
     new%distance = scene_in%effects%number('equilibrium_distance')
     if (new%work > 0.0_real64) new%reach = range_of_attraction * new%distance
-    new%contact_columns = [ &
-      effect_column('adhering', plain), &           ! 1: it adheres
-      effect_column('pull_off_force', force), &     ! its largest tensile load
-      effect_column('tabor_parameter', plain)]
-    new%state_columns = [ &
-      effect_column('adhering_contacts', plain), &  ! number of contacts that adhere
-      effect_column('pulling_contacts', plain), &   ! number of contacts with a load below 0
-      effect_column('pull_off_sum', force)]         ! sum over the contacts that adhere
     allocate (effect, source=new)
   end subroutine new_adhesion
 
@@ -124,13 +116,13 @@ contains
     ! a paraboloid.
     distance = scale(self%distance, -pairs%length_power)
     do i = 1, size(pairs%list)
-      if (.not. outcome%of_contacts(i, 1) > 0.0_real64) cycle
+      if (.not. outcome%of_contacts%values(i, 1) > 0.0_real64) cycle
       associate (known => self%law%known(i), pair => pairs%list(i))
         smaller = min(pair%upper_radius, pair%lower_radius)
         if (.not. smaller > 0.0_real64) smaller = max(pair%upper_radius, pair%lower_radius)
         call warn_above(outcome%warnings, of_range, distance / smaller, 1)
         if (known%model == model_dmt) &
-          call warn_above(outcome%warnings, of_tabor, outcome%of_contacts(i, 3), 1)
+          call warn_above(outcome%warnings, of_tabor, outcome%of_contacts%values(i, 3), 1)
       end associate
     end do
   end subroutine apply_adhesion
@@ -146,7 +138,8 @@ contains
     type is (adhesion_law)
       if (size(law%known) /= size(self%law%known)) return
       is_prepared = .not. (any(abs(law%known%radius - self%law%known%radius) > 0.0_real64) .or. &
-                           abs(law%numbers%work - self%law%numbers%work) > 0.0_real64)
+                           abs(law%numbers%work - self%law%numbers%work) > 0.0_real64 .or. &
+                           abs(law%numbers%distance - self%law%numbers%distance) > 0.0_real64)
     end select
   end function is_prepared
 
@@ -157,22 +150,26 @@ contains
     type(contact_state), intent(in) :: state        !! contacts without adhesion
     type(effect_outcome), intent(inout) :: outcome  !! gets the columns
     type(adhering_contact) :: contact
-    real(real64) :: pull
-    integer :: adhering, i
+    ! Whether a contact adheres, its largest tensile load and its Tabor parameter.
+    real(real64), allocatable :: values(:, :)
+    integer :: i
 
-    allocate (outcome%of_contacts(size(pairs%list), 3), source=0.0_real64)
-    pull = 0.0_real64
-    adhering = 0
+    allocate (values(size(pairs%list), 3), source=0.0_real64)
     do i = 1, pairs_within(self, pairs, state)
       contact = self%law%known(i)
       if (.not. self%law%is_adhering(pairs%list(i), i, state%penetration(i))) cycle
       call complete_contact(self%law%numbers, contact)
-      outcome%of_contacts(i, :) = [1.0_real64, contact%pull_off, contact%tabor]
-      adhering = adhering + 1
-      pull = pull + contact%pull_off
+      values(i, :) = [1.0_real64, contact%pull_off, contact%tabor]
     end do
-    outcome%of_state = [real(adhering, real64), &
-                        real(count(state%answers%load < 0.0_real64), real64), pull]
+    associate (of_contacts => outcome%of_contacts, of_state => outcome%of_state)
+      call of_contacts%add('adhering', plain, values(:, 1))
+      call of_contacts%add('pull_off_force', force, values(:, 2))
+      call of_contacts%add('tabor_parameter', plain, values(:, 3))
+      call of_state%add('adhering_contacts', plain, sum(values(:, 1)))
+      call of_state%add('pulling_contacts', plain, &
+                        real(count(state%answers%load < 0.0_real64), real64))
+      call of_state%add('pull_off_sum', force, sum(values(:, 2)))
+    end associate
   end subroutine leave_out
 
   ! Number of the first pairs that may adhere: from open surfaces those within the range of the

@@ -8,7 +8,7 @@
 !> contact has the law of the state before, so that its load is a continuous function of the
 !> compression: a neighbour that touches in the step does not change the law of its load.
 module asperity_creep
-  use asperity_contact_effect, only: contact_effect, effect_column, effect_outcome, force, plain
+  use asperity_contact_effect, only: contact_effect, effect_outcome, force, plain
   use asperity_contact_law, only: contact_response
   use asperity_contact_pairs, only: contact_pairs
   use asperity_contact_rings, only: contact_rings, has_shrunk, keep_rings, measure_rings
@@ -73,12 +73,6 @@ contains
       if (effects%mode('interaction') == effect_auto) &
         new%may_fall = max(new%may_fall, new%tolerance)
     end associate
-    new%contact_columns = [ &
-      effect_column('elastic_load', force), &   ! load of an elastic contact at this compression
-      effect_column('relaxed_share', plain)]    ! load over elastic load
-    new%state_columns = [ &
-      effect_column('time', plain), &           ! since the begin of loading
-      effect_column('elastic_load', force)]     ! sum over the contacts
     allocate (effect, source=new)
   end subroutine new_creep
 
@@ -113,13 +107,15 @@ contains
     type(contact_state), intent(inout) :: state     !! gets loads, pressures and stiffness
     type(effect_outcome), intent(inout) :: outcome  !! gets columns and warnings
     type(solid_step) :: step
-    real(real64) :: elastic, shrinking
+    ! Load of an elastic contact at this compression, and its load over it.
+    real(real64), allocatable :: values(:, :)
+    real(real64) :: elastic, shrinking, total
     logical :: holds, isolated
     integer :: i, number
 
     outcome%simulated = 'on'
-    allocate (outcome%of_contacts(size(pairs%list), 2), source=0.0_real64)
-    outcome%of_state = [state%time, sum(state%answers%load)]
+    allocate (values(size(pairs%list), 2), source=0.0_real64)
+    total = sum(state%answers%load)
     ! Without time there is no creep, and a compression of any sign is valid.
     holds = state%time > 0.0_real64
     if (holds) step = step_over(self%limits%solid, self%time, state%time)
@@ -130,16 +126,17 @@ contains
       isolated = holds
       if (holds) isolated = allocated(self%memory(i)%rings%overlap)
       if (holds .and. .not. isolated .and. self%memory(i)%is_loaded .and. &
-          self%memory(i)%elastic(1) - elastic > self%may_fall * outcome%of_state(2)) then
+          self%memory(i)%elastic(1) - elastic > self%may_fall * total) then
         shrinking = shrinking + self%memory(i)%elastic(1)
         number = number + 1
       end if
       if (.not. state%penetration(i) > 0.0_real64) cycle
-      outcome%of_contacts(i, :) = [elastic, 1.0_real64]
+      values(i, :) = [elastic, 1.0_real64]
       if (.not. (holds .and. elastic > 0.0_real64)) cycle
       call relax_contact(step, self%memory(i), isolated, pairs%list(i)%s, state%answers(i))
-      outcome%of_contacts(i, 2) = state%answers(i)%load / elastic
+      values(i, 2) = state%answers(i)%load / elastic
     end do
+    call add_columns(outcome, values(:, 1), values(:, 2), state%time, total)
     if (number > 0) call add_warning(outcome%warnings, of_shrinking, shrinking / &
       sum(self%memory%elastic(1), self%memory%is_loaded), contacts=number)
     do i = 1, size(pairs%list)
@@ -158,10 +155,20 @@ contains
 
     associate (unused => self)
     end associate
-    allocate (outcome%of_contacts(size(pairs%list), 2), source=not_computed)
-    outcome%of_contacts(:, 1) = state%answers%load
-    outcome%of_state = [not_computed, sum(state%answers%load)]
+    call add_columns(outcome, state%answers%load, spread(not_computed, 1, size(pairs%list)), &
+                     not_computed, sum(state%answers%load))
   end subroutine leave_out
+
+  ! Adds the columns: elastic loads, loads over them, the time and the sum of the elastic loads.
+  subroutine add_columns(outcome, elastic, shares, time, total)
+    type(effect_outcome), intent(inout) :: outcome
+    real(real64), intent(in) :: elastic(:), shares(:), time, total
+
+    call outcome%of_contacts%add('elastic_load', force, elastic)
+    call outcome%of_contacts%add('relaxed_share', plain, shares)
+    call outcome%of_state%add('time', plain, time)
+    call outcome%of_state%add('elastic_load', force, total)
+  end subroutine add_columns
 
   ! Whether no neighbour displaces the surfaces of a contact, by more than the error of its
   ! penetration.

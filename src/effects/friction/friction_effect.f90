@@ -1,7 +1,6 @@
 !> Friction on inclined contacts, as an effect of a scene.
 module asperity_friction_effect
-  use asperity_contact_effect, only: contact_effect, effect_column, effect_outcome, force, &
-                                     moment, plain
+  use asperity_contact_effect, only: contact_effect, effect_outcome, force, moment, plain
   use asperity_contact_law, only: contact_response
   use asperity_contact_pairs, only: contact_pairs
   use asperity_contact_state, only: contact_state
@@ -34,17 +33,6 @@ contains
     call new%call_as('friction', scene_in%effects)
     new%coefficient = scene_in%effects%number('friction_coefficient')
     new%kappa = stiffness_ratio_of(scene_in)
-    new%contact_columns = [ &
-      effect_column('tangential_load', force), &
-      effect_column('sliding', plain), &            ! 1: complete sliding
-      effect_column('slip_annulus', plain), &       ! its width over contact radius
-      effect_column('lateral_x', force), effect_column('lateral_y', force)]
-    new%state_columns = [ &
-      effect_column('frictionless_load', force), &  ! vertical load without friction
-      effect_column('sliding_contacts', plain), &   ! number of sliding contacts
-      effect_column('rig_force_x', force), effect_column('rig_force_y', force), &
-      effect_column('rig_moment_x', moment), effect_column('rig_moment_y', moment), &
-      effect_column('rig_moment_z', moment)]
     allocate (effect, source=new)
   end subroutine new_friction
 
@@ -108,13 +96,15 @@ contains
     type(effect_outcome), intent(inout) :: outcome
     type(rubbing) :: rubbed
     type(contact_response) :: pressed
+    ! Tangential load, complete sliding, width of the slip annulus over the contact radius, lateral
+    ! forces.
+    real(real64), allocatable :: values(:, :)
     real(real64) :: frictionless, rig(5)
-    integer :: i, sliding
+    integer :: i
 
-    allocate (outcome%of_contacts(size(pairs%list), 5), source=0.0_real64)
+    allocate (values(size(pairs%list), 5), source=0.0_real64)
     frictionless = sum(answers%vertical_load)
     rig = 0.0_real64
-    sliding = 0
     do i = 1, size(pairs%list)
       if (.not. penetration(i) > 0.0_real64) cycle
       pressed = answers(i)
@@ -133,12 +123,23 @@ contains
       end associate
       answers(i)%vertical_load = rubbed%vertical_load
       answers(i)%stiffness = rubbed%stiffness
-      if (rubbed%sliding) sliding = sliding + 1
-      outcome%of_contacts(i, :) = [rubbed%tangential_load, &
-                                   merge(1.0_real64, 0.0_real64, rubbed%sliding), &
-                                   rubbed%slip_annulus, rubbed%lateral_x, rubbed%lateral_y]
+      values(i, :) = [rubbed%tangential_load, merge(1.0_real64, 0.0_real64, rubbed%sliding), &
+                      rubbed%slip_annulus, rubbed%lateral_x, rubbed%lateral_y]
     end do
-    outcome%of_state = [frictionless, real(sliding, real64), -rig]
+    associate (of_contacts => outcome%of_contacts, of_state => outcome%of_state)
+      call of_contacts%add('tangential_load', force, values(:, 1))
+      call of_contacts%add('sliding', plain, values(:, 2))
+      call of_contacts%add('slip_annulus', plain, values(:, 3))
+      call of_contacts%add('lateral_x', force, values(:, 4))
+      call of_contacts%add('lateral_y', force, values(:, 5))
+      call of_state%add('frictionless_load', force, frictionless)
+      call of_state%add('sliding_contacts', plain, sum(values(:, 2)))
+      call of_state%add('rig_force_x', force, -rig(1))
+      call of_state%add('rig_force_y', force, -rig(2))
+      call of_state%add('rig_moment_x', moment, -rig(3))
+      call of_state%add('rig_moment_y', moment, -rig(4))
+      call of_state%add('rig_moment_z', moment, -rig(5))
+    end associate
   end subroutine add_friction
 
 end module asperity_friction_effect

@@ -4,8 +4,8 @@
 !> overlap of each contact is kept from one state of a position to the next.
 module asperity_plasticity
   use asperity_constants, only: pi
-  use asperity_contact_effect, only: contact_effect, effect_column, effect_outcome, force, &
-                                     length, moment, plain, relative_influence
+  use asperity_contact_effect, only: contact_effect, effect_outcome, force, length, moment, &
+                                     plain, relative_influence
   use asperity_contact_law, only: contact_response
   use asperity_contact_pairs, only: contact_pairs
   use asperity_contact_state, only: answer_all, contact_state
@@ -31,6 +31,7 @@ module asperity_plasticity
   contains
     procedure :: estimate => estimate_plasticity
     procedure :: apply => apply_plasticity
+    procedure :: leave_out
     procedure :: begin => begin_plasticity
     procedure :: keep => keep_plasticity
     procedure :: finish => finish_plasticity
@@ -48,15 +49,6 @@ contains
     new%law%constraint = yielding_factor(scene_in)
     new%yield_stress = scene_in%effects%number('plastic_yield_stress')
     new%limit_is_yield = scene_in%limit%criterion == criterion_hardy
-    new%contact_columns = [ &
-      effect_column('plastic', plain), &             ! 1: has passed its onset
-      effect_column('largest_overlap', length), &
-      effect_column('residual_overlap', length)]     ! overlap without load
-    new%state_columns = [ &
-      effect_column('hertz_load', force), &          ! Hertz' law at the same penetrations
-      effect_column('contacts_flowing', plain), &    ! number of contacts at their largest overlap
-      effect_column('dissipated_work', moment), &    ! since first touch
-      effect_column('residual_flattening', length)]  ! greatest residual overlap
     allocate (effect, source=new)
   end subroutine new_plasticity
 
@@ -119,7 +111,18 @@ contains
     outcome%simulated = 'on'
   end subroutine apply_plasticity
 
-  !> Sets the columns at the end, as later effects may change the penetrations.
+  !> Leaves the columns to the end.
+  subroutine leave_out(self, pairs, state, outcome)
+    class(plasticity_effect), intent(in) :: self    !! plasticity with its history
+    type(contact_pairs), intent(in) :: pairs        !! pairs of the position
+    type(contact_state), intent(in) :: state        !! contacts without plasticity
+    type(effect_outcome), intent(inout) :: outcome  !! stays without columns
+
+    associate (unused => self, unused_too => pairs, unused_also => state, as_it_is => outcome)
+    end associate
+  end subroutine leave_out
+
+  !> Adds the columns at the end, as later effects may change the penetrations.
   subroutine finish_plasticity(self, pairs, state, outcome)
     class(plasticity_effect), intent(in) :: self    !! plasticity with its history
     type(contact_pairs), intent(in) :: pairs        !! pairs of the position
@@ -127,23 +130,22 @@ contains
     type(effect_outcome), intent(inout) :: outcome  !! gets columns and warnings
     type(plastic_past) :: past
     type(contact_response) :: answer
-    real(real64) :: elastic_load, flattening, overlap, strain, work
+    ! Whether a contact has passed its onset, its largest overlap and that without load.
+    real(real64), allocatable :: values(:, :)
+    real(real64) :: elastic_load, overlap, strain, work
     integer :: flowing, i
 
-    allocate (outcome%of_contacts(size(pairs%list), 3))
+    allocate (values(size(pairs%list), 3))
     elastic_load = 0.0_real64
     work = 0.0_real64
-    flattening = 0.0_real64
     flowing = 0
     do i = 1, size(pairs%list)
       call self%law%elastic%respond(pairs%list(i), i, state%penetration(i), answer)
       overlap = answer%overlap
       elastic_load = elastic_load + answer%vertical_load
       call past_of_contact(self%law, pairs%list(i), i, max(self%law%largest(i), overlap), past)
-      outcome%of_contacts(i, :) = [merge(1.0_real64, 0.0_real64, past%flowed), past%largest, &
-                                   past%residual]
+      values(i, :) = [merge(1.0_real64, 0.0_real64, past%flowed), past%largest, past%residual]
       work = work + past%work_lost
-      flattening = max(flattening, past%residual)
       ! The range of yield strains is one of the material, however small the flow is.
       if (.not. (past%flowed .or. (outcome%simulated /= 'off' .and. past%largest > 0.0_real64 &
                  .and. self%law%critical(i) < huge(strain)))) cycle
@@ -160,7 +162,15 @@ contains
                         self%law%largest(i) / self%law%critical(i), 1)
       end if
     end do
-    outcome%of_state = [elastic_load, real(flowing, real64), work, flattening]
+    associate (of_contacts => outcome%of_contacts, of_state => outcome%of_state)
+      call of_contacts%add('plastic', plain, values(:, 1))
+      call of_contacts%add('largest_overlap', length, values(:, 2))
+      call of_contacts%add('residual_overlap', length, values(:, 3))
+      call of_state%add('hertz_load', force, elastic_load)
+      call of_state%add('contacts_flowing', plain, real(flowing, real64))
+      call of_state%add('dissipated_work', moment, work)
+      call of_state%add('residual_flattening', length, maxval([0.0_real64, values(:, 3)]))
+    end associate
     outcome%dissipated_work = work
   end subroutine finish_plasticity
 
