@@ -7,7 +7,11 @@ module asperity_process
   implicit none
   private
 
-  public :: has_memory
+  public :: has_memory, is_given
+
+  !> Addresses of a thread beside the data [bytes]: its usual stack, and the part of the heap that
+  !> allocations of a thread begin with (glibc, HEAP_MAX_SIZE).
+  integer(int64), parameter, public :: bytes_of_thread = 8388608_int64 + 67108864_int64
 
   ! Least request for memory [bytes] that is compared with the free memory of the machine: reading
   ! that takes 0.1 ms, and smaller requests do not exhaust a machine.
@@ -26,20 +30,28 @@ contains
     integer(int64), intent(in) :: bytes  !! size of the memory, 0 or more
     character(len=*), parameter :: group = '/sys/fs/cgroup/memory.'
     integer(int64) :: limit
-    type(c_ptr) :: room
 
-    has_memory = bytes < all_addresses
-    if (bytes < small_request .or. .not. has_memory) return
-    ! Memory that nothing is written to takes no place.
-    room = c_malloc(int(bytes + spare_room, c_size_t))
-    has_memory = c_associated(room)
-    call c_free(room)
+    has_memory = bytes < small_request
+    if (.not. has_memory) has_memory = is_given(bytes)
     if (bytes < large_request .or. .not. has_memory) return
     has_memory = bytes / 1024_int64 <= number_in_file('/proc/meminfo', 'MemAvailable:')
     limit = number_in_file(group // 'max', '')
     if (limit < huge(limit)) &
       has_memory = has_memory .and. bytes <= limit - number_in_file(group // 'stat', 'anon ')
   end function has_memory
+
+  !> Whether the system gives addresses beside those in use. Those that nothing is written to take no
+  !> memory.
+  logical function is_given(bytes)
+    integer(int64), intent(in) :: bytes  !! size, 0 or more
+    type(c_ptr) :: room
+
+    is_given = bytes < all_addresses
+    if (.not. is_given) return
+    room = c_malloc(int(bytes + spare_room, c_size_t))
+    is_given = c_associated(room)
+    call c_free(room)
+  end function is_given
 
   ! The integer that follows a name in a file of the system; the largest integer when there is
   ! none.

@@ -9,7 +9,7 @@ module asperity_solve
   use asperity_map_solve, only: solve_map
   use asperity_numeral, only: rounded_decimal
   use asperity_problems, only: not_enough_memory, problem_list
-  use asperity_process, only: has_memory
+  use asperity_process, only: bytes_of_thread, has_memory, is_given
   use asperity_run_options, only: check_options, run_options, totals_of_accuracy
   use asperity_scene_results, only: scene_results
   use asperity_scene_values, only: by_default, by_word, effect_off, scene, scene_effects
@@ -33,6 +33,7 @@ contains
     type(run_options) :: chosen
     type(problem_list) :: problems
     type(scene) :: written
+    integer(int64) :: room
     !$ integer :: usual
 
     if (.not. scene_in%is_checked) then
@@ -52,12 +53,12 @@ contains
                 'expected one, or --of load or --of area'
       return
     end if
-    if (allocated(scene_in%map)) then
-      if (.not. has_memory(max(room_of(scene_in%map%upper, scene_in%effects), &
-                               room_of(scene_in%map%lower, scene_in%effects)))) then
-        failure = not_enough_memory // ' for the pixels of the map'
-        return
-      end if
+    room = 0_int64
+    if (allocated(scene_in%map)) room = max(room_of(scene_in%map%upper, scene_in%effects), &
+                                            room_of(scene_in%map%lower, scene_in%effects))
+    if (.not. has_memory(room)) then
+      failure = not_enough_memory // ' for the pixels of the map'
+      return
     end if
     ! An accuracy may be reached without interaction, where the scene does not set it.
     associate (on => scene_in%effects%modes /= effect_off, given => scene_in%effects%given)
@@ -72,8 +73,11 @@ contains
         deallocate (failure)
       end if
     end associate
-    ! A single position, or a map, may use all threads.
+    ! A single position, or a map, may use all threads. The run-time library ends the process where it
+    ! cannot start one.
     !$ usual = omp_get_max_threads()
+    !$ if (.not. is_given(room + bytes_of_thread * (max(usual, chosen%threads) - 1))) &
+    !$   chosen%threads = 1
     !$ if (chosen%threads > 0) call omp_set_num_threads(chosen%threads)
     if (chosen%accuracy > 0 .and. (has_effects(scene_in) .or. allocated(scene_in%map))) then
       call solve_model_to_accuracy(scene_in, chosen, results, failure)
