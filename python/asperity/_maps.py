@@ -316,7 +316,7 @@ def map_of_file(path: _a.Path, spacing: Any = None, unit: str | None = None,
     """The map of a file, without warnings."""
     coded, is_periodic = _a.path("path", path), _a.flag("periodic", periodic)
     steps = None if spacing is None else _a.pair("spacing", spacing)
-    header = None if steps else written_header(os.fsdecode(coded))
+    header = None if steps or unit not in (None, *UNITS) else written_header(os.fsdecode(coded))
     if header is not None:
         steps, own, edge = header
         made = map_of_file(path, steps, own or unit, is_periodic or edge == "periodic")
@@ -348,7 +348,8 @@ def _map_of_text(path: str, spacing: Any, unit: str | None, periodic: bool,
 def _in_unit(map: HeightMap, unit: str) -> HeightMap:
     """A map with a unit in another one."""
     from fractions import Fraction  # decimal takes long to import
-    ratio = float(Fraction(METRES[UNITS.index(str(map.unit))]) / Fraction(METRES[UNITS.index(unit)]))
+    own, other = (Fraction(METRES[UNITS.index(str(one))]) for one in (map.unit, unit))
+    ratio = float(own / other)
     heights: Any = map.heights * ratio if numpy() else [
         [height * ratio for height in row] for row in map.heights]
     return HeightMap(heights, [step * ratio for step in map.spacing], unit, map.periodic)

@@ -40,8 +40,8 @@ contains
       has_memory = has_memory .and. bytes <= limit - number_in_file(group // 'stat', 'anon ')
   end function has_memory
 
-  !> Whether the system gives addresses beside those in use. Those that nothing is written to take no
-  !> memory.
+  !> Whether the system gives addresses beside those in use. They take no memory until they are
+  !> written to.
   logical function is_given(bytes)
     integer(int64), intent(in) :: bytes  !! size, 0 or more
     type(c_ptr) :: room

@@ -149,33 +149,33 @@ contains
     type(cluster), intent(inout) :: clusters(:)
     character(len=:), allocatable, intent(inout) :: failure
     type(source_tree) :: tree
-    real(real64), allocatable :: x(:), y(:), reach(:), field(:, :)  ! circles, then nodes
+    ! Places and reach of circles, then of nodes; field at the nodes.
+    real(real64), allocatable :: points(:, :), field(:, :)
     integer :: k, status
 
     associate (set => coupled%set, circles => size(coupled%set%x), &
                number => nodes**2 * size(clusters))
-      allocate (x(circles + number), y(circles + number), reach(circles + number), &
-                field(6, number), stat=status)
+      allocate (points(circles + number, 3), stat=status)
+      if (status == 0) allocate (field(6, number), stat=status)
       if (status /= 0) failure = not_enough_memory // ' for the displacement of resolved contacts'
       if (status /= 0) return
-      x(:circles) = set%x + set%shift(1, :)
-      y(:circles) = set%y + set%shift(2, :)
-      reach(:circles) = near_factor * set%radius
+      points(:circles, 1) = set%x + set%shift(1, :)
+      points(:circles, 2) = set%y + set%shift(2, :)
+      points(:circles, 3) = near_factor * set%radius
       do k = 1, size(clusters)
-        associate (first => circles + nodes**2 * (k - 1) + 1, last => circles + nodes**2 * k)
-          call place_nodes(pairs, coupled%compression, clusters(k), x(first:last), y(first:last), &
-                           reach(first:last))
+        associate (at => points(circles + nodes**2 * (k - 1) + 1:circles + nodes**2 * k, :))
+          call place_nodes(pairs, coupled%compression, clusters(k), at(:, 1), at(:, 2), at(:, 3))
         end associate
       end do
-      call build_tree(tree, x, y, reach, 1.0_real64, circles)
+      call build_tree(tree, points(:, 1), points(:, 2), points(:, 3), 1.0_real64, circles)
       if (allocated(tree%failure)) then
         failure = tree%failure
         return
       end if
       call sum_sources(tree, set%load / pi, hertz_spread(set%radius), field)
       do k = 1, size(clusters)
-        call set_outside_field(pairs, set, cluster_of, tree, x(circles + 1:), y(circles + 1:), &
-                               field(1, :), k, clusters(k))
+        call set_outside_field(pairs, set, cluster_of, tree, points(circles + 1:, 1), &
+                               points(circles + 1:, 2), field(1, :), k, clusters(k))
       end do
     end associate
   end subroutine find_outside_field

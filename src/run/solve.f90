@@ -73,8 +73,8 @@ contains
         deallocate (failure)
       end if
     end associate
-    ! A single position, or a map, may use all threads. The run-time library ends the process where it
-    ! cannot start one.
+    ! A single position, or a map, may use all threads. The run-time library ends the process where
+    ! it cannot start one.
     !$ usual = omp_get_max_threads()
     !$ if (.not. is_given(room + bytes_of_thread * (max(usual, chosen%threads) - 1))) &
     !$   chosen%threads = 1
