@@ -38,7 +38,7 @@ module asperity_slip_solver
     logical :: by_load = .true.                   !! whether the sum is given, else delta
     real(real64) :: given(2) = 0.0_real64         !! sum of the tractions, or displacement delta
     real(real64) :: scale = 0.0_real64  !! displacement that residuals refer to; 0: that of delta
-    real(real64) :: tolerance = 1.0e-7_real64     !! largest residual
+    real(real64) :: tolerance = 1.0e-6_real64     !! largest residual
   end type slip_problem
 
   !> Directions in which tractions can change: two where an element sticks, one where it slides.
@@ -56,8 +56,8 @@ module asperity_slip_solver
   real(real64), parameter :: projection_step = 0.3_real64
   ! Largest numbers of steps, of their conjugate gradients, and of steps of the level (chosen).
   integer, parameter :: turns_allowed = 60, inner_allowed = 80, level_steps = 60
-  ! Largest residual of a step over its start (chosen: tighter ones do not save steps).
-  real(real64), parameter :: inner_residual = 0.1_real64
+  ! Largest and least residual of a step over its start (chosen: tighter ones do not save steps).
+  real(real64), parameter :: inner_residual = 0.1_real64, least_inner = 0.03_real64
   ! Residual of a stiffness over the displacement: its error is the square (derived).
   real(real64), parameter :: stiffness_residual = 1.0e-4_real64
   ! Part of the slope that the energy falls by (Armijo 1966; chosen as usual), and the least length
@@ -191,8 +191,8 @@ contains
       gradient(:, k) = gradient(:, k) - problem%base(:, k) - displacement(k) + &
                           space%stiffening * moved(:, k)
     end do
-    call solve_tangents(operator, space, problem%by_load, [min(inner_residual, residual(1)), &
-                        0.1_real64 * problem%tolerance * residual(2)], moved, gradient, &
+    call solve_tangents(operator, space, problem%by_load, [max(least_inner, min(inner_residual, residual(1))), &
+                        0.5_real64 * problem%tolerance * residual(2)], moved, gradient, &
                         applications)
     change = aim + moved
     call project_tractions(problem, change)

@@ -265,7 +265,8 @@ def test_sliding_by_displacement(asperity, tmp_path):
      "it needs friction: found friction = 'off', expected friction_coefficient in &effects and "
      "both elastic_modulus and poisson_ratio in &material"),
     ({"tangential_load": 1.0}, {"friction": "on", "friction_coefficient": 0.1, "creep": "auto",
-                                "hold_time": 1.0, "relaxation_time": 1.0}, {}, "no creep"),
+                                "hold_time": 1.0, "relaxation_time": 1.0,
+                                "relaxed_modulus_ratio": 0.5}, {}, "creep"),
     ({"tangential_path": (1.0, 0.0, 2.0)}, {"friction_coefficient": 0.1}, {},
      "found 3 values, expected x and y of each point"),
     ({"tangential_path": (1.0, 0.0), "tangential_load": 1.0}, {"friction_coefficient": 0.1}, {},
