@@ -18,7 +18,9 @@ module asperity_partial_slip
   use asperity_process, only: has_memory
   use asperity_slip_increments, only: begin_rubbing, forget_tractions, rubbed_map, slip_memory, &
                                       slip_request, take_increment
+  use asperity_slip_solver, only: set_sticking
   use asperity_tangential_stiffness, only: room_for_tractions, stiffness_of
+  use asperity_traction_convolution, only: element_set, list_elements
   implicit none
   private
 
@@ -97,7 +99,6 @@ contains
       slip%path_error = relative(coarser%displacement, slip%displacement)
       if (.not. request%by_load) slip%path_error = relative(coarser%load, slip%load)
     end if
-    if (surface%is_coupled) loaded%displacement = loaded%displacement + memory%lift
     call find_patches(map, merge(loaded%pressure, 0.0_real64, slip%sticks), patches)
     slip%stick_area = sum(patches%area)
 
@@ -158,6 +159,7 @@ contains
     character(len=:), allocatable, intent(out) :: failure
     real(real64) :: change(2), energy_at(0:size(request%path, 2)), from(2), given(2), matrix(2, 2), &
                     started(2), step(2), unit
+    type(element_set) :: contact
     integer :: i, k, last, parts, straight
 
     straight = count_straight(request%path)
@@ -175,11 +177,8 @@ contains
         do k = 1, parts
           step = (from + (request%path(:, i) - from) * k / parts) / unit - given
           given = given + step
-          if (maxval(abs(step)) > 0.0_real64) then
-            change = step
-          else if (i < last .or. k < parts .or. maxval(abs(change)) > 0.0_real64) then
-            cycle
-          end if
+          if (.not. maxval(abs(step)) > 0.0_real64) cycle
+          change = step
           call take_increment(surface, request%by_load, merge(given, step, request%by_load), &
                               memory, answer, failure, answer%load)
           if (allocated(failure)) return
@@ -187,6 +186,11 @@ contains
         energy_at(i) = memory%energy
         from = request%path(:, i)
       end do
+      if (.not. maxval(abs(change)) > 0.0_real64) then
+        call list_elements(answer%pressure > 0.0_real64, contact)
+        call set_sticking(contact, surface%space)
+        if (.not. surface%is_coupled) memory%sticks = answer%pressure > 0.0_real64
+      end if
       do i = last - 1, 0, -1
         step = request%path(:, last)
         if (i > 0) step = step - request%path(:, i)

@@ -157,6 +157,7 @@ contains
                 'friction_coefficient or coupling = ''off'''
       return
     end if
+    if (surface%is_coupled) answer%displacement = answer%displacement + memory%lift
     call surface%operator%apply(memory%traction, memory%moved, by_tractions)
     memory%moved = memory%moved + by_pressure
     memory%displacement = memory%displacement + displacement

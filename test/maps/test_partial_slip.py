@@ -113,7 +113,9 @@ def test_cattaneo_case_of_contact(asperity, tmp_path):
     assert stick.sum() == 45
     # Rows 7 and 13 of the potential contact have 5 elements that stick, those between them 7.
     assert stick.sum(axis=0).tolist() == [0] * 6 + [5, 7, 7, 7, 7, 7, 5] + [0] * 6
-    assert float(row["tangential_displacement"]) == pytest.approx(8.155e-3, rel=2e-3)
+    assert f"{float(row['tangential_displacement']):.3e}" == "8.155e-03"
+    # Its stiffness is a secant of its search for the load: 67.6 times mu N.
+    assert float(row["tangential_stiffness"]) == pytest.approx(67.6 * friction * load, rel=3e-3)
     # Column 10, rows 3 to 6: elements that slip.
     printed = [0.575, 1.06, 1.31, 1.49]
     assert fields["traction"][9, 2:6] == pytest.approx(printed, abs=6e-3)
@@ -216,13 +218,13 @@ def test_rough_map_against_active_sets(asperity, tmp_path, edge, hardness, ratio
     # The displacement that was found, given; a little more of it is the stiffness.
     del given["tangential_load"]
     found_loads = []
-    for more in (1.0, 1.0 + 1e-5):
+    for more in (1.0, 1.0 + 1e-4):
         other, _, _ = map_slip(asperity, tmp_path, height, sides, {
             **given, "tangential_displacement": float(more * found["tangential_displacement"])},
             effects, ratio=0.0, map_edge=edge)
         found_loads.append(other["tangential_load"])
-    assert found_loads[0] == pytest.approx(ratio * MU * load, rel=1e-8)
-    stiffness = (found_loads[1] - found_loads[0]) / (1e-5 * found["tangential_displacement"])
+    assert found_loads[0] == pytest.approx(ratio * MU * load, rel=1e-6)
+    stiffness = (found_loads[1] - found_loads[0]) / (1e-4 * found["tangential_displacement"])
     assert found["tangential_stiffness"] == pytest.approx(stiffness, rel=2e-3)
 
 
@@ -294,3 +296,163 @@ def test_friction_without_tangential_load(asperity, tmp_path):
     row = solve(asperity, scene).positions[0]
     assert row["friction"] == "off" and float(row["tangential_stiffness"]) > 0
     assert float(row["tangential_load"]) == 0
+
+
+def row_of(asperity, folder, height, sides, loading, ratio=RATIO, effects=None, **surfaces):
+    """Numbers of the position of a map between two equal bodies."""
+    scene = map_scene(folder, height, sides, name="one", surfaces={"map_level": "none", **surfaces},
+                      loading=loading, effects=effects or {"friction_coefficient": MU},
+                      material={"elastic_modulus": (MODULUS, MODULUS),
+                                "poisson_ratio": (ratio, ratio)})
+    run_program(asperity, "solve", scene, "--quiet", "--positions", folder / "one.csv", "--fields",
+                folder / "one.vti")
+    row, = records(folder / "one.csv")
+    return {name: float(cell or "nan") for name, cell in row.items() if name != "unit" and
+            cell.replace(".", "").replace("-", "").replace("+", "").replace("E", "").isdigit()}, \
+        read_vti(folder / "one.vti")[2]
+
+
+@pytest.mark.parametrize("ratio, along, across", [(0.3, 0.78262, 0.86895), (0.5, 0.60676, 0.73969)])
+def test_stiffness_of_an_ellipse(asperity, tmp_path, ratio, along, across):
+    """Tangential over normal stiffness of an ellipse of 3.6:1 without friction: tractions
+    1/sqrt(1 - x**2/a**2 - y**2/b**2), whose displacements are uniform, by quadrature (scipy)."""
+    from scipy.integrate import quad
+    # Displacement by 1/sqrt along the angle t is the mean of 1/sqrt(cos**2/a**2 + sin**2/b**2).
+    inner = lambda t, power: (np.cos(t)**2 / 3.6**2 + np.sin(t)**2)**-0.5 * np.cos(t)**power
+    both, part = (quad(inner, 0, np.pi / 2, args=(power,))[0] for power in (0, 2))
+    truth = [(1 - ratio) * both / ((1 - ratio) * both + ratio * one) for one in (part, both - part)]
+    assert truth == pytest.approx((along, across), abs=1.1e-4)
+    x, y = np.arange(-93, 94)[:, None], np.arange(-27, 28)[None, :]
+    punch = np.where((x / 90.0)**2 + (y / 25.0)**2 < 1, 0.0, -1.0)
+    for height, turned in ((punch, False), (punch.T, True)):
+        row, _ = row_of(asperity, tmp_path, height, (0.01, 0.01), {
+            "control": "load", "value": 1e-4}, ratio, {"friction": "off"})
+        found = [row[f"tangential_stiffness_{axis}"] / row["contact_stiffness"]
+                 for axis in ("xx", "yy")]
+        assert (found[::-1] if turned else found) == pytest.approx(truth, rel=1e-3)
+        assert abs(row["tangential_stiffness_xy"]) < 2e-5 * row["contact_stiffness"]
+
+
+@pytest.mark.parametrize("ratio", [0.3, 0.5])
+def test_stiffness_of_ridges(asperity, tmp_path, ratio):
+    """Plane strain across ridges, antiplane shear along them."""
+    wave = np.tile(2e-4 * np.cos(2 * np.pi * np.arange(64) / 64), (12, 1))
+    for height, axes in ((wave.T, ("xx", "yy")), (wave, ("yy", "xx"))):
+        row, _ = row_of(asperity, tmp_path, height, (0.01, 0.01), {
+            "control": "pressure", "value": 40.0, "tangential_load": (1e-3, 2e-3)}, ratio,
+            map_edge="periodic")
+        across, along = (row[f"tangential_stiffness_{axis}"] for axis in axes)
+        assert across == pytest.approx(row["contact_stiffness"], rel=1e-6)
+        assert along == pytest.approx((1 - ratio) * row["contact_stiffness"], rel=1e-6)
+        # The displacement of a small load is that of the matrix.
+        shift = [1e-3 / row["tangential_stiffness_xx"], 2e-3 / row["tangential_stiffness_yy"]]
+        assert [row["tangential_displacement_x"], row["tangential_displacement_y"]] == \
+            pytest.approx(shift, rel=1e-3)
+
+
+def test_strips(asperity, tmp_path):
+    """A cylinder that repeats itself along its axis: the displacements by loads along and across it
+    are 1/(1 - nu) and 1 of those of plane strain, from the same distance without displacement."""
+    profile = np.tile(-np.linspace(-1, 1, 64)**2 * 2e-3, (12, 1)).T
+    found = [row_of(asperity, tmp_path, profile, (0.01, 0.01), {
+        "control": "load", "value": 5.0, "tangential_load": load}, map_edge=["free", "periodic"])[0]
+        for load in ((1e-4, 0.0), (0.0, 1e-4))]
+    assert found[1]["tangential_displacement"] == pytest.approx(
+        found[0]["tangential_displacement"] / (1 - RATIO), rel=1e-3)
+
+
+def test_loop_of_mindlin_and_deresiewicz(asperity, tmp_path):
+    """A tangential load that is reversed twice at nu = 0: shift at the turns, at T = 0 on the way
+    back, and the energy of the loop (Mindlin and Deresiewicz 1953)."""
+    contact, pixels, share = 0.1, 96, 0.8
+    side = 2.1 * contact / pixels
+    height, _ = sphere(pixels, side)
+    modulus = MODULUS / 2
+    load = 4 / 3 * modulus * contact**3
+    most = MU * load
+    turn = share * most
+    shift = lambda part: 3 * most / (4 * modulus * contact) * (1 - (1 - part)**(2 / 3))
+    back = lambda part: 2 * shift((share - part) / 2) - shift(share)   # less the sign
+    given = {"control": "load", "value": load}
+    up, _ = row_of(asperity, tmp_path, height, (side, side), {
+        **given, "tangential_path": (turn, 0)}, 0.0)
+    assert up["tangential_displacement_x"] == pytest.approx(shift(share), rel=3e-3)
+    half, _ = row_of(asperity, tmp_path, height, (side, side), {
+        **given, "tangential_path": (turn, 0, 0, 0)}, 0.0)
+    assert half["tangential_displacement_x"] == pytest.approx(-back(0.0), abs=5e-3 * shift(share))
+    loop, _ = row_of(asperity, tmp_path, height, (side, side), {
+        **given, "tangential_path": (turn, 0, -turn, 0, turn, 0)}, 0.0)
+    assert loop["tangential_displacement_x"] == pytest.approx(shift(share), rel=3e-3)
+    # The area between both branches, by quadrature.
+    part = np.linspace(-share, share, 20001)
+    width = -back(part) - -(-back(-part))
+    energy = np.trapezoid(width, part) * most
+    assert loop["cycle_energy"] == pytest.approx(abs(energy), rel=1e-2)
+    assert loop["friction_energy"] > loop["cycle_energy"] and loop["path_error_estimate"] == 0
+
+
+def test_a_load_that_turns(asperity, tmp_path):
+    """Three sides of a polygon: more points on them change the displacement by the estimate."""
+    contact, pixels = 0.1, 32
+    side = 2.1 * contact / pixels
+    height, _ = sphere(pixels, side)
+    load = 4 / 3 * COMBINED * contact**3
+    found = []
+    for parts in (1, 8):
+        angle = np.linspace(0, np.pi / 2, 4)
+        corners = 0.6 * MU * load * np.column_stack([np.cos(angle), np.sin(angle)])
+        steps = np.linspace(0, 3, 3 * parts + 1)
+        path = np.column_stack([np.interp(steps, range(4), part) for part in corners.T])
+        found.append(row_of(asperity, tmp_path, height, (side, side), {
+            "control": "load", "value": load, "tangential_path": tuple(map(float, path.ravel()))})[0])
+    first, second = (np.array([row["tangential_displacement_x"], row["tangential_displacement_y"]])
+                     for row in found)
+    change = np.linalg.norm(first - second) / np.linalg.norm(second)
+    assert 0 < change < 2 * found[0]["path_error_estimate"] < 0.05
+    assert 0 < found[1]["path_error_estimate"] < found[0]["path_error_estimate"]
+
+
+def test_dense_convex_solver(asperity, tmp_path):
+    """An oblique load on 80 pixels or so: tractions of the least energy on discs by SLSQP (scipy),
+    with the matrix of Cerruti's integrals over the pixels."""
+    from scipy.optimize import minimize
+    ratio, side, pixels = 0.4, 0.01, 16
+    place = (np.arange(pixels) - 7.5) * side
+    height = -(place[:, None]**2 / 2 + place[None, :]**2) / 2
+    load = 18.0
+    angle = (0.8, 0.6)
+    row, fields = row_of(asperity, tmp_path, height, (side, side), {
+        "control": "load", "value": load,
+        "tangential_load": tuple(0.6 * MU * load * part for part in angle)}, ratio)
+    inside = np.argwhere(fields["pressure"] > 0)
+    number = len(inside)
+    assert 60 < number < 110 and 0 < (fields["stick"] > 0).sum() < number
+    x, y = (np.subtract.outer(part, part) * side for part in inside.T)
+
+    def integral(corner):
+        half = side / 2
+        return sum(i * j * corner(x + i * half, y + j * half) for i in (1, -1) for j in (1, -1))
+
+    squares_y = integral(lambda a, b: a * np.arcsinh(b / np.abs(a)))
+    squares_x = integral(lambda a, b: b * np.arcsinh(a / np.abs(b)))
+    product_xy = integral(lambda a, b: -np.hypot(a, b))
+    g = 2 * 2 * (1 + ratio) / MODULUS / (2 * np.pi)  # of both bodies
+    matrix = np.block([[g * ((1 - ratio) * squares_y + squares_x), g * ratio * product_xy],
+                       [g * ratio * product_xy, g * ((1 - ratio) * squares_x + squares_y)]])
+    limit = MU * fields["pressure"][tuple(inside.T)]
+    scale = limit.mean()
+    total = 0.6 * MU * load / side**2 / scale * np.array(angle)
+    bound, matrix = limit / scale, matrix / np.abs(matrix).max()
+    ones = np.kron(np.eye(2), np.ones(number))
+    best = minimize(lambda q: q @ matrix @ q / 2, (ones.T @ (total / bound.sum())) * np.tile(bound, 2),
+                    jac=lambda q: matrix @ q, method="SLSQP", options={"maxiter": 500, "ftol": 1e-15},
+                    constraints=[
+                        {"type": "eq", "fun": lambda q: ones @ q - total, "jac": lambda q: ones},
+                        {"type": "ineq", "fun": lambda q: bound**2 - q[:number]**2 - q[number:]**2,
+                         "jac": lambda q: -2 * np.hstack([np.diag(q[:number]),
+                                                          np.diag(q[number:])])}])
+    found = np.concatenate([fields[f"traction_{axis}"][tuple(inside.T)] for axis in "xy"]) / scale
+    energy = [q @ matrix @ q for q in (found, best.x)]
+    assert energy[0] == pytest.approx(energy[1], rel=1e-9)
+    assert np.abs(found - best.x).max() < 2e-6 * np.abs(found).max()
+    assert np.abs(np.hypot(*found.reshape(2, -1)) / bound).max() < 1 + 1e-12

@@ -2,9 +2,12 @@
 module asperity_traction_suite
   use asperity_constants, only: pi
   use asperity_gauss_rule, only: gauss_node, gauss_weight
+  use asperity_interruption, only: interruption
   use asperity_kinds, only: real64
+  use asperity_slip_solver, only: find_tractions, slip_problem, tangent_space
+  use asperity_solve_ending, only: solve_ending
   use asperity_testing, only: check, run_test
-  use asperity_traction_convolution, only: by_tractions, inverse_of_tractions, &
+  use asperity_traction_convolution, only: by_tractions, inverse_of_tractions, list_elements, &
                                            normal_by_tractions, tangential_by_pressures, &
                                            traction_convolution
   implicit none
@@ -22,6 +25,7 @@ contains
     call run_test('displacements by a wave of tractions: Westergaard''s compliances', waves)
     call run_test('tractions and displacements are reciprocal, also with coupling', reciprocity)
     call run_test('a strip under a line of tractions: plane strain and antiplane shear', lines)
+    call run_test('slip: 200 random problems, at most 60 applications', random_problems)
   end subroutine run_tractions
 
   ! Displacements at an offset by a traction on one element, by Gauss' rule over it.
@@ -135,5 +139,63 @@ contains
                (log(3.0_real64) + (1.0_real64 / 4 - 1.0_real64 / 36) / 24), 1.0e-3_real64, &
                'logarithm')
   end subroutine lines
+
+  ! Spheres and waves on lattices of 16 to 24 elements, both edges, any direction, 1e-3 to 0.999 of
+  ! the load of sliding, half of them after another load. The tractions are in their discs, and slip
+  ! opposes them where they are on the rim.
+  subroutine random_problems
+    integer :: i, j, k, n(2), most
+    real(real64) :: angle, displacement(2), nu_here, share, side, state(8)
+    real(real64), allocatable :: limit(:, :), q(:, :), slip(:, :)
+    type(traction_convolution), allocatable :: operator
+    type(slip_problem), allocatable :: problem
+    type(tangent_space) :: space
+    type(solve_ending) :: ending
+    type(interruption) :: never
+
+    most = 0
+    do k = 1, 200
+      ! A sequence with irrational steps in each number.
+      state = modulo(k * sqrt(real([2, 3, 5, 7, 11, 13, 17, 19], real64)), 1.0_real64)
+      n = 16 + int(9 * state(1:2))
+      side = 0.6_real64 + state(3)
+      nu_here = 0.5_real64 * state(4)
+      allocate (operator, problem, limit(n(1), n(2)))
+      do j = 1, n(2)
+        do i = 1, n(1)
+          limit(i, j) = 1.0_real64 - ((i - 0.45_real64 * n(1)) / (0.35_real64 * n(1)))**2 - &
+                        ((j - 0.55_real64 * n(2)) / (0.4_real64 * n(2)))**2 + &
+                        0.8_real64 * state(5) * sin(1.3_real64 * i + k) * cos(0.9_real64 * j)
+        end do
+      end do
+      limit = sqrt(max(limit, 0.0_real64)) * 10.0_real64**(-1.5_real64 + 2.0_real64 * state(6))
+      call operator%prepare(n, side, spread(mod(k, 4) < 2, 1, 2), nu_here, 0.0_real64)
+      call list_elements(limit > 0.0_real64, problem%set)
+      problem%limit = pack(limit, limit > 0.0_real64)
+      allocate (problem%base(size(problem%limit), 2), q(size(problem%limit), 2), &
+                source=0.0_real64)
+      allocate (slip, mold=q)
+      problem%tolerance = 1.0e-6_real64
+      do j = 0, mod(k, 2)
+        angle = 2.0_real64 * pi * modulo(state(7) + 0.4_real64 * j, 1.0_real64)
+        share = [1.0e-3_real64, 0.05_real64, 0.3_real64, 0.6_real64, 0.9_real64, 0.99_real64, &
+                 0.999_real64](1 + int(7 * modulo(state(8) + 0.5_real64 * j, 1.0_real64)))
+        problem%given = share * sum(problem%limit) * [cos(angle), sin(angle)]
+        call find_tractions(operator, problem, q, slip, displacement, space, ending, never)
+        most = max(most, ending%iterations)
+        if (.not. ending%converged) most = huge(most)
+        call operator%apply_at(problem%set, q, problem%base, by_tractions)
+      end do
+      call check(maxval(abs([sum(q(:, 1)), sum(q(:, 2))] - problem%given)), 0.0_real64, &
+                 1.0e-12_real64 * sum(problem%limit), 'sum')
+      call check(maxval(hypot(q(:, 1), q(:, 2)) / problem%limit), 0.5_real64, &
+                 0.5_real64 + 1.0e-12_real64, 'discs')
+      call check(minval(sum(q * slip, 2) - hypot(q(:, 1), q(:, 2)) * &
+                        hypot(slip(:, 1), slip(:, 2))) / maxval(abs(displacement)) / &
+                 maxval(problem%limit), 0.0_real64, 1.0e-9_real64, 'slip along the tractions')
+      deallocate (operator, problem, limit, q, slip)
+    end do
+    call check(most <= 60, 'applications')
+  end subroutine random_problems
 
 end module asperity_traction_suite

@@ -134,12 +134,12 @@ contains
     end associate
   end subroutine press_with_friction
 
-  !> Adds the displacement by the tractions to that by the pressures.
+  !> Adds the displacement by the tractions of finer pixels to that by the pressures.
   subroutine add_lift(self, state)
     class(pixel_friction), intent(inout) :: self
     type(pixel_state), intent(inout) :: state
 
-    if (allocated(self%memory%lift)) &
+    if (.not. self%solves .and. allocated(self%memory%lift)) &
       state%answer%displacement = state%answer%displacement + self%memory%lift
   end subroutine add_lift
 
