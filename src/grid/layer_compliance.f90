@@ -21,14 +21,14 @@ module asperity_layer_compliance
   implicit none
   private
 
-  public :: add_layers, layer_factor, mean_displacement, shear_ratio
+  public :: add_layers, far, integral_of, layer_factor, mean_displacement, nodes, shear_ratio
 
   ! Largest x of the waves (derived: the rest behind the image falls as x**2 exp(-2 x), to 1e-17).
   real(real64), parameter :: last_number = 22.0_real64
-  ! Nodes of the table of radii (chosen: cubics are then in error by 1e-7 of it; test: Hankel's
+  !> Nodes of the table of radii (chosen: cubics are then in error by 1e-7 of it; test: Hankel's
   ! integral in test/maps/test_layers.py).
   integer, parameter :: nodes = 300
-  ! Distance in thicknesses from which on an element needs no finer squares, radius from which on
+  !> Distance in thicknesses from which on an element needs no finer squares, radius from which on
   ! the rest falls as its cube, and the largest number of squares along an element (derived: rest(q)
   ! is analytic in q, its even powers give r**-3, r**-5 ...: errors of the order of the square of
   ! 1/far, and of the thickness over an element of many squares; test: test/maps/test_layers.py).
@@ -140,7 +140,7 @@ contains
             end do
             table(i, j) = table(i, j) + share(b) / (pi * side(1)) * &
               (d * ((corner(1, 1) - corner(0, 1)) - (corner(1, 0) - corner(0, 0))) + &
-               integral_of(rest, step, side / body%thickness, i, j) * body%thickness)
+               integral_of(rest, step, side / body%thickness, i, j, 3) * body%thickness)
           end do
         end do
         !$omp end parallel do
@@ -175,11 +175,17 @@ contains
     rest(-1) = rest(1)
   end subroutine fill_rest
 
-  ! Integral of the rest over the element at an offset. Lengths are over the thickness.
-  pure real(real64) function integral_of(rest, step, side, i, j) result(integral)
-    real(real64), allocatable, intent(in) :: rest(:)
-    real(real64), intent(in) :: step, side(2)
-    integer, intent(in) :: i, j
+  !> Integral of a function of the radius over the element at an offset, times the cosine or sine of
+  !> a multiple of the angle. Lengths are over the thickness.
+  pure real(real64) function integral_of(rest, step, side, i, j, power, angle) result(integral)
+    real(real64), allocatable, intent(in) :: rest(:)  !! values at radii sinh(k step), from k = -1
+    real(real64), intent(in) :: step                  !! step of the inverse hyperbolic sine
+    real(real64), intent(in) :: side(2)               !! of the element along x and y
+    integer, intent(in) :: i, j                       !! columns and rows of the offset, 0 or more
+    integer, intent(in) :: power                      !! of the fall beyond the table
+    !> multiples of the angle in the cosine and in the sine; absent: 0, 0
+    integer, intent(in), optional :: angle(2)
+    real(real64) :: x, y
     integer :: k, l, m, n, squares
 
     squares = 1
@@ -191,10 +197,10 @@ contains
         ! Gauss's rule of three points along each side.
         do m = -1, 1
           do n = -1, 1
+            x = (i + (k - 0.5_real64 + n * sqrt(0.15_real64)) / squares - 0.5_real64) * side(1)
+            y = (j + (l - 0.5_real64 + m * sqrt(0.15_real64)) / squares - 0.5_real64) * side(2)
             integral = integral + (8 - 3 * abs(m)) * (8 - 3 * abs(n)) / 324.0_real64 * &
-              value_at(hypot( &
-                (i + (k - 0.5_real64 + n * sqrt(0.15_real64)) / squares - 0.5_real64) * side(1), &
-                (j + (l - 0.5_real64 + m * sqrt(0.15_real64)) / squares - 0.5_real64) * side(2)))
+                       value_at(hypot(x, y)) * factor_at(atan2(y, x))
           end do
         end do
       end do
@@ -215,8 +221,17 @@ contains
                    (place - 1.0_real64) * rest(o) - place * rest(o + 1)) + &
                  place * (place - 1.0_real64) / 6.0_real64 * ( &
                    (place + 1.0_real64) * rest(o + 2) - (place - 2.0_real64) * rest(o - 1))
-      if (radius > far) value_at = value_at * (far / radius)**3
+      if (radius > far) value_at = value_at * (far / radius)**power
     end function value_at
+
+    pure real(real64) function factor_at(direction)
+      real(real64), intent(in) :: direction
+
+      factor_at = 1.0_real64
+      if (.not. present(angle)) return
+      if (angle(1) > 0) factor_at = cos(angle(1) * direction)
+      if (angle(2) > 0) factor_at = sin(angle(2) * direction)
+    end function factor_at
 
   end function integral_of
 

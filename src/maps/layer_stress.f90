@@ -10,13 +10,18 @@
 !>
 !> (plane strain; Johnson, Contact Mechanics, 1985, section 2.2).
 module asperity_layer_stress
+  use asperity_constants, only: pi
+  use asperity_gauss_rule, only: gauss_node, gauss_points, gauss_weight
   use asperity_height_map, only: layered_body
   use asperity_kinds, only: real64
-  use asperity_layer_compliance, only: shear_ratio
+  use asperity_layer_compliance, only: far, integral_of, nodes, shear_ratio
   implicit none
   private
 
-  public :: along_axes, layer_stress
+  public :: add_free_layer, along_axes, layer_stress
+
+  ! Largest x of the waves (derived: what a layer changes falls as exp(-x) at its base, to 1e-17).
+  real(real64), parameter :: last_number = 40.0_real64
 
 contains
 
@@ -86,6 +91,100 @@ contains
       end select
     end associate
   end function along_axes
+
+  !> Adds to a component by unit pressure of an element of a free lattice what the layer changes of
+  !> it: the half-space of the surface material is exact there.
+  !>
+  !> The changes d of the stresses of a wave give, over 2 pi, the integrals over q of d(down) J0 q,
+  !> of (d(along) + d(across)) J0 q/2, -(d(along) - d(across)) cos(2 phi) J2 q/2 and -dT cos(phi) J1 q
+  !> (Hankel), which are smooth at the scale of the thickness.
+  subroutine add_free_layer(body, depth, component, side, elements, kernel)
+    type(layered_body), intent(in) :: body      !! layer and base
+    real(real64), intent(in) :: depth           !! below the surface, 0 or more
+    integer, intent(in) :: component            !! xx, yy, zz, xy, xz, yz
+    real(real64), intent(in) :: side(2)         !! of an element along x and y
+    integer, intent(in) :: elements(2)          !! numbers of columns and rows
+    real(real64), intent(inout) :: kernel(0:, 0:)  !! by offset on the padded lattice
+    real(real64), allocatable :: isotropic(:), angular(:)
+    real(real64) :: step, value
+    integer :: angle(2), i, j, k, l
+
+    call fill_tables(body, depth, component, norm2(side * elements), step, isotropic, angular)
+    angle = 0
+    if (component /= 3) angle(merge(2, 1, component == 4 .or. component == 6)) = &
+      merge(2, 1, component < 5)
+    !$omp parallel do private(i, k, l, value)
+    do j = 0, elements(2) - 1
+      do i = 0, elements(1) - 1
+        value = integral_of(angular, step, side / body%thickness, i, j, merge(2, 3, component < 5), &
+                            angle)
+        if (component <= 3) value = value + integral_of(isotropic, step, side / body%thickness, &
+                                                        i, j, 3)
+        do k = -1, 1, 2
+          do l = -1, 1, 2
+            if ((k < 0 .and. i == 0) .or. (l < 0 .and. j == 0)) cycle
+            associate (entry => kernel(modulo(k * i, size(kernel, 1)), &
+                                       modulo(l * j, size(kernel, 2))))
+              entry = entry + value * merge(k, 1, any(component == [4, 5])) * &
+                      merge(l, 1, any(component == [4, 6]))
+            end associate
+          end do
+        end do
+      end do
+    end do
+    !$omp end parallel do
+  end subroutine add_free_layer
+
+  ! Tabulates the integrals of a component at radii t sinh(i step), i = -1, 0, ...
+  subroutine fill_tables(body, depth, component, largest, step, isotropic, angular)
+    type(layered_body), intent(in) :: body
+    real(real64), intent(in) :: depth, largest
+    integer, intent(in) :: component
+    real(real64), intent(out) :: step
+    real(real64), allocatable, intent(out) :: isotropic(:), angular(:)
+    real(real64), allocatable :: changes(:, :), x(:)
+    real(real64) :: panel, w
+    integer :: g, i, n
+
+    associate (radius => min(largest / body%thickness, far))
+      step = asinh(far) / (nodes - 2)
+      n = ceiling(last_number * max(1.0_real64, radius / (2.0_real64 * pi)))
+    end associate
+    panel = last_number / n
+    allocate (isotropic(-1:nodes), angular(-1:nodes), source=0.0_real64)
+    allocate (changes(4, n * gauss_points), x(n * gauss_points))
+    !$omp parallel do private(g, w)
+    do i = 1, n
+      do g = (i - 1) * gauss_points + 1, i * gauss_points
+        x(g) = (i - 1 + gauss_node(g - (i - 1) * gauss_points)) * panel
+        w = x(g) * depth / body%thickness
+        changes(:, g) = (layer_stress(body, x(g) / body%thickness, depth) - exp(-w) * &
+                         [w - 1.0_real64, -2.0_real64 * body%ratio(1), -1.0_real64 - w, w]) * &
+                        x(g) * panel * gauss_weight(g - (i - 1) * gauss_points) / (2.0_real64 * pi)
+      end do
+    end do
+    !$omp end parallel do
+    !$omp parallel do schedule(dynamic)
+    do i = 0, nodes
+      associate (r => sinh(i * step))
+        select case (component)
+        case (1, 2)
+          isotropic(i) = 0.5_real64 * sum((changes(1, :) + changes(2, :)) * bessel_j0(x * r))
+          angular(i) = (component - 1.5_real64) * sum((changes(1, :) - changes(2, :)) * &
+                                                      bessel_jn(2, x * r))
+        case (3)
+          isotropic(i) = sum(changes(3, :) * bessel_j0(x * r))
+        case (4)
+          angular(i) = -0.5_real64 * sum((changes(1, :) - changes(2, :)) * bessel_jn(2, x * r))
+        case default
+          angular(i) = -sum(changes(4, :) * bessel_j1(x * r))
+        end select
+      end associate
+    end do
+    !$omp end parallel do
+    isotropic(-1) = isotropic(1)
+    angular(-1) = merge(-1, 1, component > 4) * angular(1)
+  end subroutine fill_tables
 
   ! Down, T, 2 G U, 2 G W and along, of exp(growth x) and x exp(growth x).
   pure function wave_parts(x, growth, softness, ratio) result(parts)

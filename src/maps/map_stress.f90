@@ -14,7 +14,7 @@ module asperity_map_stress
   use asperity_height_map, only: layered_body
   use asperity_kinds, only: int64, not_computed, real64
   use asperity_lattice_convolution, only: padded_length
-  use asperity_layer_stress, only: along_axes, layer_stress
+  use asperity_layer_stress, only: add_free_layer, along_axes, layer_stress
   use asperity_plane_transform, only: plane_transform
   use asperity_problems, only: not_enough_memory, real_text
   use asperity_process, only: has_memory
@@ -100,8 +100,8 @@ contains
       failure = 'no fields: expected those of a state that was solved with fields'
     else if (.not. any(body%modulus > 0.0_real64)) then
       failure = no_ratio
-    else if (body%thickness > 0.0_real64 .and. .not. field%periodic) then
-      failure = 'stress under a layer is that of waves: found a free map, expected a periodic one'
+    else if (body%thickness > 0.0_real64 .and. field%strip_axis > 0) then
+      failure = 'stress under a layer: found a strip, expected both sides periodic or free'
     else if (body%thickness > 0.0_real64 .and. allocated(field%traction)) then
       failure = 'stress under a layer: found tractions, expected pressures alone'
     else if (.not. has_memory(room_for_stress(field))) then
@@ -189,7 +189,7 @@ contains
     real(real64), allocatable :: kernel(:, :), of_layer(:, :, :)
     integer :: i, j, k, source
 
-    if (self%body%thickness > 0.0_real64) then
+    if (self%body%thickness > 0.0_real64 .and. self%periodic) then
       allocate (of_layer(4, 0:self%rows / 2, 0:self%columns / 2), source=0.0_real64)
       !$omp parallel do private(j)
       do i = 0, self%columns / 2
@@ -212,6 +212,8 @@ contains
           call fill_strip_kernel(self, depth, source, k, kernel)
         else
           call fill_kernel(self, depth, source, k, kernel)
+          if (self%body%thickness > 0.0_real64) call add_free_layer( &
+            self%body, depth, k, self%side, [self%columns, self%rows], kernel)
         end if
         call self%transform%make_waves(kernel, of_kernel)
         of_kernel = of_kernel * self%waves(:, :, source)

@@ -77,6 +77,29 @@ def test_free_map_by_the_integral_of_hankel(package, pair):
         assert abs(found[place] - truth) < 3e-4 * found.max(), (place, found[place], truth)
 
 
+@pytest.mark.parametrize("pair", [
+    (0.5, 5.0, 0.3, 1.0, 0.4), (0.5, 1.0, 0.45, 0.0, 0.3), (0.1, 1.0, 0.2, 3.0, 0.3)])
+def test_stress_on_free_maps_is_that_of_waves(package, pair):
+    """A local pressure without a mean, on periodic and on free pixels: they differ by the pixel's
+    own size and, with 1/r**3 and more, by periods far away."""
+    n = 96
+    thickness, shear, ratio, base, base_ratio = pair
+    x = (np.arange(n) - n // 2) / 12
+    x, y = np.meshgrid(x, x)
+    p = np.exp(-2 * (x * x + y * y)) * (x * x - y * y + 0.5 * x)
+    depths = thickness * np.array([0, 0.5, 1, 1 + 1e-12, 2])[:3 if base == 0 else 5]
+    free, waves, bare = (package.HalfSpace(
+        (n, n), 1 / 12, young(base, base_ratio) if layer else young(shear, ratio),
+        base_ratio if layer else ratio, periodic=periodic,
+        layer=(thickness, young(shear, ratio), ratio) if layer else None).stress(depths, p)
+        for periodic, layer in ((False, True), (True, True), (False, False)))
+    for name in ("xx", "yy", "zz", "xy", "xz", "yz"):
+        for i in range(len(depths)):
+            error = np.abs(free[name][i] - waves[name][i])[36:60, 36:60].max()
+            assert error < 8e-3 * np.abs(waves["zz"][0]).max(), (name, i, error)
+    assert np.abs(free["xx"] - bare["xx"]).max() > 0.05 * p.max()
+
+
 @pytest.mark.parametrize("periodic", [False, True])
 def test_limits(package, periodic):
     """Equal materials: the half-space. Thin: the base. Thick: the layer, but for a constant."""
