@@ -88,11 +88,11 @@ module asperity_option_table
       'write all stresses at the depths of --depths as CSV, JSON (.json) or a grid for ' // &
       'ParaView (.vts)', 'csv, .json or .vts'), &
     option_entry('solve', '--accuracy', 'ERROR', &
-      'choose the fastest method with an estimated relative error below ERROR, for instance ' // &
-      '1e-3, including the estimated influence of effects that are off'), &
+      'choose the fastest method with an estimated relative error of the load below ERROR, ' // &
+      'for instance 1e-3, including the estimated influence of effects that are off'), &
     option_entry('solve', '--of', 'WORD', &
-      'results that --accuracy limits: all (default: load and area), load (or separation), ' // &
-      'area, or pressure (greatest; of maps)', &
+      'results that --accuracy limits: load (default; under a load separation and ' // &
+      'compression), area, pressure (greatest; of maps), or all (load and area)', &
       words=[character(len=11) :: totals_of_accuracy, none(:2)]), &
     option_entry('solve', '--threads', 'N', &
       'number of threads (default: all cores, 1 for small scenes); results do not depend on ' // &

@@ -68,7 +68,7 @@ module asperity_joint_contacts
   ! is that of the elements (chosen).
   real(real64), parameter :: elements_share = 0.25_real64
   ! Relative error of an area on elements of any size, as it is extrapolated from pressures as those
-  ! of Hertz. Measured on the finest elements beside reference_output/interaction/dense.csv: 99 of 100
+  ! of Hertz. Measured on fine elements beside reference_output/interaction/dense.csv: 99 of 100
   ! scenes have less, none has twice as much (test: areas in test/effects/test_dense.py).
   real(real64), parameter :: extrapolation_error = 1.5e-3_real64
   ! Distance in sums of radii below which Hertzian contacts are resolved together, with the open

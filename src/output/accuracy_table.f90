@@ -9,7 +9,7 @@ module asperity_accuracy_table
   use asperity_number_format, only: number_text, percent_text
   use asperity_problems, only: decimal_text, real_text
   use asperity_result_table, only: add_reals, add_wholes, add_words, array_table
-  use asperity_scene_values, only: is_load, scene
+  use asperity_scene_values, only: is_load, is_thesis_sweep, scene
   use asperity_study_methods, only: family_words, of_arithmetic, of_neighbours, of_scene, of_steps
   use asperity_text_buffer, only: text_buffer
   implicit none
@@ -79,7 +79,7 @@ contains
     call write_answers(scene_in, table, buffer)
   end subroutine write_accuracy_table
 
-  ! What to type for an error of 1 %, 0.1 % and 0.01 %, the time it takes and its error.
+  ! Adds lines with what to type for an error of 1 %, 0.1 % and 0.01 %, and the time it takes.
   subroutine write_answers(scene_in, table, buffer)
     type(scene), intent(in) :: scene_in
     type(method_table), intent(in) :: table
@@ -92,7 +92,7 @@ contains
     call buffer%line('')
     text = 'Error of the ' // trim(merge('compression', 'load       ', &
                                          is_load(scene_in%loading%control)))
-    if (scene_in%from_deck) then
+    if (is_thesis_sweep(scene_in)) then
       call buffer%line(text // ', and what to type into a scene with &surfaces deck = ''' // &
         scene_in%file // ''' / &motion x_first = ' // number_text(scene_in%motion%x_first) // &
         ', x_step = ' // number_text(scene_in%motion%x_step) // ', positions = ' // &
@@ -106,7 +106,7 @@ contains
       best = i
       if (i == 0) then
         best = table%reference
-        text = text // 'not known, the least: '
+        text = text // 'not reached, the least: '
       end if
       associate (row => table%rows(best), typed => table%rows(best)%method%typed)
         if (typed == '--accuracy') then

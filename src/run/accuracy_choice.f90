@@ -30,8 +30,8 @@ module asperity_accuracy_choice
 
   ! The first tolerance of boundary elements over the accuracy of loads, whose error is often far
   ! less than the tolerance; the largest reduction of a tolerance, as a run takes six times as long
-  ! then, and the part of the accuracy below which it is not reduced; the part of the accuracy that is
-  ! aimed at (chosen; test: times in test/bench/accuracy_promises.py).
+  ! then, and the part of the accuracy below which it is not reduced; the part of the accuracy that
+  ! is aimed at (chosen; test: times in test/bench/accuracy_promises.py).
   real(real64), parameter :: first_share = 10.0_real64, largest_step = 0.1_real64, &
                              least_share = 0.25_real64, aimed_share = 0.95_real64
 
@@ -103,11 +103,11 @@ contains
     end associate
   end subroutine take_next
 
-  !> Sets the effects of a scene, or its pixels, for a method. Without boundary elements all contacts
-  !> are Hertzian, and their error is estimated.
+  !> Sets the effects of a scene, or its pixels, for a method. Without boundary elements all
+  !> contacts are Hertzian, and their error is estimated.
   subroutine choose_model(scene_in, method, total, chosen, failure)
     type(scene), intent(in) :: scene_in          !! scene, checked, with effects or a map
-    type(method_choice), intent(in) :: method    !! method
+    type(method_choice), intent(in) :: method    !! tolerance, elements and pixels
     character(len=*), intent(in) :: total        !! which: one of `totals_of_accuracy`
     type(scene), intent(out) :: chosen           !! scene to be solved
     character(len=:), allocatable, intent(out) :: failure  !! reason, when it is impossible

@@ -12,9 +12,9 @@ module asperity_method_study
   use asperity_run_options, only: run_options
   use asperity_scene_results, only: scene_results
   use asperity_scene_values, only: effect_boundary, effect_off, scene
-  use asperity_study_methods, only: list_methods, most_methods, of_arithmetic, of_effects, of_neighbours, &
-                                    of_steps, request_of, run_method, simulated_effects, &
-                                    study_method
+  use asperity_study_methods, only: list_methods, most_methods, of_arithmetic, of_effects, &
+                                    of_neighbours, of_steps, request_of, run_method, &
+                                    simulated_effects, study_method
   implicit none
   private
 
@@ -67,8 +67,8 @@ module asperity_method_study
 
 contains
 
-  !> Runs all methods of a scene. `failure` is allocated when the scene as it asks cannot be solved in
-  !> the time.
+  !> Runs all methods of a scene. `failure` is allocated when the scene as it asks cannot be solved
+  !> in the time.
   subroutine study_scene(scene_in, seconds, finest, shows_progress, table, failure)
     type(scene), intent(in) :: scene_in         !! scene with checked values
     real(real64), intent(in) :: seconds         !! time that may be spent, s
@@ -349,8 +349,8 @@ contains
   end function error_against
 
   !> The row to take for an error: the scene as it is where that is as fast as any other, else the
-  !> fastest with this error; 0: none has it. Pixels of a map are the first whose own estimate has it,
-  !> as `--accuracy` takes them.
+  !> fastest with this error; 0: none has it. Pixels of a map are the first whose own estimate has
+  !> it, as `--accuracy` takes them.
   pure integer function fastest_within(table, goal) result(fastest)
     type(method_table), intent(in) :: table  !! all methods of a scene
     real(real64), intent(in) :: goal         !! largest relative error

@@ -136,8 +136,8 @@ contains
     if (left_out == '') call add_neighbours(scene_in, simulated, finest, methods)
   end subroutine list_methods
 
-  ! Without effects: exact events. Of a sweep to a limit load besides steps of about the compression,
-  ! a tenth, a hundredth and a thousandth of it, and both overlaps.
+  ! Without effects: exact events. Of a sweep to a limit load besides steps of about the
+  ! compression, a tenth, a hundredth and a thousandth of it, and both overlaps.
   ! Of the thesis' sweep the original program, in each arithmetic and with these steps and its own.
   subroutine add_arithmetics(scene_in, compression, methods)
     type(scene), intent(in) :: scene_in

@@ -84,8 +84,8 @@ def crate(random, pixels):
 
 def grooves(random, pixels):
     k = random.integers(2, 6)
-    return (np.array([1.0, random.uniform(0.05, 0.3)]), np.array([(random.integers(0, 3), k), (2, 0)]),
-            random.uniform(0, 2 * np.pi, 2))
+    return (np.array([1.0, random.uniform(0.05, 0.3)]),
+            np.array([(random.integers(0, 3), k), (2, 0)]), random.uniform(0, 2 * np.pi, 2))
 
 
 def heights_of(surface, pixels, points=None):
