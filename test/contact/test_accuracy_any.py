@@ -263,3 +263,39 @@ def test_a_tolerance_of_areas(asperity, tmp_path):
         assert abs(float(row["area"]) / want - 1) < 0.01
     assert float(fine["cells"]) > 2 * float(usual["cells"])
     assert float(fine["area_error_estimate"]) < 0.7 * float(usual["area_error_estimate"])
+
+
+def test_the_last_lines_are_what_to_type(asperity, tmp_path):
+    """The fastest row of the table with this error, or that of the reference; the scene as it is
+    where it is as fast. What is typed then has the totals of the row."""
+    scene = next(s for s in dense_scenes() if s.family == "clusters")
+    rows, text = study(asperity, scene.write(tmp_path, interaction="off"), tmp_path)
+    least = float(reference(rows)["error_estimate"])
+    for goal, line in zip((1e-2, 1e-3, 1e-4), text.splitlines()[-3:]):
+        assert line.lstrip().startswith(f"{100 * goal:g} %:  ")
+        found = [row for row in rows if row["typed"] and row["seconds"] and max(
+            float(row["error_max"]), least) <= goal] or [reference(rows)]
+        assert ("not reached" in line) == (least > goal)
+        best = min(found, key=lambda row: float(row["seconds"]))
+        typed = re.search(r"&effects (.*) /, \S+ s, error", line)[1]
+        assert typed == best["typed"].replace(";", ",")
+        effects = dict(part.split(" = ") for part in typed.split(", "))
+        path = scene.write(tmp_path, **{name: value.strip("'") if "'" in value else float(value)
+                                        for name, value in effects.items()})
+        run_program(asperity, "solve", path, "--quiet", "--positions", tmp_path / "p.csv")
+        row, = records(tmp_path / "p.csv")
+        assert float(row["area"]) == pytest.approx(float(best["area"]), rel=1e-3)
+
+
+def test_asperities_on_coarser_pixels(asperity, tmp_path):
+    """A ball as an asperity on a flat map is in the map once, whatever its pixels."""
+    np.save(tmp_path / "m.npy", np.zeros((65, 65)))
+    (tmp_path / "u.csv").write_text("x,y,height,radius\n32.1,31.7,3,200\n", encoding="ascii")
+    path = write_scene(tmp_path / "b.scene", by_default=True, material={"contact_modulus": 1e3},
+                       surfaces={"upper": "u.csv", "lower": "m.npy", "map_spacing": (1., 1.),
+                                 "map_level": "none"}, loading={"control": "load", "value": 3e3})
+    rows, _ = study(asperity, path, tmp_path, 3)
+    found = [float(row["separation"]) for row in rows if row["family"] == "neighbours"]
+    compression = (3 * 3e3 / (4e3 * 200**0.5))**(2 / 3)
+    assert len(found) == 3
+    assert np.ptp(found) < 0.02 * compression
