@@ -31,9 +31,12 @@ module asperity_accuracy_choice
   ! The first tolerance of boundary elements over the accuracy of loads, whose error is often far
   ! less than the tolerance; the largest reduction of a tolerance, as a run takes six times as long
   ! then, and the part of the accuracy below which it is not reduced; the part of the accuracy that
-  ! is aimed at (chosen; test: times in test/bench/accuracy_promises.py).
+  ! is aimed at (chosen; test: times in test/bench/accuracy_promises.py). Elements of a smaller
+  ! tolerance than the finest one exceed the memory; areas on elements have a larger error than
+  ! theirs (extrapolation_error of asperity_joint_contacts).
   real(real64), parameter :: first_share = 10.0_real64, largest_step = 0.1_real64, &
-                             least_share = 0.25_real64, aimed_share = 0.95_real64
+                             least_share = 0.25_real64, aimed_share = 0.95_real64, &
+                             finest_tolerance = 1.0e-6_real64, finest_areas = 1.0e-3_real64
 
   ! Smallest error bound: results are stored as doubles.
   real(real64), parameter :: finest_accuracy = 4 * epsilon(1.0_real64)
@@ -78,10 +81,12 @@ contains
     type(run_options), intent(in) :: options      !! requested accuracy and its total
     real(real64), intent(in) :: error             !! relative error with the method
     type(method_choice), intent(inout) :: method  !! last method, then the next one
-    real(real64) :: last(2)
+    real(real64) :: last(2), needed
 
     last = method%last
     associate (goal => options%accuracy)
+      ! A part of the error does not depend on the tolerance.
+      needed = method%tolerance * (aimed_share * goal / error)**2
       if (allocated(scene_in%map)) then
         if (method%resolution >= 1.0_real64) method%tolerance = 0.0_real64
         method%resolution = 2 * method%resolution
@@ -91,14 +96,13 @@ contains
         method%on_elements = .true.
         method%tolerance = min(aimed_share * error, max(largest_step * error, goal * merge( &
                                first_share, 1.0_real64, options%accuracy_of == 'load')))
-      else if (.not. method%tolerance > least_share * goal .or. &
+      else if (.not. method%tolerance > least_share * goal .or. needed < finest_tolerance .or. &
                (method%tolerance < 0.3_real64 * last(1) .and. error > 0.7_real64 * last(2))) then
         ! Other errors prevail.
         method%tolerance = 0.0_real64
       else
-        ! A part of the error does not depend on the tolerance.
         method%last = [method%tolerance, error]
-        method%tolerance = method%tolerance * max(largest_step, (aimed_share * goal / error)**2)
+        method%tolerance = max(largest_step * method%tolerance, needed)
       end if
     end associate
   end subroutine take_next
@@ -127,7 +131,7 @@ contains
     chosen%effects%modes(of_interaction) = mode
     tolerance = rounded_decimal(method%tolerance, 3)
     call chosen%effects%set('tolerance', tolerance)
-    if (total /= 'load') call chosen%effects%set('area_tolerance', tolerance)
+    if (total /= 'load') call chosen%effects%set('area_tolerance', max(tolerance, finest_areas))
     if (tolerance < chosen%effects%number('boundary_tolerance')) &
       call chosen%effects%set('boundary_tolerance', tolerance)
     if (method%resolution < 1.0_real64) &
@@ -349,7 +353,7 @@ contains
     character(len=:), allocatable, intent(inout) :: text  !! begin of the sentence
     integer :: k
 
-    text = text // trim(merge('the pixels of the map have', 'the most accurate one has ', &
+    text = text // trim(merge('the pixels of the map have', 'the most accurate run has ', &
                               on_pixels)) // ' an estimated error of '
     k = findloc(totals_of_accuracy == total, .true., 1)
     if (total == 'all') then
