@@ -8,10 +8,10 @@
 !> its mean where 0 < f < H, it has r = 0 where 0 < f < H, r >= 0 where f = 0, and r <= 0 where
 !> f = H: at the hardness the surfaces may overlap. r is the gap of the deformed surfaces.
 !>
-!> Method: conjugate gradients on the free forces, 0 < f < H, preconditioned with an approximate
-!> inverse of A (Polonsky and Keer, Wear 231 (1999) 206-219). The same step changes a force of 0 in
-!> proportion to its overlap, and a force of H in proportion to its gap. The forces are then cut at
-!> 0 and H, and the free ones are scaled to the load. Such a step alone need not converge. It is
+!> Method: conjugate gradients on the set W of the free forces, 0 < f < H, those of 0 with an overlap
+!> and those of H with a gap, preconditioned with `invert_on` W (Polonsky and Keer, Wear 231 (1999)
+!> 206-219). The forces are then cut at 0 and H, and where any was cut the free ones are scaled to
+!> the load and the gradient is computed anew. Such a step alone need not converge. It is
 !> accepted if it decreases the energy by at least the decrease that the projected gradient step to
 !> P(f - r/|A|) guarantees; else P(f - t r) is taken, with the length t of steepest descent, halved
 !> until it guarantees as much (More and Toraldo, SIAM J. Optim. 1 (1991) 93-113). P projects on the
