@@ -5,8 +5,9 @@
 !> three for m = 3, 4 or 5, the first one with which the map keeps its lengths. The former alone are
 !> mirror images of each other on a symmetric map. Let d be the root mean square of the differences
 !> of a result. With the safety factor 3 of two grids (Roache, J. Fluids Eng. 116 (1994) 405) its
-!> error is 3 d/(m**p - 1), the larger of the two. The order p is 2, that of the area 3/2: the pixels
-!> along a rim, 1/h of the spacing h, have independent errors of h**2.
+!> error is 3 d/(m**p - 1), the larger of the two. The order p is 2 on a map that is not rough. There it is
+!> 3/2, that of the area everywhere: the pixels along a rim, 1/h of the spacing h, have independent
+!> errors of h**2, and displacements by waves of heights h**H, H from 0 to 1, errors of h**(1 + H).
 !>
 !> The error of first contact is that of a vertex (`map_top`) where the map is smooth. Where it is
 !> not, it is that of the tops of every second, third and fourth pixel by the same formula, with
@@ -179,10 +180,11 @@ contains
     pure function error_by(coarser, step) result(error)
       real(real64), intent(in) :: coarser(:, :)
       integer, intent(in) :: step
-      real(real64) :: error(5)
+      real(real64) :: error(5), order
 
       error = sqrt(sum((coarser - spread(total, 2, size(coarser, 2)))**2, 2) / size(coarser, 2))
-      error([1, 2, 4, 5]) = error([1, 2, 4, 5]) * safety / (step**2 - 1)
+      order = merge(1.5_real64, 2.0_real64, request%growth > 0.0_real64)
+      error([1, 2, 4, 5]) = error([1, 2, 4, 5]) * safety / (step**order - 1.0_real64)
       error(3) = error(3) * safety / (step**1.5_real64 - 1.0_real64)
     end function error_by
 

@@ -1,11 +1,12 @@
 !> First contact of a height map with a flat: the top of the surface between its pixels.
 !>
 !> With the heights f(x, y) in pixels from a local maximum, the top is the vertex of the quadratic
-!> by central differences of nine pixels. Of the local maxima within half an rms height of the
-!> highest pixel the highest vertex counts: a lower pixel may be nearer to its top. Where the nine
-!> pixels have no vertex within one pixel, as on ridges, it is the highest of those of the lines
-!> along x, along y and along the diagonals. Along a plateau of three equal pixels or more, and
-!> where a neighbour is missing, the surface has no vertex: the pixel is the top.
+!> by central differences of nine pixels. Where these have no vertex within one pixel it is the
+!> highest vertex of the lines along x, along y and along the diagonals. Beside local maxima it is
+!> that of the former two: the top of a ridge may be far from each pixel along its crest. Of the pixels within half an rms height
+!> of the highest one the highest vertex counts: a lower pixel may be nearer to its top. Along a
+!> plateau of three equal pixels or more, and where a neighbour is missing, the surface has no
+!> vertex: the pixel is the top.
 !>
 !> The error of a vertex at (x, y) is the next terms of the expansion there, in absolute values: of
 !> Stirling's formula (Abramowitz and Stegun 1964, 25.2.22) x (x**2 - 1)/6 and x**2 (x**2 - 1)/24
@@ -19,7 +20,7 @@ module asperity_map_top
 
   public :: find_top
 
-  ! Depth below the highest pixel of the local maxima that are looked at, in rms heights (measured
+  ! Depth below the highest pixel of the pixels that are looked at, in rms heights (measured
   ! on random surfaces: the top is 0.13 above the highest pixel at most where the shortest wave has
   ! 4 pixels; test: random surfaces in test/maps/test_pixel_errors.py).
   real(real64), parameter :: search_depth = 0.5_real64
@@ -43,8 +44,7 @@ contains
       do i = 1, size(map%height, 1)
         if (map%height(i, j) < least) cycle
         near = heights_around(map, i, j)
-        if (any(near(-1:1, -1:1) > near(0, 0)) .or. &
-            .not. all(is_measured(near(-1:1, -1:1)))) cycle
+        if (.not. all(is_measured(near(-1:1, -1:1)))) cycle
         call find_vertex(near, step, vertex_error)
         top = max(top, near(0, 0) + step)
         highest = max(highest, near(0, 0) + step + vertex_error)
@@ -70,7 +70,7 @@ contains
     end do
   end function heights_around
 
-  ! Finds the height of the vertex above a local maximum, and its error.
+  ! Finds the height of the vertex above a pixel, and its error; 0: there is none.
   pure subroutine find_vertex(near, step, error)
     real(real64), intent(in) :: near(-2:2, -2:2)  ! heights, those of nine pixels measured
     real(real64), intent(out) :: step, error
@@ -87,7 +87,8 @@ contains
     bend = [(bend_of(line(:, k)), k=1, 2)]
     twist = 0.25_real64 * (near(1, 1) - near(-1, 1) - near(1, -1) + near(-1, -1))
     det = product(bend) - twist**2
-    if (det > 0.0_real64 .and. bend(1) < 0.0_real64 .and. .not. any(is_plateau)) then
+    if (det > 0.0_real64 .and. bend(1) < 0.0_real64 .and. .not. any(is_plateau) .and. &
+        .not. any(near(-1:1, -1:1) > near(0, 0))) then
       place = (twist * slope([2, 1]) - bend([2, 1]) * slope) / det
       if (maxval(abs(place)) <= 1.0_real64) then
         step = 0.5_real64 * dot_product(slope, place)
@@ -103,9 +104,10 @@ contains
     end if
     step = 0.0_real64
     error = 0.0_real64
-    lines = merge(2, 4, any(is_plateau))
+    lines = merge(2, 4, any(is_plateau) .or. any(near(-1:1, -1:1) > near(0, 0)))
     do k = 1, lines
-      if (has_plateau(line(:, k)) .or. .not. bend_of(line(:, k)) < 0.0_real64) cycle
+      if (has_plateau(line(:, k)) .or. .not. bend_of(line(:, k)) < 0.0_real64 .or. &
+          max(line(-1, k), line(1, k)) > line(0, k)) cycle
       place(1) = 0.5_real64 * (line(-1, k) - line(1, k)) / bend_of(line(:, k))
       if (.not. 0.25_real64 * place(1) * (line(1, k) - line(-1, k)) > step) cycle
       step = 0.25_real64 * place(1) * (line(1, k) - line(-1, k))

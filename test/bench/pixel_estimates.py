@@ -109,12 +109,19 @@ def smoothed(random, pixels):
     return np.fft.ifft2(np.fft.fft2(rough) * 2.0**-(9 * (k**2 + k[:, None]**2))).real
 
 
-def holed(random, pixels):
-    """A random surface without some squares of two pixels."""
-    height = spectrum(random, pixels, 0.8, random.uniform(6, 12))
-    for i, j in random.integers(0, pixels - 2, (6, 2)) * FINER:
-        height[i:i + 2 * FINER, j:j + 2 * FINER] = np.nan
-    return height
+def sampled(fine):
+    """The heights in the middle of pixels, whose sides are sides of the fine ones: a free edge is
+    at the same place. The surface is of waves, and periodic."""
+    k = np.fft.fftfreq(len(fine)) * pi * (FINER - 1)
+    turned = np.fft.fft2(fine) * np.exp(1j * (k + k[:, None]))
+    return np.fft.ifft2(turned).real[::FINER, ::FINER]
+
+
+def without(random, height, fine):
+    """Leave out six squares of two pixels."""
+    for i, j in random.integers(0, len(height) - 2, (6, 2)):
+        height[i:i + 2, j:j + 2] = np.nan
+        fine[FINER * i:FINER * (i + 2), FINER * j:FINER * (j + 2)] = np.nan
 
 
 EDGES = {"free edges": "free", "strips": ("free", "periodic"), "missing pixels": "free"}
@@ -149,7 +156,7 @@ MAPS = {
     "grooves along rows": lambda r, n: grooves(r, n, True),
     "rough at the pixels": lambda r, n: spectrum(r, n, r.uniform(0.3, 0.9), 0.5),
     "ridges": ridges, "crates and waves aslant": crates, "smoothed to three pixels": smoothed,
-    "missing pixels": holed, "free edges": usual, "strips": usual,
+    "missing pixels": usual, "free edges": usual, "strips": usual,
     "plasticity": usual, "adhesion": usual, "creep": usual}
 
 
@@ -202,8 +209,10 @@ def cases(runs, seeds, pixels):
         for seed in range(seeds):
             random = np.random.default_rng([7, number, seed])
             fine = make(random, pixels)
-            slope = sqrt(sum(np.nanmean(np.diff(fine, axis=a)**2) for a in (0, 1))) * FINER
-            coarse = fine[::FINER, ::FINER]
+            slope = sqrt(sum((np.diff(fine, axis=a)**2).mean() for a in (0, 1))) * FINER
+            coarse = sampled(fine) if kind in EDGES else fine[::FINER, ::FINER]
+            if kind == "missing pixels":
+                without(random, coarse, fine)
             edge, effects = EDGES.get(kind, "periodic"), effect_of(kind, random, fine, slope)
             for fraction in 10 ** random.uniform([-1.8, -1.2, -0.6], [-1.2, -0.6, -0.2]):
                 load = fraction * E * slope / 2 * pixels**2
