@@ -1,28 +1,32 @@
 !> Estimated error of the contact of a height map by the size of its pixels.
 !>
-!> The map is solved again on every m-th pixel along both sides, with adhesion from the attraction of
-!> its pixels: for m = 2 from two first pixels along a diagonal through the highest pixel, and from
-!> three for m = 3, 4 or 5, the first one with which the map keeps its lengths. The former alone are
-!> mirror images of each other on a symmetric map. Let d be the root mean square of the differences
-!> of a result. With the safety factor 3 of two grids (Roache, J. Fluids Eng. 116 (1994) 405) its
-!> error is 3 d/(m**p - 1), the larger of the two. The order p is 2 on a map that is not rough. There it is
-!> 3/2, that of the area everywhere: the pixels along a rim, 1/h of the spacing h, have independent
-!> errors of h**2, and displacements by waves of heights h**H, H from 0 to 1, errors of h**(1 + H).
+!> The map is solved again on every m-th pixel along both sides, with adhesion from the attraction
+!> of its pixels: for m = 2 from two first pixels along a diagonal through the highest pixel, and
+!> from three for m = 3, 4 or 5, the first one with which the map keeps its lengths. The former
+!> alone are mirror images of each other on a symmetric map. Let d be the root mean square of the
+!> differences of a result. With the safety factor 3 of two grids (Roache, J. Fluids Eng. 116
+!> (1994) 405) its error is 3 d/(m**p - 1), the larger of the two. The order p of separation, load
+!> and gap is 2, on a smooth map without free edges 5/2 (measured on waves and random surfaces). On
+!> a rough map it is 3/2: displacements by waves of heights h**H, H from 0 to 1, have errors of
+!> h**(1 + H). The order of the area is 3/2: the pixels along a rim, 1/h of the spacing h, have
+!> independent errors of h**2. That of the greatest pressure is 2.
 !>
 !> The error of first contact is that of a vertex (`map_top`) where the map is smooth. Where it is
 !> not, it is that of the tops of every second, third and fourth pixel by the same formula, with
 !> their observed order, 1 to 2. The compression has both errors, which are independent.
 !>
-!> The error of the area is at least half of the correction of the rim, and at least that of straight
-!> rims: each straight piece of a rim along the pixels lies up to half a pixel from its sides. The
-!> errors of pieces are independent, but those of grooves, which have no ends, add up. On a map that
-!> is rough at the size of its pixels the slope grows on by the observed ratio to pixels a quarter as
-!> wide, and the area is inverse to the slope (Persson, J. Chem. Phys. 115 (2001) 3840).
+!> The error of the area is at least half of the correction of the rim, and at least that of
+!> straight rims: each straight piece of a rim along the pixels lies up to half a pixel from its
+!> sides. The errors of pieces are independent, but those of grooves, which have no ends, add up.
+!> On a map that is rough at the size of its pixels the slope grows on by the observed ratio to
+!> pixels a quarter as wide, and the area is inverse to the slope (Persson, J. Chem. Phys. 115
+!> (2001) 3840).
 !>
-!> The relative error of the greatest pressure is at least that of the area, as peaks lie between the
-!> pixels of all grids. It has no estimate where no limit is in sight: on rough maps, and on others
-!> that are not smooth, as at kinks, where pixels twice as wide have a pressure that is a tenth less
-!> (measured: reference_output/bench/pixel_estimates.csv; test: test/maps/test_pixel_errors.py).
+!> The relative error of the greatest pressure is at least that of the area, as peaks lie between
+!> the pixels of all grids. It has no estimate where no limit is in sight: on rough maps, and on
+!> others that are not smooth, as at kinks, where pixels twice as wide have a pressure that is a
+!> tenth less (measured: reference_output/bench/pixel_estimates.csv; test:
+!> test/maps/test_pixel_errors.py).
 !>
 !> With creep they are those of the elastic state of the same displacements, with its own load (Lee
 !> and Radok 1960), which holds as long as no pixel has left the contact.
@@ -71,6 +75,7 @@ module asperity_map_error
     logical :: by_load = .false.               !! the load is prescribed, else the separation
     logical :: by_top = .false.                !! the compression is: the load has its error
     logical :: is_smooth = .true.              !! the map is smooth between its pixels
+    real(real64) :: order = 2.0_real64         !! of the errors of level, load and gap
     real(real64) :: top_error = 0.0_real64     !! error of first contact [length]
     !> Relative growth of the slope to pixels a quarter as wide; 0: the map is not rough.
     real(real64) :: growth = 0.0_real64
@@ -139,8 +144,9 @@ contains
     real(real64), intent(out) :: of_top            ! change of the load by that of first contact
     character(len=:), allocatable, intent(out) :: unsolved  ! why one is not
     type(error_request) :: lowering
-    real(real64) :: fall, halves(5, 2), lower(5), total(5), wider(5, 3)
+    real(real64) :: fall, halves(5, 2), lower(5), order, total(5), wider(5, 3)
     integer :: i, k, place(2), step
+    logical :: has_solver
 
     of_top = 0.0_real64
     if (any(shape(map%height) < least_side)) return
@@ -158,9 +164,12 @@ contains
     end if
     total = [full%answer%level, full%answer%load, row%area, row%mean_gap, &
              maxval(full%answer%pressure)]
+    order = request%order
+    ! Attraction over the gaps is less smooth than the contact.
+    has_solver = any([(laws(i)%law%solves .and. laws(i)%law%is_simulated, i=1, size(laws))])
+    if (has_solver) order = min(order, 2.0_real64)
     errors = error_by(halves, 2)
-    step = step_beside_two(map)
-    if (any([(laws(i)%law%solves .and. laws(i)%law%is_simulated, i=1, size(laws))])) step = 0
+    step = merge(0, step_beside_two(map), has_solver)
     do k = 1, merge(3, 0, step > 0)
       call solve_coarser(map, laws, request, step, 1 + mod(place + k, step), full, wider(:, k), &
                          unsolved)
@@ -180,12 +189,10 @@ contains
     pure function error_by(coarser, step) result(error)
       real(real64), intent(in) :: coarser(:, :)
       integer, intent(in) :: step
-      real(real64) :: error(5), order
+      real(real64) :: error(5)
 
       error = sqrt(sum((coarser - spread(total, 2, size(coarser, 2)))**2, 2) / size(coarser, 2))
-      order = merge(1.5_real64, 2.0_real64, request%growth > 0.0_real64)
-      error([1, 2, 4, 5]) = error([1, 2, 4, 5]) * safety / (step**order - 1.0_real64)
-      error(3) = error(3) * safety / (step**1.5_real64 - 1.0_real64)
+      error = error * safety / (step**[order, order, 1.5_real64, order, 2.0_real64] - 1.0_real64)
     end function error_by
 
   end subroutine compare_coarser
@@ -262,6 +269,9 @@ contains
     call find_top(map, top, request%top_error)
     call measure_growth(map, ratio, request%growth)
     request%is_smooth = ratio < smooth_growth
+    if (request%is_smooth .and. map%repeats(1) .and. map%repeats(2) .and. &
+        all(is_measured(map%height))) request%order = 2.5_real64
+    if (request%growth > 0.0_real64) request%order = 1.5_real64
     if (request%is_smooth .or. any(shape(map%height) < least_side)) return
     do step = 2, 4
       difference(step) = 0.0_real64
@@ -352,8 +362,8 @@ contains
     error = 0.5_real64 * (sqrt(error) + grooves) * product(map%pixel_spacing)
   end function error_of_rims
 
-  ! Finds the growth of the slope of a map from differences over 2 pixels to those over 1, over that from 4 to
-  ! 2; at most `fastest_growth`.
+  ! Finds the growth of the slope of a map from differences over 2 pixels to those over 1, over that
+  ! from 4 to 2; at most `fastest_growth`.
   pure subroutine measure_growth(map, ratio, growth)
     type(height_map), intent(in) :: map       ! levelled
     real(real64), intent(out) :: ratio

@@ -3,10 +3,10 @@
 !> With the heights f(x, y) in pixels from a local maximum, the top is the vertex of the quadratic
 !> by central differences of nine pixels. Where these have no vertex within one pixel it is the
 !> highest vertex of the lines along x, along y and along the diagonals. Beside local maxima it is
-!> that of the former two: the top of a ridge may be far from each pixel along its crest. Of the pixels within half an rms height
-!> of the highest one the highest vertex counts: a lower pixel may be nearer to its top. Along a
-!> plateau of three equal pixels or more, and where a neighbour is missing, the surface has no
-!> vertex: the pixel is the top.
+!> that of the former two: the top of a ridge may be far from each pixel along its crest. Of the
+!> pixels within half an rms height of the highest one the highest vertex counts: a lower pixel may
+!> be nearer to its top. Along a plateau of three equal pixels or more, and where a neighbour is
+!> missing, the surface has no vertex: the pixel is the top.
 !>
 !> The error of a vertex at (x, y) is the next terms of the expansion there, in absolute values: of
 !> Stirling's formula (Abramowitz and Stegun 1964, 25.2.22) x (x**2 - 1)/6 and x**2 (x**2 - 1)/24

@@ -169,9 +169,9 @@ def test_kinks(asperity, tmp_path, tally, kind):
         x, y = np.arange(N)[None, :] - random.uniform(18, 21), np.arange(N)[:, None] - \
             random.uniform(18, 21)
         if kind == "cone":
-            height, deep, edge = -0.02 * np.hypot(x, y), 0.01 * np.pi * random.uniform(3, 12), "free"
-            found = solve(asperity, tmp_path, height, 1.0, edge, control="load", value=float(
-                E * deep**2 * 2 / (np.pi * 0.02)))
+            deep = 0.01 * np.pi * random.uniform(3, 12)
+            found = solve(asperity, tmp_path, -0.02 * np.hypot(x, y), 1.0, "free", control="load",
+                          value=float(E * deep**2 * 2 / (np.pi * 0.02)))
         else:
             x, y = ((place + N / 2) % N - N / 2 for place in (x, y))
             height = -abs(x) - (abs(y) if kind == "tent" else 0.3 * np.cos(y * 2 * np.pi / N) + 0.3)
