@@ -399,14 +399,16 @@ def test_mean_gap_and_greatest_pressure(asperity, tmp_path):
 
 def test_record_of_other_kinds(root, tally):
     """The kept record of test/bench/pixel_estimates.py: 95 % of the errors of each quantity are
-    below their estimate, on maps that the estimates were not fitted on. The median estimate of
-    separation, load and area is at most 6 times the error, with many smooth maps among them."""
+    below their estimate, none is 3 times above, on maps that the estimates were not fitted on. The
+    median estimate is at most 7 times the error, that of the greatest pressure 9 times."""
     kept = (root / "reference_output/bench/pixel_estimates.csv").read_text().partition("\n")[2]
     rows = [row for row in csv.DictReader(io.StringIO(kept)) if row["kind"] == "all"]
-    assert {row["quantity"] for row in rows} == {"separation", "area", "mean_gap", "pressure",
-                                                 "load"}
-    assert all(float(row["below_estimate_percent"]) >= 95 and int(row["errors"]) > 250
-               for row in rows)
-    assert all(float(row["median_estimate_over_error"]) <= 6 for row in rows
-               if row["quantity"] in ("separation", "load", "area"))
+    assert {row["quantity"] for row in rows} == {"separation", "compression", "area", "mean_gap",
+                                                 "pressure", "load", "load at a compression"}
+    assert sum(int(row["errors"]) for row in rows if row["quantity"] in ("area", "load")) > 400
+    for row in rows:
+        assert float(row["below_estimate_percent"]) >= 95 and int(row["errors"]) >= 150
+        assert float(row["largest_error_over_estimate"]) < 3
+        assert float(row["median_estimate_over_error"]) <= (9 if row["quantity"] == "pressure"
+                                                            else 7)
     tally.add("errors of pixels", len(rows), len(rows))
