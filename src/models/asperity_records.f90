@@ -79,7 +79,7 @@ contains
       if (outcomes(i)%dissipated_work > not_computed) result%states(number)%dissipated_work = &
         in_scene_units(pairs, outcomes(i)%dissipated_work, moment(1), moment(2))
     end do
-    call add_errors(scene_in, effects, outcomes, result%states(number))
+    call add_errors(scene_in, outcomes, result%states(number))
     if (number == size(result%states)) &
       call close_position(scene_in, pairs, outcomes, result)
   end subroutine add_contacts
@@ -105,16 +105,15 @@ contains
       result%rows_used = result%rows_used + count([(in_contact(state, i), i=1, size(pairs%list))])
       call add_contact_values(pairs, state, outcomes, result)
     end if
-    call add_errors(scene_in, effects, outcomes, result%states(number))
+    call add_errors(scene_in, outcomes, result%states(number))
     if (number == size(result%states)) &
       call close_position(scene_in, pairs, outcomes, result)
   end subroutine add_without_effects
 
   ! Adds the errors of a state: estimates of the effects that `auto` left out, and errors of the
   ! simulated ones.
-  subroutine add_errors(scene_in, effects, outcomes, state)
+  subroutine add_errors(scene_in, outcomes, state)
     type(scene), intent(in) :: scene_in
-    type(effect_box), intent(in) :: effects(:)
     type(effect_outcome), intent(in) :: outcomes(:)
     type(state_row), intent(inout) :: state
     integer :: at, i
@@ -127,8 +126,9 @@ contains
           else if (outcome%error > not_computed) then
             total = max(total, 0.0_real64) + outcome%error
           end if
-          at = findloc(effects(i)%effect%state_columns%text, 'area_error_estimate', 1)
-          if (at > 0) state%area_error = outcome%of_state(at)
+          if (.not. allocated(outcome%of_state%names)) cycle
+          at = findloc(outcome%of_state%names%text, 'area_error_estimate', 1)
+          if (at > 0) state%area_error = outcome%of_state%values(1, at)
         end associate
       end do
     end associate
