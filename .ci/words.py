@@ -3,7 +3,8 @@
 usage: words.py [FILE...]    without files: README.md, CHANGELOG.md, the pages of docs, the string
                              literals of src, app and python, the subject of the last commit
 
-A few words are refused in comments, names and code, too, in every text file of these folders.
+A few words are refused in comments, names and code, too, in every text file of these folders and in
+the tests, a few more in the comments and docstrings of tests.
 
 Prints FILE:LINE: WORD: REASON, one line a finding; exit status 1 where there is one.
 Own, as a list of codespell has neither patterns of several words nor strings of Fortran alone.
@@ -33,6 +34,9 @@ FIRST = re.compile(r"(?:^|(?<=[.:;!?] ))(Of|Nor|Or|What|So who)\b (?![^.!?]*\?)"
 # Refused wherever they occur, also in comments, names and blocks of code.
 ANYWHERE = re.compile(r"\b(whoever|foretell|foretold|nobody|who bears|told|tells|press less)\b",
                       re.IGNORECASE)
+# Refused in comments and docstrings of tests, with the replacements of words.csv.
+IN_TESTS = re.compile(r"\b(tell|telling|says?|said|knows?|knew|wants?|bears?|bore|borne|closings?|"
+                      r"samples?|spots?|tips?|rungs?|who|whom|somebody)\b", re.IGNORECASE)
 # Text files beside pages and sources, which are read for these words alone.
 OTHER_TEXTS = (".h", ".html", ".ipynb", ".json", ".scene", ".toml", ".svg")
 
@@ -162,9 +166,30 @@ def anywhere(text):
             for match in ANYWHERE.finditer(line)]
 
 
+def of_tests(path, text):
+    """Findings in the comments and docstrings of a test: line, words, reason."""
+    if path.suffix != ".py":
+        parts = [(number, line[line.index("!"):]) for number, line in enumerate(
+            re.sub(r"'[^'\n]*'|\"[^\"\n]*\"", "''", text).splitlines(), 1) if "!" in line]
+    else:
+        import ast
+        import io
+        import tokenize
+
+        parts = [(token.start[0], token.string) for token in tokenize.generate_tokens(
+            io.StringIO(text).readline) if token.type == tokenize.COMMENT]
+        parts += [(node.body[0].lineno, ast.get_docstring(node)) for node in ast.walk(
+            ast.parse(text)) if isinstance(node, (ast.Module, ast.FunctionDef, ast.ClassDef))
+            and ast.get_docstring(node)]
+    return [(line, match[0], "a word of another field: words.csv has its replacement")
+            for line, part in parts for match in IN_TESTS.finditer(re.sub(r"`[^`]*`", "", part))]
+
+
 def findings(path):
     text = path.read_text(encoding="utf-8")
     found = anywhere(text)
+    if path.resolve().is_relative_to(ROOT / "test"):
+        return found + of_tests(path, text)
     if path.suffix == ".md":
         return found + of_page(text, path.name == "CHANGELOG.md")
     if path.suffix == ".py":
@@ -189,7 +214,7 @@ def of_last_commit():
 
 def all_files():
     tracked = subprocess.run(["git", "-C", ROOT, "ls-files", "src", "app", "python", "docs",
-                              "include"], text=True, capture_output=True, check=True).stdout.split()
+                              "include", "test"], text=True, capture_output=True, check=True).stdout.split()
     sources = [ROOT / name for name in tracked
                if name.endswith((".f90", ".F90", ".inc", ".py", *OTHER_TEXTS))]
     pages = sorted(ROOT.glob("docs/**/*.md"))

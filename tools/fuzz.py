@@ -1,8 +1,8 @@
 """Mutated decks, scenes, CSV files and command lines: the program keeps its word on all of them.
 
 Every run must end with status 0, 1 or 2, here also within a second of processor time (30 where
-cells may be used). With 1 or 2 it says why in printable lines and leaves no file behind; with 0 its
-files are whole and hold finite numbers. The same seed gives the same cases on every machine.
+cells may be used). With 1 or 2 it states why in printable lines and leaves no file behind; with 0
+its files are whole and hold finite numbers. The same seed gives the same cases on every machine.
 
 With --tight each run has little memory and one thread, as OpenMP itself ends a program that has no
 memory for the stacks of its threads; with --sanitized, for a build with sanitizers, memory is not

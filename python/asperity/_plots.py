@@ -65,7 +65,7 @@ def draw_curves(states: Table, ax: Any, *, control: str = "", log: bool = False,
             axes.grid(alpha=0.3)
     for number, (name, curve) in enumerate((theory or {}).items()):
         x, y = (states[force], curve(states[force])) if callable(curve) else curve
-        right.plot(x, y, color="0.3", ls=("--", ":", "-.", (0, (5, 1)))[number % 4], label=name)
+        right.plot(x, y, color="0.5", ls=("--", ":", "-.", (0, (5, 1)))[number % 4], label=name)
     if log:
         left.set_yscale("log")
         right.set(xscale="log", yscale="log")

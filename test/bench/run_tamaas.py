@@ -3,14 +3,15 @@
     python test/bench/run_tamaas.py [--most N] [--seconds S] [--small] [--save]
 
 tamaas (conjugate gradients of Polonsky and Keer over FFTs, free boundary) is installed by pip into
-a venv of its own, build/tamaas; where that cannot be, a sentence says so and nothing is measured.
+a venv of its own, build/tamaas; where that cannot be, a sentence states so and nothing is measured.
 N caps of 1.27 cm, 26 a cm2, heights normal 0.127 +- 0.03 cm, 40 N a cap, one thread. The grid has
 paraboloids. Cells have spheres, which are others by the penetration over the radius, 6 % here. So
 ours are pressed with ten times the lengths in plan and a hundred times the radii: the same
-paraboloids, heights and closing, at ten times the load, and flat as spheres. The grid is
-refined until a solve takes more than S seconds. What the closing converges to is taken from the two
+paraboloids, heights and compression, at ten times the load, and flat as spheres. The grid is
+refined until a solve takes more than S seconds. What the compression converges to is taken from the
+two
 finest grids, whose error falls with the power 3/2 of the cell, and an error is the difference from
-that over the closing.
+that over the compression.
 """
 
 import argparse
@@ -34,7 +35,7 @@ MODULUS, RATIO, RADIUS, DENSITY, EACH = 275760.0, 0.42, 1.27, 26.0, 40.0
 WIDER = 10.0
 # Room around the caps, so that no contact is cut off by the edge of the grid.
 MARGIN = 0.25
-# Bytes a sample that it wants: its padded lattice, complex, and some fields.
+# Bytes a pixel that it needs: its padded lattice, complex, and some fields.
 BYTES_A_SAMPLE = 250
 TOLERANCE = 1e-6
 # More than these caps are pressed, and every touching point lies above that.
@@ -65,7 +66,7 @@ def place_caps(count):
 
 
 def ours(exe, folder, caps, effects):
-    """Seconds and peak memory of the whole process, and the closing past first touch."""
+    """Seconds and peak memory of the whole process, and the compression past first touch."""
     scene, positions = folder / "caps.scene", folder / "positions.csv"
     wide = caps * [WIDER, WIDER, 1.0, WIDER ** 2]
     np.savetxt(folder / "wide.csv", wide, "%.17g", ",", header="x,y,height,radius", comments="")
@@ -103,7 +104,7 @@ def solve_by_tamaas(python, *words):
 
 
 def theirs(python, folder, caps, side, samples):
-    """Seconds of the solve alone, peak memory of the process, and the closing."""
+    """Seconds of the solve alone, peak memory of the process, and the compression."""
     np.save(folder / "caps.npy", sampled(caps, samples, side))
     _, peak, level, seconds, _ = solve_by_tamaas(
         python, folder / "caps.npy", side / samples, MODULUS / (2 * (1 - RATIO ** 2)),

@@ -39,7 +39,7 @@ def output_of(*command):
 
 
 def release_build():
-    """Path of the executable and the flags it was compiled with, as fpm tells them."""
+    """Path of the executable and the flags it was compiled with, as fpm reports them."""
     path = output_of("bash", ".ci/build", "release")
     if not path:
         raise SystemExit("bench: the release build failed, see: bash .ci/build release")
@@ -119,19 +119,19 @@ class Work:
     def run(self):
         """Keep the least time from before the first start until the last end. Whatever is printed
         must be the same every time."""
-        with tempfile.TemporaryFile() as printed, tempfile.TemporaryFile() as told:
+        with tempfile.TemporaryFile() as printed, tempfile.TemporaryFile() as reported:
             begin = time.perf_counter()
-            processes = [self.start(printed if i == 0 else subprocess.DEVNULL, told)
+            processes = [self.start(printed if i == 0 else subprocess.DEVNULL, reported)
                          for i in range(self.copies)]
             ends = [process.wait() for process in processes]
             seconds = time.perf_counter() - begin
             printed.seek(0)
             output = hashlib.sha256(printed.read()).hexdigest()
-            told.seek(0)
-            last = told.read().decode(errors="replace").strip().splitlines()[-1:]
+            reported.seek(0)
+            last = reported.read().decode(errors="replace").strip().splitlines()[-1:]
         wrong = [end for end in ends if end != self.status]
         if wrong:
-            # What the run said may hold paths: it is shown, not saved.
+            # What the run stated may hold paths: it is shown, not saved.
             print(*self.command, *last, sep="\n  ", file=sys.stderr)
             raise Failed(f"ended with status {wrong[0]}")
         if self.output not in (None, output):
@@ -139,9 +139,9 @@ class Work:
         self.output = output
         self.least = min(self.least, seconds)
 
-    def start(self, printed, told):
+    def start(self, printed, reported):
         return subprocess.Popen(self.command, cwd=ROOT, env=ENVIRONMENT, stdin=subprocess.DEVNULL,
-                                stdout=printed, stderr=told)
+                                stdout=printed, stderr=reported)
 
     def peak(self):
         """Bytes resident at most, in a run of its own."""
@@ -156,13 +156,13 @@ def take_turns(works, rounds):
 
 
 def same_output(*works):
-    """A bench of different works would say nothing."""
+    """A bench of different works would state nothing."""
     if len({work.output for work in works}) > 1:
         raise Failed("prints something else")
 
 
 def available_memory():
-    """Bytes that the system would give now; endless where it does not tell."""
+    """Bytes that the system would give now; endless where it does not report."""
     path = Path("/proc/meminfo")
     for line in path.read_text().splitlines() if path.exists() else ():
         if line.startswith("MemAvailable:"):
@@ -172,7 +172,7 @@ def available_memory():
 
 def peak_of(process, pause=0.0):
     """Bytes resident at most of a process just started, read until it has gone; 0 where the system
-    does not tell.
+    does not report.
 
     Not ru_maxrss: what the kernel reports there includes the parent's pages before exec.
     """

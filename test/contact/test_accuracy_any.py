@@ -123,7 +123,7 @@ def test_any_scene(kind, asperity, root, tmp_path):
 
 
 def test_the_reference_of_isolated_contacts(asperity, tmp_path):
-    """One pair, aside: nothing but Hertz's equations. 50 digits know it."""
+    """One pair, aside: nothing but Hertz's equations. 50 digits have it."""
     upper, lower = [(0.0, 0.0, 0.1, 1.25)], [(0.3, 0.0, 0.1, 0.75)]
     groups = {"loading": {"control": "approach", "value": 0.125}}
     rows, _ = study(asperity, write_csv_scene(tmp_path, upper, lower, **groups), tmp_path, 3)
@@ -134,7 +134,7 @@ def test_the_reference_of_isolated_contacts(asperity, tmp_path):
 @pytest.mark.truth
 @pytest.mark.parametrize("name", ("clusters", "triples"))
 def test_the_reference_of_neighbours(name, asperity, tmp_path):
-    """Against the archived solution on grids: within what the reference says of itself."""
+    """Against the archived solution on grids: within what the reference states of itself."""
     scene = next(s for s in dense_scenes() if s.family == name)
     rows, _ = study(asperity, scene.write(tmp_path, interaction="off"), tmp_path)
     best = reference(rows)
@@ -200,8 +200,8 @@ def test_the_reference_of_flow(asperity, tmp_path):
 @pytest.mark.parametrize("asked", ("1e-2", "1e-4", "1e-8"))
 @pytest.mark.parametrize("kind", PROMISED)
 def test_the_promise(kind, asked, asperity):
-    """`solve --accuracy E` has it, or says what can be had, which then holds: some of the scenes of
-    promise_judge.
+    """`solve --accuracy E` has it, or states what can be had, which then holds: some of the scenes
+    of promise_judge.
     The pixels of rough maps have larger errors, by their size: refused with this figure."""
     solved = 0
     for number in (1, 2, 3):

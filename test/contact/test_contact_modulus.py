@@ -40,7 +40,7 @@ def test_of_bodies(asperity, tmp_path, loading):
     {"adhesion": "on", "work_of_adhesion": 0.05, "equilibrium_distance": 1e-6},
     {"creep": "on", "hold_time": 3.0, "relaxation_time": 1.0, "relaxed_modulus_ratio": 0.5}])
 def test_effects(asperity, tmp_path, effects):
-    """Effects that know the combined modulus alone give what they give with the two bodies."""
+    """Effects that have the combined modulus alone give what they give with the two bodies."""
     loading = {"control": "approach", "value": 0.18}
     found = []
     for name, material in (("bodies", BODIES), ("e", {"contact_modulus": COMBINED})):
@@ -69,7 +69,7 @@ def test_deck(asperity, tmp_path, root):
 
 
 def test_refusals(asperity, tmp_path):
-    """One or the other; effects that need more than it say what."""
+    """One or the other; effects that need more than it state what."""
     for material, effects, expected in (
             ({"contact_modulus": 1.0, **BODIES}, {}, ("found beside contact_modulus",) * 2),
             ({"contact_modulus": 1.0, "poisson_ratio": (0.3, 0.3)}, {},

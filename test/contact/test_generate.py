@@ -1,5 +1,5 @@
 """`asperity generate`: the numbers against an independent evaluation, their statistics, and what
-the command says when it cannot do what is asked."""
+the command states when it cannot do what is asked."""
 
 import os
 from decimal import Decimal

@@ -40,7 +40,7 @@ def by_hand(levels, radii, approach):
 
 
 def approach_at(levels, radii, load):
-    """Where caps bear a load together: by halving in doubles, then by Newton with many digits."""
+    """Where caps carry a load together: by halving in doubles, then by Newton with many digits."""
     heights, roots = np.array(levels), 4 / 3 * E * np.sqrt(radii)
     low, high = heights.max() - 1000, heights.max()
     for _ in range(100):
@@ -98,7 +98,7 @@ def test_caps_on_a_plane_are_those_of_hertz(asperity, tmp_path, side, number):
             _, areas = by_hand(heights, radii, approach)
             assert off(row["load"], mpf(load)) < 1e-14
             assert abs(float(row["separation"]) - approach) < 1e-16
-            # An area forgets a rounding of the approach over the closing.
+            # An area forgets a rounding of the approach over the compression.
             assert off(row["area"], sum(areas)) < 1e-15 * (1 + 0.1 / (max(heights) - approach))
             assert int(row["contacts"]) == sum(h >= approach for h in heights)
 

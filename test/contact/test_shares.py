@@ -51,7 +51,7 @@ def test_parts_are_the_whole(name, parts, asperity, root, tmp_path, tally):
 
 
 def test_a_part_goes_on(asperity, root, tmp_path):
-    """A part that was ended in the middle is told, goes on, and then the whole can be had."""
+    """A part that was ended in the middle is reported, goes on, and then the whole can be had."""
     scene = thesis_scene("curve", root, tmp_path)
     words = ["solve", scene, "--positions", "positions.csv"]
     for part in (1, 2, 3):
@@ -62,8 +62,8 @@ def test_a_part_goes_on(asperity, root, tmp_path):
     assert len(places) == 13
     (tmp_path / "p2").write_bytes(kept[:places[4] + 50])
     keeps = ["--keep", "p1", "--keep", "p2", "--keep", "p3"]
-    told = run(asperity, tmp_path, *words, *keeps, status=1).stderr
-    assert "p2: holds 4 of 13 positions, expected all: run it with --share 2/3 to its end" in told
+    shown = run(asperity, tmp_path, *words, *keeps, status=1).stderr
+    assert "p2: holds 4 of 13 positions, expected all: run it with --share 2/3 to its end" in shown
     assert not (tmp_path / "positions.csv").exists()
     run(asperity, tmp_path, *words, "--share", "2/3", "--keep", "p2")
     assert kept_records(tmp_path / "p2") == whole

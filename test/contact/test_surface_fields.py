@@ -88,13 +88,13 @@ def test_one_sphere_against_hertz(asperity, tmp_path):
 def test_spacing_is_needed(asperity, tmp_path):
     scene = plane_scene(tmp_path, [(0.0, 0.0, 1.0, R)], side=None)
     for option in ("--fields=f.vti", "--histogram=f.csv"):
-        told = run(asperity, scene, option, status=2).stderr
-        assert "expected field_spacing, the side of a pixel, in &surfaces" in told
+        shown = run(asperity, scene, option, status=2).stderr
+        assert "expected field_spacing, the side of a pixel, in &surfaces" in shown
     assert "field_spacing: found '0.0', expected" in run(
         asperity, plane_scene(tmp_path, [(0.0, 0.0, 1.0, R)], side=0.0), status=2).stderr
-    told = run(asperity, plane_scene(tmp_path, [(0.0, 0.0, 1.0, R)], side=1e-8), "--fields",
+    shown = run(asperity, plane_scene(tmp_path, [(0.0, 0.0, 1.0, R)], side=1e-8), "--fields",
                tmp_path / "f.vti", status=1).stderr
-    assert "not enough memory for the fields of 1 state, expected a larger field_spacing" in told
+    assert "not enough memory for the fields of 1 state, expected a larger field_spacing" in shown
 
 
 TWO = [(0.0, 0.0, 1.0, 1.0), (0.15, 0.02, 0.998, 0.9), (0.6, 0.3, 0.995, 0.8)]
@@ -297,20 +297,20 @@ def test_states_and_histogram(asperity, tmp_path):
 
 
 def test_refusals(asperity, tmp_path):
-    def told(words=(), effects=None, status=2, **groups):
+    def shown(words=(), effects=None, status=2, **groups):
         scene = write_csv_scene(
             tmp_path, [(0.0, 0.0, 1.0, R)], [(0.0, 0.0, 1.0, R)], effects=effects or {},
             **{"loading": {"control": "compression", "value": DEPTH}, **groups})
         scene.write_text(scene.read_text().replace("&surfaces ", "&surfaces field_spacing = 0.1, "))
         return run(asperity, scene, "--fields", tmp_path / "f.vti", *words, status=status).stderr
 
-    assert "--fields: found 3 positions of asperities, expected one for fields" in told(
+    assert "--fields: found 3 positions of asperities, expected one for fields" in shown(
         motion={"positions": 3, "x_step": 0.1})
-    assert "a file of --keep has no pressure" in told(("--keep", tmp_path / "k"))
+    assert "a file of --keep has no pressure" in shown(("--keep", tmp_path / "k"))
     adhesion = {"adhesion": "on", "work_of_adhesion": 1.0, "equilibrium_distance": 1e-4}
-    assert "fields: the pressure of contacts with adhesion is not Hertz's" in told(
+    assert "fields: the pressure of contacts with adhesion is not Hertz's" in shown(
         effects=adhesion, status=1)
-    assert "no area in common in plan" in told(status=1, motion={"x_first": 3.0})
+    assert "no area in common in plan" in shown(status=1, motion={"x_first": 3.0})
 
 
 def test_spacing_beside_a_map(asperity, tmp_path):

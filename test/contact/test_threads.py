@@ -1,6 +1,6 @@
 """Threads, progress and interruption of `asperity solve`.
 
-What a run writes is the same for any number of threads: files, summary, and the failure it tells.
+What a run writes is the same for any number of threads: files, summary, and the failure it reports.
 """
 
 import os
@@ -81,7 +81,7 @@ def test_a_map_does_not_depend_on_threads(asperity, tmp_path, tally):
 
 
 def test_first_failure_is_returned(asperity, tmp_path, tally):
-    """Past 1.5 no pair is left to bear the load: of all positions the first is told."""
+    """Past 1.5 no pair is left to carry the load: of all positions the first is reported."""
     rng = np.random.default_rng(5)
     upper = rough(rng, 60)
     lower = upper.copy()
@@ -89,9 +89,9 @@ def test_first_failure_is_returned(asperity, tmp_path, tally):
         tmp_path, upper, lower, motion={"positions": 60, "x_step": 0.7},
         loading={"control": "load", "value": 20000.0}, limit={"criterion": "load", "value": 288.0})
     status, _, err, files = compare_threads(asperity, scene, tmp_path, tally)
-    told = re.search(rb"position (\d+): .* they carry no load|position (\d+): the load", err)
-    assert status == 1 and told and not files
-    first = int(told[1] or told[2])
+    shown = re.search(rb"position (\d+): .* they carry no load|position (\d+): the load", err)
+    assert status == 1 and shown and not files
+    first = int(shown[1] or shown[2])
     assert 1 < first < 60
     # One position fewer, and all can be solved.
     scene.write_text(re.sub(r"positions = 60", f"positions = {first - 1}", scene.read_text()))

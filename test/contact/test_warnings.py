@@ -37,8 +37,8 @@ def overlap_of(contact_radius):
     return contact_radius**2 / (RADIUS / 2)
 
 
-def told(run, what):
-    """The one line of this kind, or none; the column counts what was told."""
+def shown(run, what):
+    """The one line of this kind, or none; the column counts what was reported."""
     assert run.status == 0, run.stderr
     lines = [line for line in run.stderr.splitlines() if ": warning: " in line]
     assert all(re.fullmatch(r".+: warning: position \d+( and \d+ more)?: [^,]+, [^,]+, .+", line)
@@ -51,8 +51,8 @@ def told(run, what):
 
 
 def check_pair(inside, outside, what, size=None):
-    assert told(inside, what) == ""
-    line = told(outside, what)
+    assert shown(inside, what) == ""
+    line = shown(outside, what)
     assert line, outside.stderr
     if size is not None:
         number = float(re.search(r": [^,]+, (\S+) ", line).group(1))
@@ -65,7 +65,7 @@ def test_a_wide_contact_circle_is_warned_of(asperity, tmp_path):
     check_pair(*runs, "wide for its sphere", 0.3)
     # Far beyond.
     far = pressed(asperity, tmp_path / "far", overlap_of(0.9 * RADIUS))
-    assert "0.900 of the radius" in told(far, "wide for its sphere")
+    assert "0.900 of the radius" in shown(far, "wide for its sphere")
 
 
 def test_a_circle_beyond_its_cap_is_warned_of(asperity, tmp_path):
@@ -106,7 +106,7 @@ def test_a_pressure_beyond_yield_is_warned_of(given, pressure, asperity, tmp_pat
     check_pair(*runs, "beyond yield", 1.0)
     plastic = pressed(asperity, tmp_path / "on", overlap * OUTSIDE**2, limit=limit, **effects,
                       plasticity="on")
-    assert told(plastic, "beyond yield") == ""
+    assert shown(plastic, "beyond yield") == ""
 
 
 def caps(asperity, folder, side, overlap, nominal=None, interaction="off", **effects):
@@ -125,7 +125,7 @@ def test_circles_overlap(asperity, tmp_path):
             for f in (INSIDE, OUTSIDE)]
     check_pair(*runs, "contact circles overlap", 4)
     coupled = caps(asperity, tmp_path / "coupled", 2 * a / OUTSIDE, overlap, 1e3, "coupled")
-    assert told(coupled, "contact circles overlap") == ""
+    assert shown(coupled, "contact circles overlap") == ""
 
 
 def test_crowded_circles_are_warned_of(asperity, tmp_path):
@@ -182,7 +182,7 @@ def test_relaxing(hold, asperity, tmp_path):
 
 
 def test_an_uncertain_area_is_warned_of(asperity, tmp_path):
-    """Told where the column of the area's error is above the tolerance, and nowhere else."""
+    """Reported where the column of the area's error is above the tolerance, and nowhere else."""
     what = "less sure than the tolerance"
 
     def caps_by(tolerance):
@@ -196,7 +196,7 @@ def test_an_uncertain_area_is_warned_of(asperity, tmp_path):
     while high > 1.001 * low:
         middle = (low + high) / 2
         run, size = caps_by(middle)
-        assert bool(told(run, what)) == (size > middle)
+        assert bool(shown(run, what)) == (size > middle)
         if size > middle:
             low, outside, stated = middle, run, size
         else:
@@ -219,7 +219,7 @@ def test_a_load_unlike_the_vertical_load_is_warned_of(asperity, tmp_path):
             loading={"control": control, "value": 1e-6}, effects={"tolerance": tolerance}))
     what = "total normal force and vertical load differ"
     check_pair(inclined(INSIDE), inclined(OUTSIDE), what, 1.0)
-    assert told(inclined(OUTSIDE, "vertical_load"), what) == ""
+    assert shown(inclined(OUTSIDE, "vertical_load"), what) == ""
 
 
 def test_no_common_theory(asperity, tmp_path):
@@ -229,9 +229,9 @@ def test_no_common_theory(asperity, tmp_path):
                     adhesion="auto", work_of_adhesion=work, equilibrium_distance=1e-6,
                     tolerance=0.01)
     what = "two effects have no common theory"
-    assert told(caps_that_adhere(1e4, 1.0), what) == ""
-    assert told(caps_that_adhere(0.5, 0.0), what) == ""
-    assert told(caps_that_adhere(0.5, 1.0), what)
+    assert shown(caps_that_adhere(1e4, 1.0), what) == ""
+    assert shown(caps_that_adhere(0.5, 0.0), what) == ""
+    assert shown(caps_that_adhere(0.5, 1.0), what)
 
 
 def test_what_is_left_out_stays_within_one_tolerance(asperity, tmp_path):
@@ -262,7 +262,7 @@ def test_what_is_left_out_stays_within_one_tolerance(asperity, tmp_path):
             forces = max(forces, math.hypot(float(row["rig_force_x"]), float(row["rig_force_y"]))
                          / float(row["vertical_load"]))
     assert both > 0
-    # Left out of the vertical load, friction's forces in plan are told all the same.
+    # Left out of the vertical load, friction's forces in plan are reported all the same.
     assert forces > 0.02
 
 
@@ -293,9 +293,9 @@ def test_results_beside_an_effect_left_out(effect, numbers, load, of_position, o
         assert float(row[name]) == pytest.approx(float(full[name]), rel=1e-9), name
     assert len(auto.contacts) == len(on.contacts)
     for name in of_contacts:
-        told_cells = column(auto.contacts, name)
-        assert np.allclose(told_cells, column(on.contacts, name), rtol=1e-6, atol=0.0), name
-        assert np.any(told_cells != 0.0), name
+        printed_cells = column(auto.contacts, name)
+        assert np.allclose(printed_cells, column(on.contacts, name), rtol=1e-6, atol=0.0), name
+        assert np.any(printed_cells != 0.0), name
     if effect == "friction":
         # In plan forces are no less for that.
         assert math.hypot(float(row["rig_force_x"]), float(row["rig_force_y"])) \

@@ -17,7 +17,7 @@ from map_press_truth import rough
 from plastic_truth import Sphere
 from surfaces_csv import solve, write_csv_scene, write_plane_scene
 from map_scenes import E, load_for, map_scene
-from test_warnings import INSIDE, OUTSIDE, RADIUS, check_pair, overlap_of, pressed, told
+from test_warnings import INSIDE, OUTSIDE, RADIUS, check_pair, overlap_of, pressed, shown
 
 # Sy/E' far inside the fit.
 SOFT = Sphere("1", "0", "0.002", "1")
@@ -94,7 +94,7 @@ def unloading_depth(asperity, folder, factor):
     return flow_depth(asperity, folder, factor, 170, 0.9)
 
 
-# What the line says, the scene at a factor of its limit, the size printed at the limit.
+# What the line states, the scene at a factor of its limit, the size printed at the limit.
 AT_LIMITS = {
     "limit by load": ("exceeds the limit of the scene", beyond_limit_load, 1.0),
     "limit by pressure": ("exceeds the limit of the scene", beyond_limit_pressure, 1.0),
@@ -119,18 +119,18 @@ def test_limit_with_plasticity(asperity, tmp_path):
     overlap = overlap_of(0.01)
     limit = {"criterion": "load", "value": hertz(overlap)[0] / 2}
     run = pressed(asperity, tmp_path / "on", overlap, limit=limit, plasticity="on")
-    assert told(run, "exceeds the limit") == ""
+    assert shown(run, "exceeds the limit") == ""
     scene = (tmp_path / "on" / "pair.scene")
     scene.write_text(re.sub(r"&loading.*", "&loading control = 'limit' /", scene.read_text())
                      .replace("plasticity = 'on'", "plasticity = 'off'"))
-    assert told(solve(asperity, scene), "exceeds the limit") == ""
+    assert shown(solve(asperity, scene), "exceeds the limit") == ""
 
 
 def test_like_and_rigid_bodies(asperity, tmp_path):
     """Equal bodies are like; a rigid one has nothing to relax."""
     for ratio in (1.0, 1e-9):
         run = relaxing_pair(asperity, tmp_path / f"{ratio}", ratio)
-        assert told(run, "they are unlike") == ""
+        assert shown(run, "they are unlike") == ""
 
 
 # Height maps.
@@ -248,12 +248,12 @@ def test_pixels_beyond_yield(name, what, asperity, tmp_path):
         if name == "hardness":
             limit = {"criterion": "greenwood_williamson", "hardness": max(values) / factor}
         found = on_map(asperity, tmp_path / f"{factor}", height, load, limit=limit)
-        line = told(found, what)
+        line = shown(found, what)
         assert bool(line) == expected, found.stderr
         assert "plasticity = 'auto'" not in line
 
 
-# Contacts as circles that know nothing of each other's pressure.
+# Contacts as circles that have no part of each other's pressure.
 
 def nested(asperity, folder, ratio, gap, interaction="coupled", **effects):
     """A blunt cap that the plane presses by 1e-4, a sharper one in its circle of about 0.01."""
@@ -275,9 +275,9 @@ NESTED = "overlaps the circle of one 3 times blunter"
 def test_nested_ratio(ratio, expected, asperity, tmp_path):
     run = nested(asperity, tmp_path, ratio, -8e-5)
     assert 0.021 < share_of_sharp(run) < 0.98
-    assert bool(told(run, NESTED)) == expected
+    assert bool(shown(run, NESTED)) == expected
     for interaction in ("auto", "boundary", "off"):
-        assert told(nested(asperity, tmp_path, ratio, -8e-5, interaction), NESTED) == ""
+        assert shown(nested(asperity, tmp_path, ratio, -8e-5, interaction), NESTED) == ""
 
 
 def test_nested_load(asperity, tmp_path):
@@ -294,7 +294,8 @@ def test_nested_load(asperity, tmp_path):
     check_pair(runs[False], runs[True], NESTED, 2.0)
 
 
-# The closing of the spots of a plane under load, from boundary elements (numpy, two grids).
+# The compression of the contact patches of a plane under load, from boundary elements (numpy, two
+# grids).
 SPOTS = ((0.0, 0.0, 1.0, 4974.1524222838307),
          (-3.1765315724570424, -1.2319723428603127, 1.0103457590008218, 99.776495596014897))
 
@@ -308,7 +309,7 @@ def test_error_of_nested_contacts(asperity, tmp_path):
                for name, found in run.items()}
     error = abs(closing["coupled"] / closing["boundary"] - 1)
     assert 0.01 < error <= float(run["coupled"].positions[0]["error_estimate"])
-    assert told(run["coupled"], NESTED) and not told(run["auto"], NESTED)
+    assert shown(run["coupled"], NESTED) and not shown(run["auto"], NESTED)
     assert abs(closing["auto"] / closing["boundary"] - 1) < 0.01
 
 
@@ -403,12 +404,12 @@ def test_advice_beside_a_combined_modulus(asperity, tmp_path):
     """Plasticity needs Poisson's ratios, which a combined modulus hides."""
     effects = {"interaction": "off", "adhesion": "off"}
     run = dense(asperity, tmp_path, effects, 1e3)
-    assert told(run, "exceeds the limit of the scene").endswith(", reduce the load")
+    assert shown(run, "exceeds the limit of the scene").endswith(", reduce the load")
     assert check_advice(asperity, tmp_path, effects, 1e3, run) == 1
 
 
 def test_adhesion_beside_dense_contacts(asperity, tmp_path):
     run = dense(asperity, tmp_path, {"adhesion": "on"}, 1e3)
-    assert told(run, "contact circles overlap")
-    assert told(run, "interaction is off and has no common theory")
+    assert shown(run, "contact circles overlap")
+    assert shown(run, "interaction is off and has no common theory")
     assert "interaction = 'auto'" not in run.stderr

@@ -28,7 +28,7 @@ def distance(tabor):
 
 def adhering(asperity, folder, tabor, closings, points=None, name="ball", work_of_adhesion=WORK,
              contacts=True, **more):
-    """Balls with a Tabor parameter, closed as said."""
+    """Balls with a Tabor parameter, closed as stated."""
     effects = {"adhesion": "on", "work_of_adhesion": work_of_adhesion,
                "equilibrium_distance": distance(tabor)}
     more = {"radii": (RADIUS,), "modulus": MODULUS, **more}
@@ -96,13 +96,13 @@ def test_maugis_curve(tabor, asperity, tmp_path, tally):
     against(tally, f"Maugis {tabor}", run, truths, 1e-12)
     lam = truth.maugis_units(modulus, ball, energy, given)[0]
     pull = truth.maugis_pull_off(lam)
-    told = float(run.contacts[0]["pull_off_force"]) / UNIT
+    shown = float(run.contacts[0]["pull_off_force"]) / UNIT
     # Carpick, Ogletree and Salmeron, J. Colloid Interface Sci. 211 (1999) 395.
     power = float(4.04 * lam**1.4)
     fit = 1.75 - 0.25 * (power - 1) / (power + 1)
-    compare(tally, "adhesion: published fit of the largest pull", abs(told / fit - 1), 0.02)
-    compare(tally, "adhesion: largest pull of Maugis", abs(float(told / pull - 1)), 1e-9)
-    assert 1.5 < told < 2
+    compare(tally, "adhesion: published fit of the largest pull", abs(shown / fit - 1), 0.02)
+    compare(tally, "adhesion: largest pull of Maugis", abs(float(shown / pull - 1)), 1e-9)
+    assert 1.5 < shown < 2
 
 
 def test_dmt_is_hertz_less_a_constant_pull(asperity, tmp_path, tally):
@@ -331,7 +331,7 @@ def test_a_maugis_contact_before_it_touches(asperity, tmp_path, tally):
 
 
 def test_a_pull_without_loading(asperity, tmp_path):
-    """First contact carries 4/3 pi w R of JKR, a loaded contact 3/2: the message says so."""
+    """First contact carries 4/3 pi w R of JKR, a loaded contact 3/2: the message states so."""
     effects = {"adhesion": "on", "work_of_adhesion": WORK, "equilibrium_distance": distance(50)}
     pull = -1.4 * UNIT
     for value, status in ((pull, 1), ((10 * UNIT, pull), 0)):

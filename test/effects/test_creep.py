@@ -18,7 +18,7 @@ from test_creep_pixels import ting
 
 MODULUS, RADIUS, LOAD = 1000.0, 2.0, 0.5
 SOLIDS = ((0.8, 100.0, 600.0), (0.5, 1.0, 5.0), (0.01, 30.0, 3000.0), (0.999, 5.0, 1.0))
-# What loads are met to, and so closings and areas.
+# What loads are met to, and so compressions and areas.
 MET = 1e-10
 
 
@@ -29,7 +29,7 @@ def solid(ratio, tau, hold_time, hold="load", points=30, **more):
 
 
 def held(asperity, folder, effects, loading=None, name="ball", **more):
-    """A ball under a held load, or as said."""
+    """A ball under a held load, or as stated."""
     loading = loading or {"control": "load", "value": LOAD}
     more = {"radii": (RADIUS,), "modulus": MODULUS, **more}
     return solved(asperity, balls(folder, name, effects, loading, **more))

@@ -1,4 +1,4 @@
-"""Interaction in dense scenes against the archived truth: tolerance, area, the error it tells."""
+"""Interaction in dense scenes against the archived truth: tolerance, area, the error it reports."""
 
 import numpy as np
 import pytest
@@ -24,8 +24,8 @@ CELLS = 1e-3
 @pytest.mark.once
 @pytest.mark.parametrize("tolerance", TOLERANCES)
 def test_auto(asperity, tally, tolerance):
-    """Within the tolerance: vertical load at a given approach; approach, over the closing, at a
-    given load; real area (half a percent at least). Every run tells its error; how often that is
+    """Within the tolerance: vertical load at a given approach; approach, over the compression, at a
+    given load; real area (half a percent at least). Every run reports its error; how often that is
     below the true one, and above ten times it, is in the table."""
     loads, areas = all_figures(asperity, FEW, tolerance=tolerance)
     wrong = []
@@ -177,7 +177,7 @@ def test_boundary_agrees_with_the_truth(asperity):
 
 @pytest.mark.once
 def test_coupled_is_within_its_estimate(asperity):
-    """No contact resolved: how far it is off is in the table, and is no more than it tells. Caps
+    """No contact resolved: how far it is off is in the table, and is no more than it reports. Caps
     carried less, never more, without the correction by the curvature of the field."""
     loads, _ = all_figures(asperity, FEW, "coupled")
     assert not missed(loads, lambda load: load.estimate)
@@ -188,10 +188,10 @@ def test_areas_of_coupled_contacts(asperity, tmp_path):
     """Of all scenes 99 % have areas within their estimates. In the middle these are at most 5 times
     the errors, or what the truth leaves open of them; of rough caps too."""
     _, areas = all_figures(asperity, dense_scenes(), "coupled", controls=CONTROLS[:1])
-    errors, bounds, told = (np.array([getattr(area, name) for area in areas])
+    errors, bounds, shown = (np.array([getattr(area, name) for area in areas])
                             for name in ("error", "bound", "estimate"))
-    assert is_met(errors, told, bounds).mean() >= 0.99
-    assert np.median(told / np.maximum(abs(errors), bounds)) <= 5
+    assert is_met(errors, shown, bounds).mean() >= 0.99
+    assert np.median(shown / np.maximum(abs(errors), bounds)) <= 5
     found = []
     for scene, truth in zip(rough_scenes(), records(ROUGH)):
         row, = solved(asperity, scene.write(tmp_path, interaction="coupled")).positions

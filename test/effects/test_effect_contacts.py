@@ -41,7 +41,7 @@ def test_one_aligned_pair_on_cells(circle, asperity, tmp_path, tally):
     assert alone.positions[0]["factor"] == "1.0000000000000000E+000"
 
 
-def closing_of(run):
+def compression_of(run):
     return float(run.curve[-1]["compression"])
 
 
@@ -58,7 +58,7 @@ def test_deep_contact_opens_a_shallow_one(asperity, tmp_path, tally):
                    loading={"control": "approach", "value": 2.0 - 0.012},
                    effects={"interaction": "boundary"})
         runs["boundary"] = solved(asperity, caps.scene)
-        closing = closing_of(runs["coupled"])
+        closing = compression_of(runs["coupled"])
         found = evaluate(caps.contacts(closing), COMBINED, ("4",))
         assert (found["loads"][1] == 0.0) == is_open and found["loads_alone"][1] > 1.0
         for mode, run in runs.items():
@@ -98,7 +98,7 @@ def check_caps(run, caps, tally, name):
     assert "plastic" in run.contacts[0]
     row = run.positions[0]
     assert float(row["interaction_residual"]) <= CONVERGED
-    closing, gaps = closing_of(run), caps.gaps()
+    closing, gaps = compression_of(run), caps.gaps()
     shut = column(run.contacts, "lower").astype(int) - 1
     assert len(set(shut)) == len(shut) == int(row["contacts"])
     opened = np.setdiff1d(np.flatnonzero(gaps < closing), shut)
@@ -141,15 +141,15 @@ def test_two_thousand_caps(asperity, tmp_path, tally):
 
 @pytest.mark.truth
 def test_some_caps_against_the_truth(asperity, tmp_path, tally):
-    """The sum of loads that the truth of the cells finds at the closing the program found."""
+    """The sum of loads that the truth of the cells finds at the compression the program found."""
     places, heights = random_caps(8, 1.2, 1.2, 3)
     found, closing = None, None
     for mode, bound in (("coupled", 0.002), ("boundary", 2 * CELLS)):
         caps = write_caps(tmp_path, places, heights, loading={"control": "load", "value": 2000.0},
                           effects={"interaction": mode})
         run = solved(asperity, caps.scene)
-        if closing != closing_of(run):
-            closing = closing_of(run)
+        if closing != compression_of(run):
+            closing = compression_of(run)
             found = evaluate(caps.contacts(closing), COMBINED, ("4",))
         assert sum(v > 0 for v in found["loads"]) == len(run.contacts) < len(found["loads"])
         compare(tally, f"effects: load of 8 caps, {mode}", [abs(found["together"] / 2000.0 - 1)],

@@ -23,9 +23,9 @@ def row_of(done):
 
 def influence_warned_of(done, effect="interaction", what="is off"):
     """The share that a warning states; None: there is none."""
-    told = re.search(rf"position \d+: {effect} {what}, (\S+) % is its estimated influence on "
+    shown = re.search(rf"position \d+: {effect} {what}, (\S+) % is its estimated influence on "
                      r"the load, (.*)", done.stderr)
-    return told and float(told.group(1)) / 100
+    return shown and float(shown.group(1)) / 100
 
 
 def test_position_56(asperity, tmp_path):
@@ -185,9 +185,9 @@ def test_error_of_an_effect_left_out_on_a_path(asperity, tmp_path):
         effects={"work_of_adhesion": 0.5e3, "equilibrium_distance": 1e-3})
     scene.write_text(scene.read_text().replace("lower = 'pair_lower.csv'", "lower = 'plane'"))
     done = solved(asperity, scene, contacts=False)
-    told = re.search(r"\(interaction beside adhesion\), (\S+) % is the estimated", done.stderr)
-    assert float(told.group(1)) > 1
-    assert float(row_of(done)["error_estimate"]) >= 0.0095 * float(told.group(1))
+    shown = re.search(r"\(interaction beside adhesion\), (\S+) % is the estimated", done.stderr)
+    assert float(shown.group(1)) > 1
+    assert float(row_of(done)["error_estimate"]) >= 0.0095 * float(shown.group(1))
 
 
 EFFECTS = {

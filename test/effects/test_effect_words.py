@@ -9,7 +9,7 @@ import numpy as np
 import pytest
 
 from ball_scenes import balls
-from effect_runs import DECK, ROOT, TOLD, effect_rows
+from effect_runs import DECK, ROOT, SHOWN, effect_rows
 from judge import column, compare, solved
 from surfaces_csv import records, solve, write_scene
 
@@ -126,8 +126,8 @@ def test_pairs_on_pixels_are_those_of_the_page(asperity, tmp_path):
 
 
 def test_auto_meets_a_refused_pair(asperity, tmp_path):
-    """With `auto` the larger of two such effects is simulated; the other one is told with its size,
-    only where both are called for."""
+    """With `auto` the larger of two such effects is simulated; the other one is reported with its
+    size, only where both are called for."""
     both = {**NO_EFFECTS, "plasticity": "auto", "creep": "auto", **NUMBERS}
     for load, met in ((1000.0, False), (6000.0, True)):
         done = run(asperity, tmp_path, effects=both, loading={"control": "load", "value": load})
@@ -136,11 +136,11 @@ def test_auto_meets_a_refused_pair(asperity, tmp_path):
         assert row["creep"] == "on" and row["plasticity"] == "off"
         left_out = float(row["plasticity_estimate"])
         assert float(row["error_estimate"]) >= 0.75 * left_out
-        told = re.search(r"position 1: two effects have no common theory and one is left out "
+        shown = re.search(r"position 1: two effects have no common theory and one is left out "
                          r".plasticity beside creep., (\S+) % is", done.stderr)
-        assert bool(told) == met == (left_out > 0.01), done.stderr
+        assert bool(shown) == met == (left_out > 0.01), done.stderr
         if met:
-            assert float(told.group(1)) == pytest.approx(100 * left_out, rel=0.01)
+            assert float(shown.group(1)) == pytest.approx(100 * left_out, rel=0.01)
 
 
 BAD = [
@@ -221,7 +221,7 @@ def test_auto_changes_no_result_of_the_thesis(asperity, tmp_path, tally):
                    for name, effects in (("plain", {"plasticity": "off"}), ("auto", quiet)))
     for kind in ("positions", "contacts", "curve"):
         rows = list(zip(getattr(auto, kind), getattr(plain, kind), strict=True))
-        same = [all(a[name] == b[name] for name in b if name not in TOLD) for a, b in rows]
+        same = [all(a[name] == b[name] for name in b if name not in SHOWN) for a, b in rows]
         tally.add(f"auto: thesis sweep, bytes of {kind}", len(same), sum(same))
         assert same and all(same), kind
     every = solved(asperity, write_scene(tmp_path / "every.scene", **sweep,
@@ -233,7 +233,7 @@ def test_auto_changes_no_result_of_the_thesis(asperity, tmp_path, tally):
         assert {(rows[name]["tolerance"], rows[name]["simulated at"]) for name in quiet} == {
             ("1.00 %", "0 of 100")}
     # Where `auto` leaves interaction out, too, nothing differs.
-    left = [all(a[name] == b[name] for name in b if name not in TOLD) for a, b in
+    left = [all(a[name] == b[name] for name in b if name not in SHOWN) for a, b in
             zip(every.positions, plain.positions) if a["interaction"] == "off"]
     tally.add("auto: positions without interaction, bytes", len(left), sum(left))
     assert len(left) > 40 and all(left)

@@ -1,6 +1,6 @@
 """Interaction of neighbouring contacts, as `asperity solve` does it, against truths made apart.
 
-The truth is reference_output/boundary; its README tells how it was made and how well it holds.
+The truth is reference_output/boundary; its README reports how it was made and how well it holds.
 """
 
 import numpy as np
@@ -15,8 +15,8 @@ OVERLAPPING = (18, 56, 79)  # positions of the thesis where contact circles over
 
 
 def factors(truth):
-    """Load over load alone as the program tells it: the law's load of each contact, times together
-    over alone of the contact."""
+    """Load over load alone as the program reports it: the law's load of each contact, times
+    together over alone of the contact."""
     return column(truth, "by_contact") / column(truth, "hertz")
 
 

@@ -11,7 +11,7 @@ import numpy as np
 import pytest
 
 import friction_truth
-from effect_runs import (CAP, COMBINED, MODULUS, RATIO, TOLD, Sweeps, by_position,
+from effect_runs import (CAP, COMBINED, MODULUS, RATIO, SHOWN, Sweeps, by_position,
                          effect_rows, place_of, total)
 from judge import column, compare, solved
 from surfaces_csv import write_csv_scene
@@ -180,7 +180,7 @@ def test_auto_simulates_friction_beyond_the_tolerance(sweeps, tally):
                       / column(on.positions, "vertical_load") - 1), tolerance)
         for row, full, free, there in zip(auto.positions, on.positions, off.positions, simulated):
             names = [name for name in (full if there else free)
-                     if name not in (*TOLD, "friction_estimate")]
+                     if name not in (*SHOWN, "friction_estimate")]
             want = full if there else free
             assert {n: row[n] for n in names} == {n: want[n] for n in names}
         assert effect_rows(auto.stdout)["friction"]["simulated at"] == f"{simulated.sum()} of 100"

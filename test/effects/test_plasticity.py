@@ -22,13 +22,13 @@ ON = {"plasticity": "on", "plastic_yield_stress": 0.9115}
 
 def pressed(asperity, folder, closings, points=None, effects=ON, name="steel",
             contacts=True, **more):
-    """One contact of the steel, closed as said."""
+    """One contact of the steel, closed as stated."""
     return solved(asperity, balls(folder, name, effects, path(closings, points), **MATERIAL,
                                   **more), contacts=contacts)
 
 
 def overlaps(run):
-    """Closings over the critical overlap, with many digits."""
+    """Compressions over the critical overlap, with many digits."""
     return [mpf(float(row["compression"])) / STEEL.critical_overlap for row in run.curve]
 
 
@@ -87,7 +87,7 @@ def test_limit_is_onset(asperity, tmp_path, tally):
 
 
 def onsets(asperity, folder):
-    """Closings 1e-13 apart through the onset, the end of the join and the largest overlap."""
+    """Compressions 1e-13 apart through the onset, the end of the join and the largest overlap."""
     largest = 12 / 1.9 * ONSET
     return [pressed(asperity, folder, start * (1 + 1e-13 * np.arange(-30, 31)), name=name)
             for name, start in (("onset", ONSET), ("join", 6 / 1.9 * ONSET))] + [
@@ -143,9 +143,9 @@ def test_the_work_of_a_cycle_is_that_of_the_column(asperity, tmp_path, tally):
         run = pressed(asperity, tmp_path, (top * ONSET / 1.9, 0), 2000, name=f"cycle{top:g}",
                       contacts=False)
         took = work(run.curve)[-1]
-        told = float(run.positions[0]["dissipated_work"])
+        shown = float(run.positions[0]["dissipated_work"])
         lost.append(took)
-        errors.append(abs(took / told - 1))
+        errors.append(abs(took / shown - 1))
         assert took > 0
     compare(tally, "plasticity: work of a cycle against its column", errors, 1e-6)
     unit = STEEL.critical_load * STEEL.critical_overlap
@@ -156,7 +156,7 @@ def test_the_work_of_a_cycle_is_that_of_the_column(asperity, tmp_path, tally):
 
 @pytest.mark.parametrize("interaction", ("off", "coupled"))
 def test_closed_elastic_cycle(interaction, asperity, tmp_path, tally):
-    """The thesis model up, down, part up, down: the same loads at the same closings."""
+    """The thesis model up, down, part up, down: the same loads at the same compressions."""
     effects = {"interaction": interaction}
     scene = write_scene(tmp_path / "cycle.scene", surfaces={"deck": str(DECK)},
                         motion={"x_first": 5.6}, effects=effects,
@@ -217,8 +217,8 @@ def test_never_returns_more(asperity, tmp_path, tally):
             # A trapezoid of a step near first touch is coarse: allow it 1e-4 of what was taken.
             slack = 1e-4 * done.max()
             assert done.max() > 0 and (np.diff(np.concatenate([[0.0], apart])) > -slack).all()
-            told = float(run.positions[0]["dissipated_work"])
-            assert abs(apart[-1] / told - 1) < 5e-3, (apart[-1], told)
+            shown = float(run.positions[0]["dissipated_work"])
+            assert abs(apart[-1] / shown - 1) < 5e-3, (apart[-1], shown)
             ends += len(apart)
     tally.add("plasticity: ways that return no more", ends, ends)
 
@@ -315,7 +315,7 @@ def test_unloading_with_interaction(asperity, tmp_path, tally):
 
 
 def test_auto_at_the_onset(asperity, tmp_path):
-    """`auto` waits until flow changes the load by the tolerance, and tells its estimate."""
+    """`auto` waits until flow changes the load by the tolerance, and reports its estimate."""
     load = 1.9**1.5 * float(STEEL.critical_load)
     effects = {"plasticity": "auto", "plastic_yield_stress": 0.9115, "tolerance": 0.01}
     for times, wanted in ((0.999, "off"), (1.001, "off"), (1.2, "on")):

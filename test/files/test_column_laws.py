@@ -103,7 +103,7 @@ def of(name, bound=0.0, strict=False, effect=None):
 
 
 def stiffness(name):
-    """More than 0 in contact, except where all pixels bear their limit; empty in full contact of a
+    """More than 0 in contact, except where all pixels carry their limit; empty in full contact of a
     periodic map without missing pixels."""
     def law(scene, row):
         if row[name] is EMPTY:

@@ -50,7 +50,7 @@ def test_a_scene_is_named_as_one(run, name, text, found, hint):
     said = run(text, name=name)
     assert said.startswith(f"{name}:{found}") and hint in said.splitlines()[0]
     assert "card" not in said and len(said.splitlines()) <= 2
-    # The original program, which takes decks alone, tells in one line what to do with it.
+    # The original program, which takes decks alone, reports in one line what to do with it.
     said = run(text, name=name, command=())
     assert "a scene: asperity solve FILE" in said and len(said.splitlines()) == 1
 

@@ -255,7 +255,7 @@ def test_surface_data_as_gwyddion_writes_it(magic, end, equals, maps):
     assert ("not read" in done.stderr) == ("OBJECTIVE" in end)
 
 
-def test_numbers_beyond_the_samples_are_refused(maps):
+def test_numbers_beyond_the_pixels_are_refused(maps):
     header = TEXT_HEADER.format(magic="aISO-1.0", kind=7)
     data = "".join(f"{z:g}\n" for z in HEIGHTS.ravel())
     assert maps.summits(header + data + "*\n").returncode == 0

@@ -51,8 +51,8 @@ def test_json_has_the_cells_of_the_tables(name, asperity, tmp_path, tally):
 
 
 def test_json_of_any_text(asperity, tmp_path):
-    """What a scene says in its comments is in the file: quotes, tabs, letters of all kinds; a byte
-    that is no letter becomes a question mark."""
+    """What a scene states in its comments is in the file: quotes, tabs, letters of all kinds; a
+    byte that is no letter becomes a question mark."""
     scene = write_csv_scene(tmp_path, [(0, 0, .2, 1)], [(0, 0, .1, 1)], name='a"b\\c',
                             loading={"control": "approach", "value": 0.29})
     text = scene.read_bytes() + '! "quotes" \\ \t µm 𝄞\r\n'.encode() + b"! \xe4\n"
@@ -63,7 +63,8 @@ def test_json_of_any_text(asperity, tmp_path):
 
 @pytest.mark.long
 def test_standard_streams(asperity, tmp_path):
-    """A scene from standard input is one of the current folder; an output is all that is told."""
+    """A scene from standard input is one of the current folder; an output is all that is
+    reported."""
     folder = ROOT / "data/examples"
     text = (folder / "one_pair.scene").read_bytes().decode()
     for option in ("--positions", "--curve", "--contacts", "--json"):

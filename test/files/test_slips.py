@@ -116,7 +116,7 @@ def test_written_as_others_do(asperity, tmp_path, how):
 
 
 def test_errors_that_follow_are_not_printed(asperity, tmp_path):
-    """A group that is misspelt hides neither its names nor what they say."""
+    """A group that is misspelt hides neither its names nor what they state."""
     (tmp_path / "upper.csv").write_text(UPPER, encoding="utf-8")
     (tmp_path / "lower.csv").write_text(LOWER, encoding="utf-8")
     (tmp_path / "my.scene").write_text(

@@ -71,9 +71,9 @@ def test_summary_shows_what_the_files_say(asperity, tmp_path, name):
                if row["step"] == position["steps"]]
     assert shown["greatest pressure"] == near(max(highest, default=0.0))
 
-    # Each number that an effect tells of the position, where it was computed.
-    told = list(position)[list(position).index("vertical_load") + 1:]
-    numbers = {key: position[key] for key in told
+    # Each number that an effect reports of the position, where it was computed.
+    reported = list(position)[list(position).index("vertical_load") + 1:]
+    numbers = {key: position[key] for key in reported
                if position[key] and not key.startswith(("warnings", "error_estimate"))}
     compared = 0
     for key, value in numbers.items():
@@ -111,7 +111,7 @@ upper = 'plane', lower = 'm.txt', map_unit = 'um', map_spacing = 1.0, 1.0 /
 
 
 def solve_at_load(asperity, folder, effects, load):
-    """Closing and area at a load, and what the summary says of them, with some effects."""
+    """Compression and area at a load, and what the summary states of them, with some effects."""
     scene = write_csv_scene(
         folder, [(0, 0, .30, 1), (.5, .1, .30, 1), (.3, .6, .299, 1)], [(0, 0, 0, 1)],
         loading={"control": "vertical_load", "value": load},
@@ -130,14 +130,14 @@ def test_influence_at_the_requested_load(asperity, tmp_path):
     load = 300.0
     runs = [solve_at_load(asperity, tmp_path, dict(list(words.items())[:n]), load)
             for n in range(len(words) + 1)]
-    told = re.findall(r"at the prescribed load: compression (.*) %,\s+area (.*) %", runs[-1][2])
-    assert len(told) == len(words)
-    for before, after, percent in zip(runs, runs[1:], told):
+    reported = re.findall(r"at the prescribed load: compression (.*) %,\s+area (.*) %", runs[-1][2])
+    assert len(reported) == len(words)
+    for before, after, percent in zip(runs, runs[1:], reported):
         for k in (0, 1):
             change = 100 * (after[k] / before[k] - 1)
             # Three digits of a percentage; half a unit of the last one.
             assert float(percent[k]) == pytest.approx(change, rel=6e-3, abs=1e-4)
-    assert abs(float(told[0][1])) > 1 and abs(float(told[1][0])) > 1
+    assert abs(float(reported[0][1])) > 1 and abs(float(reported[1][0])) > 1
     assert "prescribed" not in solve_at_load(asperity, tmp_path, {}, load)[2]
 
 

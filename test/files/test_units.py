@@ -1,4 +1,5 @@
-"""Names of units: told wherever results are, never converted; what contradicts them is refused."""
+"""Names of units: reported wherever results are, never converted; what contradicts them is
+refused."""
 
 import json
 import re
@@ -37,9 +38,9 @@ def test_units_change_no_number(asperity, tmp_path):
     bare = run(asperity, scene_with(tmp_path, ""), *words).stdout
     without = {option: path.read_text() for option, path in files.items()}
     scene = scene_with(tmp_path, ", units = 'mm', 'N'")
-    told = run(asperity, scene, *words).stdout
-    assert "total load (N) " in told and "contact area (mm2) " in told and "(MPa) " in told
-    assert [re.sub(r" \((?!Hertz)[^)]*\) *", " ", line).split() for line in told.splitlines()] == \
+    shown = run(asperity, scene, *words).stdout
+    assert "total load (N) " in shown and "contact area (mm2) " in shown and "(MPa) " in shown
+    assert [re.sub(r" \((?!Hertz)[^)]*\) *", " ", line).split() for line in shown.splitlines()] == \
         [line.split() for line in bare.splitlines()]
     named = {option: path.read_text() for option, path in files.items()}
     for option in ("--positions", "--contacts", "--curve"):
@@ -102,6 +103,6 @@ def test_unit_of_a_map_without_units(asperity, tmp_path):
         "&surfaces upper = 'plane', lower = 'm.sdf', map_unit = 'um' /\n"
         "&material contact_modulus = 1e3 /\n&loading control = 'load', value = 1. /\n"
         "&effects interaction = 'boundary' /\n")
-    told = run(asperity, tmp_path / "m.scene").stdout
-    assert "separation (um) " in told and "contact area (um2) " in told
-    assert "total load  " in told and "mean pressure  " in told
+    shown = run(asperity, tmp_path / "m.scene").stdout
+    assert "separation (um) " in shown and "contact area (um2) " in shown
+    assert "total load  " in shown and "mean pressure  " in shown

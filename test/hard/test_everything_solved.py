@@ -29,7 +29,7 @@ def test_sample(part, asperity, tally):
     ("packed", 9102369, 100, "the same, among 227 circles that overlap"),
     ("packed", 9300384, 100, "the same, a pair that changed penetrations by 2e-5"),
     ("random", 9603963, 60, "220 steps: a circle went around another by its own radius a step"),
-    ("stepped", 21111, 40, "no end: who is near was told at a top, far from where it touches"),
+    ("stepped", 21111, 40, "no end: who is near was shown at a top, far from where it touches"),
     ("stepped", 43019, 40, "no end: a circle to and fro between two places around another"),
     ("stepped", 12741, 40, "63 steps: a circle around another hardly larger"),
 ])
@@ -50,7 +50,7 @@ def test_many_contacts_that_open_each_other(asperity):
 @pytest.mark.parametrize("seed, was", [
     (12709, "one near pair far from its solution kept the steps of all contacts short"),
     (30977, "a pair of overlapping circles: 400 steps with a residual of 1e-6"),
-    (704345, "a cap went to and fro between two places, each told from the other as one of touch"),
+    (704345, "a cap went to and fro between two places, each shown from the other as one of touch"),
     (708618, "the same, 4023 caps"),
     (809716, "a step cut to a small circle at a large one's rim did not go down, and was cut on"),
     (807001, "the same, among 2115 caps"),
@@ -77,6 +77,6 @@ def test_rings_on_cells(seed, was, asperity):
 @pytest.mark.parametrize("seed", [770008, 770021, 770037, 770055])
 def test_corrected_loads_of_caps_on_caps(seed, asperity):
     """No load above that of the isolated contact: the correction's step gave 0.03 to 2 of it more,
-    where it took more from the cap below than that bears."""
+    where it took more from the cap below than that carries."""
     outcome = everything_solved.run_seed(asperity, "coupled", 60, seed, "stepped")
     assert outcome.status == 0, outcome.message

@@ -37,7 +37,7 @@ def run(asperity, folder, surfaces, loading, effects=None, surface=None, **group
 
 
 def met(solved, column, loads):
-    """The last states of a curve bear these loads, in all digits that are promised."""
+    """The last states of a curve carry these loads, in all digits that are promised."""
     assert solved.status == 0, solved.stderr
     wrong = missed([Figure(column, number(row, column), load, scale=load or max(map(abs, loads)))
                     for row, load in zip(solved.curve[-len(loads):], loads, strict=True)], MET)
@@ -78,7 +78,7 @@ def test_more_than_can_be_borne(asperity, tmp_path, stress, tolerance, load):
 
 def test_in_a_jump(asperity, tmp_path):
     """Where `auto` begins to take friction in, the vertical load jumps up; a load inside the jump
-    is borne with friction, whose estimate is just below the tolerance there."""
+    is carried with friction, whose estimate is just below the tolerance there."""
     inside = 0
     for step in range(9):
         load = 0.2270 + 0.0005 * step
@@ -115,13 +115,13 @@ def test_kinds_of_load(asperity, tmp_path, effects, control):
         assert abs(float(rows[-1]["load"]) / float(rows[-1]["vertical_load"]) - 1) > 0.02
         if "creep" in effects:
             met(solved, column, [loads[-1]] * 20)
-        told = "total normal force and vertical load differ" in solved.stderr
-        assert told == (control == "load")
+        shown = "total normal force and vertical load differ" in solved.stderr
+        assert shown == (control == "load")
 
 
 def test_greatest_weight(asperity, tmp_path):
     """Near level a contact pushes sideways: the vertical load has a greatest value, and that is
-    what is told. One pair: V = 4/3 E sqrt(R) W^1.5 cos, largest by many steps."""
+    what is reported. One pair: V = 4/3 E sqrt(R) W^1.5 cos, largest by many steps."""
     pair = ([STEEP[0][0]], [STEEP[1][0]])
     distance, total = 0.9, 2.0
     top = math.sqrt(total ** 2 - distance ** 2)
@@ -142,10 +142,10 @@ def test_greatest_load_straight(asperity, tmp_path, control):
     for surfaces, load in ((BALLS, 1.01 * most), (BALLS, 1e9),
                            ([BALLS[k][:1] for k in (0, 1)], 4 / 3 * 4.0 ** 1.5)):
         solved = run(asperity, tmp_path, surfaces, {"control": control, "value": load})
-        told = greatest_load(solved)
-        check("greatest load", told, min(most, load), 1e-6)
-        met(run(asperity, tmp_path, surfaces, {"control": control, "value": 0.9999 * told}),
-            control, [0.9999 * told])
+        shown = greatest_load(solved)
+        check("greatest load", shown, min(most, load), 1e-6)
+        met(run(asperity, tmp_path, surfaces, {"control": control, "value": 0.9999 * shown}),
+            control, [0.9999 * shown])
 
 
 def jkr(load):
@@ -180,13 +180,13 @@ def test_pull_off(asperity, tmp_path):
 
 
 def test_pull_curve(asperity, tmp_path):
-    """Two balls that let go one after the other: every state of the way bears its load."""
+    """Two balls that let go one after the other: every state of the way carries its load."""
     values = (0.2, -0.08)
     solved = run(asperity, tmp_path, BALLS, {"control": "load", "value": values, "points": 10},
                  ADHESION)
     way = [0.02 * k for k in range(11)] + [0.2 - 0.028 * k for k in range(1, 11)]
     met(solved, "load", way)
-    # All contacts that can still hold do: the closing falls without a jump.
+    # All contacts that can still hold do: the compression falls without a jump.
     closings = [float(row["compression"]) for row in solved.curve][10:]
     falls = [a - b for a, b in pairwise(closings)]
     assert 0 < min(falls) and max(falls) < 0.06

@@ -13,7 +13,7 @@ import s370_machine
 from builds import build
 from hex32_against_machine import (BODIES, COUNTS, FOLDER, FRACTION, KEPT, LARGEST, MASKS, PAIRS,
                                    ROUGH, SIGN, agrees, arithmetic, compare, explained, fraction,
-                                   kept, machine, machine_result, operands, told, word)
+                                   kept, machine, machine_result, operands, shown, word)
 from surfaces_csv import records
 
 # The same words whatever build is under test: the unit tests try its rules in every build.
@@ -35,7 +35,7 @@ def test_archived_pairs(kind, program, tally):
     found = arithmetic(program, kind, pairs[kind])
     rows = list(zip(pairs[kind], left[kind], found, strict=True))
     differ = [row for row in rows if not agrees(kind, *row)]
-    assert kind not in NORMAL or not differ, told((kind, "0", *differ[0]))
+    assert kind not in NORMAL or not differ, shown((kind, "0", *differ[0]))
     assert all(explained(kind, operand, machines) for operand, machines, _ in differ)
     if kind in NORMAL:
         tally.add("System/370, archived", KEPT, KEPT)
@@ -55,7 +55,7 @@ def test_a_wrong_digit_is_seen():
 
 def test_archived_counts():
     """100000 operations of each kind under each mask, no difference that is not explained, none at
-    all where operands are normalised; and the page tells so."""
+    all where operands are normalised; and the page reports so."""
     lines = records(FOLDER / "counts.csv")
     assert [(line["program_mask"], line["kind"]) for line in lines] == \
         [(mask, kind) for mask in MASKS for kind in BODIES]
@@ -91,7 +91,7 @@ def test_random_pairs(kind, program, tally):
     for operand, found in zip(pairs, arithmetic(program, kind, pairs), strict=True):
         result, condition = machine_result(kind, *operand)
         assert agrees(kind, operand, (result, condition, 0), found), \
-            told((kind, "none", operand, (result, condition, 0), found))
+            shown((kind, "none", operand, (result, condition, 0), found))
     tally.add("hexadecimal arithmetic, exact", NUMBER, NUMBER)
 
 
@@ -168,7 +168,7 @@ def test_on_the_machine(program, tally):
     """Fewer pairs than are archived, as they take a second."""
     number = 1000
     lines, _, strange = compare(program, number)
-    assert not strange, told(strange[0])
+    assert not strange, shown(strange[0])
     assert sum(line["operations"] for line in lines) == 2 * number * len(BODIES)
     assert all(line["differences"] == 0 for line in lines if not line["kind"].endswith(ROUGH))
     assert all(sum(line[name] for line in lines) > 100

@@ -23,8 +23,8 @@ def test_error_of_tolerance_and_bound_is_met():
     assert Figure("load", 1e-3, 0.0, scale=-10.0).within(1e-4)
     with pytest.raises(AssertionError, match="load 2.7 for 2.0"):
         check("load", 2.7, 2.0, 0.2, 0.1)
-    told = [Figure("load", 1.1, 1.0, estimate=estimate) for estimate in (0.05, 0.2, 2.0, np.nan)]
-    assert vars(estimates(told)) == {"known": 3, "below": 1 / 3, "above": 1 / 3}
+    shown = [Figure("load", 1.1, 1.0, estimate=estimate) for estimate in (0.05, 0.2, 2.0, np.nan)]
+    assert vars(estimates(shown)) == {"known": 3, "below": 1 / 3, "above": 1 / 3}
 
 
 @pytest.mark.parametrize("errors, tolerance", [([0.1, -0.3], 0.2), ([0.1, 0.3], [0.2, 0.2]),

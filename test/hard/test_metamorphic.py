@@ -1,4 +1,4 @@
-"""A small sample of the laws of random scenes, by fixed seeds."""
+"""A few of the laws of random scenes, by fixed seeds."""
 
 import random
 
@@ -60,7 +60,8 @@ def test_many_raised_asperities(asperity):
 
 def test_rows_of_contacts_are_those_of_their_state(asperity):
     """Seed 41937: `auto` left interaction out, the states were those of contacts alone, and what it
-    told of contacts those of the points asked for: other rows, then memory of nobody."""
+    reported of contacts those of the points asked for: other rows, then memory that is not its
+    own."""
     scene = scenes.scene_of_seed(41937)
     run = scenes.run(asperity, scene)
     laws.look(scene, run)

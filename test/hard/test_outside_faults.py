@@ -154,7 +154,7 @@ MANY = {
            "&material contact_modulus = 1e5 /\n&loading control = 'load', value = 1e4 /\n"
            "&effects interaction = 'boundary' /\n",
     "report": ""}
-# A sentence of the program names the file or output, and says that memory has ended.
+# A sentence of the program names the file or output, and states that memory has ended.
 SENTENCE = re.compile(r"[^:]+: .*(not enough|no|more than .* of) memory.*")
 
 
@@ -163,7 +163,7 @@ SENTENCE = re.compile(r"[^:]+: .*(not enough|no|more than .* of) memory.*")
 def test_little_memory_at_any_time(run, tmp_path, what):
     """Wherever memory ends the status is not 0, no file is left but what was to be kept, and what
     is solved is right. What is large is refused with one sentence, status 1; where the run-time
-    library meets the end first, it says so in its own words."""
+    library meets the end first, it states so in its own words."""
     (tmp_path / "s.scene").write_text(MANY[what], encoding="ascii")
     for name, height in (("u.csv", 0.11), ("l.csv", 0.12)):
         (tmp_path / name).write_text("x,y,height\n" + "".join(
@@ -176,7 +176,7 @@ def test_little_memory_at_any_time(run, tmp_path, what):
     if what == "report":
         words = ["t.deck", *LONG, *OUTPUTS]
     # The report needs little more than the program itself.
-    room, told, ended, step = 15_000_000, 0, 0, 1.01 if what == "report" else 1.1
+    room, shown, ended, step = 15_000_000, 0, 0, 1.01 if what == "report" else 1.1
     whole = run(*words)
     assert whole.returncode == 0
     texts = {name: (tmp_path / name).read_bytes() for name in OUTPUTS[1::2]}
@@ -187,7 +187,7 @@ def test_little_memory_at_any_time(run, tmp_path, what):
     def limit():
         resource.setrlimit(resource.RLIMIT_AS, (room, room))
 
-    # What the libraries of the program take before it begins is the loader's to tell.
+    # What the libraries of the program take before it begins is the loader's to report.
     while run("--version", preexec_fn=limit).returncode != 0:
         room = int(step * room)
     while room < 4_000_000_000:
@@ -208,9 +208,9 @@ def test_little_memory_at_any_time(run, tmp_path, what):
         if len(lines) == 1 and SENTENCE.fullmatch(lines[0]):
             assert done.returncode == 1
             assert sum(name in lines[0] for name in ("m.txt", "s.scene", "c.csv")) <= 1, lines
-            told += 1
+            shown += 1
         room = int(step * room)
-    assert ended > 1 and told > 0
+    assert ended > 1 and shown > 0
     assert done.returncode == 0 and done.stdout == whole.stdout
     for name, text in texts.items():
         assert (tmp_path / name).read_bytes() == text

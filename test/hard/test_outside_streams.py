@@ -69,7 +69,7 @@ def test_named_pipe_stays_one(run, tmp_path):
 
 
 def test_nothing_is_kept_in_a_pipe(run, tmp_path):
-    """To open one waits for whoever holds its other end."""
+    """To open one waits for the process that holds its other end."""
     os.mkfifo(tmp_path / "pipe")
     done = run("solve", "t.deck", "--keep", "pipe", timeout=20)
     assert done.returncode == 1 and done.stdout == b""

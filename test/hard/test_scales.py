@@ -16,7 +16,7 @@ from surfaces_csv import records
 @pytest.mark.parametrize("control", ["limit", "approach"])
 @pytest.mark.parametrize("lengths, moduli", [(-330, -480), (-330, 0), (300, 500), (-170, -800)])
 def test_solve_beyond_range(asperity, lengths, moduli, control):
-    """A load or an area that a double does not hold is told, and is never 0 or Infinity."""
+    """A load or an area that a double does not hold is reported, and is never 0 or Infinity."""
     groups = {"material": {"elastic_modulus": [2.0e5, 1.0e5], "poisson_ratio": [0.3, 0.25]},
               "loading": {"control": control}}
     if control == "approach":

@@ -4,7 +4,7 @@ import pytest
 from builds import build
 from stability import ROUNDOFF, measured
 
-# Says nothing about the build under test: the program is of the release build.
+# States nothing about the build under test: the program is of the release build.
 pytestmark = [pytest.mark.truth, pytest.mark.once]
 
 CASES = ("penetration_1e-8", "radii_1e6", "sideways_load_20", "one_pair", "deck_one_pair")

@@ -102,7 +102,8 @@ def test_close_to_a_load(example, asperity, tmp_path, tally):
 
 
 def test_from_c(example, asperity, tmp_path):
-    """The example in C prints what the program writes, to the last bit; what is wrong it tells."""
+    """The example in C prints what the program writes, to the last bit; what is wrong it
+    reports."""
     scene = ROOT / "data/examples/thesis.scene"
     run_program(asperity, "solve", scene, "--quiet", "--positions", "p.csv", cwd=tmp_path)
     status, text, errors = example("press_two_surfaces", scene)

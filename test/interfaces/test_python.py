@@ -13,7 +13,7 @@ from builds import ROOT, build
 from programs import run_program
 from surfaces_csv import records
 
-# Says nothing about the build under test: the package has the release build.
+# States nothing about the build under test: the package has the release build.
 pytestmark = [pytest.mark.once, pytest.mark.filterwarnings("ignore::UserWarning")]
 
 BUMPS = [(0.2 * (i % 3), 0.2 * (i // 3), 0.005 + 0.0002 * (5 * i % 9), 2.0) for i in range(9)]
@@ -30,26 +30,26 @@ def run(venv, *words, cwd=ROOT, timeout=100):
 
 def test_build_prints_what_is_missing(tmp_path):
     """In one sentence, before anything is built: the compiler, fpm, FFTW, the sources."""
-    def told(folder, **environment):
+    def reported(folder, **environment):
         done = run_program(sys.executable, "-c", "import build_backend as b; b.build_wheel('.')",
                            status=1, cwd=folder, variables=environment)
         return done.stderr.strip()
-    assert told(ROOT / "python", FPM_FC="no-compiler") == (
+    assert reported(ROOT / "python", FPM_FC="no-compiler") == (
         "asperity: gfortran is not found; on Debian or Ubuntu: "
         "sudo apt-get install gfortran libc6-dev")
     (tmp_path / "bin").mkdir()
     (tmp_path / "bin/gfortran").symlink_to(shutil.which("gfortran"))
-    assert told(ROOT / "python", PATH=str(tmp_path / "bin")) == (
+    assert reported(ROOT / "python", PATH=str(tmp_path / "bin")) == (
         "asperity: fpm is not found; pip install fpm==0.12.0")
     # A compiler that finds no FFTW.
     (tmp_path / "bin/gfortran").unlink()
     (tmp_path / "bin/gfortran").write_text("#!/bin/sh\nexit 1\n")
     (tmp_path / "bin/gfortran").chmod(0o755)
     (tmp_path / "bin/fpm").symlink_to(tmp_path / "bin/gfortran")
-    assert told(ROOT / "python", PATH=str(tmp_path / "bin")) == (
+    assert reported(ROOT / "python", PATH=str(tmp_path / "bin")) == (
         "asperity: FFTW is not found; on Debian or Ubuntu: sudo apt-get install libfftw3-dev")
     shutil.copytree(ROOT / "python", tmp_path / "alone")
-    assert told(tmp_path / "alone").startswith(f"asperity: no Fortran sources in {tmp_path}: ")
+    assert reported(tmp_path / "alone").startswith(f"asperity: no Fortran sources in {tmp_path}: ")
 
 
 # ---------------------------------------------------------------- the same numbers
@@ -89,8 +89,8 @@ def test_as_the_program(package, name, tmp_path, tally):
     results = package.solve(ROOT / name)
     for which in FILES:
         assert_same(getattr(results, which), tmp_path / which, tally, which)
-    told = [line.split(": ", 1)[1] for line in results.warnings]
-    assert told == [line.split(": ", 1)[1] for line in done.stderr.splitlines()
+    reported = [line.split(": ", 1)[1] for line in results.warnings]
+    assert reported == [line.split(": ", 1)[1] for line in done.stderr.splitlines()
                     if ": warning: " in line]
     assert done.stdout == results.summary.replace(str(ROOT / name), name)
 
@@ -258,8 +258,8 @@ def test_earlier_names_of_columns(package):
     for table in (results.positions, results.states, results.contacts):
         assert "approach" not in list(table)
         for earlier, name in (("approach", "separation"), ("decrease", "compression")):
-            with pytest.warns(DeprecationWarning, match=name) as told:
+            with pytest.warns(DeprecationWarning, match=name) as reported:
                 assert list(table[earlier]) == list(table[name])
-            assert told[0].filename == __file__
+            assert reported[0].filename == __file__
     with pytest.raises(KeyError):
         results.states["penetrations"]

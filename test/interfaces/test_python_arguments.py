@@ -164,13 +164,13 @@ def test_refused(package, name, kind, further, call, tmp_path, monkeypatch, capf
     values = refused(name, kind, further)
     # The lengths of columns are those of all of a surface.
     surface = name.rpartition(".")[0] if kind == "column" else name
-    told = re.compile(rf"^({re.escape(name)}[^:\n]*: (.*: )?found .+, expected .+|"
+    reported = re.compile(rf"^({re.escape(name)}[^:\n]*: (.*: )?found .+, expected .+|"
                       rf"{re.escape(surface)}: {COUNTS}, expected .+|"
                       rf"{re.escape(name)}[^:\n]*: (unknown|wrong|a value).*expected .+)", re.S)
     for value in values:
         with pytest.raises((package.InputError, TypeError)) as caught:
             call(package, value)
-        assert told.match(str(caught.value)), (value, str(caught.value))
+        assert reported.match(str(caught.value)), (value, str(caught.value))
     tally.add(f"python: bad values of {name}", len(values), len(values))
     assert capfd.readouterr() == ("", "")
 
@@ -254,7 +254,7 @@ def test_true_and_false(package):
         assert ("model: plasticity" in done.summary) == value
 
 
-@pytest.mark.parametrize("groups, told", [
+@pytest.mark.parametrize("groups, reported", [
     ({"loading__valu": 1.0}, "^loading.valu: unknown name.*did you mean 'value'"),
     ({"loadin": {}}, "^loadin: unknown group"),
     ({"material": {}}, "^material: needs elastic_modulus: "),
@@ -263,14 +263,14 @@ def test_true_and_false(package):
      "did you mean 'height' by 'heights'"),
     ({"surfaces__lower": {}}, "^surfaces.lower: found no x, y, height, radius"),
     ({"material__contact_modulus": -0.1}, "found '-0.1', expected a number more than 0$")])
-def test_names_in_messages(package, groups, told):
-    with pytest.raises(package.InputError, match=told):
+def test_names_in_messages(package, groups, reported):
+    with pytest.raises(package.InputError, match=reported):
         package.solve(scene(**groups))
 
 
 def test_doubles_arrive_exactly(package):
-    """At coordinates of 1e7 a closing of 1.7e-5 is a few units of the last place of a double: the
-    load of Hertz' law for the double is not that for its shortest decimal."""
+    """At coordinates of 1e7 a compression of 1.7e-5 is a few units of the last place of a double:
+    the load of Hertz' law for the double is not that for its shortest decimal."""
     height = 1e7
     value = math.nextafter(height - 1.7e-5, 0)
     cap = {"x": [0.0], "y": [0.0], "height": [height], "radius": [height]}

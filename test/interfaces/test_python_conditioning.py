@@ -377,7 +377,7 @@ def test_from_a_file_to_a_curve(package, tmp_path, ending):
 
 
 def test_gwyddion_without_heights(package, tmp_path):
-    """A Gwyddion file whose one channel has the unit of an angle: the message says so."""
+    """A Gwyddion file whose one channel has the unit of an angle: the message states so."""
     write_gwyddion(tmp_path / "m.gwy", noise(5, 4), (1e-6, 1e-6), "deg")
     with pytest.raises(package.InputError, match="cannot read it: found no channel of heights"):
         package.read_map(tmp_path / "m.gwy")

@@ -235,7 +235,7 @@ def test_named_dimensions(package):
     package.solve(scene(named, upper=np.zeros_like(HEIGHTS), map_spacing=(DX, DY, DX, DY)))
     turned = Named(HEIGHTS, ("y", "x"), y=y[::-1])
     uneven = Named(HEIGHTS, ("y", "x"), x=np.sqrt(x))
-    for call, told in (
+    for call, shown in (
             (lambda: package.HeightMap(named, 1.0), "heights.x: found coordinates with the step"),
             (lambda: package.HeightMap(turned, (DX, DY)), "heights.y: found coordinates with un"),
             (lambda: package.HeightMap(uneven, (DX, DY)), "heights.x: found coordinates with un"),
@@ -243,7 +243,7 @@ def test_named_dimensions(package):
             (lambda: package.solve(scene(named, map_spacing=1.0)), "surfaces.lower.x: found"),
             (lambda: package.solve(scene(HEIGHTS, upper=named, **two)), "surfaces.upper.x: foun"),
             (lambda: package.solve(scene(Named(HEIGHTS, ("y", "x"), x=x))), "one dimension")):
-        with pytest.raises(package.InputError, match=told):
+        with pytest.raises(package.InputError, match=shown):
             call()
 
 
@@ -282,23 +282,23 @@ def test_structured_array_and_pandas(package):
     assert found[0] == found[1] == found[2]
 
 
-@pytest.mark.parametrize("heights, told", [
+@pytest.mark.parametrize("heights, shown", [
     ([[0.0, 1.0], [0.0]], r"heights\[1\]: found 1 heights, expected 2"),
     (np.zeros(9), "an array of 1 dimensions"), (np.zeros((3, 3, 3)), "3 dimensions"),
     ([1.0, 2.0], "2 numbers in one row"), (3.0, "heights"), ("abc", "heights")])
-def test_no_matrix(package, heights, told):
-    with pytest.raises((package.InputError, TypeError), match=told):
+def test_no_matrix(package, heights, shown):
+    with pytest.raises((package.InputError, TypeError), match=shown):
         package.HeightMap(heights, 1.0)
 
 
-@pytest.mark.parametrize("surfaces, told", [
+@pytest.mark.parametrize("surfaces, shown", [
     ({"lower": HEIGHTS, "map_spacing": -1.0}, "map_spacing"),
     ({"lower": HEIGHTS, "map_spacing": 1.0, "map_edge": "perodic"}, "did you mean 'periodic'")])
-def test_bad_maps(package, surfaces, told):
+def test_bad_maps(package, surfaces, shown):
     """Each is refused in a sentence that names what was given."""
     groups = scene(None)
     groups["surfaces"].update(surfaces)
-    with pytest.raises(package.InputError, match=told):
+    with pytest.raises(package.InputError, match=shown):
         package.solve(groups)
 
 

@@ -105,7 +105,7 @@ def test_page_of_files_of_the_program(package, package_folder, asperity, tmp_pat
 
 
 def test_states_left_out(results, tmp_path, monkeypatch):
-    """Of large fields fewer states are shown, the last among them, and the page says so."""
+    """Of large fields fewer states are shown, the last among them, and the page states so."""
     page = sys.modules["asperity._page"]
     monkeypatch.setattr(page, "MOST_BYTES", 4 * 2 * 160 * 160 * 4)
     results("map").to_html(tmp_path / "p.html")

@@ -159,15 +159,15 @@ asperity.solve({"surfaces": {"deck": "data/thesis.deck"}, "loading": {"control":
 """
 
 
-@pytest.mark.parametrize("hide, told", [(True, r"asperity: (\d+) of (\d+) states"),
+@pytest.mark.parametrize("hide, shown", [(True, r"asperity: (\d+) of (\d+) states"),
                                         (False, r"asperity: .*\b(\d+)/(\d+) \[.*state/s")])
-def test_progress(package_folder, hide, told):
+def test_progress(package_folder, hide, shown):
     """A bar of tqdm, or a line without it, on standard error; it ends with all states."""
     code = f"import sys; sys.path.insert(0, {str(package_folder)!r})"
     done = run_program(sys.executable, "-W", "ignore", "-c",
                        code + PROGRESS.replace("HIDE", str(hide)), cwd=ROOT)
     assert done.stdout == ""
-    counts = [tuple(map(int, pair)) for pair in re.findall(told, done.stderr)]
+    counts = [tuple(map(int, pair)) for pair in re.findall(shown, done.stderr)]
     assert len(counts) >= 2 and counts[-1][0] == counts[-1][1] > 1000
     assert counts == sorted(counts) and done.stderr.endswith("\n")
 

@@ -120,18 +120,18 @@ def test_a_flat_map_is_in_full_contact_without_summits(asperity, tmp_path, perio
     for height in planes:
         of = Map(height.astype(float), (1.0, 0.7), periodic)
         for pressure in (1e-9, 1e-3, 1.0):
-            state, contacts, told = solve(asperity, tmp_path, of, pressure)
+            state, contacts, shown = solve(asperity, tmp_path, of, pressure)
             assert float(state["area_fraction"]) == pytest.approx(1.0, rel=1e-12)
             assert len(contacts) == 1
-            assert "the map is flat" in told
+            assert "the map is flat" in shown
         for rule in ("eight", "contact"):
             text, found = summits(asperity, tmp_path, of, rule)
             assert len(found) == 0
             assert "map is flat" in text
     heights = np.random.default_rng(1).standard_normal((12, 16)) * 1e-9 + 1.0
     rough = Map(heights, (1.0, 1.0), periodic)
-    state, contacts, told = solve(asperity, tmp_path, rough, 1e-12)
-    assert float(state["area_fraction"]) < 0.9 and "the map is flat" not in told
+    state, contacts, shown = solve(asperity, tmp_path, rough, 1e-12)
+    assert float(state["area_fraction"]) < 0.9 and "the map is flat" not in shown
 
 
 @pytest.mark.truth

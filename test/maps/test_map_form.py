@@ -79,7 +79,7 @@ def test_cylinder_on_a_strip(asperity, tmp_path, tally, axis):
 
 def test_a_ball_in_each_period_of_a_strip(asperity, tmp_path, tally):
     """Against the middle one of a row of 15 balls at the same load on each; the row ends, so that
-    its outer balls bear more at one separation: their loads are compared."""
+    its outer balls carry more at one separation: their loads are compared."""
     n, side, radius = 16, 0.05, 1.0
     u = (np.arange(n) - (n - 1) / 2) * side
     ball = -(u[:, None] ** 2 + u**2) / (2 * radius)
@@ -100,8 +100,8 @@ def test_a_strip_needs_a_load(asperity, tmp_path):
     scene = map_scene(tmp_path, np.zeros((N, N)), (1, 1),
                       loading={"control": "approach", "value": 0},
                       surfaces={"form_radius": 9, "map_edge": ("periodic", "free")})
-    told = run_program(asperity, "solve", scene, status=2).stderr
-    assert "is known by its load" in told
+    shown = run_program(asperity, "solve", scene, status=2).stderr
+    assert "is known by its load" in shown
 
 
 def test_form_radius_is_refused(asperity, tmp_path):

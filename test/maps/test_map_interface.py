@@ -75,7 +75,7 @@ def test_conductances(asperity, tmp_path):
 
 
 def test_a_limit_on_the_pressure(asperity, tmp_path):
-    """Pixels at the hardness bear no further load; with all of them there the stiffness is 0."""
+    """Pixels at the hardness carry no further load; with all of them there the stiffness is 0."""
     height = 1e-3 * rough(48, shortest=8, seed=5)
     scene = map_scene(tmp_path, height, SIDES, surfaces={"map_edge": "periodic"},
                       loading={"control": "load", "value": load_for(height, SIDES, 0.1)})

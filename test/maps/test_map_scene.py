@@ -1,4 +1,4 @@
-"""A height map in a scene: its samples against Polonsky and Keer's method in numpy, and what is
+"""A height map in a scene: its pixels against Polonsky and Keer's method in numpy, and what is
 refused."""
 
 import re
@@ -14,7 +14,7 @@ from surfaces_csv import solve
 
 @pytest.mark.parametrize("edge", ["free", "periodic"])
 @pytest.mark.parametrize("share", [0.003, 0.05, 0.2])
-def test_samples_against_numpy(asperity, tmp_path, tally, edge, share):
+def test_pixels_against_numpy(asperity, tmp_path, tally, edge, share):
     sides = (0.01, 0.017)
     height = 1e-3 * rough(56, 41, shortest=5, seed=11)
     load = load_for(height, sides, share)
@@ -40,7 +40,7 @@ def test_samples_against_numpy(asperity, tmp_path, tally, edge, share):
     assert abs(float(again.positions[0]["load"]) / load - 1) < 1e-6
 
 
-def test_missing_samples_and_a_curve(asperity, tmp_path):
+def test_missing_pixels_and_a_curve(asperity, tmp_path):
     sides = (0.02, 0.02)
     height = 1e-3 * rough(40, shortest=5, seed=12)
     height[10:14, 5:8] = np.nan
@@ -164,7 +164,7 @@ def test_refused(asperity, tmp_path, change, said):
     ("load", 5e-324, "too small beside the modulus and the heights"),
     ("pressure", 1e-323, "too small for a double")])
 def test_next_to_no_load(asperity, tmp_path, control, value, said):
-    """A load far below the rounding of the gaps is borne by the highest pixel, or refused."""
+    """A load far below the rounding of the gaps is carried by the highest pixel, or refused."""
     scene = map_scene(tmp_path, 1e-3 * rough(32, shortest=4), (0.01, 0.01),
                       loading={"control": control, "value": value})
     found = solve(asperity, scene)

@@ -18,13 +18,13 @@ LOAD = 5e-5
 
 
 def floor():
-    """A bowl: the middle, and the edge, bear nothing."""
+    """A bowl: the middle, and the edge, carry nothing."""
     x, y = np.indices((N, N)) - 23.3
     return -1e-2 * (1 - 1e-4 * (x**2 + y**2)) + 1e-5 * rough(N, shortest=6, seed=3)
 
 
 def cap(height, x, y, top):
-    """A round hill of radius 5 samples."""
+    """A round hill of radius 5 pixels."""
     i, j = np.indices(height.shape)
     bump = top - 2e-4 * ((i - x) ** 2 + (j - y) ** 2)
     height[:] = np.maximum(height, bump)
@@ -42,12 +42,12 @@ def run(asperity, folder, height, load, tolerance, **surfaces):
 
 
 def shares(height, load):
-    """Of the load, on every sample."""
+    """Of the load, on every pixel."""
     _, pressure = press(level(height), SIDES, E, load)
     return pressure / pressure.sum()
 
 
-def told(lines, what):
+def shown(lines, what):
     found = [line for line in lines if what in line]
     assert len(found) <= 1
     return float(re.search(r", (\S+) % of", found[0])[1]) / 100 if found else None
@@ -58,8 +58,8 @@ def check_at_tolerance(asperity, folder, height, share, what):
     assert 0.02 < share < 0.98
     inside = run(asperity, folder, height, LOAD, 1.001 * share)
     outside = run(asperity, folder, height, LOAD, 0.999 * share)
-    assert told(inside, what) is None
-    assert told(outside, what) == pytest.approx(share, abs=6e-4 * max(1, 10 * share))
+    assert shown(inside, what) is None
+    assert shown(outside, what) == pytest.approx(share, abs=6e-4 * max(1, 10 * share))
 
 
 @pytest.mark.parametrize("beyond", [False, True])
@@ -84,10 +84,10 @@ def test_edge(asperity, tmp_path, beyond):
     share = on_edge(high if beyond else low)
     assert abs(share / limit - 1) < 0.02 and (share > limit) == beyond
     lines = run(asperity, tmp_path, with_hills(high if beyond else low), 4 * LOAD, 0.5)
-    found = told(lines, "the edge cuts")
+    found = shown(lines, "the edge cuts")
     assert found == (pytest.approx(share, abs=6e-4) if beyond else None)
     # One that repeats itself has no edge.
-    assert told(run(asperity, tmp_path, with_hills(high), 4 * LOAD, 0.5, map_edge="periodic"),
+    assert shown(run(asperity, tmp_path, with_hills(high), 4 * LOAD, 0.5, map_edge="periodic"),
                 "the edge cuts") is None
 
 
@@ -98,9 +98,9 @@ def test_a_load_on_scan_lines_is_warned_of(asperity, tmp_path):
     pressed = shares(height, LOAD)
     assert (pressed[25:36, 30] > 0).all() and not pressed[25:36, [29, 31]].any()
     check_at_tolerance(asperity, tmp_path, height, pressed[25:36, 30].sum(), "scan lines")
-    # Seven samples are no line.
+    # Seven pixels are no line.
     height[25:29, 30] = floor()[25:29, 30]
-    assert told(run(asperity, tmp_path, height, LOAD, 1e-3), "scan lines") is None
+    assert shown(run(asperity, tmp_path, height, LOAD, 1e-3), "scan lines") is None
 
 
 def test_a_load_on_spikes_is_warned_of(asperity, tmp_path):
@@ -110,7 +110,7 @@ def test_a_load_on_spikes_is_warned_of(asperity, tmp_path):
     pressed = shares(height, LOAD)
     check_at_tolerance(asperity, tmp_path, height, pressed[30, 30], "outliers")
     # They are taken out where that is asked for.
-    assert told(run(asperity, tmp_path, height, LOAD, 1e-3, map_despike="on"), "outliers") is None
+    assert shown(run(asperity, tmp_path, height, LOAD, 1e-3, map_despike="on"), "outliers") is None
 
 
 def test_effects_left_out_beside_pixels(asperity, tmp_path):
@@ -158,4 +158,4 @@ def test_pressures_near_the_modulus(asperity, tmp_path):
         lines = run(asperity, tmp_path, height, load, 0.99)
         found = [line for line in lines if "pressures are near the contact modulus" in line]
         assert len(found) == (factor > 1)
-    assert told(lines, "near the contact modulus") == pytest.approx(0.19 * 1.02, rel=0.01)
+    assert shown(lines, "near the contact modulus") == pytest.approx(0.19 * 1.02, rel=0.01)

@@ -219,8 +219,8 @@ def test_a_patch_at_a_free_edge_has_no_greatest_pressure(asperity, tmp_path):
         found = solve(asperity, tmp_path, ridge, 1.0, edge, effects=effects, control="load",
                       value=5.0)
         assert ("pressure_error_estimate" in found) != is_cut, edge
-        told = run_program(asperity, "solve", tmp_path / "m.scene").stderr
-        assert told.count(why) == is_cut
+        shown = run_program(asperity, "solve", tmp_path / "m.scene").stderr
+        assert shown.count(why) == is_cut
 
 
 def test_estimates_do_not_depend_on_the_first_pixel(asperity, tmp_path):
@@ -315,7 +315,7 @@ def test_a_map_of_every_second_pixel_without_a_solution(asperity, tmp_path):
 
 
 def test_a_coarse_ball(asperity, tmp_path):
-    """A contact radius of 2.1 pixels: the area is far off, which warning and estimate say, and no
+    """A contact radius of 2.1 pixels: the area is far off, which warning and estimate state, and no
     accuracy is reached by an error that is not known to be small."""
     x = (np.arange(N) - N / 2) * 0.02 / 2.1
     height = -(x**2 + x[:, None] ** 2) / 2
@@ -339,8 +339,8 @@ def test_an_accuracy_of_the_load_where_areas_have_none(asperity, tmp_path):
     found = solve(asperity, tmp_path, np.random.default_rng(0).standard_normal((N, N)), 1.0,
                   control="load", value=2.0 * N**2)
     assert found["area_error_estimate"] > 0.5
-    told = run_program(asperity, "solve", tmp_path / "m.scene", "--accuracy", "1e-3", status=1)
-    option = re.search("set (--accuracy .*), or take a map of finer pixels", told.stderr)
+    shown = run_program(asperity, "solve", tmp_path / "m.scene", "--accuracy", "1e-3", status=1)
+    option = re.search("set (--accuracy .*), or take a map of finer pixels", shown.stderr)
     run_program(asperity, "solve", tmp_path / "m.scene", *option[1].split())
 
 
@@ -348,7 +348,7 @@ def test_an_accuracy_of_the_load_where_areas_have_none(asperity, tmp_path):
                                             ("ball", False)])
 def test_maps_rough_at_their_pixels(asperity, tmp_path, kind, is_rough):
     """The slope of a surface of no waves shorter than 4 pixels converges, that of noise and of
-    waves down to 2 pixels does not: coarse contacts of both are told apart by the warning."""
+    waves down to 2 pixels does not: coarse contacts of both are reported apart by the warning."""
     for seed in range(3):
         edge, load = "periodic" if seed % 2 else "free", 2e-4 * N**2
         if kind == "ball":
@@ -361,9 +361,9 @@ def test_maps_rough_at_their_pixels(asperity, tmp_path, kind, is_rough):
         found = solve(asperity, tmp_path, height, 1.0, edge, control="load", value=load)
         if kind != 4:  # of waves of 4 pixels it is not resolved
             assert ("pressure_error_estimate" in found) != is_rough  # it grows without limit
-        told = run_program(asperity, "solve", tmp_path / "m.scene").stderr
-        assert "not resolved by the pixels of the map" in told
-        assert ("(it is rough at their size)" in told) == is_rough
+        shown = run_program(asperity, "solve", tmp_path / "m.scene").stderr
+        assert "not resolved by the pixels of the map" in shown
+        assert ("(it is rough at their size)" in shown) == is_rough
 
 
 def test_mean_gap_and_greatest_pressure(asperity, tmp_path):
@@ -371,25 +371,25 @@ def test_mean_gap_and_greatest_pressure(asperity, tmp_path):
     spacing the mean gap is."""
     height, spacing, edge, load, (level, *_) = ball(np.random.default_rng(2))
     found = solve(asperity, tmp_path, height, spacing, edge, control="load", value=load)
-    told = run_program(asperity, "solve", tmp_path / "m.scene", "--contacts",
+    shown = run_program(asperity, "solve", tmp_path / "m.scene", "--contacts",
                        tmp_path / "c.csv").stdout
     greatest = max(float(row["maximum_pressure"]) for row in records(tmp_path / "c.csv"))
     error = abs(greatest / (2 * E * 0.02 / np.pi) - 1)
     assert 0 < error < found["pressure_error_estimate"] < 0.2
     assert re.search("error estimate: compression .*, separation .*, contact area .*, "
-                     "greatest pressure ", told)
+                     "greatest pressure ", shown)
     # An accuracy of this pressure alone: met, or refused with an option that is; not of asperities.
     asked = "--of", "pressure", "--accuracy"
     estimate = found["pressure_error_estimate"]
     run_program(asperity, "solve", tmp_path / "m.scene", *asked, 1.6 * estimate)
-    told = run_program(asperity, "solve", tmp_path / "m.scene", *asked, "1e-3", status=1).stderr
-    option = re.search(r"set --accuracy (\S+) --of pressure", told)
+    shown = run_program(asperity, "solve", tmp_path / "m.scene", *asked, "1e-3", status=1).stderr
+    option = re.search(r"set --accuracy (\S+) --of pressure", shown)
     assert error < float(option[1])
     run_program(asperity, "solve", tmp_path / "m.scene", *asked, option[1])
     alone = write_plane_scene(tmp_path / "alone", [(0.0, 0.0, 0.1, 1.0)],
                               loading={"control": "load", "value": 1.0})
-    told = run_program(asperity, "solve", alone, *asked, "1e-3", status=1).stderr
-    assert "expected one, or --of load or --of area" in told
+    shown = run_program(asperity, "solve", alone, *asked, "1e-3", status=1).stderr
+    assert "expected one, or --of load or --of area" in shown
     waves = [np.cos(np.arange(4 * N) * 2 * np.pi / 40 + phase) for phase in (0.3, 0.7)]
     fine = waves[0] + waves[1][:, None]
     true, coarse = (solve(asperity, tmp_path, h, spacing, control="load", value=0.01 * E * N**2)

@@ -33,7 +33,7 @@ def as_table(asperity, folder, effects, load, **loading):
 
 
 def warnings_of(done):
-    """What each warning says, without numbers."""
+    """What each warning states, without numbers."""
     assert done.status == 0, done.stderr
     lines = (line.split(": ", 3)[3] for line in done.stderr.splitlines() if "warning:" in line)
     return sorted(re.sub(r"[\d.E+-]+", "N", line) for line in lines

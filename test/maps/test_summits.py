@@ -1,5 +1,5 @@
 """`asperity summits`: maps of every format, their summits and statistics against numpy, and what
-the command says of maps that it cannot read."""
+the command states of maps that it cannot read."""
 
 import re
 import sys
@@ -41,7 +41,7 @@ def value(done, name):
 
 def assert_same(found, expected, scale):
     """The same rows; lengths to 1e-12 of their scale, radii to 1e-12 of what second differences of
-    heights of that size can tell."""
+    heights of that size can report."""
     assert found.shape == expected.shape
     assert np.abs(found[:, :2] - expected[:, :2]).max() <= 1e-12 * np.abs(expected[:, :2]).max()
     assert np.abs(found[:, 2] - expected[:, 2]).max() <= 1e-12 * scale
@@ -136,7 +136,7 @@ def test_a_plateau_counts_once(summits, tmp_path):
     done = summits(path, "--spacing", "1,1", "--level", "none")
     assert done.rows.tolist() == [[2, 2, 1, 1], [9, 2, 1, 1], [6, 6, 2, 1 / 4],
                                   [12, 11, 1.5, 1 / 3]]
-    # A mean leaves equal samples equal.
+    # A mean leaves equal pixels equal.
     assert len(summits(path, "--spacing", "1,1", "--level", "mean").rows) == 4
     # By rule contact what reaches the rim counts, too.
     done = summits(path, "--spacing", "1,1", "--level", "none", "--rule", "contact")
@@ -259,7 +259,7 @@ def raw_heights(kind, revision, rng):
 @pytest.mark.long
 @NEEDS_SDFIO
 def test_every_variant_is_read_to_the_last_bit(summits, tmp_path, tally):
-    """What sdfio writes. A sample shows where it is a summit: each in turn is lifted over its
+    """What sdfio writes. A pixel shows where it is a summit: each in turn is lifted over its
     neighbours by taking these from among the lowest."""
     import sdfio
     rng = np.random.default_rng(7)
@@ -444,8 +444,8 @@ def test_bad_maps_are_refused(content, options, message, summits, tmp_path):
     data = content if isinstance(content, bytes) else content.encode()
     (tmp_path / "bad.map").write_bytes(data)
     done = summits("bad.map", *options, status=2)
-    told = done.stderr.splitlines()
-    assert any(re.match(rf"(?:bad\.map:)? ?{message}", line) for line in told), done.stderr
+    shown = done.stderr.splitlines()
+    assert any(re.match(rf"(?:bad\.map:)? ?{message}", line) for line in shown), done.stderr
 
 
 def test_each_profile_with_a_fault_is_named(summits, tmp_path):

@@ -12,7 +12,7 @@ import pytest
 from digitised_tables import (DATA, DECK, ROWS, SUMMED, TABLES_VII, LABELS, approaches, interval,
                               loaded, read, records)
 
-# Says nothing about the build under test.
+# States nothing about the build under test.
 pytestmark = pytest.mark.once
 
 INDEX = r"\d+"

@@ -30,7 +30,7 @@ def test_every_mark_has_its_row(word, row, root, page):
     assert len(set(names)) == len(names) > 10
     marks = set()
     for file in [*(root / "src" / "original").iterdir(), root / "src/input/card_deck.f90"]:
-        # "Deviation x" and "Fault n" are how a file says what its marks refer to.
+        # "Deviation x" and "Fault n" are how a file states what its marks refer to.
         marks |= set(re.findall(word, file.read_text().replace('"Deviation x"', "")))
     assert marks == set(names)
 
@@ -90,8 +90,8 @@ def test_rounding_of_the_pressure(runs, page):
 
 def test_rounding_of_the_total_loads(runs, root):
     off = [abs(a["load"] / b["load"] - 1) for a, b in zip(runs["printed"][1], runs["exact"][1])]
-    told = (root / "docs/theory/original.md").read_text()
-    assert f"{100 * max(off):.1f} % (fault 3: no total load has a larger error)" in told
+    shown = (root / "docs/theory/original.md").read_text()
+    assert f"{100 * max(off):.1f} % (fault 3: no total load has a larger error)" in shown
 
 
 def test_overshoot(runs, page):

@@ -11,7 +11,7 @@ import pytest
 from listing_formats import BadFormat, lines_of_format
 from thesis_report import CONTACT, MODEL, digitised, formats, table_cells
 
-# Says nothing about the build under test.
+# States nothing about the build under test.
 pytestmark = pytest.mark.once
 
 # Columns of a table, the FORMAT of a row that places them, and the FORMATs of their heads.

@@ -94,19 +94,19 @@ def solved(asperity, tmp_path_factory):
 @pytest.mark.parametrize("heading", HOME)
 def test_columns_of_solve(heading, solved):
     """The page has the columns that are written, in the order in which they are written."""
-    told = page()[heading]
+    shown = page()[heading]
     written = set()
     for scene, header, _ in solved[HOME[heading]]:
         written |= set(header)
         # Effects stand in the order in which they act, which is not that of the page.
-        own = [name for name in header if name in told and ":" not in told[name][1]
-               and "EFFECT" not in told[name][1] and not name.startswith(EFFECTS)]
-        assert own == [name for name in told if name in own], scene
-    assert written == set(told)
+        own = [name for name in header if name in shown and ":" not in shown[name][1]
+               and "EFFECT" not in shown[name][1] and not name.startswith(EFFECTS)]
+        assert own == [name for name in shown if name in own], scene
+    assert written == set(shown)
 
 
 def test_columns_of_the_others(asperity, tmp_path):
-    told = page()
+    shown = page()
     run(asperity, "data/thesis.deck", "--positions", tmp_path / "p", "--contacts", tmp_path / "c")
     run(asperity, "summits", "data/examples/summits/rough.sdf", "--output", tmp_path / "s")
     run(asperity, "summits", "data/examples/summits/smooth.sdf", "--spectrum", tmp_path / "f")
@@ -119,8 +119,8 @@ def test_columns_of_the_others(asperity, tmp_path):
                           ("`--spectrum` of `asperity summits`", "f"),
                           ("`--csv` of `asperity accuracy`", "a")):
         header, rows = read(tmp_path / file)
-        assert header == list(told[heading]), heading
+        assert header == list(shown[heading]), heading
         for name, cells in zip(header, zip(*rows)):
             if "" in cells:
-                assert re.search("empty", told[heading][name][1]) or file == "a", name
-    assert len(told) == 9
+                assert re.search("empty", shown[heading][name][1]) or file == "a", name
+    assert len(shown) == 9

@@ -1,4 +1,4 @@
-"""What the pages say, as far as a machine can check it.
+"""What the pages state, as far as a machine can check it.
 
 Links lead somewhere; files, modules and options that are named exist; commands and scenes in fenced
 blocks are accepted, and print what is shown; the tables of names are those of the readers.
@@ -13,7 +13,7 @@ import pytest
 from builds import ROOT
 from programs import run_program
 
-# Says nothing about the build under test.
+# States nothing about the build under test.
 pytestmark = pytest.mark.pages
 
 PAGES = sorted([ROOT / "README.md", ROOT / "CONTRIBUTING.md", *ROOT.glob("docs/**/*.md")])
@@ -238,8 +238,8 @@ def names_known(asperity, folder, command, group, suffix):
     path = folder / f"a.{suffix}"
     path.write_text(f"&{group} no_such_name = 1 /\n", encoding="ascii")
     done = run_program(asperity, command, path, status=2)
-    told = re.search(rf"unknown name in &{group}: .*, expected (.*)", done.stderr)
-    return set(re.split(r", | or ", told[1]))
+    reported = re.search(rf"unknown name in &{group}: .*, expected (.*)", done.stderr)
+    return set(re.split(r", | or ", reported[1]))
 
 
 def test_names_of_a_specification(asperity, tmp_path):

@@ -1,4 +1,4 @@
-"""What the Python package says of itself: types, examples of docstrings, pages and notebooks."""
+"""What the Python package states of itself: types, examples of docstrings, pages and notebooks."""
 
 import doctest
 import os
@@ -41,7 +41,7 @@ def test_types(tmp_path):
 
 
 def test_examples_of_docstrings(package, monkeypatch):
-    """Each public function and class has an example that runs and shows what it says."""
+    """Each public function and class has an example that runs and shows what it states."""
     monkeypatch.chdir(ROOT)
     finder, runner = doctest.DocTestFinder(), doctest.DocTestRunner(
         optionflags=doctest.NORMALIZE_WHITESPACE)

@@ -15,7 +15,7 @@ def text_of(path):
 
 
 def test_one_version(asperity):
-    """The same number wherever it stands, and what the program says."""
+    """The same number wherever it stands, and what the program states."""
     version = tomllib.loads(text_of("fpm.toml"))["version"]
     assert re.fullmatch(r"\d+\.\d+\.\d+", version)
     assert version == tomllib.loads(text_of("python/pyproject.toml"))["project"]["version"]

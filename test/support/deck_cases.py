@@ -1,9 +1,9 @@
 """The hard decks: for the historic port, and as scenes for the present-day solver.
 
 `historic` is what the port must do: "runs", or the words with which it stops. `note` is what it
-must say beside a report; `coarse` is how far its real64 may be off, relatively: W is a difference
+must state beside a report; `coarse` is how far its real64 may be off, relatively: W is a difference
 of large numbers (fault 3), displacements are sums of steps (fault 2). `solver_refused` is what the
-present-day solver says, if it cannot solve.
+present-day solver states, if it cannot solve.
 """
 
 from dataclasses import dataclass

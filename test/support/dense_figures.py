@@ -1,7 +1,7 @@
 """Dense scenes against the archived truth, in figures of the judge.
 
 A scene is solved at its approach, where the vertical load is compared, and at the load that the
-truth has there, where the approach is, as a share of the closing; the real area in both.
+truth has there, where the approach is, as a share of the compression; the real area in both.
 """
 
 from functools import cache, partial
@@ -31,10 +31,10 @@ def figures_of(exe, scene, mode, tolerance, control):
                  contacts=False)
     row = answer.positions[0] if answer.status == 0 else {}
     what, bound = f"{scene.name} {control}", float(truth["load_error"])
-    told = number(row, "error_estimate")
-    first = Figure(what, number(row, "vertical_load"), float(truth["load"]), bound, told) \
+    shown = number(row, "error_estimate")
+    first = Figure(what, number(row, "vertical_load"), float(truth["load"]), bound, shown) \
         if control == "approach" else \
-        Figure(what, -number(row, "separation"), -scene.approach, bound, told,
+        Figure(what, -number(row, "separation"), -scene.approach, bound, shown,
                float(truth["closing"]))
     area = Figure(f"{what}, area", number(row, "area"), float(truth["area"]),
                   float(truth["area_error"]), number(row, "area_error_estimate"))

@@ -26,7 +26,8 @@ TOP = 0.1  # approach of the first touch of the scenes that are placed by gaps
 
 @dataclass(frozen=True)
 class Pairs:
-    """Pairs that overlap without deformation: spheres in plan, and closing of their first touch."""
+    """Pairs that overlap without deformation: spheres in plan, and compression of their first
+    touch."""
 
     upper: np.ndarray    # x, y
     upper_radius: np.ndarray
@@ -103,7 +104,7 @@ class Dense:
         return f"{zlib.crc32(text.encode('ascii')):08x}"
 
     def write(self, folder, loading=None, **effects):
-        """The scene's files; at its approach unless `loading` says else."""
+        """The scene's files; at its approach unless `loading` states else."""
         groups = {"effects": effects} if effects else {}
         return write_csv_scene(
             folder, self.upper, self.lower, name=self.name, modulus=(MODULUS,) * 2,
@@ -118,7 +119,8 @@ def rounded(*columns):
 
 
 def caps(name, family, places, radii, gaps, closing, sphere=1e5):
-    """Caps that a huge sphere touches at the closings `gaps`; the centre of all is its middle."""
+    """Caps that a huge sphere touches at the compressions `gaps`; the centre of all is its
+    middle."""
     places = np.round(np.asarray(places, float) - np.mean(places, axis=0), 12)
     radii = np.round(np.broadcast_to(np.asarray(radii, float), len(places)), 12)
     total, square = sphere + radii, (places ** 2).sum(1)
@@ -130,7 +132,7 @@ def caps(name, family, places, radii, gaps, closing, sphere=1e5):
 
 
 def depth_of(rng):
-    """A closing for caps of radius 1: from 3e-5 to 5e-3."""
+    """A compression for caps of radius 1: from 3e-5 to 5e-3."""
     return 10 ** rng.uniform(-4.5, -2.3)
 
 
@@ -139,7 +141,7 @@ def sphere_of(rng):
 
 
 def two(rng, distance, ratio, lower, depth=None):
-    """Places, radii, gaps and closing of a pair; distance in the larger radius of contact."""
+    """Places, radii, gaps and compression of a pair; distance in the larger radius of contact."""
     c = depth or depth_of(rng)
     d, angle = distance * np.sqrt(c), 2 * np.pi * rng.random()
     return (np.array([[0, 0], [d * np.cos(angle), d * np.sin(angle)]]), [1, 1 / ratio],
@@ -293,7 +295,7 @@ def steep(rng, count):
 
 
 def steep_surfaces(places, upper_radius, radii, gaps):
-    """One upper sphere, and lower ones that it touches at given places and closings."""
+    """One upper sphere, and lower ones that it touches at given places and compressions."""
     gaps = gaps - gaps.min()
     radii = np.round(radii, 12)
     upper_radius = round(float(upper_radius), 12)

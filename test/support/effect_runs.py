@@ -23,8 +23,8 @@ FLAT = 1.0e6
 COUPLED_APART, COUPLED_OVERLAPPING = 0.002, 0.02
 # What the last halving of cells may change of a load (boundary_tolerance).
 CELLS = 1e-3
-# What a position tells of the run and not of the contacts.
-TOLD = ("warnings", "error_estimate")
+# What a position reports of the run and not of the contacts.
+SHOWN = ("warnings", "error_estimate")
 # A solve of `coupled` calls itself converged at this residual.
 CONVERGED = 1e-10
 
@@ -114,7 +114,7 @@ class Caps:
     scene: Path
 
     def gaps(self):
-        """Closing at which each touches."""
+        """Compression at which each touches."""
         touch = self.heights - self.sag()
         return touch.max() - touch
 

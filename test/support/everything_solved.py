@@ -1,6 +1,6 @@
 """Whether `coupled` solves all that has a solution: random scenes, loads of a table, summits.
 
-Solved is: status 0, sums that are those of the contacts, and contacts that bear what they
+Solved is: status 0, sums that are those of the contacts, and contacts that carry what they
 penetrate, or nothing where they do not.
 
 Random scenes: 2 to 5000 contacts, from .1 to 30 % of the area, heights from one level to widely
@@ -34,15 +34,17 @@ def run(exe, mode, timeout, case):
     return answer
 
 
-# Status of a result that is not what it says; relative error of a load by its penetration.
+# Status of a result that is not what it states; relative error of a load by its penetration.
 WRONG, OF_LAW = -2, 1e-6
 
 
 def fault_of(case, position, contacts):
     """What is wrong with the sums of the contacts, or with one of them: "" when nothing is.
 
-    Who bears something bears what its penetration, alone and less what it is lowered by, says; who
-    bears nothing does not penetrate. Nobody is lowered where `auto` leaves the interaction off.
+    A loaded contact carries what its penetration, alone and less what it is lowered by, states;
+    what
+    carries nothing does not penetrate. No contact is lowered where `auto` leaves the interaction
+    off.
     """
     names = ("vertical_load", "projected_area", "alone_load", "lowered")
     if position["interaction"] == "off":

@@ -76,7 +76,7 @@ def geometry(rng, wide):
 
 
 def loading(rng, scale):
-    """The groups that say how far to close."""
+    """The groups that state how far to close."""
     points = f", points = {rng.choice([1, 2, 5])}" if rng.random() < 0.15 else ""
     draw = rng.random()
     if draw < 0.4:
@@ -153,14 +153,14 @@ def largest_tolerance(scene):
 
 
 def broken_laws(data, scene):
-    """What a file of positions says that no surfaces can do."""
+    """What a file of positions states that no surfaces can do."""
     wrong, tolerance = [], largest_tolerance(scene)
     for row in csv.DictReader(data.decode("ascii").splitlines()):
         try:
             value = {name: float(cell) for name, cell in row.items()
                      if name not in EFFECTS and cell}
         except (TypeError, ValueError):
-            return wrong  # told elsewhere
+            return wrong  # reported elsewhere
         alone = "alone_load" not in value or row.get("interaction") == "off"
         # Elements press bodies without a ratio to Hertz' law: within their tolerance.
         slack = tolerance if value.get("cells", 0.0) > 0.0 else 1e-9

@@ -1,4 +1,4 @@
-"""Mutated height maps: `asperity summits` reads them or says what is wrong, and where.
+"""Mutated height maps: `asperity summits` reads them or states what is wrong, and where.
 
 Status is 0 or 2, within seconds; with 2 every line on standard error names the file and a place,
 and no file is left behind; with 0 the numbers are finite. The same seed gives the same map

@@ -241,7 +241,7 @@ def compare(program, number):
         strange
 
 
-def told(strange):
+def shown(strange):
     """One difference in words."""
     kind, mask, operand, left, found = strange
     return f"{kind} of {operand[0]:08X} and {operand[1]:08X}, mask {mask}: machine " \
@@ -285,7 +285,7 @@ def main(executable, number=PAIRS):
     for line in counts:
         print(*(line[name] for name in COUNTS[:-2]), sep=",")
     for one in strange[:20]:
-        print(told(one))
+        print(shown(one))
     if int(number) == PAIRS:
         write(counts, results)
     print(f"{s370_machine.version()}: {sum(line['operations'] for line in counts)} operations, "

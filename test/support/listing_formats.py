@@ -1,6 +1,6 @@
 """FORMAT statements of the listing: what they print, character by character.
 
-Knows the descriptors that the report uses: nH, nX, Iw, Fw.d, Aw and slashes. Parentheses only
+Reads the descriptors that the report uses: nH, nX, Iw, Fw.d, Aw and slashes. Parentheses only
 group: no statement of the report repeats a group. Column one of a record is carriage control: 1 is
 a form feed, blank a new line.
 """

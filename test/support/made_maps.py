@@ -15,7 +15,7 @@ FOLDER = Path(__file__).resolve().parents[2] / "data/examples/summits"
 
 
 def spectrum(k, hurst, longest, shortest):
-    """Power at wave numbers k (cycles a sample): flat up to 1/longest, then a power law, nothing
+    """Power at wave numbers k (cycles a pixel): flat up to 1/longest, then a power law, nothing
     beyond 1/shortest."""
     with np.errstate(divide="ignore"):
         return np.where((k > 0) & (k <= 1 / shortest),
@@ -24,7 +24,7 @@ def spectrum(k, hurst, longest, shortest):
 
 def self_affine(shape, seed, hurst=0.8, longest=None, shortest=8.0, stretch=1.0, periodic=False):
     """Gaussian heights of rms 1 (in expectation), rows by columns; `stretch` makes waves along a
-    row longer. Also the exact moments m0, m2, m4 along x of the spectrum, a sample apart."""
+    row longer. Also the exact moments m0, m2, m4 along x of the spectrum, a pixel apart."""
     rows, columns = shape if periodic else (2 * shape[0], 2 * shape[1])
     longest = longest or min(shape) / 4
     ky = np.fft.fftfreq(rows)[:, None]
@@ -48,7 +48,7 @@ def write_bytes(path, heights, dx=1.0, dy=1.0):
 
 
 def archived():
-    """The maps of the folder by name: heights in metres, and samples' distance."""
+    """The maps of the folder by name: heights in metres, and pixels' distance."""
     smooth, _ = self_affine((96, 128), 15, shortest=8)
     rough, _ = self_affine((64, 64), 16, hurst=0.5, shortest=2, stretch=2.0)
     rough[20:24, 40:45] = np.nan

@@ -139,7 +139,7 @@ CHANGES = {"mirrored": (lambda h: h[::-1], False), "transposed": (lambda h: h.T,
 # ---------------------------------------------------------------- the laws
 
 def same_after(scene, other, exe):
-    """The totals of all states, and the closing over the mean plane."""
+    """The totals of all states, and the compression over the mean plane."""
     one, two = (scenes.run(exe, s) for s in (scene, other))
     laws.look(scene, one)
     laws.look(other, two)
@@ -152,7 +152,7 @@ def same_after(scene, other, exe):
             for name in ("load", "vertical_load"):
                 laws.near(*(number(r, name) for r in (row, far)), PIXELS, name,
                           1e-3 * laws.largest(one, name))
-            # A pixel at the rim of a patch may bear next to nothing, or nothing.
+            # A pixel at the rim of a patch may carry next to nothing, or nothing.
             spare = 2 * math.prod(scene.groups["surfaces"]["map_spacing"])
             assert abs(number(row, "area") - number(far, "area")) \
                 <= PIXELS * number(row, "area") + spare, "area"
@@ -163,7 +163,7 @@ def same_after(scene, other, exe):
 
 
 def top_of(scene):
-    """The highest sample over the plane of least squares of each map and of their sum, of periodic
+    """The highest pixel over the plane of least squares of each map and of their sum, of periodic
     maps over their mean."""
     def level(height):
         if "map_edge" in scene.groups["surfaces"]:

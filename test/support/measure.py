@@ -2,7 +2,8 @@
 
 The truth is exact_contact's, evaluated for the numbers as doubles hold them. The unit of an error
 is one unit of the last place of the true value. Approach and places are differences of
-coordinates: their unit is that of the largest coordinate. Where a case says that coordinates limit
+coordinates: their unit is that of the largest coordinate. Where a case states that coordinates
+limit
 it, the unit also has the largest change that moving every coordinate by one unit of the largest
 coordinate brings, seen in a few trials.
 """

@@ -1,7 +1,7 @@
 """Laws that a change of the scene must keep, and the harness' own look at each result.
 
-A law says what a result of the changed scene must be, given that of the scene. What the program
-says of itself is not asked: totals are summed from the file of contacts, loads are compared with
+A law states what a result of the changed scene must be, given that of the scene. What the program
+states of itself is not asked: totals are summed from the file of contacts, loads are compared with
 what was asked for, contacts are held against their caps.
 """
 
@@ -66,7 +66,7 @@ def asked_loads(scene):
 def loads_are_met(scene, rows, curve):
     """Load asked is load found, at every state that names one; held loads are held. A load near 0
     is a difference of pushes and pulls, each 6 pi w R in a contact after Johnson, Kendall and
-    Roberts that bears nothing: it is met to 1e-12 of them."""
+    Roberts that carries nothing: it is met to 1e-12 of them."""
     (asked, name), effects = asked_loads(scene), scene.groups.get("effects", {})
     if not asked:
         return
@@ -302,15 +302,15 @@ def same_after(scene, other, exe, factor=1.0, share=None, names=None):
 
 
 def within(one, two, share, names, control):
-    """Totals, and at a given load the approach over the closing, within a share; areas of which
-    was said that they are less sure than that, within what was said of both."""
+    """Totals, and at a given load the approach over the compression, within a share; areas of which
+    was stated that they are less sure than that, within what was stated of both."""
     for row, other in zip(one.positions, two.positions):
         for name in names:
-            told = sum(number(r, "area_error_estimate") for run, r in ((one, row), (two, other))
+            shown = sum(number(r, "area_error_estimate") for run, r in ((one, row), (two, other))
                        if name == "area" and UNSURE in run.stderr)
-            near(number(row, name), number(other, name), share + told, name)
+            near(number(row, name), number(other, name), share + shown, name)
         if control == "approach":
-            # As given, or first touch less a closing, each rounded.
+            # As given, or first touch less a compression, each rounded.
             near(number(row, "separation"), number(other, "separation"), 1e-12, "separation")
         else:
             near(closing(one, row), closing(two, other), share, "closing")

@@ -18,10 +18,11 @@ UNITS = {"elastic_modulus": (0, 1), "contact_modulus": (0, 1), "x_first": (1, 0)
 VALUES = {"load": (2, 1), "vertical_load": (2, 1), "approach": (1, 0), "pressure": (0, 1)}
 GRID = 2.0 ** -14
 # Results are bit for bit the same, or differ by rounding: of coordinates up to 20 in sums of up to
-# 64 contacts, through the slope of load over closing. Contacts of 1e-9 of the closing lose 1e9
+# 64 contacts, through the slope of load over compression. Contacts of 1e-9 of the compression lose
+# 1e9
 # roundings; scenes close by 1e-3 at least, or to a load that is met to 1e-11.
 ROUNDING = 1e-9
-# What neighbours take away is solved to so much of the load where circles bear it.
+# What neighbours take away is solved to so much of the load where circles carry it.
 COUPLED = 1e-8
 
 
@@ -215,7 +216,7 @@ def random_scene(rng):
     if groups["loading"]["control"] == "load" and rng.random() < 0.3:
         value = groups["loading"]["value"]
         groups["loading"]["value"] = [value, 2 * value]
-        # Friction, creep and neighbours know no way back.
+        # Friction, creep and neighbours have no way back.
         if not chosen.keys() & {"friction", "creep", "interaction"} and rng.random() < 0.5:
             groups["loading"]["value"] = [value, 0.0, value]
     if groups["loading"]["control"] != "limit" and rng.random() < 0.2:

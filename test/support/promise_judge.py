@@ -39,7 +39,7 @@ class Verdict:
     status: int = 0
     error: float = 0.0    # the largest of the totals
     bound: float = 0.0    # of the truth, for that total
-    promised: float = 0.0  # what the run says of itself: a bound, or an estimate
+    promised: float = 0.0  # what the run states of itself: a bound, or an estimate
     message: str = ""
     proposed: "Verdict | None" = None  # of the accuracy that a refusal proposes
 
@@ -148,7 +148,7 @@ def cycle(rng, folder):
     """Adhesion on a way down and up again, by the branch that holds on; some beyond the snap."""
     work = 10 ** rng.uniform(-6, -4)
     distance = (work ** 2 / 10 ** rng.uniform(3 * 0.8, 3 * 1.5)) ** (1 / 3)  # Tabor's above 5
-    depth = (2 * np.pi * work) ** (2 / 3)  # closings of JKR: depth (t**4 - t)
+    depth = (2 * np.pi * work) ** (2 / 3)  # compressions of JKR: depth (t**4 - t)
     snap = -0.75 * 0.25 ** (1 / 3) * depth
     last = rng.choice((rng.uniform(0.01, 3) * depth, rng.uniform(0.05, 0.95) * snap, 1.2 * snap))
     scene = balls(folder, "ball", {"adhesion": "on", "work_of_adhesion": work,
@@ -220,7 +220,7 @@ def creep(rng, folder):
 
 
 def measured(rng, folder):
-    """A map's samples: the level of the flat at a load."""
+    """A map's pixels: the level of the flat at a load."""
     n = rng.choice((32, 48))
     height = 1e-3 * rough(n, shortest=rng.choice((4, 8)), seed=rng.randrange(10 ** 6))
     y, x = np.mgrid[0:n, 0:n]

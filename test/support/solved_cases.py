@@ -36,14 +36,14 @@ class Case:
 # ---------------------------------------------------------------- random scenes
 
 def heights_of(rng, contacts):
-    """Heights below first touch, as many as touch at the closing 1, and the rest."""
+    """Heights below first touch, as many as touch at the compression 1, and the rest."""
     kind = ("level", "within", "rough", "rough", "wide")[int(5 * rng.random())]
     if kind == "level":
         return kind, np.zeros(contacts)
     if kind == "within":
         below = 10 ** rng.uniform(-3, 0) * rng.random(contacts)
         return kind, below - below.min()
-    # Of so many caps that more stay open; the closing is where the wanted number touches.
+    # Of so many caps that more stay open; the compression is where the number touches.
     most = max(1.5, min(100.0 if kind == "wide" else 10.0, MOST_CAPS / contacts))
     count = int(contacts * 10 ** rng.uniform(np.log10(1.5), np.log10(most))) + 1
     below = np.sort(-rng.standard_normal(count))
@@ -130,7 +130,7 @@ def packed_case(seed):
         below -= below.min()
     loading = {"control": "approach", "value": -closing}
     if rng.random() < 0.5:
-        # A heap that stands alone bears no more than one cap as blunt as it.
+        # A heap that stands alone carries no more than one cap as blunt as it.
         lone = 4 / 3 * COMBINED * closing ** 1.5
         borne = min((np.maximum(1 - below, 0) ** 1.5).sum(),
                     max(1.0, side * apart / closing ** 0.5))
@@ -177,7 +177,7 @@ def stepped_case(seed):
 # ---------------------------------------------------------------- summits of rough surfaces
 
 def rough_surface(n=512, hurst=0.8, long=64, short=4, seed=5):
-    """Heights of a self-affine surface, periods from `short` to n samples, flat above `long`."""
+    """Heights of a self-affine surface, periods from `short` to n pixels, flat above `long`."""
     rng = np.random.default_rng(seed)
     k = np.fft.fftfreq(n) * n
     k = np.hypot(k[:, None], k[None])
@@ -188,7 +188,7 @@ def rough_surface(n=512, hurst=0.8, long=64, short=4, seed=5):
 
 
 def summits(heights, geometric=False):
-    """Samples higher than their eight neighbours; radius: of both curvatures' mean, one or the
+    """Pixels higher than their eight neighbours; radius: of both curvatures' mean, one or the
     other: the geometric one is less, so that caps of ridges are blunter."""
     inner = heights[1:-1, 1:-1]
     top = np.ones(inner.shape, bool)
@@ -205,7 +205,7 @@ def summits(heights, geometric=False):
 
 
 def blunt_caps():
-    """Of a surface rough at all lengths down to its samples: many that would touch open others."""
+    """Of a surface rough at all lengths down to its pixels: many that would touch open others."""
     return summits(rough_surface(256, long=256, short=2, seed=2), geometric=True)
 
 
@@ -215,7 +215,8 @@ def rough_cases(name, caps):
     caps = caps.copy()
     caps[:, 2] -= caps[:, 2].max()
     for share in (0.003, 0.01, 0.03, 0.1, 0.2):
-        # The load of lone contacts that cover the share: together they need more closing for it.
+        # The load of lone contacts that cover the share: together they need more compression for
+        # it.
         low, high = 0.0, float(-caps[:, 2].min())
         for _ in range(60):
             closing = (low + high) / 2

@@ -5,7 +5,7 @@
 writes a CSV for the figure stability: case, condition, arithmetic, formula, the largest
 relative error of the totals of all positions compared. The truth is that of the decimal numbers of
 the scene, so rounding them to the arithmetic is part of the error. Cases are left out where they
-are refused, where nothing is borne, and the sweeps of ten thousand positions and more.
+are refused, where nothing is carried, and the sweeps of ten thousand positions and more.
 """
 
 import sys
@@ -28,7 +28,7 @@ DIGITS = 340
 
 
 def condition_of(case):
-    """In two digits; a dash where nothing is borne or all is refused."""
+    """In two digits; a dash where nothing is carried or all is refused."""
     if hasattr(case, "deck"):
         scene = read_deck(ROOT / "data" / "hard" / f"{case.name}.deck")
         number = 0 if case.solver_refused else condition(scene, positions_of_deck(scene))

@@ -50,7 +50,7 @@ def thesis_contacts():
 
 
 def write_factors(positions, modulus):
-    """One row a position. Less than 1e-10 is not claimed, whatever the levels say."""
+    """One row a position. Less than 1e-10 is not claimed, whatever the levels state."""
     print("position,contacts,together,alone,factor,uncertainty,overlapping_circles,open,hertz,"
           "hertz_normal,least_gap,by_contact")
     for m, contacts in positions.items():

@@ -95,7 +95,7 @@ def leftover(places, radius, room, penetrations, circles, loads, modulus, open_p
     """What each loaded contact's equation leaves over, and how far open ones would penetrate; over
     the largest penetration.
 
-    room: closing less gap, of the loaded and of the open contacts."""
+    room: compression less gap, of the loaded and of the open contacts."""
     field = Field(places, circles, loads, modulus)
     shift = field.shifts(radius)
     now = places + shift

@@ -5,8 +5,8 @@ The load of a contact is the hereditary integral of its elastic load (Lee and Ra
     P(t) = integral over t' of E(t - t')/E(0) dPe(t'),   E(t)/E(0) = r + (1 - r) exp(-t/tau)
 
 `hereditary` is that integral by mpmath, for any smooth course of the elastic load. `held_load`
-follows several spheres under a held load: at each time a bisection for the closing and the same
-integral as a sum over the whole past; it knows neither the compliance nor the memory variable of
+follows several spheres under a held load: at each time a bisection for the compression and the same
+integral as a sum over the whole past; it has neither the compliance nor the memory variable of
 the program.
 """
 
@@ -39,7 +39,8 @@ def compliance(ratio, tau, t):
 def held_load(gaps, radii, load, ratio, tau, hold, steps):
     """Elastic loads Pe and loads P of aligned spheres at the end of a held load (modulus 1).
 
-    At every time the closing is the one at which the integrals add up to the load. The integrals
+    At every time the compression is the one at which the integrals add up to the load. The
+    integrals
     are trapezoidal sums over all earlier times, with even steps; the error falls as 1/steps**2.
     """
     gaps, radii = numpy.asarray(gaps, float), numpy.asarray(radii, float)

@@ -76,7 +76,7 @@ def total(values):
 
 
 def solve(gap, product, start, scale):
-    """Pressures on grids that know nothing of each other, all at a time.
+    """Pressures on grids that have no part of each other, all at a time.
 
     gap: (count, n, m); scale: (count, 1, 1), the penetration that the residual is measured by.
     """
@@ -97,7 +97,7 @@ def solve(gap, product, start, scale):
         step = total(residual * direction) / np.where(below > 0, below, 1)
         moved = np.maximum(pressure - step * direction, 0)
         enters = (moved <= 0) & (residual - step * image < 0) & ~inside
-        # As in the source, but every square that wants pressure gets some, by the same step.
+        # As in the source, but every square that needs pressure gets some, by the same step.
         moved = np.where(enters, np.maximum(-step * (residual - step * image), 0), moved)
         changed = enters.any((-2, -1), keepdims=True)
         keep = np.where(changed, 0.0, 1.0)

@@ -33,7 +33,7 @@ class Surface:
 
 @dataclass
 class Scene:
-    """What a scene file says; numbers are fractions."""
+    """What a scene file states; numbers are fractions."""
 
     upper: Surface
     lower: Surface
@@ -269,7 +269,7 @@ class Truth:
         if scene.control == "limit":
             ends = [p.approach_at_limit(scene.criterion, self.limit) for p in pairs]
             return max(e for e in ends if e is not None)
-        # Closings at which the load is too small and too large, brought together.
+        # Compressions at which the load is too small and too large, brought together.
         target, touch = exact(scene.value), max(p.touch for p in pairs)
         small, large = mpf(0), min(touch + p.k for p in pairs)
         while large - small > large * mpf(10) ** (-45):

@@ -2,7 +2,8 @@
 
 Two ways, which share nothing but the geometry with each other and with the program:
 
-`march` goes step by step through the closing with a row of springs, each of which touches, sticks
+`march` goes step by step through the compression with a row of springs, each of which touches,
+sticks
 and slips by itself (method of dimensionality reduction: Popov and Hess, Method of Dimensionality
 Reduction in Contact Mechanics and Friction, 2015, chapters 3 and 5). For axially symmetric contacts
 it gives the loads and the stick radius of Hertz, Cattaneo and Mindlin for any path.
@@ -19,7 +20,7 @@ import numpy
 
 @dataclass
 class Friction:
-    """State at the end of a closing. Forces in the unit of modulus times length squared."""
+    """State at the end of a compression. Forces in the unit of modulus times length squared."""
 
     normal: float
     tangential: float
@@ -39,7 +40,7 @@ def stiffnesses(e1, nu1, e2, nu2):
 
 
 def march(radius_upper, radius_lower, d, penetration, e1, nu1, e2, nu2, mu, steps=4000):
-    """The closing in `steps` steps, one more spring touching in each.
+    """The compression in `steps` steps, one more spring touching in each.
 
     The row is symmetric: springs at x > 0 stand for both sides. The error falls as 1/steps**2.
     """

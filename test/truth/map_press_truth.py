@@ -7,7 +7,7 @@ from elements_truth import product
 
 
 def press(height, sides, modulus, load, periodic=False, closed=1e-10):
-    """Level of the flat, pressures; nan is no sample. Gaps are closed to `closed` of the range."""
+    """Level of the flat, pressures; nan is no pixel. Gaps are closed to `closed` of the range."""
     gap = np.where(np.isnan(height), np.inf, np.nanmax(height) - height)
     act = product(height.shape, sides, modulus, periodic)
     p, level = press_gap(gap, act, sides, load, closed=closed)
@@ -16,7 +16,7 @@ def press(height, sides, modulus, load, periodic=False, closed=1e-10):
 
 def rough(n, m=None, hurst=0.8, longest=0.25, shortest=8, stretched=1.0, seed=1):
     """A random self-affine surface of rms height 1: spectrum between two wavelengths, in parts of
-    the side and in samples."""
+    the side and in pixels."""
     m = m or n
     random = np.random.default_rng(seed)
     q = np.hypot(np.fft.fftfreq(n, 1 / n)[:, None], np.fft.fftfreq(m, 1 / n)[None, :] * stretched)

@@ -1,6 +1,6 @@
 """Summits of a height map and its statistics by numpy, written from the definitions.
 
-A map is an array of rows (along y) by columns (along x); a missing sample is NaN.
+A map is an array of rows (along y) by columns (along x); a missing pixel is NaN.
 """
 
 import numpy as np
@@ -26,7 +26,7 @@ def levelled(heights, how="plane"):
 
 
 def surroundings(h, mirror):
-    """near[1 + dy, 1 + dx, row, column]: a sample and its eight neighbours. Beyond the edge, and
+    """near[1 + dy, 1 + dx, row, column]: a pixel and its eight neighbours. Beyond the edge, and
     for what is missing, NaN, or by the mirror what stands on the other side."""
     padded = np.pad(h, 1, mode="reflect") if mirror else np.pad(h, 1, constant_values=np.nan)
     rows, columns = h.shape
@@ -43,8 +43,8 @@ def higher_or_equal(near):
 
 
 def ridge_samples(h, near, plain):
-    """Samples with one or two neighbours that are not lower, the highest first, each at
-    least 2.5 samples from every summit and from each other."""
+    """Pixels with one or two neighbours that are not lower, the highest first, each at
+    least 2.5 pixels from every summit and from each other."""
     taken = np.pad(plain, 2)
     disk = np.hypot(*np.mgrid[-2:3, -2:3]) < 2.5
     ridges = np.argwhere(np.isin(higher_or_equal(near), (1, 2)) & np.isfinite(h))
@@ -74,7 +74,7 @@ def curvature(near, dx, dy, rule):
 
 
 def vertex(before, middle, behind, most=np.inf):
-    """Step in samples and rise of the vertex of the parabola through three samples; one that is
+    """Step in pixels and rise of the vertex of the parabola through three pixels; one that is
     bent more than `most` rises as one that is bent so much."""
     bend, difference = 2 * middle - before - behind, behind - before
     if not abs(difference) <= bend or bend <= 0:
@@ -125,8 +125,8 @@ def summits(heights, dx, dy, rule="eight", radius=None, level="plane"):
 
 
 def mean_square(h, axis, spacing, order):
-    """Of the differences over the spacing. Beside missing samples a difference counts by the share
-    of its neighbouring lines on which the same samples are there."""
+    """Of the differences over the spacing. Beside missing pixels a difference counts by the share
+    of its neighbouring lines on which the same pixels are there."""
     h = h if axis else h.T
     there = np.isfinite(h)
     whole = np.lib.stride_tricks.sliding_window_view(there, order + 1, axis=1).all(axis=-1)

@@ -149,7 +149,7 @@ def run(work, mask=0):
 def launch(folder, core, seconds):
     """One run of the emulator; what it logged."""
     (folder / "core").write_bytes(core)
-    # A configuration wants a device; this one does nothing.
+    # A configuration needs a device; this one does nothing.
     (folder / "s370.cnf").write_text(
         "ARCHMODE S/370\nCPUSERIAL 000001\nCPUMODEL 3033\nMAINSIZE 16\nXPNDSIZE 0\nNUMCPU 1\n"
         "CNSLPORT 0\nPANRATE FAST\n000E 1403 printer\n", encoding="ascii")

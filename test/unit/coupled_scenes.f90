@@ -14,10 +14,10 @@ module asperity_coupled_scenes
 
   !> Penetration of a contact alone, so small that the sphere is a paraboloid.
   real(real64), parameter, public :: depth = 1.0e-12_real64
-  !> How good the truths are: a contact that bears alone, 8/9 of the load, they put at .88886.
+  !> How good the truths are: a contact that carries alone, 8/9 of the load, they put at .88886.
   real(real64), parameter, public :: truth_noise = 4.0e-5_real64
 
-  !> Up to five contacts and the share of the load that they bear together.
+  !> Up to five contacts and the share of the load that they carry together.
   type :: known_scene
     character(24) :: name = ''                                  !! what it is
     integer :: contacts = 2                                     !! how many
@@ -30,7 +30,7 @@ module asperity_coupled_scenes
 
 contains
 
-  !> Spheres of radius 1 unless told, places in units of the circle of a contact at full depth,
+  !> Spheres of radius 1 unless reported, places in units of the circle of a contact at full depth,
   !> gaps in units of the depth. Modulus 2.
   pure subroutine lay_contacts(x, y, gap, pairs, law, radius)
     real(real64), intent(in) :: x(:), y(:), gap(:)          !! by contact

@@ -108,9 +108,10 @@ contains
     end do
   end subroutine two_by_hand
 
-  ! Equal contacts in one place are one surface, and bear what one bears alone. Nearly in one place
+  ! Equal contacts in one place are one surface, and carry what one carries alone. Nearly in one
+  ! place
   ! they stand out of each other by their distance over the radius of the circle, and may add 3/8 of
-  ! that each; the error told has it.
+  ! that each; the error reported has it.
   subroutine coincident
     type(contact_pairs) :: pairs
     type(hertz_law) :: law
@@ -119,7 +120,7 @@ contains
                                               1.0e-3_real64]
     type(circle_correction) :: correction
     type(circle_errors) :: errors
-    real(real64) :: around(5), east(5), told, zeros(5)
+    real(real64) :: around(5), east(5), shown, zeros(5)
     integer :: i, k, n
 
     zeros = 0.0_real64
@@ -136,9 +137,9 @@ contains
         call find_errors(pairs, solution, .false., correction, errors)
         call check(.not. any(errors%is_nested), 'no radius is larger')
         call check(errors%compression_share, 2.0_real64 / 3.0_real64, 1.0e-6_real64, 'L/(c dL/dc)')
-        told = sum(errors%of_field(:, 1) + errors%of_shape(:, 1)) / sum(solution%set%load)
-        call check(told <= 2.0_real64 * n * apart_by(k) + 1.0e-12_real64 .and. &
-                   told >= 0.1_real64 * apart_by(k) - 1.0e-12_real64, 'error in one place')
+        shown = sum(errors%of_field(:, 1) + errors%of_shape(:, 1)) / sum(solution%set%load)
+        call check(shown <= 2.0_real64 * n * apart_by(k) + 1.0e-12_real64 .and. &
+                   shown >= 0.1_real64 * apart_by(k) - 1.0e-12_real64, 'error in one place')
       end do
     end do
     call lay_contacts(zeros(:2), zeros(:2), [0.0_real64, 1.0_real64 - 1.0e-12_real64], pairs, law)
@@ -185,7 +186,7 @@ contains
     call check(maxval(abs(max(again%penetration, 0.0_real64) - &
                                  max(solution%penetration, 0.0_real64))) / depth, 0.0_real64, &
                1.0e-9_real64, 'the same at that compression')
-    ! One contact with its centres level bears less than 4/3 E sqrt(R) (4 R)**1.5.
+    ! One contact with its centres level carries less than 4/3 E sqrt(R) (4 R)**1.5.
     call lay_contacts([0.0_real64], [0.0_real64], [0.0_real64], pairs, law)
     deallocate (solution%penetration, solution%shift)
     call solve_coupled(pairs, law, solution, 11.0_real64 * law%modulus)
@@ -289,7 +290,7 @@ contains
                           pairs, law)
         call solve_at(pairs, law, solution)
         call expect_solved(solution, 'packed')
-        ! More than one of them bears alone, less than a flat punch on a circle around them all.
+        ! More than one of them carries alone, less than a flat punch on a circle around them all.
         share = sum(solution%set%load) / (4.0_real64 / 3.0_real64 * depth**1.5_real64)
         call check(share > 1.0_real64, 'bears less than one')
         call check(share < 1.5_real64 * (1 + 0.1_real64 * (side - 1) / sqrt(2.0_real64)), &

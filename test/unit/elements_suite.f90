@@ -444,7 +444,7 @@ contains
   end subroutine sum_over_cells
 
   ! The field of a contact apart is that of its circle of Hertz, but for what the other's field
-  ! makes oval: of the order of (a/r)**3 times 1/18, below 1e-4 at six radii. Told at nodes of
+  ! makes oval: of the order of (a/r)**3 times 1/18, below 1e-4 at six radii. Reported at nodes of
   ! Chebyshev or as a circle is the same but for the interpolation.
   subroutine outside
     type(contact_pairs) :: pairs

@@ -209,7 +209,7 @@ contains
 
   end subroutine test_circular_ties
 
-  ! --- what the tests say about a number ---
+  ! --- what the tests state about a number ---
 
   subroutine check_word(found, expected, message)
     type(hex32), intent(in) :: found

@@ -19,7 +19,8 @@ module asperity_joint_suite
 
   public :: run_joint
 
-  ! The error told is observed, not proved: of four circles in a square that overlap it is 5 % less.
+  ! The error reported is observed, not proved: of four circles in a square that overlap it is 5 %
+  ! less.
   real(real64), parameter :: seen = 0.9_real64
 
 contains
@@ -31,11 +32,11 @@ contains
     call run_test('a tolerance is kept, with cells where it calls for them', called_for)
     call run_test('near contacts of a small share of the load stay circles', small_share)
     call run_test('a load asked for is met', load_met)
-    call run_test('an error of load, told of the compression, by the tangent', told_of_closing)
+    call run_test('error of the compression by the tangent', error_of_compression)
     call run_test('clusters far apart are as all on one lattice', clusters)
   end subroutine run_joint
 
-  ! Solves at one depth, or at a load; tells what went wrong.
+  ! Solves at one depth, or at a load; reports what went wrong.
   subroutine solve(pairs, law, which, tolerance, solution, what, target, compression)
     type(contact_pairs), intent(in) :: pairs
     type(hertz_law), intent(in) :: law
@@ -170,9 +171,10 @@ contains
     end do
   end subroutine load_met
 
-  ! L/(c dL/dc) by differences: the share told is within a tenth above, and not below by more than
+  ! L/(c dL/dc) by differences: the share reported is within a tenth above, and not below by more
+  ! than
   ! its conjugate gradients leave.
-  subroutine told_of_closing
+  subroutine error_of_compression
     real(real64), parameter :: aside = 1.0e-4_real64
     type(known_scene) :: scenes(18)
     type(contact_pairs) :: pairs
@@ -198,7 +200,7 @@ contains
       share = at_load%error / here%error * tangent / load
       call check(share, 1.045_real64, 0.055_real64, scenes(i)%name)
     end do
-  end subroutine told_of_closing
+  end subroutine error_of_compression
 
   subroutine clusters
     type(contact_pairs) :: pairs

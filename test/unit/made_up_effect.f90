@@ -1,6 +1,6 @@
-!> An effect that nobody has: what it takes to write one, through the public interface alone.
+!> An effect that no release has: what it takes to write one, through the public interface alone.
 !>
-!> Every contact carries a share more than its law says, and that share again for each state kept
+!> Every contact carries a share more than its law states, and that share again for each state kept
 !> before. Where it acts in time, all loads fall by exp(-t).
 module asperity_made_up_effect
   use asperity_contact_effect, only: contact_effect, effect_outcome, force, length, plain

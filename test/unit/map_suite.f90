@@ -46,7 +46,7 @@ contains
     end do
   end function ball
 
-  ! Hills of short waves across and along, on one long wave: radians a sample.
+  ! Hills of short waves across and along, on one long wave: radians a pixel.
   function waves(n, across, along, long_across, long_along) result(map)
     integer, intent(in) :: n
     real(real64), intent(in) :: across, along, long_across, long_along
@@ -122,7 +122,7 @@ contains
                                                                    shape(map%height)) - 1) < &
                           1.0e-14_real64), 'of the same lengths')
     map%periodic = .false.
-    ! One sample alone is Love's square: 4 asinh(1) p s/(pi E) at its centre.
+    ! One pixel alone is Love's square: 4 asinh(1) p s/(pi E) at its centre.
     map = height_map(columns=1, rows=1, pixel_spacing=[0.1_real64, 0.1_real64])
     map%height = reshape([0.5_real64], [1, 1])
     answer = map_answer()

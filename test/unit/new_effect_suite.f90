@@ -1,4 +1,5 @@
-!> Tests of the interface of effects: one that nobody has, run through a position with the others.
+!> Tests of the interface of effects: one that no release has, run through a position with the
+!> others.
 !>
 !> Truths are its own closed forms over the loads of Hertz.
 module asperity_new_effect_suite
@@ -150,7 +151,7 @@ contains
     end do
   end subroutine by_auto
 
-  ! Closings 0.05, 0.02 and 0.05 again; the next position knows nothing of them.
+  ! Compressions 0.05, 0.02 and 0.05 again; the next position has nothing of them.
   subroutine states_kept
     type(effect_box) :: effects(1)
     type(contact_pairs) :: pairs

@@ -57,7 +57,7 @@ contains
       worst_at = real([s, d, p], real128)
     end do
     call check(used > inputs / 2, 'too few inputs in range')
-    call check(worst <= ulps_allowed, told(worst, worst_at))
+    call check(worst <= ulps_allowed, shown(worst, worst_at))
   end subroutine million_64
 
   ! Sum of the radii, distance in plan, and penetration over the height zc. The kernel holds
@@ -113,12 +113,12 @@ contains
     end if
   end function overlap
 
-  pure function told(worst, at) result(text)
+  pure function shown(worst, at) result(text)
     real(real128), intent(in) :: worst, at(3)
     character(len=120) :: text
 
     write (text, '(a, f0.3, 3(a, es25.16e3))') 'worst error ', worst, ' ulp at s', at(1), &
       ', d', at(2), ', p', at(3)
-  end function told
+  end function shown
 
 end module asperity_overlap_suite

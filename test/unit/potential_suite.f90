@@ -116,7 +116,7 @@ contains
     integer :: k
 
     seed = 3_int64
-    ! All near, overlapping; then some far, of which the tilt knows all but its own circle's width:
+    ! All near, overlapping; then some far, of which the tilt has all but its own circle's width:
     ! .3 (a/r)**2 at ten radii.
     do k = 1, 20
       call scatter(n, merge(4.0_real64, 60.0_real64, k <= 10), set)

@@ -38,7 +38,7 @@ contains
     call run_test('unknown and repeated groups and names', test_unknown)
     call run_test('bad values', test_bad_values)
     call run_test('names missing or out of place', test_missing)
-    call run_test('all problems of all files are told', test_all_problems)
+    call run_test('all problems of all files are shown', test_all_problems)
     call run_test('a file that changes while it is read', test_changing_file)
     call run_test('true and false', test_true_and_false)
     call run_test('long surface files', test_long_csv)
@@ -381,7 +381,7 @@ contains
     type(surface_table) :: table
     type(problem_list) :: problems
     character(len=24) :: row
-    character(len=:), allocatable :: text, told
+    character(len=:), allocatable :: text, shown
     integer :: at, i, line
 
     allocate (character(len=32 * count) :: text)
@@ -404,17 +404,17 @@ contains
     call check(all(nint(table%y) == [(-i, i=1, count)]), 'y in order')
     call check(all(nint(-1.0e5_real64 * (table%height + 1.0_real64)) == &
                           [(i, i=1, count)]), 'heights in order')
-    told = ''
+    shown = ''
     do i = 1, 30
       write (row, '(i0)') line
-      told = told // 's.csv:' // trim(row) // ':3: y: found ''b'', expected a finite number ' // &
+      shown = shown // 's.csv:' // trim(row) // ':3: y: found ''b'', expected a finite number ' // &
              'within the range of a double' // new_line('a')
-      if (i > 20) told = told(:index(told(:len(told) - 1), new_line('a'), back=.true.))
+      if (i > 20) shown = shown(:index(shown(:len(shown) - 1), new_line('a'), back=.true.))
       call put('1,b,1')
     end do
-    told = told // 's.csv: and 10 more like that' // new_line('a')
+    shown = shown // 's.csv: and 10 more like that' // new_line('a')
     call parse_copy(text(:at), table, problems)
-    call check(problems%text(), told, 'problems at the end')
+    call check(problems%text(), shown, 'problems at the end')
 
   contains
 

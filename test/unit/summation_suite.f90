@@ -4,7 +4,7 @@
 !> those of all pairs, too. Bounds: an expansion gives what a source does at a place to 1.3e-5
 !> (order 8, greatest over boxes and places in them), so that no sum of positive charges errs by
 !> more; where no source is much more than the others, sums differ by 1e-6 of the mean potential and
-!> slopes by 3e-4 of the mean slope. What is told of symmetry is to rounding, of bytes exact.
+!> slopes by 3e-4 of the mean slope. What is reported of symmetry is to rounding, of bytes exact.
 module asperity_summation_suite
   use, intrinsic :: iso_fortran_env, only: int64
   use asperity_kinds, only: real64
@@ -21,7 +21,7 @@ module asperity_summation_suite
   real(real64), parameter :: source_bound = 1.3e-5_real64
   real(real64), parameter :: factor = 3.0_real64
 
-  ! Circles, what they bear and how they move.
+  ! Circles, what they carry and how they move.
   type :: circles
     real(real64), allocatable, dimension(:) :: x, y, reach, charge, spread
     real(real64), allocatable :: move(:, :)
