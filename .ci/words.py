@@ -214,7 +214,8 @@ def of_last_commit():
 
 def all_files():
     tracked = subprocess.run(["git", "-C", ROOT, "ls-files", "src", "app", "python", "docs",
-                              "include", "test"], text=True, capture_output=True, check=True).stdout.split()
+                              "include", "test"], text=True, capture_output=True, check=True
+                             ).stdout.split()
     sources = [ROOT / name for name in tracked
                if name.endswith((".f90", ".F90", ".inc", ".py", *OTHER_TEXTS))]
     pages = sorted(ROOT.glob("docs/**/*.md"))
