@@ -31,6 +31,7 @@ def results(package):
 
 def test_float_of_a_column_with_one_row(results):
     """As numpy before 2.4 did; calculations, copies and repr are those of any column."""
+    assert {"positions", "states", "contacts", "scene"} <= set(dir(results))
     column = results.positions["load"]
     assert float(column) == pytest.approx(LOAD[-1], rel=1e-12)
     assert isinstance(column, np.ndarray) and repr(column).startswith("array([4.21")
