@@ -316,7 +316,8 @@ def map_of_file(path: _a.Path, spacing: Any = None, unit: str | None = None,
     """The map of a file, without warnings."""
     coded, is_periodic = _a.path("path", path), _a.flag("periodic", periodic)
     steps = None if spacing is None else _a.pair("spacing", spacing)
-    header = None if steps or unit not in (None, *UNITS) else written_header(os.fsdecode(coded))
+    is_known = unit is None or (isinstance(unit, str) and unit in UNITS)
+    header = written_header(os.fsdecode(coded)) if is_known and steps is None else None
     if header is not None:
         steps, own, edge = header
         made = map_of_file(path, steps, own or unit, is_periodic or edge == "periodic")

@@ -43,8 +43,8 @@ def written_header(path: str) -> tuple[tuple[float, float], str | None, str | No
         return None
     if found is None:
         return None
-    words = [one and one.decode() for one in found.groups()]
-    return (float(words[0]), float(words[1])), words[2], words[3]
+    across, along, unit, edge = (one.decode() if one else None for one in found.groups())
+    return (float(across or 0), float(along or 0)), unit, edge
 
 
 def read_text(path: str, spacing: tuple[float, float] | None, delimiter: str | None, decimal: str,
