@@ -290,7 +290,7 @@ def test_limits_of_memory(what, asperity, tmp_path):
     for name, text in SPECS.items():
         (tmp_path / f"{name}.spec").write_text(text)
     if edge is None:
-        number = np.arange(600 if what == "boundary" else 20000)
+        number = np.arange(2000 if what == "boundary" else 20000)
         rows = np.c_[3.0 * (number % 150), 3.0 * (number // 150),
                      0.1 + 1e-7 * (number * 7919 % 5000),
                      np.ones(len(number))]
@@ -298,7 +298,7 @@ def test_limits_of_memory(what, asperity, tmp_path):
                    comments="")
         surface, load = "lower = 'lower.csv'", "'load', value = 300."
     else:
-        y, x = np.mgrid[:200, :200] if "stress" in what else np.mgrid[:600, :600]
+        y, x = np.mgrid[:200, :200] if re.search("stress|2", what) else np.mgrid[:600, :600]
         np.save(tmp_path / "lower.npy", 0.1 * (np.sin(x * np.pi / 30) + np.cos(y * np.pi / 37.5)))
         surface, load = f"lower = 'lower.npy', map_spacing = 1.{edge}", "'pressure', value = 1."
     (tmp_path / "s.scene").write_text(
