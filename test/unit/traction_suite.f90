@@ -144,6 +144,8 @@ contains
   ! the load of sliding, half of them after another load. The tractions are in their discs, and slip
   ! opposes them where they are on the rim.
   subroutine random_problems
+    real(real64), parameter :: shares(7) = [1.0e-3_real64, 0.05_real64, 0.3_real64, 0.6_real64, &
+                                            0.9_real64, 0.99_real64, 0.999_real64]
     integer :: i, j, k, n(2), most
     real(real64) :: angle, displacement(2), nu_here, share, side, state(8)
     real(real64), allocatable :: limit(:, :), q(:, :), slip(:, :)
@@ -178,8 +180,7 @@ contains
       problem%tolerance = 1.0e-6_real64
       do j = 0, mod(k, 2)
         angle = 2.0_real64 * pi * modulo(state(7) + 0.4_real64 * j, 1.0_real64)
-        share = [1.0e-3_real64, 0.05_real64, 0.3_real64, 0.6_real64, 0.9_real64, 0.99_real64, &
-                 0.999_real64](1 + int(7 * modulo(state(8) + 0.5_real64 * j, 1.0_real64)))
+        share = shares(1 + int(7 * modulo(state(8) + 0.5_real64 * j, 1.0_real64)))
         problem%given = share * sum(problem%limit) * [cos(angle), sin(angle)]
         call find_tractions(operator, problem, q, slip, displacement, space, ending, never)
         most = max(most, ending%iterations)
