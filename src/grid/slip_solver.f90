@@ -37,7 +37,7 @@ module asperity_slip_solver
     real(real64), allocatable :: base(:, :)       !! displacements b: with them nothing slips
     logical :: by_load = .true.                   !! whether the sum is given, else delta
     real(real64) :: given(2) = 0.0_real64         !! sum of the tractions, or displacement delta
-    real(real64) :: scale = 0.0_real64  !! displacement that residuals refer to; 0: that of delta
+    real(real64) :: reference = 0.0_real64  !! displacement of residuals; 0: that of delta
     real(real64) :: tolerance = 1.0e-7_real64     !! largest residual
   end type slip_problem
 
@@ -70,7 +70,7 @@ contains
   !> Finds the tractions from a start (problem, method and exits: see the module).
   subroutine find_tractions(operator, problem, traction, slip, displacement, space, ending, &
                             interrupt)
-    type(traction_convolution), intent(inout) :: operator  !! matrix A
+    type(traction_convolution), intent(inout) :: operator  !! matrix A of displacements
     type(slip_problem), intent(in) :: problem      !! discs and load; under a load: not sliding
     real(real64), intent(inout) :: traction(:, :)   !! q: start and result
     real(real64), intent(out) :: slip(:, :)     !! s on the elements that slide, else 0
@@ -116,34 +116,35 @@ contains
         projected = aimed
         call cut_tractions(limit, projected)
         residual = sqrt(maxval(sum((traction - projected)**2, 2))) / c
-        reference = merge(problem%scale, maxval(abs(displacement)), problem%scale > 0.0_real64)
+        reference = merge(problem%reference, maxval(abs(displacement)), &
+                          problem%reference > 0.0_real64)
         ending%residual = residual / max(reference, tiny(reference))
         ending%converged = ending%residual <= problem%tolerance
         call set_sliding(problem, aimed, c, operator%diagonal, space)
         if (ending%converged .or. interrupt%is_asked()) exit
         call take_newton_step(operator, problem, space, displacement, &
                               [ending%residual, reference], traction, change, ending%iterations)
-        call search_line(operator, problem%set, slip, displacement, projected, change, image, &
-                         traction, ending%iterations)
-        slip = slip - image
+        call search_line(operator, problem%set, displacement, projected, slip, change, traction, &
+                         ending%iterations)
       end do
       traction = projected
       slip = (aimed - projected) / c
     end associate
   end subroutine find_tractions
 
-  ! Moves the tractions by a step, or by the part of it at which the energy is least; `image` gets
-  ! the change of the displacements.
-  subroutine search_line(operator, set, slip, displacement, projected, change, image, traction, &
+  ! Moves the tractions by a step, or by the part of it at which the energy is least.
+  subroutine search_line(operator, set, displacement, projected, slip, change, traction, &
                          applications)
     type(traction_convolution), intent(inout) :: operator
     type(element_set), intent(in) :: set
-    real(real64), intent(in) :: slip(:, :), displacement(2), projected(:, :)
-    real(real64), intent(inout) :: change(:, :), image(:, :), traction(:, :)
+    real(real64), intent(in) :: displacement(2), projected(:, :)
+    real(real64), intent(inout) :: slip(:, :), change(:, :), traction(:, :)
     integer, intent(inout) :: applications
+    real(real64), allocatable :: image(:, :)
     real(real64) :: curvature, length, slope
     integer :: turn
 
+    allocate (image, mold=change)
     length = 1.0_real64
     do turn = 1, 2
       call operator%apply_at(set, change, image, by_tractions)
@@ -158,7 +159,7 @@ contains
       length = 1.0_real64
     end do
     length = max(length, 0.0_real64)
-    image = length * image
+    slip = slip - length * image
     traction = traction + length * change
   end subroutine search_line
 
@@ -192,7 +193,8 @@ contains
       gradient(:, k) = gradient(:, k) - problem%base(:, k) - displacement(k) + &
                           space%stiffening * moved(:, k)
     end do
-    call solve_tangents(operator, space, problem%by_load, [max(least_inner, min(inner_residual, residual(1))), &
+    call solve_tangents(operator, space, problem%by_load, [ &
+                        max(least_inner, min(inner_residual, residual(1))), &
                         0.5_real64 * problem%tolerance * residual(2)], moved, gradient, &
                         applications)
     change = aim + moved
@@ -203,9 +205,9 @@ contains
   !> Finds the displacements of the bodies by small loads along x and y, while no element begins or
   !> ceases to slide: x.(A + stiffening) x of the tractions x of each load with the least energy.
   subroutine find_compliance(operator, space, compliance)
-    type(traction_convolution), intent(inout) :: operator  !! matrix A
+    type(traction_convolution), intent(inout) :: operator  !! matrix A of displacements
     type(tangent_space), intent(in) :: space        !! elements that stick and slide
-    real(real64), intent(out) :: compliance(2, 2)   !! symmetric
+    real(real64), intent(out) :: compliance(2, 2)   !! displacement by load, symmetric
     real(real64), allocatable, dimension(:, :) :: first, gradient, x
     integer :: applications, i, k
 
@@ -410,29 +412,31 @@ contains
   pure subroutine find_level(v, limit, total, level)
     real(real64), intent(in) :: v(:, :), limit(:), total(2)
     real(real64), intent(inout) :: level(2)   ! start and result
-    real(real64) :: length, miss(2), next(2), next_miss(2), slope(2, 2), next_slope(2, 2), step(2)
+    real(real64) :: excess(2), length, next(2), next_excess(2), next_slope(2, 2), slope(2, 2), &
+                    step(2)
     integer :: turn
 
-    call sum_cut(v, limit, level, miss, slope)
-    miss = miss - total
+    call sum_cut(v, limit, level, excess, slope)
+    excess = excess - total
     do turn = 1, level_steps
-      if (maxval(abs(miss)) <= 1.0e-13_real64 * sum(limit)) return
+      if (maxval(abs(excess)) <= 1.0e-13_real64 * sum(limit)) return
       slope(1, 1) = slope(1, 1) + 1.0e-12_real64 * (slope(1, 1) + slope(2, 2))
       slope(2, 2) = slope(2, 2) + 1.0e-12_real64 * (slope(1, 1) + slope(2, 2))
-      step = [slope(2, 2) * miss(1) - slope(1, 2) * miss(2), &
-              slope(1, 1) * miss(2) - slope(2, 1) * miss(1)] / &
+      step = [slope(2, 2) * excess(1) - slope(1, 2) * excess(2), &
+              slope(1, 1) * excess(2) - slope(2, 1) * excess(1)] / &
              max(slope(1, 1) * slope(2, 2) - slope(1, 2) * slope(2, 1), tiny(length))
       length = 1.0_real64
       do
         next = level + length * step
-        call sum_cut(v, limit, next, next_miss, next_slope)
-        next_miss = next_miss - total
-        if (hypot(next_miss(1), next_miss(2)) < hypot(miss(1), miss(2)) * (1.0_real64 - least_decrease * length)) exit
+        call sum_cut(v, limit, next, next_excess, next_slope)
+        next_excess = next_excess - total
+        if (hypot(next_excess(1), next_excess(2)) < hypot(excess(1), excess(2)) * &
+            (1.0_real64 - least_decrease * length)) exit
         length = 0.5_real64 * length
         if (length < epsilon(length)) return
       end do
       level = next
-      miss = next_miss
+      excess = next_excess
       slope = next_slope
     end do
   end subroutine find_level

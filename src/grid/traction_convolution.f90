@@ -33,8 +33,9 @@ module asperity_traction_convolution
   !> Numbers of the operations of `apply` (chosen): tangential displacements by tractions; tractions
   !> by the approximate inverse; of unlike bodies, normal displacements by tractions, and tangential
   !> displacements by pressures.
-  integer, parameter :: by_tractions = 1, inverse_of_tractions = 2, normal_by_tractions = 3, &
-                        tangential_by_pressures = 4
+  integer, parameter :: by_tractions = 1, inverse_of_tractions = 2
+  !> Numbers of the operations of unlike bodies (chosen).
+  integer, parameter :: normal_by_tractions = 3, tangential_by_pressures = 4
 
   !> Elements of a lattice, row by row.
   type :: element_set
@@ -237,7 +238,7 @@ contains
     class(traction_convolution), intent(inout), target :: self  !! convolution with its plans
     type(element_set), intent(in) :: set        !! elements of the lattice
     real(real64), intent(in) :: from(:, :)      !! (element, component along x and y)
-    real(real64), intent(out) :: to(:, :)       !! (element, component)
+    real(real64), intent(out) :: to(:, :)       !! (element, component along x and y)
     integer, intent(in) :: operation            !! tractions or their inverse
     real(c_double), allocatable, target :: row(:)
     integer :: c, j, rows
@@ -281,8 +282,8 @@ contains
 
   !> Lists the marked elements of a lattice.
   pure subroutine list_elements(marks, set)
-    logical, intent(in) :: marks(:, :)       !! (column, row)
-    type(element_set), intent(out) :: set    !! marked elements
+    logical, intent(in) :: marks(:, :)       !! (column, row) of the lattice
+    type(element_set), intent(out) :: set    !! the marked elements
     integer :: i, j, number
 
     allocate (set%column(count(marks)), set%first(size(marks, 2) + 1))

@@ -191,7 +191,8 @@ contains
       real(real64) :: beta
 
       beta = abs(dundurs_beta(checked))
-      if (beta > most_unlike .and. .not. is_coupled(checked)) call checked%notes%add(checked%file // ': note: unlike bodies, ' // &
+      if (beta > most_unlike .and. .not. is_coupled(checked)) &
+        call checked%notes%add(checked%file // ': note: unlike bodies, ' // &
         'Dundurs'' beta ' // real_text(beta, 'f6.3') // ': shear by the normal load is left ' // &
         'out, without slip it increases the load of a contact circle by ' // &
         real_text(100.0_real64 * (log((1 + beta) / (1 - beta)) / (2 * beta) - 1), 'f5.1') // ' %')

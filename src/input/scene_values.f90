@@ -317,6 +317,8 @@ contains
         is_coupled = coupling_influence(scene_in) > 0.0_real64
       case (effect_auto)
         is_coupled = coupling_influence(scene_in) > effects%number('tolerance')
+      case default
+        is_coupled = .false.
       end select
     end associate
   end function is_coupled

@@ -2,8 +2,8 @@
 !>
 !> Problem: on each pixel the traction is at most mu p, with the pressures p above 0 of the last
 !> state. The tangential load goes from 0 to each point of its path, on straight lines. In each
-!> increment `asperity_slip_increments` finds the tractions of least energy, from those before; where
-!> the bodies are coupled the pressures change with them, at the same normal load.
+!> increment `asperity_slip_increments` finds the tractions of least energy, from those before;
+!> where the bodies are coupled the pressures change with them, at the same normal load.
 !>
 !> An increment is exact while the load stays on a line through 0, also where it is reversed
 !> (Mindlin and Deresiewicz 1953). A load that turns is followed in `turn_steps` increments for each
@@ -96,8 +96,8 @@ contains
       if (.not. allocated(other%traction)) call forget_tractions(map, other)
       call follow_path(surface, request, turn_steps / 2, other, start, coarser, failure)
       if (allocated(failure)) return
-      slip%path_error = relative(coarser%displacement, slip%displacement)
-      if (.not. request%by_load) slip%path_error = relative(coarser%load, slip%load)
+      slip%path_error = relative_difference(coarser%displacement, slip%displacement)
+      if (.not. request%by_load) slip%path_error = relative_difference(coarser%load, slip%load)
     end if
     call find_patches(map, merge(loaded%pressure, 0.0_real64, slip%sticks), patches)
     slip%stick_area = sum(patches%area)
@@ -105,12 +105,12 @@ contains
   contains
 
     ! Difference of two vectors over the second one.
-    pure real(real64) function relative(one, other)
+    pure real(real64) function relative_difference(one, other)
       real(real64), intent(in) :: one(2), other(2)
 
-      relative = hypot(one(1) - other(1), one(2) - other(2)) / &
+      relative_difference = hypot(one(1) - other(1), one(2) - other(2)) / &
                  max(hypot(other(1), other(2)), tiny(other))
-    end function relative
+    end function relative_difference
 
   end subroutine solve_partial_slip
 
@@ -157,8 +157,8 @@ contains
     type(map_answer), intent(inout) :: answer
     type(slip_answer), intent(out) :: slip
     character(len=:), allocatable, intent(out) :: failure
-    real(real64) :: change(2), energy_at(0:size(request%path, 2)), from(2), given(2), matrix(2, 2), &
-                    started(2), step(2), unit
+    real(real64) :: change(2), energy_at(0:size(request%path, 2)), from(2), given(2), &
+                    matrix(2, 2), started(2), step(2), unit
     type(element_set) :: contact
     integer :: i, k, last, parts, straight
 

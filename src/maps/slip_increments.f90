@@ -5,8 +5,8 @@
 !> beta is not 0, couple both problems: tractions q displace the surfaces apart by u(q), and
 !> pressures displace them tangentially. The normal problem, on the heights less u(q), and the
 !> tangential one are then solved in turns (Panagiotopoulos, Ing.-Arch. 44 (1975) 421; Kalker 1990)
-!> until the pressures settle. Each turn leaves 0.2 to 0.3 of the change (measured, beta = 0.5). With
-!> complete stick the set of pixels in contact can alternate: the increment is refused then.
+!> until the pressures settle. Each turn leaves 0.2 to 0.3 of the change (measured, beta = 0.5).
+!> With complete stick the set of pixels in contact can alternate: the increment is refused then.
 module asperity_slip_increments
   use asperity_height_map, only: height_map, is_measured
   use asperity_kinds, only: real64
@@ -37,7 +37,7 @@ module asperity_slip_increments
     real(real64), allocatable :: traction(:, :, :)  !! q on the lower body
     real(real64), allocatable :: moved(:, :, :)     !! elastic displacement by tractions, pressures
     real(real64), allocatable :: slip(:, :, :)      !! of the upper body over the lower one
-    real(real64), allocatable :: lift(:, :)         !! u(q) apart from each other [length]
+    real(real64), allocatable :: uplift(:, :)         !! u(q) apart from each other [length]
     logical, allocatable :: sticks(:, :)            !! pixels in contact that stick
     real(real64) :: displacement(2) = 0.0_real64    !! of the bodies
     real(real64) :: energy = 0.0_real64             !! work of friction
@@ -45,7 +45,7 @@ module asperity_slip_increments
 
   !> Map of the increments with its operator. It must not be copied.
   type :: rubbed_map
-    type(height_map) :: map                  !! heights less the lift
+    type(height_map) :: map                  !! heights less the uplift
     real(real64), allocatable :: height(:, :)  !! heights
     real(real64) :: modulus = 0.0_real64     !! combined modulus, more than 0
     real(real64) :: coefficient = 0.0_real64  !! coefficient of friction
@@ -67,7 +67,7 @@ contains
     real(real64), intent(in) :: modulus            !! combined modulus, more than 0
     type(slip_request), intent(in) :: request      !! friction, and the materials
     type(rubbed_map), intent(inout) :: surface     !! map without plans
-    type(slip_memory), intent(inout) :: memory     !! state before
+    type(slip_memory), intent(inout) :: memory     !! state before this one
 
     surface%map = map
     surface%height = map%height
@@ -85,11 +85,11 @@ contains
 
     allocate (memory%traction(size(map%height, 1), size(map%height, 2), 2), source=0.0_real64)
     allocate (memory%moved, memory%slip, source=memory%traction)
-    allocate (memory%lift, source=memory%traction(:, :, 1))
+    allocate (memory%uplift, source=memory%traction(:, :, 1))
     allocate (memory%sticks(size(map%height, 1), size(map%height, 2)), source=.false.)
   end subroutine forget_tractions
 
-  !> Solves one increment. Coupled, `answer` has the pressures of the map, at `load` or at its level.
+  !> Solves one increment. Coupled, `answer` gets the pressures of the map, at `load` or its level.
   subroutine take_increment(surface, by_load, given, memory, answer, failure, load)
     type(rubbed_map), intent(inout) :: surface     !! map with its operator; gets what slides
     logical, intent(in) :: by_load                 !! whether the tangential load is given
@@ -114,7 +114,7 @@ contains
     allocate (in_contact(size(pressure, 1), size(pressure, 2)))
     do turn = 1, turns_allowed
       if (surface%is_coupled) then
-        surface%map%height = merge(surface%height - memory%lift, surface%height, &
+        surface%map%height = merge(surface%height - memory%uplift, surface%height, &
                                    is_measured(surface%height))
         call press_map(surface%map, surface%modulus, answer, load)
         if (allocated(answer%failure)) then
@@ -123,33 +123,33 @@ contains
         end if
         u(:, :, 1) = answer%pressure / surface%modulus
         call surface%operator%apply(u, by_pressure, tangential_by_pressures)
-        problem%scale = maxval(abs(by_pressure))
+        problem%reference = maxval(abs(by_pressure))
       end if
       in_contact = answer%pressure > 0.0_real64 .and. surface%coefficient > 0.0_real64
       if (.not. any(in_contact)) then
         memory%traction = 0.0_real64
         memory%moved = by_pressure
-        memory%lift = 0.0_real64
+        memory%uplift = 0.0_real64
         memory%sticks = .false.
         return
       end if
       call list_elements(in_contact, problem%set)
       problem%limit = surface%coefficient / surface%modulus * pack(answer%pressure, in_contact)
-      problem%base = packed(memory%moved - by_pressure)
-      q = packed(memory%traction)
+      problem%base = pack_components(memory%moved - by_pressure, in_contact)
+      q = pack_components(memory%traction, in_contact)
       slip = q
       call find_tractions(surface%operator, problem, q, slip, displacement, surface%space, ending, &
                           answer%interrupt)
       if (.not. ending%converged) failure = 'partial slip: the tractions did not converge'
       if (answer%interrupt%is_asked()) failure = 'interrupted'
       if (allocated(failure)) return
-      memory%traction = unpacked(q)
+      memory%traction = unpack_components(q, in_contact)
       if (.not. surface%is_coupled) exit
       change = maxval(abs(answer%pressure - pressure)) / maxval(answer%pressure)
       if (turn > 1 .and. change <= settled) exit
       pressure = answer%pressure
       call surface%operator%apply(memory%traction, u, normal_by_tractions)
-      memory%lift = surface%map%pixel_spacing(1) * u(:, :, 1)
+      memory%uplift = surface%map%pixel_spacing(1) * u(:, :, 1)
     end do
     if (turn > turns_allowed) then
       failure = 'coupling: the pressures still change by ' // real_text(change) // ' of the ' // &
@@ -157,36 +157,35 @@ contains
                 'friction_coefficient or coupling = ''off'''
       return
     end if
-    if (surface%is_coupled) answer%displacement = answer%displacement + memory%lift
+    if (surface%is_coupled) answer%displacement = answer%displacement + memory%uplift
     call surface%operator%apply(memory%traction, memory%moved, by_tractions)
     memory%moved = memory%moved + by_pressure
     memory%displacement = memory%displacement + displacement
-    memory%slip = memory%slip + unpacked(slip)
+    memory%slip = memory%slip + unpack_components(slip, in_contact)
     memory%energy = memory%energy + sum(q * slip)
     memory%sticks = unpack(.not. surface%space%stiffening > 0.0_real64, in_contact, .false.)
-
-  contains
-
-    ! Both components on the pixels in contact.
-    pure function packed(field) result(values)
-      real(real64), intent(in) :: field(:, :, :)
-      real(real64), allocatable :: values(:, :)
-
-      allocate (values(count(in_contact), 2))
-      values(:, 1) = pack(field(:, :, 1), in_contact)
-      values(:, 2) = pack(field(:, :, 2), in_contact)
-    end function packed
-
-    ! The same on all pixels, 0 out of contact.
-    pure function unpacked(values) result(field)
-      real(real64), intent(in) :: values(:, :)
-      real(real64), allocatable :: field(:, :, :)
-
-      allocate (field(size(in_contact, 1), size(in_contact, 2), 2))
-      field(:, :, 1) = unpack(values(:, 1), in_contact, 0.0_real64)
-      field(:, :, 2) = unpack(values(:, 2), in_contact, 0.0_real64)
-    end function unpacked
-
   end subroutine take_increment
+
+  ! Both components of a field on the pixels in contact.
+  pure function pack_components(field, in_contact) result(values)
+    real(real64), intent(in) :: field(:, :, :)
+    logical, intent(in) :: in_contact(:, :)
+    real(real64), allocatable :: values(:, :)
+
+    allocate (values(count(in_contact), 2))
+    values(:, 1) = pack(field(:, :, 1), in_contact)
+    values(:, 2) = pack(field(:, :, 2), in_contact)
+  end function pack_components
+
+  ! The same on all pixels, 0 out of contact.
+  pure function unpack_components(values, in_contact) result(field)
+    real(real64), intent(in) :: values(:, :)
+    logical, intent(in) :: in_contact(:, :)
+    real(real64), allocatable :: field(:, :, :)
+
+    allocate (field(size(in_contact, 1), size(in_contact, 2), 2))
+    field(:, :, 1) = unpack(values(:, 1), in_contact, 0.0_real64)
+    field(:, :, 2) = unpack(values(:, 2), in_contact, 0.0_real64)
+  end function unpack_components
 
 end module asperity_slip_increments

@@ -69,7 +69,8 @@ contains
     real(real64), intent(in) :: time            !! of the state; `not_computed`: there is none
     type(text_buffer), intent(inout) :: buffer  !! gets the bytes
     character(len=*), parameter :: names(7) = [character(len=12) :: 'pressure', 'gap', &
-      'displacement', 'traction_x', 'traction_y', 'slip_x', 'slip_y'], number = 'NumberOfTuples="1" format="ascii">'
+      'displacement', 'traction_x', 'traction_y', 'slip_x', 'slip_y'], &
+      number = 'NumberOfTuples="1" format="ascii">'
     integer(int64) :: offset, pixels
     character(len=80) :: numbers
     character(len=:), allocatable :: extent
@@ -127,12 +128,7 @@ contains
     call put_reals(field%pressure, buffer)
     call put_reals(field%gap, buffer)
     call put_reals(field%displacement, buffer)
-    if (kinds > 3) then
-      call put_reals(field%traction, buffer)
-      call put_reals(field%traction_y, buffer)
-      call put_reals(field%slip_x, buffer)
-      call put_reals(field%slip_y, buffer)
-    end if
+    if (kinds > 3) call put_slip()
     call put_marks(contact_marks(field), buffer)
     if (kinds > 3) call put_marks(field%sticks, buffer)
     call buffer%append(new_line('a'))
@@ -140,6 +136,13 @@ contains
     call buffer%line('</VTKFile>')
 
   contains
+
+    subroutine put_slip()
+      call put_reals(field%traction, buffer)
+      call put_reals(field%traction_y, buffer)
+      call put_reals(field%slip_x, buffer)
+      call put_reals(field%slip_y, buffer)
+    end subroutine put_slip
 
     subroutine put_head(type_name, name)
       character(len=*), intent(in) :: type_name, name

@@ -404,7 +404,8 @@ def test_a_load_that_turns(asperity, tmp_path):
         steps = np.linspace(0, 3, 3 * parts + 1)
         path = np.column_stack([np.interp(steps, range(4), part) for part in corners.T])
         found.append(row_of(asperity, tmp_path, height, (side, side), {
-            "control": "load", "value": load, "tangential_path": tuple(map(float, path.ravel()))})[0])
+            "control": "load", "value": load,
+            "tangential_path": tuple(map(float, path.ravel()))})[0])
     first, second = (np.array([row["tangential_displacement_x"], row["tangential_displacement_y"]])
                      for row in found)
     change = np.linalg.norm(first - second) / np.linalg.norm(second)
@@ -444,8 +445,9 @@ def test_dense_convex_solver(asperity, tmp_path):
     total = 0.6 * MU * load / side**2 / scale * np.array(angle)
     bound, matrix = limit / scale, matrix / np.abs(matrix).max()
     ones = np.kron(np.eye(2), np.ones(number))
-    best = minimize(lambda q: q @ matrix @ q / 2, (ones.T @ (total / bound.sum())) * np.tile(bound, 2),
-                    jac=lambda q: matrix @ q, method="SLSQP", options={"maxiter": 500, "ftol": 1e-15},
+    start = (ones.T @ (total / bound.sum())) * np.tile(bound, 2)
+    best = minimize(lambda q: q @ matrix @ q / 2, start, jac=lambda q: matrix @ q, method="SLSQP",
+                    options={"maxiter": 500, "ftol": 1e-15},
                     constraints=[
                         {"type": "eq", "fun": lambda q: ones @ q - total, "jac": lambda q: ones},
                         {"type": "ineq", "fun": lambda q: bound**2 - q[:number]**2 - q[number:]**2,

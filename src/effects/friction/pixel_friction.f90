@@ -85,9 +85,9 @@ contains
     class(pixel_friction), intent(inout) :: self
     type(pixel_state), intent(inout) :: state
 
-    if (self%solves .or. .not. allocated(self%memory%lift)) return
+    if (self%solves .or. .not. allocated(self%memory%uplift)) return
     where (is_measured(state%problem_map%height)) &
-      state%problem_map%height = state%problem_map%height - self%memory%lift
+      state%problem_map%height = state%problem_map%height - self%memory%uplift
   end subroutine subtract_lift
 
   !> Presses unlike bodies from the state before: the radius of a new contact grows evenly.
@@ -139,8 +139,8 @@ contains
     class(pixel_friction), intent(inout) :: self
     type(pixel_state), intent(inout) :: state
 
-    if (.not. self%solves .and. allocated(self%memory%lift)) &
-      state%answer%displacement = state%answer%displacement + self%memory%lift
+    if (.not. self%solves .and. allocated(self%memory%uplift)) &
+      state%answer%displacement = state%answer%displacement + self%memory%uplift
   end subroutine add_lift
 
   !> Keeps the displacement by the tractions on coarser pixels.
@@ -153,7 +153,7 @@ contains
     end associate
     if (.not. self%solves) return
     self%solves = .false.
-    self%memory%lift = self%memory%lift(first(1)::2, first(2)::2)
+    self%memory%uplift = self%memory%uplift(first(1)::2, first(2)::2)
   end subroutine keep_lift
 
   ! Solves partial slip at the last state, and adds its traction to the fields.
