@@ -128,7 +128,7 @@ contains
     call put_reals(field%pressure, buffer)
     call put_reals(field%gap, buffer)
     call put_reals(field%displacement, buffer)
-    if (kinds > 3) call put_slip()
+    if (kinds > 3) call put_slip(field, buffer)
     call put_marks(contact_marks(field), buffer)
     if (kinds > 3) call put_marks(field%sticks, buffer)
     call buffer%append(new_line('a'))
@@ -136,13 +136,6 @@ contains
     call buffer%line('</VTKFile>')
 
   contains
-
-    subroutine put_slip()
-      call put_reals(field%traction, buffer)
-      call put_reals(field%traction_y, buffer)
-      call put_reals(field%slip_x, buffer)
-      call put_reals(field%slip_y, buffer)
-    end subroutine put_slip
 
     subroutine put_head(type_name, name)
       character(len=*), intent(in) :: type_name, name
@@ -152,6 +145,17 @@ contains
     end subroutine put_head
 
   end subroutine write_vti
+
+  ! Writes tractions and slip.
+  subroutine put_slip(field, buffer)
+    type(contact_field), intent(in) :: field
+    type(text_buffer), intent(inout) :: buffer
+
+    call put_reals(field%traction, buffer)
+    call put_reals(field%traction_y, buffer)
+    call put_reals(field%slip_x, buffer)
+    call put_reals(field%slip_y, buffer)
+  end subroutine put_slip
 
   ! The tag of an array: its type, its name and what follows.
   pure function array_tag(type_name, name, rest) result(tag)
