@@ -158,8 +158,8 @@ contains
     call c_f_pointer(given, numbers)
     call require_fact(min(numbers%columns, numbers%rows) > 0_c_int .and. &
                  real(numbers%columns, real64) * numbers%rows < most_samples, 'body: found ' // &
-                 decimal_text(numbers%columns) // ' x ' // decimal_text(numbers%rows) // ' pixels, expected 1 to ' // &
-                 decimal_text(most_samples))
+                 decimal_text(numbers%columns) // ' x ' // decimal_text(numbers%rows) // &
+                 ' pixels, expected 1 to ' // decimal_text(most_samples))
     call require_fact(all([(in_range(numbers%pixel_spacing(i), above_zero), i=1, 2)]), &
                  'body.spacing: found ' // real_text(minval(numbers%pixel_spacing)) // ', ' // &
                  'expected numbers more than 0')

@@ -26,13 +26,15 @@ module asperity_layer_compliance
   ! Largest x of the waves (derived: the rest behind the image falls as x**2 exp(-2 x), to 1e-17).
   real(real64), parameter :: last_number = 22.0_real64
   !> Nodes of the table of radii (chosen: cubics are then in error by 1e-7 of it; test: Hankel's
-  ! integral in test/maps/test_layers.py).
+  !> integral in test/maps/test_layers.py).
   integer, parameter :: nodes = 300
-  !> Distance in thicknesses from which on an element needs no finer squares, radius from which on
+  ! Distance in thicknesses from which on an element needs no finer squares, radius from which on
   ! the rest falls as its cube, and the largest number of squares along an element (derived: rest(q)
   ! is analytic in q, its even powers give r**-3, r**-5 ...: errors of the order of the square of
   ! 1/far, and of the thickness over an element of many squares; test: test/maps/test_layers.py).
-  real(real64), parameter :: near = 8.0_real64, far = 50.0_real64, most_squares = 1000.0_real64
+  real(real64), parameter :: near = 8.0_real64, most_squares = 1000.0_real64
+  !> Largest radius of the table, in thicknesses (derived: as above).
+  real(real64), parameter :: far = 50.0_real64
 
 contains
 

@@ -2,8 +2,8 @@
 !>
 !> Airy's function of a wave of the number q is f(x) exp(i q s) along the wave, with x = q z. The
 !> stresses are f'' along it, -f down, i T with T = -f' in shear, nu times the sum of the first two
-!> across. f is a sum of exp(-x), x exp(-x) and of the growing pair, which begins at the base, in the
-!> layer, and of the decaying pair in the base: six coefficients from pressure and shear at the
+!> across. f is a sum of exp(-x), x exp(-x) and of the growing pair, which begins at the base, in
+!> the layer, and of the decaying pair in the base: six coefficients from pressure and shear at the
 !> surface and from stresses and displacements at the base,
 !>
 !>   2 G q U = -((1 - nu) f'' + nu f),  2 G q W = (1 - nu) f''' - (2 - nu) f'
@@ -18,7 +18,7 @@ module asperity_layer_stress
   implicit none
   private
 
-  public :: add_free_layer, along_axes, layer_stress
+  public :: add_free_layer, along_axes, layer_stress, tabulate_layer
 
   ! Largest x of the waves (derived: what a layer changes falls as exp(-x) at its base, to 1e-17).
   real(real64), parameter :: last_number = 40.0_real64
@@ -92,34 +92,83 @@ contains
     end associate
   end function along_axes
 
-  !> Adds to a component by unit pressure of an element of a free lattice what the layer changes of
-  !> it: the half-space of the surface material is exact there.
+  !> Tabulates what a layer changes of the stresses by a point load, at radii t sinh(k step) from
+  !> k = -1.
   !>
-  !> The changes d of the stresses of a wave give, over 2 pi, the integrals over q of d(down) J0 q,
-  !> of (d(along) + d(across)) J0 q/2, -(d(along) - d(across)) cos(2 phi) J2 q/2 and -dT cos(phi) J1 q
-  !> (Hankel), which are smooth at the scale of the thickness.
-  subroutine add_free_layer(body, depth, component, side, elements, kernel)
-    type(layered_body), intent(in) :: body      !! layer and base
-    real(real64), intent(in) :: depth           !! below the surface, 0 or more
-    integer, intent(in) :: component            !! xx, yy, zz, xy, xz, yz
-    real(real64), intent(in) :: side(2)         !! of an element along x and y
-    integer, intent(in) :: elements(2)          !! numbers of columns and rows
-    real(real64), intent(inout) :: kernel(0:, 0:)  !! by offset on the padded lattice
-    real(real64), allocatable :: isotropic(:), angular(:)
-    real(real64) :: step, value
-    integer :: angle(2), i, j, k, l
+  !> The changes d of the stresses of a wave give, over 2 pi, the integrals over q of
+  !> (d(along) + d(across)) J0 q/2, -(d(along) - d(across)) J2 q/2, d(down) J0 q and -dT J1 q
+  !> (Hankel): of (xx + yy)/2, of (xx - yy)/2 over cos(2 phi), which is xy over sin(2 phi), of zz, and
+  !> of xz over cos(phi). They are smooth at the scale of the thickness.
+  subroutine tabulate_layer(body, depth, largest, step, tables)
+    type(layered_body), intent(in) :: body     !! layer and base
+    real(real64), intent(in) :: depth          !! below the surface, 0 or more
+    real(real64), intent(in) :: largest        !! radius that is needed [length]
+    real(real64), intent(out) :: step          !! step of the table
+    real(real64), allocatable, intent(out) :: tables(:, :)  !! by node and function
+    real(real64), allocatable :: changes(:, :), j0(:), j1(:), x(:)
+    real(real64) :: panel, w
+    integer :: g, i, k, n
 
-    call fill_tables(body, depth, component, norm2(side * elements), step, isotropic, angular)
-    angle = 0
-    if (component /= 3) angle(merge(2, 1, component == 4 .or. component == 6)) = &
-      merge(2, 1, component < 5)
+    step = asinh(far) / (nodes - 2)
+    n = ceiling(last_number * max(1.0_real64, min(largest / body%thickness, far) / &
+                                              (2.0_real64 * pi)))
+    panel = last_number / n
+    allocate (tables(-1:nodes, 4), changes(n * gauss_points, 4), x(n * gauss_points))
+    !$omp parallel do private(g, k, w)
+    do i = 1, n
+      do k = 1, gauss_points
+        g = (i - 1) * gauss_points + k
+        x(g) = (i - 1 + gauss_node(k)) * panel
+        w = x(g) * depth / body%thickness
+        changes(g, :) = (layer_stress(body, x(g) / body%thickness, depth) - exp(-w) * &
+                         [w - 1.0_real64, -2.0_real64 * body%ratio(1), -1.0_real64 - w, w]) * &
+                        x(g) * panel * gauss_weight(k) / (2.0_real64 * pi)
+      end do
+    end do
+    !$omp end parallel do
+    !$omp parallel private(j0, j1)
+    allocate (j0, j1, mold=x)
+    !$omp do schedule(dynamic)
+    do i = 0, nodes
+      associate (r => max(sinh(i * step), epsilon(step)))
+        j0 = bessel_j0(x * r)
+        j1 = bessel_j1(x * r)
+        tables(i, 1) = 0.5_real64 * sum((changes(:, 1) + changes(:, 2)) * j0)
+        tables(i, 2) = -0.5_real64 * sum((changes(:, 1) - changes(:, 2)) * &
+                                         (2.0_real64 * j1 / (x * r) - j0))
+        tables(i, 3) = sum(changes(:, 3) * j0)
+        tables(i, 4) = -sum(changes(:, 4) * j1)
+      end associate
+    end do
+    !$omp end do
+    !$omp end parallel
+    tables(-1, :) = [1, 1, 1, -1] * tables(1, :)
+  end subroutine tabulate_layer
+
+  !> Adds to the influence of unit pressure of an element of a free lattice on a component what the
+  !> layer changes of it.
+  subroutine add_free_layer(tables, step, side, elements, component, kernel)
+    real(real64), allocatable, intent(in) :: tables(:, :)  !! those of `tabulate_layer`
+    real(real64), intent(in) :: step               !! step of the table
+    real(real64), intent(in) :: side(2)            !! of an element along x and y over the thickness
+    integer, intent(in) :: elements(2)             !! numbers of columns and rows
+    integer, intent(in) :: component               !! xx, yy, zz, xy, xz, yz
+    real(real64), intent(inout) :: kernel(0:, 0:)  !! by offset on the padded lattice
+    ! Multiples of the angle in cosine and sine, functions, and signs.
+    integer, parameter :: angles(2, 6) = reshape([2, 0, 2, 0, 0, 0, 0, 2, 1, 0, 0, 1], [2, 6])
+    integer, parameter :: of_angle(6) = [2, 2, 3, 2, 4, 4], signs(6) = [1, -1, 1, 1, 1, 1]
+    real(real64), allocatable :: mean(:), table(:)
+    real(real64) :: value
+    integer :: i, j, k, l
+
+    allocate (mean(-1:nodes), source=tables(:, 1))
+    allocate (table(-1:nodes), source=signs(component) * tables(:, of_angle(component)))
     !$omp parallel do private(i, k, l, value)
     do j = 0, elements(2) - 1
       do i = 0, elements(1) - 1
-        value = integral_of(angular, step, side / body%thickness, i, j, merge(2, 3, component < 5), &
-                            angle)
-        if (component <= 3) value = value + integral_of(isotropic, step, side / body%thickness, &
-                                                        i, j, 3)
+        value = integral_of(table, step, side, i, j, merge(2, 3, of_angle(component) == 2), &
+                            angles(:, component))
+        if (component < 3) value = value + integral_of(mean, step, side, i, j, 3)
         do k = -1, 1, 2
           do l = -1, 1, 2
             if ((k < 0 .and. i == 0) .or. (l < 0 .and. j == 0)) cycle
@@ -134,57 +183,6 @@ contains
     end do
     !$omp end parallel do
   end subroutine add_free_layer
-
-  ! Tabulates the integrals of a component at radii t sinh(i step), i = -1, 0, ...
-  subroutine fill_tables(body, depth, component, largest, step, isotropic, angular)
-    type(layered_body), intent(in) :: body
-    real(real64), intent(in) :: depth, largest
-    integer, intent(in) :: component
-    real(real64), intent(out) :: step
-    real(real64), allocatable, intent(out) :: isotropic(:), angular(:)
-    real(real64), allocatable :: changes(:, :), x(:)
-    real(real64) :: panel, w
-    integer :: g, i, n
-
-    associate (radius => min(largest / body%thickness, far))
-      step = asinh(far) / (nodes - 2)
-      n = ceiling(last_number * max(1.0_real64, radius / (2.0_real64 * pi)))
-    end associate
-    panel = last_number / n
-    allocate (isotropic(-1:nodes), angular(-1:nodes), source=0.0_real64)
-    allocate (changes(4, n * gauss_points), x(n * gauss_points))
-    !$omp parallel do private(g, w)
-    do i = 1, n
-      do g = (i - 1) * gauss_points + 1, i * gauss_points
-        x(g) = (i - 1 + gauss_node(g - (i - 1) * gauss_points)) * panel
-        w = x(g) * depth / body%thickness
-        changes(:, g) = (layer_stress(body, x(g) / body%thickness, depth) - exp(-w) * &
-                         [w - 1.0_real64, -2.0_real64 * body%ratio(1), -1.0_real64 - w, w]) * &
-                        x(g) * panel * gauss_weight(g - (i - 1) * gauss_points) / (2.0_real64 * pi)
-      end do
-    end do
-    !$omp end parallel do
-    !$omp parallel do schedule(dynamic)
-    do i = 0, nodes
-      associate (r => sinh(i * step))
-        select case (component)
-        case (1, 2)
-          isotropic(i) = 0.5_real64 * sum((changes(1, :) + changes(2, :)) * bessel_j0(x * r))
-          angular(i) = (component - 1.5_real64) * sum((changes(1, :) - changes(2, :)) * &
-                                                      bessel_jn(2, x * r))
-        case (3)
-          isotropic(i) = sum(changes(3, :) * bessel_j0(x * r))
-        case (4)
-          angular(i) = -0.5_real64 * sum((changes(1, :) - changes(2, :)) * bessel_jn(2, x * r))
-        case default
-          angular(i) = -sum(changes(4, :) * bessel_j1(x * r))
-        end select
-      end associate
-    end do
-    !$omp end parallel do
-    isotropic(-1) = isotropic(1)
-    angular(-1) = merge(-1, 1, component > 4) * angular(1)
-  end subroutine fill_tables
 
   ! Down, T, 2 G U, 2 G W and along, of exp(growth x) and x exp(growth x).
   pure function wave_parts(x, growth, softness, ratio) result(parts)

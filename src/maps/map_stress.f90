@@ -14,7 +14,7 @@ module asperity_map_stress
   use asperity_height_map, only: layered_body
   use asperity_kinds, only: int64, not_computed, real64
   use asperity_lattice_convolution, only: padded_length
-  use asperity_layer_stress, only: add_free_layer, along_axes, layer_stress
+  use asperity_layer_stress, only: add_free_layer, along_axes, layer_stress, tabulate_layer
   use asperity_plane_transform, only: plane_transform
   use asperity_problems, only: not_enough_memory, real_text
   use asperity_process, only: has_memory
@@ -186,10 +186,14 @@ contains
     real(real64), intent(in) :: depth                !! depth below the surface, 0 or more
     real(real64), allocatable, intent(out) :: stress(:, :, :)  !! (column, row, component)
     complex(real64), allocatable :: of_kernel(:, :), waves(:, :)
-    real(real64), allocatable :: kernel(:, :), of_layer(:, :, :)
+    real(real64), allocatable :: kernel(:, :), of_layer(:, :, :), tables(:, :)
+    real(real64) :: step
     integer :: i, j, k, source
 
-    if (self%body%thickness > 0.0_real64 .and. self%periodic) then
+    if (self%body%thickness > 0.0_real64 .and. .not. self%periodic) then
+      call tabulate_layer(self%body, depth, norm2(self%side * [self%columns, self%rows]), step, &
+                          tables)
+    else if (self%body%thickness > 0.0_real64) then
       allocate (of_layer(4, 0:self%rows / 2, 0:self%columns / 2), source=0.0_real64)
       !$omp parallel do private(j)
       do i = 0, self%columns / 2
@@ -212,8 +216,8 @@ contains
           call fill_strip_kernel(self, depth, source, k, kernel)
         else
           call fill_kernel(self, depth, source, k, kernel)
-          if (self%body%thickness > 0.0_real64) call add_free_layer( &
-            self%body, depth, k, self%side, [self%columns, self%rows], kernel)
+          if (allocated(tables)) call add_free_layer( &
+            tables, step, self%side / self%body%thickness, [self%columns, self%rows], k, kernel)
         end if
         call self%transform%make_waves(kernel, of_kernel)
         of_kernel = of_kernel * self%waves(:, :, source)
