@@ -97,8 +97,8 @@ contains
   !>
   !> The changes d of the stresses of a wave give, over 2 pi, the integrals over q of
   !> (d(along) + d(across)) J0 q/2, -(d(along) - d(across)) J2 q/2, d(down) J0 q and -dT J1 q
-  !> (Hankel): of (xx + yy)/2, of (xx - yy)/2 over cos(2 phi), which is xy over sin(2 phi), of zz, and
-  !> of xz over cos(phi). They are smooth at the scale of the thickness.
+  !> (Hankel): of (xx + yy)/2, of (xx - yy)/2 over cos(2 phi), which is xy over sin(2 phi), of zz,
+  !> and of xz over cos(phi). They are smooth at the scale of the thickness.
   subroutine tabulate_layer(body, depth, largest, step, tables)
     type(layered_body), intent(in) :: body     !! layer and base
     real(real64), intent(in) :: depth          !! below the surface, 0 or more
