@@ -97,7 +97,6 @@ contains
         method%tolerance = min(aimed_share * error, max(largest_step * error, goal * merge( &
                                first_share, 1.0_real64, options%accuracy_of == 'load')))
       else if (.not. method%tolerance > least_share * goal .or. needed < finest_tolerance .or. &
-               (goal < finest_areas .and. options%accuracy_of /= 'load') .or. &
                (method%tolerance < 0.3_real64 * last(1) .and. error > 0.7_real64 * last(2))) then
         ! Other errors prevail.
         method%tolerance = 0.0_real64

@@ -348,28 +348,28 @@ contains
     error = max(table%rows(i)%total%largest, table%rows(table%reference)%own_estimate, 0.0_real64)
   end function error_against
 
-  !> The row to take for an error: the scene as it is where that is as fast as any other, else the
-  !> fastest with this error; 0: none has it. Pixels of a map are the first whose own estimate has
-  !> it, as `--accuracy` takes them.
+  !> The row to take for an error: of the fastest rows with it that can be typed the scene as
+  !> it is, else that of the least error; 0: none has it. Pixels of a map have it by their own
+  !> estimate, as `--accuracy` takes them.
   pure integer function fastest_within(table, goal) result(fastest)
     type(method_table), intent(in) :: table  !! all methods of a scene
     real(real64), intent(in) :: goal         !! largest relative error
-    real(real64) :: least
+    real(real64), dimension(size(table%rows)) :: error, seconds
     integer :: i
 
-    fastest = 0
-    least = huge(least)
+    error = huge(error)
     do i = 1, size(table%rows)
       associate (row => table%rows(i))
         if (allocated(row%left_out) .or. row%method%typed == '') cycle
-        if (error_against(table, i) > goal) cycle
         if (row%method%resolution < 1.0_real64 .and. .not. ( &
             row%own_estimate > not_computed .and. row%own_estimate <= goal)) cycle
-        if (.not. row%seconds * merge(same_time, 1.0_real64, fastest == 1) < least) cycle
-        fastest = i
-        least = row%seconds
+        error(i) = error_against(table, i)
       end associate
     end do
+    seconds = merge(table%rows%seconds, huge(seconds), error <= goal)
+    where (seconds > same_time * minval(seconds)) error = huge(error)
+    fastest = 0
+    if (minval(error) <= goal) fastest = merge(1, minloc(error, 1), error(1) <= goal)
   end function fastest_within
 
   ! Marks the Pareto front of the methods that were run: by the error against the reference, where

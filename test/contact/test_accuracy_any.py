@@ -266,8 +266,8 @@ def test_a_tolerance_of_areas(asperity, tmp_path):
 
 
 def test_the_last_lines_are_what_to_type(asperity, tmp_path):
-    """The fastest row of the table with this error, or that of the reference; the scene as it is
-    where it is as fast. What is typed then has the totals of the row."""
+    """One of the fastest rows of the table with this error, or that of the reference. What is typed
+    then has the totals of the row."""
     scene = next(s for s in dense_scenes() if s.family == "clusters")
     rows, text = study(asperity, scene.write(tmp_path, interaction="off"), tmp_path)
     least = float(reference(rows)["error_estimate"])
@@ -276,7 +276,9 @@ def test_the_last_lines_are_what_to_type(asperity, tmp_path):
         found = [row for row in rows if row["typed"] and row["seconds"] and max(
             float(row["error_max"]), least) <= goal] or [reference(rows)]
         assert ("not reached" in line) == (least > goal)
-        best = min(found, key=lambda row: float(row["seconds"]))
+        least_time = min(float(row["seconds"]) for row in found)
+        best = min((row for row in found if float(row["seconds"]) <= 1.5 * least_time),
+                   key=lambda row: max(float(row["error_max"]), least))
         typed = re.search(r"&effects (.*) /, \S+ s, error", line)[1]
         assert typed == best["typed"].replace(";", ",")
         effects = dict(part.split(" = ") for part in typed.split(", "))
