@@ -6,7 +6,7 @@ module asperity_run_solve
   use asperity_csv_tables, only: stress_cells, stress_columns, stress_table, write_histogram, &
                                  write_table
   use asperity_files, only: same_name, write_standard_error
-  use asperity_images, only: image_number
+  use asperity_images, only: image_count, image_number, is_image_build
   use asperity_input_text, only: lower_case
   use asperity_kinds, only: int64, not_computed, real64
   use asperity_map_stress, only: check_stress, largest_stress, look_for_largest, no_ratio, &
@@ -65,6 +65,7 @@ contains
     if (outcome%problems%count() == 0) call check_choices(line, scene_in, outcome%problems)
     if (outcome%problems%count() > 0) return
     if (image_number() == 1) call write_standard_error(scene_in%notes%text())
+    call note_copies(line%input, scene_in%motion%positions)
     options = options_of(line)
     if (line%has('--units')) units = 'units: ' // units_in_words(scene_in)
     call solve(scene_in, results, outcome%failure, options)
@@ -226,6 +227,36 @@ contains
     end subroutine stage_stress
 
   end subroutine run_solve_command
+
+  ! Notes copies of the program that a launcher has started in vain: images without a position, or
+  ! without coarrays whole runs that share no work.
+  subroutine note_copies(path, positions)
+    character(len=*), intent(in) :: path  ! the scene
+    integer, intent(in) :: positions      ! number of its positions
+    character(len=*), parameter :: names(2, 3) = reshape([character(len=20) :: &
+      'OMPI_COMM_WORLD_RANK', 'OMPI_COMM_WORLD_SIZE', 'PMI_RANK', 'PMI_SIZE', 'SLURM_PROCID', &
+      'SLURM_STEP_NUM_TASKS'], [2, 3])
+    character(len=12) :: found(2)
+    integer :: copies, i, k, status(2)
+
+    if (image_number() == 1 .and. image_count() > positions) &
+      call write_standard_error(path // ': note: ' // decimal_text(image_count() - positions) // &
+        ' of ' // decimal_text(image_count()) // ' images have no position to solve' // &
+        new_line(path))
+    if (is_image_build()) return
+    do i = 1, size(names, 2)
+      do k = 1, 2
+        call get_environment_variable(names(k, i), found(k), status=status(k))
+      end do
+      copies = 0
+      if (all(status == 0)) read (found(2), *, iostat=status(2)) copies
+      if (any(status /= 0) .or. copies < 2 .or. found(1) /= '0') cycle
+      call write_standard_error(path // ': note: a launcher has started this program ' // &
+        decimal_text(copies) // ' times, each solves the whole scene, expected a build with' // &
+        ' coarrays, or --share for a part of the positions' // new_line(path))
+      exit
+    end do
+  end subroutine note_copies
 
   ! Checks that the command line and the scene agree.
   subroutine check_choices(line, scene_in, problems)

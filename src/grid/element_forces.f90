@@ -8,10 +8,10 @@
 !> its mean where 0 < f < H, it has r = 0 where 0 < f < H, r >= 0 where f = 0, and r <= 0 where
 !> f = H: at the hardness the surfaces may overlap. r is the gap of the deformed surfaces.
 !>
-!> Method: conjugate gradients on the set W of the free forces, 0 < f < H, those of 0 with an overlap
-!> and those of H with a gap, preconditioned with `invert_on` W (Polonsky and Keer, Wear 231 (1999)
-!> 206-219). The forces are then cut at 0 and H, and where any was cut the free ones are scaled to
-!> the load and the gradient is computed anew. Such a step alone need not converge. It is
+!> Method: conjugate gradients on the set W of the free forces, 0 < f < H, those of 0 with an
+!> overlap and those of H with a gap, preconditioned with `invert_on` W (Polonsky and Keer, Wear 231
+!> (1999) 206-219). The forces are then cut at 0 and H, and where any was cut the free ones are
+!> scaled to the load and the gradient is computed anew. Such a step alone need not converge. It is
 !> accepted if it decreases the energy by at least the decrease that the projected gradient step to
 !> P(f - r/|A|) guarantees; else P(f - t r) is taken, with the length t of steepest descent, halved
 !> until it guarantees as much (More and Toraldo, SIAM J. Optim. 1 (1991) 93-113). P projects on the
@@ -157,8 +157,9 @@ contains
     real(real64) :: curvature, mean, step, sums(5)
     integer :: j
 
-    associate (f => state%force, r => state%gradient, next => state%next_force, d => state%direction, &
-               gradient => state%next_gradient, image => state%image, limit => bounds%limit)
+    associate (f => state%force, r => state%gradient, next => state%next_force, &
+               d => state%direction, gradient => state%next_gradient, image => state%image, &
+               limit => bounds%limit)
       !$omp parallel do if(size(gap, kind=int64) > thread_threshold)
       do j = 1, size(gap, 2)
         call working_row(limit, f(:, j), r(:, j), next(:, j))

@@ -67,8 +67,8 @@ contains
     end do
   end subroutine direction_row
 
-  !> Forces after a step along the direction, cut at 0 and H, and the gradient without the cuts; sums
-  !> of the forces, of the cuts, of 1 and the gradient where forces are free.
+  !> Forces after a step along the direction, cut at 0 and H, and the gradient without the cuts;
+  !> sums of the forces, of the cuts, of 1 and the gradient where forces are free.
   pure subroutine step_row(step_limit, f, d, r, image, next, gradient, sums)
     real(real64), intent(in) :: step_limit(2)         !! length of the step, largest force
     real(real64), intent(in), contiguous :: f(:), d(:), r(:), image(:)  !! with A d

@@ -20,8 +20,8 @@ module asperity_contact_stiffness
   public :: find_stiffness
 
   ! Largest error of y over y. Derived: it is e.Ae with the error e of x, and A e is the residual r
-  ! on the pixels up to a constant. The inverse of A on some pixels is at most B of `invert_on` there,
-  ! so that e.Ae is at most r.Br: of second order in the residual.
+  ! on the pixels up to a constant. The inverse of A on some pixels is at most B of `invert_on`
+  ! there, so that e.Ae is at most r.Br: of second order in the residual.
   real(real64), parameter :: error_left = 1.0e-6_real64
   ! Largest relative error of the change of the mean gap, y - m.x with the displacements m by equal
   ! forces on all measured pixels, of the sum 1: 0 on a periodic map. Derived: m.e is at most the

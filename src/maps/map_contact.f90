@@ -48,7 +48,7 @@ module asperity_map_contact
   !> flat. At 1e-10 pressures agree with exact ones to 2e-9 of the largest on maps up to 512 x 512,
   !> at 1e-9 to 1.3e-8 (measured; test: ten maps in test/maps/test_fields.py).
   real(real64), parameter, public :: closed_fully = 1.0e-10_real64
-  ! The same of coarser maps, which are only a start. Derived: the finer pixels have heights of their
+  ! The same of coarser maps, which are only a start. Derived: finer pixels have heights of their
   ! own, on rough maps a few percent of the range, which no pressures of coarser ones close.
   real(real64), parameter :: closed_start = 1.0e-2_real64
 

@@ -16,7 +16,8 @@ module asperity_map_despiking
 
   public :: despike_map, is_spike, limit_of_spikes
 
-  integer, parameter :: reach = 2, window = (2 * reach + 1)**2
+  integer, parameter :: reach = 2, window = (2 * reach + 1)**2, &
+                        lower_half = 2 * reach * (reach + 1) + 1
   real(real64), parameter :: most_deviations = 8.0_real64
   ! Each round changes the medians of the next; a map that still changes then is all spikes.
   integer, parameter :: most_rounds = 20
@@ -139,7 +140,7 @@ contains
     type(height_map), intent(in) :: map
     integer, intent(in) :: column, row
     real(real64), intent(in), optional :: from
-    real(real64) :: sorted(window / 2 + 1), z  ! the lower half alone
+    real(real64) :: sorted(lower_half), z  ! the lower half alone
     integer :: across, along, columns(-reach:reach), k, number, rows(-reach:reach)
 
     number = 0

@@ -388,7 +388,8 @@ contains
                form => self%model%scene_in%map%form_radius)
       pressure => self%state%answer%pressure
       if (allocated(answer%touches)) then
-        in_contact = merge(max(pressure, tiny(pressure)), 0.0_real64, answer%touches)
+        allocate (in_contact, source=merge(max(pressure, tiny(smooth)), 0.0_real64, &
+                                           answer%touches))
         pressure => in_contact
       end if
       call add_interface(self%state%deformed, [self%model%modulus, &

@@ -44,9 +44,9 @@ module asperity_lattice_convolution
   integer, parameter :: block_columns = 8
   !> Number of values above which threads share a loop over them (chosen).
   integer, parameter :: thread_threshold = 30000
-  ! An element beside W gets `share` times `neighbour_ratio` of the displacement of a neighbour along a
-  ! row or column, and `neighbour_ratio` times as much of a diagonal one. Derived: outside a straight rim
-  ! of W the displacement of no force is the integral over W of that in W and the Poisson kernel
+  ! An element beside W gets `share` times `neighbour_ratio` of the displacement of a neighbour along
+  ! a row or column, and `neighbour_ratio` times as much of a diagonal one. Derived: outside a
+  ! straight rim of W the displacement without force is the integral of that in W and the kernel
   ! sqrt(x/y)/(pi**2 ((x + y)**2 + z**2)), x outside, y inside, z along the rim (Riesz, Acta Sci.
   ! Math. 9 (1938) 1). At x = 1/2 the elements beside it have 0.243 of it and 0.096.
   real(real64), parameter :: share = 0.62_real64, neighbour_ratio = 0.39_real64

@@ -131,6 +131,51 @@ def test_a_map_has_only_its_points(asperity, tmp_path):
             assert "events: found beside a map" in run.stderr
 
 
+def peak_kilobytes(*words):
+    """Peak memory of a command."""
+    # What a process held before it became another counts for both: this one holds much.
+    between = ("import resource, subprocess, sys; subprocess.run(sys.argv[1:], check=True); "
+               "print(resource.getrusage(resource.RUSAGE_CHILDREN).ru_maxrss)")
+    return int(run_program(sys.executable, "-c", between, *words).stdout)
+
+
+@pytest.mark.once
+def test_memory_out_of_reach(asperity, tmp_path):
+    """Surfaces that do not touch need no more memory than in contact, where they need 6 MB more
+    than the program: candidates of the pair search are kept level by level."""
+    random = np.random.default_rng(7)
+    for name in ("upper.csv", "lower.csv"):
+        places = random.random((20_000, 2)) * 28.0
+        heights = random.normal(0.127, 0.03, 20_000).clip(0.03, 0.22)
+        (tmp_path / name).write_text("x,y,height,radius\n" + "".join(
+            f"{x:.7g},{y:.7g},{z:.7g},1.27\n" for (x, y), z in zip(places, heights)))
+    peaks = []
+    for separation in (0.36, 0.5):
+        scene = write_scene(
+            tmp_path / "pair.scene", surfaces={"upper": "upper.csv", "lower": "lower.csv"},
+            material={"contact_modulus": 2e5}, effects={"interaction": "off"},
+            loading={"control": "separation", "value": separation})
+        peaks.append(peak_kilobytes(asperity, "solve", scene, "--quiet"))
+    assert peaks[1] < 1.3 * peaks[0], peaks
+
+
+@pytest.mark.once
+@pytest.mark.parametrize(("edge", "bytes_a_pixel"), [("periodic", 110), ("free", 130)])
+def test_memory_of_a_map(edge, bytes_a_pixel, asperity, tmp_path):
+    """Bytes a pixel at the largest stage, beside 12 MB of the program."""
+    n = 512
+    waves = 0.1 * np.cos(2 * np.pi * np.arange(n) * 3 / n)
+    np.save(tmp_path / "map.npy", waves[:, None] + waves)
+    scene = write_scene(
+        tmp_path / "map.scene", surfaces={"upper": "plane", "lower": "map.npy",
+                                          "map_spacing": (1.0, 1.0), "map_edge": edge},
+        material={"contact_modulus": 1.0}, loading={"control": "pressure", "value": 5e-4},
+        effects={"interaction": "boundary"})
+    peak = peak_kilobytes(asperity, "solve", scene, "--quiet", "--threads", "1",
+                          "--positions", tmp_path / "positions.csv")
+    assert 1024 * peak < 12e6 + bytes_a_pixel * n**2, 1024 * peak / n**2
+
+
 # The memory of a build with sanitizers is another.
 @pytest.mark.truth
 @pytest.mark.once
@@ -146,10 +191,7 @@ def test_five_points_of_many_contacts(asperity, tmp_path):
         surfaces={"upper": "u.csv", "lower": "l.csv", "nominal_area": 1e6},
         material={"elastic_modulus": (2e5, 2e5), "poisson_ratio": (0.3, 0.3)},
         loading={"control": "pressure", "value": 5.0, "points": 5}, effects={"interaction": "off"})
-    # What a process held before it became another counts for both: this one holds much.
-    between = ("import resource, subprocess, sys; subprocess.run(sys.argv[1:], check=True); "
-               "print(resource.getrusage(resource.RUSAGE_CHILDREN).ru_maxrss)")
-    done = run_program(sys.executable, "-c", between, asperity, "solve", scene, "--quiet",
-                       "--curve", tmp_path / "curve.csv", "--json", tmp_path / "all.json")
+    peak = peak_kilobytes(asperity, "solve", scene, "--quiet", "--curve", tmp_path / "curve.csv",
+                          "--json", tmp_path / "all.json")
     assert len(records(tmp_path / "curve.csv")) == 6
-    assert int(done.stdout) < 300_000
+    assert peak < 300_000

@@ -42,6 +42,7 @@ contains
     call run_test('a small contact far off feels the field of a large one', small_and_large)
     call run_test('coincident, covered, open and refused contacts', hard_cases)
     call run_test('a sum over cells through FFTW against a sum term by term', sum_over_cells)
+    call run_test('an approximate inverse on a part bounds the inverse', inverse_on_part)
     call run_test('two far contacts in one cluster, and each outside the other', outside)
     call run_test('tiny caps on a flank, overlapping and far apart', tiny_and_far)
   end subroutine run_elements
@@ -435,13 +436,38 @@ contains
       ! The energy of forces is within the norm; that of the rough inverse is more than 0.
       call check(sum(force * found) <= cells%norm * sum(force**2), 'norm')
       allocate (back, mold=force)
-      call cells%apply(force, back, inverse=.true.)
+      call cells%invert_on(force, back)
       call check(sum(force * back) > 0.0_real64, 'rough inverse')
       deallocate (cells, influence, force, found, back)
     end do
     call check(padded_length(2 * 7 - 1), 13, 'padded length of 13')
     call check(padded_length(121), 128, 'padded length of 121')
   end subroutine sum_over_cells
+
+  ! With y = A x on a part, the energy x.y is that of the inverse of A there: y.By is at least that
+  ! where B is the inverse on the whole, and E^T B E is symmetric.
+  subroutine inverse_on_part
+    real(real64), dimension(12, 10) :: x, y, back, other, other_back
+    type(lattice_convolution) :: cells
+    integer :: i, j
+
+    do j = 1, size(x, 2)
+      do i = 1, size(x, 1)
+        x(i, j) = merge(2.0_real64 + sin(3.0_real64 * i + 7.0_real64 * j), 0.0_real64, &
+                        modulo(i * i + 5 * j + i * j * j, 7) < 4)
+        other(i, j) = merge(cos(real(i * j, real64)), 0.0_real64, x(i, j) > 0.0_real64)
+      end do
+    end do
+    call cells%prepare_periodic(size(x, 1), size(x, 2), 1.5_real64)
+    call cells%apply(x, y)
+    where (.not. x > 0.0_real64) y = 0.0_real64
+    call cells%invert_on(y, back)
+    call cells%invert_on(other, other_back)
+    call check(sum(x * y) <= sum(y * back), 'bound of the energy')
+    call check(sum(y * back) <= 2.0_real64 * sum(x * y), 'no close bound')
+    call check(sum(y * other_back), sum(other * back), 1.0e-12_real64, 'symmetry')
+    call check(sum(other * other_back) > 0.0_real64, 'positive definite')
+  end subroutine inverse_on_part
 
   ! The field of a contact apart is that of its circle of Hertz, but for what the other's field
   ! makes oval: of the order of (a/r)**3 times 1/18, below 1e-4 at six radii. Reported at nodes of
