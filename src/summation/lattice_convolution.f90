@@ -22,6 +22,7 @@ module asperity_lattice_convolution
     private
     real(real64), public :: norm = 0.0_real64  !! upper bound of the eigenvalues of the matrix
     logical :: repeats(2) = .false.  ! the lattice is periodic along x, y
+    real(real64) :: shares(2) = 0.0_real64  ! `rim_share` of neighbours along x, y
     integer :: columns = 0  ! number of columns of the padded lattice
     integer :: rows = 0     ! number of rows of the padded lattice
     ! (wave number in y, wave number in x, operator): spectrum of the influence and of its
@@ -44,12 +45,10 @@ module asperity_lattice_convolution
   integer, parameter :: block_columns = 8
   !> Number of values above which threads share a loop over them (chosen).
   integer, parameter :: thread_threshold = 30000
-  ! An element beside W gets `share` times `neighbour_ratio` of the displacement of a neighbour along
-  ! a row or column, and `neighbour_ratio` times as much of a diagonal one. Derived: outside a
-  ! straight rim of W the displacement without force is the integral of that in W and the kernel
-  ! sqrt(x/y)/(pi**2 ((x + y)**2 + z**2)), x outside, y inside, z along the rim (Riesz, Acta Sci.
-  ! Math. 9 (1938) 1). At x = 1/2 the elements beside it have 0.243 of it and 0.096.
-  real(real64), parameter :: share = 0.62_real64, neighbour_ratio = 0.39_real64
+  ! An element beside W gets a share of the displacement of each neighbour in W: `rim_share` of one
+  ! along a row or column, and the product of both over this of a diagonal one. Derived: of a square
+  ! a diagonal one has 0.096 by the same integral.
+  real(real64), parameter :: share = 0.62_real64
 
 contains
 
@@ -127,6 +126,7 @@ contains
     real(real64), intent(in) :: side_ratio
     integer :: i, j
 
+    self%shares = [rim_share(side_ratio), rim_share(1.0_real64 / side_ratio)]
     self%columns = padded_columns
     self%rows = padded_rows
     allocate (self%transform(0:padded_columns / 2, 0:rows - 1), &
@@ -175,7 +175,7 @@ contains
 
     !$omp parallel do private(line) if(size(force, kind=int64) > thread_threshold)
     do j = 1, size(force, 2)
-      call share_line(self%repeats, displacement, j, line)
+      call share_line(self, displacement, j, line)
       !$omp simd
       do i = 1, size(force, 1)
         force(i, j) = displacement(i, j) + beside(displacement(i, j)) * line(i)
@@ -187,7 +187,7 @@ contains
     ! The forces beside W, which do not change, are shared by their neighbours in W.
     !$omp parallel do private(line) if(size(force, kind=int64) > thread_threshold)
     do j = 1, size(force, 2)
-      call share_line(self%repeats, force, j, line, displacement)
+      call share_line(self, force, j, line, displacement)
       !$omp simd
       do i = 1, size(force, 1)
         force(i, j) = force(i, j) + (1.0_real64 - beside(displacement(i, j))) * line(i)
@@ -197,19 +197,20 @@ contains
 
   ! Shares of the elements of a line in the values of their neighbours, of those outside of W alone
   ! where that is given.
-  pure subroutine share_line(repeats, values, j, line, in_w)
-    logical, intent(in) :: repeats(2)                    ! the lattice is periodic along x, y
+  pure subroutine share_line(self, values, j, line, in_w)
+    class(lattice_convolution), intent(in) :: self
     real(real64), intent(in), contiguous :: values(:, :)
     integer, intent(in) :: j                             ! the line
     real(real64), intent(out) :: line(size(values, 1))
     real(real64), intent(in), contiguous, optional :: in_w(:, :)  ! not 0 in W
-    real(real64) :: across(0:size(values, 1) + 1), weight(2)
+    real(real64) :: across(0:size(values, 1) + 1), diagonal, weight(2)
     integer :: i, m, row(2)
 
     m = size(values, 1)
     row = 1 + modulo([j - 2, j], size(values, 2))
-    weight = share * neighbour_ratio * merge(1.0_real64, 0.0_real64, repeats(2) .or. &
-                                             row == [j - 1, j + 1])
+    weight = self%shares(2) * merge(1.0_real64, 0.0_real64, self%repeats(2) .or. &
+                                    row == [j - 1, j + 1])
+    diagonal = self%shares(1) / share
     across([0, m + 1]) = 0.0_real64
     if (present(in_w)) then
       !$omp simd
@@ -225,12 +226,31 @@ contains
                     weight(2) * values(i, row(2))
       end do
     end if
-    if (repeats(1)) across([0, m + 1]) = across([m, 1])
+    if (self%repeats(1)) across([0, m + 1]) = across([m, 1])
     !$omp simd
     do i = 1, m
-      line(i) = across(i) + neighbour_ratio * (across(i - 1) + across(i + 1))
+      line(i) = across(i) + diagonal * (across(i - 1) + across(i + 1))
     end do
   end subroutine share_line
+
+  ! Share of an element in the displacement of the next one outside a straight rim of W. There is no
+  ! force: its displacement is the integral over W of that in W and the Poisson kernel
+  ! sqrt(x/y)/(pi**2 ((x + y)**2 + z**2)), x outside, y inside, z along the rim (Riesz, Acta Sci.
+  ! Math. 9 (1938) 1). The share is the integral over the element, for x in the middle of the next:
+  ! 0.243 of a square, with y = t**2.
+  pure real(real64) function rim_share(length)
+    real(real64), intent(in) :: length  ! side of an element along the rim over that across
+    integer, parameter :: points = 64
+    real(real64) :: distance
+    integer :: i
+
+    rim_share = 0.0_real64
+    do i = 1, points
+      distance = 0.5_real64 + ((i - 0.5_real64) / points)**2
+      rim_share = rim_share + atan(0.5_real64 * length / distance) / distance
+    end do
+    rim_share = rim_share * (2.0_real64 * sqrt(2.0_real64) / (pi**2 * points))
+  end function rim_share
 
   ! 1 for an element beside W, else 0: loops that multiply by it have no branches.
   elemental real(real64) function beside(displacement)

@@ -24,19 +24,18 @@ def test_iterations_on_long_pixels(sides, edge, asperity, tmp_path):
             material={"contact_modulus": 1.0}, effects=BOUNDARY,
             loading={"control": "pressure", "value": 0.002})
         iterations.append(int(solve(asperity, scene).positions[0]["interaction_iterations"]))
-    assert iterations[1] <= 1.5 * iterations[0], iterations
+    assert iterations[1] <= 1.7 * iterations[0], iterations
 
 
 def test_iterations_on_rims(asperity, tmp_path):
-    """Displacements shared beside the contact save a quarter of the iterations: 15 of 20, and 19 by
-    shares of a third."""
+    """Displacements that are shared beside the contact save iterations: 14 are left."""
     np.save(tmp_path / "map.npy", 0.1 * rough(128, seed=3))
     scene = write_scene(
         tmp_path / "map.scene", surfaces={"upper": "plane", "lower": "map.npy",
                                           "map_spacing": (1.0, 1.0), "map_edge": "periodic"},
         material={"contact_modulus": 1.0}, effects=BOUNDARY,
         loading={"control": "pressure", "value": 0.002})
-    assert int(solve(asperity, scene).positions[0]["interaction_iterations"]) <= 99
+    assert int(solve(asperity, scene).positions[0]["interaction_iterations"]) <= 15
 
 
 def test_projected_steps(asperity, tmp_path):

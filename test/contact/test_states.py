@@ -141,8 +141,8 @@ def peak_kilobytes(*words):
 
 @pytest.mark.once
 def test_memory_out_of_reach(asperity, tmp_path):
-    """Surfaces that do not touch need no more memory than in contact, where they need 6 MB more
-    than the program: candidates of the pair search are kept level by level."""
+    """Surfaces that do not touch need no more memory than in contact: candidates of the pair search
+    are kept level by level."""
     random = np.random.default_rng(7)
     for name in ("upper.csv", "lower.csv"):
         places = random.random((20_000, 2)) * 28.0
