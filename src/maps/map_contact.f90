@@ -77,7 +77,7 @@ module asperity_map_contact
   ! and of a plain one: pressures, gaps and the vectors of the method (derived; test: memory in
   ! test/contact/test_cost.py).
   real(real64), parameter :: bytes_padded = 4.0_real64, bytes_across = 8.0_real64, &
-                             bytes_plain = 120.0_real64
+                             bytes_plain = 72.0_real64
 
 contains
 
