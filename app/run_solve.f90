@@ -237,7 +237,7 @@ contains
       'OMPI_COMM_WORLD_RANK', 'OMPI_COMM_WORLD_SIZE', 'PMI_RANK', 'PMI_SIZE', 'SLURM_PROCID', &
       'SLURM_STEP_NUM_TASKS'], [2, 3])
     character(len=12) :: found(2)
-    integer :: copies, i, k, status(2)
+    integer :: copies, i, k, of_read, status(2)
 
     if (image_number() == 1 .and. image_count() > positions) &
       call write_standard_error(path // ': note: ' // decimal_text(image_count() - positions) // &
@@ -249,10 +249,11 @@ contains
         call get_environment_variable(names(k, i), found(k), status=status(k))
       end do
       copies = 0
-      if (all(status == 0)) read (found(2), *, iostat=status(2)) copies
-      if (any(status /= 0) .or. copies < 2 .or. found(1) /= '0') cycle
+      of_read = 0
+      if (all(status == 0)) read (found(2), *, iostat=of_read) copies
+      if (any(status /= 0) .or. of_read /= 0 .or. copies < 2 .or. found(1) /= '0') cycle
       call write_standard_error(path // ': note: a launcher has started this program ' // &
-        decimal_text(copies) // ' times, each solves the whole scene, expected a build with' // &
+        decimal_text(copies) // ' times, each solves all of the scene, expected a build with' // &
         ' coarrays, or --share for a part of the positions' // new_line(path))
       exit
     end do

@@ -135,7 +135,7 @@ def accuracy(scene: Any, *, seconds: float = 60.0, finer: bool = False) -> Accur
 
 
 def _digits(given: Scene) -> float | None:
-    """Greatest change of a total when the heights of surfaces change by half of their last digit."""
+    """Greatest change of a total when all heights change by half of their last digit."""
     given = given.with_arrays()
     source = given._source if isinstance(given._source, Mapping) else {}
     arrays = {side: value for side, value in dict(source.get("surfaces", {})).items()

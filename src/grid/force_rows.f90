@@ -15,7 +15,7 @@ contains
   !> The gradient of the elements in W, else 0.
   pure subroutine working_row(limit, f, r, w)
     real(real64), intent(in) :: limit                 !! largest force H
-    real(real64), intent(in), contiguous :: f(:), r(:)  !! forces, gradient
+    real(real64), intent(in), contiguous :: f(:), r(:)  !! forces and their gradient
     real(real64), intent(out), contiguous :: w(:)     !! gradient in W
     integer :: i
 
@@ -55,7 +55,7 @@ contains
   pure subroutine direction_row(step, mean, w, z, d, total)
     real(real64), intent(in) :: step, mean             !! share of the direction before; mean
     real(real64), intent(in), contiguous :: w(:), z(:)   !! gradient in W; B r
-    real(real64), intent(inout), contiguous :: d(:)    !! direction
+    real(real64), intent(inout), contiguous :: d(:)    !! direction of the step
     real(real64), intent(out) :: total                 !! sum of the products
     integer :: i
 
@@ -100,9 +100,9 @@ contains
   !> Gradient from displacements and gaps; sums of 1 and the gradient where forces are free, of the
   !> squares of the forces, and the largest displacement.
   pure subroutine gradient_row(limit, f, displacement, gap, r, sums)
-    real(real64), intent(in) :: limit                 !! largest force
+    real(real64), intent(in) :: limit                 !! largest force of an element
     real(real64), intent(in), contiguous :: f(:), displacement(:), gap(:)
-    real(real64), intent(out), contiguous :: r(:)     !! gradient
+    real(real64), intent(out), contiguous :: r(:)     !! gradient by the forces
     real(real64), intent(out) :: sums(4)
     real(real64) :: free, largest, level, number, squares
     integer :: i

@@ -79,14 +79,12 @@ contains
 
     pixels = int(field%columns, int64) * field%rows
     kinds = merge(size(names), 3, allocated(field%traction))
-    ! The whole file at once: a text that grows is there twice.
+    ! All of the file at once: a text that grows is there twice.
     if (.not. allocated(buffer%store)) then
       allocate (character(len=pixels * (real_bytes * kinds + 2) + head_bytes) :: &
                 buffer%store, stat=status)
-      if (status /= 0) then
-        buffer%failed = .true.
-        return
-      end if
+      buffer%failed = buffer%failed .or. status /= 0
+      if (status /= 0) return
     end if
     extent = '"0 ' // decimal_text(field%columns) // ' 0 ' // decimal_text(field%rows) // ' 0 0"'
     call buffer%line('<?xml version="1.0"?>')

@@ -102,8 +102,11 @@ contains
     self%repeats = .true.
     self%spectrum(:, :, of_influence) = 1.0_real64 / self%spectrum(:, :, of_inverse)
     self%spectrum(0, 0, of_influence) = merge(1.0_real64, 0.0_real64, present(factor))
-    if (present(factor)) self%spectrum(:, :, of_influence) = &
-      self%spectrum(:, :, of_influence) * transpose(factor)
+    if (present(factor)) then
+      self%spectrum(:, :, of_influence) = self%spectrum(:, :, of_influence) * transpose(factor)
+      where (self%spectrum(:, :, of_influence) > 0.0_real64) &
+        self%spectrum(:, :, of_inverse) = 1.0_real64 / self%spectrum(:, :, of_influence)
+    end if
     call scale_spectrum(self)
   end subroutine prepare_periodic
 
@@ -148,8 +151,8 @@ contains
   !> Convolves forces with the influence on the lattice of the preparation.
   subroutine apply_influence(self, force, displacement)
     class(lattice_convolution), intent(inout) :: self    !! convolution with its plans
-    real(real64), intent(in) :: force(:, :)              !! forces
-    real(real64), intent(out) :: displacement(:, :)      !! displacements
+    real(real64), intent(in) :: force(:, :)              !! forces on the elements
+    real(real64), intent(out) :: displacement(:, :)      !! displacements of the elements
 
     call transform_rows(self, force)
     call multiply_waves(self, of_influence)
@@ -168,7 +171,7 @@ contains
   !> positive definite for any shares.
   subroutine invert_on(self, displacement, force)
     class(lattice_convolution), intent(inout) :: self  !! convolution with its plans
-    real(real64), intent(in), contiguous :: displacement(:, :)  !! w
+    real(real64), intent(in), contiguous :: displacement(:, :)  !! displacements w of W
     real(real64), intent(out), contiguous :: force(:, :)  !! E^T B E w in W; elsewhere undefined
     real(real64) :: line(size(force, 1))
     integer :: i, j
@@ -178,7 +181,7 @@ contains
       call share_line(self, displacement, j, line)
       !$omp simd
       do i = 1, size(force, 1)
-        force(i, j) = displacement(i, j) + beside(displacement(i, j)) * line(i)
+        force(i, j) = displacement(i, j) + one_beside(displacement(i, j)) * line(i)
       end do
     end do
     call transform_rows(self, force)
@@ -190,7 +193,7 @@ contains
       call share_line(self, force, j, line, displacement)
       !$omp simd
       do i = 1, size(force, 1)
-        force(i, j) = force(i, j) + (1.0_real64 - beside(displacement(i, j))) * line(i)
+        force(i, j) = force(i, j) + (1.0_real64 - one_beside(displacement(i, j))) * line(i)
       end do
     end do
   end subroutine invert_on
@@ -215,9 +218,9 @@ contains
     if (present(in_w)) then
       !$omp simd
       do i = 1, m
-        across(i) = beside(in_w(i, j)) * (share * values(i, j)) + &
-                    beside(in_w(i, row(1))) * (weight(1) * values(i, row(1))) + &
-                    beside(in_w(i, row(2))) * (weight(2) * values(i, row(2)))
+        across(i) = one_beside(in_w(i, j)) * (share * values(i, j)) + &
+                    one_beside(in_w(i, row(1))) * (weight(1) * values(i, row(1))) + &
+                    one_beside(in_w(i, row(2))) * (weight(2) * values(i, row(2)))
       end do
     else
       !$omp simd
@@ -253,11 +256,11 @@ contains
   end function rim_share
 
   ! 1 for an element beside W, else 0: loops that multiply by it have no branches.
-  elemental real(real64) function beside(displacement)
+  elemental real(real64) function one_beside(displacement)
     real(real64), intent(in) :: displacement
 
-    beside = merge(0.0_real64, 1.0_real64, abs(displacement) > 0.0_real64)
-  end function beside
+    one_beside = merge(0.0_real64, 1.0_real64, abs(displacement) > 0.0_real64)
+  end function one_beside
 
   ! Transforms the rows of the values.
   subroutine transform_rows(self, values)

@@ -78,7 +78,7 @@ def judge_body(asperity, folder, body, loading, effects):
 
 
 def warnings_of(done):
-    """What each warning says, without its numbers, except those of one model."""
+    """The words of each warning, without its numbers, except those of one model."""
     lines = (line.split(": ", 3)[3] for line in done.stderr.splitlines() if "warning:" in line)
     return sorted(re.sub(r"[\d.E+-]+", "N", line) for line in lines
                   if not line.startswith(OF_MODEL))

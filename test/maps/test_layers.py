@@ -157,8 +157,9 @@ def test_scene_is_the_body_of_its_pressures(package, edge):
     bare = package.solve(scene(package, None, edge))
     for name in ("area", "compression", "mean_gap", "nominal_pressure"):
         assert alike.states[name][-1] == pytest.approx(bare.states[name][-1], rel=1e-9)
+    # The stiffness is solved to 1e-5.
     assert alike.positions["conductance_length"] == pytest.approx(
-        bare.positions["conductance_length"], rel=1e-9)
+        bare.positions["conductance_length"], rel=1e-5)
 
 
 def test_full_contact_on_a_rigid_base(package):

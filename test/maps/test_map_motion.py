@@ -32,13 +32,13 @@ def test_moved_steps_ring(asperity, tmp_path):
     pixels nothing rings."""
     upper = np.zeros((32, 32))
     upper[8:24, 8:24] = 1e-2
-    told = []
+    shown = []
     for move in (SIDE / 2, SIDE):
         scene = moved(tmp_path, upper, np.zeros((32, 32)), "periodic", motion={"x_first": move},
                       control="pressure", value=1e-3 * E)
-        told.append(solve(asperity, scene).stderr)
-    assert "(moved steps ring between the pixels)" in told[0] and "whole pixels" in told[0]
-    assert "map_despike" not in told[0] and "moved steps" not in told[1]
+        shown.append(solve(asperity, scene).stderr)
+    assert "(moved steps ring between the pixels)" in shown[0] and "whole pixels" in shown[0]
+    assert "map_despike" not in shown[0] and "moved steps" not in shown[1]
 
 
 def test_periodic_maps_by_whole_pixels_are_rolled(asperity, tmp_path, tally):
