@@ -68,9 +68,9 @@ contains
     type(contact_field), intent(in) :: field    !! of one state
     real(real64), intent(in) :: time            !! of the state; `not_computed`: there is none
     type(text_buffer), intent(inout) :: buffer  !! gets the bytes
+    character(len=*), parameter :: number = 'NumberOfTuples="1" format="ascii">'
     character(len=*), parameter :: names(7) = [character(len=12) :: 'pressure', 'gap', &
-      'displacement', 'traction_x', 'traction_y', 'slip_x', 'slip_y'], &
-      number = 'NumberOfTuples="1" format="ascii">'
+      'displacement', 'traction_x', 'traction_y', 'slip_x', 'slip_y']
     integer(int64) :: offset, pixels
     character(len=80) :: numbers
     character(len=:), allocatable :: extent
@@ -129,8 +129,7 @@ contains
     if (kinds > 3) call put_slip(field, buffer)
     call put_marks(contact_marks(field), buffer)
     if (kinds > 3) call put_marks(field%sticks, buffer)
-    call buffer%append(new_line('a'))
-    call buffer%line('</AppendedData>')
+    call buffer%line(new_line('a') // '</AppendedData>')
     call buffer%line('</VTKFile>')
 
   contains
