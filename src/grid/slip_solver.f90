@@ -59,8 +59,8 @@ module asperity_slip_solver
   ! Largest and least residual of a step over its start (chosen: tighter ones do not save steps).
   real(real64), parameter :: inner_residual = 0.1_real64, least_inner = 0.03_real64
   ! Residual of a stiffness over the displacement: its error of second order is at most 1e-5
-  ! (measured on an ellipse of 15000 pixels; test: test/maps/test_partial_slip.py).
-  real(real64), parameter :: stiffness_residual = 1.0e-4_real64
+  ! (measured on rough maps of 512 x 512 pixels; test: test/maps/test_partial_slip.py).
+  real(real64), parameter :: stiffness_residual = 3.0e-3_real64
   ! Part of the slope that the energy falls by (Armijo 1966; chosen as usual), and the least length
   ! of a step to its minimum (chosen: else the projection is taken).
   real(real64), parameter :: least_decrease = 1.0e-4_real64, least_length = 0.05_real64
