@@ -95,5 +95,6 @@ class HalfSpace:
 
 def loaded(body: _c.Body, what: int, arrays: Sequence[Any], depth: float = 0.0) -> Table:
     """A table of a body under pressures, or displacements, and where given both tractions."""
-    addresses = [one.ctypes.data for one in arrays] + [None] * (3 - len(arrays))
+    numbers: Any = POINTER(c_double)
+    addresses = [one.ctypes.data_as(numbers) for one in arrays] + [None] * (3 - len(arrays))
     return _c.call("loaded", body, what, *addresses, depth).checked().table(_c.FIELDS, "pixels")

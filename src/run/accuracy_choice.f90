@@ -329,17 +329,17 @@ contains
         results%way_taken = 'interaction = ''' // trim(effect_words(mode)) // ''''
       end if
       if (any(effects%modes == effect_auto)) results%way_taken = results%way_taken // &
-        ', tolerance = ' // typed_number(effects%number('tolerance'))
+        ', tolerance = ' // trim(typed_number(effects%number('tolerance')))
     end associate
   end subroutine report_method
 
   !> A number of a scene, of three digits.
   pure function typed_number(value) result(text)
-    real(real64), intent(in) :: value      !! 0 or more
-    character(len=:), allocatable :: text  !! as 0.001 or 2.37E-05
+    real(real64), intent(in) :: value  !! 0 or more
+    character(len=8) :: text           !! as 0.001 or 2.37E-05
 
     text = real_text(value, 'f6.4')
-    text = text(:verify(text, '0', back=.true.))
+    text(verify(trim(text), '0', back=.true.) + 1:) = ''
     if (abs(1.0e4_real64 * value - nint(1.0e4_real64 * value)) > 1.0e-6_real64) &
       text = real_text(value, 'es8.2')
   end function typed_number

@@ -234,14 +234,14 @@ contains
     method%interaction = effect_auto
     do k = 1, size(of_auto)
       method%tolerance = of_auto(k)
-      method%name = 'auto, tolerance ' // typed_number(of_auto(k))
-      call add_method(', tolerance = ' // typed_number(of_auto(k)))
+      method%name = 'auto, tolerance ' // trim(typed_number(of_auto(k)))
+      call add_method(', tolerance = ' // trim(typed_number(of_auto(k))))
     end do
     method%interaction = effect_boundary
     do k = -2, -4, -1
       method%tolerance = 10.0_real64**k
-      method%name = 'boundary elements, ' // typed_number(method%tolerance)
-      call add_method(', boundary_tolerance = ' // typed_number(method%tolerance) // &
+      method%name = 'boundary elements, ' // trim(typed_number(method%tolerance))
+      call add_method(', boundary_tolerance = ' // trim(typed_number(method%tolerance)) // &
                       merge(', area_tolerance = 0.001', repeat(' ', 24), k < -2))
     end do
 
@@ -254,7 +254,7 @@ contains
       method%typed = 'interaction = ''' // trim(effect_words(method%interaction)) // ''''
       if (present(numbers)) method%typed = trim(method%typed) // numbers
       if (method%interaction /= effect_auto .and. count(simulated) > 1) &
-        method%typed = trim(method%typed) // ', tolerance = ' // typed_number(tolerance_of_others)
+        method%typed = trim(method%typed) // ', tolerance = ' // trim(typed_number(tolerance_of_others))
       methods = [methods, method]
     end subroutine add_method
 

@@ -223,7 +223,7 @@ def test_header_and_python_agree(package):
              "void": "NoneType"}
     for name, own in (("surface", "Surface"), ("height_map", "Map"), ("side", "Side"),
                       ("options", "Options"), ("summits_options", "SummitsOptions"),
-                      ("problem", "CProblem")):
+                      ("problem", "CProblem"), ("half_space", "Body")):
         types[f"asperity_{name} *"] = f"LP_{own}"
     text = re.sub(r"/\*.*?\*/|\bconst ", "", header.read_text(encoding="utf-8"), flags=re.S)
 
@@ -235,7 +235,7 @@ def test_header_and_python_agree(package):
         return f"{found}_Array_{length}" if length else found
 
     structures = re.findall(r"typedef struct \{(.*?)\} (asperity_\w+);", text, re.S)
-    assert len(structures) == 6
+    assert len(structures) == 7
     for body, name in structures:
         fields = []
         for line in filter(str.strip, body.split(";")):

@@ -20,7 +20,7 @@ def theory(package):
 
 
 def test_examples(package):
-    found = doctest.testmod(importlib.import_module("asperity.theory"),
+    found = doctest.testmod(importlib.import_module("asperity.theory"), extraglobs={"asperity": package},
                             optionflags=doctest.NORMALIZE_WHITESPACE)
     assert found.failed == 0 and found.attempted > 3
 

@@ -138,9 +138,6 @@ def test_a_pressure_is_a_load_over_the_map(asperity, tmp_path):
     (("&material", "&tilt upper_slope = .1, .1 / &material"), "it is levelled"),
     (("'plane'", "'notes.txt'"), "notes.txt:1:1: found 'neither asperities"),
     (("control = 'load', value = 0.001", "control = 'limit'"), "patches of pixels merge"),
-    (("'boundary'", "'boundary', adhesion = 'on', work_of_adhesion = .1, "
-      "equilibrium_distance = 1., friction = 'on', friction_coefficient = .1"),
-     "adhesion and friction do not go together"),
     ((", map_spacing = (0.1, 0.1)", ""), "spacing"),
     (("'map.txt'", "'caps.csv'"), "found without a map"),
 ])

@@ -280,7 +280,9 @@ def test_errors_of_creep_are_those_of_a_softer_body(asperity, tmp_path, control)
     assert creep["load"] == pytest.approx(load, 1e-6)
     for name in ("separation", "area", "error_estimate", "area_error_estimate",
                  "gap_error_estimate", "pressure_error_estimate"):
-        assert creep[name] == pytest.approx(soft[name], 1e-5), name
+        # Coarser maps are solved to 1e-4.
+        tolerance = 1e-3 if "error" in name else 1e-5
+        assert creep[name] == pytest.approx(soft[name], tolerance), name
 
 
 def test_unknown_errors_are_empty(asperity, tmp_path):

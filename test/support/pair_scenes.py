@@ -19,7 +19,7 @@ STEP = 1e-9
 APART = {"asperities": {("friction", "adhesion"), ("friction", "creep"), ("plasticity", "adhesion"),
                         ("plasticity", "creep"), ("adhesion", "creep"),
                         ("interaction", "adhesion")},
-         "pixels": {("friction", "adhesion"), ("friction", "creep")}}
+         "pixels": {("friction", "creep")}}
 PAIRS = [(model, *pair) for model in APART for pair in combinations(EFFECTS, 2)
          if pair not in APART[model]]
 
