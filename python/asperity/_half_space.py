@@ -2,6 +2,7 @@
 
 from __future__ import annotations
 
+from ctypes import POINTER, c_double
 from typing import TYPE_CHECKING, Any
 
 from . import _arguments as _a

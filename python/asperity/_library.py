@@ -84,7 +84,7 @@ LETTERS: dict[str, Any] = {
     "R": POINTER(SummitsOptions), "P": POINTER(CProblem), "B": POINTER(Body)}
 _FUNCTIONS = [(name, *map(LETTERS.get, letters)) for name, letters in map(str.split, """
     get_version s, read_scene ps, build_scene psSS, rebuild_scene pps, solve_scene ppO,
-    study_scene ppdi, fields ppii, loaded pBipppd, make_report pssIi, summits psMR, read_map
+    study_scene ppdi, fields ppii, loaded pBiDDDd, make_report pssIi, summits psMR, read_map
     psDs, write_map pMs, generate pssi, generate_map pss, power_spectrum pMs, status ip, text
     spi, problem_count ip, get_problem -piP, rows ipi, columns ipi, column_name spii,
     column_type ipii, column_unit spii, column ppii, free -p""".split(","))]

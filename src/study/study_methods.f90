@@ -254,7 +254,8 @@ contains
       method%typed = 'interaction = ''' // trim(effect_words(method%interaction)) // ''''
       if (present(numbers)) method%typed = trim(method%typed) // numbers
       if (method%interaction /= effect_auto .and. count(simulated) > 1) &
-        method%typed = trim(method%typed) // ', tolerance = ' // trim(typed_number(tolerance_of_others))
+        method%typed = trim(method%typed) // ', tolerance = ' // &
+                       trim(typed_number(tolerance_of_others))
       methods = [methods, method]
     end subroutine add_method
 
