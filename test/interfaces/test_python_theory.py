@@ -20,8 +20,9 @@ def theory(package):
 
 
 def test_examples(package):
-    found = doctest.testmod(importlib.import_module("asperity.theory"),
-                            extraglobs={"asperity": package}, optionflags=doctest.NORMALIZE_WHITESPACE)
+    found = doctest.testmod(
+        importlib.import_module("asperity.theory"), extraglobs={"asperity": package},
+        optionflags=doctest.NORMALIZE_WHITESPACE)
     assert found.failed == 0 and found.attempted > 3
 
 
