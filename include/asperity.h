@@ -180,7 +180,7 @@ typedef struct {
   const char *text; /* what is wrong, what was found, what is expected */
 } asperity_problem;
 
-/* As "0.3.0". Never freed. */
+/* As "0.4.0". Never freed. */
 const char *asperity_get_version(void);
 
 /* Reads a scene file, or a card deck, with the files that it names. */

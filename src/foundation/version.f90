@@ -6,6 +6,6 @@ module asperity_version
 
   public :: version
 
-  character(len=*), parameter :: version = '0.3.0'  !! version number, the same as in fpm.toml
+  character(len=*), parameter :: version = '0.4.0'  !! version number, the same as in fpm.toml
 
 end module asperity_version

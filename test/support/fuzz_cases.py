@@ -182,8 +182,8 @@ def effects_case(rng, files, seed):
 
 
 # What a run may find where it is to keep positions.
-KEPT = [b"", b"asperity", b"asperity 0.3.0 solve, real64, contacts kept, input\n", b"x,y\n1,2\n",
-        b"asperity 0.3.0 solve, real64, contacts summed, input 00000000 00000000\n"
+KEPT = [b"", b"asperity", b"asperity 0.4.0 solve, real64, contacts kept, input\n", b"x,y\n1,2\n",
+        b"asperity 0.4.0 solve, real64, contacts summed, input 00000000 00000000\n"
         b"position 1, words 9\n"]
 
 

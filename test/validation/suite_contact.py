@@ -11,7 +11,8 @@ import math
 import numpy as np
 from comparisons import Suite, pixels
 
-COUPLED = "unlike bodies with friction: CONTACT couples shear and pressure, asperity does not"
+COUPLED = ("unlike bodies with friction, here without it: `coupling = 'on'` is compared in "
+           "test_unlike_bodies.py")
 HERTZ = "CONTACT prints the formula of Hertz here, and its own solution in `testbank 14`"
 EXACT = "CONTACT counts the elements in the exact ellipse here, those of its FASTSIM option"
 
