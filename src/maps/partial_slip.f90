@@ -238,7 +238,12 @@ contains
     integer, allocatable :: patch_of(:, :), stuck_of(:, :)
     integer :: i, j
 
-    call find_patches(map, max(0.0_real64, loaded%pressure), patches, patch_of)
+    ! The patches of the state: pixels that attract each other are in contact, too.
+    if (allocated(loaded%contact_pressure)) then
+      call find_patches(map, loaded%contact_pressure, patches, patch_of)
+    else
+      call find_patches(map, loaded%pressure, patches, patch_of)
+    end if
     allocate (total(2, size(patches)), stick_area(size(patches)), source=0.0_real64)
     call find_patches(map, merge(loaded%pressure, 0.0_real64, slip%sticks), stuck, stuck_of)
     ! Each patch that sticks is within one contact patch; its first pixel adds its area.

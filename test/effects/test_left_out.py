@@ -124,6 +124,7 @@ def test_default_is_on_or_named_often(asperity, tmp_path):
 
 
 @pytest.mark.parametrize("seed, was", [
+    (127, "beside adhesion, friction had other contact patches, whose values left the table"),
     (973, "the area of circles without a correction had the printed error of corrected ones"),
     (2198, "of two effects beside a third one only the larger had a warning")])
 def test_found_scene(seed, was, asperity, tmp_path):
