@@ -112,7 +112,7 @@ module asperity_scene_names
                unit='length'), &
     known_name('loading', 'tangential_path', any_number, &
                'on pixels: loads along x, y of one point after the other', [2, most_values], &
-               unit='force'), &
+               otherwise='none', unit='force'), &
     known_name('limit', 'criterion', one_word, 'when a contact is at its limit', default=one, &
                words=[character(len=word_length) :: criterion_words, none(3:)]), &
     known_name('limit', 'value', above_zero, &

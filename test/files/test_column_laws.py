@@ -447,6 +447,10 @@ LAWS = {
         "contact_stiffness": stiffness("contact_stiffness"),
         "interface_stiffness": stiffness("interface_stiffness"),
         "conductance_length": stiffness("conductance_length"),
+        # Empty without two bodies and on strips.
+        **{f"tangential_stiffness_{axes}": lambda scene, row, name=f"tangential_stiffness_{axes}":
+           row[name] is EMPTY or row[name] > 0 or row["contacts"] == 0 for axes in ("xx", "yy")},
+        "tangential_stiffness_xy": lambda scene, row: True,
         **{f"open_path_{axis}": lambda scene, row, axis=axis: row[f"open_path_{axis}"] == 1 or (
             row[f"open_path_{axis}"] == 0 and row["samples_in_contact"] > 0) for axis in "xy"},
         "sample_area": lambda scene, row: close(row["sample_area"],
