@@ -7,18 +7,15 @@ import html
 import io
 import math
 import warnings
-from collections.abc import Mapping
-from typing import TYPE_CHECKING, Any
+from collections.abc import Mapping, Sequence
+from typing import Any
 
 from . import _arguments as _a
 from . import _library as _c
-from ._columns import Lazy, Table, column
+from ._columns import Axes, Lazy, Table, column
 from ._maps import HeightMap
 from ._plots import new_axes, picture_html
 from ._scenes import Scene
-
-if TYPE_CHECKING:
-    from matplotlib.axes import Axes
 
 numpy: Any = Lazy("numpy", "numpy", "accuracy")
 WORDS = ("family", "method", "arithmetic", "overlap", "typed", "left_out")
@@ -27,24 +24,22 @@ WORDS = ("family", "method", "arithmetic", "overlap", "typed", "left_out")
 class Accuracy:
     """Run times and errors of the methods of a scene; `print` shows them, and what to type.
 
-    Attributes
-    ----------
-    table : Table
-        A row for each method, with the columns of `asperity accuracy --csv`.
-    reference : str
-        The method with which the others are compared.
-    digits : float or None
-        Greatest change of load, area or separation when the heights of arrays change by half of
-        their last digit; None where the scene has no arrays.
+    Attributes:
+        table: A row for each method, with the columns of `asperity accuracy --csv`.
+        reference: The method with which the others are compared.
+        answers: For each of the goals the fastest row with this error of the load; None: no such.
+        digits: Greatest change of load, area or separation when the heights change by half of their
+            last digit; None where it is unknown.
     """
 
-    def __init__(self, table: Table, text: str, digits: float | None):
+    def __init__(self, table: Table, text: str, digits: float | None, goals: Sequence[float]):
         self.table, self._text, self.digits = table, text, digits
         best = next(row for row in table.rows() if row["reference"])
         self.reference: str = best["method"]
         self._own = {name: max(0.0, best[title]) if best[title] == best[title] else 0.0
                      for name, title in (("load", "error_estimate"),
                                          ("area", "area_error_estimate"))}
+        self.answers = {goal: self.answer(goal) for goal in goals}
 
     def error(self, row: Mapping[str, Any], of: str = "load") -> float:
         """The error of a row of the table: of `load` (under load control, of the compression) or
@@ -104,25 +99,20 @@ class Accuracy:
         return axes
 
 
-def accuracy(scene: Any, *, seconds: float = 60.0, finer: bool = False) -> Accuracy:
+def accuracy(scene: Any, *, seconds: float = 60.0, finer: bool = False,
+             goals: Sequence[float] = (0.1, 0.01, 0.001)) -> Accuracy:
     """Solve a scene by each method that applies: run times and errors, those of the command
     `asperity accuracy`. A card deck has the arithmetics and steps of the original program too.
 
-    Parameters
-    ----------
-    scene : str, os.PathLike, mapping or Scene
-        As for `solve`.
-    seconds : float, default 60
-        Time limit; slower methods are left out.
-    finer : bool, default False
-        Solve a height map on pixels half as wide too, and compare with them.
+    Args:
+        scene: As for `solve`.
+        seconds: Time limit; slower methods are left out.
+        finer: Solve a height map on pixels half as wide too, and compare with them.
+        goals: Relative errors for `answers`.
 
-    Examples
-    --------
-    >>> import asperity
-    >>> found = asperity.accuracy("data/examples/csv_surfaces.scene")
-    >>> found.answer(0.01)["typed"]
-    "interaction = 'off'"
+    Examples:
+        >>> asperity.accuracy("data/examples/csv_surfaces.scene").answers[0.01]["typed"]
+        "interaction = 'off'"
     """
     given = scene if isinstance(scene, Scene) else Scene(scene)
     outcome = _c.call("study_scene", given._read, _a.number("seconds", seconds),
@@ -131,7 +121,7 @@ def accuracy(scene: Any, *, seconds: float = 60.0, finer: bool = False) -> Accur
     table = Table({name: column([row[name].replace(";", ",") for row in rows] if name in WORDS else
                                 numpy.array([float(row[name] or math.nan) for row in rows]))
                    for name in rows[0]}, {"seconds": "s"}, "methods")
-    return Accuracy(table, outcome.text(_c.REPORT).rstrip("\n"), _digits(given))
+    return Accuracy(table, outcome.text(_c.REPORT).rstrip("\n"), _digits(given), goals)
 
 
 def _digits(given: Scene) -> float | None:

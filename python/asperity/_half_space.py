@@ -2,19 +2,15 @@
 
 from __future__ import annotations
 
+from collections.abc import Sequence
 from ctypes import POINTER, c_double
-from typing import TYPE_CHECKING, Any
+from typing import Any
 
 from . import _arguments as _a
 from . import _library as _c
-from ._columns import needed
+from ._columns import Lazy, NDArray, Table
 
-if TYPE_CHECKING:
-    from collections.abc import Sequence
-
-    from numpy.typing import NDArray
-
-    from ._columns import Table
+numpy: Any = Lazy("numpy", "numpy", "HalfSpace")
 
 
 class HalfSpace:
@@ -23,29 +19,19 @@ class HalfSpace:
     Pressures and displacements have the shape (rows, columns) and are indexed `[y, x]`; z points
     into the body. On a periodic side the mean displacement is 0, but on a layer with a rigid base.
 
-    Parameters
-    ----------
-    shape : (int, int)
-        Rows and columns.
-    spacing : float or (float, float)
-        Distance of pixels along x and y.
-    modulus, poisson : float
-        Young's modulus and Poisson's ratio; 0 is the modulus of a rigid base under a layer.
-    periodic : bool or (bool, bool), default False
-        Whether the body repeats itself, or along x and y; otherwise there is no load beyond.
-    layer : (float, float, float), optional
-        Thickness, Young's modulus and Poisson's ratio of a bonded layer, not on strips.
+    Args:
+        shape: Rows and columns.
+        spacing: Distance of pixels, or along x and y.
+        modulus, poisson: Young's modulus, 0 for a rigid base under a layer, and Poisson's ratio.
+        periodic: Whether the body repeats itself, or along x and y; else there is no load beyond.
+        layer: Thickness, Young's modulus, Poisson's ratio of a bonded layer, not on strips.
 
-    Examples
-    --------
-    >>> import asperity, numpy as np
-    >>> x = np.arange(64) / 64
-    >>> body = asperity.HalfSpace((64, 64), 1 / 64, 1.0, 0.3, periodic=True)
-    >>> wave = np.tile(np.cos(2 * np.pi * x), (64, 1))
-    >>> print(f"{body.displacement(wave).max():.6f}")  # 2 (1 - nu**2)/(E q)
-    0.289662
-    >>> bool(np.allclose(body.pressure(body.displacement(wave)), wave))
-    True
+    Examples:
+        >>> import numpy as np
+        >>> body = asperity.HalfSpace((64, 64), 1 / 64, 1.0, 0.3, periodic=True)
+        >>> wave = np.tile(np.cos(2 * np.pi * np.arange(64) / 64), (64, 1))
+        >>> print(f"{body.displacement(wave).max():.6f}")  # 2 (1 - nu**2)/(E q)
+        0.289662
     """
 
     def __init__(self, shape: tuple[int, int], spacing: float | tuple[float, float],
@@ -61,32 +47,29 @@ class HalfSpace:
     def displacement(self, pressure: Any, tractions: Any = None) -> NDArray[Any]:
         """Normal displacement by pressures. With `tractions` along x and y, the three
         displacements along x, y and z by both, of shape (3, rows, columns); not on a layer."""
-        library: Any = needed("numpy", "HalfSpace", "arrays")
         table = loaded(self._body, _c.DISPLACEMENTS, self._arrays(pressure, tractions))
         names = "z" if tractions is None else "xyz"
-        found: Any = library.stack([library.reshape(table[f"displacement_{name}"], self.shape)
+        found: Any = numpy.stack([numpy.reshape(table[f"displacement_{name}"], self.shape)
                                     for name in names])
         return found[0] if tractions is None else found  # type: ignore[no-any-return]
 
     def pressure(self, displacement: Any) -> NDArray[Any]:
         """The pressures, positive and negative ones, that give normal displacements."""
         table = loaded(self._body, _c.PRESSURES, self._arrays(displacement, None))
-        found: Any = needed("numpy", "HalfSpace", "arrays").array(table["pressure"])
+        found: Any = numpy.array(table["pressure"])
         return found.reshape(self.shape)  # type: ignore[no-any-return]
 
     def stress(self, depths: Any, pressure: Any, tractions: Any = None) -> dict[str, NDArray[Any]]:
         """Stresses by name, as of `Results.stress`, of shape (depths, rows, columns)."""
-        library: Any = needed("numpy", "HalfSpace", "arrays")
         arrays = self._arrays(pressure, tractions)
         tables = [loaded(self._body, _c.STRESSES, arrays, float(depth))
-                  for depth in library.atleast_1d(depths)]
-        return {name.removeprefix("stress_"): library.stack(
-            [library.reshape(table[name], self.shape) for table in tables]) for name in tables[0]}
+                  for depth in numpy.atleast_1d(depths)]
+        return {name.removeprefix("stress_"): numpy.stack(
+            [numpy.reshape(table[name], self.shape) for table in tables]) for name in tables[0]}
 
     def _arrays(self, values: Any, tractions: Any) -> list[Any]:
         """Arrays of numbers of the shape."""
-        library: Any = needed("numpy", "HalfSpace", "arrays")
-        arrays = [library.ascontiguousarray(one, float) for one in (
+        arrays = [numpy.ascontiguousarray(one, float) for one in (
             values, *(() if tractions is None else tractions))]
         for one in arrays:
             if one.shape != self.shape:

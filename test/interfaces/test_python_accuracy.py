@@ -59,6 +59,8 @@ def test_answers(package, caps):
     area = package.solve({**scene, "effects": typed}).states["area"][-1]
     assert row["area"] == pytest.approx(area, rel=1e-3) and found.error(row) <= 0.02
     assert found.answer(1e-30) is None
+    assert list(found.answers) == [0.1, 0.01, 0.001]
+    assert found.answers[0.1]["typed"] == found.answer(0.1)["typed"]
     axes = found.plot()
     assert len(axes.lines) > len(found.table) / 2
     assert "<img" in found._repr_html_()
