@@ -13,11 +13,13 @@
 !> tangents of the discs the step is the solution of the positive definite system
 !> A + (|v|/g - 1)/c, found by conjugate gradients (`solve_tangents`) up to the residual of the step
 !> before it. It is projected on the discs and the sum, and accepted if the energy falls by the part
-!> of its slope that Armijo asks for; else its exact minimum on the way is taken, or that to
-!> P(q + c s). The energy falls in every step, and all tractions are allowed ones.
+!> of its slope that Armijo asks for, or changes by its rounding (near the minimum its fall is of
+!> second order in the residual); else its exact minimum on the way is taken, or that to P(q + c s).
+!> All tractions are allowed ones.
 !>
-!> Residual: the largest |q - P(q + c s)|/c over |delta|. Exits: converged; not converged, after
-!> `turns_allowed` steps or where the run is interrupted.
+!> Residual: the largest |q - P(q + c s)|/c over |delta|. Exits: converged, where it is at most the
+!> tolerance or the rounding of the tractions, as in full periodic contact, where delta is 0 while
+!> all sticks; not converged, after `turns_allowed` steps or where the run is interrupted.
 module asperity_slip_solver
   use asperity_interruption, only: interruption
   use asperity_kinds, only: real64
@@ -64,6 +66,9 @@ module asperity_slip_solver
   ! Part of the slope that the energy falls by (Armijo 1966; chosen as usual), and the least length
   ! of a step to its minimum (chosen: else the projection is taken).
   real(real64), parameter :: least_decrease = 1.0e-4_real64, least_length = 0.05_real64
+  ! Error of the sum of tractions over that of their sizes (chosen, above rounding). A mean of twice
+  ! as much, of both sums compared, is rounding; so are displacements of the tractions before.
+  real(real64), parameter :: sum_error = 1.0e-13_real64
 
 contains
 
@@ -80,10 +85,11 @@ contains
     type(solve_ending), intent(out) :: ending
     type(interruption), intent(in) :: interrupt    !! request to stop the iteration
     real(real64), allocatable, dimension(:, :) :: aimed, change, image, projected
-    real(real64) :: c, level(2), reference, residual
+    real(real64) :: before, c, level(2), reference, residual
     integer :: k, turn
 
     c = projection_step / operator%diagonal
+    before = sum(hypot(traction(:, 1), traction(:, 2)))
     associate (limit => problem%limit)
       space%set = problem%set
       allocate (aimed, change, image, mold=traction)
@@ -119,12 +125,14 @@ contains
         reference = merge(problem%reference, maxval(abs(displacement)), &
                           problem%reference > 0.0_real64)
         ending%residual = residual / max(reference, tiny(reference))
-        ending%converged = ending%residual <= problem%tolerance
+        ending%converged = ending%residual <= problem%tolerance .or. &
+                           c * residual * size(limit) <= &
+                           2 * sum_error * max(before, sum(hypot(traction(:, 1), traction(:, 2))))
         call set_sliding(problem, aimed, c, operator%diagonal, space)
         if (ending%converged .or. interrupt%is_asked()) exit
         call take_newton_step(operator, problem, space, displacement, &
                               [ending%residual, reference], traction, change, ending%iterations)
-        call search_line(operator, problem%set, displacement, projected, slip, change, traction, &
+        call search_line(operator, problem, displacement, projected, slip, change, traction, &
                          ending%iterations)
       end do
       traction = projected
@@ -133,25 +141,28 @@ contains
   end subroutine find_tractions
 
   ! Moves the tractions by a step, or by the part of it at which the energy is least.
-  subroutine search_line(operator, set, displacement, projected, slip, change, traction, &
+  subroutine search_line(operator, problem, displacement, projected, slip, change, traction, &
                          applications)
     type(traction_convolution), intent(inout) :: operator
-    type(element_set), intent(in) :: set
+    type(slip_problem), intent(in) :: problem
     real(real64), intent(in) :: displacement(2), projected(:, :)
     real(real64), intent(inout) :: slip(:, :), change(:, :), traction(:, :)
     integer, intent(inout) :: applications
     real(real64), allocatable :: image(:, :)
-    real(real64) :: curvature, length, slope
+    real(real64) :: curvature, length, rounding, slope
     integer :: turn
 
     allocate (image, mold=change)
     length = 1.0_real64
+    ! Work of the errors of tractions on their circles: 2 epsilon of g each, in the old and new one.
+    rounding = 4 * epsilon(length) * sum(problem%limit * hypot(slip(:, 1) + displacement(1), &
+                                                               slip(:, 2) + displacement(2)))
     do turn = 1, 2
-      call operator%apply_at(set, change, image, by_tractions)
+      call operator%apply_at(problem%set, change, image, by_tractions)
       applications = applications + 1
       slope = -sum(change * slip) - sum([sum(change(:, 1)), sum(change(:, 2))] * displacement)
       curvature = sum(change * image)
-      if (slope + 0.5_real64 * curvature < least_decrease * slope) exit
+      if (slope + 0.5_real64 * curvature < least_decrease * slope + rounding) exit
       length = 0.0_real64
       if (curvature > 0.0_real64) length = min(1.0_real64, -slope / curvature)
       if (length >= least_length .or. turn == 2) exit
@@ -412,14 +423,15 @@ contains
   pure subroutine find_level(v, limit, total, level)
     real(real64), intent(in) :: v(:, :), limit(:), total(2)
     real(real64), intent(inout) :: level(2)   ! start and result
-    real(real64) :: excess(2), length, next(2), next_excess(2), next_slope(2, 2), slope(2, 2), &
-                    step(2)
+    real(real64) :: enough, excess(2), length, next(2), next_excess(2), next_slope(2, 2), &
+                    slope(2, 2), step(2)
     integer :: turn
 
+    enough = sum_error * sum(min(limit, hypot(v(:, 1), v(:, 2))))
     call sum_cut(v, limit, level, excess, slope)
     excess = excess - total
     do turn = 1, level_steps
-      if (maxval(abs(excess)) <= 1.0e-13_real64 * sum(limit)) return
+      if (maxval(abs(excess)) <= enough) return
       slope(1, 1) = slope(1, 1) + 1.0e-12_real64 * (slope(1, 1) + slope(2, 2))
       slope(2, 2) = slope(2, 2) + 1.0e-12_real64 * (slope(1, 1) + slope(2, 2))
       step = [slope(2, 2) * excess(1) - slope(1, 2) * excess(2), &
