@@ -4,8 +4,7 @@
 
 Runs `asperity accuracy` on the sweep of the thesis, on a rough surface, on a dense one and on a
 height map. With --save the rows go to reference_output/bench/accuracy_costs.csv, and what to type
-for an error as a table into docs/how-to/accuracy.md. The measured over the predicted run times of
-the study are printed alone. test_reference_tables.py compares both; the
+for an error as a table into docs/how-to/accuracy.md. test_reference_tables.py compares both; the
 figure time-and-error is drawn from the rows.
 """
 
@@ -65,11 +64,8 @@ def measured(asperity, seconds):
                             "lower.csv"], cwd=folder, check=True)
         for scene, text in SCENES.items():
             (folder / "a.scene").write_text(text, encoding="ascii")
-            done = subprocess.run([asperity, "accuracy", "a.scene", "--seconds", str(seconds),
-                                   "--finer", "--csv", "a.out"], cwd=folder, check=True,
-                                  capture_output=True, text=True)
-            print(*(f"{scene}: {line}" for line in done.stdout.splitlines()
-                    if line.startswith("Run times with neighbours")), sep="\n")
+            subprocess.run([asperity, "accuracy", "a.scene", "--seconds", str(seconds), "--finer",
+                            "--csv", "a.out"], cwd=folder, check=True, stdout=subprocess.DEVNULL)
             rows = records(folder / "a.out")
             # No error is known to be less than that of the reference.
             best = next(row for row in rows if row["reference"] == "1")
@@ -98,7 +94,8 @@ def advice(text):
     for kind, scenes in KINDS.items():
         options = [option for option in OPTIONS.values()
                    if all((option, scene) in cells for scene in scenes)]
-        unit = [min(cells[option, scene][0] for option in options[1:]) for scene in scenes]
+        unit = [min(cells[option, scene][0] for option in options if "'off'" not in option)
+                for scene in scenes]
         found = []
         for option in options:
             values = [cells[option, scene] for scene in scenes]
