@@ -728,7 +728,7 @@ def time_and_error(canvas, *panels):
             option = f"interaction = {option}" if option.startswith("'") else option
             cost = f", {1000 * time:.2g} ms" if time else ""
             axes.text(0.97, 0.95 - 0.07 * place, f"for {100 * goal:g} %: {option}{cost}",
-                      ha="right", va="center", fontsize=9, weight="bold", transform=axes.transAxes,
+                      ha="right", va="center", fontsize=8, weight="bold", transform=axes.transAxes,
                       bbox={"facecolor": "white", "edgecolor": "none", "pad": 1})
         axes.set(xscale="log", yscale="log", title=scene, ylim=(1e-7, 100),
                  xlim=(least / 2, most * 4))
