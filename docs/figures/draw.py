@@ -3,7 +3,7 @@
     python docs/figures/draw.py EXE [NAME ...]     # all figures, or some, as fig10 fig11
 
 The runs write CSV files into build/figures. `work_precision` has times of the machine that draws
-it; a file build/figures/accuracy.csv that is there already is used.
+it.
 """
 
 import csv
@@ -115,8 +115,6 @@ def solve_scenes(executable, wanted):
     (DATA / "surface.scene").write_text((scenes / "surface.scene").read_text(), encoding="ascii")
     run(executable, "solve", "surface.scene", "--quiet", "--fields", "pressure.vti", "--json",
         "pressure.json", folder=DATA)
-    if "work_precision" in wanted and not (DATA / "accuracy.csv").exists():
-        run(executable, "accuracy", "data/thesis.deck", "--csv", DATA / "accuracy.csv")
     if "stability" in wanted:
         subprocess.run([sys.executable, ROOT / "test/support/stability.py", executable,
                         DATA / "stability.csv"], cwd=ROOT, check=True)
@@ -634,44 +632,9 @@ def stability(_, axes):
 
 
 @figure(560)
-def work_precision(canvas, axes):
-    """Error of the totals against time for each position: all methods of `asperity accuracy`. The
-    sweep has 100 positions."""
-    rows = table(DATA / "accuracy.csv")
-    time, error = 1e4 * rows["seconds"], rows["error_max"]
-    words = rows["method"]
-    drawn = (error > 0) & (time > 0)
-    colours = {"ibm370": RED, "real32": YELLOW, "real64": BLUE, "real128": INK}
-    original = np.array(["original program" in word for word in words])
-    neighbours = drawn & (rows["family"] == "neighbours")
-    steps = drawn & np.isin(rows["family"], ("arithmetic", "steps")) & ~original & \
-        (rows["overlap"] == "stable") & (rows["arithmetic"] == "real64")
-    front = drawn & (rows["front"] == 1)
-    order = np.argsort(time[front])
-    axes.plot(time[front][order], error[front][order], "--", color=INK, linewidth=1,
-              label="Pareto front")
-    axes.plot(time[neighbours], error[neighbours], "o", color=BLUE, label="interaction")
-    axes.plot(time[steps], error[steps], "^", color=BLUE, markersize=5, label="steps, isolated")
-    for name, colour in colours.items():
-        chosen = drawn & original & (rows["arithmetic"] == name)
-        axes.plot(time[chosen], error[chosen], "s", color=colour,
-                  label=f"original program, {name}")
-    for k in np.flatnonzero(neighbours):
-        # The option to type; below its point where a neighbour is above.
-        option = next((text + words[k][skip:] for key, text, skip in (
-            ("isolated", "off", 99), ("coupled", "coupled", 99), ("auto", "auto, ", 16),
-            ("boundary", "boundary, ", 19)) if key in words[k]), "")
-        is_below = words[k].endswith(("0.003", "0.0001"))
-        axes.annotate(option, (time[k], error[k]), (6, -10 if is_below else 5), fontsize=8,
-                      textcoords="offset points", color="#333333")
-    level = rows["error_estimate"][rows["reference"] == 1].max()
-    axes.axhline(level, color="#999999", linestyle=":")
-    axes.text(1.8e5, 0.6 * level, "estimated error of the reference", ha="right", fontsize=8,
-              color="#666666")
-    axes.set(xscale="log", yscale="log", xlim=(1.5, 2e5), ylim=(1e-5, 10),
-             xlabel="Run time for each position (µs)",
-             ylabel="Largest relative error of the load over all positions")
-    canvas.legend(loc="outside right upper")
+def work_precision(_, axes):
+    """Errors of load and area against time: all methods of `asperity accuracy`."""
+    asperity.accuracy(ROOT / "data/thesis.deck").plot(axes)
 
 
 @figure(760, 2, 2)
