@@ -55,9 +55,8 @@ class Accuracy:
                    default=None)
 
     def __str__(self) -> str:
-        if self.digits is None:
-            return self._text
-        return f"{self._text}\nHalf of the last digit of the heights: {self.digits:.1g}."
+        band = f"\nHalf of the last digit of the heights: {self.digits or 0.0:.1g}."
+        return self._text + band * (self.digits is not None)
 
     def __repr__(self) -> str:
         return f"<asperity.Accuracy of {len(self.table)} methods>"
@@ -68,8 +67,7 @@ class Accuracy:
     def plot(self, ax: Axes | None = None) -> Axes:
         """Draw the errors of load and area against the run time, with a number for each method.
         Open markers are bounds by the reference, a line connects the Pareto front; errors in the
-        grey band are below the digits of the heights.
-        """
+        grey band are below the digits of the heights. Numbers of like points are stacked."""
         axes: Axes = new_axes(ax, size=(9.0, 4.5))
         rows = sorted((row for row in self.table.rows() if row["seconds"] > 0),
                       key=lambda row: float(row["seconds"]))
@@ -80,8 +78,7 @@ class Accuracy:
                     axes.plot(row["seconds"], error, "os"[number], color=f"C{number}",
                               mfc="white" if error <= own else None)
             axes.plot([], [], "os"[number], color=f"C{number}", label=of)
-        front = [(row["seconds"], self.error(row)) for row in rows
-                 if row["front"] and self.error(row) > 0]
+        front = [(row["seconds"], self.error(row)) for row in rows if row["front"]]
         axes.plot(*zip(*front) if front else ([], []), color="C0", lw=0.8, zorder=0)
         axes.set(xscale="log", yscale="log", xlabel="time (s)", ylabel="relative error")
         low, high = axes.get_ylim()
@@ -91,13 +88,11 @@ class Accuracy:
         numbers: dict[tuple[float, float], list[str]] = {}
         for number, row in enumerate(rows, 1):
             if (error := self.error(row)) > 0:
-                # Of points that nearly coincide: above each other.
                 near = next((place for place in numbers if row["seconds"] < 1.2 * place[0]
                              and 0.8 < error / place[1] < 1.25), (row["seconds"], error))
                 numbers.setdefault(near, []).append(str(number))
         for near, words in numbers.items():
-            axes.annotate("\n".join(words), near, (3, 3), textcoords="offset points",
-                          fontsize="x-small")
+            axes.annotate("\n".join(words), near, (3, 3), textcoords="offset points", fontsize=7)
         axes.text(1.03, 1.0, "\n".join(f"{number}  {row['method']}, {row['seconds']:.2g} s"
                                        for number, row in enumerate(rows, 1)),
                   va="top", fontsize="x-small", transform=axes.transAxes)

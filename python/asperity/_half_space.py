@@ -56,8 +56,7 @@ class HalfSpace:
     def pressure(self, displacement: Any) -> NDArray[Any]:
         """The pressures, positive and negative ones, that give normal displacements."""
         table = loaded(self._body, _c.PRESSURES, self._arrays(displacement, None))
-        found: Any = numpy.array(table["pressure"])
-        return found.reshape(self.shape)  # type: ignore[no-any-return]
+        return numpy.array(table["pressure"]).reshape(self.shape)  # type: ignore[no-any-return]
 
     def stress(self, depths: Any, pressure: Any, tractions: Any = None) -> dict[str, NDArray[Any]]:
         """Stresses by name, as of `Results.stress`, of shape (depths, rows, columns)."""
