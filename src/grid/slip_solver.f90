@@ -11,11 +11,11 @@
 !> v = q + c s is outside its disc, with the normal n = v/|v|, and sticks elsewhere. Under a load,
 !> delta is that of P(q + c s) with the given sum, P being the projection on the discs. In the
 !> tangents of the discs the step is the solution of the positive definite system
-!> A + (|v|/g - 1)/c, found by conjugate gradients (`solve_tangents`) up to the residual of the step
-!> before it. It is projected on the discs and the sum, and accepted if the energy falls by the part
-!> of its slope that Armijo asks for, or changes by its rounding (near the minimum its fall is of
-!> second order in the residual); else its exact minimum on the way is taken, or that to P(q + c s).
-!> All tractions are allowed ones.
+!> A + (|v|/g - 1)/c, found by conjugate gradients (`solve_tangents`) up to a part of the residual
+!> (Dembo, Eisenstat and Steihaug, SIAM J. Numer. Anal. 19 (1982) 400). It is projected on the discs
+!> and the sum, and accepted if the energy falls by the part of its slope that Armijo asks for, or
+!> changes by its rounding (near the minimum it falls by the square of the residual); else its exact
+!> minimum on the way is taken, or that to P(q + c s). All tractions are allowed ones.
 !>
 !> Residual: the largest |q - P(q + c s)|/c over |delta|. Exits: converged, where it is at most the
 !> tolerance or the rounding of the tractions, as in full periodic contact, where delta is 0 while
@@ -58,7 +58,8 @@ module asperity_slip_solver
   real(real64), parameter :: projection_step = 0.3_real64
   ! Largest numbers of steps, of their conjugate gradients, and of steps of the level (chosen).
   integer, parameter :: turns_allowed = 60, inner_allowed = 80, level_steps = 60
-  ! Largest and least residual of a step over its start (chosen: tighter ones do not save steps).
+  ! Largest and least residual of a step over that of the turn (chosen; over that of its own start,
+  ! which sliding elements raise as they are put on their circles, a step could leave the turn's).
   real(real64), parameter :: inner_residual = 0.1_real64, least_inner = 0.03_real64
   ! Residual of a stiffness over the displacement: its error of second order is at most 1e-5
   ! (measured on rough maps of 512 x 512 pixels; test: test/maps/test_partial_slip.py).
@@ -204,10 +205,9 @@ contains
       gradient(:, k) = gradient(:, k) - problem%base(:, k) - displacement(k) + &
                           space%stiffening * moved(:, k)
     end do
-    call solve_tangents(operator, space, problem%by_load, [ &
-                        max(least_inner, min(inner_residual, residual(1))), &
-                        0.5_real64 * problem%tolerance * residual(2)], moved, gradient, &
-                        applications)
+    call solve_tangents(operator, space, problem%by_load, residual(2) * &
+                        max(max(least_inner, min(inner_residual, residual(1))) * residual(1), &
+                            0.5_real64 * problem%tolerance), moved, gradient, applications)
     change = aim + moved
     call project_tractions(problem, change)
     change = change - traction
@@ -232,8 +232,8 @@ contains
       do i = 1, 2
         gradient(:, i) = gradient(:, i) + space%stiffening * x(:, i)
       end do
-      call solve_tangents(operator, space, .true., [0.0_real64, stiffness_residual * &
-                          abs(sum(x * gradient))], x, gradient, applications)
+      call solve_tangents(operator, space, .true., stiffness_residual * abs(sum(x * gradient)), &
+                          x, gradient, applications)
       compliance(k, k) = sum(x * gradient)
       if (k == 2) compliance(1, 2) = sum(first * gradient)
       call move_alloc(x, first)
@@ -245,23 +245,22 @@ contains
   ! Minimises x.(A + stiffening) x/2 + x.f in a tangent space, with the sum of x fixed or free, by
   ! conjugate gradients. The inverse of A is scaled from both sides by the root of 1 + stiffening
   ! over the displacement of an element by itself, which grows without limit at the rim.
-  subroutine solve_tangents(operator, space, fixes_sum, residual_left, x, gradient, applications)
+  subroutine solve_tangents(operator, space, fixes_sum, enough, x, gradient, applications)
     type(traction_convolution), intent(inout) :: operator  ! matrix A
     type(tangent_space), intent(in) :: space     ! tangents of the discs
     logical, intent(in) :: fixes_sum             ! whether the sum of x stays
-    real(real64), intent(in) :: residual_left(2)   ! residual over that of the start; residual
+    real(real64), intent(in) :: enough           ! largest residual
     real(real64), intent(inout) :: x(:, :)    ! start and result, in the tangent space
     real(real64), intent(inout) :: gradient(:, :)   ! (A + stiffening) x + f
     integer, intent(inout) :: applications       ! of A or its inverse; is increased
     real(real64), allocatable, dimension(:, :) :: direction, image, residual, scaled
-    real(real64) :: curvature, enough, step, product_before, product_now
+    real(real64) :: curvature, step, product_before, product_now
     integer :: k, turn
 
     allocate (residual, source=-gradient)
     call take_tangents(space, fixes_sum, residual)
     allocate (direction, source=0.0_real64 * residual)
     allocate (image, scaled, mold=residual)
-    enough = max(residual_left(1) * maxval(abs(residual)), residual_left(2))
     product_before = 0.0_real64
     do turn = 1, inner_allowed
       if (maxval(abs(residual)) <= enough) exit
