@@ -36,6 +36,8 @@ def test_many_scenes(number, part, asperity, tmp_path, tally):
     (1, 2668, "the same, with an error estimate that is no number"),
     (2, 1825, "the load jumped with the number of boundary elements"),
     (2, 1964, "a load of inclined contacts was missed by 1e-4 where circles were merged"),
+    (4, 32, "partial slip: a residual over a displacement of 0, where all sticks in full contact"),
+    (4, 95, "partial slip: steps refused by the rounding of the energy"),
     (7, 4, "full contact at a held separation was refused by the sign of a rounding error"),
     (11, 136, "extrapolated steps repeated themselves"),
     (11, 1386, "near full contact equal forces had too little effect on the gaps"),

@@ -350,6 +350,16 @@ def test_stiffness_of_ridges(asperity, tmp_path, ratio):
             pytest.approx(shift, rel=1e-3)
 
 
+def test_full_contact(asperity, tmp_path):
+    """All sticks: the least energy, 0, is that of uniform tractions, which displace nothing."""
+    height = 1e-5 * np.random.default_rng(1).normal(size=(8, 12))
+    for path, load in (((0.02, 0.0), 0.02), ((0.02, 0.0, 0.0, 0.0), 0.0)):
+        found, _, fields = map_slip(asperity, tmp_path, height, (0.1, 0.1), {
+            "control": "pressure", "value": 40.0, "tangential_path": path}, map_edge="periodic")
+        assert found["slides"] == 0 and abs(found["tangential_displacement"]) < 1e-15
+        assert fields["traction_x"] == pytest.approx(load / height.size / 0.01, abs=1e-12)
+
+
 def test_strips(asperity, tmp_path):
     """A cylinder that repeats itself along its axis: the displacements by loads along and across it
     are 1/(1 - nu) and 1 of those of plane strain, from the same distance without displacement."""
