@@ -305,7 +305,9 @@ def test_tractions_of_a_scene_and_both_bodies(asperity, package, tmp_path):
             assert np.abs(found - values).max() < 1e-9 * p.max(), name
             assert np.array_equal(saved[name], found)
             column = name if name in ("von_mises", "largest_shear") else f"stress_{name}"
-            assert np.array_equal(numbers[column].transpose(0, 2, 1), found), name
+            # The package has the release build, the program may have other flags.
+            printed = numbers[column].transpose(0, 2, 1)
+            assert np.abs(printed - found).max() < 1e-9 * p.max(), name
         assert np.abs(truth["xx"] - alone["xx"]).max() > 0.5 * p.max()
         assert f"Stress in the {body} body under pressures and tractions, largest" in text
         with pytest.warns(package.AccuracyWarning, match="on the rim of the contact: it grows"):
