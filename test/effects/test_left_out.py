@@ -2,6 +2,7 @@
 within the tolerance, or the effect is named; a number below the tolerance changes no digit."""
 
 import re
+import shutil
 
 import numpy as np
 import pytest
@@ -9,6 +10,7 @@ import pytest
 from left_out_scenes import (EVERY, MAKERS, ball, loading_of, numbers_of, random_map,
                              scene_of, with_shear)
 from map_scenes import numbers
+from programs import run_program
 from surfaces_csv import solve
 
 TOLERANCE = 1e-2  # of `auto` by default
@@ -143,3 +145,28 @@ def test_left_out_changes_no_digit(asperity, tmp_path):
         rows.append([row[key] for key in ("load", "area", "separation", "mean_gap",
                                           "area_error_estimate", "interaction_iterations")])
     assert rows[0] == rows[1] == rows[2]
+
+
+@pytest.mark.once
+@pytest.mark.skipif(shutil.which("valgrind") is None, reason="no valgrind here")
+def test_left_out_solves_no_more(asperity, tmp_path):
+    """The elastic solves of a map in the program itself, counted by callgrind: as many with the
+    numbers of an effect that is left out as without them; with adhesion on most are others."""
+    body = random_map(np.random.default_rng(3))
+    counts = []
+    for effects in ({}, {"work_of_adhesion": 1e-9, "equilibrium_distance": 0.1},
+                    {"work_of_adhesion": 1e-9, "equilibrium_distance": 0.1, "adhesion": "on"}):
+        scene = body.write(tmp_path, effects=effects, loading={
+            "control": "pressure", "value": 0.05 * body.pressure})
+        run_program("valgrind", "--tool=callgrind", f"--callgrind-out-file={tmp_path}/calls",
+                    asperity, "solve", scene, "--threads", "1")
+        calls, called, names = 0, "", {}
+        for line in (tmp_path / "calls").read_text().splitlines():
+            # A name stands where its number is used first.
+            if (found := re.match(r"c?fn=(\(\d+\))(?: (.*))?", line)):
+                name = names.setdefault(found[1], found[2])
+                called = name if line.startswith("c") else called
+            elif line.startswith("calls=") and "MOD_press_map" in called:
+                calls += int(line[6:].split()[0])
+        counts.append(calls)
+    assert counts[0] == counts[1] > counts[2] > 0, counts
