@@ -5,6 +5,7 @@ import math
 
 import numpy as np
 import pytest
+from elements_truth import love
 from map_press_truth import rough
 from programs import run_program
 from surfaces_csv import solve
@@ -52,6 +53,23 @@ def test_a_circle_has_the_closed_stiffness_and_conductance(asperity, tmp_path, t
     # By the definition of the mean gap the interface of a free map is stiffer.
     assert float(row["interface_stiffness"]) > float(row["contact_stiffness"])
     tally.add("stiffness and conductance of a circle", 2, 2)
+
+
+def test_full_contact_of_a_free_map(asperity, tmp_path):
+    """Stiffness of all measured pixels by a dense solve in numpy. Their gaps stay 0."""
+    height = 1e-3 * np.random.default_rng(7).normal(size=(9, 7))
+    height[[2, 5], [3, 1]] = np.nan
+    inside = np.argwhere(np.isfinite(height))
+    for turn, sides in enumerate([(0.01, 0.014), (0.014, 0.01)]):
+        one, other = (np.subtract.outer(part, part) * side
+                      for part, side in zip(inside.T, (0.01, 0.014)))
+        matrix = love(one, other, 0.01, 0.014) / (math.pi * E)
+        row = press(asperity, tmp_path, height.T if turn else height, "free", sides,
+                    control="load", value=1e-2 * E)
+        assert float(row["samples_in_contact"]) == len(inside)
+        assert row["interface_stiffness"] == ""
+        assert float(row["contact_stiffness"]) == pytest.approx(
+            0.01 * 0.014 * np.linalg.solve(matrix, np.ones(len(inside))).sum(), rel=1e-5)
 
 
 def test_conductances(asperity, tmp_path):
