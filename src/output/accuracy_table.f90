@@ -5,7 +5,8 @@ module asperity_accuracy_table
   use asperity_input_text, only: replaced_text
   use asperity_kinds, only: not_computed, real64
   use asperity_method_study, only: error_against, fastest_within, method_row, method_table
-  use asperity_method_totals, only: error_of_area, quantity_names
+  use asperity_method_totals, only: error_of_area, error_of_greatest_pressure, error_of_load, &
+                                    error_of_separation, quantity_names
   use asperity_number_format, only: number_text, percent_text
   use asperity_problems, only: decimal_text, real_text
   use asperity_result_table, only: add_reals, add_wholes, add_words, array_table
@@ -56,7 +57,7 @@ contains
         write (line, '(a1, 1x, a10, 1x, a40, 1x, a8, 3(1x, a8), 2x, "|", a, "|")') &
           merge('*', ' ', row%on_front), family_words(row%method%family), row%method%name, &
           short_number(row%seconds), error_text(row, row%total%largest, best%own_estimate), &
-          error_text(row, row%total%quantity(error_of_area), best%area_estimate), &
+          error_text(row, row%total%quantity(error_of_area), best%estimates(1)), &
           merge(short_number(row%own%largest), error_text(row, row%own%largest, own_floor), &
                 row%is_reference), error_axis(row, best%own_estimate, own_floor)
         call buffer%line(line)
@@ -184,6 +185,9 @@ contains
     type(text_buffer), intent(inout) :: buffer  !! gets the text
     type(array_table) :: columns
     type(method_row), allocatable :: rows(:)
+    ! Quantities with a column of the error against the reference.
+    integer, parameter :: named(4) = [error_of_area, error_of_load, error_of_separation, &
+                                      error_of_greatest_pressure]
     character(len=400) :: left_out(size(table%rows))
     character(len=96) :: typed(size(table%rows))
     integer :: i, k
@@ -208,17 +212,23 @@ contains
     call add_reals(columns, 'error_mean', rows%total%mean)
     call add_reals(columns, 'error_position', merge(real(rows%total%worst, real64), not_computed, &
                                                     rows%total%worst > 0), is_count=.true.)
-    call add_reals(columns, 'area_error_max', rows%total%quantity(error_of_area))
+    do k = 1, size(named)
+      call add_reals(columns, trim(quantity_names(named(k))) // '_error_max', &
+                     rows%total%quantity(named(k)))
+    end do
     call add_reals(columns, 'own_error_max', rows%own%largest)
     do k = 1, size(quantity_names)
       call add_reals(columns, trim(quantity_names(k)) // '_max', rows%own%quantity(k))
       call add_reals(columns, trim(quantity_names(k)) // '_mean', rows%own%quantity_mean(k))
     end do
     call add_reals(columns, 'error_estimate', rows%own_estimate)
-    call add_reals(columns, 'area_error_estimate', rows%area_estimate)
+    call add_reals(columns, 'area_error_estimate', rows%estimates(1))
+    call add_reals(columns, 'separation_error_estimate', rows%estimates(2))
+    call add_reals(columns, 'pressure_error_estimate', rows%estimates(3))
     call add_reals(columns, 'load', rows%ends(1))
     call add_reals(columns, 'separation', rows%ends(2))
     call add_reals(columns, 'area', rows%ends(3))
+    call add_reals(columns, 'greatest_pressure', rows%ends(4))
     call add_wholes(columns, 'front', merge(1, 0, rows%on_front))
     call add_wholes(columns, 'reference', merge(1, 0, rows%is_reference))
     call add_words(columns, 'typed', typed)

@@ -34,9 +34,10 @@ module asperity_method_study
     type(method_errors) :: total = method_errors()   !! against the reference
     type(method_errors) :: own = method_errors()     !! against what differs in its family alone
     real(real64) :: own_estimate = not_computed  !! largest `error_estimate` of its run
-    real(real64) :: area_estimate = not_computed !! largest `area_error_estimate` of its run
-    !> Load, approach and area of the last states, mean over the positions.
-    real(real64) :: ends(3) = not_computed
+    !> Largest estimates of its last states: of area, separation and greatest pressure.
+    real(real64) :: estimates(3) = not_computed
+    !> Load, approach, area and greatest pressure of the last states, mean over the positions.
+    real(real64) :: ends(4) = not_computed
     logical :: is_reference = .false.          !! the others are compared with it
     logical :: on_front = .false.              !! no other is clearly better
     character(len=:), allocatable :: left_out  !! why it was not run; not allocated: it was
@@ -227,9 +228,10 @@ contains
     end if
     row%seconds = 0.5_real64 * (samples((size(samples) + 1) / 2) + samples(size(samples) / 2 + 1))
     row%own_estimate = totals%own_estimate
-    row%area_estimate = totals%area_estimate
+    row%estimates = totals%estimates
     associate (last => totals%states(totals%first(2:) - 1))
-      row%ends = [sum(last%load), sum(last%approach), sum(last%area)] / size(last)
+      row%ends = [sum(last%load), sum(last%approach), sum(last%area), &
+                  sum(last%greatest_pressure)] / size(last)
     end associate
   end subroutine time_method
 

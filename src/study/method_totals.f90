@@ -9,7 +9,8 @@ module asperity_method_totals
 
   public :: method_errors, method_totals
   public :: errors_of, original_totals, totals_of
-  public :: error_of_area, quantity_names
+  public :: error_of_area, error_of_greatest_pressure, error_of_load, error_of_separation, &
+            quantity_names
 
   ! Quantities whose errors are measured one by one.
   integer, parameter :: error_of_load = 1        !! sum of the normal forces
@@ -17,10 +18,11 @@ module asperity_method_totals
   integer, parameter :: error_of_pressure = 3    !! of the first contact, one step past first touch
   integer, parameter :: error_of_separation = 4  !! separation over the compression
   integer, parameter :: error_of_contacts = 5    !! number of contacts
-  integer, parameter :: number_of_quantities = 5 !! all of them
+  integer, parameter :: error_of_greatest_pressure = 6  !! at any point
+  integer, parameter :: number_of_quantities = 6 !! all of them
   !> Their names in the order of the numbers.
-  character(len=*), parameter :: quantity_names(number_of_quantities) = [character(len=10) :: &
-    'load', 'area', 'pressure', 'separation', 'contacts']
+  character(len=*), parameter :: quantity_names(number_of_quantities) = [character(len=17) :: &
+    'load', 'area', 'pressure', 'separation', 'contacts', 'greatest_pressure']
 
   !> Totals of the states of all positions.
   type :: method_totals
@@ -29,9 +31,9 @@ module asperity_method_totals
     !> Average pressure of the first contact one step past first touch, by position; 0 or less where
     !> it is not known.
     real(real64), allocatable :: pressure(:)
-    real(real64) :: greatest_pressure = 0.0_real64    !! at any point of a last state
     real(real64) :: own_estimate = not_computed  !! largest `error_estimate` of the positions
-    real(real64) :: area_estimate = not_computed !! largest of their `area_error_estimate`
+    !> Largest estimates of the last states: of area, separation and greatest pressure.
+    real(real64) :: estimates(3) = not_computed
     logical :: is_held = .false.                 !! states in time follow
   end type method_totals
 
@@ -55,7 +57,7 @@ contains
   !> The totals of results.
   pure type(method_totals) function totals_of(results) result(totals)
     type(scene_results), intent(in) :: results  !! of a method
-    integer :: i, k, m
+    integer :: k, m
 
     associate (positions => results%positions)
       allocate (totals%first(size(positions) + 1), totals%pressure(size(positions)), &
@@ -69,8 +71,10 @@ contains
         totals%states(totals%first(m):k) = position%states
         totals%is_held = totals%is_held .or. any(position%states%time > 0.0_real64)
         totals%pressure(m) = position%first_step_pressure
-        totals%greatest_pressure = max(totals%greatest_pressure, &
-                                       position%states(size(position%states))%greatest_pressure)
+        associate (last => totals%states(k))
+          totals%estimates = max(totals%estimates, &
+                                 [last%area_error, last%separation_error, last%pressure_error])
+        end associate
         ! The estimate is that of the last state, not of a path that came back.
         if (totals%is_held .or. &
             maxval(position%states%compression) <= totals%states(k)%compression) &
@@ -78,11 +82,6 @@ contains
       end associate
     end do
     totals%first(size(totals%first)) = k + 1
-    if (.not. allocated(results%effects)) return
-    i = findloc(results%effects%state_columns, 'area_error_estimate', 1)
-    do m = 1, merge(size(results%positions), 0, i > 0)
-      totals%area_estimate = max(totals%area_estimate, results%positions(m)%state_values(i))
-    end do
   end function totals_of
 
   !> The totals of the original program: one state a position, its compression not known.
@@ -103,6 +102,9 @@ contains
     do m = 1, original_positions
       associate (first => records%positions(m)%first_contact, &
                  last => records%positions(m)%last_contact)
+        if (last >= first) totals%states(m)%greatest_pressure = maxval( &
+          records%contacts(first:last)%maximum_pressure, &
+          records%contacts(first:last)%step == records%contacts(last)%step)
         i = first - 1 + findloc(records%contacts(first:last)%step, 2, 1)
         ! A step that was cut short by the next contact has no pressure.
         if (i < first) cycle
@@ -179,6 +181,9 @@ contains
       by_quantity(error_of_contacts) = &
         relative_to(real(maxval(abs(one%contacts - other%contacts)), real64), &
                     real(maxval(other%contacts), real64))
+      by_quantity(error_of_greatest_pressure) = &
+        relative_to(maxval(abs(one%greatest_pressure - other%greatest_pressure)), &
+                    maxval(other%greatest_pressure))
       error = max(by_quantity(error_of_load), by_quantity(error_of_separation), &
                   relative_to(maxval(abs(one%vertical_load - other%vertical_load), &
                                      one%vertical_load > not_computed), &
