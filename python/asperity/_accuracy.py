@@ -6,8 +6,9 @@ import csv
 import html
 import io
 import math
+import os
 import warnings
-from collections.abc import Mapping, Sequence
+from collections.abc import Iterator, Mapping, Sequence
 from typing import Any
 
 from . import _arguments as _a
@@ -15,10 +16,20 @@ from . import _library as _c
 from ._columns import Axes, Lazy, Table, column
 from ._maps import HeightMap
 from ._plots import new_axes, picture_html
+from ._results import SIDES
 from ._scenes import Scene
 
 numpy: Any = Lazy("numpy", "numpy", "accuracy")
 WORDS = ("family", "method", "arithmetic", "overlap", "typed", "left_out")
+# Quantities: the columns of their errors and of their estimated errors, and the quantity whose
+# estimate stands for theirs where a method has none.
+QUANTITIES = {"load": ("error_max", "error_estimate", ""),
+              "area": ("area_error_max", "area_error_estimate", ""),
+              "separation": ("separation_error_max", "separation_error_estimate", "load"),
+              "greatest_pressure": ("greatest_pressure_error_max", "pressure_error_estimate", "area")}
+# Chosen: errors above this share of another are no smaller; a load below this error is prescribed;
+# numbers of methods that are closer than this share of the axis stand in one place.
+SMALLER, PRESCRIBED, NEAR = 0.9, 1e-9, 0.04
 
 
 class Accuracy:
@@ -28,31 +39,36 @@ class Accuracy:
         table: A row for each method, with the columns of `asperity accuracy --csv`.
         reference: The method with which the others are compared.
         answers: For each of the goals the fastest row with this error of the load; None: no such.
-        digits: Greatest change of load, area or separation when the heights change by half of their
-            last digit; None where it is unknown.
+        digits: Greatest change of a quantity when the heights change by half of their last digit;
+            None where it is unknown.
     """
 
     def __init__(self, table: Table, text: str, digits: float | None, goals: Sequence[float]):
         self.table, self._text, self.digits = table, text, digits
         best = next(row for row in table.rows() if row["reference"])
         self.reference: str = best["method"]
-        self._own = {name: max(0.0, best[title]) if best[title] == best[title] else 0.0
-                     for name, title in (("load", "error_estimate"),
-                                         ("area", "area_error_estimate"))}
+        self._own: dict[str, float] = {}
+        for of, (_, title, other) in QUANTITIES.items():
+            self._own[of] = max(0.0, self._own.get(other, 0.0) if math.isnan(best[title]) else
+                                best[title])
         self.answers = {goal: self.answer(goal) for goal in goals}
 
     def error(self, row: Mapping[str, Any], of: str = "load") -> float:
-        """The error of a row of the table: of `load` (under load control, of the compression) or
-        of `area`. It is at least the estimated error of the reference."""
-        if of not in self._own:
-            raise _a.wrong("of", repr(of), ", ".join(map(repr, self._own)))
-        return max(self._own[of], float(row["error_max" if of == "load" else "area_error_max"]))
+        """The error of a row of the table: of `load` (under load control, of the compression),
+        `area`, `separation` or `greatest_pressure`; at least that of the reference."""
+        if of not in QUANTITIES:
+            raise _a.wrong("of", repr(of), ", ".join(map(repr, QUANTITIES)))
+        return max(self._own[of], float(row[QUANTITIES[of][0]]))
 
     def answer(self, goal: float, of: str = "load") -> dict[str, Any] | None:
         """The fastest row that can be typed with an error of at most `goal`; None: no such."""
-        return min((row for row in self.table.rows() if row["typed"] and row["seconds"] > 0
-                    and self.error(row, of) <= goal), key=lambda row: float(row["seconds"]),
-                   default=None)
+        return next((row for row in self._fastest_first() if row["typed"]
+                     and self.error(row, of) <= goal), None)
+
+    def _fastest_first(self) -> list[dict[str, Any]]:
+        """The rows of methods that were run."""
+        return sorted((row for row in self.table.rows() if row["seconds"] > 0),
+                      key=lambda row: float(row["seconds"]))
 
     def __str__(self) -> str:
         band = f"\nHalf of the last digit of the heights: {self.digits or 0.0:.1g}."
@@ -65,39 +81,54 @@ class Accuracy:
         return f"<pre>{html.escape(str(self))}</pre>" + picture_html(self.plot)
 
     def plot(self, ax: Axes | None = None) -> Axes:
-        """Draw the errors of load and area against the run time, with a number for each method.
-        Open markers are bounds by the reference, a line connects the Pareto front; errors in the
-        grey band are below the digits of the heights. Numbers of like points are stacked."""
-        axes: Axes = new_axes(ax, size=(9.0, 4.5))
-        rows = sorted((row for row in self.table.rows() if row["seconds"] > 0),
-                      key=lambda row: float(row["seconds"]))
+        """Draw the errors against the run time, a curve a quantity through the methods with the
+        least error in their time. Each has a vertical line with a number, and below what to type.
+        Dots are other methods, open markers bounds by the reference, dotted lines the goals. Errors
+        in the grey band are below the digits of the heights."""
+        axes: Axes = new_axes(ax, size=(6.0, 5.5))
+        axes.set(xscale="log", yscale="log")
+        rows, listed = self._fastest_first(), set[int]()
+        seconds = numpy.array([row["seconds"] for row in rows])
         for number, (of, own) in enumerate(self._own.items()):
-            errors = [self.error(row, of) for row in rows]
-            for row, error in zip(rows, errors):
-                if error > 0:
-                    axes.plot(row["seconds"], error, "os"[number], color=f"C{number}",
-                              mfc="white" if error <= own else None)
-            axes.plot([], [], "os"[number], color=f"C{number}", label=of)
-        front = [(row["seconds"], self.error(row)) for row in rows if row["front"]]
-        axes.plot(*zip(*front) if front else ([], []), color="C0", lw=0.8, zorder=0)
-        axes.set(xscale="log", yscale="log", xlabel="time (s)", ylabel="relative error")
+            errors = numpy.array([self.error(row, of) for row in rows])
+            if not errors.any() or (of == "load" and max(
+                    row["load_error_max"] for row in rows) < PRESCRIBED):
+                continue
+            best = [place for place, row in enumerate(rows) if row["typed"] and errors[place] > 0
+                    and errors[place] < SMALLER * min((errors[other] for other in range(place)
+                                                       if rows[other]["typed"]), default=math.inf)]
+            listed.update(best)
+            style, kept = "os^D"[number], {"color": f"C{number}", "ms": 5}
+            axes.plot(seconds, errors, ".", **{**kept, "ms": 3})
+            axes.plot(seconds[best], errors[best], f"{style}-", **kept, label=of.replace("_", " "))
+            axes.plot(seconds[errors <= own], errors[errors <= own], style, **kept, mfc="white")
         low, high = axes.get_ylim()
-        if self.digits:
-            axes.axhspan(min(low, self.digits) / 10, self.digits, color="0.92", zorder=0)
-        axes.set_ylim(low, high)
-        numbers: dict[tuple[float, float], list[str]] = {}
-        for number, row in enumerate(rows, 1):
-            if (error := self.error(row)) > 0:
-                near = next((place for place in numbers if row["seconds"] < 1.2 * place[0]
-                             and 0.8 < error / place[1] < 1.25), (row["seconds"], error))
-                numbers.setdefault(near, []).append(str(number))
-        for near, words in numbers.items():
-            axes.annotate("\n".join(words), near, (3, 3), textcoords="offset points", fontsize=7)
-        axes.text(1.03, 1.0, "\n".join(f"{number}  {row['method']}, {row['seconds']:.2g} s"
-                                       for number, row in enumerate(rows, 1)),
-                  va="top", fontsize="x-small", transform=axes.transAxes)
+        axes.axhspan(low / 10, self.digits or low / 10, color="0.92", zorder=0)
+        for goal in self.answers:
+            axes.axhline(goal, color="0.6", lw=0.8, ls=":", zorder=0)
+        span = NEAR * math.log(numpy.divide(*axes.get_xlim()[::-1]))
+        numbers, lines = dict[float, str](), ["time (s); dots: other methods, open: bounds"]
+        for number, place in enumerate(sorted(listed), 1):
+            at = next((one for one in numbers if math.log(seconds[place] / one) < span),
+                      seconds[place])
+            numbers[at] = f"{numbers[at]},{number}" if at in numbers else str(number)
+            lines.append(f"{number}  {self.typed(rows[place])}: {seconds[place]:.2g} s")
+            axes.axvline(seconds[place], color="0.85", lw=0.6, zorder=0)
+        above = axes.secondary_xaxis("top")
+        above.set_xticks(list(numbers), list(numbers.values()))
+        above.set_xticks([], minor=True)
+        axes.set(ylim=(low, high), ylabel="relative error")
+        axes.set_xlabel("\n".join(lines), fontsize="small", ma="left", loc="left")
         axes.legend(fontsize="small")
         return axes
+
+    @staticmethod
+    def typed(row: Mapping[str, Any]) -> str:
+        """What to type for a row of the table: names of `effects`, or arguments of `solve`; the name
+        of a method that the scene cannot request."""
+        if row["typed"] == "--accuracy":
+            return f"accuracy={1.06 * row['error_estimate']:.2g}"
+        return str(row["method"] if row["typed"] in ("", "pixels") else row["typed"])
 
 
 def accuracy(scene: Any, *, seconds: float = 60.0, finer: bool = False,
@@ -127,23 +158,41 @@ def accuracy(scene: Any, *, seconds: float = 60.0, finer: bool = False,
 
 def _digits(given: Scene) -> float | None:
     """Greatest change of a total when all heights change by half of their last digit."""
-    given = given.with_arrays()
-    source = given._source if isinstance(given._source, Mapping) else {}
-    arrays = {side: value for side, value in dict(source.get("surfaces", {})).items()
-              if side in ("upper", "lower") and isinstance(value, (HeightMap, Mapping))}
+    import tempfile  # takes long
     found = None
-    with warnings.catch_warnings():
+    with warnings.catch_warnings(), tempfile.TemporaryDirectory() as folder:
         warnings.simplefilter("ignore")
-        for seed in (1, 2) if arrays else ():
-            one = given.solve().positions
-            other = Scene({**source, "surfaces": {**source["surfaces"], **{
-                side: _with_half_digit(value, seed) for side, value in arrays.items()}}}
-                ).solve().positions
+        one = None
+        for other in _with_half_digits(given.with_arrays(), os.path.join(folder, "a.deck")):
+            one, other = one or given.solve().positions, other.solve().positions
             found = max(found or 0.0, *(
                 float(numpy.nanmax(abs(other[name] - one[name]) / abs(one[whole]), initial=0.0))
                 for name, whole in (("load", "load"), ("area", "area"),
                                     ("separation", "compression"))))
     return found
+
+
+def _with_half_digits(given: Scene, deck: str) -> Iterator[Scene]:
+    """A scene with arrays twice, each height changed by half of its last digit, up or down at
+    random; a card deck by a file `deck`."""
+    source = given._source if isinstance(given._source, Mapping) else given.groups
+    surfaces = dict(source.get("surfaces", {}))
+    arrays = {side: value for side, value in surfaces.items()
+              if side in SIDES and isinstance(value, (HeightMap, Mapping))}
+    for seed in (1, 2) if arrays or "deck" in surfaces else ():
+        made = {side: _with_half_digit(value, seed) for side, value in arrays.items()}
+        if "deck" in surfaces:
+            made["deck"] = deck
+            draw = numpy.random.default_rng(seed).choice
+            path = os.path.join(os.path.dirname(given._name), surfaces["deck"].strip("'"))
+            with open(path, encoding="ascii") as cards, open(deck, "w", encoding="ascii") as file:
+                for number, card in enumerate(cards):
+                    height = card[12:19].strip() if number > 3 else ""
+                    if digits := len(height.partition(".")[2]):
+                        changed = float(height) + draw((-0.5, 0.5)) / 10**digits
+                        card = card[:12] + f"{changed:7.{digits + 1}f}"[-7:] + card[19:].rjust(1)
+                    file.write(card)
+        yield Scene({**source, "surfaces": {**surfaces, **made}})
 
 
 def _with_half_digit(surface: Any, seed: int) -> Any:
