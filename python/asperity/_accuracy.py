@@ -7,6 +7,7 @@ import html
 import io
 import math
 import os
+import re
 import warnings
 from collections.abc import Iterator, Mapping, Sequence
 from typing import Any
@@ -21,12 +22,13 @@ from ._scenes import Scene
 
 numpy: Any = Lazy("numpy", "numpy", "accuracy")
 WORDS = ("family", "method", "arithmetic", "overlap", "typed", "left_out")
-# Quantities: the columns of their errors and of their estimated errors, and the quantity whose
+# Quantities: what begins their columns `error_max` and `error_estimate`, and the quantity whose
 # estimate stands for theirs where a method has none.
-QUANTITIES = {"load": ("error_max", "error_estimate", ""),
-              "area": ("area_error_max", "area_error_estimate", ""),
-              "separation": ("separation_error_max", "separation_error_estimate", "load"),
-              "greatest_pressure": ("greatest_pressure_error_max", "pressure_error_estimate", "area")}
+QUANTITIES = {"load": ("", "", ""), "area": ("area_", "area_", ""),
+              "separation": ("separation_", "separation_", "load"),
+              "greatest_pressure": ("greatest_pressure_", "pressure_", "area")}
+# The card of an asperity: x and y, height with its decimals, which leave room for one more.
+CARD = r"(?m)^([-\d. ]{12})( *\d?\.(\d{1,4}))(?=\s*$)"
 # Chosen: errors above this share of another are no smaller; a load below this error is prescribed;
 # numbers of methods that are closer than this share of the axis stand in one place.
 SMALLER, PRESCRIBED, NEAR = 0.9, 1e-9, 0.04
@@ -39,8 +41,7 @@ class Accuracy:
         table: A row for each method, with the columns of `asperity accuracy --csv`.
         reference: The method with which the others are compared.
         answers: For each of the goals the fastest row with this error of the load; None: no such.
-        digits: Greatest change of a quantity when the heights change by half of their last digit;
-            None where it is unknown.
+        digits: Greatest change of a total by half of the last digit of the heights; None: unknown.
     """
 
     def __init__(self, table: Table, text: str, digits: float | None, goals: Sequence[float]):
@@ -48,9 +49,9 @@ class Accuracy:
         best = next(row for row in table.rows() if row["reference"])
         self.reference: str = best["method"]
         self._own: dict[str, float] = {}
-        for of, (_, title, other) in QUANTITIES.items():
-            self._own[of] = max(0.0, self._own.get(other, 0.0) if math.isnan(best[title]) else
-                                best[title])
+        for of, (_, start, other) in QUANTITIES.items():
+            estimate = best[f"{start}error_estimate"]
+            self._own[of] = self._own.get(other, 0.0) if math.isnan(estimate) else max(0, estimate)
         self.answers = {goal: self.answer(goal) for goal in goals}
 
     def error(self, row: Mapping[str, Any], of: str = "load") -> float:
@@ -58,7 +59,7 @@ class Accuracy:
         `area`, `separation` or `greatest_pressure`; at least that of the reference."""
         if of not in QUANTITIES:
             raise _a.wrong("of", repr(of), ", ".join(map(repr, QUANTITIES)))
-        return max(self._own[of], float(row[QUANTITIES[of][0]]))
+        return max(self._own[of], float(row[f"{QUANTITIES[of][0]}error_max"]))
 
     def answer(self, goal: float, of: str = "load") -> dict[str, Any] | None:
         """The fastest row that can be typed with an error of at most `goal`; None: no such."""
@@ -124,8 +125,7 @@ class Accuracy:
 
     @staticmethod
     def typed(row: Mapping[str, Any]) -> str:
-        """What to type for a row of the table: names of `effects`, or arguments of `solve`; the name
-        of a method that the scene cannot request."""
+        """What to type for a row: names of `effects` or an argument of `solve`; else its method."""
         if row["typed"] == "--accuracy":
             return f"accuracy={1.06 * row['error_estimate']:.2g}"
         return str(row["method"] if row["typed"] in ("", "pixels") else row["typed"])
@@ -159,39 +159,36 @@ def accuracy(scene: Any, *, seconds: float = 60.0, finer: bool = False,
 def _digits(given: Scene) -> float | None:
     """Greatest change of a total when all heights change by half of their last digit."""
     import tempfile  # takes long
-    found = None
+    found = one = None
     with warnings.catch_warnings(), tempfile.TemporaryDirectory() as folder:
         warnings.simplefilter("ignore")
-        one = None
         for other in _with_half_digits(given.with_arrays(), os.path.join(folder, "a.deck")):
             one, other = one or given.solve().positions, other.solve().positions
             found = max(found or 0.0, *(
                 float(numpy.nanmax(abs(other[name] - one[name]) / abs(one[whole]), initial=0.0))
-                for name, whole in (("load", "load"), ("area", "area"),
-                                    ("separation", "compression"))))
-    return found
+                for name, whole in zip(("load", "area", "separation"),
+                                       ("load", "area", "compression"))))
+    return found or None
 
 
 def _with_half_digits(given: Scene, deck: str) -> Iterator[Scene]:
     """A scene with arrays twice, each height changed by half of its last digit, up or down at
-    random; a card deck by a file `deck`."""
+    random, the first two unlike and alike; a card deck by a file `deck`."""
     source = given._source if isinstance(given._source, Mapping) else given.groups
     surfaces = dict(source.get("surfaces", {}))
     arrays = {side: value for side, value in surfaces.items()
               if side in SIDES and isinstance(value, (HeightMap, Mapping))}
-    for seed in (1, 2) if arrays or "deck" in surfaces else ():
+    for seed in (1, 4) if arrays or "deck" in surfaces else ():
         made = {side: _with_half_digit(value, seed) for side, value in arrays.items()}
         if "deck" in surfaces:
             made["deck"] = deck
-            draw = numpy.random.default_rng(seed).choice
-            path = os.path.join(os.path.dirname(given._name), surfaces["deck"].strip("'"))
+            path = os.path.join(os.path.dirname(given._name), str(surfaces["deck"]).strip("'"))
+
+            def moved(card: re.Match[str], random: Any = numpy.random.default_rng(seed)) -> str:
+                height = float(card[2]) + random.choice((-0.5, 0.5)) / 10**len(card[3])
+                return f"{card[1]}{height:7.{len(card[3]) + 1}f}"
             with open(path, encoding="ascii") as cards, open(deck, "w", encoding="ascii") as file:
-                for number, card in enumerate(cards):
-                    height = card[12:19].strip() if number > 3 else ""
-                    if digits := len(height.partition(".")[2]):
-                        changed = float(height) + draw((-0.5, 0.5)) / 10**digits
-                        card = card[:12] + f"{changed:7.{digits + 1}f}"[-7:] + card[19:].rjust(1)
-                    file.write(card)
+                file.write(re.sub(CARD, moved, cards.read()))
         yield Scene({**source, "surfaces": {**surfaces, **made}})
 
 

@@ -9,7 +9,7 @@ from typing import TYPE_CHECKING, Any, cast
 
 from . import _arguments as _a
 from . import _library as _c
-from ._columns import (Axes, Column, Lazy, NDArray, Table, in_rows, label_of, needed, numpy, shown,
+from ._columns import (Axes, Column, Lazy, NDArray, in_rows, label_of, needed, numpy, shown,
                        xarray)
 from ._errors import AccuracyWarning, warn_caller
 from ._plots import (STATES, draw_pixels, draw_section, draw_states, new_axes, picture_html,
@@ -78,16 +78,6 @@ class Fields(Arrays):
         step: Number of the state, from 1, as in the column `step` of the states.
         boundary_contacts, hertz_contacts: On a grid: contacts with the pressure of boundary
             elements, and with that of Hertz.
-
-    Examples:
-        >>> rough = asperity.generate_map(pixels=64, spacing=1, hurst=0.8, rms_slope=0.1)
-        >>> results = asperity.solve({
-        ...     "surfaces": {"upper": "plane", "lower": rough},
-        ...     "material": {"contact_modulus": 1000.0},
-        ...     "loading": {"control": "pressure", "value": 5.0}}, fields=True)
-        >>> fields = results.fields()
-        >>> print(f"{fields.pressure.mean():.3f}", fields.gap[fields.contact].max())
-        5.000 0.0
     """
 
     _kind = "field"
@@ -177,14 +167,12 @@ class Stress(Arrays):
 
     _kind = "stress"
 
-    def __init__(self, fields: Fields, depths: Any, tables: list[Table]):
+    def __init__(self, fields: Fields, depths: Any, arrays: dict[str, NDArray[Any]]):
         self.depth: NDArray[Any] = depths
         self.unit = fields.units["pressure"]
         self._fields = fields
-        self._names = tuple(name.removeprefix("stress_") for name in tables[0])
-        for name, column_ in zip(self._names, tables[0]):
-            setattr(self, name, np.stack(
-                [np.asarray(table[column_]).reshape(fields.shape) for table in tables]))
+        self._names = tuple(arrays)
+        vars(self).update(arrays)
 
     def __repr__(self) -> str:
         unit = f" {self.unit}" if self.unit else ""

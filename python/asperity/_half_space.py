@@ -60,11 +60,7 @@ class HalfSpace:
 
     def stress(self, depths: Any, pressure: Any, tractions: Any = None) -> dict[str, NDArray[Any]]:
         """Stresses by name, as of `Results.stress`, of shape (depths, rows, columns)."""
-        arrays = self._arrays(pressure, tractions)
-        tables = [loaded(self._body, _c.STRESSES, arrays, float(depth))
-                  for depth in numpy.atleast_1d(depths)]
-        return {name.removeprefix("stress_"): numpy.stack(
-            [numpy.reshape(table[name], self.shape) for table in tables]) for name in tables[0]}
+        return stresses(self._body, self.shape, depths, self._arrays(pressure, tractions))
 
     def _arrays(self, values: Any, tractions: Any) -> list[Any]:
         """Arrays of numbers of the shape."""
@@ -74,6 +70,14 @@ class HalfSpace:
             if one.shape != self.shape:
                 raise _a.wrong("pixels", f"an array of shape {one.shape}", f"{self.shape}")
         return arrays
+
+
+def stresses(body: _c.Body, shape: tuple[int, int], depths: Any,
+             arrays: Sequence[Any]) -> dict[str, NDArray[Any]]:
+    """Stresses by name, of shape (depths, rows, columns), under pressures and both tractions."""
+    tables = [loaded(body, _c.STRESSES, arrays, float(depth)) for depth in numpy.atleast_1d(depths)]
+    return {name.removeprefix("stress_"): numpy.stack(
+        [numpy.reshape(table[name], shape) for table in tables]) for name in tables[0]}
 
 
 def loaded(body: _c.Body, what: int, arrays: Sequence[Any], depth: float = 0.0) -> Table:

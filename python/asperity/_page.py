@@ -73,8 +73,7 @@ class Page:
 
     def hover(self, renderer: Any, values: dict[str, str]) -> Any:
         return models.HoverTool(renderers=[renderer], tooltips=[
-            (name, f"{place}{{%.{DIGITS}g}}" if place != "@key" else place)
-            for name, place in values.items()],
+            (name, at + f"{{%.{DIGITS}g}}" * (at != "@key")) for name, at in values.items()],
             formatters={place: "printf" for place in values.values() if place != "@key"})
 
     def plan(self, title: str, unit: str) -> Any:
@@ -230,8 +229,8 @@ def page_of(results: Results, position: int | None, title: str | None) -> str:
         ("#a00", results.warnings), ("#555", page.notes)) for line in texts)
     inputs = "; ".join([f"asperity {about.get('version', '')}", *(
         f"{one['file']}, checksum {one['checksum']}" for one in about.get("inputs", []))])
-    head, foot = (models.Div(text=text, sizing_mode="stretch_width",
-                                  styles={"overflow-x": "auto"}) for text in (
+    style: dict[str, Any] = {"sizing_mode": "stretch_width", "styles": {"overflow-x": "auto"}}
+    head, foot = (models.Div(text=text, **style) for text in (
         f"<h2>{html.escape(name)}</h2><ul>{lines}</ul>",
         f"<h3>Summary</h3><pre>{html.escape(results.summary)}</pre><h3>Input</h3>"
         f"<p>{html.escape(inputs)}</p><pre>{html.escape(results.scene.get('text', ''))}</pre>"))

@@ -16,9 +16,9 @@ from . import _arguments as _a
 from . import _fields
 from . import _library as _c
 from ._columns import Axes, Column, Table, needed, pandas, shown, xarray
-from ._errors import ComputeError, warn_caller
+from ._errors import ComputeError
 from ._fields import Fields, Stress
-from ._half_space import loaded
+from ._half_space import stresses
 from ._maps import HeightMap, map_of_file
 from ._page import page_of
 from ._plots import draw_contacts, draw_curves, draw_pixels, in_plan, new_axes
@@ -47,14 +47,6 @@ class Results:
         notes: Notes on the deck, the scene or the map.
         scene: `text` without arrays, `file`, `units` of length and force where they are known, and
             `provenance`: version, arithmetic, effects, checksums of files.
-
-    Examples:
-        >>> sphere = {"x": [0.0], "y": [0.0], "height": [1.0], "radius": [10.0]}
-        >>> results = asperity.solve({"surfaces": {"upper": sphere, "lower": "plane"},
-        ...     "material": {"contact_modulus": 1000.0},
-        ...     "loading": {"control": "compression", "value": 0.01, "points": 4}})
-        >>> print(f"{results.states['load'][-1]:.6f}")  # Hertz: 4/3 E sqrt(R) d**1.5
-        4.216370
     """
 
     def __init__(self, outcome: _c.Outcome, kept: int = _fields.NONE):
@@ -113,9 +105,8 @@ class Results:
         """The fields that were kept, with the dimensions `step`, `y` and `x`, and along `step` the
         columns of the states that are numbers; `attrs["units"]` of each variable is its unit."""
         kept = self._all_fields() or [self.fields()]
-        library: Any = needed("xarray", "xarray", "a dataset")
-        made = library.concat([one.to_xarray() for one in kept], "step", join="outer",
-                                   coords="different", compat="equals")
+        made = needed("xarray", "xarray", "a dataset").concat(
+            map(Fields.to_xarray, kept), "step", join="outer", coords="different", compat="equals")
         places = list(zip(self.states["position"].tolist(), self.states["step"].tolist()))
         rows = [places.index((one.position, one.step)) for one in kept]
         for name, values in self.states.items():
@@ -146,7 +137,7 @@ class Results:
         """
         name = os.fsdecode(_a.path("path", path))
         if position is not None:
-            self._step(position, None, None)
+            self._step(position)
         text = page_of(self, position, title)
         try:
             with open(name, "w", encoding="utf-8") as file:
@@ -194,26 +185,23 @@ class Results:
         found = re.search(r"\bcontrol\s*=\s*['\"](\w+)", self.scene.get("text", ""))
         return found[1].lower() if found else ""
 
-    def plot_contacts(self, position: int = 1, state: int | None = None, ax: Axes | None = None, *,
-                      step: int | None = None) -> Axes:
+    def plot_contacts(self, position: int = 1, ax: Axes | None = None, *, step: int = -1) -> Axes:
         """Draw the contacts in plan, coloured by pressure: circles with the area of the contacts of
         asperities; of a height map the pressure where fields were kept, otherwise the centres of
-        the contact patches. `position`, `state` and `step` as for `fields`.
+        the contact patches. `position` and `step` as for `fields`.
         """
-        step = self._step(position, state, step)
+        step = self._step(position, step)
         table = self.contacts
         if "samples" in table and self._keeps(position, step):
             return self.fields(position, step=step).plot("pressure", ax)
         rows = (table["position"] == position) & (table["step"] == step) & (table["load"] != 0)
         return draw_contacts(table, rows, ax)
 
-    def fields(self, position: int = 1, state: int | None = None, *,
-               step: int | None = None) -> Fields:
+    def fields(self, position: int = 1, *, step: int = -1) -> Fields:
         """Pressure, gap and displacement on the pixels of a height map or of asperities.
 
         Args:
             position: A value of the column `position`.
-            state: Deprecated, use `step`: the index among the states of the position, from 0.
             step: A value of the column `step` of the states; -1, the default, is the last state.
 
         Raises:
@@ -221,7 +209,7 @@ class Results:
             ComputeError: `solve(..., fields=True)` did not request fields, or the scene is neither
                 a height map on its pixels nor one position of asperities with `field_spacing`.
         """
-        step = self._step(position, state, step)
+        step = self._step(position, step)
         if self._kept == _fields.LAST and not self._keeps(position, step):
             raise IndexError(f"step: found {step}, expected -1: the last state alone was kept; "
                              "solve(..., fields='all') keeps all")
@@ -233,7 +221,7 @@ class Results:
             self._fields[position, step] = _fields.Fields(found, int(position), step)
         return self._fields[position, step]
 
-    def stress(self, depths: Any, position: int = 1, *, step: int | None = None,
+    def stress(self, depths: Any, position: int = 1, *, step: int = -1,
                body: str = "lower") -> Stress:
         """Stress in the lower or the upper body below the pixels of `fields`, by pressures and
         tractions.
@@ -266,9 +254,7 @@ class Results:
             library.ascontiguousarray(fields[name]) * (1 - 2 * (side == 0)) for name in fields
             if name.startswith("traction")]
         arrays += [library.zeros_like(arrays[0])] * (len(arrays) == 2)
-        under = self._body(fields, side)
-        return Stress(fields, at, [loaded(under, _c.STRESSES, arrays, float(depth))
-                                   for depth in at])
+        return Stress(fields, at, stresses(self._body(fields, side), fields.shape, at, arrays))
 
     def _body(self, fields: Fields, side: int) -> _c.Body:
         """The upper (0) or lower (1) body of the scene under the pixels of fields."""
@@ -286,26 +272,18 @@ class Results:
         return _c.Body(fields.shape[1], fields.shape[0], fields.spacing, edges, modulus, ratio,
                        layers[0])
 
-    def pressure_histogram(self, position: int = 1, state: int | None = None, bins: int = 100, *,
-                           step: int | None = None) -> tuple[Column, Column]:
+    def pressure_histogram(self, position: int = 1, bins: int = 100, *,
+                           step: int = -1) -> tuple[Column, Column]:
         """Distribution of the pressure on the pixels in contact: the pressure in the middle of each
         of the `bins` of equal width up to the greatest one, and the area per pressure over the
         measured area, whose integral is the contact area fraction. Other arguments as for `fields`.
         """
         number = _a.whole("bins", bins, "a number from 1", range(1, 2**31))
-        return _fields.histogram(self.fields(position, state, step=step), number)
+        return _fields.histogram(self.fields(position, step=step), number)
 
-    def _step(self, position: int, state: int | None, step: int | None) -> int:
+    def _step(self, position: int, step: int = -1) -> int:
         """The number of a state, from 1, which a public function was given."""
-        if state is not None:
-            if step is not None:
-                raise TypeError("found state and step, expected one of them")
-            index = _a.whole("state", state, "a whole number")
-            step = index if index < 0 else index + 1
-            if index >= 0:
-                warn_caller(f"state={index} counts from 0: use step={step}, which counts from 1 as "
-                            "the column does", DeprecationWarning)
-        number = -1 if step is None else _a.whole("step", step, "a whole number")
+        number = _a.whole("step", step, "a whole number")
         last = sum(place == position for place in self.states["position"].tolist())
         if not last:
             raise IndexError(f"position: found {position}, expected one of the results")
@@ -316,7 +294,7 @@ class Results:
     def _keeps(self, position: int, step: int) -> bool:
         """Whether the fields of a state were to be kept."""
         return self._kept == _fields.ALL or (
-            self._kept == _fields.LAST and step == self._step(position, None, None))
+            self._kept == _fields.LAST and step == self._step(position))
 
     def __str__(self) -> str:
         return self.summary
@@ -346,9 +324,8 @@ def load(path: _a.Path, *, fields: _a.Path | Sequence[_a.Path] | None = None) ->
             those of all states in their order (`--fields-of all`).
     """
     from . import _files
-    made = Results.__new__(Results)
+    made, given = Results.__new__(Results), cast("Any", fields)
     facts, tables, found = _files.read_results(path)
-    given: Any = fields
     paths = [] if given is None else given if isinstance(given, (list, tuple)) else [given]
     if found is None:
         places = list(zip(tables["states"]["position"].tolist(), tables["states"]["step"].tolist()))
@@ -360,10 +337,9 @@ def load(path: _a.Path, *, fields: _a.Path | Sequence[_a.Path] | None = None) ->
     elif paths:
         raise _a.wrong("fields", repr(fields), "None: a saved file has its fields")
     vars(made).update(tables, _outcome=None, summary=facts["summary"], warnings=facts["warnings"],
-                      notes=facts["notes"], scene=facts.get("scene", {}),
-                      _kept=_fields.NONE if not found else _fields.LAST
-                      if len(found) < len(tables["states"]) else _fields.ALL,
-                      _fields={(one.position, one.step): one for one in found})
+                      notes=facts["notes"], scene=facts.get("scene", {}), _kept=_fields.NONE
+                      if not found else _fields.LAST if len(found) < len(tables["states"])
+                      else _fields.ALL, _fields={(one.position, one.step): one for one in found})
     return made
 
 

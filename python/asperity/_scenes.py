@@ -29,15 +29,6 @@ class Scene:
 
     Attributes:
         groups: The groups of the scene without its arrays; for a file, values as they stand there.
-
-    Examples:
-        >>> sphere = {"x": [0.0], "y": [0.0], "height": [1.0], "radius": [10.0]}
-        >>> scene = asperity.Scene({"surfaces": {"upper": sphere, "lower": "plane"},
-        ...     "material": {"contact_modulus": 1e3}, "loading": {"control": "load", "value": 1}})
-        >>> for load in (1, 8):
-        ...     print(f"{scene.solve(loading={'value': load}).states['compression'][-1]:.6f}")
-        0.003832
-        0.015326
     """
 
     def __init__(self, scene: _a.Path | Mapping[str, Mapping[str, Any]]):
@@ -150,15 +141,7 @@ def solve(scene: _a.Path | Mapping[str, Mapping[str, Any]] | Scene, *, arithmeti
             `all` of all states: on the pixels of a height map, or on the grid of a scene of
             asperities with `field_spacing` in `surfaces`. A state takes 24 bytes a pixel.
 
-    Raises:
-        InputError: All that is wrong with scene and arguments, by name as `surfaces.upper.height`.
-        TypeError: A value of a type that cannot be taken.
-        ComputeError: The scene cannot be solved.
-        KeyboardInterrupt: Within a second after Ctrl-C.
-
-    Warns:
-        TheoryWarning: A result is outside the range of a theory.
-        AccuracyWarning: A result has a larger error than the tolerance.
+    `docs/reference/python.md` has the errors and warnings.
 
     Examples:
         >>> ridges = [[0.0, 0.1, 0.0, -0.1] * 8] * 32  # heights in um

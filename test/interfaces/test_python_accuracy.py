@@ -61,13 +61,67 @@ def test_answers(package, caps):
     assert found.answer(1e-30) is None
     assert list(found.answers) == [0.1, 0.01, 0.001]
     assert found.answers[0.1]["typed"] == found.answer(0.1)["typed"]
-    axes = found.plot()
-    assert len(axes.lines) > len(found.table) / 2
     assert "<img" in found._repr_html_()
-    with pytest.raises(ValueError, match="of: found 'gap', expected 'load', 'area'"):
+    with pytest.raises(ValueError, match="of: found 'gap', expected 'load', 'area', 'separ"):
         found.answer(0.1, "gap")
     with pytest.raises(ValueError, match="seconds: found"):
         package.accuracy(scene, seconds=0.0)
+
+
+def test_curves(package, caps):
+    """One curve a quantity: its points are methods that can be typed, each faster one less
+    accurate; a number above each line and a line below it with what to type."""
+    found = package.accuracy({
+        "surfaces": {"upper": "plane", "lower": caps}, "material": {"contact_modulus": 1e5},
+        "loading": {"control": "load", "value": 1e5}})
+    axes = found.plot()
+    assert [text.get_text() for text in axes.get_legend().get_texts()] == [
+        "area", "separation", "greatest pressure"]  # the load is prescribed
+    typed = {row["seconds"]: row for row in found.table.rows() if row["typed"]}
+    listed = set()
+    for name in ("area", "separation", "greatest_pressure"):
+        [curve] = [line for line in axes.lines if line.get_label() == name.replace("_", " ")]
+        seconds, errors = curve.get_data()
+        assert list(seconds) == sorted(seconds) and (np.diff(errors) < 0).all()
+        assert list(errors) == [found.error(typed[one], name) for one in seconds]
+        assert min(errors) <= 1.2 * min(found.error(row, name) for row in typed.values())
+        listed |= set(seconds)
+    _, *lines = axes.get_xlabel().splitlines()
+    assert [line.split()[0] for line in lines] == [str(1 + k) for k in range(len(listed))]
+    for line, one in zip(lines, sorted(listed)):
+        assert found.typed(typed[one]) in line
+    goals = [line.get_ydata()[0] for line in axes.lines if line.get_linestyle() == ":"]
+    assert goals == [0.1, 0.01, 0.001]
+
+
+def test_greatest_pressure(package):
+    """Of a cap alone under a load P: that of Hertz, (6 P E**2/(pi**3 R**2))**(1/3); the errors of
+    several caps are the differences of the column."""
+    def of(caps, load):
+        return package.accuracy({
+            "surfaces": {"upper": "plane", "lower": caps}, "material": {"contact_modulus": 1e5},
+            "loading": {"control": "load", "value": load}}).table
+    alone = of({"x": [0.0], "y": [0.0], "height": [1.0], "radius": [2.0]}, 50.0)
+    hertz = (6 * 50.0 * 1e5**2 / (np.pi**3 * 2.0**2))**(1 / 3)
+    exact = [row["greatest_pressure"] for row in alone.rows() if "boundary" not in row["method"]]
+    assert len(exact) > 4 and np.allclose(exact, hertz, rtol=1e-9)
+    three = of({"x": [0.0, 0.2, 0.5], "y": [0.0, 0.1, 0.0], "height": [1.0, 1.001, 0.999],
+                "radius": [2.0]}, 50.0)
+    truth = next(row["greatest_pressure"] for row in three.rows() if row["reference"])
+    for row in three.rows():
+        assert row["greatest_pressure_error_max"] == pytest.approx(
+            abs(row["greatest_pressure"] / truth - 1), abs=1e-12)
+    assert max(three["greatest_pressure_error_max"]) > 0.01
+
+
+def test_digits_of_a_deck(package, root, tmp_path):
+    """One pair at its limit: heights with four digits in inches move its separation by the sum of
+    both halves, 2.54e-4 cm, or not at all."""
+    text = (root / "data/hard/deck_one_pair.deck").read_text()
+    (tmp_path / "a.deck").write_text(text.replace(".800000", " .8000").replace(".750000", " .7500"))
+    found = package.accuracy(tmp_path / "a.deck", seconds=2.0)
+    compression = package.solve(tmp_path / "a.deck").positions["compression"]
+    assert found.digits == pytest.approx(2.54e-4 / min(compression[compression > 0]), rel=1e-6)
 
 
 def test_digits_of_heights(package):
@@ -83,14 +137,19 @@ def test_digits_of_heights(package):
 
 
 def test_pixels(package):
-    """A map in an array: what to type for its pixels is the option of the command."""
+    """A map in an array: what to type for its pixels is the option of the command, and in Python the
+    accuracy that chooses these pixels."""
     lower = package.generate_map(pixels=64, spacing=1, unit="um", hurst=0.8, rms_slope=0.02)
-    found = package.accuracy({
-        "surfaces": {"upper": "plane", "lower": lower, "units": ("um", "uN")},
-        "material": {"contact_modulus": 1e5}, "loading": {"control": "pressure", "value": 100}},
-        finer=True)
+    scene = {"surfaces": {"upper": "plane", "lower": lower, "units": ("um", "uN")},
+             "material": {"contact_modulus": 1e5}, "loading": {"control": "pressure", "value": 100}}
+    found = package.accuracy(scene, finer=True)
     assert found.reference == "pixels half as wide"
     assert {"--accuracy", "pixels"} <= set(found.table["typed"].tolist())
+    for row in found.table.rows():
+        name, _, value = found.typed(row).partition("=")
+        if name == "accuracy":
+            made = package.solve(scene, accuracy=float(value))
+            assert made.positions["separation"][0] == pytest.approx(row["separation"], rel=1e-12)
 
 
 @pytest.mark.parametrize("is_map", [False, True])

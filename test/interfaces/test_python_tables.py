@@ -30,15 +30,17 @@ def results(package):
 
 
 def test_float_of_a_column_with_one_row(results):
-    """As numpy before 2.4 did; calculations, copies and repr are those of any column."""
+    """As numpy before 2.4 did, and its value is a `float`, which compares to a `bool`; calculations,
+    copies and repr are those of any column."""
     assert {"positions", "states", "contacts", "scene"} <= set(dir(results))
     column = results.positions["load"]
     assert float(column) == pytest.approx(LOAD[-1], rel=1e-12)
     assert isinstance(column, np.ndarray) and repr(column).startswith("array([4.21")
     for made in (column * 2, np.sqrt(column), np.concatenate([column, column])):
         assert type(made) is np.ndarray
-    for made in (column.sum(), column.max(), column[0], np.mean(column)):
+    for made in (column.sum(), column.max(), np.mean(column)):
         assert type(made) is np.float64
+    assert type(column[0]) is type(column[-1]) is float and type(column[0] > 1) is bool
     for same in (copy.copy(results.positions), copy.deepcopy(results.positions),
                  pickle.loads(pickle.dumps(results.positions))):
         assert float(same["load"]) == float(column) and not same["load"].flags.writeable
@@ -172,8 +174,9 @@ def test_plot_contacts(package):
     assert axes.get_xlabel() == "x (cm)"
     _, own = plt.subplots()
     assert results.plot_contacts(1, ax=own, step=1) is own
-    with pytest.warns(DeprecationWarning, match="state=0 counts from 0: use step=1"):
-        results.plot_contacts(1, 0, ax=own)
+    own = results.states.plot_columns("load", "contacts", color="k")
+    assert (own.get_xlabel(), own.get_ylabel()) == ("load (N)", "contacts")
+    assert np.array_equal(own.lines[0].get_ydata(), results.states["contacts"])
     with pytest.raises(IndexError, match="position: found 101"):
         results.plot_contacts(101)
     with pytest.raises(IndexError, match="step: found 8, expected 1 to "):
