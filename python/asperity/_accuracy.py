@@ -99,10 +99,11 @@ class Accuracy:
                     and errors[place] < SMALLER * min((errors[other] for other in range(place)
                                                        if rows[other]["typed"]), default=math.inf)]
             listed.update(best)
-            style, kept = "os^D"[number], {"color": f"C{number}", "ms": 5}
-            axes.plot(seconds, errors, ".", **{**kept, "ms": 3})
-            axes.plot(seconds[best], errors[best], f"{style}-", **kept, label=of.replace("_", " "))
-            axes.plot(seconds[errors <= own], errors[errors <= own], style, **kept, mfc="white")
+            style, color, bound = "os^D"[number], f"C{number}", errors <= own
+            axes.plot(seconds, errors, ".", color=color, ms=3)
+            axes.plot(seconds[best], errors[best], f"{style}-", color=color, ms=5,
+                      label=of.replace("_", " "))
+            axes.plot(seconds[bound], errors[bound], style, color=color, ms=5, mfc="white")
         low, high = axes.get_ylim()
         axes.axhspan(low / 10, self.digits or low / 10, color="0.92", zorder=0)
         for goal in self.answers:
@@ -163,9 +164,9 @@ def _digits(given: Scene) -> float | None:
     with warnings.catch_warnings(), tempfile.TemporaryDirectory() as folder:
         warnings.simplefilter("ignore")
         for other in _with_half_digits(given.with_arrays(), os.path.join(folder, "a.deck")):
-            one, other = one or given.solve().positions, other.solve().positions
+            one, moved = one or given.solve().positions, other.solve().positions
             found = max(found or 0.0, *(
-                float(numpy.nanmax(abs(other[name] - one[name]) / abs(one[whole]), initial=0.0))
+                float(numpy.nanmax(abs(moved[name] - one[name]) / abs(one[whole]), initial=0.0))
                 for name, whole in zip(("load", "area", "separation"),
                                        ("load", "area", "compression"))))
     return found or None

@@ -47,6 +47,10 @@ class Results:
         notes: Notes on the deck, the scene or the map.
         scene: `text` without arrays, `file`, `units` of length and force where they are known, and
             `provenance`: version, arithmetic, effects, checksums of files.
+
+    Examples:
+        >>> print(f'{asperity.solve("data/examples/one_pair.scene").states["area"][-1]:.5f}')
+        0.10472
     """
 
     def __init__(self, outcome: _c.Outcome, kept: int = _fields.NONE):

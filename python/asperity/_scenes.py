@@ -29,6 +29,11 @@ class Scene:
 
     Attributes:
         groups: The groups of the scene without its arrays; for a file, values as they stand there.
+
+    Examples:
+        >>> scene = asperity.Scene("data/examples/one_pair.scene")
+        >>> round(scene.solve(loading={"control": "load", "value": 20}).states["load"][-1])
+        20
     """
 
     def __init__(self, scene: _a.Path | Mapping[str, Mapping[str, Any]]):

@@ -79,11 +79,6 @@ def moments(surface: Any, spacing: Any = None) -> Moments:
     of its one direction. Moments are returned as they are.
 
     P. R. Nayak, J. Lubr. Technol. 93 (1971) 398. Checked on the closed moments of a cosine.
-
-    Examples:
-        >>> waves = asperity.HeightMap([[0.0, 1.0, 0.0, -1.0]] * 4, spacing=1, periodic=True)
-        >>> print(f"{asperity.theory.moments(waves).m0:.3f}")
-        0.500
     """
     if isinstance(surface, Moments):
         return surface
@@ -177,11 +172,6 @@ def height_integral(order: float, separation: Any, heights: str = "gaussian") ->
     n!/sqrt(2 pi) exp(-h**2/4) D_(-n-1)(h), relative error below 2e-9 up to h = 30. Checked on
     F_1(0) = 0.3989, F_3/2(0) = 0.4300, F_2(0) = 0.5, F_5/2(0) = 0.6166 of J. A. Greenwood,
     J. H. Tripp, Proc. Inst. Mech. Engrs 185 (1970-71) 625.
-
-    Examples:
-        >>> from asperity.theory import height_integral
-        >>> print(f"{height_integral(2.5, 0.0):.4f}")
-        0.6166
     """
     h = np.asarray(separation, dtype=float)
     if heights == "exponential":
