@@ -1,15 +1,18 @@
-"""Draws docs/figures/*.svg from runs of the program, by matplotlib and the Python package.
+"""Draws docs/figures/*.svg by public functions of the Python package: `solve`, `report`,
+`accuracy`, and `plot` of their results; `Table.plot_columns` for curves.
 
     python docs/figures/draw.py EXE [NAME ...]     # all figures, or some, as fig10 fig11
 
-The runs write CSV files into build/figures. `work_precision` has times of the machine that draws
-it.
+EXE makes input in build/figures. `work_precision` and `time-and-error` have times of the machine
+that draws them.
 """
 
 import csv
+import functools
 import re
 import subprocess
 import sys
+import warnings
 from math import erf, exp, pi, sqrt
 from pathlib import Path
 
@@ -26,6 +29,7 @@ from matplotlib.patches import Circle, Rectangle
 FOLDER = Path(__file__).resolve().parent
 ROOT = FOLDER.parents[1]
 DATA = ROOT / "build/figures"
+SCENES = ROOT / "docs/figures/scenes"
 EFFECTS = ROOT / "data/examples/effects"
 KEPT = ROOT / "reference_output"
 MAP = ROOT / "data/examples/summits/smooth.sdf"
@@ -58,7 +62,7 @@ def figure(height, rows=1, columns=1, **options):
 
 
 def table(path, **chosen):
-    """Columns of a CSV file by name; an empty field is not a number. `chosen`: words of rows."""
+    """A kept CSV file as a table; an empty field is not a number. `chosen`: words of rows."""
     with open(path, newline="", encoding="ascii") as file:
         rows = list(csv.DictReader(line for line in file if not line.startswith("#")))
     rows = [row for row in rows if all(row[name] == word for name, word in chosen.items())]
@@ -68,37 +72,34 @@ def table(path, **chosen):
             return np.array([float(row[name] or "nan") for row in rows])
         except ValueError:
             return np.array([row[name] for row in rows])
-    return {name: column(name) for name in rows[0]}
+    return asperity.Table({name: column(name) for name in rows[0]})
+
+
+@functools.cache
+def solved(path, **options):
+    """Results of a scene file."""
+    return asperity.solve(path, **options)
+
+
+def part(states, rows, **more):
+    """Some rows of a table, with further columns."""
+    return asperity.Table({name: values[rows] for name, values in {**states, **more}.items()},
+                          states.units)
 
 
 def run(executable, *words, folder=ROOT):
-    done = subprocess.run([executable, *map(str, words)], cwd=folder, capture_output=True, text=True)
+    done = subprocess.run([executable, *map(str, words)], cwd=folder, capture_output=True,
+                          text=True)
     if done.returncode:
         sys.exit(done.stderr)
     return done.stdout
 
 
-def solve_scenes(executable, wanted):
-    """Runs what the figures need."""
+def make_input(executable, wanted):
+    """Files that scenes of the figures name."""
     DATA.mkdir(parents=True, exist_ok=True)
-    scenes = ROOT / "docs/figures/scenes"
-    for position in (13, 55, 56):
-        run(executable, "solve", scenes / f"position_{position}.scene", "--quiet", "--curve",
-            DATA / f"curve_{position}.csv", "--contacts", DATA / f"contacts_{position}.csv")
-    for name in ("coupled", "boundary", "friction"):
-        run(executable, "solve", scenes / f"{name}.scene", "--quiet", "--positions",
-            DATA / f"{name}.csv")
-    run(executable, "solve", "data/examples/summits/press_samples.scene", "--quiet", "--curve",
-        DATA / "pixels.csv")
     run(executable, "summits", MAP, "--unit", "um", "--rule", "contact", "--quiet", "--output",
         DATA / "summits.csv")
-    run(executable, "solve", "data/examples/thesis.scene", "--quiet", "--positions",
-        DATA / "sweep.csv")
-    run(executable, "solve", scenes / "pair.scene", "--quiet", "--curve", DATA / "pair.csv")
-    run(executable, "solve", "data/examples/csv_surfaces.scene", "--quiet", "--positions",
-        DATA / "slide.csv")
-    run(executable, "generate", "data/examples/generate/thesis.spec", "--output",
-        DATA / "generated.deck")
     run(executable, "generate", "data/examples/generate/surface.spec", "--output",
         DATA / "surface.sdf")
     for name in ("rough-ball", "measured-surface"):
@@ -106,31 +107,23 @@ def solve_scenes(executable, wanted):
         for name, text in re.findall(r"`(ball[.]spec|\w+[.]scene)`.*?```\n(.*?)```", page,
                                      re.DOTALL):
             (DATA / name).write_text(text, encoding="ascii")
-    run(executable, "solve", "summits.scene", "--quiet", "--curve", "coupled_summits.csv",
-        folder=DATA)
     run(executable, "generate", "ball.spec", "--output", "ball.sdf", folder=DATA)
-    run(executable, "solve", "slip.scene", "--quiet", "--fields", "slip.vti", "--json",
-        "slip.json", folder=DATA)
-    run(executable, "solve", "creep.scene", "--quiet", "--curve", "rough_ball.csv", folder=DATA)
-    (DATA / "surface.scene").write_text((scenes / "surface.scene").read_text(), encoding="ascii")
-    run(executable, "solve", "surface.scene", "--quiet", "--fields", "pressure.vti", "--json",
-        "pressure.json", folder=DATA)
+    (DATA / "surface.scene").write_text((SCENES / "surface.scene").read_text(), encoding="ascii")
     if "stability" in wanted:
         subprocess.run([sys.executable, ROOT / "test/support/stability.py", executable,
                         DATA / "stability.csv"], cwd=ROOT, check=True)
-    (DATA / "report.txt").write_text(run(executable, "data/thesis.deck"), encoding="ascii")
 
 
 # ------------------------------------------------------------------ the thesis
 
-def three_curves(axes, name, column):
+def three_curves(axes, name):
     """A quantity against load at three displacements, with the totals that the thesis prints."""
     for position, letter, colour, width in ((13, "a", YELLOW, 3), (55, "b", RED, 2.2),
                                             (56, "c", BLUE, 1.4)):
-        curve = table(DATA / f"curve_{position}.csv")
-        axes.plot(curve["load"], curve[name], color=colour, linewidth=width,
-                  label=f"x = {position / 10} cm",
-                  drawstyle="steps-post" if name == "contacts" else "default")
+        curve = solved(SCENES / f"position_{position}.scene").states
+        curve.plot_columns("load", name, axes, color=colour, linewidth=width,
+                           label=f"x = {position / 10} cm",
+                           drawstyle="steps-post" if name == "contacts" else "default")
         printed = table(KEPT / f"thesis/table_vii{letter}.csv")
         number, last, touch = 0, 0.0, None
         points = []
@@ -146,12 +139,11 @@ def three_curves(axes, name, column):
                                              "area": np.nan if "?" in area else float(area)}[name]))
         axes.plot(*np.array(points).T, **PRINTED,
                   label="printed in the thesis" if position == 56 else None)
-    axes.set(xlabel="Total load (N)", ylabel=column)
 
 
 @figure(460)
 def fig10(_, axes):
-    three_curves(axes, "contacts", "Contacts")
+    three_curves(axes, "contacts")
     axes.set(xlim=(0, 1500), ylim=(0, 9), yticks=range(10))
     axes.legend(loc="lower right")
 
@@ -165,21 +157,21 @@ def logarithmic(axes, low, high, ticks):
 
 @figure(520)
 def fig11(_, axes):
-    three_curves(axes, "compression", "Compression (cm)")
+    three_curves(axes, "compression")
     logarithmic(axes, 2e-4, 2e-2, (2e-4, 5e-4, 1e-3, 2e-3, 5e-3, 1e-2, 2e-2))
 
 
 @figure(520)
 def fig12(_, axes):
-    three_curves(axes, "area", "Contact area (cm²)")
+    three_curves(axes, "area")
     logarithmic(axes, 5e-4, 0.2, (5e-4, 1e-3, 2e-3, 5e-3, 1e-2, 2e-2, 5e-2, 0.1, 0.2))
 
 
 def models(deck):
-    """Upper and lower summits of a deck, x, y and height in inches: NU in columns 1-5 of card 2."""
+    """Upper and lower summits of a deck, x and y in inches: NU in columns 1-5 of card 2."""
     lines = Path(deck).read_text(encoding="ascii").splitlines()
     upper = int(lines[1][:5])
-    rows = np.array([[float(line[k:k + 6]) for k in (0, 6, 12)] for line in lines[4:]
+    rows = np.array([[float(line[k:k + 6]) for k in (0, 6)] for line in lines[4:]
                      if line[:6].strip()])
     return rows[:upper], rows[upper:]
 
@@ -194,8 +186,7 @@ def fig28(canvas, *panels):
     margin = (width - 3 * INCH) / 2
     shift = 5.6
     upper, lower = models(ROOT / "data/thesis.deck")
-    contacts = table(DATA / "contacts_56.csv")
-    last = contacts["step"] == contacts["step"].max()
+    results = solved(SCENES / "position_56.scene")
     places = ((7.52, 7.55, "a"), (9.92, 2.17, "b"))
     whole = canvas.add_subplot(panels[0].get_gridspec()[0, :])
     for axes in (whole, panels[3], panels[4]):
@@ -207,12 +198,9 @@ def fig28(canvas, *panels):
         axes.add_patch(Rectangle((shift, 0), 4 * INCH + 2 * margin, width, facecolor="#DCE6F2",
                                  edgecolor=BLUE))
         large = 1 if axes is whole else 3
-        for x, y, area, load in zip(*(contacts[key][last] for key in ("x", "y", "area", "load"))):
-            axes.add_patch(Circle((x, y), sqrt(area / pi), facecolor=PALETTE(load / 300),
-                                  edgecolor=INK if axes is whole else "white", linewidth=0.5))
-            if axes is not whole:
-                axes.text(x, y, f"{load:.0f} N", ha="center", va="center", fontsize=8, clip_on=True,
-                          color="white" if load > 120 else "black")
+        results.plot_contacts(ax=axes)
+        if axes is not panels[4]:
+            axes.collections[-1].colorbar.remove()
         axes.plot(lower[:, 0] * INCH, width - lower[:, 1] * INCH, ".", color="#777777",
                   markersize=3 * large, label="lower summits")
         axes.plot(upper[:, 0] * INCH + shift, upper[:, 1] * INCH, "+", color=BLUE,
@@ -226,39 +214,33 @@ def fig28(canvas, *panels):
         whole.add_patch(Rectangle((x - 0.35, y - 0.35), 0.7, 0.7, fill=False, edgecolor=INK))
         whole.text(x + 0.45, y, name)
         axes.set(xlim=(x - 0.35, x + 0.35), ylim=(y - 0.35, y + 0.35), title=name, xlabel="x (cm)")
-    panels[3].set_ylabel("y (cm)")
-    scale = plt.cm.ScalarMappable(matplotlib.colors.Normalize(0, 300), PALETTE)
-    canvas.colorbar(scale, ax=panels[4], label="Load of a contact (N)")
 
 
 @figure(300, columns=3)
 def fig28_loads(canvas, *panels):
-    """The contacts of position 56 at three loads, with five times their radii."""
+    """The contacts of position 56 at three loads, with wide rims."""
     width = 3.455 * INCH
     upper, _ = models(ROOT / "data/thesis.deck")
-    contacts, curve = table(DATA / "contacts_56.csv"), table(DATA / "curve_56.csv")
+    results = solved(SCENES / "position_56.scene")
+    curve = results.states
     for axes, share in zip(panels, (0.05, 0.3, 1.0)):
-        state = np.argmin(np.abs(curve["load"] - share * curve["load"][-1]))
-        there = contacts["step"] == curve["step"][state]
-        for x, y, radius, load in zip(*(contacts[key][there] for key in (
-                "x", "y", "contact_radius", "load"))):
-            axes.add_patch(Circle((x, y), 5 * radius, facecolor=PALETTE(load / 300), edgecolor=INK,
-                                  linewidth=0.4))
+        state = int(np.argmin(np.abs(curve["load"] - share * curve["load"][-1])))
+        results.plot_contacts(ax=axes, step=1 + state)
+        axes.collections[-1].set(linewidth=5, edgecolor="face")
+        if axes is not panels[2]:
+            axes.collections[-1].colorbar.remove()
         axes.plot(upper[:, 0] * INCH + 5.6, upper[:, 1] * INCH, "+", color=GREY, markersize=4,
                   markeredgewidth=0.6)
         axes.grid(False)
-        axes.set(title=f"{curve['load'][state]:.0f} N, {sum(there)} contacts", aspect="equal",
-                 xlim=(6.4, 16.9), ylim=(1, width), xlabel="x (cm)")
-    panels[0].set_ylabel("y (cm)")
-    scale = plt.cm.ScalarMappable(matplotlib.colors.Normalize(0, 300), PALETTE)
-    canvas.colorbar(scale, ax=panels[2], label="Load of a contact (N)", shrink=0.8)
+        axes.set(title=f"{curve['load'][state]:.0f} N, {curve['contacts'][state]} contacts",
+                 xlim=(6.4, 16.9), ylim=(1, width))
 
 
 @figure(760)
 def report_head(canvas, axes):
     """The first page of Table VIIA, on the paper of a line printer: pale bars of two lines, the
     holes of the edges every half inch of three lines."""
-    page = next(page for page in (DATA / "report.txt").read_text(encoding="ascii").split("\f")
+    page = next(page for page in asperity.report(ROOT / "data/thesis.deck").split("\f")
                 if any(line.endswith(" TABLE VIIA") for line in map(str.rstrip, page.split("\n"))))
     lines = [line.rstrip()[7:] for line in page.strip("\n").split("\n")]
     while not lines[-1]:
@@ -288,11 +270,12 @@ def interaction(_, axes):
     """Load of the contacts together over that of isolated contacts. Positions with overlapping
     contact circles are named."""
     truth = table(KEPT / "boundary/factors.csv")
-    coupled, boundary = table(DATA / "coupled.csv"), table(DATA / "boundary.csv")
     axes.axhline(1, color="#999999", linestyle=":", label="isolated contacts")
-    axes.plot(coupled["x_displacement"], coupled["factor"], "o", color=YELLOW, label="coupled")
-    axes.plot(boundary["x_displacement"], boundary["factor"], "o", color=RED, fillstyle="none",
-              markersize=7, label="boundary elements")
+    for name, label, style in (
+            ("coupled", "coupled", {"color": YELLOW}),
+            ("boundary", "boundary elements", {"color": RED, "fillstyle": "none", "ms": 7})):
+        solved(SCENES / f"{name}.scene").positions.plot_columns(
+            "x_displacement", "factor", axes, marker="o", ls="", label=label, **style)
     axes.plot(truth["position"] / 10, truth["factor"], "x", color=INK,
               label="independent evaluation")
     for position, factor, circles in zip(truth["position"], truth["factor"],
@@ -300,37 +283,36 @@ def interaction(_, axes):
         if circles > 0:
             axes.annotate(f"{position:.0f}", (position / 10, factor), (7, -3),
                           textcoords="offset points")
-    axes.set(xlabel="Displacement (cm)", xlim=(0, 10.1), ylim=(0.74, 1.02),
-             ylabel="Load with interaction / load of isolated contacts")
+    axes.set(xlim=(0, 10.1), ylim=(0.74, 1.02),
+             ylabel="load with interaction / load of isolated contacts")
     axes.legend(loc="center", bbox_to_anchor=(0.4, 0.42))
 
 
 @figure(460)
 def friction(_, axes):
-    rows = table(DATA / "friction.csv")
-    lateral = np.hypot(rows["rig_force_x"], rows["rig_force_y"]) / rows["vertical_load"]
-    axes.plot(rows["x_displacement"], 100 * lateral, "o", color=RED, fillstyle="none",
-              markersize=6, label="lateral force on the fixture")
-    axes.plot(rows["x_displacement"], 100 * rows["friction_influence"], "o", color=BLUE,
-              label="vertical load added by friction, coefficient 0.1")
-    axes.set(xlabel="Displacement (cm)", ylabel="Share of the vertical load (%)", xlim=(0, 10.1),
-             ylim=(0, 11))
+    found = solved(SCENES / "friction.scene").positions
+    lateral = np.hypot(found["rig_force_x"], found["rig_force_y"]) / found["vertical_load"]
+    rows = part(found, slice(None), lateral=100 * lateral, added=100 * found["friction_influence"])
+    rows.plot_columns("x_displacement", "lateral", axes, marker="o", ls="", color=RED,
+                      fillstyle="none", markersize=6, label="lateral force on the fixture")
+    rows.plot_columns("x_displacement", "added", axes, marker="o", ls="", color=BLUE,
+                      label="vertical load added by friction, coefficient 0.1")
+    axes.set(ylabel="share of the vertical load (%)", xlim=(0, 10.1), ylim=(0, 11))
     axes.legend(loc="upper right")
 
 
 @figure(440)
 def gallery_sweep(_, axes):
-    rows = table(DATA / "sweep.csv")
-    axes.plot(rows["x_displacement"], rows["load"], color=BLUE, label="load")
+    rows = solved(ROOT / "data/examples/thesis.scene").positions
+    rows.plot_columns("x_displacement", "load", axes, color=BLUE, label="load")
     axes.plot([], [], color=YELLOW, label="contacts")
-    axes.set(xlabel="Displacement of the upper model (cm)", ylabel="Load at the limit (N)",
-             xlim=(0, 10.1), ylim=(0, 1500))
+    axes.set(xlim=(0, 10.1), ylim=(0, 1500))
     other = axes.twinx()
     other.grid(False)
     other.spines.right.set_visible(True)
-    other.step(rows["x_displacement"], rows["contacts"], color=YELLOW, where="post")
+    rows.plot_columns("x_displacement", "contacts", other, color=YELLOW, drawstyle="steps-post")
     other.set(ylim=(0, 42), yticks=range(0, 9, 2))
-    other.set_ylabel("Contacts", y=0.1)
+    other.set_ylabel("contacts", y=0.1)
     axes.legend(loc="upper left")
 
 
@@ -339,34 +321,32 @@ def gallery_sweep(_, axes):
 @figure(480)
 def adhesion(_, axes):
     """The models of the thesis in gelatine."""
-    curve = table(EFFECTS / "gelatine.curve.csv")
+    curve = solved(EFFECTS / "gelatine.scene").states
     for first, style in ((0, {"color": BLUE, "label": "loading"}),
                          (100, {"color": RED, "label": "unloading"}),
                          (200, {**PRINTED, "markersize": 3, "label": "reloading"})):
-        part = (curve["step"] > first) & (curve["step"] <= first + 101)
-        axes.plot(curve["separation"][part], 1000 * curve["load"][part], **style)
+        rows = (curve["step"] > first) & (curve["step"] <= first + 101)
+        part(curve, rows).plot_columns("separation", "load", axes, **style)
     axes.axhline(0, color="#666666", linewidth=0.8)
-    axes.set(xlabel="Separation (cm), decreasing", ylabel="Load (mN)", xlim=(0.302, 0.259),
-             ylim=(-12.5, 7.5))
+    axes.set(xlim=(0.302, 0.259), ylim=(-0.0125, 0.0075))
     axes.legend(loc="upper left")
 
 
 @figure(440)
 def creep(_, axes):
     """Polymethyl methacrylate held for ten minutes: share r of the load that relaxes, time tau."""
-    held = table(EFFECTS / "ten_minutes.curve.csv")
-    stopped = table(EFFECTS / "ten_minutes_approach.curve.csv")
     share, tau = 0.8, 100.0
+    for name, column, colour, label in (
+            ("ten_minutes", "area", YELLOW, "load held: contact area"),
+            ("ten_minutes", "compression", RED, "load held: compression"),
+            ("ten_minutes_approach", "load", BLUE, "separation held: load")):
+        held = solved(EFFECTS / f"{name}.scene").states
+        held = part(held, slice(None), ratio=held[column] / held[column][0])
+        held.plot_columns("time", "ratio", axes, color=colour, label=label)
     time = np.linspace(0, 610, 300)
-    axes.plot(held["time"], held["area"] / held["area"][0], color=YELLOW,
-              label="load held: contact area")
-    axes.plot(held["time"], held["compression"] / held["compression"][0], color=RED,
-              label="load held: compression")
     single = [(1 / share - (1 / share - 1) * exp(-share * t / tau))**(2 / 3) for t in time]
-    axes.plot(time, single, ":", color=INK, linewidth=1, label="both, for a single contact")
-    axes.plot(stopped["time"], stopped["load"] / stopped["load"][0], color=BLUE,
-              label="separation held: load")
-    axes.set(xlabel="Time since loading (s)", ylabel="Value over that at the end of loading",
+    axes.plot(time, single, ":", color=INK, linewidth=1, label="load held: a single contact")
+    axes.set(xlabel="time since loading (s)", ylabel="value over that at the end of loading",
              xlim=(0, 610), ylim=(0.78, 1.2))
     axes.legend(loc="center right")
 
@@ -374,18 +354,19 @@ def creep(_, axes):
 @figure(480)
 def hysteresis(_, axes):
     """Steps 2 to 41 go up, 42 to 81 down, and so on; at `limit` the first contact is at its."""
-    cycle, elastic = (table(EFFECTS / f"{name}.curve.csv") for name in ("cycle", "cycle_elastic"))
-    limit = 1.372
+    cycle, elastic = (solved(EFFECTS / f"{name}.scene").states
+                      for name in ("cycle", "cycle_elastic"))
+    limit = 1372
     axes.plot([0, 0.0295], [limit, limit], ":", color="#999999")
     axes.text(0.03, limit, "first contact at its limit", color="#555555", va="center")
-    axes.plot(elastic["compression"], elastic["load"] / 1000, "--", color="#999999",
-              label="elastic: loading and unloading")
+    elastic.plot_columns("compression", "load", axes, ls="--", color="#999999",
+                         label="elastic: loading and unloading")
     for k in range(6):
-        part = (cycle["step"] > 40 * k) & (cycle["step"] <= 40 * k + 41)
-        axes.plot(cycle["compression"][part], cycle["load"][part] / 1000,
-                  color=(BLUE, RED)[k % 2], label=("plastic: loading", "unloading")[k] if k < 2
-                  else None)
-    axes.set(xlabel="Compression (cm)", ylabel="Load (kN)", xlim=(0, 0.052), ylim=(0, 12.6))
+        rows = (cycle["step"] > 40 * k) & (cycle["step"] <= 40 * k + 41)
+        part(cycle, rows).plot_columns(
+            "compression", "load", axes, color=(BLUE, RED)[k % 2],
+            label=("plastic: loading", "unloading")[k] if k < 2 else None)
+    axes.set(xlim=(0, 0.052), ylim=(0, 12600))
     axes.legend(loc="upper left")
 
 
@@ -393,15 +374,17 @@ def hysteresis(_, axes):
 def plasticity(_, axes):
     """A ball past its elastic limit: load and area over those of Hertz at the same overlap."""
     overlap, force, area = 1.1090941284170878e-4, 3.470072092352658e-4, 3.484321965974697e-4
-    curve = table(EFFECTS / "steel.curve.csv")
+    curve = solved(EFFECTS / "steel.scene").states
     first = curve["compression"] > np.r_[-1, np.maximum.accumulate(curve["compression"])[:-1]]
     first &= curve["compression"] > 0
     x = curve["compression"][first] / overlap
     axes.axvspan(1.9, 6, color="#F0F0F0")
     axes.text(3.38, 0.29, "joined", color="#666666", ha="center")
     axes.axhline(1, color="#999999", linestyle=":", label="Hertz")
-    axes.plot(x, curve["area"][first] / area / x, color=YELLOW, label="area")
-    axes.plot(x, curve["load"][first] / force / x**1.5, color=BLUE, label="load")
+    rows = asperity.Table({"overlap": x, "area": curve["area"][first] / area / x,
+                           "load": curve["load"][first] / force / x**1.5})
+    rows.plot_columns("overlap", "area", axes, color=YELLOW, label="area")
+    rows.plot_columns("overlap", "load", axes, color=BLUE, label="load")
     fit = np.geomspace(6, 110, 50)
     axes.plot(fit, 1.40 * fit**1.263 / fit**1.5, "--", color=RED, label="load, Kogut and Etsion")
     axes.set(xscale="log", xlim=(1, 130), ylim=(0.25, 2.2), ylabel="Load, area / those of Hertz",
@@ -415,9 +398,10 @@ def plasticity(_, axes):
 @figure(420)
 def gallery_index(_, axes):
     """The surface of Greenwood and Williamson at a plasticity index of 0.92."""
-    curve = table(EFFECTS / "index_092.curve.csv")
-    axes.plot(curve["load"] / 400, curve["contacts"], "o-", color=BLUE)
-    axes.set(xlabel="Load per summit (N)", ylabel="Summits in contact, of 400", ylim=(0, 400))
+    curve = solved(EFFECTS / "index_092.scene").states
+    part(curve, slice(None), load=curve["load"] / 400).plot_columns("load", "contacts", axes,
+                                                                    marker="o", color=BLUE)
+    axes.set(xlabel="load per summit (N)", ylabel="summits in contact, of 400", ylim=(0, 400))
     axes.set_xlim(left=0)
 
 
@@ -427,9 +411,9 @@ def gallery_limit(_, axes):
     for name, colour, label in (
             ("beyond_limit", BLUE, "auto: plastic from 1.5 times the limit load on"),
             ("beyond_limit_hertz", YELLOW, "Hertz")):
-        curve = table(EFFECTS / f"{name}.curve.csv")
-        axes.plot(curve["load"], curve["area"], "o-", color=colour, label=label)
-    axes.set(xlabel="Load (N)", ylabel="Contact area (cm²)", xlim=(0, 2950))
+        solved(EFFECTS / f"{name}.scene").states.plot_columns(
+            "load", "area", axes, marker="o", color=colour, label=label)
+    axes.set_xlim(0, 2950)
     axes.set_ylim(bottom=0)
     axes.legend(loc="upper left")
 
@@ -437,13 +421,12 @@ def gallery_limit(_, axes):
 @figure(420)
 def gallery_pair(_, axes):
     """Radii 5 and 10, one modulus of 200e3 and Poisson's ratio 0.3 for both, and Hertz by hand."""
-    pair = table(DATA / "pair.csv")
     radius, modulus = 1 / (1 / 5 + 1 / 10), 200e3 / (2 * (1 - 0.3**2))
     x = np.linspace(0, 0.0105, 100)
     axes.plot(x, 4 / 3 * modulus * sqrt(radius) * x**1.5, color=YELLOW, linewidth=5, label="Hertz")
-    axes.plot(pair["compression"], pair["load"], "o-", color=BLUE, label="asperity")
-    axes.set(xlabel="Compression (unit of length of the scene)", xlim=(0, 0.0105),
-             ylabel="Load (unit of force of the scene)")
+    solved(SCENES / "pair.scene").states.plot_columns("compression", "load", axes, marker="o",
+                                                      color=BLUE, label="asperity")
+    axes.set_xlim(0, 0.0105)
     axes.set_ylim(bottom=0)
     axes.legend(loc="upper left")
 
@@ -451,27 +434,24 @@ def gallery_pair(_, axes):
 @figure(420)
 def gallery_surfaces(_, axes):
     """Two surfaces of five asperities each under one load, with the number of contacts."""
-    slide = table(DATA / "slide.csv")
-    axes.plot(slide["x_displacement"], slide["separation"], "o-", color=BLUE)
+    slide = solved(ROOT / "data/examples/csv_surfaces.scene").positions
+    slide.plot_columns("x_displacement", "separation", axes, marker="o", color=BLUE)
     for x, y, number in zip(slide["x_displacement"], slide["separation"], slide["contacts"]):
         axes.annotate(f"{number:.0f}", (x, y), (0, 6), textcoords="offset points", ha="center",
                       color="#555555")
     axes.margins(y=0.15)
-    axes.set(xlabel="Displacement of the upper surface (mm)",
-             ylabel="Separation of the reference planes (mm)")
+    axes.set(xlabel=f"{axes.get_xlabel()} (mm)", ylabel=f"{axes.get_ylabel()} (mm)")
 
 
 # ------------------------------------------------------------------ maps and statistics
 
 @figure(370)
-def gallery_generated(canvas, axes):
+def gallery_generated(_, axes):
     """A random pair of models: the summits of both in plan."""
-    upper, lower = models(DATA / "generated.deck")
-    heights = np.r_[upper[:, 2], lower[:, 2]]
-    for rows, marker, label in ((lower, "o", "lower model"), (upper, "^", "upper model")):
-        points = axes.scatter(rows[:, 0], rows[:, 1], 26, rows[:, 2], cmap=PALETTE, marker=marker,
-                              vmin=heights.min(), vmax=heights.max(), label=label)
-    canvas.colorbar(points, label="Height (in)", shrink=0.8)
+    for rows, marker, colour, label in zip(
+            asperity.generate(ROOT / "data/examples/generate/thesis.spec"), "+o", (BLUE, RED),
+            ("upper model", "lower model")):
+        rows.plot_columns("x", "y", axes, ls="", marker=marker, ms=6, color=colour, label=label)
     axes.set(xlabel="x (in)", ylabel="y (in)", xlim=(-0.1, 8.1), ylim=(-0.1, 3.1), aspect="equal")
     axes.legend(loc="lower center", bbox_to_anchor=(0.5, 1), ncols=2)
 
@@ -488,10 +468,11 @@ def how_good(_, left, right):
         style = {"color": (BLUE, RED, YELLOW, INK, GREY, GREY, GREY)[number],
                  "marker": "oooo*sx"[number],
                  "linestyle": ("-", "--", ":", "-.")[max(0, number - 3)]}
-        left.plot(100 * rows["share"], rows["error_median"], **style)
-        right.plot(100 * rows["share"], rows["area_median"], **style, label=label)
+        rows = part(rows, slice(None), percent=100 * rows["share"])
+        rows.plot_columns("percent", "error_median", left, **style)
+        rows.plot_columns("percent", "area_median", right, **style, label=label)
     for axes in (left, right):
-        axes.set(xlabel="Area fraction (%)", xscale="log", xlim=(0.2, 30))
+        axes.set(xlabel="area fraction (%)", xscale="log", xlim=(0.2, 30))
         axes.set_xticks((0.3, 1, 3, 10, 20), ("0.3", "1", "3", "10", "20"))
         axes.set_xticks([], minor=True)
     left.set(yscale="log", ylim=(0.01, 10), ylabel="Error of separation (rms heights)")
@@ -508,7 +489,8 @@ def map_area(_, axes):
     for name, colour in (("pixels_periodic", BLUE), ("pixels_free", "#66AADD"),
                          ("summits_coupled", RED), ("summits_off", YELLOW)):
         rows = table(KEPT / "bench/map_area.csv", method=name)
-        axes.plot(rows["pressure"], rows["area_fraction"] / rows["pressure"], "o-", color=colour)
+        part(rows, slice(None), ratio=rows["area_fraction"] / rows["pressure"]).plot_columns(
+            "pressure", "ratio", axes, marker="o", color=colour)
     for x, y, text, colour in (
             (0.0011, 2.54, "Bush, Gibson and Thomas, small pressures", "#666666"),
             (0.0011, 1.53, "Persson", INK), (0.012, 2.03, "summits, interacting", RED),
@@ -523,25 +505,20 @@ def map_area(_, axes):
 @figure(400, 1, 2)
 def map_curves(_, left, right):
     """A map under a flat: its summits and its pixels."""
-    for axes, name, label in ((left, "area_fraction", "Area fraction"),
-                              (right, "separation", "Separation (µm)")):
-        pixels, spheres = table(DATA / "pixels.csv"), table(DATA / "coupled_summits.csv")
-        axes.plot(pixels["nominal_pressure"], pixels[name], **PRINTED, label="pixels")
-        axes.plot(spheres["nominal_pressure"], spheres[name], color=BLUE, label="summits")
-        axes.set(xlabel="Nominal pressure (MPa)", ylabel=label, xlim=(0, 205))
+    pixels = solved(ROOT / "data/examples/summits/press_samples.scene").states
+    spheres = solved(DATA / "summits.scene").states
+    for axes, name in ((left, "area_fraction"), (right, "separation")):
+        pixels.plot_columns("nominal_pressure", name, axes, **PRINTED, label="pixels")
+        spheres.plot_columns("nominal_pressure", name, axes, color=BLUE, label="summits")
+        axes.set_xlim(0, 205)
         axes.legend(loc="upper left" if axes is left else "upper right")
     left.set_ylim(0, 0.13)
     right.set_ylim(-0.15, 0.35)
 
 
-def fields_of(name):
-    """The fields of the last state of a run in DATA."""
-    return asperity.load(DATA / f"{name}.json", fields=DATA / f"{name}.vti").fields()
-
-
 @figure(460)
 def pressure_map(_, axes):
-    fields_of("pressure").plot("pressure", axes)
+    solved(DATA / "surface.scene", fields=True).fields().plot("pressure", axes)
     axes.grid(False)
 
 
@@ -554,16 +531,17 @@ def summits(_, axes):
 
 @figure(330, columns=3)
 def rough_ball(_, pressures, slips, hold):
-    fields = fields_of("slip")
+    fields = solved(DATA / "slip.scene", fields=True).fields()
     fields.plot("pressure", pressures)
     fields.plot("stick", slips)
     for axes in (pressures, slips):
         axes.grid(False)
         axes.set(xlim=(6, 58), ylim=(6, 58))
-    rows = table(DATA / "rough_ball.csv")
-    for name, colour, label in (("area", BLUE, "contact area"), ("compression", RED, "compression")):
-        hold.plot(rows["time"] / 60, rows[name] / rows[name][0], color=colour, label=label)
-    hold.set(xlabel="Time (min)", ylabel="Over the value at loading")
+    rows = solved(DATA / "creep.scene").states
+    for name, colour in (("area", BLUE), ("compression", RED)):
+        part(rows, slice(None), ratio=rows[name] / rows[name][0]).plot_columns(
+            "time", "ratio", hold, color=colour, label=name)
+    hold.set(xlabel="time (s)", ylabel="over the value at loading")
     hold.legend()
 
 
@@ -571,9 +549,9 @@ def rough_ball(_, pressures, slips, hold):
 def scan_size(_, axes):
     """A map with a free edge against the size of the scan."""
     rows = table(KEPT / "bench/scan_size.csv")
-    axes.plot(rows["side"], rows["mean_gap"], "o-", color=BLUE, label="mean gap")
-    axes.plot(rows["side"], rows["separation"], "o-", color=RED,
-              label="separation of the reference planes")
+    rows.plot_columns("side", "mean_gap", axes, marker="o", color=BLUE, label="mean gap")
+    rows.plot_columns("side", "separation", axes, marker="o", color=RED,
+                      label="separation of the reference planes")
     axes.set(xscale="log", xlim=(0.9, 17.5), ylim=(-7.5, 1.5), ylabel="Length / rms height",
              xlabel="Side of the scan / roll-off wavelength")
     axes.set_xticks((1, 2, 4, 8, 16), ("1", "2", "4", "8", "16"))
@@ -592,8 +570,8 @@ def representative_area(_, above, below):
         above.errorbar(shift * rows["size"], rows["mean"] / rows["integral"],
                        rows["standard_error"] / rows["integral"], fmt="o", color=colour,
                        elinewidth=1.2, capsize=3)
-        below.plot(rows["size"], 100 * rows["deviation"] / rows["integral"], "o", color=colour,
-                   label=label)
+        part(rows, slice(None), spread=100 * rows["deviation"] / rows["integral"]).plot_columns(
+            "size", "spread", below, marker="o", ls="", color=colour, label=label)
     above.axhline(1, color=INK, linestyle="--", linewidth=1)
     above.text(0.02, 0.92, "bars: standard error", color="#666666", transform=above.transAxes)
     above.set(xscale="log", ylim=(0.95, 1.07), ylabel="mean / integral")
@@ -620,9 +598,11 @@ def stability(_, axes):
     for formula, style in (("original", {"fillstyle": "none", "markersize": 6}),
                            ("stable", {"markersize": 4})):
         rows = table(DATA / "stability.csv", formula=formula, arithmetic="real64")
-        axes.plot(np.where(rows["condition"] < 1e18, rows["condition"], edge),
-                  np.maximum(rows["error"], least), "o", color=BLUE, label=f"{formula} overlap",
-                  **style)
+        rows = asperity.Table({
+            "condition": np.where(rows["condition"] < 1e18, rows["condition"], edge),
+            "error": np.maximum(rows["error"], least)})
+        rows.plot_columns("condition", "error", axes, marker="o", ls="", color=BLUE,
+                          label=f"{formula} overlap", **style)
     ticks = [10.0**k for k in range(0, 17, 4)]
     axes.set(xscale="log", yscale="log", xlim=(0.5, 1e20), ylim=(1e-18, 1e3),
              xlabel="Condition number", ylabel="Largest relative error of a total")
@@ -631,77 +611,44 @@ def stability(_, axes):
     axes.legend(loc="upper left")
 
 
+# ------------------------------------------------------------------ what accuracy costs
+
+@functools.cache
+def costs(name):
+    """Run times and errors of one of four kinds of surfaces: heights with four digits."""
+    if name == "thesis":
+        return asperity.accuracy(ROOT / "data/thesis.deck")
+    if name == "map":
+        rough = asperity.generate_map(ROOT / "data/examples/generate/surface.spec")
+        return asperity.accuracy({
+            "surfaces": {"upper": "plane", "units": ("um", "uN"), "lower": asperity.HeightMap(
+                rough.heights.round(4), rough.spacing, rough.unit, rough.periodic)},
+            "material": {"contact_modulus": 1e5},
+            "loading": {"control": "pressure", "value": 100}}, finer=True)
+    number, side, deviation, load = {"rough": (10000, 19.6, 0.03, 1e5),
+                                     "dense": (100, 2.0, 0.005, 3e3)}[name]
+    _, lower = asperity.generate({
+        "surfaces": {"number": number, "length": side, "width": side},
+        "heights": {"mean": 0.127, "deviation": deviation, "lowest": 0.01},
+        "radii": {"mean": 1.27}})
+    return asperity.accuracy({
+        "surfaces": {"upper": "plane", "lower": {**lower, "height": lower["height"].round(4)}},
+        "material": {"elastic_modulus": (275760.0,) * 2, "poisson_ratio": (0.42,) * 2},
+        "loading": {"control": "load", "value": load}})
+
+
 @figure(560)
 def work_precision(_, axes):
-    """Errors of load and area against time: all methods of `asperity accuracy`."""
-    asperity.accuracy(ROOT / "data/thesis.deck").plot(axes)
+    """All methods of the sweep of the thesis, arithmetics and steps too."""
+    costs("thesis").plot(axes)
 
 
-@figure(760, 2, 2)
-def time_and_error(canvas, *panels):
-    """Error of the load against time on four kinds of surfaces, from the kept measurement. The line
-    connects the options that no other is both faster and more accurate than. Each panel has the
-    fastest option, of about the same time the most accurate one, for an error of 1 % and 0.1 %."""
-    rows = table(KEPT / "bench/accuracy_costs.csv")
-    families = {"off": (GREY, "s"), "coupled": (BLUE, "o"), "auto": (YELLOW, "^"),
-                "pixel": (INK, "*"), "boundary": (RED, "D")}
-    for axes, scene in zip(panels, dict.fromkeys(rows["scene"])):
-        points = [(option.replace("`", ""), float(time), float(error))
-                  for name, option, time, error in zip(
-                      rows["scene"], rows["option"], rows["seconds"], rows["error"])
-                  if name == scene and time == time]
-        digit = [float(error) for name, option, error in zip(
-            rows["scene"], rows["option"], rows["error"])
-            if name == scene and option.startswith("half a digit")]
-        best = 10.0
-        lowest = []
-        for option, time, error in sorted(points, key=lambda one: one[1:]):
-            if error < best:
-                lowest.append((time, error))
-                best = error
-        axes.plot(*zip(*lowest), color=INK, linewidth=1, zorder=1)
-        axes.axhspan(1e-9, max(digit), color="#EEEEEE", zorder=0)
-        axes.text(0.02, 0.02, "grey: below half a digit of the heights", fontsize=8,
-                  transform=axes.transAxes, color="#666666")
-        least, most = (find(time for _, time, _ in points) for find in (min, max))
-        labels = {}
-        for option, time, error in points:
-            colour, marker = next(style for key, style in families.items() if key in option)
-            axes.plot(time, error, marker, color=colour, markersize=6)
-            label = re.sub("interaction = |(boundary_|area_)?tolerance = |, on the pixels|"
-                           "'boundary', (?=every|pixels)", "", option)
-            near = next((place for place in labels if abs(np.log(place[0] / time)) < 0.5
-                         and abs(np.log(place[1] / error)) < 0.3), (time, error))
-            labels.setdefault(near, []).append(label)
-        for place, words in labels.items():
-            # Upright below the point, where no other one is there.
-            is_free = not any(other[1] < place[1] and abs(np.log(place[0] / other[0])) < 0.45
-                              for other in labels)
-            axes.annotate("\n".join(words), place, (0, -6) if is_free else (4, 4), fontsize=8,
-                          textcoords="offset points", rotation=90 if is_free else 0,
-                          ha="center" if is_free else "left", va="top" if is_free else "bottom")
-        for place, goal in enumerate((0.01, 0.001)):
-            axes.axhline(goal, color=INK, linewidth=0.6, zorder=0)
-            # A map is to be solved on its own pixels.
-            own = [one for one in points if "on the pixels" in one[0]] or points
-            met = [one for one in own if one[2] <= goal]
-            quick = [one for one in met if one[1] <= 1.5 * min(other[1] for other in met)]
-            option, time, _ = min(quick, key=lambda one: one[2], default=("finer pixels", None, 0))
-            option = option.replace(", on the pixels", "")
-            option = f"interaction = {option}" if option.startswith("'") else option
-            cost = f", {1000 * time:.2g} ms" if time else ""
-            axes.text(0.97, 0.95 - 0.07 * place, f"for {100 * goal:g} %: {option}{cost}",
-                      ha="right", va="center", fontsize=8, weight="bold", transform=axes.transAxes,
-                      bbox={"facecolor": "white", "edgecolor": "none", "pad": 1})
-        axes.set(xscale="log", yscale="log", title=scene, ylim=(1e-7, 100),
-                 xlim=(least / 2, most * 4))
-        axes.set_yticks([1e-6, 1e-5, 1e-4, 1e-3, 1e-2, 0.1, 1],
-                        ["0.0001 %", "0.001 %", "0.01 %", "0.1 %", "1 %", "10 %", "100 %"])
-        axes.minorticks_off()
-    for axes in panels[2:]:
-        axes.set_xlabel("Run time (s)")
-    for axes in panels[::2]:
-        axes.set_ylabel("Largest relative error of the load")
+@figure(1000, 2, 2)
+def time_and_error(_, *panels):
+    """Four kinds of surfaces."""
+    for axes, name, title in zip(panels, ("thesis", "rough", "dense", "map"), (
+            "the thesis' deck", "10,000 caps", "100 dense caps", "map, 160 x 160 pixels")):
+        costs(name).plot(axes).set_title(title)
 
 
 # ------------------------------------------------------------------ drawings without a run
@@ -790,7 +737,8 @@ def main(executable, *names):
     unknown = set(names) - set(drawn)
     if unknown:
         sys.exit(f"no figure {', '.join(sorted(unknown))}; there are {', '.join(drawn)}")
-    solve_scenes(executable, names)
+    warnings.simplefilter("ignore")
+    make_input(executable, names)
     plt.rcParams.update(STYLE)
     for name in names:
         canvas = drawn[name]()

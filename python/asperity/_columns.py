@@ -104,8 +104,9 @@ class Values(Sequence[Any]):
 
 
 @functools.cache
-def _one_row() -> Any:
-    """The type of a column of one row: its number is that of `float`, as in numpy before 2.4."""
+def _column_type() -> Any:
+    """The type of a column: its values are numbers of Python, which compare to True or False, and
+    that of one row is the number of `float`."""
     library = needed("numpy", "numpy", "an array")
 
     class array(library.ndarray):  # type: ignore[misc, name-defined]
@@ -135,8 +136,7 @@ def column(values: Any) -> Column:
     array = library.asarray(values)
     if not len(array) and isinstance(values, list):
         array = library.empty(0, dtype="U1")
-    if len(array) == 1:
-        array = array.view(_one_row())
+    array = array.view(_column_type())
     array.flags.writeable = False
     return cast("Column", array)
 

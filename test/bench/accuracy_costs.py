@@ -4,8 +4,7 @@
 
 Runs `asperity accuracy` on the sweep of the thesis, on a rough surface, on a dense one and on a
 height map. With --save the rows go to reference_output/bench/accuracy_costs.csv, and what to type
-for an error as a table into docs/how-to/accuracy.md. test_reference_tables.py compares both; the
-figure time-and-error is drawn from the rows.
+for an error as a table into docs/how-to/accuracy.md. test_reference_tables.py compares both.
 """
 
 import argparse
@@ -48,8 +47,6 @@ OPTIONS = {"isolated": "`interaction = 'off'`", "coupled": "`'coupled'`",
            "pixels; every second": "`'boundary'`, every second pixel",
            "pixels of the map": "`'boundary'`, on the pixels",
            "pixels half as wide": "`'boundary'`, pixels half as wide"}
-# Rows of the kept file that no command measures: the figure time-and-error shows them.
-DIGIT = "half a digit of the heights"
 # Kinds of surfaces: name, and their scenes.
 KINDS = {"asperities": list(SCENES)[:3], "a map": list(SCENES)[3:]}
 
@@ -119,8 +116,7 @@ def main():
                       "scene,option,seconds,error,area_error", *rows, ""])
     print("\n".join(advice(text)))
     if words.save:
-        digits = [line for line in KEPT.read_text(encoding="ascii").splitlines() if DIGIT in line]
-        KEPT.write_text("\n".join([text.rstrip(), *digits, ""]), encoding="ascii")
+        KEPT.write_text(text, encoding="ascii")
         before, _, rest = PAGE.read_text(encoding="utf-8").partition(BEGIN)
         PAGE.write_text("\n".join([f"{before}{BEGIN}\n", *advice(text), f"\n{END}"]) +
                         rest.partition(END)[2], encoding="utf-8")

@@ -62,7 +62,7 @@ def test_all_states_are_those_of_the_files(solved, path, asperity):
     steps = solved.states["step"]
     assert [solved.fields(step=step).step for step in steps] == steps.tolist() == [1, 2, 3, 4]
     assert solved.fields() is solved.fields(1, step=-1) is solved.fields(step=4)
-    assert solved.fields(1, -4).step == solved.fields(step=-4).step == 1
+    assert solved.fields(1, step=-4).step == solved.fields(step=-4).step == 1
 
 
 def test_positions_of_moved_maps(package, asperity, tmp_path):

@@ -30,8 +30,8 @@ def results(package):
 
 
 def test_float_of_a_column_with_one_row(results):
-    """As numpy before 2.4 did, and its value is a `float`, which compares to a `bool`; calculations,
-    copies and repr are those of any column."""
+    """As numpy before 2.4 did; the value at a place is a `float`, which compares to a `bool`.
+    Calculations, copies and repr are those of any array."""
     assert {"positions", "states", "contacts", "scene"} <= set(dir(results))
     column = results.positions["load"]
     assert float(column) == pytest.approx(LOAD[-1], rel=1e-12)
