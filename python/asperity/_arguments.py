@@ -6,7 +6,6 @@ The ranges of numbers are checked by the library itself, for all languages.
 from __future__ import annotations
 
 import contextlib
-import difflib
 import operator
 import os
 import re
@@ -240,6 +239,7 @@ def asperities(name: str, table: Any, known: list[str]) -> Surface:
     """The asperities of a surface for the library, which reads the arrays where they are."""
     missing = [column for column in COLUMNS if column not in known]
     if missing:
+        import difflib  # takes long
         near = [(column, match) for column in missing for match in
                 difflib.get_close_matches(column, set(known).difference(COLUMNS), 1)]
         raise wrong(name, f"no {', '.join(missing)}", "x, y, height and radius" + "".join(

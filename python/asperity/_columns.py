@@ -2,7 +2,6 @@
 
 from __future__ import annotations
 
-import difflib
 import functools
 import html
 import importlib
@@ -201,6 +200,7 @@ class Table(dict[str, "Column"]):
         return len(next(iter(self.values()), ()))
 
     def __missing__(self, name: str) -> Column:
+        import difflib  # takes long
         near = difflib.get_close_matches(str(name), list(self), 1)
         raise KeyError(f"no column {name!r} in the table of {self.name}" +
                        (f"; did you mean {near[0]!r}?" if near else f": {', '.join(self)}"))

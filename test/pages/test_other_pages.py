@@ -18,12 +18,15 @@ def test_the_same_map_in_three_programs(package, capsys, monkeypatch, checkout):
     """Each block prints the numbers below it, and all agree to 1e-8."""
     monkeypatch.chdir(checkout)
     monkeypatch.setenv("OMP_NUM_THREADS", "2")
+    monkeypatch.setenv("MPLBACKEND", "Agg")
     ours, *others = [[float(word) for word in line.split()]
                      for line in re.findall(r"```\n(0[.\d]+ [.\d]+ [.\d]+)\n```", PROGRAMS)]
     blocks = re.findall(r"```py(?:thon)?\n(.*?)```", PROGRAMS, re.S)
     save = re.search(r"`(np[.]save\(.*?\))`", PROGRAMS)[1]
     blocks[0] += save
     assert len(blocks) == 3 and len(others) == 2
+    curve = blocks[0].partition("results = ")[2].partition("plot()")[0]
+    assert curve.count("\n") == 4  # five lines
     for block, numbers in zip(blocks, (ours, *others)):
         if sys.version_info < (3, 11) and block != blocks[0]:
             continue  # No wheels of the others.
