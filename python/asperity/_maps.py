@@ -127,9 +127,9 @@ class HeightMap(Conditioning):
             self.heights, dtype=dtype)
 
     def write(self, path: _a.Path) -> None:
-        """Write the map to a file: `.sdf` (surface data, ISO 25178-71, binary; needs a unit),
-        `.npy` (the heights alone) or `.txt` (a matrix). `.sdf` and `.txt` keep unit, spacing and
-        edge. A file that cannot be written is a ComputeError."""
+        """Write the map to a file: `.sdf` (surface data, ISO 25178-71, in metres; needs a unit),
+        `.npy` (the heights alone) or `.txt` (a matrix). `.sdf` and `.txt` keep spacing and edge,
+        `.txt` the unit. A file that cannot be written is a ComputeError."""
         written = _c.call("write_map", byref(self._struct()), _a.path("path", path)).checked()
         for note in written.lines(_c.NOTES):
             warn_caller(note, UserWarning)
