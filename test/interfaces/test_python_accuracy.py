@@ -8,8 +8,9 @@ from programs import run_program
 
 pytestmark = [pytest.mark.once, pytest.mark.filterwarnings("ignore::UserWarning")]
 
-CAPS = 30
+CAPS = 12
 CLOCK = {"seconds", "front"}
+SECONDS = 1.5
 
 
 @pytest.fixture(scope="module")
@@ -22,7 +23,8 @@ def caps(package):
 
 @pytest.mark.parametrize("kind", ("asperities", "deck"))
 def test_numbers_of_the_command(kind, package, caps, asperity, root, tmp_path):
-    """All numbers of `--csv` but the clock's; of a deck the arithmetics and steps, too."""
+    """All numbers of `--csv` but the clock's; of a deck the arithmetics and steps, too. The rows
+    that one of both has no time for are few."""
     scene = root / "data/hard/deck_one_pair.deck"
     if kind == "asperities":
         (tmp_path / "l.csv").write_text("x,y,height,radius\n" + "".join(
@@ -32,20 +34,26 @@ def test_numbers_of_the_command(kind, package, caps, asperity, root, tmp_path):
         scene.write_text(
             "&surfaces upper = 'plane', lower = 'l.csv' /\n&material contact_modulus = 1e5 /\n"
             "&loading control = 'load', value = 1e5 /\n")
-    run_program(asperity, "accuracy", scene, "--quiet", "--csv", tmp_path / "a.csv")
-    found = package.accuracy(scene)
+    run_program(asperity, "accuracy", scene, "--quiet", "--csv", tmp_path / "a.csv", "--seconds",
+                SECONDS)
+    found = package.accuracy(scene, seconds=SECONDS)
     rows = list(csv.DictReader(open(tmp_path / "a.csv", encoding="ascii")))
     assert len(rows) == len(found.table)
     assert list(rows[0]) == list(found.table)
+    solved = set()
     for mine, row in zip(found.table.rows(), rows):
+        if "takes longer" in mine["left_out"] + row["left_out"]:
+            continue
+        solved.add(row["method"])
         for name in row.keys() - CLOCK:
             text = row[name].replace(";", ",")
             if isinstance(mine[name], str):
                 assert mine[name] == text
             else:
                 assert mine[name] == pytest.approx(float(text or "nan"), rel=1e-9, nan_ok=True)
+    assert solved > {"real64; exact events", "isolated contacts"}
+    assert (kind == "deck") == ("ibm370; original program; 1976" in solved)
     assert found.reference in str(found) and "what to type" in str(found)
-    assert ("ibm370" in str(found)) == (kind == "deck")
 
 
 def test_answers(package, caps):
@@ -130,7 +138,7 @@ def test_digits_of_heights(package):
     cap = {"x": [0.0], "y": [0.0], "height": [1.04], "radius": [10.0]}
     found = package.accuracy({
         "surfaces": {"upper": cap, "lower": "plane"}, "material": {"contact_modulus": 1000.0},
-        "loading": {"control": "separation", "value": 1.0}})
+        "loading": {"control": "separation", "value": 1.0}}, seconds=SECONDS)
     expected = [abs((1 + sign * 0.005 / 0.04)**1.5 - 1) for sign in (-1, 1)]
     assert np.isclose(found.digits, expected, rtol=1e-9).any()
     assert "digit of the heights" in str(found)
@@ -166,10 +174,10 @@ def test_digits_of_files(package, tmp_path, is_map):
     (tmp_path / "s.scene").write_text(
         f"&surfaces upper = 'plane', lower = {names} /\n&material contact_modulus = 1e3 /\n"
         "&loading control = 'load', value = 5 /\n")
-    of_file = package.accuracy(tmp_path / "s.scene")
+    of_file = package.accuracy(tmp_path / "s.scene", seconds=SECONDS)
     of_arrays = package.accuracy({
         "surfaces": {"upper": "plane", "lower": surface}, "material": {"contact_modulus": 1e3},
-        "loading": {"control": "load", "value": 5}})
+        "loading": {"control": "load", "value": 5}}, seconds=SECONDS)
     # Of a map in a dict finer pixels are the reference, which average the digits.
     assert of_file.digits == pytest.approx(of_arrays.digits, rel=0.5 if is_map else 1e-6)
     assert of_file.digits > 1e-3
