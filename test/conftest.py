@@ -3,11 +3,11 @@
 Tests run side by side (pytest-xdist), in any order: each writes in its own `tmp_path` alone.
 """
 
+import fcntl
 import importlib
 import os
 import subprocess
 import sys
-import time
 from pathlib import Path
 
 import pytest
@@ -180,36 +180,42 @@ def asperity():
     return path
 
 
+def shared(factory, name, commands):
+    """A folder that one process of a run fills for all of them, by commands on the folder, which
+    find the programs of .venv. Usage: `commands(folder)`."""
+    base = factory.getbasetemp()
+    base = base.parent if os.environ.get("PYTEST_XDIST_WORKER") else base
+    folder, mark = base / name, base / f"{name}.done"
+    with open(base / f"{name}.lock", "w") as lock:
+        fcntl.flock(lock, fcntl.LOCK_EX)
+        if not mark.exists():
+            build("release")
+            path = os.pathsep.join((str(ROOT / ".venv" / "bin"), os.environ["PATH"]))
+            for command in commands(folder):
+                done = subprocess.run(command, cwd=ROOT, env={**os.environ, "PATH": path},
+                                      stdin=subprocess.DEVNULL, capture_output=True, text=True,
+                                      timeout=500)
+                assert done.returncode == 0, done.stdout + done.stderr
+            mark.touch()
+    return folder
+
+
 @pytest.fixture(scope="session")
 def venv(tmp_path_factory):
     """A fresh venv with the package and nothing else: pip install ./python, without a network."""
     if os.environ.get("ASPERITY_PACKAGE"):
         pytest.skip("ASPERITY_PACKAGE is in no environment of its own")
-    build("release")
-    start = time.monotonic()
-    folder = tmp_path_factory.mktemp("venv")
-    path = os.pathsep.join((str(ROOT / ".venv" / "bin"), os.environ["PATH"]))
-    for command in ([sys.executable, "-m", "venv", "--without-pip", folder],
-                    [sys.executable, "-m", "pip", "--python", folder / "bin" / "python", "install",
-                     "-q", "--no-index", "--disable-pip-version-check", "./python"]):
-        done = subprocess.run(command, cwd=ROOT, env={**os.environ, "PATH": path},
-                              stdin=subprocess.DEVNULL, capture_output=True, text=True, timeout=500)
-        assert done.returncode == 0, done.stdout + done.stderr
-    print(f"pip install ./python: {time.monotonic() - start:.1f} s")
-    return folder
+    return shared(tmp_path_factory, "venv", lambda folder: (
+        [sys.executable, "-m", "venv", "--without-pip", folder],
+        [sys.executable, "-m", "pip", "--python", folder / "bin" / "python", "install", "-q",
+         "--no-index", "--disable-pip-version-check", "./python"]))
 
 
 @pytest.fixture(scope="session")
 def installed(tmp_path_factory):
     """A prefix with all that `make install` puts there, of one build whatever others build."""
-    build("release")
-    folder = tmp_path_factory.mktemp("prefix")
-    path = os.pathsep.join((str(ROOT / ".venv" / "bin"), os.environ["PATH"]))
-    done = subprocess.run([sys.executable, "python/build_backend.py", folder], cwd=ROOT,
-                          env={**os.environ, "PATH": path}, stdin=subprocess.DEVNULL,
-                          capture_output=True, text=True, timeout=500)
-    assert done.returncode == 0, done.stdout + done.stderr
-    return folder
+    return shared(tmp_path_factory, "prefix", lambda folder: (
+        [sys.executable, "python/build_backend.py", folder],))
 
 
 @pytest.fixture(scope="session")

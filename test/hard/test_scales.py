@@ -55,12 +55,11 @@ def test_a_surface_has_the_same_digits_in_any_power_of_ten(power, asperity, tmp_
     assert [[cell.scaleb(power) for cell in row] for row in one] == two
 
 
-@pytest.mark.parametrize("unit", ("1e-12", "1e12"))
-def test_a_march_has_as_many_steps_in_any_unit(unit, asperity, tmp_path):
+def test_a_march_has_as_many_steps_in_any_unit(asperity, tmp_path):
     """The steps of a march are so long for the surfaces, not for their unit: as many rows, and the
     errors of exact events and of steps are alike, in a time that is bounded."""
     rows = []
-    for scale in (1.0, float(unit)):
+    for scale in (1.0, 1e-12, 1e12):
         for name, height in (("u", 0.5), ("l", 0.4)):
             (tmp_path / f"{name}.csv").write_text("x,y,height,radius\n" + "".join(
                 f"{3 * i * scale!r},{0.1 * i * scale!r},{(height + 0.001 * i) * scale!r},"
@@ -69,9 +68,9 @@ def test_a_march_has_as_many_steps_in_any_unit(unit, asperity, tmp_path):
             "&surfaces upper = 'u.csv', lower = 'l.csv' /\n"
             "&material elastic_modulus = 2*2e5, poisson_ratio = 2*0.3 /\n"
             f"&limit criterion = 'load', value = {10 * scale ** 2!r} /\n", encoding="ascii")
-        run_program(asperity, "accuracy", "s.scene", "--seconds", "3", "--quiet", "--csv", "a.csv",
+        run_program(asperity, "accuracy", "s.scene", "--seconds", "1", "--quiet", "--csv", "a.csv",
                     cwd=tmp_path)
         rows.append(records(tmp_path / "a.csv"))
     named = [[(row["family"], row["arithmetic"], row["overlap"]) for row in table]
              for table in rows]
-    assert named[0] and named[0] == named[1]
+    assert named[0] and named[0] == named[1] == named[2]
