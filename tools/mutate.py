@@ -109,6 +109,11 @@ def build():
     return run(".venv/bin/fpm", "build", "--no-prune", "--tests", "--flag", FLAGS)[0]
 
 
+def statement(line):
+    """A line without its comment."""
+    return re.match(r"""(?:'[^']*'|"[^"]*"|[^!'"])*""", line)[0].strip()
+
+
 def mutants_of(path, seed):
     """The mutants of a file, in an order by the seed, but those of comments and declarations."""
     text = (ROOT / path).read_text(encoding="utf-8")
@@ -124,7 +129,7 @@ def mutants_of(path, seed):
         changed = [lines for lines in zip(text.splitlines(), one.splitlines())
                    if lines[0] != lines[1]]
         if len(changed) == 1 and not NO_STATEMENT.match(changed[0][0]) and \
-                changed[0][1].strip() and not changed[0][1].lstrip().startswith("!"):
+                statement(changed[0][1]) not in ("", statement(changed[0][0])):
             yield one, changed[0]
 
 

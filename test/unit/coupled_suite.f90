@@ -195,14 +195,14 @@ contains
 
   ! A shallow contact beside a deep one, as the gap of the shallow one falls.
   subroutine at_the_rim
-    integer, parameter :: steps = 400
+    integer, parameter :: steps = 200
     type(contact_pairs) :: pairs
     type(hertz_law) :: law
     type(coupled_solution) :: solution
     real(real64) :: before, distance, largest
     integer :: i, k
 
-    do k = 1, 8
+    do k = 1, 7, 2
       distance = 0.5_real64 + 0.2_real64 * k
       before = -1.0_real64
       largest = 0.0_real64
@@ -263,6 +263,7 @@ contains
     call check(size(one%set%x) > large_set .and. size(one%set%one) > large_set, &
                'too few for threads')
     call check(bytes_of(one) == bytes_of(two), 'penetrations or shifts by two threads')
+    call expect_few(one, [6, 14, 14], 'large crowd')
   end subroutine thousands
 
   pure function bytes_of(solution) result(bytes)
@@ -282,7 +283,7 @@ contains
     real(real64) :: share
     integer :: i, side, turn
 
-    do side = 6, 14, 4
+    do side = 5, 10, 5
       do turn = 1, size(turns)
         gap = [(1.0e-6_real64 * modulo(turns(turn) * i, side**2), i=0, side**2 - 1)]
         call lay_contacts([(0.1_real64 * modulo(i, side), i=0, side**2 - 1)], &
@@ -304,7 +305,7 @@ contains
   subroutine few_steps
     type(contact_pairs) :: pairs
     type(hertz_law) :: law
-    type(coupled_solution) :: one, two, three, four
+    type(coupled_solution) :: one, two, three
     integer :: i
     integer, parameter :: side = 18
     real(real64), parameter :: apart_by = 0.2_real64
@@ -312,16 +313,14 @@ contains
     call crowd(900, pairs, law)
     call solve_at(pairs, law, one)
     call crowd(4500, pairs, law)
-    call solve_at(pairs, law, two)
-    call solve_coupled(pairs, law, three, 100.0_real64 * depth**1.5_real64)
+    call solve_coupled(pairs, law, two, 100.0_real64 * depth**1.5_real64)
     call lay_contacts([(apart_by * modulo(i, side), i=0, side**2 - 1)], &
                       [(apart_by * (i - modulo(i, side)) / side, i=0, side**2 - 1)], &
                       [(1.0e-3_real64 * modulo(37 * i, 101) / 101, i=0, side**2 - 1)], pairs, law)
-    call solve_at(pairs, law, four)
+    call solve_at(pairs, law, three)
     call expect_few(one, [6, 15, 19], 'crowd')
-    call expect_few(two, [6, 14, 14], 'large crowd')
-    call expect_few(three, [6, 11, 18], 'under a load')
-    call expect_few(four, [10, 19, 130], 'lattice')
+    call expect_few(two, [6, 11, 18], 'under a load')
+    call expect_few(three, [10, 19, 130], 'lattice')
   end subroutine few_steps
 
   subroutine expect_few(solution, most, what)

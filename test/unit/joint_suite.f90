@@ -212,7 +212,7 @@ contains
     real(real64) :: together
     integer :: i
 
-    call lay_contacts([0.0_real64, 1.5_real64, 70.0_real64, 71.8_real64, 70.9_real64], &
+    call lay_contacts([0.0_real64, 1.5_real64, 40.0_real64, 41.8_real64, 40.9_real64], &
                       [0.0_real64, 0.3_real64, 0.0_real64, 0.0_real64, 1.3_real64], &
                       [0.0_real64, 0.1_real64, 0.15_real64, 0.2_real64, 0.4_real64], pairs, law)
     call solve(pairs, law, resolve_all, 0.005_real64, solution, 'clusters')
