@@ -6,6 +6,7 @@ program asperity_main
   use asperity_images, only: image_number, wait_for_images
   use asperity_option_table, only: command_at, commands
   use asperity_output_files, only: guard_files
+  use asperity_process, only: check_stack
   use asperity_run_accuracy, only: run_accuracy_command
   use asperity_run_generate, only: run_generate_command
   use asperity_run_original, only: run_original_command
@@ -21,8 +22,11 @@ program asperity_main
   integer :: status
 
   call guard_files()
-  call parse_command_line(line, outcome%problems)
-  if (outcome%problems%count() > 0) then
+  call check_stack(outcome%failure)
+  if (.not. allocated(outcome%failure)) call parse_command_line(line, outcome%problems)
+  if (allocated(outcome%failure)) then
+    continue
+  else if (outcome%problems%count() > 0) then
     call outcome%problems%add(trim('Try: asperity ' // &
                                    commands(command_at(line%command))%name) // ' --help')
   else if (image_number() == 1 .or. is_shared(line)) then

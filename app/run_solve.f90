@@ -12,8 +12,8 @@ module asperity_run_solve
   use asperity_map_stress, only: check_stress, largest_stress, look_for_largest, no_ratio, &
                                  stress_solver
   use asperity_number_format, only: count_text, number_text
-  use asperity_problems, only: decimal_text, not_enough_memory, problem_list
-  use asperity_process, only: has_memory
+  use asperity_problems, only: decimal_text, problem_list
+  use asperity_process, only: check_memory
   use asperity_result_table, only: array_table, make_arrays
   use asperity_results_json, only: write_json, write_json_table
   use asperity_results_vtk, only: write_vti, write_vts
@@ -188,9 +188,9 @@ contains
         if (allocated(field%traction)) under = 'pressures and tractions'
         call check_stress(field, line%depths(1), scene_in%bodies(body), outcome%failure)
         ! Cells, their copy by columns of all depths.
-        if (.not. allocated(outcome%failure) .and. .not. has_memory( &
-            16_int64 * stress_columns * depths * field%columns * field%rows)) &
-          outcome%failure = line%input // ': ' // not_enough_memory // ' for the stresses'
+        if (.not. allocated(outcome%failure)) call check_memory('the stresses', outcome%failure, &
+            bytes=16_int64 * stress_columns * depths * field%columns * field%rows)
+        if (allocated(outcome%failure)) outcome%failure = line%input // ': ' // outcome%failure
         if (allocated(outcome%failure)) return
         call solver%prepare(field, scene_in%bodies(body), body == 1)
         associate (pixels => field%columns * field%rows)

@@ -24,9 +24,8 @@ contains
     type(outcome), pointer :: from, new
     type(contact_field), pointer :: field
 
-    call begin_outcome(new, handle)
+    call begin_outcome(new, handle, turn)
     if (.not. associated(new)) return
-    call turn%begin()
     call choose_field(solved, position, state, from, new, field)
     if (associated(field)) &
       call set_field(new, field, unit_of_column(from%tables(of_positions), 'mean_gap'), &

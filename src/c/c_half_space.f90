@@ -11,8 +11,8 @@ module asperity_c_half_space
   use asperity_map_contact, only: displacement_by, room_to_press
   use asperity_map_stress, only: check_stress, stress_solver
   use asperity_numeral, only: above_zero, expected_numbers, in_range, not_negative, poisson_range
-  use asperity_problems, only: not_enough_memory, problem_list, real_text
-  use asperity_process, only: has_memory
+  use asperity_problems, only: problem_list, real_text
+  use asperity_process, only: check_memory
   use asperity_scene_values, only: body_compliance
   use asperity_surface_pressure, only: find_pressure
   use asperity_traction_convolution, only: by_tractions, normal_by_tractions, &
@@ -54,21 +54,23 @@ contains
     real(real64), allocatable :: cells(:, :), pressure(:, :), stress(:, :, :)
     integer :: first, i
 
-    call begin_outcome(new, handle)
+    call begin_outcome(new, handle, turn)
     if (.not. associated(new)) return
-    call turn%begin()
-    call take_half_space(given, values, [traction_x, traction_y], field, map, new%problems)
+    call take_half_space(given, values, [traction_x, traction_y], field, map, new%problems, &
+                         new%failure)
     if (all(what /= [displacements, pressures, stresses])) &
       call new%problems%add('what: found ' // decimal_text(what) // ', expected 1, 2 or 3')
-    if (what == stresses .and. new%problems%count() == 0) then
+    if (.not. new%is_good()) then
+      continue
+    else if (what == stresses) then
       call check_stress(field, depth, map%bodies(1), new%failure)
-    else if (new%problems%count() == 0) then
+    else
       call check_surface(map, allocated(field%traction), new%problems, new%failure)
     end if
     call turn%finish()
     names = stress_names
     first = 1
-    if (new%problems%count() == 0 .and. .not. allocated(new%failure)) then
+    if (new%is_good()) then
       associate (modulus => 1.0_real64 / body_compliance(map%bodies(1)%modulus(1), &
                                                          map%bodies(1)%ratio(1)))
         select case (what)
@@ -138,15 +140,16 @@ contains
       call problems%add('tractions on a layer: found them, expected pressures alone')
     if (map%bodies(1)%thickness > 0.0_real64 .and. map%strip_axis > 0) &
       call problems%add('body.layer: found one on a strip, expected both sides periodic or none')
-    if (.not. has_memory(4 * room_to_press(map))) failure = not_enough_memory // ' for the pixels'
+    call check_memory('the pixels', failure, bytes=4 * room_to_press(map))
   end subroutine check_surface
 
   ! Takes the values of the pixels, their lattice, and as a map the body beside a rigid one.
-  subroutine take_half_space(given, values, tractions, field, map, problems)
+  subroutine take_half_space(given, values, tractions, field, map, problems, failure)
     type(c_ptr), intent(in) :: given, values, tractions(2)
     type(contact_field), intent(inout) :: field
     type(height_map), intent(inout) :: map
     type(problem_list), intent(inout) :: problems
+    character(len=:), allocatable, intent(inout) :: failure  ! set where memory is short
     type(c_half_space), pointer :: numbers
     integer :: i
 
@@ -187,7 +190,8 @@ contains
     call take_pixels(values, field%pressure)
     call take_pixels(tractions(1), field%traction)
     call take_pixels(tractions(2), field%traction_y)
-    allocate (map%height, source=0.0_real64 * field%pressure)
+    call take_pixels(values, map%height)
+    if (.not. allocated(failure)) map%height = 0.0_real64
 
   contains
 
@@ -203,10 +207,14 @@ contains
       type(c_ptr), intent(in) :: address
       real(real64), allocatable, intent(out) :: copy(:, :)
       real(c_double), pointer :: numbers_of(:, :)
+      integer :: status
 
-      if (.not. c_associated(address)) return
+      if (.not. c_associated(address) .or. allocated(failure)) return
       call c_f_pointer(address, numbers_of, [field%columns, field%rows])
-      allocate (copy, source=merge(numbers_of, 0.0_real64, abs(numbers_of) <= huge(1.0_real64)))
+      allocate (copy(field%columns, field%rows), stat=status)
+      call check_memory('the pixels', failure, status)
+      if (.not. allocated(failure)) &
+        copy(:, :) = merge(numbers_of, 0.0_real64, abs(numbers_of) <= huge(1.0_real64))
     end subroutine take_pixels
 
   end subroutine take_half_space

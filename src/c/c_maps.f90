@@ -44,9 +44,8 @@ contains
     real(real64) :: pixel_spacing(2)
     integer :: which
 
-    call begin_outcome(new, handle)
+    call begin_outcome(new, handle, turn)
     if (.not. associated(new)) return
-    call turn%begin()
     call require_text('map', path, new%problems)
     which = 0
     call take_word('unit', unit, length_units, which, new%problems)
@@ -58,7 +57,7 @@ contains
     if (new%problems%count() == 0) &
       call read_height_map(text_of(path), pixel_spacing, .false., map, new%problems, &
                            new%failure, unit=which)
-    if (new%problems%count() == 0 .and. .not. allocated(new%failure)) then
+    if (new%is_good()) then
       call put_in_unit(map, which)
       call set_map(new, text_of(path), map)
     end if
@@ -92,13 +91,11 @@ contains
     type(outcome), pointer :: new
     type(height_map) :: map
 
-    call begin_outcome(new, handle)
+    call begin_outcome(new, handle, turn)
     if (.not. associated(new)) return
-    call turn%begin()
     call require_text('path', path, new%problems)
     call take_heights('map', given, map, new%problems, new%failure)
-    if (new%problems%count() == 0 .and. .not. allocated(new%failure)) &
-      call write_map_file(text_of(path), map, new%problems, new%failure)
+    if (new%is_good()) call write_map_file(text_of(path), map, new%problems, new%failure)
     call set_text(new, text_notes, note_of_file(text_of(path), map))
     call finish_outcome(new)
   end function c_write_map
@@ -113,9 +110,8 @@ contains
     type(generation_spec) :: spec
     type(height_map) :: map
 
-    call begin_outcome(new, handle)
+    call begin_outcome(new, handle, turn)
     if (.not. associated(new)) return
-    call turn%begin()
     call take_spec(path, groups, spec, new%problems)
     if (new%problems%count() == 0 .and. .not. spec%is_map) &
       call new%problems%add(spec%file // ': found surfaces, expected a group &map')
@@ -141,20 +137,19 @@ contains
     type(power_spectrum) :: spectra(3)
     integer :: chosen, k
 
-    call begin_outcome(new, handle)
+    call begin_outcome(new, handle, turn)
     if (.not. associated(new)) return
-    call turn%begin()
     call take_heights('map', given, map, new%problems, new%failure)
     if (new%problems%count() == 0 .and. .not. all(map%pixel_spacing > 0.0)) &
       call new%problems%add('map.spacing: found 0, 0, expected the spacing of the pixels')
     map%periodic = map%edge == periodic_edge
     chosen = usual_level(map%periodic)
     call take_word('level', level, level_names, chosen, new%problems)
-    if (new%problems%count() == 0 .and. .not. allocated(new%failure)) then
+    if (new%is_good()) then
       call level_map(map, chosen)
       call measure_spectra('map', map, spectra, new%problems, new%failure)
     end if
-    if (new%problems%count() == 0 .and. .not. allocated(new%failure)) then
+    if (new%is_good()) then
       call set_text(new, text_unit, map%unit)
       do k = 1, size(spectra)
         associate (table => new%tables(table_spectra + k - 1), from => spectra(k))
@@ -184,9 +179,8 @@ contains
     character(len=:), allocatable :: name
     integer(int64) :: spikes
 
-    call begin_outcome(new, handle)
+    call begin_outcome(new, handle, turn)
     if (.not. associated(new)) return
-    call turn%begin()
     name = 'map'
     chosen%edge_of_file = .not. c_associated(given)
     call set_choices(choices, chosen, new%problems)
@@ -197,10 +191,10 @@ contains
         call summits_of_file(name, chosen, map, summits, spikes, new%problems, new%failure)
     else
       call take_heights('map', given, map, new%problems, new%failure)
-      if (new%problems%count() == 0 .and. .not. allocated(new%failure)) &
+      if (new%is_good()) &
         call summits_of_array(map, chosen, summits, spikes, new%problems, new%failure)
     end if
-    if (new%problems%count() == 0 .and. .not. allocated(new%failure)) then
+    if (new%is_good()) then
       call measure_map(map, summits, found)
       call write_summits_table(name, chosen, spikes, map, summits, found, summary)
       call set_text(new, text_report, summary%text())

@@ -10,7 +10,8 @@ module asperity_c_outcome
   use, intrinsic :: iso_fortran_env, only: int64, real64
   use asperity, only: add_reals, array_table, contact_field, is_measured, list_groups, &
                       not_enough_memory, problem_list, problem_place, scene, version
-  use asperity_process, only: has_memory
+  use asperity_library_turn, only: library_turn
+  use asperity_process, only: check_memory
   use asperity_system_calls, only: text_of
   implicit none
   private
@@ -57,6 +58,8 @@ module asperity_c_outcome
     type(c_letters), allocatable :: units(:, :)            !! units of columns (column, table)
     type(kept_fields), allocatable :: kept(:)              !! by position
     character(len=:), allocatable :: failure               !! reason, when it was not computed
+  contains
+    procedure :: is_good                                   !! no problem was found, nothing failed
   end type outcome
 
   !> `asperity_problem` of the header.
@@ -76,17 +79,27 @@ module asperity_c_outcome
 
 contains
 
-  !> Allocates an outcome, unless memory is short.
-  subroutine begin_outcome(new, handle)
+  !> Allocates an outcome, unless memory is short, and begins the turn of its thread.
+  subroutine begin_outcome(new, handle, turn)
     type(outcome), pointer, intent(out) :: new  !! not associated: memory is short
     type(c_ptr), intent(out) :: handle          !! address of the outcome for C
+    type(library_turn), intent(inout) :: turn   !! turn that has not begun
     integer :: status
 
     handle = c_null_ptr
     allocate (new, stat=status)
     if (status /= 0) nullify (new)
-    if (associated(new)) handle = c_loc(new)
+    if (.not. associated(new)) return
+    handle = c_loc(new)
+    call turn%begin()
   end subroutine begin_outcome
+
+  !> Whether a call has found no problem and has not failed.
+  pure logical function is_good(self)
+    class(outcome), intent(in) :: self  !! outcome of the call
+
+    is_good = self%problems%count() == 0 .and. .not. allocated(self%failure)
+  end function is_good
 
   !> Fills the parts of an outcome that C reads: status, messages, tables and texts.
   subroutine finish_outcome(new)
@@ -176,8 +189,8 @@ contains
 
     if (allocated(failure)) return
     ! The cells, their column, and one copy more.
-    if (.not. has_memory(24_int64 * size(values))) then
-      failure = not_enough_memory // ' for the pixels as arrays'
+    call check_memory('the pixels as arrays', failure, bytes=24_int64 * size(values))
+    if (allocated(failure)) then
       if (allocated(table%columns)) deallocate (table%columns)
       table%rows = 0
       return

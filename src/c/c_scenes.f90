@@ -53,9 +53,8 @@ contains
     type(library_turn) :: turn
     type(outcome), pointer :: new
 
-    call begin_outcome(new, handle)
+    call begin_outcome(new, handle, turn)
     if (.not. associated(new)) return
-    call turn%begin()
     allocate (new%scene_in)
     call require_text('scene', path, new%problems)
     if (new%problems%count() == 0) call read_scene(text_of(path), new%scene_in, new%problems)
@@ -72,15 +71,13 @@ contains
     type(outcome), pointer :: new
     type(scene_side) :: sides(2)
 
-    call begin_outcome(new, handle)
+    call begin_outcome(new, handle, turn)
     if (.not. associated(new)) return
-    call turn%begin()
     allocate (new%scene_in)
     if (.not. c_associated(groups)) call new%problems%add('groups: found NULL, expected a text')
     call take_side('surfaces.upper', upper, sides(1))
     call take_side('surfaces.lower', lower, sides(2))
-    if (new%problems%count() == 0 .and. .not. allocated(new%failure)) &
-      call build_scene_of(sides, text_of(groups), new%scene_in, new%problems)
+    if (new%is_good()) call build_scene_of(sides, text_of(groups), new%scene_in, new%problems)
     call finish_scene(new)
 
   contains
@@ -116,9 +113,8 @@ contains
     type(library_turn) :: turn
     type(outcome), pointer :: from, new
 
-    call begin_outcome(new, handle)
+    call begin_outcome(new, handle, turn)
     if (.not. associated(new)) return
-    call turn%begin()
     allocate (new%scene_in)
     call look_at(of_scene, from)
     if (associated(from)) call new%problems%append(from%problems)
@@ -143,10 +139,9 @@ contains
     type(outcome), pointer :: from, new
     type(scene_results) :: results
 
-    call begin_outcome(new, handle)
+    call begin_outcome(new, handle, turn)
     if (.not. associated(new)) return
     call look_at(of_scene, from)
-    call turn%begin()
     if (associated(from)) call new%problems%append(from%problems)
     if (.not. has_scene(from)) then
       new%failure = 'no scene'
@@ -156,8 +151,7 @@ contains
         call check_field_request(from%scene_in, 'fields', new%problems)
     end if
     call turn%finish()
-    if (new%problems%count() == 0 .and. .not. allocated(new%failure)) &
-      call solve(from%scene_in, results, new%failure, chosen)
+    if (new%is_good()) call solve(from%scene_in, results, new%failure, chosen)
     call turn%begin()
     if (associated(from)) call set_results(from, results, new)
     call finish_outcome(new)
@@ -174,21 +168,20 @@ contains
     type(method_table) :: methods
     type(text_buffer) :: report, rows
 
-    call begin_outcome(new, handle)
+    call begin_outcome(new, handle, turn)
     if (.not. associated(new)) return
     call look_at(of_scene, from)
-    call turn%begin()
     if (associated(from)) call new%problems%append(from%problems)
     if (.not. (seconds > 0 .and. seconds <= huge(seconds))) &
       call new%problems%add('seconds: found ' // real_text(real(seconds, real64)) // &
                             ', expected more than 0')
     if (.not. has_scene(from)) new%failure = 'no scene'
     call turn%finish()
-    if (new%problems%count() == 0 .and. .not. allocated(new%failure)) &
+    if (new%is_good()) &
       call study_scene(from%scene_in, real(seconds, real64), real(max(1, min(2, finest)), real64), &
                        .false., methods, new%failure)
     call turn%begin()
-    if (new%problems%count() == 0 .and. .not. allocated(new%failure)) then
+    if (new%is_good()) then
       call write_accuracy_table(from%scene_in, methods, report)
       call set_text(new, text_report, report%text())
       call write_accuracy_csv(methods, rows)
@@ -219,7 +212,7 @@ contains
     if (.not. allocated(from%scene_in) .or. from%problems%count() > 0) return
     call set_text(new, text_notes, from%scene_in%notes%text())
     if (allocated(new%failure)) new%failure = from%scene_in%file // ': ' // new%failure
-    if (new%problems%count() > 0 .or. allocated(new%failure)) return
+    if (.not. new%is_good()) return
     allocate (new%kept(size(results%positions)))
     do which = 1, size(new%kept)
       call move_alloc(results%positions(which)%fields, new%kept(which)%fields)

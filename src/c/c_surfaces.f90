@@ -31,9 +31,8 @@ contains
     real(real64), allocatable :: x(:), y(:), height(:), radius(:)
     integer :: side
 
-    call begin_outcome(new, handle)
+    call begin_outcome(new, handle, turn)
     if (.not. associated(new)) return
-    call turn%begin()
     call take_spec(path, groups, spec, new%problems)
     if (new%problems%count() == 0 .and. spec%is_map) &
       call new%problems%add(spec%file // ': found a height map, expected surfaces: ' // &
@@ -44,7 +43,7 @@ contains
                             'ensemble of ' // spec%file // ', expected a number from 1 to ' // &
                             decimal_text(spec%ensemble))
     do side = 1, 2
-      if (new%problems%count() > 0 .or. allocated(new%failure)) exit
+      if (.not. new%is_good()) exit
       call plan_surface(spec, side, plan)
       call generate_surface(plan, member, surface, new%failure)
       if (allocated(new%failure)) exit
@@ -71,9 +70,8 @@ contains
     integer(c_int), pointer :: printed(:)
     integer :: i, which
 
-    call begin_outcome(new, handle)
+    call begin_outcome(new, handle, turn)
     if (.not. associated(new)) return
-    call turn%begin()
     call require_text('deck', path, new%problems)
     if (new%problems%count() == 0) call read_card_deck(text_of(path), deck, new%problems)
     which = 1

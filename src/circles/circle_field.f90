@@ -18,8 +18,7 @@ module asperity_circle_field
   use asperity_constants, only: pi
   use asperity_kinds, only: int64, real64
   use asperity_mutual_displacement, only: mutual_displacement, mutual_terms
-  use asperity_problems, only: not_enough_memory
-  use asperity_process, only: has_memory
+  use asperity_process, only: check_memory
   use asperity_source_tree, only: build_tree, source_tree, sum_sources
   implicit none
   private
@@ -54,10 +53,12 @@ module asperity_circle_field
   !> of so many, a group has no more, and threads share the work; chosen; test: coupled_suite.f90.
   integer, parameter, public :: large_set = 1000
 
-  ! Memory, bytes, an upper estimate that is compared with what is available. Near pair: 56 of its
-  ! terms, 24 of its circles and places in lists, 56 of the lists that blocks are made from. Circle:
-  ! 1152 of a full block of 16, 440 of set and step, the rest for the tree; derived.
-  integer(int64), parameter :: bytes_of_pair = 136_int64, bytes_of_circle = 1900_int64
+  ! Memory of a near pair, bytes, derived: 56 of its terms, 24 of its circles and places in lists,
+  ! both twice, as a step keeps the state before it, 56 of the lists that blocks are made from.
+  integer(int64), parameter :: bytes_of_pair = 216_int64
+  !> The same of a circle, derived: 1152 of a full block of 16, 440 of set, solution and step, 308 of
+  !> the tree, both again for the state before.
+  integer(int64), parameter, public :: bytes_of_circle = 2648_int64
 
   !> Loaded contacts, one a circle, and their field. Arrays have one element, or column, a circle.
   type :: circle_set
@@ -170,10 +171,9 @@ contains
     if (allocated(set%tree%failure)) return
     pairs = size(set%tree%near) / 2
     if (allocated(set%pair)) deallocate (set%pair, set%one, set%other, set%terms)
-    if (.not. has_memory(bytes_of_pair * pairs + bytes_of_circle * size(set%x))) then
-      set%tree%failure = not_enough_memory // ' for the near pairs of contacts'
-      return
-    end if
+    call check_memory('the near pairs of contacts', set%tree%failure, &
+                      bytes=bytes_of_pair * pairs)
+    if (allocated(set%tree%failure)) return
     allocate (set%pair(2 * pairs), set%one(pairs), set%other(pairs), set%terms(direction_y, pairs))
     allocate (cursor(size(set%x)), source=set%tree%first(:size(set%x)))
     allocate (near, source=set%tree%near)

@@ -20,8 +20,8 @@
 !> the complete pair list (the caller repeats); two steps without a decrease, or too many steps (not
 !> converged); no memory, interrupted (failure).
 module asperity_coupled_contacts
-  use asperity_circle_field, only: large_set, least_curvature_share, linear_residual, &
-                                   rounding_error, sum_error
+  use asperity_circle_field, only: bytes_of_circle, large_set, least_curvature_share, &
+                                   linear_residual, rounding_error, sum_error
   use asperity_circle_potential, only: potential_change, potential_state, remember_state, &
                                        restore_state
   use asperity_circle_step, only: circle_model, find_step, prepare_model, trust_step
@@ -35,10 +35,10 @@ module asperity_coupled_contacts
                                     solve_state, update_circles
   use asperity_element_forces, only: iterations_allowed
   use asperity_hidden_contacts, only: release_hidden
-  use asperity_kinds, only: int64, real64
+  use asperity_kinds, only: real64
   use asperity_open_contacts, only: find_touching, may_touch
-  use asperity_problems, only: not_enough_memory, real_text
-  use asperity_process, only: has_memory
+  use asperity_problems, only: real_text
+  use asperity_process, only: check_memory
   implicit none
   private
 
@@ -77,9 +77,6 @@ contains
     type(resolved_contacts), intent(in), optional :: resolved
     !> the contacts are a group in the field of others: residual that suffices
     real(real64), intent(in), optional :: group_residual
-    ! Circles with their field, state and potential (measured: 2400 beside the pairs, with 20,000
-    ! contacts; test: limits in test_outside_faults.py).
-    integer(int64), parameter :: bytes_of_contact = 2600_int64
     type(solve_state) :: state
     type(potential_state) :: before
     real(real64) :: attainable, carried, examined_residual, last_residual, radius, required, slope
@@ -93,8 +90,7 @@ contains
     logical :: has_final_lists ! the near pairs are those of the solution
     logical :: any_released, is_start
 
-    if (.not. has_memory(bytes_of_contact * size(pairs%list))) &
-      solution%failure = not_enough_memory // ' for the contacts'
+    call check_memory('the contacts', solution%failure, bytes=bytes_of_circle * size(pairs%list))
     if (allocated(solution%failure)) return
     is_start = .not. (allocated(solution%penetration) .or. present(resolved))
     call prepare_start(pairs, law, solution, state, target, resolved)

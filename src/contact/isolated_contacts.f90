@@ -14,8 +14,7 @@ module asperity_isolated_contacts
   use asperity_loading_controls, only: compression_of, is_limit, is_load, is_separation
   use asperity_pair_finding, only: find_pairs
   use asperity_placed_scene, only: load_unit, place_of_touch, placed_scene, position_pairs
-  use asperity_problems, only: not_enough_memory
-  use asperity_process, only: has_memory
+  use asperity_process, only: check_memory
   use asperity_scene_values, only: criterion_none
   use asperity_state_tally, only: add_contact, begin_tally, finish_tally, state_tally
   use asperity_theory_limits, only: seen_contact
@@ -326,10 +325,9 @@ contains
     ! The list is also complete when it has every combination of asperities.
     if (real(position%number, real64) >= real(size(placed%xu), real64) * size(placed%xl)) &
       are_all = .true.
-    if (.not. has_memory(int(position%number, int64) * bytes_of_pair)) then
-      failure = not_enough_memory // ' for the pairs of a position'
-      return
-    end if
+    call check_memory('the pairs of a position', failure, &
+                      bytes=int(position%number, int64) * bytes_of_pair)
+    if (allocated(failure)) return
     call fill_pairs(placed, position, pairs)
     if (.not. are_all) &
       pairs%complete_to = position%first_touch - placed%complete_above - &

@@ -6,8 +6,8 @@ module asperity_scene_placing
   use asperity_loading_controls, only: in_model_units
   use asperity_pair_finding, only: prepare_search
   use asperity_placed_scene, only: largest_value, load_unit, placed_scene
-  use asperity_problems, only: decimal_text, not_enough_memory
-  use asperity_process, only: has_memory
+  use asperity_problems, only: decimal_text
+  use asperity_process, only: check_memory
   use asperity_scene_values, only: criterion_greenwood_williamson, criterion_hardy, &
                                    criterion_load, criterion_none, criterion_pressure, is_load, &
                                    scene, scene_limit, scene_surface
@@ -35,10 +35,9 @@ contains
     integer :: asperities
 
     asperities = size(scene_in%upper%x) + size(scene_in%lower%x)
-    if (.not. has_memory(bytes_each * asperities)) then
-      failure = not_enough_memory // ' for ' // decimal_text(asperities) // ' asperities'
-      return
-    end if
+    call check_memory(decimal_text(asperities) // ' asperities', failure, &
+                      bytes=bytes_each * asperities)
+    if (allocated(failure)) return
     call place_surfaces(scene_in, placed)
     ! The combined modulus: that of the scene, or from the moduli of both surfaces.
     placed%modulus = scene_in%contact_modulus

@@ -9,8 +9,8 @@ module asperity_system_calls
   public :: posix_close
   public :: file_owner, posix_chmod, posix_chown
   public :: posix_fsync, posix_rename, posix_unlink, posix_usleep, posix_signal
-  public :: posix_isatty, posix_getpid, posix_exit, c_free, c_malloc
-  public :: posix_execv, posix_setenv, c_strfromd
+  public :: posix_isatty, posix_getpid, posix_exit
+  public :: posix_execv, posix_setenv, posix_getrlimit, c_strfromd
   public :: system_error, system_reason, canonical_path, text_of
 
   ! PATH_MAX of Linux, with the null character.
@@ -167,6 +167,14 @@ module asperity_system_calls
       integer(c_int), value :: replaces
     end function posix_setenv
 
+    !> Reads a limit of the process and the largest that it may set; unsigned, -1: none.
+    integer(c_int) function posix_getrlimit(which, limits) bind(c, name='getrlimit')
+      import :: c_int, c_long
+      implicit none
+      integer(c_int), value :: which
+      integer(c_long), intent(out) :: limits(2)
+    end function posix_getrlimit
+
     !> Writes a number in a format of C for one double, with a null character; returns its length.
     !> Rounding is exact, as in Fortran's formats, in a fifth of their time.
     integer(c_int) function c_strfromd(text, room, form, value) bind(c, name='strfromd')
@@ -177,20 +185,6 @@ module asperity_system_calls
       character(kind=c_char), intent(in) :: form(*)
       real(c_double), value :: value
     end function c_strfromd
-
-    !> Memory of a number of bytes; null when there is none.
-    type(c_ptr) function c_malloc(bytes) bind(c, name='malloc')
-      import :: c_ptr, c_size_t
-      implicit none
-      integer(c_size_t), value :: bytes
-    end function c_malloc
-
-    !> Gives memory back.
-    subroutine c_free(memory) bind(c, name='free')
-      import :: c_ptr
-      implicit none
-      type(c_ptr), value :: memory
-    end subroutine c_free
 
     !> Number of this process.
     integer(c_int) function posix_getpid() bind(c, name='getpid')

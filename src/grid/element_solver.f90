@@ -26,8 +26,7 @@ module asperity_element_solver
   use asperity_element_forces, only: find_forces, force_bounds
   use asperity_kinds, only: int64, real64
   use asperity_line_transform, only: bytes_of_plans
-  use asperity_problems, only: not_enough_memory
-  use asperity_process, only: has_memory
+  use asperity_process, only: check_memory
   use asperity_solve_ending, only: solve_ending
   implicit none
   private
@@ -273,7 +272,7 @@ contains
       end associate
       ! The errors decrease at most with the third power of the side: the memory for a tolerance
       ! is checked ahead of time.
-      call check_memory(lattice, side * min(0.5_real64, minval(allowed_errors(task) / &
+      call check_elements(lattice, side * min(0.5_real64, minval(allowed_errors(task) / &
         max(lattice%halving_error, tiny(side)))**(1.0_real64 / 3)), answer)
     end do
   end subroutine halve_elements
@@ -388,7 +387,7 @@ contains
     growth = side
     task%totals = 0.0_real64
     do
-      call check_memory(lattice, side, answer)
+      call check_elements(lattice, side, answer)
       if (allocated(answer%failure)) return
       call lay_elements(task%shapes, lattice%x, lattice%y, side, lattice%window, next)
       if (allocated(lattice%elements%force)) call transfer_forces(lattice%elements, next)
@@ -420,7 +419,7 @@ contains
   end subroutine solve_in_window
 
   ! Sets a failure if elements of a side need more memory than is allowed or available.
-  subroutine check_memory(lattice, side, answer)
+  subroutine check_elements(lattice, side, answer)
     type(cluster_lattice), intent(in) :: lattice
     real(real64), intent(in) :: side
     type(element_answer), intent(inout) :: answer
@@ -429,10 +428,11 @@ contains
     share = product((lattice%window(3:) - lattice%window(:2)) / side + 2) / elements_allowed
     if (.not. share < 1.0_real64) then
       answer%failure = 'the boundary elements would need more than 2 GiB of memory'
-    else if (.not. has_memory(nint(share * 2.0_real64**31, int64) + bytes_of_plans)) then
-      answer%failure = not_enough_memory // ' for the boundary elements of a group of contacts'
+    else
+      call check_memory('the boundary elements of a group of contacts', answer%failure, &
+                        bytes=nint(share * 2.0_real64**31, int64) + bytes_of_plans)
     end if
-  end subroutine check_memory
+  end subroutine check_elements
 
   ! Extends the window to each contact outside it that is loaded in the displacement there.
   subroutine extend_window(task, lattice, is_complete)

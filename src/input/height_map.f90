@@ -4,8 +4,8 @@ module asperity_height_map
   use asperity_input_text, only: lower_case
   use asperity_kinds, only: int64, real64
   use asperity_numeral, only: a_length, expected_numbers, least_length, most_length, read_numeral
-  use asperity_problems, only: decimal_text, not_enough_memory, problem_list, real_text
-  use asperity_process, only: has_memory
+  use asperity_problems, only: decimal_text, problem_list, real_text
+  use asperity_process, only: check_memory
   implicit none
   private
 
@@ -311,12 +311,10 @@ contains
     type(height_map), intent(inout) :: map                 !! its numbers of columns and rows set
     character(len=:), allocatable, intent(out) :: failure  !! why there is no memory for it
 
-    if (.not. has_memory(8_int64 * int(map%columns, int64) * int(map%rows, int64))) then
-      failure = not_enough_memory // ' for the map, ' // decimal_text(map%columns) // ' x ' // &
-                decimal_text(map%rows) // ' pixels'
-      return
-    end if
-    allocate (map%height(map%columns, map%rows))
+    call check_memory('the map, ' // decimal_text(map%columns) // ' x ' // &
+                      decimal_text(map%rows) // ' pixels', failure, &
+                      bytes=8_int64 * int(map%columns, int64) * int(map%rows, int64))
+    if (.not. allocated(failure)) allocate (map%height(map%columns, map%rows))
   end subroutine make_room
 
   !> Reads a height, or a word for a missing one: `BAD` or `NaN`.

@@ -11,8 +11,8 @@ module asperity_surface_csv
                                  replaced_text
   use asperity_kinds, only: int64, real64
   use asperity_numeral, only: read_number
-  use asperity_problems, only: decimal_text, not_enough_memory, problem_list
-  use asperity_process, only: has_memory
+  use asperity_problems, only: decimal_text, problem_list
+  use asperity_process, only: check_memory
   use asperity_word_hint, only: did_you_mean, nearest_word
   implicit none
   private
@@ -94,7 +94,8 @@ contains
     type(surface_table), intent(inout) :: table
     real(real64), intent(in) :: common_radius
     real(real64) :: numbers(4)
-    integer :: first_line, i, lines, rows
+    character(len=:), allocatable :: failure
+    integer :: first_line, i, lines, rows, status
     logical :: good, all_good
 
     ! The last line may have no line feed.
@@ -102,15 +103,16 @@ contains
     do i = line_end(file%lines, file%cells%start) + 2, len(file%lines)
       if (file%lines(i:i) == achar(10)) lines = lines + 1
     end do
-    if (.not. has_memory(32_int64 * lines)) then
+    numbers(radius_column) = common_radius
+    allocate (table%x(lines), table%y(lines), table%height(lines), stat=status)
+    if (status == 0 .and. (table%has_radius .or. common_radius > 0.0_real64)) &
+      allocate (table%radius(lines), stat=status)
+    call check_memory(decimal_text(lines) // ' asperities', failure, status)
+    if (allocated(failure)) then
       file%problems%lacks_memory = .true.
-      call file%problems%add_in_file(not_enough_memory // ' for ' // decimal_text(lines) // &
-                                     ' asperities')
+      call file%problems%add_in_file(failure)
       return
     end if
-    allocate (table%x(lines), table%y(lines), table%height(lines))
-    numbers(radius_column) = common_radius
-    if (table%has_radius .or. common_radius > 0.0_real64) allocate (table%radius(lines))
     first_line = file%cells%line + 1
     rows = 0
     do

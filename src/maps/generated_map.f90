@@ -18,8 +18,8 @@ module asperity_generated_map
   use asperity_kinds, only: int64, real64
   use asperity_line_transform, only: back_in_place, line_transform, waves_to_real
   use asperity_map_waves, only: draw_waves, map_waves, plan_waves
-  use asperity_problems, only: decimal_text, not_enough_memory
-  use asperity_process, only: has_memory
+  use asperity_problems, only: decimal_text
+  use asperity_process, only: check_memory
   implicit none
   private
 
@@ -46,11 +46,10 @@ contains
       failure = 'the map has no wave between the cut-off and the roll-off'
       return
     end if
-    if (.not. has_memory(bytes_of_map(waves, spec))) then
-      failure = not_enough_memory // ' for the map, ' // decimal_text(spec%pixels(1)) // ' x ' // &
-                decimal_text(spec%pixels(2)) // ' pixels'
-      return
-    end if
+    call check_memory('the map, ' // decimal_text(spec%pixels(1)) // ' x ' // &
+                      decimal_text(spec%pixels(2)) // ' pixels', failure, &
+                      bytes=bytes_of_map(waves, spec))
+    if (allocated(failure)) return
     map%columns = spec%pixels(1)
     map%rows = spec%pixels(2)
     map%pixel_spacing = spec%pixel_spacing

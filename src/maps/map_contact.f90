@@ -16,8 +16,7 @@ module asperity_map_contact
   use asperity_kinds, only: int64, real64
   use asperity_line_transform, only: bytes_of_plans
   use asperity_map_resolution, only: take_heights
-  use asperity_problems, only: not_enough_memory
-  use asperity_process, only: has_memory
+  use asperity_process, only: check_memory
   use asperity_solve_ending, only: solve_ending
   implicit none
   private
@@ -96,10 +95,8 @@ contains
     real(real64), allocatable :: gap(:, :)
     real(real64) :: top, heights, unit
 
-    if (.not. has_memory(room_to_press(map))) then
-      answer%failure = not_enough_memory // ' for the pixels of the map'
-      return
-    end if
+    call check_memory('the pixels of the map', answer%failure, bytes=room_to_press(map))
+    if (allocated(answer%failure)) return
     if (allocated(answer%displacement)) deallocate (answer%displacement)
     top = maxval(map%height)
     heights = top - minval(map%height, mask=is_measured(map%height))

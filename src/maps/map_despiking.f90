@@ -9,7 +9,7 @@ module asperity_map_despiking
   use asperity_height_map, only: height_map, index_beside, is_measured, no_height
   use asperity_kinds, only: int64, real64
   use asperity_map_levelling, only: level_map
-  use asperity_process, only: has_memory
+  use asperity_process, only: check_memory
   use asperity_progress, only: progress_line
   implicit none
   private
@@ -35,14 +35,12 @@ contains
     type(progress_line) :: shown
     real(real64) :: limit
     integer(int64) :: found
-    integer :: round, i, j
+    integer :: round, i, j, status
 
     spikes = 0_int64
-    if (.not. has_memory(8_int64 * int(map%columns, int64) * map%rows)) then
-      failure = 'not enough memory to look for spikes'
-      return
-    end if
-    allocate (deviation(map%columns, map%rows))
+    allocate (deviation(map%columns, map%rows), stat=status)
+    call check_memory('the spikes of the map', failure, status)
+    if (allocated(failure)) return
     do round = 1, most_rounds
       call shown%begin(progress, 'profiles looked at for spikes', map%rows, 0)
       do j = 1, map%rows

@@ -24,8 +24,8 @@ module asperity_map_spectrum
   use asperity_height_map, only: height_map, is_measured
   use asperity_kinds, only: int64, real64
   use asperity_line_transform, only: line_transform, real_to_waves, waves_forward
-  use asperity_problems, only: decimal_text, not_enough_memory, problem_list
-  use asperity_process, only: has_memory
+  use asperity_problems, only: decimal_text, problem_list
+  use asperity_process, only: check_memory
   implicit none
   private
 
@@ -67,8 +67,10 @@ contains
                         'expected none, as a power spectrum needs all heights')
       return
     end if
-    if (.not. has_memory(16_int64 * (map%columns / 2 + 1) * map%rows)) then
-      failure = name // ': ' // not_enough_memory // ' for the power spectrum'
+    call check_memory('the power spectrum', failure, &
+                      bytes=16_int64 * (map%columns / 2 + 1) * map%rows)
+    if (allocated(failure)) then
+      failure = name // ': ' // failure
       return
     end if
     call measure_area(map, spectra(1))

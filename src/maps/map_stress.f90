@@ -16,8 +16,8 @@ module asperity_map_stress
   use asperity_lattice_convolution, only: padded_length
   use asperity_layer_stress, only: add_free_layer, along_axes, layer_stress, tabulate_layer
   use asperity_plane_transform, only: plane_transform
-  use asperity_problems, only: not_enough_memory, real_text
-  use asperity_process, only: has_memory
+  use asperity_problems, only: real_text
+  use asperity_process, only: check_memory
   use asperity_scene_values, only: scene
   use asperity_stress_kernels, only: by_pressure, by_traction_x, by_traction_y, corner_factor, &
                                      corner_function, corner_parity, grid_correction, &
@@ -104,8 +104,8 @@ contains
       failure = 'stress under a layer: found a strip, expected both sides periodic or free'
     else if (body%thickness > 0.0_real64 .and. allocated(field%traction)) then
       failure = 'stress under a layer: found tractions, expected pressures alone'
-    else if (.not. has_memory(room_for_stress(field))) then
-      failure = not_enough_memory // ' for the stresses'
+    else
+      call check_memory('the stresses', failure, bytes=room_for_stress(field))
     end if
   end subroutine check_stress
 

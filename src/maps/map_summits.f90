@@ -14,7 +14,7 @@ module asperity_map_summits
   use asperity_height_map, only: height_map, index_beside, is_measured
   use asperity_key_sort, only: sort_keys
   use asperity_kinds, only: int32, int64, real64
-  use asperity_process, only: has_memory
+  use asperity_process, only: check_memory
   use asperity_summit_spheres, only: find_top, heights_around, mean_curvature, radius_geometric, &
                                      radius_neighbours
   implicit none
@@ -153,15 +153,13 @@ contains
     character(len=:), allocatable, intent(out) :: failure
     type(place_list) :: pending
     real(real64) :: near(-1:1, -1:1)
-    integer :: columns(8), rows(8), i, j, k, number
+    integer :: columns(8), rows(8), i, j, k, number, status
 
     is_summit = .false.
     if (.not. allocated(seen)) then
-      if (.not. has_memory(int(map%columns, int64) * map%rows)) then
-        failure = 'not enough memory for the plateaus of the map'
-        return
-      end if
-      allocate (seen(map%columns, map%rows))
+      allocate (seen(map%columns, map%rows), stat=status)
+      call check_memory('the plateaus of the map', failure, status)
+      if (allocated(failure)) return
       seen(:, :) = .false._c_bool
     end if
     if (seen(column, row)) return
@@ -195,7 +193,7 @@ contains
     real(real64), allocatable :: depth(:)
     integer(int32), allocatable :: order(:)
     real(real64) :: near(-1:1, -1:1)
-    integer :: i, j, k, number
+    integer :: i, j, k, number, status
 
     do j = 1, map%rows
       do i = 1, map%columns
@@ -208,12 +206,10 @@ contains
       end do
     end do
     if (ridges%number == 0) return
-    ! The sort takes 16 bytes for each beside these.
-    if (.not. has_memory(40_int64 * ridges%number + int(map%columns, int64) * map%rows)) then
-      failure = 'not enough memory for the ridges of the map'
-      return
-    end if
-    allocate (taken(map%columns, map%rows), depth(ridges%number), order(ridges%number))
+    allocate (taken(map%columns, map%rows), depth(ridges%number), order(ridges%number), stat=status)
+    ! The sort takes 16 bytes for each, and their copies.
+    call check_memory('the ridges of the map', failure, status, 28_int64 * ridges%number)
+    if (allocated(failure)) return
     taken(:, :) = .false._c_bool
     do k = 1, places%number
       call place_of(map, places%place(k), i, j)
@@ -262,14 +258,13 @@ contains
     type(map_summits), intent(inout) :: summits
     character(len=:), allocatable, intent(out) :: failure
     real(real64) :: near(-1:1, -1:1), step(2), rise, curvature, usual, flattest, sharpest
-    integer :: i, j, k, kept
+    integer :: i, j, k, kept, status
 
-    if (.not. has_memory(56_int64 * places%number + 1_int64)) then
-      failure = 'not enough memory for the summits of the map'
-      return
-    end if
     allocate (summits%x(places%number), summits%y(places%number), summits%height(places%number), &
-              summits%radius(places%number))
+              summits%radius(places%number), stat=status)
+    ! Median, and a copy of those kept.
+    call check_memory('the summits of the map', failure, status, 24_int64 * places%number)
+    if (allocated(failure)) return
     kept = 0
     flattest = 0.0_real64
     do k = 1, places%number
@@ -335,10 +330,8 @@ contains
     if (.not. allocated(list%place)) allocate (list%place(1024))
     if (list%number == size(list%place)) then
       allocate (larger(int(min(2_int64 * list%number, int(huge(1), int64)))), stat=status)
-      if (status /= 0) then
-        failure = 'not enough memory for the summits of the map'
-        return
-      end if
+      call check_memory('the summits of the map', failure, status)
+      if (allocated(failure)) return
       larger(:list%number) = list%place
       call move_alloc(larger, list%place)
     end if

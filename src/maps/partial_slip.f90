@@ -14,8 +14,8 @@ module asperity_partial_slip
   use asperity_kinds, only: not_computed, real64
   use asperity_map_contact, only: map_answer
   use asperity_map_patches, only: find_patches, map_patch
-  use asperity_problems, only: not_enough_memory, real_text
-  use asperity_process, only: has_memory
+  use asperity_problems, only: real_text
+  use asperity_process, only: check_memory
   use asperity_slip_increments, only: begin_rubbing, forget_tractions, rubbed_map, slip_memory, &
                                       slip_request, take_increment
   use asperity_slip_solver, only: set_sticking
@@ -69,10 +69,8 @@ contains
     real(real64) :: most
     integer :: points
 
-    if (.not. has_memory(room_for_tractions(map))) then
-      failure = not_enough_memory // ' for the tractions of the map'
-      return
-    end if
+    call check_memory('the tractions of the map', failure, bytes=room_for_tractions(map))
+    if (allocated(failure)) return
     points = size(request%path, 2)
     allocate (limit, source=request%coefficient * max(0.0_real64, loaded%pressure))
     most = sum(limit) * product(map%pixel_spacing)

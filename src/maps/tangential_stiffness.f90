@@ -9,7 +9,7 @@ module asperity_tangential_stiffness
   use asperity_kinds, only: int64, not_computed, real64
   use asperity_lattice_convolution, only: padded_length
   use asperity_line_transform, only: bytes_of_plans
-  use asperity_process, only: has_memory
+  use asperity_process, only: check_memory
   use asperity_slip_solver, only: find_compliance, set_sticking, tangent_space
   use asperity_traction_convolution, only: element_set, list_elements, traction_convolution
   implicit none
@@ -30,12 +30,14 @@ contains
     type(traction_convolution) :: operator
     type(element_set) :: set
     type(tangent_space) :: space
+    character(len=:), allocatable :: failure
 
     stiffness = 0.0_real64
     if (.not. any(sticks)) return
     stiffness = not_computed
     if (.not. (poisson_ratio > not_computed .and. map%strip_axis == 0)) return
-    if (.not. has_memory(room_for_tractions(map))) return
+    call check_memory('the tractions of the map', failure, bytes=room_for_tractions(map))
+    if (allocated(failure)) return
     call prepare_for_map(map, poisson_ratio, 0.0_real64, operator)
     call list_elements(sticks, set)
     call set_sticking(set, space)

@@ -29,8 +29,8 @@ module asperity_pixel_model
   use asperity_path_steps, only: plan_hold
   use asperity_pixel_law, only: patches_in_contact, pixel_law_box, pixel_state, unknown_influence
   use asperity_pixel_sequence, only: choose_laws, solve_pixel_state
-  use asperity_problems, only: decimal_text, not_enough_memory, real_text
-  use asperity_process, only: has_memory
+  use asperity_problems, only: decimal_text, real_text
+  use asperity_process, only: check_memory
   use asperity_scene_values, only: combined_modulus, effect_auto, has_tangential, is_compression, &
                                    is_load, scene
   use asperity_theory_limits, only: is_patch_at_limit, look_at_pressure, set_theory_limits, &
@@ -218,11 +218,12 @@ contains
       end if
       self%states = size(steps)
       kept = merge(self%states, 1, model%fields == fields_all)
-      if (model%fields == fields_none .or. has_memory( &
-          room_to_press(model%first_map) + &
-          room_of_fields(model%positions * model%work, kept))) return
-      failure = not_enough_memory // ' for the fields of ' // decimal_text(kept) // ' state'
-      if (kept > 1) failure = failure // 's, expected those of the last state alone'
+      if (model%fields == fields_none) return
+      call check_memory('the fields of ' // decimal_text(kept) // ' state', failure, &
+                        bytes=room_to_press(model%first_map) + &
+                        room_of_fields(model%positions * model%work, kept))
+      if (allocated(failure) .and. kept > 1) &
+        failure = failure // 's, expected those of the last state alone'
     end associate
   end subroutine list_pixel_steps
 

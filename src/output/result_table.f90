@@ -9,7 +9,7 @@ module asperity_result_table
   use asperity_effect_names, only: known_effects
   use asperity_kinds, only: int32, int64, not_computed, real64
   use asperity_library_turn, only: library_turn
-  use asperity_process, only: has_memory
+  use asperity_process, only: check_memory
   use asperity_scene_results, only: has_height_map, kinds_of_warnings, last_state, scene_results
   use asperity_scene_values, only: scene
   use asperity_system_calls, only: c_strfromd
@@ -80,11 +80,11 @@ contains
         sum([(sum(positions(m)%states%last_row - positions(m)%states%first_row + 1), &
               m=1, size(positions))])
       ! The columns, and the records that they are taken from.
-      if (.not. has_memory(16_int64 * columns * arrays%rows)) then
-        failure = 'not enough memory for the ' // trim(table_names(which)) // ' as arrays'
-        if (which == of_contacts) failure = failure // ', expected fewer, or none kept'
-        return
-      end if
+      call check_memory('the ' // trim(table_names(which)) // ' as arrays', failure, &
+                        bytes=16_int64 * columns * arrays%rows)
+      if (allocated(failure) .and. which == of_contacts) &
+        failure = failure // ', expected fewer, or none kept'
+      if (allocated(failure)) return
       if (which == of_positions) then
         states = [(last_state(positions(m)), m=1, size(positions))]
         position = [(m, m=1, size(positions))]

@@ -8,8 +8,8 @@ module asperity_solve
   use asperity_map_contact, only: room_to_solve
   use asperity_map_solve, only: solve_map
   use asperity_numeral, only: rounded_decimal
-  use asperity_problems, only: not_enough_memory, problem_list
-  use asperity_process, only: bytes_of_thread, has_memory, is_given
+  use asperity_problems, only: problem_list
+  use asperity_process, only: bytes_of_thread, check_memory, is_given
   use asperity_run_options, only: check_options, run_options, totals_of_accuracy
   use asperity_scene_results, only: scene_results
   use asperity_scene_values, only: by_default, by_word, effect_off, scene, scene_effects
@@ -56,10 +56,8 @@ contains
     room = 0_int64
     if (allocated(scene_in%map)) room = max(room_of(scene_in%map%upper, scene_in%effects), &
                                             room_of(scene_in%map%lower, scene_in%effects))
-    if (.not. has_memory(room)) then
-      failure = not_enough_memory // ' for the pixels of the map'
-      return
-    end if
+    call check_memory('the pixels of the map', failure, bytes=room)
+    if (allocated(failure)) return
     ! An accuracy may be reached without interaction, where the scene does not set it.
     associate (on => scene_in%effects%modes /= effect_off, given => scene_in%effects%given)
       if (any(on .and. given < by_word) .and. chosen%accuracy > 0 .and. &

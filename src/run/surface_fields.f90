@@ -18,8 +18,8 @@ module asperity_surface_fields
   use asperity_library_turn, only: library_turn
   use asperity_map_contact, only: map_answer
   use asperity_map_fields, only: measure_fields, take_field
-  use asperity_problems, only: decimal_text, not_enough_memory, problem_list
-  use asperity_process, only: has_memory
+  use asperity_problems, only: decimal_text, problem_list
+  use asperity_process, only: check_memory
   use asperity_run_options, only: run_options
   use asperity_scene_results, only: scene_results
   use asperity_scene_values, only: combined_modulus, scene
@@ -139,7 +139,7 @@ contains
     integer :: i, first
 
     first = merge(1, size(position%states), of_all)
-    call check_memory(grid, size(position%states) - first + 1, failure)
+    call check_states(grid, size(position%states) - first + 1, failure)
     if (allocated(failure)) return
     surfaces%columns = grid%elements(1)
     surfaces%rows = grid%elements(2)
@@ -196,7 +196,7 @@ contains
     numbers = max(1.0_real64, aint(numbers) + merge(1, 0, aint(numbers) < numbers))
     grid%elements = int(min(numbers, real(most_cells, real64)))
     grid%side = side
-    call check_memory(grid, 1, failure)
+    call check_states(grid, 1, failure)
     grid%low = 0.5_real64 * (grid%low + high) - 0.5_real64 * side * grid%elements
 
   contains
@@ -214,18 +214,18 @@ contains
   end subroutine lay_grid
 
   ! Refuses states for which memory is short.
-  subroutine check_memory(grid, states, failure)
+  subroutine check_states(grid, states, failure)
     type(field_grid), intent(in) :: grid
     integer, intent(in) :: states
     character(len=:), allocatable, intent(inout) :: failure
     integer(int64) :: cells
 
     cells = product(int(grid%elements, int64))
-    if (has_memory(bytes_of_cell * cells + room_of_fields(cells, states))) return
-    failure = not_enough_memory // ' for the fields of ' // decimal_text(states) // ' states'
-    if (states == 1) failure = failure(:len(failure) - 1)
-    failure = failure // ', expected a larger field_spacing'
-  end subroutine check_memory
+    call check_memory('the fields of ' // decimal_text(states) // trim(merge(' state ', &
+                      ' states', states == 1)), failure, &
+                      bytes=bytes_of_cell * cells + room_of_fields(cells, states))
+    if (allocated(failure)) failure = failure // ', expected a larger field_spacing'
+  end subroutine check_states
 
   ! Sum of two elevations; `no_height` where one is missing.
   elemental real(real64) function sum_of(first, second)

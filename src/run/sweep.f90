@@ -16,7 +16,7 @@ module asperity_sweep
   use asperity_position_packet, only: pack_position, unpack_position
   use asperity_position_path, only: solve_position
   use asperity_problems, only: decimal_text, not_enough_memory
-  use asperity_process, only: has_memory
+  use asperity_process, only: check_memory
   use asperity_progress, only: progress_line
   use asperity_run_options, only: run_options
   use asperity_scene_inputs, only: input_file, list_inputs
@@ -112,10 +112,9 @@ contains
       watch%stride = options%parts
     end if
     states = int(number, int64) * int(max(1, model%states), int64)
-    if (.not. has_memory(states * int(room_of_a_state, int64))) then
-      failure = not_enough_memory // ' for ' // decimal_text(number) // ' positions'
-      return
-    end if
+    call check_memory(decimal_text(number) // ' positions', failure, &
+                      bytes=states * int(room_of_a_state, int64))
+    if (allocated(failure)) return
     allocate (positions(number))
     threads = threads_for(model, options)
     watch%last = number

@@ -11,8 +11,7 @@ module asperity_source_tree
   use asperity_box_tree, only: as_source, as_target, build_boxes, first_point, last_own_point, &
                                last_point, square_box
   use asperity_kinds, only: int64, real64
-  use asperity_problems, only: not_enough_memory
-  use asperity_process, only: has_memory
+  use asperity_process, only: check_memory
   implicit none
   private
 
@@ -23,7 +22,7 @@ module asperity_source_tree
   ! Memory [bytes] of a point without its list of near sources (measured: 210 for each of a million
   ! points that are sources and targets, uniform over a square, 200 in clusters).
   integer(int64), parameter :: bytes_per_point = 200_int64
-  character(*), parameter :: no_memory = not_enough_memory // ' for the sum over all contacts'
+  character(*), parameter :: purpose = 'the sum over all contacts'
   ! Columns of `source_tree%points`: position at which the tree was built, reach times near_factor;
   ! then position in the sum, charge, second moment and dipole. While near sources are listed, the
   ! fourth column is the index of the point.
@@ -77,10 +76,8 @@ contains
     if (allocated(tree%near)) deallocate (tree%near)
     if (allocated(tree%points)) deallocate (tree%points)
     if (allocated(tree%moment)) deallocate (tree%moment, tree%field)
-    if (.not. has_memory(bytes_per_point * size(x))) then
-      tree%failure = no_memory
-      return
-    end if
+    call check_memory(purpose, tree%failure, bytes=bytes_per_point * size(x))
+    if (allocated(tree%failure)) return
     tree%first = [1, spread(0, 1, size(x) - tree%target_offset)]
     allocate (tree%near(0))
     allocate (tree%points(size(x), dipole_y))
@@ -113,15 +110,13 @@ contains
       end if
       if (is_listing) exit
       pairs = sum(int(tree%first(2:), int64))
-      if (pairs > huge(i) - 1 .or. .not. has_memory(4_int64 * pairs + 1_int64)) then
-        tree%failure = no_memory
-        return
-      end if
+      call check_memory(purpose, tree%failure, merge(0, 1, pairs < huge(i)), 4_int64 * pairs)
+      if (allocated(tree%failure)) return
+      deallocate (tree%near)
+      allocate (tree%near(pairs))
       do i = 2, size(tree%first)
         tree%first(i) = tree%first(i) + tree%first(i - 1)
       end do
-      deallocate (tree%near)
-      allocate (tree%near(pairs))
       is_listing = .true.
     end do
 

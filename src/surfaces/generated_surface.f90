@@ -12,7 +12,7 @@ module asperity_generated_surface
   use asperity_decimal, only: decimal_to_real64, decimal_value
   use asperity_generation_values, only: exact_value, gaussian_spec, generation_spec, side_names
   use asperity_kinds, only: int64, real128, real64
-  use asperity_process, only: has_memory
+  use asperity_process, only: check_memory
   use asperity_random_philox, only: philox_block
   use asperity_random_positions, only: place_at_random, position_bytes
   use asperity_truncated_normal, only: draw_normal, prepare_normal, truncated_normal, whole_range
@@ -106,10 +106,9 @@ contains
     character(len=:), allocatable, intent(out) :: failure  !! reason, when there is no surface
     integer :: i
 
-    if (.not. has_memory((position_bytes + other_bytes) * int(plan%number, int64))) then
-      failure = 'not enough memory for the ' // plan%name // ' surface'
-      return
-    end if
+    call check_memory('the ' // plan%name // ' surface', failure, &
+                      bytes=(position_bytes + other_bytes) * int(plan%number, int64))
+    if (allocated(failure)) return
     surface%position_decimals = plan%decimals
     surface%height_decimals = plan%height%decimals
     surface%radius_decimals = plan%radius%decimals

@@ -45,8 +45,7 @@ module asperity_map_adhesion
   use asperity_lattice_convolution, only: lattice_convolution
   use asperity_map_contact, only: check_level, map_answer, prepare_influence, press_map, &
                                   room_to_press
-  use asperity_problems, only: not_enough_memory
-  use asperity_process, only: has_memory
+  use asperity_process, only: check_memory
   implicit none
   private
 
@@ -294,8 +293,7 @@ contains
     if (.not. (present(load) .or. present(hardness))) &
       call check_level(map, history%contact_pressure, gap_error * law%reach, answer)
     if (allocated(answer%failure)) return
-    if (.not. has_memory(2 * room_to_press(map))) &
-      answer%failure = not_enough_memory // ' for the pixels of the map'
+    call check_memory('the pixels of the map', answer%failure, bytes=2 * room_to_press(map))
     if (allocated(history%attraction) .or. allocated(answer%failure)) return
     if (present(load)) then
       if (.not. load > 0.0_real64) then
