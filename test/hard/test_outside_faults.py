@@ -139,6 +139,37 @@ def test_names_that_differ_by_a_blank(run, tmp_path):
 
 # ---------------------------------------------------------------- little memory
 
+@pytest.mark.parametrize("room", [16, 64, 128, 1023])
+def test_small_stack(run, room):
+    """Beyond its stack (`room`, kB) the system ends a program by a signal."""
+    done = run("t.deck", *LONG, preexec_fn=lambda: resource.setrlimit(
+        resource.RLIMIT_STACK, (1024 * room, 1024 * room)))
+    assert done.returncode == 1 and done.stdout == b""
+    assert one_line(done) == (f"stack: found a limit of {room} kB, expected 1024 or more "
+                              "(ulimit -s)")
+
+
+# Commands with the largest local arrays: records of the report, sums and searches over caps.
+@pytest.mark.parametrize("words", [["t.deck", *LONG], ["solve", "coupled.scene", "--threads", "2"],
+                                   ["solve", "boundary.scene", "--threads", "2"]])
+def test_least_stack(run, tmp_path, words):
+    number = np.arange(3000)
+    np.savetxt(tmp_path / "lower.csv", np.c_[
+        3.0 * (number % 50), 3.0 * (number // 50), 0.1 + 1e-7 * (number * 7919 % 5000),
+        np.ones(len(number))], "%.8g", ",", header="x,y,height,radius", comments="")
+    (tmp_path / "m.txt").write_text("\n".join(
+        " ".join(str((i * i + 7 * j * j) % 101 / 1000) for j in range(97)) for i in range(90)))
+    for name, lower in (("coupled", "lower = 'lower.csv'"),
+                        ("boundary", "lower = 'm.txt', map_spacing = 2*0.5")):
+        (tmp_path / f"{name}.scene").write_text(
+            f"&surfaces upper = 'plane', {lower} / &material contact_modulus = 1e3 / &loading "
+            f"control = 'load', value = 30. / &effects interaction = '{name}' /\n")
+    done = run(*words, preexec_fn=lambda: resource.setrlimit(
+        resource.RLIMIT_STACK, (2**20, 2**20)))
+    assert done.returncode == 0, done.stderr
+
+
+
 MANY = {
     "positions": "&surfaces deck = 't.deck' /\n&motion x_step = 1e-3, positions = 4000 /\n"
                  "&effects interaction = 'off' /\n",
@@ -264,6 +295,9 @@ LIMITED = {
                          "hold_time = 5., hold_points = 3"),
     "coupled": (None, CAPS), "coupled, 2 threads": (None, CAPS), "2 threads": ("", ""),
     "boundary": (None, "interaction = 'boundary'"),
+    "tangential": ("", "friction = 'on', friction_coefficient = 0.3"),
+    "tangential waves": (", map_edge = 'periodic'", "friction = 'on', friction_coefficient = 0.3"),
+    "layers": ("", ""), "layers of waves": (", map_edge = 'periodic'", ""),
     "stress": ("", ""), "stress of waves": (", map_edge = 'periodic'", ""),
     "stress of strips": (", map_edge = 'periodic', 'free'", "")}
 COMMANDS = {
@@ -298,12 +332,16 @@ def test_limits_of_memory(what, asperity, tmp_path):
                    comments="")
         surface, load = "lower = 'lower.csv'", "'load', value = 300."
     else:
-        y, x = np.mgrid[:200, :200] if re.search("stress|2", what) else np.mgrid[:600, :600]
+        side = 200 if re.search("stress|2|free|tangential|layers$", what) else 600
+        y, x = np.mgrid[:side, :side]
         np.save(tmp_path / "lower.npy", 0.1 * (np.sin(x * np.pi / 30) + np.cos(y * np.pi / 37.5)))
         surface, load = f"lower = 'lower.npy', map_spacing = 1.{edge}", "'pressure', value = 1."
+    if "tangential" in what:
+        load += ", tangential_load = 4e3, 2e3"
+    body = ", layer_thickness = 2*0.5, layer_modulus = 2*2e3, layer_poisson = 2*0.3"
     (tmp_path / "s.scene").write_text(
         f"&surfaces upper = 'plane', {surface} / &material elastic_modulus = 2*1e3, "
-        f"poisson_ratio = 2*0.3 / &loading control = {load} / &effects {effects} /\n")
+        f"poisson_ratio = 2*0.3{body if 'layer' in what else ''} / &loading control = {load} / &effects {effects} /\n")
     ended = solved = 0
     for room in np.geomspace(24e6, 150e6, 28).astype(int):
         done = subprocess.run(

@@ -360,6 +360,11 @@ else:
     "asperity.read_map('big.npy', spacing=1.0)", "asperity.solve(scene, fields=True)",
     "asperity.summits(asperity.HeightMap(heights, 1.0))",
     "asperity.solve(scene, fields=True).stress([1.0, 2.0])",
+    "asperity.solve({**scene, 'effects': {'friction': 'on', 'friction_coefficient': 0.3}, "
+    "'loading': {**scene['loading'], 'tangential_load': 2e4}}, fields=True)",
+    "asperity.HalfSpace(heights.shape, 1.0, 1e3, 0.3).displacement(heights, (heights, heights))",
+    "asperity.HalfSpace(heights.shape, 1.0, 1e3, 0.3, periodic=True).pressure(heights)",
+    "asperity.HalfSpace((300, 300), 1.0, 1e3, 0.3).stress([1.0, 2.0], heights[:300, :300])",
     "asperity.generate_map(pixels=512, spacing=1, hurst=0.8, rms_slope=0.1)"])
 def test_limits_of_memory(package_folder, call, tmp_path):
     """A limit of memory is an exception, never the end of the interpreter."""
