@@ -9,7 +9,7 @@ module asperity_map_scene
   use asperity_map_form, only: add_form
   use asperity_map_levelling, only: level_map
   use asperity_map_motion, only: overlay_maps
-  use asperity_map_resolution, only: doubled_map, every_pixel
+  use asperity_map_resolution, only: doubled_map, every_pixel, refine_waves
   use asperity_map_top, only: find_top
   use asperity_path_steps, only: plan_path
   use asperity_problems, only: decimal_text
@@ -17,10 +17,15 @@ module asperity_map_scene
   implicit none
   private
 
-  public :: area_of_map, change_resolution, displacement_of, join_maps, plan_map_path
+  public :: area_of_map, change_resolution, displacement_of, finest_resolution, join_maps, &
+            plan_map_path
 
   ! Pixels along a side of a map on fewer pixels (chosen: its own error is estimated on a third).
   integer, parameter :: fewest_pixels = 16
+  ! Least resolution with all waves of a map that has none below 3 pixels.
+  real(real64), parameter :: least_of_waves = 2.0_real64 / 3.0_real64
+  ! Most pixels along a side over those of the map (chosen: 16 times the time of the map).
+  real(real64), parameter :: most_pixels = 4.0_real64
 
 contains
 
@@ -78,8 +83,24 @@ contains
 
   end subroutine join_maps
 
+  !> Largest resolution for `change_resolution`: 1 where the map is known on its pixels alone.
+  real(real64) function finest_resolution(scene_in) result(finest)
+    type(scene), intent(in) :: scene_in  !! scene with a map and one position
+    character(len=:), allocatable :: failure
+    type(height_map) :: fine, map
+    real(real64) :: origin(2)
+    logical :: is_known
+
+    finest = 1.0_real64
+    call join_maps(scene_in, 1, map, origin, failure)
+    if (allocated(failure)) return
+    call refine_waves(map, 1.0_real64, fine, is_known)
+    if (is_known) finest = most_pixels
+  end function finest_resolution
+
   !> Changes the pixels of a scene with one position, under the same loads: the map of `join_maps`
-  !> against a plane, on every second or fourth pixel or on pixels half as wide.
+  !> against a plane, on every second or fourth pixel, or on more pixels: from the waves of the map
+  !> where it is known between its pixels, else on pixels half as wide by cubics.
   subroutine change_resolution(changed, resolution, failure)
     type(scene), intent(inout) :: changed    !! scene with a map
     real(real64), intent(in) :: resolution   !! pixels along a side over those of the map
@@ -87,6 +108,7 @@ contains
     type(height_map) :: map
     real(real64) :: origin(2)
     type(scene_map) :: new
+    logical :: is_known
     integer :: step
 
     call join_maps(changed, 1, map, origin, failure)
@@ -94,10 +116,14 @@ contains
     if (.not. abs(changed%nominal_area) > 0.0_real64) changed%nominal_area = area_of_map(map)
     new%periodic = changed%map%periodic
     new%level = level_none
-    if (resolution > 1.0_real64) then
+    step = nint(1.0_real64 / resolution)
+    is_known = .false.
+    if (resolution > least_of_waves) call refine_waves(map, resolution, new%lower, is_known)
+    if (is_known) then
+      continue
+    else if (resolution > 1.0_real64) then
       new%lower = doubled_map(map)
     else
-      step = nint(1.0_real64 / resolution)
       new%lower = every_pixel(map, step)
       if (any(shape(new%lower%height) < fewest_pixels)) failure = 'the map has too few pixels'
       ! Pixels of another width would be another surface.

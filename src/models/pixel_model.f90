@@ -44,6 +44,9 @@ module asperity_pixel_model
 
   public :: make_pixel_model
 
+  ! Residual of the elastic problem over the error of the load that is of use (chosen: the load then
+  ! has 0.002 of that; test: times in test/bench/accuracy_promises.py).
+  real(real64), parameter :: share_of_residual = 1.0e-2_real64
   ! Tolerance of the largest load at the hardness, for rounding.
   real(real64), parameter :: load_rounding = 1.0e-12_real64
 
@@ -59,6 +62,7 @@ module asperity_pixel_model
     real(real64) :: hardness = 0.0_real64        ! of the simulated laws; 0: none
     type(pixel_law_box), allocatable :: laws(:), left_out(:)  ! without memory
     type(theory_limits) :: limits
+    real(real64) :: largest_error = 0.0_real64   ! of the load, above which results are not used
     integer :: fields = fields_none              ! which states keep pressure and gap
     character(len=:), allocatable :: unit        ! unit of length; empty: unknown
   contains
@@ -90,18 +94,22 @@ module asperity_pixel_model
 contains
 
   !> Makes the model of a scene with a map.
-  subroutine make_pixel_model(scene_in, fields, model, header, failure)
+  subroutine make_pixel_model(scene_in, fields, model, header, failure, largest_error)
     type(scene), intent(in), target :: scene_in  !! with a map, checked; must outlive the model
     integer, intent(in) :: fields                !! `fields_none`, `fields_last`, `fields_all`
     class(contact_model), allocatable, intent(out) :: model
     type(effect_header), intent(out) :: header   !! effects of the scene
     character(len=:), allocatable, intent(out) :: failure  !! reason, when there is no model
+    !> Error of the load above which the results are not used, which then lack the columns of the
+    !> interface; 0: they are all used.
+    real(real64), intent(in) :: largest_error
     type(pixel_model), allocatable :: new
     type(path_step), allocatable :: steps(:)
     integer :: i
 
     allocate (new)
     new%scene_in => scene_in
+    new%largest_error = largest_error
     call join_maps(scene_in, 1, new%first_map, new%origin, failure, new%caps)
     if (allocated(failure)) return
     new%tolerance = scene_in%effects%number('tolerance')
@@ -171,6 +179,8 @@ contains
               source=not_computed)
     placed%state%answer%interrupt = self%interrupt
     placed%state%modulus = self%modulus
+    if (self%largest_error > 0.0_real64 .and. .not. any([(self%laws(i)%law%shapes, &
+        i=1, size(self%laws))])) placed%state%tolerance = share_of_residual * self%largest_error
     allocate (placed%samples(0))
     if (is_repeat) then
       select type (before => bodies)
@@ -328,7 +338,9 @@ contains
       call columns%add('gap_error_estimate', plain, last%gap_error)
       call columns%add('pressure_error_estimate', plain, last%pressure_error)
       call columns%add('separation_error_estimate', plain, last%separation_error)
-      call add_surface_columns(self, columns)
+      if (.not. (model%largest_error > 0.0_real64 .and. &
+                 result%error_estimate > model%largest_error)) &
+        call add_surface_columns(self, columns)
       of_contacts%rows = size(self%samples)
       call of_contacts%add('samples', plain, self%samples)
     end associate

@@ -1,7 +1,7 @@
 !> Choice of the method for a requested accuracy: settings before a run, errors after it.
 !>
 !> The errors are those that a run prints. Methods are tried from the fastest on: on a map every
-!> fourth and second pixel, then its pixels; on asperities Hertzian contacts, then boundary elements
+!> fourth and second pixel, its pixels, and more where its waves are known between them; on asperities Hertzian contacts, then boundary elements
 !> where Hertz is inaccurate, by `auto`, whose tolerance follows from the error of the last run.
 !> Effects that are off count with their estimated influence.
 module asperity_accuracy_choice
@@ -11,9 +11,9 @@ module asperity_accuracy_choice
                                       state_row
   use asperity_effect_names, only: effect_words, known_effects, of_interaction
   use asperity_kinds, only: not_computed, real64
-  use asperity_map_scene, only: change_resolution
+  use asperity_map_scene, only: change_resolution, finest_resolution
   use asperity_numeral, only: rounded_decimal
-  use asperity_problems, only: real_text
+  use asperity_problems, only: decimal_text, real_text
   use asperity_run_options, only: run_options, totals_of_accuracy
   use asperity_scene_results, only: last_state, scene_results
   use asperity_scene_values, only: combined_modulus, effect_auto, effect_boundary, effect_coupled, &
@@ -38,6 +38,20 @@ module asperity_accuracy_choice
                              least_share = 0.25_real64, aimed_share = 0.95_real64, &
                              finest_tolerance = 1.0e-6_real64, finest_areas = 1.0e-3_real64
 
+  ! Pixels along a side over those of a map: the coarsest ones, and the range for those after every
+  ! second pixel of a map that is known between its pixels, which has no waves below 3 pixels.
+  real(real64), parameter :: unknown = 0.0_real64, coarsest = 0.25_real64, around_whole(2) = [0.75_real64, 1.5_real64]
+  ! Order of errors by the size of pixels: of loads on smooth maps, of other totals (map_error), of
+  ! first contact, and the largest from every fourth to every second pixel (chosen; test: times in
+  ! test/bench/accuracy_promises.py).
+  real(real64), parameter :: order_of_load = 2.5_real64, order_of_others = 1.5_real64, &
+                             order_of_top = 5.0_real64, steepest_order = 8.0_real64
+  ! Least error of n pixels along a side is (fewest/n)**order_of_load (measured: balls of
+  ! test/bench/accuracy_promises.py, the surfaces with the least errors; test: their times there).
+  real(real64), parameter :: fewest = 3.0_real64
+  ! Pixels above those that the order asks for (chosen: 1/8 of the error), and the least step.
+  real(real64), parameter :: spare = 1.05_real64, least_step = 1.2_real64
+
   ! Smallest error bound: results are stored as doubles.
   real(real64), parameter :: finest_accuracy = 4 * epsilon(1.0_real64)
 
@@ -59,26 +73,39 @@ module asperity_accuracy_choice
     !> Tolerance and error of the last run on elements; 0: there is none.
     real(real64) :: last(2) = 0.0_real64
     real(real64) :: resolution = 1.0_real64  !! pixels along a side over those of the map
+    real(real64) :: finest = 1.0_real64      !! largest of these; `unknown`
   end type method_choice
 
 contains
 
-  !> The fastest method. Coarser pixels are a method of a map at one position, without fields.
+  !> The fastest method. Other pixels are methods of a map at one position, without fields.
   pure type(method_choice) function first_method(scene_in, options) result(method)
     type(scene), intent(in) :: scene_in        !! scene, checked, with effects or a map
     type(run_options), intent(in) :: options   !! requested accuracy and fields
+    integer :: pixels  ! along the shorter side
 
     ! Half of the accuracy is for other errors than those of effects left out.
     method%tolerance = 0.5_real64 * options%accuracy
     if (allocated(scene_in%map) .and. scene_in%motion%positions == 1 .and. &
-        options%fields == fields_none) method%resolution = 0.25_real64
+        options%fields == fields_none) then
+      method%finest = unknown
+      associate (lower => scene_in%map%lower, upper => scene_in%map%upper)
+        pixels = max(min(lower%columns, lower%rows), min(upper%columns, upper%rows))
+      end associate
+      method%resolution = coarsest
+      do while (method%resolution < 1.0_real64 .and. (fewest / (method%resolution * pixels))** &
+                order_of_load > options%accuracy)
+        method%resolution = 2 * method%resolution
+      end do
+    end if
   end function first_method
 
   !> The next method after one whose error is above the accuracy; its tolerance is 0 where there is
   !> none.
-  pure subroutine take_next(scene_in, options, error, method)
+  subroutine take_next(scene_in, options, results, error, method)
     type(scene), intent(in) :: scene_in           !! scene, checked, with effects or a map
     type(run_options), intent(in) :: options      !! requested accuracy and its total
+    type(scene_results), intent(in) :: results    !! results with the method, if there are any
     real(real64), intent(in) :: error             !! relative error with the method
     type(method_choice), intent(inout) :: method  !! last method, then the next one
     real(real64) :: last(2), needed
@@ -88,8 +115,9 @@ contains
       ! A part of the error does not depend on the tolerance.
       needed = method%tolerance * (aimed_share * goal / error)**2
       if (allocated(scene_in%map)) then
-        if (method%resolution >= 1.0_real64) method%tolerance = 0.0_real64
-        method%resolution = 2 * method%resolution
+        if (method%finest < 1.0_real64 .and. .not. 2 * method%resolution < 1.0_real64) &
+          method%finest = finest_resolution(scene_in)
+        call take_pixels(goal, error, options%accuracy_of, results, method)
       else if (scene_in%effects%modes(of_interaction) == effect_off) then
         method%tolerance = 0.0_real64
       else if (.not. method%on_elements) then
@@ -106,6 +134,51 @@ contains
       end if
     end associate
   end subroutine take_next
+
+  ! The next pixels of a map: every fourth, every second, all; where it is known between them as
+  ! many as the accuracy takes.
+  pure subroutine take_pixels(goal, error, total, results, method)
+    real(real64), intent(in) :: goal              ! accuracy
+    real(real64), intent(in) :: error             ! error; `huge`: they could not be solved
+    character(len=*), intent(in) :: total         ! of which, as `totals_of_accuracy`
+    type(scene_results), intent(in) :: results    ! results with these pixels
+    type(method_choice), intent(inout) :: method  ! its tolerance is 0 where there are none
+    real(real64) :: level, next, order, top
+    logical :: is_whole
+
+    next = 2 * method%resolution
+    is_whole = .not. method%resolution < around_whole(1)
+    if (error < huge(error)) then
+      order = merge(order_of_load, order_of_others, total == 'load')
+      if (method%finest > 1.0_real64 .and. .not. next < 1.0_real64) then
+        level = error
+        top = 0.0_real64
+        if (total == 'load') call split_error(results, level, top)
+        next = method%resolution * spare * max((level / goal)**(1.0_real64 / order), &
+                                               (top / goal)**(1.0_real64 / order_of_top))
+        if (.not. is_whole) next = min(max(next, around_whole(1)), around_whole(2))
+        if (is_whole) next = max(next, least_step * method%resolution)
+      else if (error > goal * 2.0_real64**steepest_order) then
+        next = max(next, 1.0_real64)
+      end if
+    end if
+    if (is_whole .and. (next > method%finest .or. .not. error < huge(error))) &
+      method%tolerance = 0.0_real64
+    method%resolution = next
+  end subroutine take_pixels
+
+  ! Splits the error of a compression in those of the separation and of first contact.
+  pure subroutine split_error(results, level, top)
+    type(scene_results), intent(in) :: results
+    real(real64), intent(inout) :: level  ! the error; gets that of the separation, if it has one
+    real(real64), intent(inout) :: top    ! gets that of first contact
+    type(state_row) :: last
+
+    last = last_state(results%positions(1))
+    if (.not. last%separation_error > 0.0_real64) return
+    top = sqrt(max(0.0_real64, level**2 - last%separation_error**2))
+    level = min(level, last%separation_error)
+  end subroutine split_error
 
   !> Sets the effects of a scene, or its pixels, for a method. Without boundary elements all
   !> contacts are Hertzian, and their error is estimated.
@@ -134,7 +207,7 @@ contains
     if (total /= 'load') call chosen%effects%set('area_tolerance', max(tolerance, finest_areas))
     if (tolerance < chosen%effects%number('boundary_tolerance')) &
       call chosen%effects%set('boundary_tolerance', tolerance)
-    if (method%resolution < 1.0_real64) &
+    if (abs(method%resolution - 1.0_real64) > 0.0_real64) &
       call change_resolution(chosen, method%resolution, failure)
   end subroutine choose_model
 
@@ -322,7 +395,10 @@ contains
       if (allocated(scene_in%map)) then
         results%way_taken = 'the pixels of the map'
         if (method%resolution < 1.0_real64) results%way_taken = 'every ' // &
-          trim(merge('second', 'fourth', method%resolution > 0.25_real64)) // ' pixel of the map'
+          trim(merge('second', 'fourth', method%resolution > coarsest)) // ' pixel of the map'
+        if (method%resolution >= around_whole(1) .and. method%finest > 1.0_real64) &
+          results%way_taken = decimal_text(scene_in%map%lower%columns) // ' x ' // &
+                              decimal_text(scene_in%map%lower%rows) // ' pixels'
       else if (mode == effect_off) then
         results%way_taken = 'the effects of the scene'
       else

@@ -22,7 +22,8 @@ contains
     class(contact_model), allocatable, target :: model
 
     allocate (results%effects)
-    call make_pixel_model(scene_in, options%fields, model, results%effects, failure)
+    call make_pixel_model(scene_in, options%fields, model, results%effects, failure, &
+                          options%largest_error)
     if (allocated(failure)) return
     results%nominal_area = max(scene_in%nominal_area, model%nominal_area)
     call sweep_scene(scene_in, options, model, results, failure)

@@ -23,6 +23,8 @@ module asperity_run_options
     !> Allowed relative error: the fastest method within it is used; 0: no limit.
     real(real64) :: accuracy = 0.0_real64
     character(len=8) :: accuracy_of = 'load'       !! of which totals, one of `totals_of_accuracy`
+    !> Error of the load above which the results of a map on its pixels are not used; 0: all are.
+    real(real64) :: largest_error = 0.0_real64
     logical :: keep_contacts = .true.              !! keep the contacts of every state
     integer :: threads = 0                         !! number of threads; 0: default of OpenMP
     logical :: progress = .false.                  !! print the progress on a terminal

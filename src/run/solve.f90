@@ -106,7 +106,7 @@ contains
 
   ! Solves a scene with its effects by the first method whose estimated error is within the
   ! requested accuracy. Hertzian contacts are a part of any solution on boundary elements, and
-  ! coarser pixels take a third of the time of the map.
+  ! coarser pixels take a third of the time of the next.
   recursive subroutine solve_model_to_accuracy(scene_in, options, results, failure)
     type(scene), intent(in) :: scene_in
     type(run_options), intent(in) :: options
@@ -122,6 +122,7 @@ contains
     total = findloc(totals_of_accuracy == options%accuracy_of, .true., 1)
     method_options = options
     method_options%accuracy = 0.0_real64
+    if (options%accuracy_of == 'load') method_options%largest_error = options%accuracy
     method = first_method(scene_in, options)
     least = huge(least)
     do while (method%tolerance > 0.0_real64)
@@ -141,7 +142,7 @@ contains
       else if (.not. method%resolution < 1.0_real64) then
         exit
       end if
-      call take_next(scene_in, options, errors(total), method)
+      call take_next(scene_in, options, results, errors(total), method)
     end do
     if (.not. any(least < huge(least))) then
       ! A scene that cannot be solved at all fails with its own reason.
@@ -149,8 +150,8 @@ contains
       return
     end if
     failure = 'no method has this accuracy; '
-    call report_errors(least, allocated(scene_in%map), options%accuracy, options%accuracy_of, &
-                       failure)
+    call report_errors(least, allocated(scene_in%map) .and. method%finest <= 1.0_real64, &
+                       options%accuracy, options%accuracy_of, failure)
     if (allocated(unsolved)) failure = failure // ' (' // unsolved // ')'
   end subroutine solve_model_to_accuracy
 
