@@ -127,9 +127,7 @@ class Accuracy:
     @staticmethod
     def typed(row: Mapping[str, Any]) -> str:
         """What to type for a row: names of `effects` or an argument of `solve`; else its method."""
-        if row["typed"] == "--accuracy":
-            return f"accuracy={1.06 * row['error_estimate']:.2g}"
-        return str(row["method"] if row["typed"] in ("", "pixels") else row["typed"])
+        return str(row["typed"] or row["method"]).replace("--accuracy ", "accuracy=")
 
 
 def accuracy(scene: Any, *, seconds: float = 60.0, finer: bool = False,

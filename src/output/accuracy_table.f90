@@ -88,7 +88,7 @@ contains
     character(len=*), parameter :: goals(3) = [character(len=6) :: '1 %', '0.1 %', '0.01 %']
     real(real64), parameter :: errors(3) = [1.0e-2_real64, 1.0e-3_real64, 1.0e-4_real64]
     character(len=:), allocatable :: text
-    integer :: best, i, k
+    integer :: best, k
 
     call buffer%line('')
     text = 'Error of the ' // trim(merge('compression', 'load       ', &
@@ -102,20 +102,23 @@ contains
       call buffer%line(text // ', and what to type:')
     end if
     do k = 1, size(goals)
-      i = fastest_within(table, errors(k))
+      best = fastest_within(table, errors(k))
       text = repeat(' ', 8 - len_trim(goals(k))) // trim(goals(k)) // ':  '
-      best = i
-      if (i == 0) then
+      if (best == 0) then
+        text = text // 'not reached, '
+        ! A map has a row for each goal, with the reason and the accuracy that it has.
+        best = findloc(abs(table%rows%method%accuracy / errors(k) - 1.0_real64) < 0.5_real64, &
+                       .true., 1)
+        if (best > 0) then
+          call buffer%line(text // table%rows(best)%left_out)
+          cycle
+        end if
         best = table%reference
-        text = text // 'not reached, the least: '
+        text = text // 'the least: '
       end if
       associate (row => table%rows(best), typed => table%rows(best)%method%typed)
-        if (typed == '--accuracy') then
-          text = text // 'asperity solve ' // scene_in%file // ' --accuracy ' // &
-                 real_text(max(errors(k), merge(1.06_real64 * row%own_estimate, 0.0_real64, &
-                                                i == 0)), 'es7.1')
-        else if (typed == 'pixels') then
-          text = text // 'a map of pixels half as wide'
+        if (row%method%accuracy > 0.0_real64) then
+          text = text // 'asperity solve ' // scene_in%file // ' ' // trim(typed)
         else if (typed == '') then
           text = text // trim(row%method%name)
         else if (index(typed, '=') > 0) then

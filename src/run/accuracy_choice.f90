@@ -162,9 +162,10 @@ contains
         next = max(next, 1.0_real64)
       end if
     end if
-    if (is_whole .and. (next > method%finest .or. .not. error < huge(error))) &
+    if (is_whole .and. .not. (method%resolution < method%finest .and. error < huge(error))) &
       method%tolerance = 0.0_real64
     method%resolution = next
+    if (is_whole) method%resolution = min(next, method%finest)
   end subroutine take_pixels
 
   ! Splits the error of a compression in those of the separation and of first contact.

@@ -11,7 +11,7 @@ module asperity_method_study
   use asperity_progress, only: progress_line
   use asperity_run_options, only: run_options
   use asperity_scene_results, only: scene_results
-  use asperity_scene_values, only: effect_boundary, effect_off, scene
+  use asperity_scene_values, only: effect_off, scene
   use asperity_study_methods, only: list_methods, most_methods, of_arithmetic, of_effects, &
                                     of_neighbours, of_steps, request_of, run_method, &
                                     simulated_effects, study_method
@@ -107,7 +107,8 @@ contains
     integer :: i, pass
 
     most = allowance%seconds_left()
-    row%method = study_method(name='as in the scene', typed='the scene as it is')
+    row%method = study_method(name='as in the scene')
+    if (.not. allocated(scene_in%map)) row%method%typed = 'the scene as it is'
     allocate (totals(1))
     call time_method(scene_in, least_seconds, share_of_scene * most, row, totals(1), results)
     ! A scene that takes more than its share, as it cannot be interrupted everywhere, takes nothing
@@ -144,7 +145,8 @@ contains
         if (row%method%family == of_steps) left = share_of_step * left
         if (row%method%family == of_neighbours) left = share_of_neighbours * left
         ! Methods with neighbours follow each other from the fastest on.
-        if (row%method%family == of_neighbours .and. is_too_long(table%rows(i))) then
+        if (row%method%family == of_neighbours .and. is_too_long(table%rows(i)) .and. &
+            (row%method%accuracy > 0.0_real64 .eqv. table%rows(i)%method%accuracy > 0.0_real64)) then
           row%left_out = too_long // ', as a faster method does'
         else if (.not. left > 0.0_real64) then
           row%left_out = too_long // ', ' // seconds_text(0.0_real64) // ' s were left'
@@ -236,7 +238,7 @@ contains
   end subroutine time_method
 
   ! Chooses the reference: the method with interaction whose own error estimate is the least, or the
-  ! scene as it is. Of a map it is the pixels, with which its summits are compared.
+  ! scene as it is. Coarser pixels of a map are the last choice.
   subroutine choose_reference(table, totals, is_map)
     type(method_table), intent(inout) :: table
     type(method_totals), intent(in) :: totals(:)
@@ -253,7 +255,7 @@ contains
         if (allocated(row%left_out)) cycle
         if (row%method%family /= of_neighbours .or. row%method%interaction == effect_off) cycle
         estimate = row%own_estimate
-        if (is_map .and. row%method%interaction == effect_boundary) estimate = 0.0_real64
+        if (is_map .and. row%method%resolution < 1.0_real64) estimate = 1.0_real64 + estimate
         ! The last method without an estimate is the finest.
         if (.not. estimate > not_computed) estimate = least
         if (estimate > least) then
@@ -351,8 +353,7 @@ contains
   end function error_against
 
   !> The row to take for an error: of the fastest rows with it that can be typed the scene as
-  !> it is, else that of the least error; 0: none has it. Pixels of a map have it by their own
-  !> estimate, as `--accuracy` takes them.
+  !> it is, else that of the least error; 0: none has it. On a map the row with this accuracy.
   pure integer function fastest_within(table, goal) result(fastest)
     type(method_table), intent(in) :: table  !! all methods of a scene
     real(real64), intent(in) :: goal         !! largest relative error
@@ -363,8 +364,8 @@ contains
     do i = 1, size(table%rows)
       associate (row => table%rows(i))
         if (allocated(row%left_out) .or. row%method%typed == '') cycle
-        if (row%method%resolution < 1.0_real64 .and. .not. ( &
-            row%own_estimate > not_computed .and. row%own_estimate <= goal)) cycle
+        if (row%method%accuracy > 0.0_real64 .and. &
+            .not. abs(row%method%accuracy - goal) < 0.5_real64 * goal) cycle
         error(i) = error_against(table, i)
       end associate
     end do

@@ -66,6 +66,7 @@ module asperity_study_methods
     real(real64) :: tolerance = 0.0_real64  !! of `auto` or of the cells
     !> Pixels along a side over those of the map, a power of two.
     real(real64) :: resolution = 1.0_real64
+    real(real64) :: accuracy = 0.0_real64      !! requested accuracy; 0: none
     character(len=11) :: without = ''          !! an effect that is left out
     logical :: is_original = .false.           !! the original program
   end type study_method
@@ -261,12 +262,13 @@ contains
 
   end subroutine add_neighbours
 
-  ! The pixels of a map, from a coarsest resolution to a finest one.
+  ! The pixels of a map, from a coarsest resolution to a finest one, and those that an accuracy takes.
   subroutine add_pixel_methods(coarsest, finest, methods)
     real(real64), intent(in) :: coarsest, finest
     type(study_method), allocatable, intent(inout) :: methods(:)
     character(len=*), parameter :: names(4) = [character(len=24) :: 'pixels, every fourth', &
-      'pixels, every second', 'pixels of the map', 'pixels half as wide']
+      'pixels, every second', 'pixels of the map', 'pixels half as wide'], &
+      goals(3) = [character(len=4) :: '1e-2', '1e-3', '1e-4']
     type(study_method) :: method
     integer :: k
 
@@ -276,13 +278,17 @@ contains
       method%resolution = 2.0_real64**(k - 3)
       if (method%resolution < coarsest .or. method%resolution > finest) cycle
       method%name = names(k)
-      ! The accuracy chooses among the pixels of the map.
-      method%typed = merge('--accuracy', 'pixels    ', method%resolution <= 1.0_real64)
+      methods = [methods, method]
+    end do
+    do k = 1, size(goals)
+      method = study_method(family=of_neighbours, accuracy=10.0_real64**(-k - 1))
+      method%name = 'pixels by --accuracy ' // goals(k)
+      method%typed = '--accuracy ' // goals(k)
       methods = [methods, method]
     end do
   end subroutine add_pixel_methods
 
-  !> Runs a scene in a method, all positions, the ends of its path alone. The original program is
+  !> Runs a scene in a method, all positions. The original program is
   !> not run here.
   subroutine run_method(scene_in, method, options, results, failure)
     type(scene), intent(in) :: scene_in                    !! scene with checked values
@@ -291,10 +297,10 @@ contains
     type(scene_results), intent(out) :: results            !! results, all positions
     character(len=:), allocatable, intent(out) :: failure  !! reason of a failure
     type(scene) :: copy
+    type(run_options) :: own
     type(scene_effects) :: none
 
     copy = scene_in
-    copy%loading%points = 0
     if (any(method%family == [of_arithmetic, of_steps])) then
       ! No effects, and of several values the deepest.
       copy%effects = none
@@ -324,7 +330,9 @@ contains
       call change_resolution(copy, method%resolution, failure)
       if (allocated(failure)) return
     end if
-    call solve(copy, results, failure, options)
+    own = options
+    own%accuracy = method%accuracy
+    call solve(copy, results, failure, own)
   end subroutine run_method
 
   ! In steps, all positions. A load that was asked for is overshot, as it is meant to be.
