@@ -1,37 +1,41 @@
 !> Estimated error of the contact of a height map by the size of its pixels.
 !>
-!> The map is solved again on every m-th pixel along both sides, with adhesion from the attraction
-!> of its pixels: for m = 2 from two first pixels along a diagonal through the highest pixel, and
-!> from three for m = 3, 4 or 5, the first one with which the map keeps its lengths. The former
-!> alone are mirror images of each other on a symmetric map. Let d be the root mean square of the
-!> differences of a result. With the safety factor 3 of two grids (Roache, J. Fluids Eng. 116
-!> (1994) 405) its error is 3 d/(m**p - 1), the larger of the two. The order p of separation, load
-!> and gap is 2, on a smooth map without free edges 5/2 (measured on waves and random surfaces). On
-!> a rough map it is 3/2: displacements by waves of heights h**H, H from 0 to 1, have errors of
-!> h**(1 + H). The order of the area is 3/2: the pixels along a rim, 1/h of the spacing h, have
-!> independent errors of h**2. That of the greatest pressure is 2.
+!> The map is solved again on every m-th pixel along both sides: for m = 2 from two first pixels
+!> along a diagonal through the highest pixel, and without adhesion from three for m = 3, 4 or 5, the
+!> first one with which the map keeps its lengths. The former alone are mirror images of each other
+!> on a symmetric map. A result with the error e h**p of pixels of the width h, of either sign from
+!> one grid to another, differs on these by d with the variance e**2 (1 + m**(2 p)) h**(2 p). The
+!> root mean square of the five d/sqrt(1 + m**(2 p)) times Student's t is the estimate. From two
+!> differences alone it is 3 d/(m**p - 1) with their root mean square d and the safety factor of
+!> two grids (Roache, J. Fluids Eng. 116 (1994) 405).
+!>
+!> The order p of separation, load and gap is 2, on a smooth map without free edges 5/2 (measured on
+!> waves and random surfaces). On a rough map it is 3/2: displacements by waves of heights h**H, H
+!> from 0 to 1, have errors of h**(1 + H). The order of the area is 3/2: the pixels along a rim, 1/h
+!> of the spacing h, have independent errors of h**2. So is that of what depends on the rims: the
+!> greatest pressure, stiffness, and the area that sticks.
 !>
 !> The error of first contact is that of a vertex (`map_top`) where the map is smooth. Where it is
-!> not, it is that of the tops of every second, third and fourth pixel by the same formula, with
-!> their observed order, 1 to 2. The compression has both errors, which are independent.
+!> not, it is that of the tops of every second, third and fourth pixel by Roache's formula, with
+!> their observed order, 1 to 2. The error of the compression is at most the sum of both.
 !>
 !> The error of the area is at least half of the correction of the rim, and at least that of
 !> straight rims: each straight piece of a rim along the pixels lies up to half a pixel from its
-!> sides. The errors of pieces are independent, but those of grooves, which have no ends, add up.
-!> On a map that is rough at the size of its pixels the slope grows on by the observed ratio to
-!> pixels a quarter as wide, and the area is inverse to the slope (Persson, J. Chem. Phys. 115
-!> (2001) 3840).
+!> sides. The errors of pieces are independent, but those of grooves, which have no ends, add up. On a map that is rough at the size of its pixels the slope
+!> grows on by the observed ratio to pixels a quarter as wide, and the area is inverse to the slope
+!> (Persson, J. Chem. Phys. 115 (2001) 3840).
 !>
-!> The relative error of the greatest pressure is at least that of the area, as peaks lie between
-!> the pixels of all grids. It has no estimate where no limit is in sight: on rough maps, and on
-!> others that are not smooth, as at kinks, where pixels twice as wide have a pressure that is a
-!> tenth less (measured: reference_output/bench/pixel_estimates.csv; test:
-!> test/maps/test_pixel_errors.py).
+!> The greatest pressure has no estimate where no limit is in sight: on rough maps, and on others
+!> that are not smooth where it falls as fast as at the apex of a cone. That pressure is the
+!> logarithm of the radius over the pixel, and less than that of the number of pixels N: it falls
+!> by more than the share ln 2/ln N with pixels twice as wide (test: test/maps/test_pixel_errors.py;
+!> record: reference_output/bench/pixel_estimates.csv).
 !>
 !> With creep they are those of the elastic state of the same displacements, with its own load (Lee
 !> and Radok 1960), which holds as long as no pixel has left the contact.
 module asperity_map_error
   use asperity_contact_records, only: state_row
+  use asperity_effect_header, only: column_list, plain
   use asperity_height_map, only: height_map, is_measured
   use asperity_kinds, only: not_computed, real64
   use asperity_map_contact, only: most_load
@@ -41,15 +45,35 @@ module asperity_map_error
   use asperity_map_statistics, only: rms_slope_over
   use asperity_map_top, only: find_top
   use asperity_pixel_law, only: patches_in_contact, pixel_law_box, pixel_state
-  use asperity_pixel_sequence, only: solve_pixel_state
+  use asperity_pixel_sequence, only: add_state_interface, solve_pixel_state
   implicit none
   private
 
-  public :: error_request, estimate_pixel_errors, find_first_contact, share_at_ends
+  public :: add_column_errors, error_request, estimate_pixel_errors, find_first_contact, &
+            share_at_ends
+
+  ! Order of the errors of what depends on the rims of patches.
+  real(real64), parameter :: order_of_rims = 1.5_real64
+  ! Numbers of the last state that have an estimated error: the column, the one that the error is
+  ! relative to, and the column of the error. It is the largest of those in rows of one name.
+  character(len=*), parameter :: estimated(3, 10) = reshape([character(len=32) :: &
+    'contact_stiffness', 'contact_stiffness', 'stiffness_error_estimate', &
+    'interface_stiffness', 'interface_stiffness', 'interface_error_estimate', &
+    'conductance_length', 'conductance_length', 'conductance_error_estimate', &
+    'tangential_stiffness_xx', 'tangential_stiffness_xx', 'sticking_error_estimate', &
+    'tangential_stiffness_xy', 'tangential_stiffness_xx', 'sticking_error_estimate', &
+    'tangential_stiffness_yy', 'tangential_stiffness_yy', 'sticking_error_estimate', &
+    'tangential_load', 'tangential_load', 'tangential_error_estimate', &
+    'tangential_displacement', 'tangential_displacement', 'tangential_error_estimate', &
+    'tangential_stiffness', 'tangential_stiffness', 'slip_error_estimate', &
+    'stick_area', 'stick_area', 'stick_error_estimate'], [3, 10])
 
   ! Safety factor of the error of two grids (Roache 1994; test: rough maps in
   ! test/maps/test_pixel_errors.py).
   real(real64), parameter :: safety = 3.0_real64
+  ! Student's t of the mean square of three and of five differences, for 98 of 100 (Abramowitz and
+  ! Stegun 1964, table 26.10).
+  real(real64), parameter :: student(3:5) = [4.541_real64, 3.747_real64, 3.365_real64]
   ! Halvings of the interval of the observed order (chosen: to 1e-3).
   integer, parameter :: digits_of_order = 11
   ! Tolerance of the gaps over the range of heights, or of the attraction (chosen: the differences
@@ -64,9 +88,6 @@ module asperity_map_error
   real(real64), parameter :: smooth_growth = 1.0_real64 / 3.0_real64
   ! The same of independent heights (derived: their slope is inverse to the size of the pixel).
   real(real64), parameter :: fastest_growth = 2.0_real64
-  ! Fall of the greatest pressure by pixels twice as wide, relative, below which it is resolved
-  ! (chosen: the limit of the warning of resolution).
-  real(real64), parameter :: resolved = 0.1_real64
   ! Least number of pixels along a side (chosen: halves of two are no maps).
   integer, parameter :: least_side = 4
 
@@ -80,6 +101,14 @@ module asperity_map_error
     !> Relative growth of the slope to pixels a quarter as wide; 0: the map is not rough.
     real(real64) :: growth = 0.0_real64
     real(real64), private :: lowered = 0.0_real64  !! the flat below its level, unless by load
+    logical :: is_last = .false.               !! the last state: it has numbers of its own
+    !> combined modulus and Poisson's ratio, conductivities as of `add_interface`
+    real(real64) :: material(2) = 0.0_real64, conductivity(2, 2) = 0.0_real64
+    !> contact area, open area of measured pixels, and their error by straight rims
+    real(real64), private :: area = 0.0_real64, open_area = 0.0_real64, of_rims = 0.0_real64
+    !> numbers of the last state on coarser maps (number, map); not allocated: unknown
+    real(real64), allocatable, private :: numbers(:, :)
+    integer, allocatable, private :: steps(:)      !! width of their pixels in those of the map
   end type error_request
 
 contains
@@ -90,7 +119,7 @@ contains
     type(height_map), intent(in) :: map            !! map without plastic deformation
     type(pixel_law_box), intent(in) :: laws(:)     !! laws with the memory of this solution
     type(pixel_state), intent(in) :: state         !! solution; under a load: > 0
-    type(error_request), intent(in) :: request     !! quantity that is prescribed
+    type(error_request), intent(inout) :: request  !! what is prescribed; gets coarser numbers
     type(state_row), intent(inout) :: row          !! totals of this solution; gets their errors
     !> Reason why a map of every second pixel could not be solved; not allocated: all were.
     character(len=:), allocatable, intent(out) :: unsolved
@@ -99,33 +128,37 @@ contains
     real(real64) :: area, of_top, pressure
 
     elastic = state
+    if (allocated(request%numbers)) deallocate (request%numbers)
     ! Coarser maps start from pressures alone.
     deallocate (elastic%deformed%height)
     if (allocated(elastic%answer%displacement)) deallocate (elastic%answer%displacement)
     call compare_coarser(map, laws, request, row, elastic, error, of_top, unsolved)
     if (.not. allocated(error)) return
-    associate (answer => state%answer, patches => state%patches)
-      area = max(error(3), 0.5_real64 * sum(patches%rim), request%growth * row%area)
+    associate (answer => state%answer)
       if (allocated(answer%contact_pressure)) then
-        area = max(area, error_of_rims(map, answer%contact_pressure))
+        request%of_rims = error_of_rims(map, answer%contact_pressure)
       else
-        area = max(area, error_of_rims(map, answer%pressure))
+        request%of_rims = error_of_rims(map, answer%pressure)
       end if
+      request%area = row%area
+      request%open_area = count(is_measured(map%height)) * product(map%pixel_spacing) - row%area
+      area = max(error(3), request%of_rims, 0.5_real64 * sum(state%patches%rim), &
+                 request%growth * row%area)
       row%area_error = area / row%area
       if (request%growth > 0.0_real64) row%area_error = area / (row%area + area)
       row%gap_error = error(4) / max(row%mean_gap, error(4), tiny(area))
       if (error(5) > not_computed) then
-        pressure = row%greatest_pressure * max(row%area_error, error(5) / &
-                   max(maxval(elastic%answer%pressure), tiny(error)))
+        pressure = row%greatest_pressure * error(5) / &
+                   max(maxval(elastic%answer%pressure), tiny(error))
         row%pressure_error = max(0.0_real64, pressure) / &
                              max(row%greatest_pressure, pressure, tiny(area))
       end if
       if (request%by_load .and. row%compression > 0.0_real64) then
         row%separation_error = error(1) / row%compression
-        row%error_estimate = hypot(error(1), request%top_error) / row%compression
+        row%error_estimate = (error(1) + request%top_error) / row%compression
       end if
       if (.not. request%by_load .and. abs(answer%load) > 0.0_real64) &
-        row%error_estimate = hypot(error(2), of_top) * answer%load / elastic%answer%load / &
+        row%error_estimate = (error(2) + of_top) * answer%load / elastic%answer%load / &
                              abs(answer%load)
     end associate
   end subroutine estimate_pixel_errors
@@ -135,7 +168,7 @@ contains
   subroutine compare_coarser(map, laws, request, row, full, errors, of_top, unsolved)
     type(height_map), intent(in) :: map
     type(pixel_law_box), intent(in) :: laws(:)
-    type(error_request), intent(in) :: request
+    type(error_request), intent(inout) :: request  ! gets numbers of the last state
     type(state_row), intent(in) :: row
     type(pixel_state), intent(inout) :: full       ! solution on all pixels; gets the elastic one
     ! Not allocated: the map is too small, or one of its halves is not solved. The last one is
@@ -144,58 +177,65 @@ contains
     real(real64), intent(out) :: of_top            ! change of the load by that of first contact
     character(len=:), allocatable, intent(out) :: unsolved  ! why one is not
     type(error_request) :: lowering
-    real(real64) :: fall, halves(5, 2), lower(5), order, total(5), wider(5, 3)
-    integer :: i, k, place(2), step
-    logical :: has_solver
+    real(real64) :: coarser(5, 5), fall, lower(5), order(5), total(5)
+    integer :: grids, i, place(2), steps(5)
+    logical :: has_solver, is_last
 
     of_top = 0.0_real64
     if (any(shape(map%height) < least_side)) return
     place = maxloc(map%height)
-    do k = 1, 2
-      call solve_coarser(map, laws, request, 2, 1 + mod(place + k, 2), full, halves(:, k), unsolved)
-      if (allocated(unsolved)) return
+    has_solver = any([(laws(i)%law%solves .and. laws(i)%law%is_simulated, i=1, size(laws))])
+    steps(:2) = 2
+    steps(3:) = merge(0, step_beside_two(map), has_solver)
+    grids = merge(5, 2, steps(3) > 0)
+    is_last = request%is_last
+    do i = 1, grids
+      request%is_last = is_last .and. i > grids - 3
+      call solve_coarser(map, laws, request, steps(i), 1 + mod(place + i, steps(i)), full, &
+                         coarser(:, i), unsolved)
+      if (allocated(unsolved)) exit
     end do
+    if (allocated(unsolved) .and. i <= 2) return
+    if (allocated(unsolved)) then
+      grids = 2
+      deallocate (unsolved)
+      if (allocated(request%numbers)) deallocate (request%numbers)
+    end if
+    request%steps = steps(max(1, grids - 2):grids)
     if (request%by_top .and. request%top_error > 0.0_real64 .and. .not. request%by_load) then
       lowering = request
       lowering%lowered = request%top_error
+      lowering%is_last = .false.
       call solve_coarser(map, laws, lowering, 2, 1 + mod(place + 1, 2), full, lower, unsolved)
       if (allocated(unsolved)) return
-      of_top = abs(lower(2) - halves(2, 1))
+      of_top = abs(lower(2) - coarser(2, 1))
     end if
     total = [full%answer%level, full%answer%load, row%area, row%mean_gap, &
              maxval(full%answer%pressure)]
-    order = request%order
     ! Attraction over the gaps is less smooth than the contact.
-    has_solver = any([(laws(i)%law%solves .and. laws(i)%law%is_simulated, i=1, size(laws))])
-    if (has_solver) order = min(order, 2.0_real64)
-    errors = error_by(halves, 2)
-    step = merge(0, step_beside_two(map), has_solver)
-    do k = 1, merge(3, 0, step > 0)
-      call solve_coarser(map, laws, request, step, 1 + mod(place + k, step), full, wider(:, k), &
-                         unsolved)
-      if (allocated(unsolved)) step = 0
-      if (allocated(unsolved)) exit
-    end do
-    if (allocated(unsolved)) deallocate (unsolved)
-    if (step > 0) errors = max(errors, error_by(wider, step))
-    fall = total(5) - sum(halves(5, :)) / size(halves, 2)
-    if (request%growth > 0.0_real64 .or. &
-        (fall > resolved * total(5) .and. .not. request%is_smooth)) errors(5) = not_computed
-
-  contains
-
-    ! Errors by the differences from pixels that are `step` times as wide. No norm2: its last digit
-    ! changes with the unit.
-    pure function error_by(coarser, step) result(error)
-      real(real64), intent(in) :: coarser(:, :)
-      integer, intent(in) :: step
-      real(real64) :: error(5)
-
-      error = sqrt(sum((coarser - spread(total, 2, size(coarser, 2)))**2, 2) / size(coarser, 2))
-      error = error * safety / (step**[order, order, 1.5_real64, order, 2.0_real64] - 1.0_real64)
-    end function error_by
-
+    if (has_solver) request%order = min(request%order, 2.0_real64)
+    order = [request%order, request%order, order_of_rims, request%order, order_of_rims]
+    errors = [(error_by(coarser(i, :grids) - total(i), steps(:grids), order(i)), i=1, 5)]
+    fall = total(5) - 0.5_real64 * sum(coarser(5, :2))
+    if (request%growth > 0.0_real64 .or. (.not. request%is_smooth .and. &
+        fall * log(real(size(map%height), real64)) > log(2.0_real64) * total(5))) &
+      errors(5) = not_computed
   end subroutine compare_coarser
+
+  ! Error by the differences from pixels that are wider by the factor of each step. No norm2: its
+  ! last digit changes with the unit.
+  pure real(real64) function error_by(differences, steps, order) result(error)
+    real(real64), intent(in) :: differences(:), order
+    integer, intent(in) :: steps(:)
+
+    associate (n => size(steps))
+      if (n == 2) then
+        error = safety * sqrt(sum(differences**2) / n) / (steps(1)**order - 1.0_real64)
+      else
+        error = student(n) * sqrt(sum(differences**2 / (1.0_real64 + steps**(2 * order))) / n)
+      end if
+    end associate
+  end function error_by
 
   ! The first of the steps 3, 4 and 5 with which a map keeps its lengths; 0: none, or the map is too
   ! small.
@@ -213,7 +253,7 @@ contains
   subroutine solve_coarser(map, laws, request, step, first, full, total, unsolved)
     type(height_map), intent(in) :: map
     type(pixel_law_box), intent(in) :: laws(:)
-    type(error_request), intent(in) :: request
+    type(error_request), intent(inout) :: request  ! gets numbers of the last state
     integer, intent(in) :: step, first(2)       ! first column and row
     type(pixel_state), intent(inout) :: full    ! solution on all pixels; gets the elastic one
     real(real64), intent(out) :: total(5)       ! level, load, area, mean gap, greatest pressure
@@ -253,7 +293,86 @@ contains
       total = [answer%level, answer%load, sum(patches%area), found%mean_gap, &
                maxval(answer%pressure)]
     end associate
+    if (request%is_last) call list_numbers(own, coarse, request)
   end subroutine solve_coarser
+
+  ! Adds the numbers of the last state on one coarser map.
+  subroutine list_numbers(laws, state, request)
+    type(pixel_law_box), intent(inout) :: laws(:)
+    type(pixel_state), intent(in) :: state
+    type(error_request), intent(inout) :: request
+    type(column_list) :: columns
+    character(len=:), allocatable :: failure
+    real(real64) :: numbers(size(estimated, 2))
+    integer :: i
+
+    call add_state_interface(state, request%material, request%conductivity, columns)
+    do i = 1, size(laws)
+      if (.not. laws(i)%law%is_simulated) cycle
+      call laws(i)%law%finish(state, failure=failure)
+      if (.not. allocated(failure)) call laws(i)%law%add_columns(state, columns)
+    end do
+    numbers = [(number_of(columns, estimated(1, i)), i=1, size(numbers))]
+    if (.not. allocated(request%numbers)) allocate (request%numbers(size(numbers), 0))
+    request%numbers = reshape([request%numbers, numbers], shape(request%numbers) + [0, 1])
+  end subroutine list_numbers
+
+  ! Number of a column; `not_computed` where it has none.
+  pure real(real64) function number_of(columns, name) result(number)
+    type(column_list), intent(in) :: columns  ! of one row
+    character(len=*), intent(in) :: name
+    integer :: at
+
+    number = not_computed
+    at = findloc(columns%names%text, name, 1)
+    if (at > 0) number = columns%values(1, at)
+  end function number_of
+
+  !> Adds the errors of numbers of the last state behind its columns. One is `not_computed` where the
+  !> number is, here or on a coarser map. The tangential displacement has the order of the level. A
+  !> stiffness is a length of the contact, or of the part that sticks: its relative error by straight
+  !> rims is half that of the area.
+  subroutine add_column_errors(request, columns)
+    type(error_request), intent(in) :: request    !! numbers on coarser maps
+    type(column_list), intent(inout) :: columns   !! columns of the last state
+    real(real64) :: by_rims, error, number, order, over
+    integer :: i
+
+    do i = 1, size(estimated, 2)
+      if (.not. any(columns%names%text == estimated(1, i))) cycle
+      number = number_of(columns, estimated(1, i))
+      over = number_of(columns, estimated(2, i))
+      error = not_computed
+      if (allocated(request%numbers)) error = minval(request%numbers(i, :))
+      if (min(error, number, over) > not_computed) then
+        order = order_of_rims
+        by_rims = 0.5_real64 * request%of_rims / &
+                  max(min(request%area, request%open_area), request%of_rims)
+        select case (estimated(3, i))
+        case ('tangential_error_estimate')
+          order = request%order
+        case ('slip_error_estimate', 'stick_error_estimate')
+          by_rims = 0.5_real64 * request%of_rims / &
+                    max(number_of(columns, 'stick_area'), request%of_rims)
+          if (estimated(3, i) == 'stick_error_estimate') by_rims = 2 * by_rims
+        end select
+        error = error_by(request%numbers(i, :) - number, request%steps, order)
+        error = error / max(over, error, tiny(error))
+        if (abs(number) > 0.0_real64) error = max(error, by_rims)
+      else
+        error = not_computed
+      end if
+      associate (last => size(columns%names))
+        if (columns%names(last)%text /= estimated(3, i)) then
+          call columns%add(trim(estimated(3, i)), plain, error)
+        else if (min(error, columns%values(1, last)) > not_computed) then
+          columns%values(1, last) = max(error, columns%values(1, last))
+        else
+          columns%values(1, last) = not_computed
+        end if
+      end associate
+    end do
+  end subroutine add_column_errors
 
   !> Finds first contact, its estimated error, and whether the map is smooth or rough at the size
   !> of its pixels.

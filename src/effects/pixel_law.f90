@@ -64,7 +64,7 @@ module asperity_pixel_law
     procedure :: finish => finish_last_state
     procedure :: add_warnings
     procedure :: coarsen => coarsen_pixels
-    procedure :: has_error
+    procedure :: why_unknown
     procedure, non_overridable :: call_as
   end type pixel_law
 
@@ -206,15 +206,16 @@ contains
     end associate
   end subroutine coarsen_pixels
 
-  !> Whether coarser pixels estimate the error of the last state. This default: they do.
-  logical function has_error(self, state, is_alone)
+  !> Why coarser pixels do not estimate the error of a state; blank: they do, as by default.
+  function why_unknown(self, state, is_alone) result(reason)
     class(pixel_law), intent(in) :: self         !! law that is simulated
-    type(pixel_state), intent(in) :: state       !! last state of the path
+    type(pixel_state), intent(in) :: state       !! a state of the path
     logical, intent(in) :: is_alone              !! no other law changes pressures
+    character(len=48) :: reason                  !! `error estimate: none with` it
 
     associate (unused => self, unused_too => state, unused_also => is_alone)
     end associate
-    has_error = .true.
-  end function has_error
+    reason = ''
+  end function why_unknown
 
 end module asperity_pixel_law

@@ -3,17 +3,19 @@
 !> The laws change the elastic problem of a state, one of them or `map_contact` solves it, and they
 !> keep in the opposite order what the solution leaves to the next state.
 module asperity_pixel_sequence
+  use asperity_effect_header, only: column_list
   use asperity_effect_sequence, only: leave_smallest
   use asperity_height_map, only: copy_map, height_map, move_map
   use asperity_kinds, only: real64
   use asperity_map_contact, only: press_map
+  use asperity_map_interface, only: add_interface
   use asperity_map_top, only: find_top
   use asperity_pixel_law, only: pixel_law_box, pixel_state
   use asperity_scene_values, only: effect_auto
   implicit none
   private
 
-  public :: choose_laws, solve_pixel_state
+  public :: add_state_interface, choose_laws, solve_pixel_state
 
 contains
 
@@ -82,6 +84,23 @@ contains
       end if
     end associate
   end subroutine press_state
+
+  !> Adds the columns of the interface of a state.
+  subroutine add_state_interface(state, material, conductivity, columns)
+    type(pixel_state), intent(in), target :: state          !! solution
+    real(real64), intent(in) :: material(2), conductivity(:, :)  !! as of `add_interface`
+    type(column_list), intent(inout) :: columns             !! gets the columns
+    real(real64), allocatable, target :: in_contact(:, :)
+    real(real64), pointer :: pressure(:, :)
+
+    pressure => state%answer%pressure
+    if (allocated(state%answer%touches)) then
+      allocate (in_contact, source=merge(max(pressure, tiny(pressure)), 0.0_real64, &
+                                         state%answer%touches))
+      pressure => in_contact
+    end if
+    call add_interface(state%deformed, material, pressure, conductivity, columns, state%hardness)
+  end subroutine add_state_interface
 
   !> Chooses the laws of `auto` that have to be simulated, from a solution without them. Those with
   !> the smallest estimates are left out while their sum is within the tolerance. One without an

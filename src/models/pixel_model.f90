@@ -18,17 +18,16 @@ module asperity_pixel_model
   use asperity_kinds, only: int64, not_computed, real64
   use asperity_map_caps, only: placed_caps
   use asperity_map_contact, only: most_load, room_to_press
-  use asperity_map_error, only: error_request, estimate_pixel_errors, find_first_contact, &
-                                share_at_ends
+  use asperity_map_error, only: add_column_errors, error_request, estimate_pixel_errors, &
+                                find_first_contact, share_at_ends
   use asperity_map_fields, only: measure_fields, take_field
   use asperity_map_form, only: find_form_contact
-  use asperity_map_interface, only: add_interface
   use asperity_map_levelling, only: is_flat
   use asperity_map_scene, only: area_of_map, displacement_of, join_maps, plan_map_path
   use asperity_map_shares, only: find_shares, map_shares, warn_of_map, warn_of_shares
   use asperity_path_steps, only: plan_hold
   use asperity_pixel_law, only: patches_in_contact, pixel_law_box, pixel_state, unknown_influence
-  use asperity_pixel_sequence, only: choose_laws, solve_pixel_state
+  use asperity_pixel_sequence, only: add_state_interface, choose_laws, solve_pixel_state
   use asperity_problems, only: decimal_text, real_text
   use asperity_process, only: check_memory
   use asperity_scene_values, only: combined_modulus, effect_auto, has_tangential, is_compression, &
@@ -210,6 +209,8 @@ contains
     if (allocated(self%moved)) self%map => self%moved
     self%state%deformed = self%map
     call find_first_contact(self%map, self%top, self%request)
+    self%request%material = [self%model%modulus, shared_poisson_ratio(self%model%scene_in)]
+    self%request%conductivity = self%model%scene_in%conductivity
     in_time = any([(self%laws(i)%law%acts_in_time .and. self%laws(i)%law%is_simulated, &
                     i=1, size(self%laws))])
     associate (model => self%model, map => self%map)
@@ -358,6 +359,8 @@ contains
         call law%add_contact_columns(self%state, of_contacts)
       end associate
     end do
+    columns%is_left_out = .false.
+    call add_column_errors(self%request, columns)
     result%state_columns = columns%names
     result%state_values = columns%values(1, :)
     result%contact_columns = of_contacts%names
@@ -390,24 +393,14 @@ contains
 
   ! Adds the columns of the interface, and those of the smooth form of a map.
   subroutine add_surface_columns(self, columns)
-    class(pixel_bodies), intent(in), target :: self
+    class(pixel_bodies), intent(in) :: self
     type(column_list), intent(inout) :: columns
     real(real64) :: width, smooth(2)
-    real(real64), allocatable, target :: in_contact(:, :)
-    real(real64), pointer :: pressure(:, :)
     integer :: axis
 
     associate (answer => self%state%answer, map => self%map, &
                form => self%model%scene_in%map%form_radius)
-      pressure => self%state%answer%pressure
-      if (allocated(answer%touches)) then
-        allocate (in_contact, source=merge(max(pressure, tiny(smooth)), 0.0_real64, &
-                                           answer%touches))
-        pressure => in_contact
-      end if
-      call add_interface(self%state%deformed, [self%model%modulus, &
-                         shared_poisson_ratio(self%model%scene_in)], pressure, &
-                         self%model%scene_in%conductivity, columns, self%state%hardness)
+      call add_state_interface(self%state, self%request%material, self%request%conductivity, columns)
       if (.not. any(form > 0.0_real64)) return
       ! Length of the contact of a cylinder: that of a period along its axis; 0: its end is free.
       axis = minloc(form, 1)
@@ -467,7 +460,7 @@ contains
     share = error_of_share(self%model%scene_in, share)
     associate (error => result%states%error_estimate)
       if (is_unknown) error = not_computed
-      if (.not. is_unknown .and. share > 0.0_real64) error = max(error, 0.0_real64) + share
+      where (error > not_computed) error = error + share
     end associate
     result%error_estimate = result%states(self%states)%error_estimate
 
@@ -499,7 +492,7 @@ contains
     type(theory_warning), allocatable :: warnings(:)
     real(real64) :: area_error, at_ends
     character(len=:), allocatable :: unsolved
-    character(len=32) :: whose
+    character(len=48) :: whose
     logical :: shapes(size(self%laws))
     integer :: i
 
@@ -507,10 +500,14 @@ contains
     shapes = [(self%laws(i)%law%shapes .and. self%laws(i)%law%is_simulated, i=1, size(shapes))]
     do i = 1, size(shapes)
       if (.not. shapes(i)) cycle
-      if (.not. self%laws(i)%law%has_error(self%state, count(shapes) == 1)) return
+      whose = self%laws(i)%law%why_unknown(self%state, count(shapes) == 1)
+      if (whose == '') cycle
+      if (number == self%states) result%no_estimate = 'none with ' // whose
+      return
     end do
     associate (row => result%states(number))
       self%request%by_load = by_load
+      self%request%is_last = number == self%states
       self%request%by_top = is_compression(self%model%scene_in%loading%control)
       call estimate_pixel_errors(self%map, self%laws, self%state, self%request, row, unsolved)
       at_ends = 0.0_real64
@@ -519,7 +516,8 @@ contains
       if (at_ends > 0.0_real64) row%pressure_error = not_computed
       result%error_estimate = row%error_estimate
       if (number < self%states) return
-      if (allocated(unsolved)) result%no_estimate = unsolved
+      if (allocated(unsolved)) result%no_estimate = &
+        'unknown, the map of every second pixel could not be solved: ' // unsolved
       if (at_ends > 0.0_real64) call add_warning(warnings, of_edge_pressure, at_ends)
       area_error = max(0.5_real64 * sum(self%state%patches%rim) / row%area, row%area_error)
     end associate

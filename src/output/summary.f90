@@ -89,15 +89,16 @@ contains
 
   !> `error estimate: load 1.2 %, contact area 0.9 %`, the largest over the positions; under load
   !> control it is that of the compression in place of the load, and on pixels that of the
-  !> separation over the compression besides. Empty where none is known, unless a map of every
-  !> second pixel could not be solved: then `unknown` and the reason.
+  !> separation over the compression besides. Empty where none is known, or the reason.
   pure function errors_in_words(results) result(text)
     type(scene_results), intent(in) :: results  !! results of a run
     character(len=:), allocatable :: text       !! one line
-    character(len=*), parameter :: columns(3) = [character(len=32) :: &
-      'separation_error_estimate', 'area_error_estimate', 'pressure_error_estimate']
-    character(len=*), parameter :: names(3) = [character(len=17) :: 'separation', 'contact area', &
-                                               'greatest pressure']
+    character(len=*), parameter :: columns(6) = [character(len=32) :: &
+      'separation_error_estimate', 'area_error_estimate', 'pressure_error_estimate', &
+      'tangential_error_estimate', 'slip_error_estimate', 'stick_error_estimate']
+    character(len=*), parameter :: names(6) = [character(len=31) :: 'separation', 'contact area', &
+      'greatest pressure', 'tangential load or displacement', 'tangential stiffness', &
+      'area that sticks']
     real(real64) :: error
     integer :: at, k, m
 
@@ -120,8 +121,7 @@ contains
     at = findloc(results%positions%no_estimate /= '', .true., 1)
     if (at > 0) then
       if (text /= '') text = text // ', '
-      text = text // 'unknown, the map of every second pixel could not be solved: ' // &
-             trim(results%positions(at)%no_estimate)
+      text = text // trim(results%positions(at)%no_estimate)
     end if
     if (text /= '') text = 'error estimate: ' // text
   end function errors_in_words

@@ -128,7 +128,7 @@ module asperity_contact_records
     real(real64) :: first_step_pressure = 0.0_real64   !! of the first contact one step past touch
     !> `error_estimate` of the last state.
     real(real64) :: error_estimate = not_computed
-    !> Reason why the error by the pixels could not be estimated, in words of 64 bits; blank: none.
+    !> `none` or `unknown` and why the pixels have no error, in words of 64 bits; blank: they have.
     character(len=160) :: no_estimate = ''
     !> Estimated influence on the load of each known effect that is off, as a share of it.
     real(real64) :: left_out(size(known_effects)) = not_computed

@@ -46,7 +46,7 @@ module asperity_pixel_adhesion
     procedure :: act => adhere_state
     procedure :: add_warnings => warn_of_adhesion
     procedure :: coarsen => coarsen_adhesion
-    procedure :: has_error
+    procedure :: why_unknown
   end type pixel_adhesion
 
 contains
@@ -215,17 +215,21 @@ contains
     self%history%contact_pressure = self%history%contact_pressure(first(1)::2, first(2)::2)
   end subroutine coarsen_adhesion
 
-  !> Whether pixels twice as wide resolve the attraction and carry the load: not a pull that is
+  !> Pixels twice as wide must resolve the attraction and carry the load: not a pull that is
   !> prescribed.
-  logical function has_error(self, state, is_alone)
+  function why_unknown(self, state, is_alone) result(reason)
     class(pixel_adhesion), intent(in) :: self
     type(pixel_state), intent(in) :: state
     logical, intent(in) :: is_alone
+    character(len=48) :: reason
 
     associate (unused => is_alone)
     end associate
-    has_error = .not. self%solves .or. (2.0_real64 * self%steepness <= steepest .and. &
-                (state%answer%load > 0.0_real64 .or. .not. allocated(state%load)))
-  end function has_error
+    reason = ''
+    if (.not. self%solves) return
+    if (2.0_real64 * self%steepness > steepest) reason = 'adhesion on pixels twice as wide'
+    if (allocated(state%load) .and. .not. state%answer%load > 0.0_real64) &
+      reason = 'adhesion that carries the load'
+  end function why_unknown
 
 end module asperity_pixel_adhesion

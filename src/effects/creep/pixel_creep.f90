@@ -48,7 +48,7 @@ module asperity_pixel_creep
     procedure :: end_step => end_creep_step
     procedure :: add_warnings => warn_of_creep
     procedure :: coarsen => take_elastic
-    procedure :: has_error
+    procedure :: why_unknown
   end type pixel_creep
 
 contains
@@ -178,16 +178,18 @@ contains
     state%answer%load = sum(self%elastic) * product(state%deformed%pixel_spacing)
   end subroutine take_elastic
 
-  !> Whether the elastic state has the same errors: creep acts alone, and no pixel has left the
-  !> contact, where the surface has not recovered.
-  logical function has_error(self, state, is_alone)
+  !> The elastic state has the same errors where creep acts alone, and no pixel has left the contact,
+  !> where the surface has not recovered.
+  function why_unknown(self, state, is_alone) result(reason)
     class(pixel_creep), intent(in) :: self
     type(pixel_state), intent(in) :: state
     logical, intent(in) :: is_alone
+    character(len=48) :: reason
 
-    has_error = is_alone .and. &
-      sum(abs(self%elastic), mask=.not. state%answer%pressure > 0.0_real64) <= &
-      none_left * sum(abs(self%elastic))
-  end function has_error
+    reason = ''
+    if (sum(abs(self%elastic), mask=.not. state%answer%pressure > 0.0_real64) > &
+        none_left * sum(abs(self%elastic))) reason = 'pixels that have left creeping contacts'
+    if (.not. is_alone) reason = 'creep beside another effect'
+  end function why_unknown
 
 end module asperity_pixel_creep

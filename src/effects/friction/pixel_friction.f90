@@ -143,7 +143,7 @@ contains
       state%answer%displacement = state%answer%displacement + self%memory%uplift
   end subroutine add_lift
 
-  !> Keeps the displacement by the tractions on coarser pixels.
+  !> Keeps the tractions and displacements on every second pixel.
   subroutine keep_lift(self, first, state)
     class(pixel_friction), intent(inout) :: self
     integer, intent(in) :: first(2)
@@ -153,7 +153,15 @@ contains
     end associate
     if (.not. self%solves) return
     self%solves = .false.
-    self%memory%uplift = self%memory%uplift(first(1)::2, first(2)::2)
+    associate (i => first(1), j => first(2), memory => self%memory)
+      memory%uplift = memory%uplift(i::2, j::2)
+      memory%traction = memory%traction(i::2, j::2, :)
+      memory%sticks = memory%sticks(i::2, j::2)
+      ! Lengths are over the side of a pixel.
+      memory%moved = 0.5_real64 * memory%moved(i::2, j::2, :)
+      memory%slip = 0.5_real64 * memory%slip(i::2, j::2, :)
+      memory%displacement = 0.5_real64 * memory%displacement
+    end associate
   end subroutine keep_lift
 
   ! Solves partial slip at the last state, and adds its traction to the fields.

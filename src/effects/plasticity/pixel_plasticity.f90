@@ -32,7 +32,7 @@ module asperity_pixel_plasticity
     procedure :: fill_row => fill_plastic_row
     procedure :: begin_step => limit_pressure
     procedure :: end_step => lower_pixels
-    procedure :: has_error
+    procedure :: why_unknown
   end type pixel_plasticity
 
 contains
@@ -125,15 +125,18 @@ contains
     end associate
   end subroutine lower_pixels
 
-  !> Whether the load is the largest of the path, where its history does not matter.
-  logical function has_error(self, state, is_alone)
+  !> Below the largest load of the path its history matters.
+  function why_unknown(self, state, is_alone) result(reason)
     class(pixel_plasticity), intent(in) :: self
     type(pixel_state), intent(in) :: state
     logical, intent(in) :: is_alone
+    character(len=48) :: reason
 
     associate (unused => self, unused_too => is_alone)
     end associate
-    has_error = state%answer%load >= state%largest_load * (1.0_real64 - load_rounding)
-  end function has_error
+    reason = ''
+    if (state%answer%load < state%largest_load * (1.0_real64 - load_rounding)) &
+      reason = 'unloading after plasticity'
+  end function why_unknown
 
 end module asperity_pixel_plasticity
