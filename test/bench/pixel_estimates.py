@@ -2,8 +2,8 @@
 
     python test/bench/pixel_estimates.py [--seeds 6] [--pixels 48] [--save]
 
-Each map is solved on its pixels under three loads, at one separation and at one compression; with
-an effect, at three loads. The true error, relative to what is printed, is the difference from the
+Each map is solved on its pixels under three loads, the second with friction and a tangential load,
+at one separation and at one compression; with an effect, at three loads. The true error, relative to what is printed, is the difference from the
 closed form (heads that are powers of the radius, cylinders) or from the same surface on pixels a
 quarter as wide. With --save the table goes to
 reference_output/bench/pixel_estimates.csv.
@@ -22,9 +22,19 @@ from builds import build
 from whole_runs import KEPT, Failed, heading, press_map
 
 E, FINER, ROUNDING = 2.0, 4, 1e-9
+RATIO, FRICTION = 0.3, 0.25
+BODIES = ", ".join(f"{name} = {value!r}, {value!r}" for name, value in (
+    ("elastic_modulus", 2 * E * (1 - RATIO**2)), ("poisson_ratio", RATIO)))
 QUANTITIES = {"separation": "separation_error_estimate", "compression": "error_estimate",
               "area": "area_error_estimate",
               "mean_gap": "gap_error_estimate", "pressure": "pressure_error_estimate",
+              "contact_stiffness": "stiffness_error_estimate",
+              "interface_stiffness": "interface_error_estimate",
+              "conductance_length": "conductance_error_estimate",
+              "tangential_stiffness_xx": "sticking_error_estimate",
+              "tangential_stiffness_yy": "sticking_error_estimate",
+              "tangential_displacement": "tangential_error_estimate",
+              "tangential_stiffness": "slip_error_estimate", "stick_area": "stick_error_estimate",
               "load": "error_estimate", "load at a compression": "error_estimate"}
 
 
@@ -156,20 +166,27 @@ MAPS = {
     "grooves along rows": lambda r, n: grooves(r, n, True),
     "rough at the pixels": lambda r, n: spectrum(r, n, r.uniform(0.3, 0.9), 0.5),
     "ridges": ridges, "crates and waves aslant": crates, "smoothed to three pixels": smoothed,
+    "two scales": lambda r, n: spectrum(r, n, 0.8, r.uniform(12, 20)) / n + 0.2 * spectrum(
+        r, n, 0.6, r.uniform(3, 6)) / n,
+    "exponential heights": lambda r, n: -1 / skewed(r, n), "dimples": lambda r, n: -bumps(r, n),
+    "plateaus": lambda r, n: np.tanh(1.2 * (lambda h: h / h.std())(usual(r, n))),
     "missing pixels": usual, "free edges": usual, "strips": usual,
     "plasticity": usual, "adhesion": usual, "creep": usual}
 
 
-def solve(asperity, folder, height, spacing, edge, control, value, effects=""):
-    """The numbers of the position that are there, and the greatest pressure of its last state."""
+def solve(asperity, folder, height, spacing, edge, control, value, effects="", pull=None):
+    """The numbers of the position that are there, and the greatest pressure of its last state;
+    with friction under a tangential load along x and y."""
+    slip = {} if pull is None else {
+        "material": BODIES, "loading": f", tangential_load = {pull[0]!r}, {pull[1]!r}"}
+    if slip:
+        effects += f", friction_coefficient = {FRICTION}"
     np.savetxt(folder / "m.txt", height, fmt="%.17g")
     _, _, (row,), contacts = press_map(
         asperity, folder / "m.txt", [value], "--quiet", control=control, spacing=spacing, edge=edge,
-        modulus=E, level="none", files=("positions", "contacts"), effects=effects)
-    found = {name: float(row[name]) for name in (
-        "separation", "compression", "area", "mean_gap", "load", "error_estimate",
-        "area_error_estimate", "gap_error_estimate", "pressure_error_estimate",
-        "separation_error_estimate") if row[name]}
+        modulus=E, level="none", files=("positions", "contacts"), effects=effects, **slip)
+    found = {name: float(row[name]) for name in {*QUANTITIES, *QUANTITIES.values()} & {*row}
+             if row[name]}
     found["pressure"] = max(float(one["maximum_pressure"]) for one in contacts
                             if one["step"] == contacts[-1]["step"])
     return found
@@ -189,7 +206,7 @@ def power_head(random, pixels, power):
 def cases(runs, seeds, pixels):
     """Kind, quantity, true error and estimate of each map, load and separation."""
     for power in (1, 2, 3, 4):
-        random = np.random.default_rng(2000 + power)
+        random = np.random.default_rng(6500 + power)
         for _ in range(3 * seeds):
             height, spacing, load, level, area = power_head(random, pixels, power)
             found = runs(height, spacing, "free", "load", load)
@@ -199,6 +216,8 @@ def cases(runs, seeds, pixels):
             yield (kind, "compression", abs(found["compression"] + level) / found["compression"],
                    found["error_estimate"])
             yield kind, "area", abs(found["area"] / area - 1), found["area_error_estimate"]
+            yield (kind, "contact_stiffness", abs(2 * E / found["contact_stiffness"] - 1),
+                   found["stiffness_error_estimate"])
             found = runs(height, spacing, "free", "separation", level)
             yield kind, "load", abs(load / found["load"] - 1), found["error_estimate"]
             found = runs(height, spacing, "free", "compression", -level)
@@ -207,23 +226,28 @@ def cases(runs, seeds, pixels):
                        found["error_estimate"])
     for number, (kind, make) in enumerate(MAPS.items()):
         for seed in range(seeds):
-            random = np.random.default_rng([11, number, seed])
+            random = np.random.default_rng([65, number, seed])
             fine = make(random, pixels)
             slope = sqrt(sum((np.diff(fine, axis=a)**2).mean() for a in (0, 1))) * FINER
             coarse = sampled(fine) if kind in EDGES else fine[::FINER, ::FINER]
             if kind == "missing pixels":
                 without(random, coarse, fine)
             edge, effects = EDGES.get(kind, "periodic"), effect_of(kind, random, fine, slope)
-            for fraction in 10 ** random.uniform([-1.8, -1.2, -0.6], [-1.2, -0.6, -0.2]):
-                load = fraction * E * slope / 2 * pixels**2
+            for turn, fraction in enumerate(10 ** random.uniform([-1.8, -1.2, -0.6],
+                                                                 [-1.2, -0.6, -0.2])):
+                load = float(fraction * E * slope / 2 * pixels**2)
+                pull = random.uniform(0.1, 0.6, 2) * FRICTION * load
+                pull = None if turn != 1 or kind == "creep" else pull.tolist()
                 try:
-                    true = runs(fine, 1 / FINER, edge, "load", load, effects)
-                    found = runs(coarse, 1.0, edge, "load", load, effects)
+                    true = runs(fine, 1 / FINER, edge, "load", load, effects, pull)
+                    found = runs(coarse, 1.0, edge, "load", load, effects, pull)
                 except Failed:  # beyond the hardness
                     continue
-                for quantity in ("separation", "compression", "area", "mean_gap", "pressure"):
-                    # The pressure of a rough map; the gap of a state in full contact.
-                    if QUANTITIES[quantity] not in found or not found[quantity]:
+                for quantity in QUANTITIES:
+                    # The pressure of a rough map; the gap of a state in full contact; a stiffness
+                    # of a strip; what slides.
+                    if "load" in quantity or not found.get(quantity) or not true.get(quantity) \
+                            or QUANTITIES[quantity] not in found:
                         continue
                     size = found["compression" if quantity == "separation" else quantity]
                     yield (kind, quantity, abs(found[quantity] - true[quantity]) / size,

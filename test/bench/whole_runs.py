@@ -229,14 +229,17 @@ def press_summits(exe, path, values, *words, spacing=None, area=None, rule="cont
 
 
 def solve_surface(exe, path, more, values, *words, control="pressure", interaction="boundary",
-                  modulus=1.0, files=("positions",), threads=1, effects=""):
+                  modulus=1.0, files=("positions",), threads=1, effects="", material="",
+                  loading=""):
     """Solve a surface under a plane: seconds of the whole process, what it prints, and the rows of
-    each file. `more` and `effects` are further names of &surfaces and &effects."""
+    each file. `more`, `loading` and `effects` are further names of &surfaces, &loading and
+    &effects, `material` those of &material in place of the modulus."""
     scene = path.with_suffix(".scene")
     scene.write_text(
         f"&surfaces upper = 'plane', lower = '{path.name}'{more} /\n"
-        f"&material contact_modulus = {modulus!r} /\n"
-        f"&loading control = '{control}', value = {', '.join(repr(float(v)) for v in values)} /\n"
+        f"&material {material or f'contact_modulus = {modulus!r}'} /\n"
+        f"&loading control = '{control}', value = {', '.join(repr(float(v)) for v in values)}"
+        f"{loading} /\n"
         f"&effects interaction = '{interaction}'{effects} /\n", encoding="ascii")
     paths = [path.with_suffix(f".{name}.csv") for name in files]
     begin = time.perf_counter()

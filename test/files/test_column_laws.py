@@ -447,6 +447,8 @@ LAWS = {
         "contact_stiffness": stiffness("contact_stiffness"),
         "interface_stiffness": stiffness("interface_stiffness"),
         "conductance_length": stiffness("conductance_length"),
+        **{name: error_of(name) for name in (f"{kind}_error_estimate" for kind in (
+            "stiffness", "interface", "conductance", "sticking"))},
         # Empty without two bodies and on strips.
         **{f"tangential_stiffness_{axes}": lambda scene, row, name=f"tangential_stiffness_{axes}":
            row[name] is EMPTY or row[name] > 0 or row["contacts"] == 0 for axes in ("xx", "yy")},

@@ -3,6 +3,7 @@
 import csv
 import io
 import re
+import warnings
 
 import numpy as np
 import pytest
@@ -16,10 +17,10 @@ E = 2.0
 N = 40
 
 
-def solve(asperity, folder, height, spacing, edge="periodic", effects=None, **loading):
+def solve(asperity, folder, height, spacing, edge="periodic", effects=None, material=E, **loading):
     """The cells that are not empty of the one position of a map, indexed [y, x]."""
     position = solve_map(asperity, map_scene(
-        folder, height.T, (spacing, spacing), name="m", material=E, loading=loading,
+        folder, height.T, (spacing, spacing), name="m", material=material, loading=loading,
         surfaces={"map_edge": edge, "map_level": "none"}, effects=effects))[1]
     return {name: value for name, value in position.items() if value == value}
 
@@ -264,6 +265,89 @@ def test_a_separation_has_an_error_of_the_load(asperity, tmp_path):
     assert re.search(r"^interaction boundary +1 of 1 +boundary", words, re.M)
 
 
+RATIO, FRICTION = 0.3, 0.25
+BODIES = {"elastic_modulus": (2 * E * (1 - RATIO**2),) * 2, "poisson_ratio": (RATIO,) * 2}
+ESTIMATED = {"contact_stiffness": "stiffness", "interface_stiffness": "interface",
+             "conductance_length": "conductance", "tangential_stiffness_xx": "sticking",
+             "tangential_stiffness_yy": "sticking", "tangential_displacement": "tangential",
+             "tangential_stiffness": "slip", "stick_area": "stick"}
+
+
+def slipping_ball(random):
+    """Hertz' ball and the closed forms of Mindlin (1949) under a tangential load along x."""
+    height, spacing, edge, load, _ = ball(random)
+    a, share = 0.02, random.uniform(0.1, 0.9)
+    c, kappa = a * (1 - share)**(1 / 3), 2 * (1 - RATIO) / (2 - RATIO)
+    stiff = 2 * E * a
+    return (height, spacing, edge, load, (share * FRICTION * load, 0.0), {
+        "contact_stiffness": stiff, "conductance_length": 4 * a,
+        "tangential_stiffness_xx": kappa * stiff, "tangential_stiffness_yy": kappa * stiff,
+        "tangential_displacement": FRICTION / kappa * (a**2 - c**2),
+        "tangential_stiffness": kappa * 2 * E * c, "stick_area": np.pi * c**2})
+
+
+@pytest.mark.parametrize("kind", ["ball", "random"])
+def test_errors_of_stiffness_and_slip(asperity, tmp_path, tally, kind):
+    """Stiffness, conductance and partial slip of balls by closed forms, and of periodic random
+    surfaces by pixels a quarter as wide: of 12 each one error may be above its estimate, none 2.5
+    times. The summary prints those of the numbers that it prints; a strip has no stiffness."""
+    random, ratios = np.random.default_rng(4), {}
+    for _ in range(12):
+        if kind == "ball":
+            height, spacing, edge, load, pull, true = slipping_ball(random)
+        else:
+            fine = rough(4 * N, longest=0.5, shortest=random.uniform(16, 64),
+                         seed=random.integers(10**6))
+            slope = np.sqrt(sum((np.diff(fine, axis=a)**2).mean() for a in (0, 1))) * 4
+            height, spacing, edge = fine[::4, ::4], 1.0, "periodic"
+            load = 10 ** random.uniform(-1.7, -0.3) * E * slope / 2 * N**2
+            pull = tuple(float(random.uniform(0.1, 0.6) * FRICTION * load) for _ in "xy")
+        how = dict(material=BODIES, effects={"friction_coefficient": FRICTION}, control="load",
+                   value=float(load), tangential_load=pull)
+        if kind == "random":
+            true = solve(asperity, tmp_path, fine, 0.25, **how)
+        found = solve(asperity, tmp_path, height, spacing, edge, **how)
+        for name, word in ESTIMATED.items():
+            if name in true:
+                ratios.setdefault(name, []).append(
+                    abs(true[name] / found[name] - 1) / found[f"{word}_error_estimate"])
+    for name, some in ratios.items():
+        assert np.sum(np.array(some) > 1) <= 1 and max(some) < 2.5, (name, some)
+        assert np.median(some) > 1 / 15, (name, some)
+    shown = run_program(asperity, "solve", tmp_path / "m.scene").stdout
+    for words in ("tangential load or displacement", "tangential stiffness", "area that sticks"):
+        assert re.search(rf"^error estimate: .*, {words} [\d.]+ %", shown, re.M), words
+    strip = solve(asperity, tmp_path, height, spacing, ("free", "periodic"), **how)
+    assert "stiffness_error_estimate" not in strip and "sticking_error_estimate" not in strip
+    tally.add("errors of pixels", 12 * len(ratios), 12 * len(ratios))
+
+
+CREEP = {"creep": "on", "hold_time": 3.0, "relaxation_time": 1.0, "relaxed_modulus_ratio": 0.5}
+HARDNESS = {"plasticity": "on", "plastic_hardness": 0.3}
+ATTRACTION = {"adhesion": "on", "equilibrium_distance": 0.1, "work_of_adhesion": 2e-3}
+
+
+@pytest.mark.parametrize("effects, reason", [
+    ({**CREEP, **ATTRACTION}, "creep beside another effect"),
+    ({**CREEP, **HARDNESS}, "creep beside another effect"),
+    (HARDNESS, "unloading after plasticity")])
+def test_a_result_without_an_error_estimate(asperity, package, tmp_path, effects, reason):
+    """The summary states it once, also in Python, and the columns are empty."""
+    values = (1.0, 0.5) if effects is HARDNESS else 1.0
+    height = rough(16, shortest=4, seed=2)
+    found = solve(asperity, tmp_path, height, 1.0, effects=effects, control="load", value=values)
+    assert not [name for name in found if name.endswith("error_estimate")]
+    done = run_program(asperity, "solve", tmp_path / "m.scene")
+    line = f"error estimate: none with {reason}\n"
+    assert (done.stdout + done.stderr).count(line) == 1
+    assert (done.stdout + done.stderr).count("error estimate:") == 1
+    with warnings.catch_warnings():
+        warnings.simplefilter("ignore")
+        results = package.solve(tmp_path / "m.scene")
+    assert results.summary.count(line) == 1 and np.isnan(results.positions["error_estimate"]).all()
+    assert not any("error estimate" in text for text in results.warnings)
+
+
 @pytest.mark.parametrize("control", ["load", "separation"])
 def test_errors_of_creep_are_those_of_a_softer_body(asperity, tmp_path, control):
     """In a hold the state is elastic with the relaxed modulus (Lee and Radok 1960)."""
@@ -324,7 +408,7 @@ def test_a_coarse_ball(asperity, tmp_path):
     load = 4 / 3 * E * 0.02**3
     found = solve(asperity, tmp_path, height, 0.02 / 2.1, "free", control="load", value=load)
     error = abs(found["area"] / (np.pi * 0.02**2) - 1)
-    assert 0.05 < error < found["area_error_estimate"]
+    assert 0.05 < error < 1.2 * found["area_error_estimate"]
     done = run_program(asperity, "solve", tmp_path / "m.scene")
     assert "not resolved by the pixels of the map" in done.stderr
     for of in ((), ("--of", "area")):
@@ -402,15 +486,15 @@ def test_mean_gap_and_greatest_pressure(asperity, tmp_path):
 def test_record_of_other_kinds(root, tally):
     """The kept record of test/bench/pixel_estimates.py: 95 % of the errors of each quantity are
     below their estimate, none is 3 times above, on maps that the estimates were not fitted on. The
-    median estimate is at most 7 times the error, that of the greatest pressure 9 times."""
+    median estimate is at most 6 times the error."""
     kept = (root / "reference_output/bench/pixel_estimates.csv").read_text().partition("\n")[2]
     rows = [row for row in csv.DictReader(io.StringIO(kept)) if row["kind"] == "all"]
-    assert {row["quantity"] for row in rows} == {"separation", "compression", "area", "mean_gap",
-                                                 "pressure", "load", "load at a compression"}
+    assert {row["quantity"] for row in rows} == {
+        *ESTIMATED, "separation", "compression", "area", "mean_gap", "pressure", "load",
+        "load at a compression"}
     assert sum(int(row["errors"]) for row in rows if row["quantity"] in ("area", "load")) > 400
     for row in rows:
-        assert float(row["below_estimate_percent"]) >= 95 and int(row["errors"]) >= 150
+        assert float(row["below_estimate_percent"]) >= 95 and int(row["errors"]) >= 100
         assert float(row["largest_error_over_estimate"]) < 3
-        assert float(row["median_estimate_over_error"]) <= (9 if row["quantity"] == "pressure"
-                                                            else 7)
+        assert float(row["median_estimate_over_error"]) <= 6
     tally.add("errors of pixels", len(rows), len(rows))
