@@ -148,7 +148,7 @@ contains
       area = max(error(3), request%of_rims, 0.5_real64 * sum(state%patches%rim), &
                  request%growth * row%area)
       request%area = row%area
-      request%of_area = max(request%of_rims, 0.5_real64 * sum(state%patches%rim))
+      request%of_area = max(request%of_rims, error(3))
       request%open_area = count(is_measured(map%height)) * product(map%pixel_spacing) - row%area
       row%area_error = area / row%area
       if (request%growth > 0.0_real64) row%area_error = area / (row%area + area)
@@ -360,7 +360,7 @@ contains
                   max(min(request%area, request%open_area), request%of_area)
         select case (estimated(3, i))
         case ('tangential_error_estimate')
-          order = request%order
+          order = min(request%order, 2.0_real64)
           by_area = request%of_level
         case ('slip_error_estimate', 'stick_error_estimate')
           by_area = 0.5_real64 * request%of_rims / &
