@@ -155,7 +155,7 @@ def test_pixels(package):
     assert {"--accuracy 1e-2", "--accuracy 1e-3"} <= set(found.table["typed"].tolist())
     for row in found.table.rows():
         name, _, value = found.typed(row).partition("=")
-        if name == "accuracy":
+        if name == "accuracy" and not row["left_out"]:
             made = package.solve(scene, accuracy=float(value))
             assert made.positions["separation"][0] == pytest.approx(row["separation"], rel=1e-12)
 
