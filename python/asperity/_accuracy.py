@@ -126,7 +126,7 @@ class Accuracy:
 
     @staticmethod
     def typed(row: Mapping[str, Any]) -> str:
-        """What to type for a row: names of `effects` or an argument of `solve`; else its method."""
+        """Names of `effects`, or an argument of `solve`, to type for a row; else its method."""
         return str(row["typed"] or row["method"]).replace("--accuracy ", "accuracy=")
 
 

@@ -1,8 +1,6 @@
 """Theories of the Python package: against printed and closed values, mpmath, another program, and
 the solver."""
 
-import doctest
-import importlib
 import math
 
 import mpmath
@@ -17,13 +15,6 @@ MODULUS = 1.0e3
 @pytest.fixture(scope="module")
 def theory(package):
     return package.theory
-
-
-def test_examples(package):
-    found = doctest.testmod(
-        importlib.import_module("asperity.theory"), extraglobs={"asperity": package},
-        optionflags=doctest.NORMALIZE_WHITESPACE)
-    assert found.failed == 0 and found.attempted > 3
 
 
 def test_height_integrals(theory):
