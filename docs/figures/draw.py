@@ -23,8 +23,8 @@ import asperity
 
 matplotlib.use("svg")
 import matplotlib.pyplot as plt
-from matplotlib.colors import LinearSegmentedColormap
-from matplotlib.patches import Circle, Rectangle
+from matplotlib.patches import Circle, PathPatch, Rectangle
+from matplotlib.transforms import Affine2D
 
 FOLDER = Path(__file__).resolve().parent
 ROOT = FOLDER.parents[1]
@@ -35,8 +35,6 @@ KEPT = ROOT / "reference_output"
 MAP = ROOT / "data/examples/summits/smooth.sdf"
 # Paul Tol's high-contrast colours, safe for the colour-blind and in grey.
 BLUE, YELLOW, RED, INK, GREY = "#004488", "#DDAA33", "#BB5566", "#222222", "#888888"
-PALETTE = LinearSegmentedColormap.from_list("loads", [
-    "#FDE725", "#90D743", "#35B779", "#21918C", "#31688E", "#443983", "#440154"])
 INCH = 2.54
 STYLE = {"font.size": 10.5, "axes.spines.top": False, "axes.spines.right": False,
          "axes.edgecolor": "#666666", "axes.grid": True, "grid.color": "#DDDDDD",
@@ -218,7 +216,7 @@ def fig28(canvas, *panels):
 
 @figure(300, columns=3)
 def fig28_loads(canvas, *panels):
-    """The contacts of position 56 at three loads, with wide rims."""
+    """The contacts of position 56 at three loads, with five times their radii."""
     width = 3.455 * INCH
     upper, _ = models(ROOT / "data/thesis.deck")
     results = solved(SCENES / "position_56.scene")
@@ -226,7 +224,12 @@ def fig28_loads(canvas, *panels):
     for axes, share in zip(panels, (0.05, 0.3, 1.0)):
         state = int(np.argmin(np.abs(curve["load"] - share * curve["load"][-1])))
         results.plot_contacts(ax=axes, step=1 + state)
-        axes.collections[-1].set(linewidth=5, edgecolor="face")
+        drawn = axes.collections[-1]
+        drawn.set_clim(0, 16000)
+        centres = [path.get_extents().get_points().mean(axis=0) for path in drawn.get_paths()]
+        drawn.set_paths([
+            PathPatch(path.transformed(Affine2D().translate(-x, -y).scale(5).translate(x, y)))
+            for path, (x, y) in zip(drawn.get_paths(), centres)])
         if axes is not panels[2]:
             axes.collections[-1].colorbar.remove()
         axes.plot(upper[:, 0] * INCH + 5.6, upper[:, 1] * INCH, "+", color=GREY, markersize=4,
