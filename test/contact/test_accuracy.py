@@ -93,7 +93,7 @@ def name_of(row):
 
 @pytest.mark.truth
 @pytest.mark.parametrize("name", (WHOLE, "pair"))
-def test_every_method_is_there(name, request, asperity, root, tmp_path):
+def test_every_method_has_a_row(name, request, asperity, root, tmp_path):
     """Exact events and steps from about the compression on, with both overlaps; the original
     program in each arithmetic, with these steps and its own."""
     table, rows, _ = request.getfixturevalue(name)
@@ -114,7 +114,7 @@ def test_every_method_is_there(name, request, asperity, root, tmp_path):
 
 @pytest.mark.truth
 @pytest.mark.long
-def test_what_the_study_must_find(whole):
+def test_the_study_finds_the_known_errors(whole):
     """Errors that follow from the methods themselves, not from a run of ours."""
     rows = {name_of(row): row for row in whole[1] if row["own_error_max"]}
     for row in rows.values():
@@ -140,7 +140,7 @@ def test_what_the_study_must_find(whole):
 
 
 @pytest.mark.truth
-def test_the_levels_are_what_the_solver_does(part, runs, tally):
+def test_the_levels_are_those_of_the_solver(part, runs, tally):
     """Errors of the levels of interaction, from the loads of runs of their own. The reference is
     the method with the least estimated error."""
     table, _, rows = part

@@ -269,7 +269,7 @@ def test_a_tolerance_of_areas(asperity, tmp_path):
     assert float(fine["area_error_estimate"]) < 0.7 * float(usual["area_error_estimate"])
 
 
-def test_the_last_lines_are_what_to_type(asperity, tmp_path):
+def test_the_last_lines_are_options_with_their_errors(asperity, tmp_path):
     """One of the fastest rows of the table with this error, or that of the reference. What is typed
     then has the totals of the row."""
     scene = next(s for s in dense_scenes() if s.family == "clusters")

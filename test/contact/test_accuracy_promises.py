@@ -6,7 +6,7 @@ from accuracy_promises import asperities, judged, maps
 
 @pytest.mark.parametrize("kind, goal, least", [("asperities", 1e-2, 6), ("asperities", 1e-3, 6),
                                                ("maps", 1e-2, 4), ("maps", 1e-3, 1)])
-def test_what_is_accepted_holds(kind, goal, least, asperity):
+def test_accepted_accuracies_hold(kind, goal, least, asperity):
     """Against independent loads, closed forms and finer pixels; coarser pixels are a method."""
     cases = list(asperities(6) if kind == "asperities" else maps(asperity, 4, start=1))
     rows = []

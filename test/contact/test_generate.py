@@ -230,7 +230,7 @@ def test_same_bytes_as_a_single_member(generate, tmp_path):
     ("1.3", ["1000 asperities, expected at most 734", "no arrangement"]),
     ("0.9", ["found room for ", " of 1000 asperities", "10000 tries",
              "random placing ends near 0.547"])], ids=("impossible", "not_found"))
-def test_what_cannot_be_packed(least, words, generate, tmp_path):
+def test_asperities_too_dense_are_refused(least, words, generate, tmp_path):
     """1000 on 40 x 25: at most 2/sqrt(3) 1000/1.69 + 65/1.3 + 1 = 734.3 keep 1.3."""
     done = generate(PLAIN.format(number=1000, least=least, seed=1, more=""), "--output", "u.csv",
                     status=1)

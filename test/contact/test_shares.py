@@ -50,7 +50,7 @@ def test_parts_are_the_whole(name, parts, asperity, root, tmp_path, tally):
     tally.add("shares: positions", positions, positions)
 
 
-def test_a_part_goes_on(asperity, root, tmp_path):
+def test_an_interrupted_part_continues(asperity, root, tmp_path):
     """A part that was ended in the middle is reported, goes on, and then the whole can be had."""
     scene = thesis_scene("curve", root, tmp_path)
     words = ["solve", scene, "--positions", "positions.csv"]
@@ -71,7 +71,7 @@ def test_a_part_goes_on(asperity, root, tmp_path):
     assert len((tmp_path / "positions.csv").read_text().splitlines()) == 41
 
 
-def test_what_is_refused(asperity, root, tmp_path):
+def test_bad_shares_are_refused(asperity, root, tmp_path):
     scene = thesis_scene("curve", root, tmp_path)
     for part in (1, 2):
         run(asperity, tmp_path, "solve", scene, "--share", f"{part}/2", "--keep", f"p{part}")

@@ -156,7 +156,7 @@ def solve_against_truth(asperity, folder, seed, title, **groups):
     {"criterion": "load", "value": 350.0}, {"criterion": "pressure", "value": 9000.0},
     {"criterion": "greenwood_williamson", "hardness": 6000.0},
     {"criterion": "hardy", "yield_stress": 5000.0}), ids=lambda limit: limit["criterion"])
-def test_a_limit_is_met_where_the_truth_has_it(limit, asperity, tmp_path):
+def test_a_limit_is_met_at_the_true_separation(limit, asperity, tmp_path):
     run = solve_against_truth(asperity, tmp_path, 1, limit["criterion"], limit=limit)
     # In words: the first contact at its limit carries the load or pressure that was asked for.
     for m in map(str, range(1, 5)):
@@ -172,7 +172,7 @@ def test_a_limit_is_met_where_the_truth_has_it(limit, asperity, tmp_path):
 
 
 @pytest.mark.parametrize("target", (1e-300, 1e-10, 1.0, 1e3, 3e4))
-def test_a_load_is_borne_where_the_truth_has_it(target, asperity, tmp_path):
+def test_a_load_is_carried_at_the_true_separation(target, asperity, tmp_path):
     upper, lower = both_surfaces(2)
     groups = {**TILTED, "loading": {"control": "load", "value": target}}
     scene = write_csv_scene(tmp_path, upper, lower, **groups)

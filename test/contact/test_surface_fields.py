@@ -180,7 +180,7 @@ def test_neighbours_move_the_pressure(asperity, tmp_path):
 
 
 @pytest.mark.parametrize("side", [0.05, 0.3, 1.7, 30.0])
-def test_contacts_smaller_than_a_cell(asperity, tmp_path, side):
+def test_contacts_smaller_than_a_pixel(asperity, tmp_path, side):
     for interaction in ("coupled", "boundary"):
         scene = plane_scene(tmp_path, TWO, side, {"interaction": interaction})
         _, fields, _, positions = fields_of(asperity, tmp_path, scene)

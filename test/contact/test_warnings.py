@@ -118,7 +118,7 @@ def caps(asperity, folder, side, overlap, nominal=None, interaction="off", **eff
         effects={"interaction": interaction, **effects}))
 
 
-def test_circles_overlap(asperity, tmp_path):
+def test_overlapping_circles_are_warned_of(asperity, tmp_path):
     overlap = 0.02
     a = math.sqrt(CAP * overlap)
     runs = [caps(asperity, tmp_path / f"{f}", 2 * a / f, overlap, nominal=1e3)
@@ -234,7 +234,7 @@ def test_no_common_theory(asperity, tmp_path):
     assert shown(caps_that_adhere(0.5, 1.0), what)
 
 
-def test_what_is_left_out_stays_within_one_tolerance(asperity, tmp_path):
+def test_effects_left_out_stay_within_one_tolerance(asperity, tmp_path):
     """All that `auto` leaves out at a position adds up to the tolerance at most."""
     tolerance = 0.02
     run = solve(asperity, write_scene(

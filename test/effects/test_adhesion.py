@@ -199,7 +199,7 @@ def test_work_of_a_cycle(asperity, tmp_path, tally):
 
 
 @pytest.mark.parametrize("tabor", (0.05, 0.3, 1.0, 50))
-def test_never_returns_more(tabor, asperity, tmp_path, tally):
+def test_a_cycle_returns_no_more_work(tabor, asperity, tmp_path, tally):
     """Balls of three sizes and heights, pressed and parted again and again."""
     tops = (1.0, 0.2, 3.0, 0.5)
     ways = [v for top in tops for v in (top * DEPTH, -12 * DEPTH)]

@@ -45,7 +45,7 @@ def relaxed(ratio, tau, times):
 
 
 @pytest.mark.parametrize("ratio, tau, hold_time", SOLIDS)
-def test_held_approach(ratio, tau, hold_time, asperity, tmp_path, tally):
+def test_held_separation(ratio, tau, hold_time, asperity, tmp_path, tally):
     """The load relaxes as the modulus, in every state."""
     run = held(asperity, tmp_path, solid(ratio, tau, hold_time, "approach"), path((0.01,)))
     times, loads = column(run.curve, "time"), column(run.curve, "load")
@@ -110,7 +110,7 @@ def test_no_time_and_all_time(asperity, tmp_path, tally):
                 relative(loads[1:], [share * loads[0]] * (len(loads) - 1)), 1e-15)
 
 
-def test_thesis_model_at_an_approach(asperity, tmp_path, tally):
+def test_thesis_model_at_a_separation(asperity, tmp_path, tally):
     """With neighbours every load relaxes by the same factor; the contact circles stay."""
     effects = solid(0.8, 100.0, 600.0, "approach", 12, interaction="coupled")
     run = solved(asperity, write_scene(
@@ -301,7 +301,7 @@ def test_cycle_in_time(asperity, tmp_path):
     assert "shrink" not in run.stderr
 
 
-def test_auto_estimates_what_a_held_approach_loses(asperity, tmp_path):
+def test_auto_estimates_the_load_lost_in_a_hold(asperity, tmp_path):
     """`auto` asks what a held approach would lose."""
     for hold_time, wanted in ((1e-3, "off"), (1.0, "on"), (0.0, "off")):
         effects = {**solid(0.8, 10.0, hold_time), "creep": "auto"}

@@ -40,7 +40,7 @@ def test_auto(asperity, tally, tolerance):
 
 
 @pytest.mark.once
-def test_estimates_of_circles(asperity):
+def test_estimates_of_coupled_contacts(asperity):
     """Estimates of all scenes: how many are below the error, and how many above ten times it.
     A constant of theirs that is 30 % smaller, or for three of them larger, breaks a bound."""
     loads, areas = map(estimates, all_figures(asperity, dense_scenes(), "coupled"))
@@ -121,7 +121,7 @@ def of_caps(asperity, folder, surface, control, value, tolerance):
 
 @pytest.mark.parametrize("surface, compression", [
     *((CAPS_ON_CAPS, value) for value in (4e-5, 7.3e-5, 1e-4, 2e-4)), (BLUNT_BESIDE, 4.109e-4)])
-def test_load_that_a_separation_gave(asperity, tmp_path, surface, compression):
+def test_load_of_a_separation_gives_it_back(asperity, tmp_path, surface, compression):
     """A load found at a compression is found again there: both are within the tolerance."""
     tolerance = 0.01
     first = of_caps(asperity, tmp_path, surface, "approach", -compression, tolerance)

@@ -25,7 +25,7 @@ def one_pair(folder, penetration, **effects):
 
 
 @pytest.mark.parametrize("circle", (0.01, 0.03, 0.0937))
-def test_one_aligned_pair_on_cells(circle, asperity, tmp_path, tally):
+def test_one_aligned_pair_on_boundary_elements(circle, asperity, tmp_path, tally):
     """Hertz: together over alone is 1, the load is the law's, both to the discretisation error of
     elements. The last circle is as large as the thesis' contacts."""
     penetration, _ = sneddon(CAP, circle)

@@ -72,7 +72,7 @@ def test_a_deck_has_no_effects(asperity, root, tmp_path):
     ("adhesion", {"work_of_adhesion": 1e-2, "equilibrium_distance": 1e-7}),
     ("friction", {"friction_coefficient": 0.3}),
     ("creep", {"relaxation_time": 1.0, "relaxed_modulus_ratio": 0.5, "hold_time": 2.0})))
-def test_an_effect_whose_numbers_are_given(effect, numbers, asperity, tmp_path):
+def test_an_effect_with_numbers_is_estimated(effect, numbers, asperity, tmp_path):
     """It is `auto`; without its numbers it is no effect of the scene; written off it stays off."""
     loading = {"loading": {"control": "approach", "value": 0.27}}
     auto, default, without = (row_of(solve(asperity, write_scene(
@@ -109,7 +109,7 @@ def test_a_limit_is_where_flow_begins(asperity, tmp_path):
     ({"effects": {"work_of_adhesion": 1.0}}, "adhesion is left out: it needs equilibrium_distance"),
     ({"effects": {"hold_time": 1.0, "relaxation_time": 1.0}},
      "creep is left out: it needs relaxed_modulus_ratio")))
-def test_what_cannot_be_computed_is_left_out_with_a_note(given, why, asperity, tmp_path):
+def test_an_effect_without_a_method_is_left_out_with_a_note(given, why, asperity, tmp_path):
     """Such a scene is not refused, as its effects are not written."""
     done = solve(asperity, write_scene(tmp_path / "a.scene", by_default=True,
                                        **{**LOADED, **given}))
@@ -219,7 +219,7 @@ def test_an_effect_of_a_map_is_simulated_or_left_out(edge, asperity, tmp_path):
 
 
 @pytest.mark.parametrize("effect", sorted(EFFECTS))
-def test_what_auto_leaves_out(effect, asperity, tmp_path):
+def test_auto_leaves_out_effects_below_the_tolerance(effect, asperity, tmp_path):
     """The error without the effect, relative to the result with it, is within the tolerance."""
     rng = np.random.default_rng(6)
     left_out = 0

@@ -270,7 +270,7 @@ ABOUT = {"beyond_limit": {"plasticity": "on"}, "ten_minutes": {"creep": "on"},
 
 
 @pytest.mark.parametrize("name", sorted(path.stem for path in EXAMPLES.glob("*.scene")))
-def test_an_example_simulates_what_it_is_about(name, asperity, tmp_path, tally):
+def test_an_example_simulates_its_effect(name, asperity, tmp_path, tally):
     """Only what an example is about is simulated; its output beside it is still what comes out."""
     done = solved(asperity, EXAMPLES / f"{name}.scene", folder=tmp_path, contacts=False)
     row = done.positions[0]

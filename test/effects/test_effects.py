@@ -74,7 +74,7 @@ def test_contacts_that_open(sweeps, truth, tally):
     assert column(truth, "open").sum() > 3
 
 
-def test_contacts_lowered(sweeps, tally):
+def test_displacement_by_neighbours(sweeps, tally):
     """Row by row: the penetration without effects is the one that is left and what was lowered; the
     loads are Hertz's at the penetration left."""
     off = {(r["position"], r["upper"], r["lower"]): r
@@ -106,7 +106,7 @@ def test_load_of_boundary_is_converged(sweeps, truth, tally):
 
 
 @pytest.mark.parametrize("position", (8, 18, 19, 38, 57))
-def test_finer_cells_change_loads_within_the_tolerance(position, sweeps, truth, tally):
+def test_finer_elements_change_loads_within_the_tolerance(position, sweeps, truth, tally):
     coarse, fine = (sweeps.solve(positions=1, x_first=position / 10, interaction="boundary",
                                  boundary_tolerance=bound).positions[0]
                     for bound in (CELLS, 1e-4))
@@ -128,7 +128,7 @@ def test_auto_is_within_its_tolerance(sweeps, truth, tally):
 
 
 @pytest.mark.parametrize("tolerance", (0.001, 0.01, 0.1))
-def test_auto_simulates_what_matters(tolerance, sweeps, truth, tally):
+def test_auto_simulates_effects_above_the_tolerance(tolerance, sweeps, truth, tally):
     rows = sweeps.solve(interaction="auto", tolerance=tolerance).positions
     estimate = column(rows, "interaction_estimate")
     simulated = np.array([row["interaction"] != "off" for row in rows])

@@ -195,7 +195,7 @@ def test_unlike_materials(sweeps, tally):
 
 
 @pytest.mark.truth
-def test_lowered_contacts_rub_less(sweeps, tally):
+def test_neighbours_reduce_friction(sweeps, tally):
     """With interaction, friction sees the loads that the neighbours leave."""
     coupled = sweeps.solve(interaction="coupled")
     both = sweeps.solve(interaction="coupled", friction="on", friction_coefficient=0.1)
@@ -214,7 +214,7 @@ def test_lowered_contacts_rub_less(sweeps, tally):
 
 
 @pytest.mark.truth
-def test_friction_on_cells(sweeps, tally):
+def test_friction_on_boundary_elements(sweeps, tally):
     """Cells bring the vertical load of each contact. Friction goes on from it: T, N and the lateral
     force are in equilibrium with it."""
     run = sweeps.solve(positions=30, interaction="boundary", friction="on",

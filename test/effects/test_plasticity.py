@@ -198,7 +198,7 @@ def test_a_path_of_loads(asperity, tmp_path, tally):
 
 
 @pytest.mark.truth
-def test_never_returns_more(asperity, tmp_path, tally):
+def test_a_cycle_returns_no_more_work(asperity, tmp_path, tally):
     """Random ways over the thesis model: whenever the load is gone, work was taken."""
     rng, ends = random.Random(6), 0
     for criterion, number in (("load", "value"), ("hardy", "yield_stress")):

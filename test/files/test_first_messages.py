@@ -94,7 +94,7 @@ def test_a_deck_is_a_deck(asperity, root, tmp_path):
     ("&loading", "&effects plasticity = 'on' / &loading",
      "plasticity needs plastic_yield_stress in &effects, or a &limit: found neither"),
     ("'plane'", "'none.csv'", "none.csv:1:1: cannot be opened: No such file or directory")])
-def test_one_sentence_states_what_to_do(run, old, new, said):
+def test_one_sentence_states_the_remedy(run, old, new, said):
     assert old in SCENE
     text = run(SCENE.replace(old, new))
     assert said in text and "wrong number" not in text

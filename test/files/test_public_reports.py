@@ -180,7 +180,7 @@ LINES_BEFORE = {
 
 @pytest.mark.parametrize("before", LINES_BEFORE.values(), ids=LINES_BEFORE)
 @pytest.mark.parametrize("end", ["\n", "\r\n", "\r"])
-def test_whatever_the_first_line(before, end, maps):
+def test_the_first_line_does_not_choose_the_format(before, end, maps):
     plain, points = maps.summits(MATRIX, SPACING).found, maps.summits("x y z\n" + POINTS).found
     text = (before + MATRIX).replace("\r\n", "\n").replace("\n", end)
     for separator, last in ((" ", end), ("\t", ""), (";", end + end), (",", end)):
@@ -199,7 +199,7 @@ def test_whatever_the_first_line(before, end, maps):
 
 
 @pytest.mark.parametrize("word", ["NaN", "nan", "BAD", "Bad", "-nan"])
-def test_a_first_sample_that_is_missing(word, maps):
+def test_a_missing_first_pixel(word, maps):
     heights = HEIGHTS.copy()
     heights[0, 0] = np.nan
     text = rows_of(heights, form=lambda z: word if np.isnan(z) else f"{z:.6f}")
@@ -372,7 +372,7 @@ def test_one_spacing_is_that_along_both_axes(maps):
     (MATRIX, MATRIX, {"map_spacing": "0.5, 0.25, 0.5"}, "found 3, expected 2"),
     (MATRIX, MATRIX, {"map_spacing": "0.5, 0.25", "map_unit": "'um', 'ft'"}, "found the text 'ft'"),
 ])
-def test_what_differs_of_two_maps_is_named(upper, lower, surfaces, said, maps):
+def test_differences_of_two_maps_are_named(upper, lower, surfaces, said, maps):
     found = two(maps, upper, lower, **surfaces)
     assert found.status == 2 and re.search(said, found.stderr), found.stderr
     assert "--spacing given" not in found.stderr

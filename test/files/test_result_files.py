@@ -26,7 +26,7 @@ def fnv(data):
 
 
 @pytest.mark.parametrize("name", SCENES)
-def test_json_has_the_cells_of_the_tables(name, asperity, tmp_path, tally):
+def test_json_has_the_values_of_the_tables(name, asperity, tmp_path, tally):
     tables = {"positions": "--positions", "states": "--curve", "contacts": "--contacts"}
     done = run(asperity, "solve", name, "--quiet", "--json", tmp_path / "r.json",
                *(word for table, option in tables.items() for word in (option, tmp_path / table)))

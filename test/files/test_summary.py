@@ -55,7 +55,7 @@ def near(value):
 
 
 @pytest.mark.parametrize("name", SCENES)
-def test_summary_shows_what_the_files_say(asperity, tmp_path, name):
+def test_summary_has_the_numbers_of_the_files(asperity, tmp_path, name):
     files = {which: tmp_path / which for which in ("contacts", "positions", "curve")}
     outputs = [word for which, path in files.items() for word in (f"--{which}", path)]
     run = run_program(asperity, "solve", ROOT / f"data/examples/effects/{name}.scene", *outputs)

@@ -68,7 +68,7 @@ def test_found_seed(seed, was, asperity):
     (9850296, "two circles nearly in one place found one solution, then the other, by turns"),
     (9800246, "circles of a cluster were one, then two, by turns"),
 ])
-def test_rings_on_cells(seed, was, asperity):
+def test_rings_on_boundary_elements(seed, was, asperity):
     """`circles and cells do not settle`."""
     outcome = everything_solved.run_seed(asperity, "auto", 60, seed, "stepped")
     assert outcome.status == 0, (was, outcome.message)

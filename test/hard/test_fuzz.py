@@ -73,6 +73,6 @@ def test_fuzz_with_little(asperity, tmp_path, tally):
 
 @pytest.mark.long
 @pytest.mark.parametrize("seed", LONG)
-def test_fuzz_on_many_cells(seed, asperity, tmp_path, tally):
+def test_fuzz_on_many_elements(seed, asperity, tmp_path, tally):
     assert sum(fuzz(asperity, tmp_path, "--seed", seed, "--runs", 1).values()) == 1
     tally.add("fuzz: runs without a fault", 1, 1)

@@ -69,7 +69,7 @@ def test_condition_of_a_small_penetration(name):
 
 
 @pytest.mark.parametrize("seed, position", [(20, 2), (26, 2), (146, 2)])
-def test_what_random_decks_lose_is_the_problem(seed, position, asperity, tmp_path, tally):
+def test_errors_of_random_decks_are_their_condition(seed, position, asperity, tmp_path, tally):
     """The positions of 200 random decks that are farthest from the truth, up to 1.8e-13: they end
     soon after first touch. Each is nearer than their condition times half a unit of a double."""
     deck, motion, solved = solve_deck(asperity, tmp_path, seed)

@@ -56,7 +56,7 @@ def meets_closed_form(run, case):
     return 5 * len(run.contacts)
 
 
-def test_interaction_does_not_know_the_material(asperity, root, tmp_path):
+def test_interaction_does_not_depend_on_the_material(asperity, root, tmp_path):
     factors = []
     for name in CASES:
         if name.startswith("interaction_poisson"):

@@ -65,7 +65,7 @@ def test_held_beside_plasticity(asperity, tmp_path, stress, tolerance, ratio, co
 
 @pytest.mark.parametrize(("stress", "tolerance", "load"), [
     (0.3, 0.02, 1.902), (0.5, 0.02, 2.509), (0.3, 0.1, 2.1)])
-def test_more_than_can_be_borne(asperity, tmp_path, stress, tolerance, load):
+def test_loads_above_the_largest_are_refused(asperity, tmp_path, stress, tolerance, load):
     """Loads within the tolerance of `auto` above the greatest ended with status 0, 0.1 to 10 %
     short."""
     effects = {"tolerance": tolerance, "plasticity": "auto", "plastic_yield_stress": stress}

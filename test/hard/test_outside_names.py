@@ -72,7 +72,7 @@ def test_same_output_twice(run, aliases, tmp_path):
             assert one_line_of_two(done) == "--contacts and --positions both name p.csv"
 
 
-def test_output_is_where_standard_output_goes(run, tmp_path):
+def test_output_is_the_file_of_standard_output(run, tmp_path):
     for alias in ("report", "./report"):
         with open(tmp_path / "report", "wb") as report:
             done = run("t.deck", "--positions", alias, stdout=report, capture_output=False,

@@ -68,7 +68,7 @@ def test_named_pipe_stays_one(run, tmp_path):
     assert (tmp_path / "pipe").is_fifo() and files(tmp_path) == ["pipe"]
 
 
-def test_nothing_is_kept_in_a_pipe(run, tmp_path):
+def test_a_pipe_keeps_no_output(run, tmp_path):
     """To open one waits for the process that holds its other end."""
     os.mkfifo(tmp_path / "pipe")
     done = run("solve", "t.deck", "--keep", "pipe", timeout=20)
@@ -210,7 +210,7 @@ def outputs(folder):
 
 
 @pytest.mark.long
-def test_interrupted_sweep_goes_on(run, asperity, tmp_path):
+def test_an_interrupted_sweep_continues(run, asperity, tmp_path):
     """The same command continues from what is kept, to the same bytes."""
     (tmp_path / "long.scene").write_text(
         "&surfaces deck = 't.deck' /\n&motion x_step = 1e-4, positions = 40000 /\n"

@@ -60,7 +60,7 @@ def plain(asperity, thesis):
     return run_program(asperity, thesis).stdout
 
 
-def test_no_arguments_prints_what_to_type_next(run):
+def test_no_arguments_prints_commands_to_type(run):
     done = run()
     assert (done.returncode, done.stderr) == (0, "")
     assert "asperity data/thesis.deck" in done.stdout and "asperity --help" in done.stdout
@@ -234,7 +234,7 @@ def test_tables(choice, positions, run, thesis):
         assert report.table("TABLE " + table)
 
 
-def test_a_table_is_the_same_whatever_else_is_printed(run, thesis, plain):
+def test_a_table_does_not_depend_on_other_tables(run, thesis, plain):
     everything = Report(run(thesis, "--tables", "all").stdout)
     named = dict(zip(range(1, 101), letters()))
     for title, position in THESIS_TABLES.items():
@@ -261,7 +261,7 @@ def outputs(request, asperity, thesis, tmp_path_factory):
             csv_rows(folder / "positions.csv", POSITIONS))
 
 
-def test_csv_cells(outputs):
+def test_csv_numbers_have_all_digits(outputs):
     _, contacts, positions = outputs
     for row in contacts + positions:
         for name, cell in row.items():
@@ -288,7 +288,7 @@ def printed(cell, decimals):
     return text if decimals else text + "."
 
 
-def test_contacts_csv_is_what_the_report_prints(outputs):
+def test_contacts_csv_has_the_contacts_of_the_report(outputs):
     report, contacts, _ = outputs
     for title, position in THESIS_TABLES.items():
         rows = [row for row in report.contacts(title) if row["kind"] == "contact"]

@@ -28,7 +28,7 @@ def run(venv, *words, cwd=ROOT, timeout=100):
     return run_program(venv / "bin" / "python", *words, cwd=cwd, timeout=timeout).stdout
 
 
-def test_build_prints_what_is_missing(tmp_path):
+def test_build_names_missing_requirements(tmp_path):
     """In one sentence, before anything is built: the compiler, fpm, FFTW, the sources."""
     def reported(folder, **environment):
         done = run_program(sys.executable, "-c", "import build_backend as b; b.build_wheel('.')",

@@ -72,7 +72,7 @@ def test_level_of_a_spectrum(package, asperity, tmp_path):
         surface.power_spectrum(level="plain")
 
 
-def test_what_is_refused(package, tmp_path):
+def test_spectra_out_of_range_are_refused(package, tmp_path):
     with pytest.raises(package.InputError, match="map.hurst: found '1.5', expected a number more"):
         package.generate_map(pixels=64, spacing=1, hurst=1.5, rms_height=1)
     with pytest.raises(package.InputError, match="^map: needs hurst: found none, expected"):

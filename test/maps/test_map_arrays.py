@@ -50,7 +50,7 @@ def solve(package, upper, lower, **surfaces):
 
 # ---------------------------------------------------------------- the same bits
 
-def test_same_bits_however_it_comes(package, tmp_path):
+def test_arrays_and_files_give_the_same_bits(package, tmp_path):
     """Array, .npy, surface data with 64-bit heights in metres, text with 17 digits."""
     heights = missing()
     np.save(tmp_path / "m.npy", heights)

@@ -147,7 +147,7 @@ def test_a_motion_without_common_pixels_is_refused(asperity, tmp_path, upper, mo
     assert done.status != 0 and said in done.stderr, done.stderr
 
 
-def test_parts_of_the_work_choose_as_the_whole(asperity, tmp_path):
+def test_parts_of_a_sweep_choose_the_same_methods(asperity, tmp_path):
     """Adhesion under `auto` is chosen by each position, whatever part of them is solved."""
     upper, lower = (1e-2 * rough(24, shortest=6, seed=seed) for seed in (12, 13))
     effects = {"work_of_adhesion": 2e-6, "equilibrium_distance": 0.02, "adhesion": "auto"}

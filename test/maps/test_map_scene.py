@@ -161,7 +161,7 @@ def test_refused(asperity, tmp_path, change, said):
     ("load", 1e-30, ""), ("load", (1e-3, 1e-300), ""),
     ("load", 5e-324, "too small beside the modulus and the heights"),
     ("pressure", 1e-323, "too small for a double")])
-def test_next_to_no_load(asperity, tmp_path, control, value, said):
+def test_loads_near_zero(asperity, tmp_path, control, value, said):
     """A load far below the rounding of the gaps is carried by the highest pixel, or refused."""
     scene = map_scene(tmp_path, 1e-3 * rough(32, shortest=4), (0.01, 0.01),
                       loading={"control": control, "value": value})

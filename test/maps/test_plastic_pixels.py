@@ -151,7 +151,7 @@ def test_conditions_on_the_fields(asperity, tmp_path, edge):
 
 
 @pytest.mark.parametrize("edge", ["free", "periodic"])
-def test_a_cycle_goes_back_along_unloading(asperity, tmp_path, edge):
+def test_a_second_loading_follows_the_unloading(asperity, tmp_path, edge):
     """Reloading follows unloading; no work is dissipated up to the largest load; the residual shape
     stays at no load."""
     height = 1e-3 * rough(64, 48, shortest=6, seed=8)
@@ -252,7 +252,7 @@ def test_the_area_grows_with_the_load(asperity, tmp_path, tally, kind):
 
 
 @pytest.mark.parametrize("edge", ["free", "periodic"])
-def test_no_more_is_borne_than_the_hardness_on_all_pixels(asperity, tmp_path, edge):
+def test_no_load_is_above_the_hardness_on_all_pixels(asperity, tmp_path, edge):
     """The largest load is the hardness times the measured area; more is refused."""
     height = 1e-3 * rough(33, 32, shortest=5, seed=3)
     hardness = 0.01

@@ -152,7 +152,7 @@ def test_a_level_plateau_stays_one(summits, tmp_path):
     assert len(done.rows) == 4
 
 
-def test_spikes_are_taken_out(summits, tmp_path):
+def test_spikes_are_removed(summits, tmp_path):
     heights, _ = self_affine((100, 100), 7, shortest=4)
     clean = summits(write_matrix(tmp_path / "a.txt", heights), "--spacing", "1,1", "--despike")
     assert value(clean, "spikes removed") == 0
@@ -378,7 +378,7 @@ def test_points_beside_the_grid(off, status, axis, summits, tmp_path):
     assert status == 0 or done.stderr.startswith(f"a.csv:8:{1 + 2 * axis}: found {'xy'[axis]} = ")
 
 
-def test_a_pipe_serves_too(asperity, tmp_path):
+def test_a_map_from_a_pipe(asperity, tmp_path):
     path = write_matrix(tmp_path / "a.txt", MADE["smooth"]())
     command = [asperity, "summits", "--spacing", "1,1"]
     direct = run_program(*command, path)

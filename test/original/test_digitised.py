@@ -152,7 +152,7 @@ def test_number_of_rows_by_kind():
 
 
 @pytest.mark.parametrize("table", TABLES_VII)
-def test_cells_have_the_printed_form(table):
+def test_numbers_have_the_printed_form(table):
     for number, record in enumerate(records(DATA / f"{table}.csv"), 1):
         assert record["row"] == str(number)
         if record["kind"] == "total":

@@ -25,7 +25,7 @@ def setup(tmp_path):
     return setup
 
 
-def test_a_user_reads_what_to_install(setup):
+def test_missing_packages_are_named(setup):
     assert setup(1000, sudo="exit 1") == (2, [
         "setup: please install: gfortran libc6-dev (sudo apt-get install gfortran libc6-dev)"])
 
