@@ -24,7 +24,7 @@ def study(asperity, scene, folder, seconds=SECONDS):
     under way then may take longer, and a slow build."""
     file = folder / "any.csv"
     done = run_program(asperity, "accuracy", scene, "--seconds", seconds, "--csv", file,
-                       timeout=20 * seconds)
+                       timeout=100 * seconds)
     return list(records(file)), done.stdout
 
 

@@ -126,7 +126,7 @@ def test_progress_on_a_terminal(asperity, endless, tmp_path):
                              stdin=subprocess.DEVNULL, stdout=subprocess.PIPE, stderr=there,
                              preexec_fn=lambda: signal.signal(signal.SIGINT, signal.SIG_DFL))
     os.close(there)
-    said, until = b"", time.monotonic() + 30
+    said, until = b"", time.monotonic() + 100
     while said.count(b"left") < 2 and time.monotonic() < until:
         if select.select([here], [], [], 1)[0]:
             said += os.read(here, 4096)
@@ -136,7 +136,7 @@ def test_progress_on_a_terminal(asperity, endless, tmp_path):
             said += more
     except OSError:
         pass  # the terminal is closed
-    out, _ = child.communicate(timeout=20)
+    out, _ = child.communicate(timeout=100)
     os.close(here)
     lines = [line.strip().decode() for line in said.split(b"\r")]
     # At once: the first position may take long.

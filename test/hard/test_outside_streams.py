@@ -71,7 +71,7 @@ def test_named_pipe_stays_one(run, tmp_path):
 def test_a_pipe_keeps_no_output(run, tmp_path):
     """To open one waits for the process that holds its other end."""
     os.mkfifo(tmp_path / "pipe")
-    done = run("solve", "t.deck", "--keep", "pipe", timeout=20)
+    done = run("solve", "t.deck", "--keep", "pipe", timeout=100)
     assert done.returncode == 1 and done.stdout == b""
     assert one_line(done) == ("t.deck: pipe: is a pipe or a terminal, expected a file for what "
                               "is kept")
@@ -163,17 +163,17 @@ def test_one_pipe_for_two_surfaces(run, tmp_path):
         (tmp_path / "two.scene").write_text(f"&surfaces upper = 'pipe', lower = '{lower}' /\n")
         writer = threading.Thread(target=(tmp_path / "pipe").write_text, args=[CAPS])
         writer.start()
-        done = run("solve", "two.scene", timeout=20)
+        done = run("solve", "two.scene", timeout=100)
         writer.join(20)
         assert done.returncode == 2
         assert f"two.scene:1:27: lower: found '{lower}', the pipe of upper" in done.stderr.decode()
     (tmp_path / "two.scene").write_text("&surfaces upper = '/dev/stdin', lower = '/dev/fd/0' /\n")
-    done = run("solve", "two.scene", stdin=None, input=CAPS.encode(), timeout=20)
+    done = run("solve", "two.scene", stdin=None, input=CAPS.encode(), timeout=100)
     assert done.returncode == 2
 
 
 def test_endless_input(run):
-    done = run("/dev/zero", timeout=20)
+    done = run("/dev/zero", timeout=100)
     assert done.returncode == 2
     assert one_line(done) == ("/dev/zero:1:1: cannot be read: more than 100000000 bytes, "
                               "expected a card deck")
@@ -195,7 +195,7 @@ def test_interrupted_while_writing(waiting, tmp_path, command):
         fill(keeper)
     child = waiting(*words)
     child.send_signal(signal.SIGTERM)
-    child.communicate(timeout=20)
+    child.communicate(timeout=100)
     assert child.returncode == -signal.SIGTERM
     if command:
         os.close(keeper)
@@ -221,7 +221,7 @@ def test_an_interrupted_sweep_continues(run, asperity, tmp_path):
         wait_for(lambda: (tmp_path / "kept").exists()
                  and (tmp_path / "kept").stat().st_size > 10000)
         child.send_signal(signal.SIGTERM)
-        child.communicate(timeout=20)
+        child.communicate(timeout=100)
     assert child.returncode == -signal.SIGTERM
     assert 0 < (tmp_path / "kept").read_text(encoding="ascii").count("position ") < 40000
     assert files(tmp_path) == ["kept", "long.scene"]
@@ -245,7 +245,7 @@ def test_interrupted_at_any_time(asperity, tmp_path, delay):
                           stdout=subprocess.PIPE, stderr=subprocess.PIPE) as child:
         time.sleep(delay)
         child.send_signal(signal.SIGTERM)
-        child.communicate(timeout=20)
+        child.communicate(timeout=100)
     assert child.returncode in (0, -signal.SIGTERM)
     assert all(is_whole(tmp_path / name) for name in outputs(tmp_path))
     if child.returncode == 0:

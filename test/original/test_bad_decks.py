@@ -67,13 +67,13 @@ class Runner:
     def __init__(self, executable, folder):
         self.executable, self.folder = executable, folder
 
-    def run(self, content, *options, timeout=20):
+    def run(self, content, *options, timeout=100):
         if content is not None:
             (self.folder / NAME).write_bytes(content)
         return run_program(self.executable, NAME, *options, status=None, cwd=self.folder,
                            timeout=timeout, text=False)
 
-    def problems(self, content, timeout=20):
+    def problems(self, content, timeout=100):
         """Line, column and message of every problem of a deck that must be refused."""
         kept = self.folder / "contacts.csv"
         kept.write_text("from another run")

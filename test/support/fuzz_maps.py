@@ -126,7 +126,7 @@ def run(exe, folder, seed):
     (folder / "m.map").write_bytes(data)
     try:
         done = run_program(exe, "summits", "m.map", "--output", "s.csv", *options, status=None,
-                           cwd=folder, text=False, timeout=30)
+                           cwd=folder, text=False, timeout=100)
     except subprocess.TimeoutExpired:
         return "does not end", None
     err, out = (stream.decode("utf-8", errors="replace") for stream in (done.stderr, done.stdout))

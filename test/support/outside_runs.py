@@ -12,7 +12,7 @@ LONG = ["--arithmetic", "real64", "--tables", "all"]
 OUTPUTS = ["--contacts", "c.csv", "--positions", "p.csv"]
 
 
-def wait_for(condition, seconds=20):
+def wait_for(condition, seconds=100):
     end = time.monotonic() + seconds
     while not condition():
         assert time.monotonic() < end, "the program did not come to the point waited for"

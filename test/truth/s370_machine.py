@@ -170,5 +170,5 @@ def is_here():
 def version():
     """What the emulator calls itself."""
     done = subprocess.run([HERCULES, "--version"], capture_output=True, text=True, check=False,
-                          timeout=20)
+                          timeout=100)
     return (done.stdout + done.stderr).splitlines()[0]
