@@ -236,6 +236,10 @@ def test_the_accuracy_of_one_total(asperity, tmp_path):
         found = records(tmp_path / f"{total}.csv")[0]
         allowed = float(accuracy) + float(truth[f"{total}_error"])
         assert float(found[total]) == pytest.approx(float(truth[total]), rel=allowed)
+    off = run_program(asperity, "solve", scene.write(tmp_path, interaction="off"), "--accuracy",
+                      "1e-3", status=1)
+    assert off.stderr.endswith("above the accuracy: set interaction = 'auto' in &effects of a "
+                               "scene\n")
     missing = run_program(asperity, "solve", path, "--of", "load", status=2)
     assert "--of: expected --accuracy ERROR beside it" in missing.stderr
 

@@ -1,6 +1,7 @@
 """JSON holds the cells of the CSV files, to the last bit; `-` stands for the standard streams."""
 
 import json
+import re
 
 import jsonschema
 import pytest
@@ -30,8 +31,11 @@ def test_json_has_the_values_of_the_tables(name, asperity, tmp_path, tally):
     tables = {"positions": "--positions", "states": "--curve", "contacts": "--contacts"}
     done = run(asperity, "solve", name, "--quiet", "--json", tmp_path / "r.json",
                *(word for table, option in tables.items() for word in (option, tmp_path / table)))
-    found = json.loads((tmp_path / "r.json").read_text(encoding="utf-8"))
+    text = (tmp_path / "r.json").read_text(encoding="utf-8")
+    found = json.loads(text)
     jsonschema.validate(found, SCHEMA)
+    numbers = re.findall(r'^(?:"\w+": \[)?([-+\d.E,]+)(?:\],?)?$', text, re.M)
+    assert numbers and max(line.count(",") for line in numbers) <= 8
     assert found["scene"]["text"] == (ROOT / name).read_text(encoding="utf-8")
     assert done.stderr.splitlines() == found["notes"] + found["warnings"]
     for entry in found["provenance"]["inputs"]:
