@@ -156,7 +156,7 @@ def test_historic_port_against_the_restated_march(name, asperity, data, tmp_path
 
 
 @pytest.mark.parametrize("seed", [
-    pytest.param(seed, marks=[pytest.mark.long] * (seed in (0, 5))) for seed in (0, 2, 5, 6)])
+    pytest.param(seed, marks=[pytest.mark.long] * (seed < 6)) for seed in (0, 2, 5, 6)])
 def test_random_deck_in_the_historic_port(seed, asperity, tmp_path):
     deck = random_deck(seed)
     path = write_deck(tmp_path / "random.deck", **deck)
