@@ -20,6 +20,9 @@ module asperity_accuracy_table
 
   ! The diagram: from 1 on the right to 1e-16 on the left, two characters a decade.
   integer, parameter :: decades = 16
+  ! Shortest time of what is typed, s (chosen: to start the program and read the scene takes some
+  ! milliseconds, which are not measured).
+  real(real64), parameter :: shortest = 0.01_real64
 
 contains
 
@@ -126,7 +129,9 @@ contains
         else
           text = text // trim(typed)
         end if
-        text = text // ', ' // number_text(row%seconds, 2) // ' s, error '
+        text = text // ', '
+        if (row%seconds < shortest) text = text // 'below '
+        text = text // number_text(max(row%seconds, shortest), 2) // ' s, error '
         if (.not. row%total%largest > table%rows(table%reference)%own_estimate) &
           text = text // 'below '
         call buffer%line(text // percent_text(error_against(table, best)))

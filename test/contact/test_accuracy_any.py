@@ -288,7 +288,7 @@ def test_the_last_lines_are_options_with_their_errors(asperity, tmp_path):
         least_time = min(float(row["seconds"]) for row in found)
         best = min((row for row in found if float(row["seconds"]) <= 1.5 * least_time),
                    key=lambda row: max(float(row["error_max"]), least))
-        typed = re.search(r"&effects (.*) /, \S+ s, error", line)[1]
+        typed = re.search(r"&effects (.*) /, (?:below )?\S+ s, error", line)[1]
         assert typed == best["typed"].replace(";", ",")
         effects = dict(part.split(" = ") for part in typed.split(", "))
         path = scene.write(tmp_path, **{name: value.strip("'") if "'" in value else float(value)
