@@ -67,6 +67,7 @@ ifeq ($(PART),accuracy)
 bench:
 	@bash .ci/setup build test
 	@.venv/bin/python test/bench/accuracy_costs.py $(if $(SAVE),--save,--seconds 40)
+	@.venv/bin/python test/bench/accuracy_promises.py $(if $(SAVE),--save,--asperities 12 --maps 10)
 else ifeq ($(PART),maps)
 bench:
 	@bash .ci/setup build test

@@ -107,7 +107,7 @@ module asperity_option_table
     option_entry('accuracy', '--seconds', 'S', &
       'time limit in seconds (default 60); slower methods are left out'), &
     option_entry('accuracy', '--finer', '', 'solve a height map on pixels half as wide too, ' // &
-      'by cubic interpolation, and compare with them'), &
+      'by its waves or by cubics'), &
     option_entry('accuracy', '--csv', 'FILE', 'write the table with all digits'), &
     option_entry('accuracy', '--quiet', '', 'print no table'), &
     option_entry('generate', '--output', 'FILE', &
