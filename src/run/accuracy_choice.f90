@@ -1,9 +1,10 @@
 !> Choice of the method for a requested accuracy: settings before a run, errors after it.
 !>
 !> The errors are those that a run prints. Methods are tried from the fastest on: on a map every
-!> fourth and second pixel, its pixels, and more where its waves are known between them; on asperities Hertzian contacts, then boundary elements
-!> where Hertz is inaccurate, by `auto`, whose tolerance follows from the error of the last run.
-!> Effects that are off count with their estimated influence.
+!> fourth and second pixel and its pixels, or others of its waves where it is known between them; on
+!> asperities Hertzian contacts, then boundary elements where Hertz is inaccurate, by `auto`, whose
+!> tolerance follows from the error of the last run. Effects that are off count with their estimated
+!> influence.
 module asperity_accuracy_choice
   use asperity_constants, only: pi
   use asperity_contact_field, only: fields_none
@@ -40,7 +41,8 @@ module asperity_accuracy_choice
 
   ! Pixels along a side over those of a map: the coarsest ones, and the range for those after every
   ! second pixel of a map that is known between its pixels, which has no waves below 3 pixels.
-  real(real64), parameter :: unknown = 0.0_real64, coarsest = 0.25_real64, around_whole(2) = [0.75_real64, 1.5_real64]
+  real(real64), parameter :: unknown = 0.0_real64, coarsest = 0.25_real64, &
+                             around_whole(2) = [0.75_real64, 1.5_real64]
   ! Order of errors by the size of pixels: of loads on smooth maps, of other totals (map_error), of
   ! first contact, and the largest from every fourth to every second pixel (chosen; test: times in
   ! test/bench/accuracy_promises.py).
@@ -136,50 +138,37 @@ contains
   end subroutine take_next
 
   ! The next pixels of a map: every fourth, every second, all; where it is known between them as
-  ! many as the accuracy takes.
+  ! many as its errors by the separation and by first contact take.
   pure subroutine take_pixels(goal, error, total, results, method)
     real(real64), intent(in) :: goal              ! accuracy
     real(real64), intent(in) :: error             ! error; `huge`: they could not be solved
     character(len=*), intent(in) :: total         ! of which, as `totals_of_accuracy`
     type(scene_results), intent(in) :: results    ! results with these pixels
     type(method_choice), intent(inout) :: method  ! its tolerance is 0 where there are none
+    type(state_row) :: last
     real(real64) :: level, next, order, top
-    logical :: is_whole
 
-    next = 2 * method%resolution
-    is_whole = .not. method%resolution < around_whole(1)
-    if (error < huge(error)) then
-      order = merge(order_of_load, order_of_others, total == 'load')
-      if (method%finest > 1.0_real64 .and. .not. next < 1.0_real64) then
+    associate (now => method%resolution, is_solved => error < huge(error))
+      next = 2 * now
+      if (is_solved .and. method%finest > 1.0_real64 .and. .not. next < 1.0_real64) then
+        order = merge(order_of_load, order_of_others, total == 'load')
+        last = last_state(results%positions(1))
         level = error
-        top = 0.0_real64
-        if (total == 'load') call split_error(results, level, top)
-        next = method%resolution * spare * max((level / goal)**(1.0_real64 / order), &
-                                               (top / goal)**(1.0_real64 / order_of_top))
-        if (.not. is_whole) next = min(max(next, around_whole(1)), around_whole(2))
-        if (is_whole) next = max(next, least_step * method%resolution)
-      else if (error > goal * 2.0_real64**steepest_order) then
+        if (total == 'load' .and. last%separation_error > 0.0_real64) &
+          level = min(error, last%separation_error)
+        top = sqrt((error - level) * (error + level))
+        next = spare * now * max((level / goal)**(1.0_real64 / order), &
+                                 (top / goal)**(1.0_real64 / order_of_top))
+        next = min(max(next, around_whole(1), least_step * now), &
+                   merge(around_whole(2), method%finest, now < around_whole(1)))
+      else if (is_solved .and. error > goal * 2.0_real64**steepest_order) then
         next = max(next, 1.0_real64)
       end if
-    end if
-    if (is_whole .and. .not. (method%resolution < method%finest .and. error < huge(error))) &
-      method%tolerance = 0.0_real64
+      if (.not. (now < around_whole(1) .or. (is_solved .and. now < method%finest))) &
+        method%tolerance = 0.0_real64
+    end associate
     method%resolution = next
-    if (is_whole) method%resolution = min(next, method%finest)
   end subroutine take_pixels
-
-  ! Splits the error of a compression in those of the separation and of first contact.
-  pure subroutine split_error(results, level, top)
-    type(scene_results), intent(in) :: results
-    real(real64), intent(inout) :: level  ! the error; gets that of the separation, if it has one
-    real(real64), intent(inout) :: top    ! gets that of first contact
-    type(state_row) :: last
-
-    last = last_state(results%positions(1))
-    if (.not. last%separation_error > 0.0_real64) return
-    top = sqrt(max(0.0_real64, level**2 - last%separation_error**2))
-    level = min(level, last%separation_error)
-  end subroutine split_error
 
   !> Sets the effects of a scene, or its pixels, for a method. Without boundary elements all
   !> contacts are Hertzian, and their error is estimated.

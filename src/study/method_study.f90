@@ -145,8 +145,8 @@ contains
         if (row%method%family == of_steps) left = share_of_step * left
         if (row%method%family == of_neighbours) left = share_of_neighbours * left
         ! Methods with neighbours follow each other from the fastest on.
-        if (row%method%family == of_neighbours .and. is_too_long(table%rows(i)) .and. &
-            (row%method%accuracy > 0.0_real64 .eqv. table%rows(i)%method%accuracy > 0.0_real64)) then
+        if (row%method%family == of_neighbours .and. is_too_long(table%rows(i)) .and. ( &
+            row%method%accuracy > 0.0_real64 .eqv. table%rows(i)%method%accuracy > 0.0_real64)) then
           row%left_out = too_long // ', as a faster method does'
         else if (.not. left > 0.0_real64) then
           row%left_out = too_long // ', ' // seconds_text(0.0_real64) // ' s were left'

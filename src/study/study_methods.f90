@@ -262,7 +262,7 @@ contains
 
   end subroutine add_neighbours
 
-  ! The pixels of a map, from a coarsest resolution to a finest one, and those that an accuracy takes.
+  ! The pixels of a map, from a coarsest resolution to a finest one, and those for an accuracy.
   subroutine add_pixel_methods(coarsest, finest, methods)
     real(real64), intent(in) :: coarsest, finest
     type(study_method), allocatable, intent(inout) :: methods(:)
