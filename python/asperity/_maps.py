@@ -2,7 +2,6 @@
 
 from __future__ import annotations
 
-import html
 import importlib
 import math
 import operator
@@ -175,9 +174,6 @@ class HeightMap(Conditioning):
                f"{min(known, default=math.nan):.6g} to {max(known, default=math.nan):.6g}{unit}, " \
                f"{'periodic' if self.periodic else 'free'}" + (
                    f", {missing} pixels missing>" if missing else ">")
-
-    def _repr_html_(self) -> str:
-        return "<p>" + html.escape(repr(self)[1:-1]) + "</p>"
 
 
 def struct(cells: Any, spacing: tuple[float, float], unit: str | None, periodic: int) -> Any:

@@ -170,6 +170,8 @@ class Results:
     def _area_curve(self, name: str, given: Any) -> Any:
         """The curve of a theory that is named with a surface; another curve as it was given."""
         if name not in AREA_THEORIES or callable(given) or type(given) in (tuple, list):
+            if isinstance(given, HeightMap):
+                raise _a.wrong("theory", repr(name), f"{', '.join(AREA_THEORIES)} of a height map")
             return given
         text = self.scene.get("text", "")
         modulus, both, ratios = (numbers_of(text, title) for title in (

@@ -154,6 +154,8 @@ def test_pixels(package):
     scene = {"surfaces": {"upper": "plane", "lower": lower, "units": ("um", "uN")},
              "material": {"contact_modulus": 1e5}, "loading": {"control": "pressure", "value": 100}}
     found = package.accuracy(scene, finer=True)
+    printed = str(package.accuracy(scene))
+    assert "--accuracy" not in printed and "asperity.solve(scene, accuracy=" in printed
     assert {"pixels half as wide", "pixels of the map"} <= set(found.table["method"].tolist())
     assert {"--accuracy 1e-2", "--accuracy 1e-3"} <= set(found.table["typed"].tolist())
     for row in found.table.rows():

@@ -129,6 +129,8 @@ def test_named_theories(package, results, surface):
         assert np.array_equal(drawn[name][0], pressure[1:])
         assert np.allclose(drawn[name][1], area[1:], rtol=1e-12)
     assert np.array_equal(drawn["root"][1], np.sqrt(pressure))
+    with pytest.raises(ValueError, match="'person', expected persson, bush"):
+        results.plot(theory={"person": surface})
     _, right = results.plot(theory={"persson": ([1.0, 2.0], [0.1, 0.2])})
     assert right.lines[-1].get_ydata().tolist() == [0.1, 0.2]
     cap = {"x": [0.0], "y": [0.0], "height": [1.0], "radius": [10.0]}
