@@ -111,7 +111,8 @@ def test_greatest_pressure(package):
             "loading": {"control": "load", "value": load}})
     alone = of({"x": [0.0], "y": [0.0], "height": [1.0], "radius": [2.0]}, 50.0)
     hertz = (6 * 50.0 * 1e5**2 / (np.pi**3 * 2.0**2))**(1 / 3)
-    exact = [row["greatest_pressure"] for row in alone.table.rows() if "boundary" not in row["method"]]
+    exact = [row["greatest_pressure"] for row in alone.table.rows()
+             if "boundary" not in row["method"]]
     assert len(exact) > 4 and np.allclose(exact, hertz, rtol=1e-9)
     found = of({"x": [0.0, 0.2, 0.5], "y": [0.0, 0.1, 0.0], "height": [1.0, 1.001, 0.999],
                 "radius": [2.0]}, 50.0)
