@@ -121,7 +121,7 @@ def mutants_of(path, seed):
         source = Path(folder) / "source.f90"
         source.write_text(text, encoding="utf-8")
         subprocess.run([Path(sys.executable).parent / "mutate", source, "fortran", "--noCheck",
-                        "--mutantDir", folder], stdout=subprocess.DEVNULL, check=True)
+                        "--mutantDir", folder], stdout=subprocess.DEVNULL, check=True, cwd=folder)
         found = [file.read_text(encoding="utf-8") for file in
                  sorted(Path(folder).glob("source.mutant.*"))]
     random.Random(f"{seed} {path}").shuffle(found)

@@ -56,6 +56,8 @@ def test_held_separation(ratio, tau, hold_time, asperity, tmp_path, tally):
             relative(loads, elastic * relaxed(ratio, tau, times)), 2e-14)
     compare(tally, "creep: elastic load at a held approach",
             relative(column(run.contacts, "elastic_load"), [elastic] * 30), 2e-14)
+    assert column(run.positions, "time") == hold_time
+    assert relative(column(run.positions, "elastic_load"), [elastic]) < 2e-14
     assert len(set(row["area"] for row in run.curve)) == 1
     peak = 2 * MODULUS / math.pi * math.sqrt(0.01 / RADIUS)
     compare(tally, "creep: pressure at a held approach",

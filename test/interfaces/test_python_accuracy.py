@@ -34,14 +34,26 @@ def test_numbers_of_the_command(kind, package, caps, asperity, root, tmp_path):
         scene.write_text(
             "&surfaces upper = 'plane', lower = 'l.csv' /\n&material contact_modulus = 1e5 /\n"
             "&loading control = 'load', value = 1e5 /\n")
-    run_program(asperity, "accuracy", scene, "--quiet", "--csv", tmp_path / "a.csv", "--seconds",
-                SECONDS)
-    found = package.accuracy(scene, seconds=SECONDS)
-    rows = list(csv.DictReader(open(tmp_path / "a.csv", encoding="ascii")))
-    assert len(rows) == len(found.table)
-    assert list(rows[0]) == list(found.table)
+    needed = {"isolated contacts", "real64; exact events"}
+    if kind == "deck":
+        needed.add("ibm370; original program; 1976")
+    for seconds in (SECONDS, 10 * SECONDS, 60):
+        run_program(asperity, "accuracy", scene, "--quiet", "--csv", tmp_path / "a.csv",
+                    "--seconds", seconds)
+        found = package.accuracy(scene, seconds=seconds)
+        rows = list(csv.DictReader(open(tmp_path / "a.csv", encoding="ascii")))
+        if needed <= compare(found.table, rows):
+            break
+    else:
+        raise AssertionError("no time for the methods of a deck")
+    assert found.reference in str(found) and "what to type" in str(found)
+
+
+def compare(table, rows):
+    """The methods that both have solved, all of whose numbers are equal."""
+    assert len(rows) == len(table) and list(rows[0]) == list(table)
     solved = set()
-    for mine, row in zip(found.table.rows(), rows):
+    for mine, row in zip(table.rows(), rows):
         if "takes longer" in mine["left_out"] + row["left_out"]:
             continue
         solved.add(row["method"])
@@ -51,9 +63,7 @@ def test_numbers_of_the_command(kind, package, caps, asperity, root, tmp_path):
                 assert mine[name] == text
             else:
                 assert mine[name] == pytest.approx(float(text or "nan"), rel=1e-9, nan_ok=True)
-    assert solved > {"real64; exact events", "isolated contacts"}
-    assert (kind == "deck") == ("ibm370; original program; 1976" in solved)
-    assert found.reference in str(found) and "what to type" in str(found)
+    return solved
 
 
 def test_answers(package, caps):

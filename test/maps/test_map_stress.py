@@ -359,13 +359,14 @@ def test_asperities_on_their_grid(asperity, tmp_path):
 
 
 def test_all_formats_have_the_stresses_of_the_table(asperity, tmp_path):
-    """JSON and a grid for ParaView have the numbers of the table."""
+    """JSON and a grid for ParaView have the numbers of the table; the first pixel is at 0."""
     numbers, _, _ = below(asperity, tmp_path, np.eye(5, 4), (1.0, 2.0), "0.5,2",
                           {"control": "load", "value": 10.0})
     for name in ("s.json", "s.vts"):
         run_program(asperity, "solve", tmp_path / "s.scene", "--quiet", "--depths", "0.5,2",
                     "--stress", tmp_path / name)
     lines = {name: values.transpose(0, 2, 1).ravel().tolist() for name, values in numbers.items()}
+    assert (set(lines["x"]), set(lines["y"])) == ({0, 1, 2, 3, 4}, {0, 2, 4, 6})
     assert json.loads((tmp_path / "s.json").read_text()) == {"stress": lines}
     root = ElementTree.parse(tmp_path / "s.vts").getroot()
     assert (root.tag, root.get("type")) == ("VTKFile", "StructuredGrid")
