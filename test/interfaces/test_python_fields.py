@@ -254,16 +254,15 @@ def test_traction_and_stick(package, path, asperity, tmp_path):
         package.solve(path, fields=True).fields()["traction_x"]
 
 
-def test_stress_below(tmp_path):
+def test_stress_below(package, tmp_path):
     """The arrays of `stress` are the file of `--stress`; largest values have their place; refusals
     have the reason."""
-    import asperity as library
     x = np.linspace(-0.2, 0.2, 33)
-    scene = {"surfaces": {"upper": "plane", "lower": library.HeightMap(
+    scene = {"surfaces": {"upper": "plane", "lower": package.HeightMap(
         -((x[:, None] - 0.05)**2 + x**2) / 2, x[1] - x[0], "mm"), "map_level": "none"},
         "material": {"elastic_modulus": (1e3, 1e3), "poisson_ratio": (0.3, 0.3)},
         "loading": {"control": "load", "value": 0.6}}
-    results = library.solve(scene, fields=True)
+    results = package.solve(scene, fields=True)
     stress = results.stress((0.03, 0.05, 0.07))
     a, peak = (0.75 * 0.6 / (1e3 / 0.91 / 2))**(1 / 3), results.fields().pressure.max()
     value, depth, at_x, at_y = stress.largest()
@@ -279,13 +278,17 @@ def test_stress_below(tmp_path):
     assert repr(stress).startswith("<asperity.Stress at 3 depths: step 1, von Mises up to ")
     for again in (copy.copy(stress), copy.deepcopy(stress), pickle.loads(pickle.dumps(stress))):
         assert list(again) == list(stress) and np.array_equal(again.xz, stress["xz"])
+    results.save(tmp_path / "r.zip")
+    for own in (copy.deepcopy(results), pickle.loads(pickle.dumps(results)),
+                package.load(tmp_path / "r.zip")):
+        assert np.array_equal(own.stress(0.05).xz[0], stress["xz"][1])
     for wrong in (-1.0, [], "deep", [[0.1]], [0.1, math.nan]):
-        with pytest.raises(library.InputError, match="depths: found .*, expected one or several"):
+        with pytest.raises(package.InputError, match="depths: found .*, expected one or several"):
             results.stress(wrong)
-    with pytest.raises(library.ComputeError, match="depth: found Infinity, expected a number of 0"):
+    with pytest.raises(package.ComputeError, match="depth: found Infinity, expected a number of 0"):
         results.stress(math.inf)
     scene["material"] = {"contact_modulus": 1e3, "thermal_conductivity": (0.1, 0.4)}
-    with pytest.raises(library.ComputeError, match="poisson_ratio"):
-        library.solve(scene, fields=True).stress(0.1)
+    with pytest.raises(package.ComputeError, match="poisson_ratio"):
+        package.solve(scene, fields=True).stress(0.1)
     assert results.positions.units["conductance_length"] == "mm"
-    assert library.solve(scene).positions.units["thermal_conductance"] == "W/K"
+    assert package.solve(scene).positions.units["thermal_conductance"] == "W/K"

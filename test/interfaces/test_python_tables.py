@@ -98,8 +98,13 @@ def test_to_pandas_and_numpy(results):
 
 
 def test_to_dict(results):
-    """Lists and texts that `json` writes."""
-    found = json.loads(json.dumps(results.to_dict()))
+    """Lists and texts that `json` writes: a number that was not computed is null there."""
+    found = json.loads(json.dumps(results.to_dict(), allow_nan=False))
+    for table in ("positions", "states", "contacts"):
+        for name, cells in getattr(results, table).items():
+            assert found[table][name] == [None if cell != cell else cell
+                                          for cell in cells.tolist()]
+    assert any(None in cells for cells in found["positions"].values())
     assert found["states"]["load"] == results.states["load"].tolist()
     assert found["units"]["states"]["load"] == "N" and found["summary"] == results.summary
     assert set(found) == {"positions", "states", "contacts", "units", "summary", "warnings",
