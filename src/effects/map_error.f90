@@ -1,11 +1,11 @@
 !> Estimated error of the contact of a height map by the size of its pixels.
 !>
 !> The map is solved again on every m-th pixel along both sides: for m = 2 from two first pixels
-!> along a diagonal through the highest pixel, and without adhesion from three for m = 3, 4 or 5, the
-!> first one with which the map keeps its lengths. The former alone are mirror images of each other
-!> on a symmetric map. A result with the error e h**p of pixels of the width h, of either sign from
-!> one grid to another, differs on these by d with the variance e**2 (1 + m**(2 p)) h**(2 p). The
-!> root mean square of the five d/sqrt(1 + m**(2 p)) times Student's t is the estimate. From two
+!> along a diagonal through the highest pixel, and without adhesion from three for m = 3, 4 or 5,
+!> the first one with which the map keeps its lengths. The former alone are mirror images of each
+!> other on a symmetric map. A result with the error e h**p of pixels of the width h, of either sign
+!> from one grid to another, differs on these by d with the variance e**2 (1 + m**(2 p)) h**(2 p).
+!> The root mean square of the five d/sqrt(1 + m**(2 p)) times Student's t is the estimate. From two
 !> differences alone it is 3 d/(m**p - 1) with their root mean square d and the safety factor of
 !> two grids (Roache, J. Fluids Eng. 116 (1994) 405).
 !>
@@ -13,23 +13,27 @@
 !> waves and random surfaces). On a rough map it is 3/2: displacements by waves of heights h**H, H
 !> from 0 to 1, have errors of h**(1 + H). The order of the area is 3/2: the pixels along a rim, 1/h
 !> of the spacing h, have independent errors of h**2. So is that of what depends on the rims: the
-!> greatest pressure, stiffness, and the area that sticks.
+!> greatest pressure, stiffness, the area that sticks, and all where an edge cuts patches, along
+!> which the load of pixels does not vanish.
 !>
 !> The error of first contact is that of a vertex (`map_top`) where the map is smooth. Where it is
-!> not, it is that of the tops of every second, third and fourth pixel by Roache's formula, with
-!> their observed order p, 1 to 2, and his factor 1.25 for an observed order. The error of the compression is at most the sum of both.
+!> not, it is that of the tops of every second, third and fourth pixel by Roache's formula, with the
+!> order 1 of a kink and his factor 1.25 of three grids. The error of the compression is at most
+!> the sum of both.
 !>
 !> The error of the area is at least half of the correction of the rim, and at least that of
 !> straight rims: each straight piece of a rim along the pixels lies up to half a pixel from its
-!> sides. The errors of pieces are independent, but those of grooves, which have no ends, add up. On a map that is rough at the size of its pixels the slope
-!> grows on by the observed ratio to pixels a quarter as wide, and the area is inverse to the slope
-!> (Persson, J. Chem. Phys. 115 (2001) 3840).
+!> sides. The errors of pieces are independent, but those of grooves, which have no ends, add up. On
+!> a map that is rough at the size of its pixels the slope grows on by the observed ratio to pixels
+!> a quarter as wide, and the area is inverse to the slope (Persson, J. Chem. Phys. 115 (2001)
+!> 3840).
 !>
-!> The greatest pressure has no estimate where no limit is in sight: on rough maps, and on others
-!> that are not smooth where it falls as fast as at the apex of a cone. That pressure is the
-!> logarithm of the radius over the pixel, and less than that of the number of pixels N: it falls
-!> by more than the share ln 2/ln N with pixels twice as wide (test: test/maps/test_pixel_errors.py;
-!> record: reference_output/bench/pixel_estimates.csv).
+!> The relative error of the greatest pressure is at least that of the area by straight rims, as
+!> crests lie between the pixels of all grids. It has no estimate where no limit is in sight: on rough
+!> maps, and on others that are not smooth where it falls as fast as at the apex of a cone. That
+!> pressure is the logarithm of the radius over the pixel, and less than that of the number of
+!> pixels N: it falls by more than the share ln 2/ln N with pixels twice as wide (test:
+!> test/maps/test_pixel_errors.py; record: reference_output/bench/pixel_estimates.csv).
 !>
 !> With creep they are those of the elastic state of the same displacements, with its own load (Lee
 !> and Radok 1960), which holds as long as no pixel has left the contact.
@@ -52,33 +56,25 @@ module asperity_map_error
   public :: add_column_errors, error_request, estimate_pixel_errors, find_first_contact, &
             share_at_ends
 
-  ! Order of the errors of what depends on the rims of patches.
+  ! Order of the errors of what depends on the rims of patches (derived: above; test: stiffness and
+  ! area in test/maps/test_pixel_errors.py).
   real(real64), parameter :: order_of_rims = 1.5_real64
-  ! Numbers of the last state that have an estimated error: the column, the one that the error is
-  ! relative to, and the column of the error. It is the largest of those in rows of one name.
-  character(len=*), parameter :: estimated(3, 10) = reshape([character(len=32) :: &
-    'contact_stiffness', 'contact_stiffness', 'stiffness_error_estimate', &
-    'interface_stiffness', 'interface_stiffness', 'interface_error_estimate', &
-    'conductance_length', 'conductance_length', 'conductance_error_estimate', &
-    'tangential_stiffness_xx', 'tangential_stiffness_xx', 'sticking_error_estimate', &
-    'tangential_stiffness_xy', 'tangential_stiffness_xx', 'sticking_error_estimate', &
-    'tangential_stiffness_yy', 'tangential_stiffness_yy', 'sticking_error_estimate', &
-    'tangential_load', 'tangential_load', 'tangential_error_estimate', &
-    'tangential_displacement', 'tangential_displacement', 'tangential_error_estimate', &
-    'tangential_stiffness', 'tangential_stiffness', 'slip_error_estimate', &
-    'stick_area', 'stick_area', 'stick_error_estimate'], [3, 10])
-
+  ! Numbers of the last state that have an estimated error, and the begin of its column. It is the
+  ! largest of those of one column, of `xy` relative to `xx`.
+  character(len=*), parameter :: estimated(2, 10) = reshape([character(len=32) :: &
+    'contact_stiffness', 'stiffness', 'interface_stiffness', 'interface', &
+    'conductance_length', 'conductance', 'tangential_stiffness_xx', 'sticking', &
+    'tangential_stiffness_xy', 'sticking', 'tangential_stiffness_yy', 'sticking', &
+    'tangential_load', 'tangential', 'tangential_displacement', 'tangential', &
+    'tangential_stiffness', 'slip', 'stick_area', 'stick'], [2, 10])
   ! Safety factor of the error of two grids (Roache 1994; test: rough maps in
   ! test/maps/test_pixel_errors.py).
   real(real64), parameter :: safety = 3.0_real64
-  ! The same where the order is observed on three grids or more (Roache, Annu. Rev. Fluid Mech. 29
-  ! (1997) 123; test: kinks there).
-  real(real64), parameter :: safety_of_order = 1.25_real64
-  ! Student's t of the mean square of three and of five differences, for 98 of 100 (Abramowitz and
-  ! Stegun 1964, table 26.10).
-  real(real64), parameter :: student(3:5) = [4.541_real64, 3.747_real64, 3.365_real64]
-  ! Halvings of the interval of the observed order (chosen: to 1e-3).
-  integer, parameter :: digits_of_order = 11
+  ! The same of three grids or more (Roache, Annu. Rev. Fluid Mech. 29 (1997) 123; test: kinks there).
+  real(real64), parameter :: safety_of_three = 1.25_real64
+  ! Student's t of the mean square of five differences, for 98 of 100, and of the three of numbers
+  ! whose errors have a lower bound besides, for 95 (Abramowitz and Stegun 1964, table 26.10).
+  real(real64), parameter :: of_five = 3.365_real64, of_three = 3.182_real64
   ! Tolerance of the gaps over the range of heights, or of the attraction (chosen: the differences
   ! are larger by far).
   real(real64), parameter :: closed_halves = 1.0e-4_real64
@@ -99,6 +95,7 @@ module asperity_map_error
     logical :: by_load = .false.               !! the load is prescribed, else the separation
     logical :: by_top = .false.                !! the compression is: the load has its error
     logical :: is_smooth = .true.              !! the map is smooth between its pixels
+    logical :: is_cut = .false.                !! a free edge or a missing pixel cuts patches
     real(real64) :: order = 2.0_real64         !! of the errors of level, load and gap
     real(real64) :: top_error = 0.0_real64     !! error of first contact [length]
     !> Relative growth of the slope to pixels a quarter as wide; 0: the map is not rough.
@@ -154,8 +151,8 @@ contains
       if (request%growth > 0.0_real64) row%area_error = area / (row%area + area)
       row%gap_error = error(4) / max(row%mean_gap, error(4), tiny(area))
       if (error(5) > not_computed) then
-        pressure = row%greatest_pressure * error(5) / &
-                   max(maxval(elastic%answer%pressure), tiny(error))
+        pressure = row%greatest_pressure * max(request%of_rims / row%area, error(5) / &
+                   max(maxval(elastic%answer%pressure), tiny(error)))
         row%pressure_error = max(0.0_real64, pressure) / &
                              max(row%greatest_pressure, pressure, tiny(area))
       end if
@@ -222,8 +219,10 @@ contains
     total = [full%answer%level, full%answer%load, row%area, row%mean_gap, &
              maxval(full%answer%pressure)]
     ! Attraction over the gaps is less smooth than the contact.
-    if (has_solver) request%order = min(request%order, 2.0_real64)
-    order = [request%order, request%order, order_of_rims, request%order, order_of_rims]
+    order = request%order
+    if (has_solver) order = min(order, 2.0_real64)
+    if (request%is_cut) order = order_of_rims
+    order([3, 5]) = order_of_rims
     errors = [(error_by(coarser(i, :grids) - total(i), steps(:grids), order(i)), i=1, 5)]
     fall = total(5) - 0.5_real64 * sum(coarser(5, :2))
     if (request%growth > 0.0_real64 .or. (.not. request%is_smooth .and. &
@@ -241,7 +240,7 @@ contains
       if (n == 2) then
         error = safety * sqrt(sum(differences**2) / n) / (steps(1)**order - 1.0_real64)
       else
-        error = student(n) * sqrt(sum(differences**2 / (1.0_real64 + steps**(2 * order))) / n)
+        error = merge(of_five, of_three, n == 5) * sqrt(sum(differences**2 / (1.0_real64 + steps**(2 * order))) / n)
       end if
     end associate
   end function error_by
@@ -337,52 +336,60 @@ contains
     if (at > 0) number = columns%values(1, at)
   end function number_of
 
-  !> Adds the errors of numbers of the last state behind its columns. One is `not_computed` where the
-  !> number is, here or on a coarser map. The tangential displacement has the order of the level. A
-  !> stiffness is a length of the contact, or of the part that sticks, and grows without limit where
-  !> the open area is small: its relative error is at least half that of the area, of the part that
-  !> sticks by straight rims.
+  !> Adds the errors of numbers of the last state behind its columns. One is `not_computed` where
+  !> the number is, here or on a coarser map. The tangential displacement, the difference of two
+  !> compressions times mu over a ratio of moduli (Ciavarella, J. Appl. Mech. 65 (1998) 998), has at
+  !> least the relative error of one. A stiffness is a length of the contact, and grows without
+  !> limit where the open area is small: its relative error is at least half that of the area, of
+  !> the part that sticks by straight rims.
   subroutine add_column_errors(request, columns)
     type(error_request), intent(in) :: request    !! numbers on coarser maps
     type(column_list), intent(inout) :: columns   !! columns of the last state
-    real(real64) :: by_area, error, number, order, over
+    character(len=*), parameter :: suffix = '_error_estimate'
+    real(real64) :: by_rims, error, least, number, over
     integer :: i
 
     do i = 1, size(estimated, 2)
       if (.not. any(columns%names%text == estimated(1, i))) cycle
       number = number_of(columns, estimated(1, i))
-      over = number_of(columns, estimated(2, i))
+      over = number
+      if (estimated(1, i) == 'tangential_stiffness_xy') &
+        over = number_of(columns, 'tangential_stiffness_xx')
       error = not_computed
       if (allocated(request%numbers)) error = minval(request%numbers(i, :))
       if (min(error, number, over) > not_computed) then
-        order = order_of_rims
-        by_area = 0.5_real64 * request%of_area / &
-                  max(min(request%area, request%open_area), request%of_area)
-        select case (estimated(3, i))
-        case ('tangential_error_estimate')
-          order = min(request%order, 2.0_real64)
-          by_area = request%of_level
-        case ('slip_error_estimate', 'stick_error_estimate')
-          by_area = 0.5_real64 * request%of_rims / &
-                    max(number_of(columns, 'stick_area'), request%of_rims)
-          if (estimated(3, i) == 'stick_error_estimate') by_area = 2 * by_area
-        end select
-        error = error_by(request%numbers(i, :) - number, request%steps, order)
-        error = error / max(over, error, tiny(error))
-        if (abs(number) > 0.0_real64) error = max(error, by_area)
+        least = 0.5_real64 * share_of(request%of_area, min(request%area, request%open_area))
+        by_rims = share_of(request%of_rims, number_of(columns, 'stick_area'))
+        if (estimated(2, i) == 'stick') least = by_rims
+        if (estimated(2, i) == 'slip') least = 0.5_real64 * by_rims
+        if (estimated(2, i) == 'tangential') least = request%of_level
+        error = share_of(error_by(request%numbers(i, :) - number, request%steps, order_of_rims), &
+                         over)
+        if (abs(number) > 0.0_real64) error = max(error, least)
       else
         error = not_computed
       end if
       associate (last => size(columns%names))
-        if (columns%names(last)%text /= estimated(3, i)) then
-          call columns%add(trim(estimated(3, i)), plain, error)
-        else if (min(error, columns%values(1, last)) > not_computed) then
-          columns%values(1, last) = max(error, columns%values(1, last))
+        if (columns%names(last)%text == trim(estimated(2, i)) // suffix) then
+          ! The largest of the errors of one name.
+          number = columns%values(1, last)
+          columns%values(1, last) = merge(max(error, number), not_computed, &
+                                          min(error, number) > not_computed)
         else
-          columns%values(1, last) = not_computed
+          call columns%add(trim(estimated(2, i)) // suffix, plain, error)
         end if
       end associate
     end do
+
+  contains
+
+    ! An error over a number, at most 1.
+    pure real(real64) function share_of(error, number) result(share)
+      real(real64), intent(in) :: error, number
+
+      share = error / max(number, error, tiny(error))
+    end function share_of
+
   end subroutine add_column_errors
 
   !> Finds first contact, its estimated error, and whether the map is smooth or rough at the size
@@ -392,9 +399,9 @@ contains
     real(real64), intent(out) :: top               !! height of the top [length]
     type(error_request), intent(out) :: request    !! gets the properties of the map
     real(real64), parameter :: wide(2:4) = [2.0_real64, 3.0_real64, 4.0_real64]
-    real(real64) :: difference(2:4), highest, lower, lowest, order, ratio, unused
+    real(real64) :: difference(2:4), lower, ratio, unused
     type(height_map) :: coarse
-    integer :: i, k, step
+    integer :: k, step
 
     call find_top(map, top, request%top_error)
     call measure_growth(map, ratio, request%growth)
@@ -413,22 +420,11 @@ contains
       end do
       difference(step) = sqrt(difference(step)) / step
     end do
-    ! The largest order with which the differences grow as much.
-    lowest = 1.0_real64
-    highest = 2.0_real64
-    do i = 1, digits_of_order
-      order = 0.5_real64 * (lowest + highest)
-      if (all(difference(3:) * (wide(:3)**order - 1.0_real64) >= &
-              difference(:3) * (wide(3:)**order - 1.0_real64))) then
-        lowest = order
-      else
-        highest = order
-      end if
-    end do
-    ! A quadratic has the same top on all pixels.
-    request%is_smooth = .not. highest < 2.0_real64
+    ! A quadratic has the same top on all pixels: its differences have the order 2.
+    request%is_smooth = all(difference(3:) * (wide(:3)**2 - 1.0_real64) >= &
+                            difference(:3) * (wide(3:)**2 - 1.0_real64))
     request%top_error = max(request%top_error, &
-                            safety_of_order * maxval(difference / (wide**lowest - 1.0_real64)))
+                            safety_of_three * maxval(difference / (wide - 1.0_real64)))
   end subroutine find_first_contact
 
   !> Share of the load on pixels of contact patches that a free edge or a missing pixel cuts. Their

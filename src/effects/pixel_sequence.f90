@@ -87,7 +87,7 @@ contains
 
   !> Adds the columns of the interface of a state.
   subroutine add_state_interface(state, material, conductivity, columns)
-    type(pixel_state), intent(in), target :: state          !! solution
+    type(pixel_state), intent(in), target :: state          !! solution of a state
     real(real64), intent(in) :: material(2), conductivity(:, :)  !! as of `add_interface`
     type(column_list), intent(inout) :: columns             !! gets the columns
     real(real64), allocatable, target :: in_contact(:, :)

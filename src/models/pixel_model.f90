@@ -400,7 +400,8 @@ contains
 
     associate (answer => self%state%answer, map => self%map, &
                form => self%model%scene_in%map%form_radius)
-      call add_state_interface(self%state, self%request%material, self%request%conductivity, columns)
+      call add_state_interface(self%state, self%request%material, self%request%conductivity, &
+                               columns)
       if (.not. any(form > 0.0_real64)) return
       ! Length of the contact of a cylinder: that of a period along its axis; 0: its end is free.
       axis = minloc(form, 1)
@@ -509,10 +510,11 @@ contains
       self%request%by_load = by_load
       self%request%is_last = number == self%states
       self%request%by_top = is_compression(self%model%scene_in%loading%control)
-      call estimate_pixel_errors(self%map, self%laws, self%state, self%request, row, unsolved)
       at_ends = 0.0_real64
       if (self%state%answer%load > 0.0_real64 .and. .not. allocated(self%state%hardness)) &
         at_ends = share_at_ends(self%map, self%state%answer%pressure)
+      self%request%is_cut = at_ends > 0.0_real64
+      call estimate_pixel_errors(self%map, self%laws, self%state, self%request, row, unsolved)
       if (at_ends > 0.0_real64) row%pressure_error = not_computed
       result%error_estimate = row%error_estimate
       if (number < self%states) return

@@ -3,7 +3,8 @@
     python test/bench/pixel_estimates.py [--seeds 6] [--pixels 48] [--save]
 
 Each map is solved on its pixels under three loads, the second with friction and a tangential load,
-at one separation and at one compression; with an effect, at three loads. The true error, relative to what is printed, is the difference from the
+at one separation and at one compression; with an effect, at three loads. The true error, relative
+to what is printed, is the difference from the
 closed form (heads that are powers of the radius, cylinders) or from the same surface on pixels a
 quarter as wide. With --save the table goes to
 reference_output/bench/pixel_estimates.csv.

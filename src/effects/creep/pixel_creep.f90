@@ -178,8 +178,8 @@ contains
     state%answer%load = sum(self%elastic) * product(state%deformed%pixel_spacing)
   end subroutine take_elastic
 
-  !> The elastic state has the same errors where creep acts alone, and no pixel has left the contact,
-  !> where the surface has not recovered.
+  !> The elastic state has the same errors where creep acts alone, and no pixel has left the
+  !> contact, where the surface has not recovered.
   function why_unknown(self, state, is_alone) result(reason)
     class(pixel_creep), intent(in) :: self
     type(pixel_state), intent(in) :: state
