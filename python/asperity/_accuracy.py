@@ -152,8 +152,8 @@ def accuracy(scene: Any, *, seconds: float = 60.0, finer: bool = False,
     table = Table({name: column([row[name].replace(";", ",") for row in rows] if name in WORDS else
                                 numpy.array([float(row[name] or math.nan) for row in rows]))
                    for name in rows[0]}, {"seconds": "s"}, "methods")
-    text = re.sub(r"asperity solve scene --accuracy (\S+),", r"asperity.solve(scene, accuracy=\1),",
-                  outcome.text(_c.REPORT).rstrip("\n"))
+    text = re.sub("--accuracy ([^ ,]+)", r"accuracy=\1", outcome.text(_c.REPORT).rstrip("\n"))
+    text = re.sub("asperity solve scene ([^ ,]+)", r"asperity.solve(scene, \1)", text)
     return Accuracy(table, text, _digits(given), goals)
 
 
