@@ -161,7 +161,8 @@ def test_digits_of_heights(package):
 def test_pixels(package):
     """A map in an array: what to type for its pixels is the option of the command, and in Python
     the accuracy that chooses these pixels."""
-    lower = package.generate_map(pixels=64, spacing=1, unit="um", hurst=0.8, rms_slope=0.02)
+    lower = package.generate_map(pixels=64, spacing=1, unit="um", hurst=0.8, cut_off=8,
+                                 rms_slope=0.02)
     scene = {"surfaces": {"upper": "plane", "lower": lower, "units": ("um", "uN")},
              "material": {"contact_modulus": 1e5}, "loading": {"control": "pressure", "value": 100}}
     found = package.accuracy(scene, finer=True)
