@@ -7,6 +7,7 @@ All limits come from closed forms of Hertz' theory and of the published fits.
 import itertools
 import math
 import re
+from functools import partial
 
 import numpy as np
 import pytest
@@ -30,16 +31,10 @@ def hertz(overlap, radius=RADIUS / 2):
             4 * COMBINED * math.sqrt(overlap / radius) / (3 * math.pi))
 
 
-def beyond_limit_load(asperity, folder, factor):
+def beyond_limit(criterion, asperity, folder, factor):
     overlap = overlap_of(0.01)
-    return pressed(asperity, folder, overlap,
-                   limit={"criterion": "load", "value": hertz(overlap)[0] / factor})
-
-
-def beyond_limit_pressure(asperity, folder, factor):
-    overlap = overlap_of(0.01)
-    return pressed(asperity, folder, overlap,
-                   limit={"criterion": "pressure", "value": hertz(overlap)[1] / factor})
+    value = dict(zip(("load", "pressure"), hertz(overlap)))[criterion] / factor
+    return pressed(asperity, folder, overlap, limit={"criterion": criterion, "value": value})
 
 
 def tilted_plane(asperity, folder, factor):
@@ -97,8 +92,8 @@ def unloading_depth(asperity, folder, factor):
 
 # What the line states, the scene at a factor of its limit, the size printed at the limit.
 AT_LIMITS = {
-    "limit by load": ("exceeds the limit of the scene", beyond_limit_load, 1.0),
-    "limit by pressure": ("exceeds the limit of the scene", beyond_limit_pressure, 1.0),
+    "limit by load": ("exceeds the limit of the scene", partial(beyond_limit, "load"), 1.0),
+    "limit by pressure": ("exceeds the limit of the scene", partial(beyond_limit, "pressure"), 1.0),
     "tilt": ("reference plane is steep", tilted_plane, 0.3),
     "adhesion range": ("adhesion acts farther", far_adhesion, 4.5),
     "unlike bodies": ("they are unlike", unlike_bodies, 1.0),

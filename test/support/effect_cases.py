@@ -8,6 +8,7 @@ independently of the program.
 from dataclasses import dataclass
 from math import sqrt
 
+from cases import approach, limit
 from judge import check, number
 
 MODULUS = (2.0e5, 1.0e5)
@@ -118,14 +119,6 @@ def effects(**values):
 
 def load(value, **other):
     return {"loading": {"control": "load", "value": value, **other}}
-
-
-def approach(value, **other):
-    return {"loading": {"control": "approach", "value": value, **other}}
-
-
-def limit(value):
-    return {"limit": {"criterion": "load", "value": value}}
 
 
 FLAT = [(0.0, 0.0, 0.0, 1.0e6)]
