@@ -36,7 +36,6 @@ contains
     !> those in contact at the end, or within the reach of the method
     type(contact_pairs), intent(out), optional :: pairs
     type(position_pairs) :: position
-    real(real64) :: w
     logical :: all_pairs
 
     all_pairs = .false.
@@ -54,15 +53,6 @@ contains
       return
     end if
     call compute_states(placed, position, method%overlap, keep_rows, result)
-    if (.not. method%step > 0.0_real64) return
-    ! Pressure of the first contact one step past first touch, where cancellation is largest. It is
-    ! load over area, as in the original.
-    associate (pair => position%found(1))
-      w = overlap_of(pair, scale(method%step, -placed%length_power), method%overlap)
-      if (w > 0.0_real64) result%first_step_pressure = scaled_to_real64( &
-        placed%modulus * load_of_overlap(pair%radius, w) / (pi * w * pair%radius), &
-        placed%modulus_power)
-    end associate
   end subroutine solve_position
 
   ! Drops the pairs that are farther from contact than a reach.

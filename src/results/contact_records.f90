@@ -125,7 +125,6 @@ module asperity_contact_records
     integer :: counted = 0                             !! states that progress has counted
     integer :: overlapping_circles = -1  !! pairs of contact circles, at the end; < 0: no circles
     real(real64) :: nominal_area = 0.0_real64          !! of this position; 0: that of the scene
-    real(real64) :: first_step_pressure = 0.0_real64   !! of the first contact one step past touch
     !> `error_estimate` of the last state.
     real(real64) :: error_estimate = not_computed
     !> `none` or `unknown` and why the pixels have no error, in words of 64 bits; blank: they have.

@@ -16,7 +16,7 @@ module asperity_position_packet
   integer(int64), parameter :: word(1) = 0_int64  ! mold of `transfer` to words
   ! Numbers of words: a position without its lists, a state, a contact, an effect, a warning, a
   ! column. These records are copied whole.
-  integer, parameter :: of_head = 35 + size(known_effects), &
+  integer, parameter :: of_head = 34 + size(known_effects), &
     of_state = storage_size(state_row()) / storage_size(word), &
     of_row = storage_size(contact_row()) / storage_size(word), &
     of_effect = storage_size(effect_record()) / storage_size(word), &
@@ -44,8 +44,7 @@ contains
       ! A list of contacts that is not kept has no columns.
       if (allocated(result%contact_values)) values = shape(result%contact_values)
     end if
-    words = [transfer([result%x_displacement, result%y_displacement, &
-                       result%first_step_pressure, result%error_estimate, &
+    words = [transfer([result%x_displacement, result%y_displacement, result%error_estimate, &
                        result%nominal_area], word), &
              int([merge(1, 0, result%limit_reached), result%overlapping_circles, &
                   size(result%states), result%rows_used, effects, columns, values, &
@@ -69,20 +68,19 @@ contains
 
     result%x_displacement = transfer(words(1), result%x_displacement)
     result%y_displacement = transfer(words(2), result%y_displacement)
-    result%first_step_pressure = transfer(words(3), result%first_step_pressure)
-    result%error_estimate = transfer(words(4), result%error_estimate)
-    result%nominal_area = transfer(words(5), result%nominal_area)
-    result%limit_reached = words(6) == 1_int64
-    result%overlapping_circles = int(words(7))
-    states = int(words(8))
-    result%rows_used = int(words(9))
-    effects = int(words(10))
-    columns = int(words(11))
-    values = int(words(12:13))
-    warnings = int(words(14))
-    of_contacts = int(words(15))
-    result%no_estimate = transfer(words(16:35), result%no_estimate)
-    result%left_out = transfer(words(36:of_head), result%left_out, size(result%left_out))
+    result%error_estimate = transfer(words(3), result%error_estimate)
+    result%nominal_area = transfer(words(4), result%nominal_area)
+    result%limit_reached = words(5) == 1_int64
+    result%overlapping_circles = int(words(6))
+    states = int(words(7))
+    result%rows_used = int(words(8))
+    effects = int(words(9))
+    columns = int(words(10))
+    values = int(words(11:12))
+    warnings = int(words(13))
+    of_contacts = int(words(14))
+    result%no_estimate = transfer(words(15:34), result%no_estimate)
+    result%left_out = transfer(words(35:of_head), result%left_out, size(result%left_out))
     allocate (result%states(states), result%rows(result%rows_used))
     at = of_head
     result%states = transfer(words(at + 1:at + of_state * states), result%states, states)

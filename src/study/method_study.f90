@@ -163,7 +163,7 @@ contains
       if (index(failure, too_long) == 1) &
         failure = 'the scene ' // too_long // ': expected more of them, or fewer positions'
     else
-      call measure_errors(scene_in, others, table, totals)
+      call measure_errors(table, totals)
       call mark_front(table%rows)
     end if
   end subroutine run_methods
@@ -223,10 +223,10 @@ contains
     end if
     if (allocated(row%left_out)) deallocate (row%left_out)
     if (row%method%is_original) then
-      ! It is timed without its contacts, which have the pressure of the first step.
+      ! It is timed without its contacts, which have the greatest pressure.
       call run_in_arithmetic(row%method%arithmetic, scene_in%deck, &
                              request_of(row%method, .true.), records, failure)
-      totals = original_totals(records, row%method%step)
+      totals = original_totals(records)
     end if
     row%seconds = 0.5_real64 * (samples((size(samples) + 1) / 2) + samples(size(samples) / 2 + 1))
     row%own_estimate = totals%own_estimate
@@ -286,26 +286,19 @@ contains
 
   ! Measures the error of every method against the reference, and its own: against the same model
   ! without the approximation of its family.
-  subroutine measure_errors(scene_in, allowance, table, totals)
-    type(scene), intent(in) :: scene_in
-    type(interruption), intent(in) :: allowance
+  subroutine measure_errors(table, totals)
     type(method_table), intent(inout) :: table
     type(method_totals), intent(in) :: totals(:)
-    type(method_totals) :: exact
-    real(real64) :: step
     integer :: i, plain
 
     plain = row_of_events(table%rows)
-    if (plain > 0) exact = totals(plain)
-    step = 0.0_real64
     do i = 1, size(totals)
       associate (row => table%rows(i))
         if (allocated(row%left_out)) cycle
         row%total = errors_of(totals(i), table%truth)
         select case (row%method%family)
         case (of_arithmetic, of_steps)
-          if (row%method%step > 0.0_real64) call find_pressures(row%method%step)
-          if (plain > 0 .and. plain /= i) row%own = errors_of(totals(i), exact)
+          if (plain > 0 .and. plain /= i) row%own = errors_of(totals(i), totals(plain))
         case (of_effects)
           if (allocated(totals(1)%states)) row%own = errors_of(totals(i), totals(1))
         case default
@@ -313,26 +306,6 @@ contains
         end select
       end associate
     end do
-
-  contains
-
-    ! First pressures of exact events at another step; not known where the time is over.
-    subroutine find_pressures(new_step)
-      real(real64), intent(in) :: new_step
-      type(scene_results) :: results
-      type(run_options) :: options
-      character(len=:), allocatable :: failure
-
-      if (plain == 0 .or. abs(new_step - step) <= 0.0_real64) return
-      step = new_step
-      options = run_options(keep_contacts=.false., threads=1)
-      options%interrupt = allowance
-      call run_method(scene_in, study_method(family=of_arithmetic, step=step), options, results, &
-                      failure)
-      exact%pressure(:) = not_computed
-      if (.not. allocated(failure)) exact%pressure = results%positions%first_step_pressure
-    end subroutine find_pressures
-
   end subroutine measure_errors
 
   ! The row of exact events; 0: it was not run.

@@ -15,22 +15,18 @@ module asperity_method_totals
   ! Quantities whose errors are measured one by one.
   integer, parameter :: error_of_load = 1        !! sum of the normal forces
   integer, parameter :: error_of_area = 2        !! contact area
-  integer, parameter :: error_of_pressure = 3    !! of the first contact, one step past first touch
-  integer, parameter :: error_of_separation = 4  !! separation over the compression
-  integer, parameter :: error_of_contacts = 5    !! number of contacts
-  integer, parameter :: error_of_greatest_pressure = 6  !! at any point
-  integer, parameter :: number_of_quantities = 6 !! all of them
+  integer, parameter :: error_of_separation = 3  !! separation over the compression
+  integer, parameter :: error_of_contacts = 4    !! number of contacts
+  integer, parameter :: error_of_greatest_pressure = 5  !! at any point
+  integer, parameter :: number_of_quantities = 5 !! all of them
   !> Their names in the order of the numbers.
   character(len=*), parameter :: quantity_names(number_of_quantities) = [character(len=17) :: &
-    'load', 'area', 'pressure', 'separation', 'contacts', 'greatest_pressure']
+    'load', 'area', 'separation', 'contacts', 'greatest_pressure']
 
   !> Totals of the states of all positions.
   type :: method_totals
     integer, allocatable :: first(:)             !! state of a position; one more: past the last
     type(state_row), allocatable :: states(:)    !! states of all positions
-    !> Average pressure of the first contact one step past first touch, by position; 0 or less where
-    !> it is not known.
-    real(real64), allocatable :: pressure(:)
     real(real64) :: own_estimate = not_computed  !! largest `error_estimate` of the positions
     !> Largest estimates of the last states: of area, separation and greatest pressure.
     real(real64) :: estimates(3) = not_computed
@@ -60,8 +56,8 @@ contains
     integer :: k, m
 
     associate (positions => results%positions)
-      allocate (totals%first(size(positions) + 1), totals%pressure(size(positions)), &
-                totals%states(sum([(size(positions(m)%states), m=1, size(positions))])))
+      allocate (totals%first(size(positions) + 1), totals%states( &
+                sum([(size(positions(m)%states), m=1, size(positions))])))
     end associate
     k = 0
     do m = 1, size(results%positions)
@@ -70,7 +66,6 @@ contains
         k = k + size(position%states)
         totals%states(totals%first(m):k) = position%states
         totals%is_held = totals%is_held .or. any(position%states%time > 0.0_real64)
-        totals%pressure(m) = position%first_step_pressure
         associate (last => totals%states(k))
           totals%estimates = max(totals%estimates, &
                                  [last%area_error, last%separation_error, last%pressure_error])
@@ -85,31 +80,23 @@ contains
   end function totals_of
 
   !> The totals of the original program: one state a position, its compression not known.
-  pure type(method_totals) function original_totals(records, step) result(totals)
-    type(original_records), intent(in) :: records  !! of a run that kept its contacts
-    real(real64), intent(in) :: step               !! its step of the separation [length]
-    integer :: i, m
+  pure type(method_totals) function original_totals(records) result(totals)
+    type(original_records), intent(in) :: records  !! of a run
+    integer :: m
 
-    allocate (totals%first(original_positions + 1), totals%states(original_positions), &
-              totals%pressure(original_positions))
+    allocate (totals%first(original_positions + 1), totals%states(original_positions))
     totals%first(:) = [(m, m=1, original_positions + 1)]
     totals%states%load = records%positions%load
     totals%states%approach = records%positions%approach
     totals%states%compression = 0.0_real64
     totals%states%area = records%positions%area
     totals%states%contacts = records%positions%contacts
-    totals%pressure(:) = not_computed
     do m = 1, original_positions
       associate (first => records%positions(m)%first_contact, &
                  last => records%positions(m)%last_contact)
         if (last >= first) totals%states(m)%greatest_pressure = maxval( &
           records%contacts(first:last)%maximum_pressure, &
           records%contacts(first:last)%step == records%contacts(last)%step)
-        i = first - 1 + findloc(records%contacts(first:last)%step, 2, 1)
-        ! A step that was cut short by the next contact has no pressure.
-        if (i < first) cycle
-        if (abs(records%contacts(first)%approach - records%contacts(i)%approach - step) < &
-            0.01_real64 * step) totals%pressure(m) = records%contacts(i)%average_pressure
       end associate
     end do
   end function original_totals
@@ -122,12 +109,9 @@ contains
     type(method_totals), intent(in) :: totals     !! of a method
     type(method_totals), intent(in) :: reference  !! of the method it is compared with
     real(real64) :: error, by_quantity(number_of_quantities)
-    integer :: have, k, last, m, positions, pressures, want
-    logical, parameter :: is_pressure(number_of_quantities) = &
-      [(k == error_of_pressure, k=1, number_of_quantities)]
+    integer :: have, last, m, positions, want
 
     errors = no_errors
-    pressures = 0
     do m = 1, size(reference%first) - 1
       want = reference%first(m)
       last = reference%first(m + 1) - 1
@@ -144,13 +128,6 @@ contains
         end if
         call compare_states(totals%states(have:have), reference%states(want:want))
       end if
-      by_quantity(error_of_pressure) = 0.0_real64
-      if (min(totals%pressure(m), reference%pressure(m)) > 0.0_real64) then
-        pressures = pressures + 1
-        by_quantity(error_of_pressure) = relative_to(abs(totals%pressure(m) - &
-                                                         reference%pressure(m)), &
-                                               reference%pressure(m))
-      end if
       errors%mean = errors%mean + error
       errors%quantity = max(errors%quantity, by_quantity)
       errors%quantity_mean = errors%quantity_mean + by_quantity
@@ -159,12 +136,9 @@ contains
         errors%worst = m
       end if
     end do
-    ! The mean of the pressure is over the positions that have one.
     positions = max(1, size(reference%first) - 1)
     errors%mean = errors%mean / positions
-    errors%quantity_mean = errors%quantity_mean / merge(max(pressures, 1), positions, is_pressure)
-    if (pressures == 0) errors%quantity(error_of_pressure) = not_computed
-    if (pressures == 0) errors%quantity_mean(error_of_pressure) = not_computed
+    errors%quantity_mean = errors%quantity_mean / positions
 
   contains
 

@@ -59,9 +59,7 @@ module asperity_study_methods
     character(len=7) :: arithmetic = 'real64'  !! one of `arithmetic_names`
     integer :: path = by_events                !! `by_events` or `by_marching`
     integer :: overlap = overlap_stable        !! `overlap_stable` or `overlap_original`
-    !> Step of the separation [length]: of marching, or past first touch for the pressure there; 0:
-    !> no step.
-    real(real64) :: step = 0.0_real64
+    real(real64) :: step = 0.0_real64          !! of marching, of the separation [length]; 0: none
     integer :: interaction = as_it_is          !! one of the `effect_` numbers, or as it is
     real(real64) :: tolerance = 0.0_real64  !! of `auto` or of the cells
     !> Pixels along a side over those of the map, a power of two.
@@ -150,9 +148,7 @@ contains
     sweep = is_sweep(scene_in)
     order = 0
     if (compression > 0.0_real64) order = floor(log10(compression))
-    call add_overlaps(study_method(family=of_arithmetic, name='real64, exact events', &
-                                   step=merge(10.0_real64**(order - 1), 0.0_real64, &
-                                              sweep .and. compression > 0.0_real64)))
+    call add_overlaps(study_method(family=of_arithmetic, name='real64, exact events'))
     if (is_thesis_sweep(scene_in)) call add_original(original_order, ', original program, 1976')
     if (.not. (sweep .and. compression > 0.0_real64)) return
     do k = order, order - 3, -1
