@@ -9,9 +9,11 @@
 !>
 !> (Westergaard 1939; Johnson, Contact Mechanics, 1985, chapter 13), and its inverse is
 !> (1 - nu) q/2 (delta_ij + nu/(1 - nu) q_i q_j/q**2). On free lattices and strips Cerruti's
-!> integrals over elements replace the waves (`traction_influence`), and the inverse is that of the
-!> waves of the padded lattice. Unlike bodies with Dundurs' beta have normal displacements by
-!> tractions, -2 i beta q_i/q**2, and tangential ones of the opposite sign by pressures.
+!> integrals over elements replace the waves (`traction_influence`), on a lattice that is padded to
+!> twice its size. The inverse, which only preconditions, stays that of waves: its tractions fall as
+!> r**-3, so that a period longer by an eighth separates the edges of a free lattice. Unlike bodies
+!> with Dundurs' beta have normal displacements by tractions, -2 i beta q_i/q**2, and tangential
+!> ones of the opposite sign by pressures.
 !>
 !> The off-diagonal compliance of a periodic lattice is odd in both directions: it is 0 at the
 !> shortest wave of an even number of elements, which has no sign. Mirrored lattices have mirrored
@@ -43,29 +45,31 @@ module asperity_traction_convolution
     integer, allocatable :: first(:)   !! index of the first one of each row, and of one row more
   end type element_set
 
+  ! A padded lattice: its spectrum, over its number of elements, and the plans of its lines.
+  type :: wave_lattice
+    integer :: columns = 0, rows = 0
+    ! (wave number in y, in x, term). A term is even or odd along each axis: half of the wave numbers
+    ! are kept in each direction.
+    real(c_double), allocatable :: spectrum(:, :, :)
+    type(line_transform) :: row_forward, column_forward, column_back, row_back
+  end type wave_lattice
+
   !> The convolution for one lattice. It owns its plans: it must not be copied.
   type :: traction_convolution
     private
     real(real64), public :: diagonal = 0.0_real64  !! displacement of an element by its own traction
-    integer :: columns = 0  ! number of columns of the padded lattice
-    integer :: rows = 0     ! number of rows of the padded lattice
-    ! (wave number in y, in x, term): spectra over the number of padded elements. A term is even or
-    ! odd along each axis: half of the wave numbers are kept in each direction.
-    real(c_double), allocatable :: spectrum(:, :, :)
+    type(wave_lattice) :: compliance, inverse
     complex(c_double_complex), allocatable :: transform(:, :, :)  ! (wave in x, row, component)
-    type(line_transform) :: row_forward, column_forward, column_back, row_back
   contains
     procedure :: prepare => prepare_tractions
     procedure :: apply => apply_tractions
     procedure :: apply_at => apply_at_elements
   end type traction_convolution
 
-  ! Numbers of the terms: compliance, its inverse, coupling of normal and tangential parts (chosen).
-  integer, parameter :: xx = 1, xy = 2, yy = 3, inverse_xx = 4, inverse_xy = 5, inverse_yy = 6, &
-                        normal_x = 7, normal_y = 8
-  ! Parity of each term along x and y; 1: odd (derived from the formulas).
-  integer, parameter :: odd(2, 8) = &
-    reshape([0, 0, 1, 1, 0, 0, 0, 0, 1, 1, 0, 0, 1, 0, 0, 1], [2, 8])
+  ! Numbers of the terms: compliance or its inverse, coupling of normal and tangential parts
+  ! (chosen), and their parity along x and y; 1: odd (derived from the formulas).
+  integer, parameter :: xx = 1, xy = 2, yy = 3, normal_x = 4, normal_y = 5
+  integer, parameter :: odd(2, 5) = reshape([0, 0, 1, 1, 0, 0, 1, 0, 0, 1], [2, 5])
   complex(c_double_complex), parameter :: i_unit = cmplx(0, 1, c_double_complex)
   ! Number of columns that are copied together, as they share lines of the cache (chosen).
   integer, parameter :: block_columns = 8
@@ -82,195 +86,226 @@ contains
     logical, intent(in) :: repeats(2)        !! whether the lattice is periodic along x and y
     real(real64), intent(in) :: poisson_ratio  !! m/g of both bodies, -1 to 0.5
     real(real64), intent(in) :: beta         !! Dundurs' beta; 0: no coupling
-    real(real64) :: g, m, q(2), shortest
-    integer :: i, j, padded(2), terms
+    real(real64) :: of_bodies(3)
+    integer :: i, j, padded(2)
 
-    padded = merge(elements, padded_length(2 * elements - 1), repeats)
-    self%columns = padded(1)
-    self%rows = padded(2)
-    terms = merge(normal_y, inverse_yy, abs(beta) > 0.0_real64)
-    allocate (self%transform(0:padded(1) / 2, 0:elements(2) - 1, 2), &
-              self%spectrum(0:padded(2) / 2, 0:padded(1) / 2, terms))
-    call self%row_forward%prepare(real_to_waves, padded(1))
-    call self%column_forward%prepare(waves_forward, padded(2))
-    call self%column_back%prepare(waves_back, padded(2))
-    call self%row_back%prepare(waves_to_real, padded(1))
-    g = 2.0_real64 / (1.0_real64 - poisson_ratio)
-    m = poisson_ratio * g
+    associate (g => 2.0_real64 / (1.0_real64 - poisson_ratio), lattice => self%compliance)
+      of_bodies = [g, poisson_ratio * g, beta]
+      padded = merge(elements, padded_length(2 * elements - 1), repeats)
+      call prepare_lattice(lattice, padded, side_ratio, by_tractions, of_bodies)
+      if (.not. all(repeats)) call set_elements(lattice, elements, side_ratio, &
+                                                findloc(repeats, .true., 1), of_bodies)
+      self%diagonal = 0.0_real64
+      do i = 0, lattice%columns / 2
+        do j = 0, lattice%rows / 2
+          self%diagonal = self%diagonal + 0.5_real64 * sum(lattice%spectrum(j, i, [xx, yy])) * &
+                          merge(1, 2, i == 0 .or. 2 * i == lattice%columns) * &
+                          merge(1, 2, j == 0 .or. 2 * j == lattice%rows)
+        end do
+      end do
+      allocate (self%transform(0:lattice%columns / 2, elements(2), 2))
+    end associate
+    padded = merge(elements, inverse_length(elements + elements / 8), repeats)
+    call prepare_lattice(self%inverse, padded, side_ratio, inverse_of_tractions, of_bodies)
+  end subroutine prepare_tractions
+
+  ! Least length from n on that is 5, 7 or 8 times a power of 2 (measured: with factors of 3, plans of
+  ! FFTW that are not measured take twice the time).
+  elemental integer function inverse_length(n)
+    integer, intent(in) :: n
+    integer :: step
+
+    step = 2**max(0, exponent(real(n - 1)) - 3)
+    inverse_length = max(5, (n + step - 1) / step)
+    inverse_length = step * (inverse_length + merge(1, 0, inverse_length == 6))
+  end function inverse_length
+
+  ! Makes the plans of a lattice, and its spectrum of waves.
+  subroutine prepare_lattice(lattice, padded, side_ratio, operation, of_bodies)
+    type(wave_lattice), intent(inout) :: lattice
+    integer, intent(in) :: padded(2), operation   ! numbers of elements; displacements or inverse
+    real(real64), intent(in) :: side_ratio, of_bodies(3)  ! sides; g, m and beta
+    real(real64) :: q(2), shortest
+    integer :: i, j
+
+    lattice%columns = padded(1)
+    lattice%rows = padded(2)
+    allocate (lattice%spectrum(0:padded(2) / 2, 0:padded(1) / 2, merge( &
+      normal_y, yy, abs(of_bodies(3)) > 0.0_real64 .and. operation == by_tractions)))
+    call lattice%row_forward%prepare(real_to_waves, padded(1))
+    call lattice%column_forward%prepare(waves_forward, padded(2))
+    call lattice%column_back%prepare(waves_back, padded(2))
+    call lattice%row_back%prepare(waves_to_real, padded(1))
     do i = 0, padded(1) / 2
       do j = 0, padded(2) / 2
         q = 2.0_real64 * pi * [i / real(padded(1), real64), j / (padded(2) * side_ratio)]
         shortest = merge(0.0_real64, 1.0_real64, 2 * i == padded(1) .or. 2 * j == padded(2))
-        call set_wave(self%spectrum(j, i, :), q, shortest, g, m, beta)
+        call set_wave(lattice%spectrum(j, i, :), operation, q, shortest, of_bodies)
       end do
     end do
-    associate (lowest => 2.0_real64 * pi / max(real(padded(1), real64), padded(2) * side_ratio))
-      self%spectrum(0, 0, :) = 0.0_real64
-      self%spectrum(0, 0, [inverse_xx, inverse_yy]) = lowest / g
-    end associate
-    if (.not. all(repeats)) then
-      call set_elements(self, elements, side_ratio, findloc(repeats, .true., 1), g, m, beta)
-    end if
-    self%spectrum = self%spectrum / (real(self%columns, c_double) * self%rows)
-    self%diagonal = 0.0_real64
-    do i = 0, padded(1) / 2
-      do j = 0, padded(2) / 2
-        self%diagonal = self%diagonal + 0.5_real64 * sum(self%spectrum(j, i, [xx, yy])) * &
-          merge(1, 2, i == 0 .or. 2 * i == padded(1)) * merge(1, 2, j == 0 .or. 2 * j == padded(2))
-      end do
-    end do
-  end subroutine prepare_tractions
+    lattice%spectrum(0, 0, :) = 0.0_real64
+    if (operation == inverse_of_tractions) lattice%spectrum(0, 0, [xx, yy]) = 2.0_real64 * pi / &
+      (max(real(padded(1), real64), padded(2) * side_ratio) * of_bodies(1))
+    lattice%spectrum = lattice%spectrum / (real(padded(1), c_double) * padded(2))
+  end subroutine prepare_lattice
 
   ! Sets the terms of one wave, which is not the mean.
-  pure subroutine set_wave(term, q, shortest, g, m, beta)
+  pure subroutine set_wave(term, operation, q, shortest, of_bodies)
     real(c_double), intent(out) :: term(:)
+    integer, intent(in) :: operation      ! displacements or their inverse
     real(real64), intent(in) :: q(2)      ! wave number over the side
     real(real64), intent(in) :: shortest  ! factor of terms that are odd along an axis: 0 or 1
-    real(real64), intent(in) :: g, m, beta
-    real(real64) :: c(2), number
+    real(real64), intent(in) :: of_bodies(3)  ! g, m and beta
+    real(real64) :: c(2), even, number, of_along
 
+    associate (g => of_bodies(1), m => of_bodies(2), beta => of_bodies(3))
     number = max(hypot(q(1), q(2)), tiny(number))
     c = q / number
-    term(xx) = (g - m * c(1)**2) / number
-    term(xy) = -shortest * m * c(1) * c(2) / number
-    term(yy) = (g - m * c(2)**2) / number
-    associate (of_along => m / (g * (g - m)))
-      term(inverse_xx) = number * (1.0_real64 / g + of_along * c(1)**2)
-      term(inverse_xy) = shortest * number * of_along * c(1) * c(2)
-      term(inverse_yy) = number * (1.0_real64 / g + of_along * c(2)**2)
+    even = g / number
+    of_along = -m / number
+    if (operation == inverse_of_tractions) then
+      even = number / g
+      of_along = number * m / (g * (g - m))
+    end if
+    term(xx) = even + of_along * c(1)**2
+    term(xy) = shortest * of_along * c(1) * c(2)
+    term(yy) = even + of_along * c(2)**2
+    if (size(term) > yy) term([normal_x, normal_y]) = -shortest * 2.0_real64 * beta * c / number
     end associate
-    if (size(term) > inverse_yy) term([normal_x, normal_y]) = -shortest * 2.0_real64 * beta * &
-                                                              c / number
   end subroutine set_wave
 
-  ! Replaces the compliance by that of elements, transformed from all offsets.
-  subroutine set_elements(self, elements, side_ratio, strip_axis, g, m, beta)
-    class(traction_convolution), intent(inout) :: self
+  ! Sets the compliance to that of elements, transformed from all offsets.
+  subroutine set_elements(lattice, elements, side_ratio, strip_axis, of_bodies)
+    type(wave_lattice), intent(inout) :: lattice
     integer, intent(in) :: elements(2), strip_axis
-    real(real64), intent(in) :: side_ratio, g, m, beta
+    real(real64), intent(in) :: side_ratio, of_bodies(3)  ! g, m and beta
     real(real64), allocatable, dimension(:, :) :: half_x, half_y
 
+    associate (g => of_bodies(1), m => of_bodies(2), beta => of_bodies(3))
     allocate (half_x, source=integral_over_element(of_xx, elements, side_ratio, strip_axis))
     allocate (half_y, source=integral_over_element(of_yy, elements, side_ratio, strip_axis))
-    call take_table(self, xx, ((g - m) * half_y + g * half_x) / (2.0_real64 * pi))
-    call take_table(self, yy, ((g - m) * half_x + g * half_y) / (2.0_real64 * pi))
+    call take_table(lattice, xx, ((g - m) * half_y + g * half_x) / (2.0_real64 * pi))
+    call take_table(lattice, yy, ((g - m) * half_x + g * half_y) / (2.0_real64 * pi))
     half_x = integral_over_element(of_xy, elements, side_ratio, strip_axis)
-    call take_table(self, xy, m / (2.0_real64 * pi) * half_x)
-    if (size(self%spectrum, 3) == inverse_yy) return
+    call take_table(lattice, xy, m / (2.0_real64 * pi) * half_x)
+    if (size(lattice%spectrum, 3) == yy) return
     half_x = integral_over_element(of_x, elements, side_ratio, strip_axis)
-    call take_table(self, normal_x, beta / pi * half_x)
+    call take_table(lattice, normal_x, beta / pi * half_x)
     half_x = integral_over_element(of_y, elements, side_ratio, strip_axis)
-    call take_table(self, normal_y, beta / pi * half_x)
+    call take_table(lattice, normal_y, beta / pi * half_x)
+    end associate
   end subroutine set_elements
 
   ! Transforms a table by offset, with its parity. A term that is odd along one axis has an
   ! imaginary transform, of which the factor of i is kept.
-  subroutine take_table(self, term, table)
-    class(traction_convolution), intent(inout) :: self
+  subroutine take_table(lattice, term, table)
+    type(wave_lattice), intent(inout) :: lattice
     integer, intent(in) :: term
     real(real64), intent(in) :: table(0:, 0:)
     real(c_double), allocatable, target :: row(:)
     complex(c_double_complex), allocatable, target :: column(:), other(:), waves(:, :)
-    integer :: i, j, n(2)
-    real(real64) :: sign_of(2)
+    integer :: i, j, n(2), sign_of(2)
 
     n = shape(table)
-    sign_of = 1.0_real64 - 2.0_real64 * odd(:, term)
-    allocate (row(0:self%columns - 1), column(0:self%rows - 1), other(0:self%rows - 1), &
-              waves(0:self%columns / 2, 0:n(2) - 1))
-    row = 0.0_c_double
+    sign_of = 1 - 2 * odd(:, term)
+    allocate (row(0:lattice%columns - 1), source=0.0_c_double)
+    allocate (column(0:lattice%rows - 1), other(0:lattice%rows - 1), &
+              waves(0:lattice%columns / 2, 0:n(2) - 1))
     do j = 0, n(2) - 1
       row(:n(1) - 1) = table(:, j)
-      if (self%columns > n(1)) row(self%columns - n(1) + 1:) = sign_of(1) * table(n(1) - 1:1:-1, j)
-      call self%row_forward%apply(c_loc(row), c_loc(waves(0, j)))
+      if (lattice%columns > n(1)) row(lattice%columns - n(1) + 1:) = sign_of(1) * &
+                                                                     table(n(1) - 1:1:-1, j)
+      call lattice%row_forward%apply(c_loc(row), c_loc(waves(0, j)))
     end do
-    do i = 0, self%columns / 2
+    do i = 0, lattice%columns / 2
       column = (0.0_c_double, 0.0_c_double)
       column(:n(2) - 1) = waves(i, :)
-      if (self%rows > n(2)) column(self%rows - n(2) + 1:) = sign_of(2) * column(n(2) - 1:1:-1)
-      call self%column_forward%apply(c_loc(column), c_loc(other))
-      if (sum(odd(:, term)) == 1) then
-        self%spectrum(:, i, term) = aimag(other(:self%rows / 2))
-      else
-        self%spectrum(:, i, term) = real(other(:self%rows / 2), c_double)
-      end if
+      if (lattice%rows > n(2)) column(lattice%rows - n(2) + 1:) = sign_of(2) * column(n(2) - 1:1:-1)
+      call lattice%column_forward%apply(c_loc(column), c_loc(other))
+      if (sum(odd(:, term)) == 1) other = -i_unit * other
+      lattice%spectrum(:, i, term) = real(other(:lattice%rows / 2), c_double) / &
+                                     (real(lattice%columns, c_double) * lattice%rows)
     end do
   end subroutine take_table
 
   !> Convolves fields on the lattice of the preparation. Two components are those along x and y;
   !> pressures and normal displacements have one.
   subroutine apply_tractions(self, from, to, operation)
-    class(traction_convolution), intent(inout), target :: self  !! convolution with its plans
+    class(traction_convolution), intent(inout) :: self  !! convolution with its plans
     real(real64), intent(in) :: from(:, :, :)   !! (column, row, component)
     real(real64), intent(out) :: to(:, :, :)    !! (column, row, component)
     integer, intent(in) :: operation            !! what is computed
-    real(c_double), allocatable, target :: row(:)
-    integer :: c, j
+    type(element_set) :: every
+    logical, allocatable :: marks(:, :)
+    real(real64), allocatable :: values(:, :), given(:, :)
+    integer :: c
 
-    !$omp parallel private(row, c) if(size(self%transform) > thread_threshold)
-    allocate (row(self%columns))
+    allocate (marks(size(to, 1), size(to, 2)), source=.true.)
+    call list_elements(marks, every)
+    allocate (values(size(marks), size(to, 3)), given(size(marks), size(from, 3)))
     do c = 1, size(from, 3)
-      !$omp do schedule(static)
-      do j = 1, size(from, 2)
-        row(:size(from, 1)) = from(:, j, c)
-        row(size(from, 1) + 1:) = 0.0_c_double
-        call self%row_forward%apply(c_loc(row), c_loc(self%transform(0, j - 1, c)))
-      end do
-      !$omp end do
+      given(:, c) = pack(from(:, :, c), marks)
     end do
-    !$omp end parallel
-    call convolve_columns(self, size(from, 3), size(to, 3), operation)
-    !$omp parallel private(row, c) if(size(self%transform) > thread_threshold)
-    allocate (row(self%columns))
+    call self%apply_at(every, given, values, operation)
     do c = 1, size(to, 3)
-      !$omp do schedule(static)
-      do j = 1, size(to, 2)
-        call self%row_back%apply(c_loc(self%transform(0, j - 1, c)), c_loc(row))
-        to(:, j, c) = row(:size(to, 1))
-      end do
-      !$omp end do
+      to(:, :, c) = unpack(values(:, c), marks, 0.0_real64)
     end do
-    !$omp end parallel
   end subroutine apply_tractions
 
   !> The same for values on some elements, 0 on the others: rows without one are not transformed.
   subroutine apply_at_elements(self, set, from, to, operation)
     class(traction_convolution), intent(inout), target :: self  !! convolution with its plans
     type(element_set), intent(in) :: set        !! elements of the lattice
-    real(real64), intent(in) :: from(:, :)      !! (element, component along x and y)
-    real(real64), intent(out) :: to(:, :)       !! (element, component along x and y)
-    integer, intent(in) :: operation            !! tractions or their inverse
+    real(real64), intent(in) :: from(:, :)      !! (element, component)
+    real(real64), intent(out) :: to(:, :)       !! (element, component)
+    integer, intent(in) :: operation            !! what is computed
+
+    if (operation == inverse_of_tractions) then
+      call convolve(self%inverse, self%transform, set, from, to, operation)
+    else
+      call convolve(self%compliance, self%transform, set, from, to, operation)
+    end if
+  end subroutine apply_at_elements
+
+  ! Convolves values on some elements with a spectrum.
+  subroutine convolve(lattice, transform, set, from, to, operation)
+    type(wave_lattice), intent(in) :: lattice
+    complex(c_double_complex), intent(inout), target :: transform(0:, :, :)
+    type(element_set), intent(in) :: set
+    real(real64), intent(in) :: from(:, :)
+    real(real64), intent(out) :: to(:, :)
+    integer, intent(in) :: operation
     real(c_double), allocatable, target :: row(:)
     integer :: c, j, rows
 
     rows = size(set%first) - 1
-    !$omp parallel private(row, c) if(size(self%transform) > thread_threshold)
-    allocate (row(self%columns))
-    do c = 1, 2
+    !$omp parallel private(row, c) if(size(transform) > thread_threshold)
+    allocate (row(lattice%columns))
+    do c = 1, size(from, 2)
       !$omp do schedule(static)
       do j = 1, rows
         associate (first => set%first(j), last => set%first(j + 1) - 1)
           if (last < first) then
-            self%transform(:, j - 1, c) = (0.0_c_double, 0.0_c_double)
+            transform(:, j, c) = (0.0_c_double, 0.0_c_double)
           else
             row = 0.0_c_double
             row(set%column(first:last)) = from(first:last, c)
-            call self%row_forward%apply(c_loc(row), c_loc(self%transform(0, j - 1, c)))
+            call lattice%row_forward%apply(c_loc(row), c_loc(transform(0, j, c)))
           end if
         end associate
       end do
       !$omp end do
     end do
     !$omp end parallel
-    call convolve_columns(self, 2, 2, operation)
-    !$omp parallel private(row, c) if(size(self%transform) > thread_threshold)
-    allocate (row(self%columns))
-    do c = 1, 2
+    call convolve_columns(lattice, transform, size(from, 2), size(to, 2), operation)
+    !$omp parallel private(row, c) if(size(transform) > thread_threshold)
+    allocate (row(lattice%columns))
+    do c = 1, size(to, 2)
       !$omp do schedule(static)
       do j = 1, rows
         associate (first => set%first(j), last => set%first(j + 1) - 1)
           if (last >= first) then
-            call self%row_back%apply(c_loc(self%transform(0, j - 1, c)), c_loc(row))
+            call lattice%row_back%apply(c_loc(transform(0, j, c)), c_loc(row))
             to(first:last, c) = row(set%column(first:last))
           end if
         end associate
@@ -278,7 +313,7 @@ contains
       !$omp end do
     end do
     !$omp end parallel
-  end subroutine apply_at_elements
+  end subroutine convolve
 
   !> Lists the marked elements of a lattice.
   pure subroutine list_elements(marks, set)
@@ -301,35 +336,39 @@ contains
 
   ! Transforms the rows' waves along the columns, multiplies, and transforms them back. The bytes of
   ! the result do not depend on the number of threads: each column belongs to one of them.
-  subroutine convolve_columns(self, components_from, components_to, operation)
-    class(traction_convolution), intent(inout), target :: self
+  subroutine convolve_columns(lattice, transform, components_from, components_to, operation)
+    type(wave_lattice), intent(in) :: lattice
+    complex(c_double_complex), intent(inout) :: transform(0:, :, :)  ! (wave in x, row, component)
     integer, intent(in) :: components_from, components_to, operation
-    complex(c_double_complex), allocatable, target :: column(:, :, :), waves(:, :), images(:, :)
-    integer :: c, i, k, last, n
+    complex(c_double_complex), allocatable, target :: column(:, :, :), waves(:, :)
+    integer :: c, i, j, k, last, n
 
-    n = size(self%transform, 2)
-    !$omp parallel private(column, waves, images, c, k, last) &
-    !$omp if(size(self%transform) > thread_threshold)
-    allocate (column(0:self%rows - 1, 0:block_columns - 1, 2))
-    allocate (waves(0:self%rows - 1, 2), images(0:self%rows - 1, 2))
+    n = size(transform, 2)
+    !$omp parallel private(column, waves, c, j, k, last) &
+    !$omp if(size(transform) > thread_threshold)
+    allocate (column(0:lattice%rows - 1, 0:block_columns - 1, 2), waves(0:lattice%rows - 1, 2))
     !$omp do schedule(static)
-    do i = 0, self%columns / 2, block_columns
-      last = min(block_columns - 1, self%columns / 2 - i)
+    do i = 0, lattice%columns / 2, block_columns
+      last = min(block_columns - 1, lattice%columns / 2 - i)
       do c = 1, components_from
-        column(:n - 1, :last, c) = transpose(self%transform(i:i + last, :, c))
+        do j = 1, n
+          column(j - 1, :last, c) = transform(i:i + last, j, c)
+        end do
       end do
       do k = 0, last
         do c = 1, components_from
           column(n:, k, c) = (0.0_c_double, 0.0_c_double)
-          call self%column_forward%apply(c_loc(column(0, k, c)), c_loc(waves(0, c)))
+          call lattice%column_forward%apply(c_loc(column(0, k, c)), c_loc(waves(0, c)))
         end do
-        call multiply_waves(self, i + k, operation, waves, images)
+        call multiply_waves(lattice, i + k, operation, waves)
         do c = 1, components_to
-          call self%column_back%apply(c_loc(images(0, c)), c_loc(column(0, k, c)))
+          call lattice%column_back%apply(c_loc(waves(0, c)), c_loc(column(0, k, c)))
         end do
       end do
       do c = 1, components_to
-        self%transform(i:i + last, :, c) = transpose(column(:n - 1, :last, c))
+        do j = 1, n
+          transform(i:i + last, j, c) = column(j - 1, :last, c)
+        end do
       end do
     end do
     !$omp end do
@@ -337,36 +376,42 @@ contains
   end subroutine convolve_columns
 
   ! Multiplies the waves of one column: the upper half mirrors the lower one.
-  pure subroutine multiply_waves(self, i, operation, waves, images)
-    class(traction_convolution), intent(in) :: self
+  pure subroutine multiply_waves(lattice, i, operation, waves)
+    type(wave_lattice), intent(in) :: lattice
     integer, intent(in) :: i, operation
-    complex(c_double_complex), intent(in) :: waves(0:, :)
-    complex(c_double_complex), intent(out) :: images(0:, :)
-    integer :: j, k, first
+    complex(c_double_complex), intent(inout), contiguous :: waves(0:, :)
+    complex(c_double_complex) :: first
+    integer :: j, k, rows
 
-    first = merge(xx, inverse_xx, operation == by_tractions)
-    select case (operation)
-    case (normal_by_tractions)
-      do j = 0, self%rows - 1
-        k = min(j, self%rows - j)
-        images(j, 1) = i_unit * (self%spectrum(k, i, normal_x) * waves(j, 1) + &
-                                 sign(1, k - j) * self%spectrum(k, i, normal_y) * waves(j, 2))
-      end do
-    case (tangential_by_pressures)
-      do j = 0, self%rows - 1
-        k = min(j, self%rows - j)
-        images(j, 1) = -i_unit * self%spectrum(k, i, normal_x) * waves(j, 1)
-        images(j, 2) = -i_unit * sign(1, k - j) * self%spectrum(k, i, normal_y) * waves(j, 1)
-      end do
-    case default
-      do j = 0, self%rows - 1
-        k = min(j, self%rows - j)
-        associate (cross => sign(1, k - j) * self%spectrum(k, i, first + 1))
-          images(j, 1) = self%spectrum(k, i, first) * waves(j, 1) + cross * waves(j, 2)
-          images(j, 2) = cross * waves(j, 1) + self%spectrum(k, i, first + 2) * waves(j, 2)
-        end associate
-      end do
-    end select
+    rows = lattice%rows
+    associate (term => lattice%spectrum)
+      select case (operation)
+      case (normal_by_tractions)
+        do j = 0, rows - 1
+          k = min(j, rows - j)
+          waves(j, 1) = i_unit * (term(k, i, normal_x) * waves(j, 1) + &
+                                  sign(1, k - j) * term(k, i, normal_y) * waves(j, 2))
+        end do
+      case (tangential_by_pressures)
+        do j = 0, rows - 1
+          k = min(j, rows - j)
+          waves(j, 2) = -i_unit * (sign(1, k - j) * term(k, i, normal_y)) * waves(j, 1)
+          waves(j, 1) = -i_unit * term(k, i, normal_x) * waves(j, 1)
+        end do
+      case default
+        do k = 0, rows / 2
+          first = waves(k, 1)
+          waves(k, 1) = term(k, i, xx) * first + term(k, i, xy) * waves(k, 2)
+          waves(k, 2) = term(k, i, xy) * first + term(k, i, yy) * waves(k, 2)
+        end do
+        do k = 1, (rows - 1) / 2
+          j = rows - k
+          first = waves(j, 1)
+          waves(j, 1) = term(k, i, xx) * first - term(k, i, xy) * waves(j, 2)
+          waves(j, 2) = term(k, i, yy) * waves(j, 2) - term(k, i, xy) * first
+        end do
+      end select
+    end associate
   end subroutine multiply_waves
 
 end module asperity_traction_convolution

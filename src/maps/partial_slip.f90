@@ -18,8 +18,8 @@ module asperity_partial_slip
   use asperity_process, only: check_memory
   use asperity_slip_increments, only: begin_rubbing, forget_tractions, rubbed_map, slip_memory, &
                                       slip_request, take_increment
-  use asperity_slip_solver, only: set_sticking
-  use asperity_tangential_stiffness, only: room_for_tractions, stiffness_of
+  use asperity_slip_solver, only: find_compliance, set_sticking
+  use asperity_tangential_stiffness, only: room_for_tractions
   use asperity_traction_convolution, only: element_set, list_elements
   implicit none
   private
@@ -46,6 +46,9 @@ module asperity_partial_slip
   ! Increments of each line of a load that turns (measured: the displacement after a quarter of a
   ! circle is in error by 2 %; test: test/maps/test_partial_slip.py).
   integer, parameter :: turn_steps = 32
+  ! Largest residual of an increment of a load on a straight line (chosen), and of one that turns,
+  ! whose number `turn_steps` leaves 1e-2 of the displacement (chosen: their sum is 1e-4 of it).
+  real(real64), parameter :: direct_tolerance = 1.0e-7_real64, turn_tolerance = 2.0e-6_real64
   ! Part of the load that a turn is, at least (chosen, for rounding).
   real(real64), parameter :: least_turn = 1.0e-12_real64
 
@@ -158,7 +161,7 @@ contains
     type(slip_answer), intent(out) :: slip
     character(len=:), allocatable, intent(out) :: failure
     real(real64) :: change(2), energy_at(0:size(request%path, 2)), from(2), given(2), &
-                    matrix(2, 2), started(2), step(2), unit
+                    compliance(1, 1), started(2), step(2), unit
     type(element_set) :: contact
     integer :: i, k, last, parts, straight
 
@@ -179,6 +182,8 @@ contains
           given = given + step
           if (.not. maxval(abs(step)) > 0.0_real64) cycle
           change = step
+          if (k == 1) memory%change = 0.0_real64
+          surface%tolerance = merge(turn_tolerance, direct_tolerance, parts > 1)
           call take_increment(surface, request%by_load, merge(given, step, request%by_load), &
                               memory, answer, failure, answer%load)
           if (allocated(failure)) return
@@ -208,23 +213,15 @@ contains
       slip%energy = modulus * cell * side * memory%energy
       if (surface%map%strip_axis > 0) slip%stiffness = not_computed
       if (surface%map%strip_axis > 0 .or. slip%slides) return
-      matrix = stiffness_of(surface%map, modulus, surface%operator, surface%space)
+      ! That of the load going on.
+      if (.not. maxval(abs(change)) > 0.0_real64) change(1) = 1.0_real64
+      call find_compliance(surface%operator, surface%space, &
+                           reshape(change / norm2(change), [2, 1]), compliance)
       slip%stiffness = not_computed
-      if (matrix(1, 1) > not_computed) slip%stiffness = along_load(matrix, change)
+      if (compliance(1, 1) > 0.0_real64) &
+        slip%stiffness = modulus * surface%map%pixel_spacing(2) / compliance(1, 1)
     end associate
   end subroutine follow_path
-
-  ! Stiffness of a load that goes on: of displacements C t under a load along t, 1/(t.C t).
-  pure real(real64) function along_load(matrix, change) result(stiffness)
-    real(real64), intent(in) :: matrix(2, 2)  ! load by displacement
-    real(real64), intent(in) :: change(2)     ! direction of the load
-    real(real64) :: t(2)
-
-    t = [1.0_real64, 0.0_real64]
-    if (maxval(abs(change)) > 0.0_real64) t = change / hypot(change(1), change(2))
-    stiffness = (matrix(1, 1) * matrix(2, 2) - matrix(1, 2)**2) / &
-                (matrix(2, 2) * t(1)**2 + matrix(1, 1) * t(2)**2 - 2 * matrix(1, 2) * t(1) * t(2))
-  end function along_load
 
   !> Tangential load and area that sticks of each contact patch.
   subroutine slip_of_patches(map, loaded, slip, load, stick_area)

@@ -35,6 +35,7 @@ module asperity_slip_increments
   !> side of a pixel along x.
   type :: slip_memory
     real(real64), allocatable :: traction(:, :, :)  !! q on the lower body
+    real(real64), allocatable :: change(:, :, :)    !! of q by the increment before, to begin with
     real(real64), allocatable :: moved(:, :, :)     !! elastic displacement by tractions, pressures
     real(real64), allocatable :: slip(:, :, :)      !! of the upper body over the lower one
     real(real64), allocatable :: uplift(:, :)         !! u(q) apart from each other [length]
@@ -50,6 +51,7 @@ module asperity_slip_increments
     real(real64) :: modulus = 0.0_real64     !! combined modulus, more than 0
     real(real64) :: coefficient = 0.0_real64  !! coefficient of friction
     logical :: is_coupled = .false.          !! unlike bodies
+    real(real64) :: tolerance = 1.0e-7_real64  !! largest residual of an increment
     type(traction_convolution) :: operator   !! displacements by tractions
     type(tangent_space) :: space             !! pixels that stick and slide
   end type rubbed_map
@@ -84,7 +86,7 @@ contains
     type(slip_memory), intent(out) :: memory     !! state without a tangential load
 
     allocate (memory%traction(size(map%height, 1), size(map%height, 2), 2), source=0.0_real64)
-    allocate (memory%moved, memory%slip, source=memory%traction)
+    allocate (memory%change, memory%moved, memory%slip, source=memory%traction)
     allocate (memory%uplift, source=memory%traction(:, :, 1))
     allocate (memory%sticks(size(map%height, 1), size(map%height, 2)), source=.false.)
   end subroutine forget_tractions
@@ -108,6 +110,8 @@ contains
 
     problem%by_load = by_load
     problem%given = given
+    problem%tolerance = surface%tolerance
+    problem%reference = maxval(abs(memory%displacement))
     allocate (by_pressure(size(surface%height, 1), size(surface%height, 2), 2), &
               u(size(surface%height, 1), size(surface%height, 2), 1), &
               pressure(size(surface%height, 1), size(surface%height, 2)), source=0.0_real64)
@@ -123,7 +127,7 @@ contains
         end if
         u(:, :, 1) = answer%pressure / surface%modulus
         call surface%operator%apply(u, by_pressure, tangential_by_pressures)
-        problem%reference = maxval(abs(by_pressure))
+        problem%reference = max(problem%reference, maxval(abs(by_pressure)))
       end if
       in_contact = answer%pressure > 0.0_real64 .and. surface%coefficient > 0.0_real64
       if (.not. any(in_contact)) then
@@ -136,7 +140,8 @@ contains
       call list_elements(in_contact, problem%set)
       problem%limit = surface%coefficient / surface%modulus * pack(answer%pressure, in_contact)
       problem%base = pack_components(memory%moved - by_pressure, in_contact)
-      q = pack_components(memory%traction, in_contact)
+      q = pack_components(memory%traction + memory%change, in_contact)
+      memory%change = -memory%traction
       slip = q
       call find_tractions(surface%operator, problem, q, slip, displacement, surface%space, ending, &
                           answer%interrupt)
@@ -144,6 +149,7 @@ contains
       if (answer%interrupt%is_asked()) failure = 'interrupted'
       if (allocated(failure)) return
       memory%traction = unpack_components(q, in_contact)
+      memory%change = memory%change + memory%traction
       if (.not. surface%is_coupled) exit
       change = maxval(abs(answer%pressure - pressure)) / maxval(answer%pressure)
       if (turn > 1 .and. change <= settled) exit

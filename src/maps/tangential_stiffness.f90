@@ -15,7 +15,7 @@ module asperity_tangential_stiffness
   implicit none
   private
 
-  public :: find_tangential_stiffness, prepare_for_map, room_for_tractions, stiffness_of
+  public :: find_tangential_stiffness, prepare_for_map, room_for_tractions
 
 contains
 
@@ -31,6 +31,7 @@ contains
     type(element_set) :: set
     type(tangent_space) :: space
     character(len=:), allocatable :: failure
+    real(real64) :: compliance(2, 2)
 
     stiffness = 0.0_real64
     if (.not. any(sticks)) return
@@ -41,29 +42,14 @@ contains
     call prepare_for_map(map, poisson_ratio, 0.0_real64, operator)
     call list_elements(sticks, set)
     call set_sticking(set, space)
-    stiffness = stiffness_of(map, modulus, operator, space)
-  end subroutine find_tangential_stiffness
-
-  !> Stiffness of pixels that stick and slide; `not_computed` where there is no displacement.
-  function stiffness_of(map, modulus, operator, space) result(stiffness)
-    type(height_map), intent(in) :: map           !! map with its edges
-    real(real64), intent(in) :: modulus           !! combined modulus, more than 0
-    type(traction_convolution), intent(inout) :: operator  !! of the map
-    type(tangent_space), intent(in) :: space      !! pixels that stick and slide
-    real(real64) :: stiffness(2, 2)               !! load by displacement [force/length]
-    real(real64) :: compliance(2, 2)
-
-    stiffness = not_computed
-    call find_compliance(operator, space, compliance)
+    call find_compliance(operator, space, reshape([1.0_real64, 0.0_real64, 0.0_real64, 1.0_real64], &
+                                                  [2, 2]), compliance)
     associate (determinant => compliance(1, 1) * compliance(2, 2) - compliance(1, 2)**2)
-      if (.not. min(compliance(1, 1), compliance(2, 2)) > sqrt(epsilon(modulus)) * &
-          operator%diagonal / size(space%stiffening)) return
       ! Lengths across are over the side of a pixel.
-      stiffness = modulus * map%pixel_spacing(2) / determinant * &
-                  reshape([compliance(2, 2), -compliance(2, 1), -compliance(1, 2), &
-                           compliance(1, 1)], [2, 2])
+      if (determinant > 0.0_real64) stiffness = modulus * map%pixel_spacing(2) / determinant * &
+        reshape([compliance(2, 2), -compliance(2, 1), -compliance(1, 2), compliance(1, 1)], [2, 2])
     end associate
-  end function stiffness_of
+  end subroutine find_tangential_stiffness
 
   !> Prepares the displacements by tractions on a map.
   subroutine prepare_for_map(map, poisson_ratio, beta, operator)
@@ -75,8 +61,8 @@ contains
                           [map%repeats(1), map%repeats(2)], poisson_ratio, beta)
   end subroutine prepare_for_map
 
-  !> Memory of the tangential problem of a map, bytes: spectra of 6 or 8 terms, a quarter of each,
-  !> two transforms, and at most 32 arrays of the pixels.
+  !> Memory of the tangential problem of a map, bytes: at most 8 spectra, a quarter of each, two
+  !> transforms, and at most 34 arrays of the pixels.
   pure integer(int64) function room_for_tractions(map) result(bytes)
     type(height_map), intent(in) :: map  !! height map, periodic or free
     real(real64) :: padded(2)
@@ -84,7 +70,7 @@ contains
     padded = shape(map%height)
     where (.not. [map%repeats(1), map%repeats(2)]) padded = padded_length(2 * shape(map%height) - 1)
     bytes = nint(16 * (product(padded) + padded(1) * map%rows) + &
-                 8 * 32 * real(size(map%height), real64), int64) + bytes_of_plans
+                 8 * 34 * real(size(map%height), real64), int64) + bytes_of_plans
   end function room_for_tractions
 
 end module asperity_tangential_stiffness
