@@ -87,6 +87,7 @@ contains
     logical :: none_touches    ! no open contact touched at the last examination
     logical :: eliminates      ! contacts with large residuals are solved before the step
     logical :: is_taken        ! the step has reduced the potential
+    logical :: was_complete    ! all open contacts were examined in a solved state
     logical :: has_final_lists ! the near pairs are those of the solution
     logical :: any_released, is_start
 
@@ -111,6 +112,7 @@ contains
     none_touches = .false.
     eliminates = .false.
     has_final_lists = .false.
+    was_complete = .false.
     failed_steps = 0
     examined_residual = huge(examined_residual)
     last_residual = huge(last_residual)
@@ -131,9 +133,10 @@ contains
         examines_open = is_solved .or. .not. none_touches .or. may_touch(solution, state)
       if (examines_open) then
         examined_residual = state%residual
-        call activate_touching(pairs, law, attainable, is_solved, solution, state, resolved, &
-                               none_touches)
+        call activate_touching(pairs, law, attainable, is_solved .and. .not. was_complete, &
+                               solution, state, resolved, none_touches)
         if (allocated(solution%failure)) return
+        was_complete = was_complete .or. is_solved
         if (is_solved .and. none_touches) exit
         ! Activated contacts are far from their loads: elimination finds these first.
         if (state%residual > residual_share * examined_residual .and. .not. none_touches) &

@@ -10,7 +10,6 @@ module asperity_coupled_state
   use asperity_contact_pairs, only: contact_pair, contact_pairs
   use asperity_kinds, only: real64
   use asperity_solve_ending, only: solve_ending
-  use asperity_source_tree, only: source_tree
   implicit none
   private
 
@@ -55,7 +54,6 @@ module asperity_coupled_state
     logical :: rebuilds_lists = .false.             !! the next field has new neighbour lists
     integer, allocatable :: order(:)                !! order of pairs, square by square
     real(real64), allocatable :: examined(:)        !! penetrations when open contacts were examined
-    type(source_tree) :: open_tree                  !! circles, and open contacts as targets
   end type solve_state
 
   ! Growth of a circle [1] from which on it has other near neighbours, as has one that has moved by

@@ -13,7 +13,7 @@ module asperity_open_contacts
   use asperity_hidden_contacts, only: is_hidden
   use asperity_kinds, only: real64
   use asperity_mutual_displacement, only: mutual_displacement, mutual_terms
-  use asperity_source_tree, only: build_tree, sum_sources
+  use asperity_source_tree, only: build_tree, source_tree, sum_sources
   implicit none
   private
 
@@ -24,8 +24,8 @@ contains
   !> Finds the open contacts that touch, with their penetrations and shifts.
   !>
   !> In a large set, unless `is_complete`, only those are examined again that would touch by a
-  !> change of the field twice as large as any at the loaded contacts: outside the loads a field and
-  !> its changes are nowhere larger.
+  !> change of the field twice as large as any at the loaded contacts, or may no longer be hidden:
+  !> outside the loads a field and its changes are nowhere larger.
   subroutine find_touching(pairs, law, accuracy, is_complete, solution, state, resolved, number)
     type(contact_pairs), intent(in) :: pairs               !! pairs of the position
     class(contact_law), intent(in) :: law                  !! of each contact
@@ -46,7 +46,8 @@ contains
     is_open(solution%set%contact) = .false.
     if (present(resolved)) is_open = is_open .and. .not. resolved%is_resolved
     if (allocated(state%examined) .and. .not. is_complete .and. size(solution%set%x) > large_set) &
-      is_open = is_open .and. state%examined > -largest_change(solution, state)
+      is_open = is_open .and. (solution%stays_open .or. &
+                               state%examined > -largest_change(solution, state))
     allocate (touches(size(is_open)), source=.false.)
     number = pack([(i, i=1, size(is_open))], is_open)
     do pass = 1, digits(lowest)
@@ -96,10 +97,11 @@ contains
   subroutine minimise_gaps(pairs, number, state, lowest, solution, touches)
     type(contact_pairs), intent(in) :: pairs
     integer, intent(in) :: number(:)               ! indices of open contacts in the list
-    type(solve_state), intent(inout) :: state      ! gaps; gets its tree
+    type(solve_state), intent(in) :: state         ! gaps
     real(real64), intent(in) :: lowest             ! penetration of one that touches
     type(coupled_solution), intent(inout) :: solution
     logical, intent(inout) :: touches(:)           ! by pair
+    type(source_tree) :: tree                      ! circles, and open contacts as targets
     real(real64), allocatable :: field(:, :)
     real(real64) :: height_after, height_before, far(3), shift(2)
     integer :: i, k, n
@@ -108,24 +110,23 @@ contains
     allocate (field(6, n))
     associate (set => solution%set)
       ! The lists are at the shifted places: an inclined surface moves contacts past circles.
-      call build_tree(state%open_tree, &
+      call build_tree(tree, &
                       [set%x + set%shift(1, :), pairs%list(number)%x + solution%shift(1, number)], &
                       [set%y + set%shift(2, :), pairs%list(number)%y + solution%shift(2, number)], &
                       [set%radius, spread(0.0_real64, 1, n)], near_factor, size(set%x))
-      if (allocated(state%open_tree%failure)) then
-        solution%failure = state%open_tree%failure
+      if (allocated(tree%failure)) then
+        solution%failure = tree%failure
         return
       end if
-      state%open_tree%translation = set%tree%translation
-      call sum_sources(state%open_tree, set%load / pi, hertz_spread(set%radius), field)
+      tree%translation = set%tree%translation
+      call sum_sources(tree, set%load / pi, hertz_spread(set%radius), field)
       !$omp parallel do schedule(dynamic, 64) if(n > large_set) &
       !$omp   private(i, height_after, height_before, far, shift)
       do k = 1, n
         i = number(k)
         far = field([1, 3, 4], k)
         shift = solution%shift(:, i)
-        associate (near => state%open_tree%near(state%open_tree%first(k): &
-                                             state%open_tree%first(k + 1) - 1), &
+        associate (near => tree%near(tree%first(k):tree%first(k + 1) - 1), &
                    p => solution%penetration(i), reach => solution%compression - state%gap(i), &
                    radius => plan_radius(pairs%list(i)), &
                    shift_gain => 0.5_real64 * plan_radius(pairs%list(i)) * sum(far(2:)**2))
