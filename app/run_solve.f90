@@ -1,5 +1,6 @@
 !> The command `asperity solve SCENE`: scene, present-day solver, summary and CSV files.
 module asperity_run_solve
+  use, intrinsic :: iso_c_binding, only: c_int
   use asperity_command_line, only: command_line, is_shared, refuse_input
   use asperity_command_outcome, only: command_outcome
   use asperity_contact_field, only: contact_field, fields_all, fields_last
@@ -12,6 +13,7 @@ module asperity_run_solve
   use asperity_map_stress, only: check_stress, largest_stress, look_for_largest, no_ratio, &
                                  stress_solver
   use asperity_number_format, only: count_text, number_text
+  use asperity_output_files, only: close_part, open_part
   use asperity_problems, only: decimal_text, problem_list
   use asperity_process, only: check_memory
   use asperity_result_table, only: array_table, make_arrays
@@ -142,13 +144,12 @@ contains
     subroutine stage_field(field, times)
       type(contact_field), intent(in) :: field
       real(real64), intent(in) :: times(:)  ! of all states of its position
-      type(text_buffer) :: vti
       character(len=:), allocatable :: path
+      integer(c_int) :: descriptor
       character(len=5) :: ending
       integer :: dot
 
-      if (.not. line%has('--fields')) return
-      call write_vti(field, merge(times(field%state), not_computed, any(times > 0.0_real64)), vti)
+      if (.not. line%has('--fields') .or. allocated(outcome%failure)) return
       path = line%output_path('--fields')
       if (line%choice('--fields-of') == fields_all) then
         ! `NAME_0001.vti`, by the row of the table of states.
@@ -157,7 +158,11 @@ contains
         if (dot <= index(path, '/', back=.true.) + 1) dot = len(path) + 1
         path = path(:dot - 1) // ending // path(dot:)
       end if
-      call outcome%stage_text(path, vti)
+      call open_part(path, descriptor, outcome%failure)
+      if (allocated(outcome%failure)) return
+      call write_vti(field, merge(times(field%state), not_computed, any(times > 0.0_real64)), &
+                     descriptor, outcome%failure)
+      call close_part(path, descriptor, outcome%failure)
     end subroutine stage_field
 
     ! The pressures of the last state as a histogram.

@@ -2,9 +2,11 @@
 !> field: image data (.vti), values of cells, appended as raw bytes.
 module asperity_results_vtk
   use, intrinsic :: ieee_arithmetic, only: ieee_quiet_nan, ieee_value
+  use, intrinsic :: iso_c_binding, only: c_int
   use asperity_contact_field, only: contact_field, contact_marks
+  use asperity_files, only: write_bytes
   use asperity_kinds, only: int64, int8, not_computed, real64
-  use asperity_problems, only: decimal_text
+  use asperity_problems, only: decimal_text, not_enough_memory
   use asperity_result_table, only: array_table, place_of, put_cell
   use asperity_text_buffer, only: text_buffer
   implicit none
@@ -14,8 +16,8 @@ module asperity_results_vtk
 
   ! Bytes before the values of an array, which count them; of a number.
   integer(int64), parameter :: count_bytes = 8_int64, real_bytes = 8_int64
-  ! Bytes of the head and the end of a file, at most.
-  integer(int64), parameter :: head_bytes = 2048_int64
+  ! Bytes that are written at once, at least; chosen.
+  integer(int64), parameter :: block_size = 65536_int64
 
 contains
 
@@ -64,28 +66,23 @@ contains
   !> pressure, gap, displacement (NaN where a pixel was not measured) and contact (1 or 0); with a
   !> tangential load tractions, slip and stick (1 or 0). On the grid of asperities two numbers state
   !> how many contacts have the pressure of boundary elements and of Hertz.
-  subroutine write_vti(field, time, buffer)
+  subroutine write_vti(field, time, descriptor, failure)
     type(contact_field), intent(in) :: field    !! of one state
     real(real64), intent(in) :: time            !! of the state; `not_computed`: there is none
-    type(text_buffer), intent(inout) :: buffer  !! gets the bytes
+    integer(c_int), intent(in) :: descriptor    !! of the open file, which gets the bytes by rows
+    character(len=:), allocatable, intent(out) :: failure   !! why it was not written
     character(len=*), parameter :: number = 'NumberOfTuples="1" format="ascii">'
     character(len=*), parameter :: names(7) = [character(len=12) :: 'pressure', 'gap', &
       'displacement', 'traction_x', 'traction_y', 'slip_x', 'slip_y']
+    type(text_buffer) :: buffer
     integer(int64) :: offset, pixels
     character(len=80) :: numbers
     character(len=:), allocatable :: extent
-    integer :: i, kinds, status
+    integer :: i, kinds
     logical :: has_numbers
 
     pixels = int(field%columns, int64) * field%rows
     kinds = merge(size(names), 3, allocated(field%traction))
-    ! All of the file at once: a text that grows is there twice.
-    if (.not. allocated(buffer%store)) then
-      allocate (character(len=pixels * (real_bytes * kinds + 2) + head_bytes) :: &
-                buffer%store, stat=status)
-      buffer%failed = buffer%failed .or. status /= 0
-      if (status /= 0) return
-    end if
     extent = '"0 ' // decimal_text(field%columns) // ' 0 ' // decimal_text(field%rows) // ' 0 0"'
     call buffer%line('<?xml version="1.0"?>')
     call buffer%line('<VTKFile type="ImageData" version="1.0" byte_order="' // &
@@ -123,14 +120,20 @@ contains
     call buffer%append('</CellData>' // new_line('a') // '</Piece>' // new_line('a'))
     call buffer%line('</ImageData>')
     call buffer%append('<AppendedData encoding="raw">_')
-    call put_reals(field%pressure, buffer)
-    call put_reals(field%gap, buffer)
-    call put_reals(field%displacement, buffer)
-    if (kinds > 3) call put_slip(field, buffer)
-    call put_marks(contact_marks(field), buffer)
-    if (kinds > 3) call put_marks(field%sticks, buffer)
+    call put_reals(field%pressure)
+    call put_reals(field%gap)
+    call put_reals(field%displacement)
+    if (kinds > 3) then
+      call put_reals(field%traction)
+      call put_reals(field%traction_y)
+      call put_reals(field%slip_x)
+      call put_reals(field%slip_y)
+    end if
+    call put_marks(contact_marks(field))
+    if (kinds > 3) call put_marks(field%sticks)
     call buffer%line(new_line('a') // '</AppendedData>')
     call buffer%line('</VTKFile>')
+    call write_block(0_int64)
 
   contains
 
@@ -141,18 +144,46 @@ contains
                                  decimal_text(offset) // '"/>'))
     end subroutine put_head
 
+    ! Numbers of all pixels with the count of their bytes; NaN where one was not computed.
+    subroutine put_reals(values)
+      real(real64), intent(in) :: values(:, :)
+      integer :: j
+
+      call buffer%append(transfer(real_bytes * size(values, kind=int64), &
+                                  repeat('a', int(count_bytes))))
+      do j = 1, size(values, 2)
+        associate (row => values(:, j))
+          call buffer%append(transfer(merge(row, ieee_value(row(1), ieee_quiet_nan), &
+                                            row > not_computed), repeat('a', 8 * size(row))))
+        end associate
+        call write_block(block_size)
+      end do
+    end subroutine put_reals
+
+    ! A byte a pixel, 1 where it is marked, with the count of the bytes.
+    subroutine put_marks(marks)
+      logical, intent(in) :: marks(:, :)
+      integer :: j
+
+      call buffer%append(transfer(size(marks, kind=int64), repeat('a', int(count_bytes))))
+      do j = 1, size(marks, 2)
+        call buffer%append(transfer(int(merge(1, 0, marks(:, j)), int8), &
+                                    repeat('a', size(marks, 1))))
+        call write_block(block_size)
+      end do
+    end subroutine put_marks
+
+    ! Writes what has gathered, from so many bytes on.
+    subroutine write_block(least)
+      integer(int64), intent(in) :: least
+
+      if (buffer%failed) failure = not_enough_memory // ' for its text'
+      if (allocated(failure) .or. buffer%used < least) return
+      call write_bytes(descriptor, buffer%store(:buffer%used), failure)
+      buffer%used = 0_int64
+    end subroutine write_block
+
   end subroutine write_vti
-
-  ! Writes tractions and slip.
-  subroutine put_slip(field, buffer)
-    type(contact_field), intent(in) :: field
-    type(text_buffer), intent(inout) :: buffer
-
-    call put_reals(field%traction, buffer)
-    call put_reals(field%traction_y, buffer)
-    call put_reals(field%slip_x, buffer)
-    call put_reals(field%slip_y, buffer)
-  end subroutine put_slip
 
   ! The tag of an array: its type, its name and what follows.
   pure function array_tag(type_name, name, rest) result(tag)
@@ -161,33 +192,5 @@ contains
 
     tag = '<DataArray type="' // trim(type_name) // '" Name="' // name // '" ' // rest
   end function array_tag
-
-  ! Numbers of all pixels with the count of their bytes; NaN where one was not computed.
-  subroutine put_reals(values, buffer)
-    real(real64), intent(in) :: values(:, :)
-    type(text_buffer), intent(inout) :: buffer
-    integer :: j
-
-    call buffer%append(transfer(real_bytes * size(values, kind=int64), &
-                                repeat('a', int(count_bytes))))
-    do j = 1, size(values, 2)
-      associate (row => values(:, j))
-        call buffer%append(transfer(merge(row, ieee_value(row(1), ieee_quiet_nan), &
-                                          row > not_computed), repeat('a', 8 * size(row))))
-      end associate
-    end do
-  end subroutine put_reals
-
-  ! A byte a pixel, 1 where it is marked, with the count of the bytes.
-  subroutine put_marks(marks, buffer)
-    logical, intent(in) :: marks(:, :)
-    type(text_buffer), intent(inout) :: buffer
-    integer :: j
-
-    call buffer%append(transfer(size(marks, kind=int64), repeat('a', int(count_bytes))))
-    do j = 1, size(marks, 2)
-      call buffer%append(transfer(int(merge(1, 0, marks(:, j)), int8), repeat('a', size(marks, 1))))
-    end do
-  end subroutine put_marks
 
 end module asperity_results_vtk
