@@ -77,7 +77,8 @@ FORTRAN = (("", ""), (WITH + SUMMITS, NO_PROBLEM), (WITH + MAP, NO_FAILURE),
 # serve the solver alone.
 TYPES = {"Options": ("run/run_options", "run_options", ("largest_error",)),
          "## Results": ("results/contact_records", "position_result",
-                        ("counted", "rows_used", "lacks_memory", "pressures", "no_estimate", "left_out")),
+                        ("counted", "rows_used", "lacks_memory", "pressures", "no_estimate",
+                         "left_out")),
          "`type(state_row)`": ("results/contact_records", "state_row", ()),
          "`type(contact_row)`": ("results/contact_records", "contact_row", ()),
          "Fields, `type(contact_field)`": ("results/contact_field", "contact_field", ())}
