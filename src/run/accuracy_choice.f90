@@ -23,8 +23,8 @@ module asperity_accuracy_choice
   implicit none
   private
 
-  public :: check_accuracy, check_left_out, choose_model, errors_of_run, first_method, &
-            method_choice, report_errors, report_method, take_next, typed_number
+  public :: check_accuracy, check_left_out, choose_model, compare_pixels, errors_of_run, &
+            first_method, method_choice, report_errors, report_method, take_next, typed_number
 
   ! Relative error of the solvers of effects: docs/reference/exit-status.md.
   real(real64), parameter :: effect_error = 1.0e-9_real64
@@ -76,6 +76,8 @@ module asperity_accuracy_choice
     real(real64) :: last(2) = 0.0_real64
     real(real64) :: resolution = 1.0_real64  !! pixels along a side over those of the map
     real(real64) :: finest = 1.0_real64      !! largest of these; `unknown`
+    !> Total, its error and pixels along a side of the last run on pixels; 0: there is none.
+    real(real64) :: before(3) = 0.0_real64
   end type method_choice
 
 contains
@@ -136,6 +138,30 @@ contains
       end if
     end associate
   end subroutine take_next
+
+  !> Replaces an error of pixels that is within the accuracy by that of two grids (Roache, J. Fluids
+  !> Eng. 116 (1994) 405), where the latter is not and the load, or the compression under a load, has
+  !> changed by more from the pixels before than their error was: they did not resolve the map.
+  pure subroutine compare_pixels(scene_in, results, goal, method, error)
+    type(scene), intent(in) :: scene_in            !! scene with a map that was solved
+    type(scene_results), intent(in) :: results     !! its results
+    real(real64), intent(in) :: goal               !! accuracy of the load
+    type(method_choice), intent(inout) :: method   !! method that was used; gets these results
+    real(real64), intent(inout) :: error           !! estimated error of the load
+    real(real64), parameter :: safety = 3.0_real64
+    real(real64) :: change, of_grids, total
+    type(state_row) :: last
+
+    last = last_state(results%positions(1))
+    total = merge(last%compression, last%load, is_load(scene_in%loading%control))
+    change = abs(total - method%before(1))
+    if (method%before(2) > 0.0_real64 .and. change > method%before(2) * abs(total)) then
+      of_grids = safety * change / abs(total) / &
+                 ((method%resolution / method%before(3))**order_of_load - 1.0_real64)
+      if (of_grids > goal) error = max(error, of_grids)
+    end if
+    method%before = [total, error, method%resolution]
+  end subroutine compare_pixels
 
   ! The next pixels of a map: every fourth, every second, all; where it is known between them as
   ! many as its errors by the separation and by first contact take.

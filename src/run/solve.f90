@@ -1,7 +1,7 @@
 !> Solution of a scene, with its own settings or to a requested accuracy.
 module asperity_solve
   use asperity_accuracy_choice, only: check_accuracy, check_left_out, choose_model, &
-                                      errors_of_run, first_method, method_choice, &
+                                      compare_pixels, errors_of_run, first_method, method_choice, &
                                       report_errors, report_method, take_next
   use asperity_height_map, only: height_map
   use asperity_kinds, only: int64, real64
@@ -133,6 +133,8 @@ contains
         call check_left_out(chosen, options%accuracy, results, failure)
         if (allocated(failure)) return
         errors = errors_of_run(chosen, results)
+        if (allocated(scene_in%map)) call compare_pixels( &
+          scene_in, results, options%accuracy, method, errors(1))
         results%error_bound = errors(total)
         if (errors(total) <= options%accuracy) then
           call report_method(chosen, method, results)

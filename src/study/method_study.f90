@@ -188,7 +188,6 @@ contains
     real(real64) :: seconds
     type(run_options) :: options
     type(original_records) :: records
-    character(len=:), allocatable :: failure
     integer(int64) :: from, rate, until
 
     options = run_options(keep_contacts=.false., threads=1)
