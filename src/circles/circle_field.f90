@@ -56,8 +56,8 @@ module asperity_circle_field
   ! Memory of a near pair, bytes, derived: 56 of its terms, 24 of its circles and places in lists,
   ! both twice, as a step keeps the state before it, 56 of the lists that blocks are made from.
   integer(int64), parameter :: bytes_of_pair = 216_int64
-  !> The same of a circle, derived: 1152 of a full block of 16, 440 of set, solution and step, 308 of
-  !> the tree, both again for the state before.
+  !> The same of a circle, derived: 1152 of a full block of 16, 440 of set, solution and step, 308
+  !> of the tree, both again for the state before.
   integer(int64), parameter, public :: bytes_of_circle = 2648_int64
 
   !> Loaded contacts, one a circle, and their field. Arrays have one element, or column, a circle.

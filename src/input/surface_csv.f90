@@ -95,7 +95,7 @@ contains
     real(real64), intent(in) :: common_radius
     real(real64) :: numbers(4)
     character(len=:), allocatable :: failure
-    integer :: first_line, i, lines, rows, status
+    integer :: first_line, i, lines, rows
     logical :: good, all_good
 
     ! The last line may have no line feed.
@@ -103,16 +103,15 @@ contains
     do i = line_end(file%lines, file%cells%start) + 2, len(file%lines)
       if (file%lines(i:i) == achar(10)) lines = lines + 1
     end do
-    numbers(radius_column) = common_radius
-    allocate (table%x(lines), table%y(lines), table%height(lines), stat=status)
-    if (status == 0 .and. (table%has_radius .or. common_radius > 0.0_real64)) &
-      allocate (table%radius(lines), stat=status)
-    call check_memory(decimal_text(lines) // ' asperities', failure, status)
+    call check_memory(decimal_text(lines) // ' asperities', failure, bytes=32_int64 * lines)
     if (allocated(failure)) then
       file%problems%lacks_memory = .true.
       call file%problems%add_in_file(failure)
       return
     end if
+    allocate (table%x(lines), table%y(lines), table%height(lines))
+    numbers(radius_column) = common_radius
+    if (table%has_radius .or. common_radius > 0.0_real64) allocate (table%radius(lines))
     first_line = file%cells%line + 1
     rows = 0
     do

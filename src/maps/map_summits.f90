@@ -193,7 +193,7 @@ contains
     real(real64), allocatable :: depth(:)
     integer(int32), allocatable :: order(:)
     real(real64) :: near(-1:1, -1:1)
-    integer :: i, j, k, number, status
+    integer :: i, j, k, number
 
     do j = 1, map%rows
       do i = 1, map%columns
@@ -206,10 +206,11 @@ contains
       end do
     end do
     if (ridges%number == 0) return
-    allocate (taken(map%columns, map%rows), depth(ridges%number), order(ridges%number), stat=status)
-    ! The sort takes 16 bytes for each, and their copies.
-    call check_memory('the ridges of the map', failure, status, 28_int64 * ridges%number)
+    ! The sort takes 16 bytes for each beside these.
+    call check_memory('the ridges of the map', failure, bytes=40_int64 * ridges%number + &
+                      int(map%columns, int64) * map%rows)
     if (allocated(failure)) return
+    allocate (taken(map%columns, map%rows), depth(ridges%number), order(ridges%number))
     taken(:, :) = .false._c_bool
     do k = 1, places%number
       call place_of(map, places%place(k), i, j)
@@ -258,13 +259,12 @@ contains
     type(map_summits), intent(inout) :: summits
     character(len=:), allocatable, intent(out) :: failure
     real(real64) :: near(-1:1, -1:1), step(2), rise, curvature, usual, flattest, sharpest
-    integer :: i, j, k, kept, status
+    integer :: i, j, k, kept
 
-    allocate (summits%x(places%number), summits%y(places%number), summits%height(places%number), &
-              summits%radius(places%number), stat=status)
-    ! Median, and a copy of those kept.
-    call check_memory('the summits of the map', failure, status, 24_int64 * places%number)
+    call check_memory('the summits of the map', failure, bytes=56_int64 * places%number)
     if (allocated(failure)) return
+    allocate (summits%x(places%number), summits%y(places%number), summits%height(places%number), &
+              summits%radius(places%number))
     kept = 0
     flattest = 0.0_real64
     do k = 1, places%number

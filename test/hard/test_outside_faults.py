@@ -341,7 +341,8 @@ def test_limits_of_memory(what, asperity, tmp_path):
     body = ", layer_thickness = 2*0.5, layer_modulus = 2*2e3, layer_poisson = 2*0.3"
     (tmp_path / "s.scene").write_text(
         f"&surfaces upper = 'plane', {surface} / &material elastic_modulus = 2*1e3, "
-        f"poisson_ratio = 2*0.3{body if 'layer' in what else ''} / &loading control = {load} / &effects {effects} /\n")
+        f"poisson_ratio = 2*0.3{body if 'layer' in what else ''} / &loading control = {load} / "
+        f"&effects {effects} /\n")
     ended = solved = 0
     for room in np.geomspace(24e6, 150e6, 28).astype(int):
         done = subprocess.run(
