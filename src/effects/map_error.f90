@@ -17,9 +17,9 @@
 !> which the load of pixels does not vanish.
 !>
 !> The error of first contact is that of a vertex (`map_top`) where the map is smooth. Where it is
-!> not, it is that of the tops of every second, third and fourth pixel by Roache's formula, with the
-!> order 1 of a kink and his factor 1.25 of three grids. The error of the compression is at most
-!> the sum of both.
+!> not, it is that of a kink: the distance from the nearest pixel, at most 3**(1/2) times its root
+!> mean square, which the tops of every second, third and fourth pixel show as d/(m - 1). The error
+!> of the compression is at most the sum of both.
 !>
 !> The error of the area is at least half of the correction of the rim, and at least that of
 !> straight rims: each straight piece of a rim along the pixels lies up to half a pixel from its
@@ -28,8 +28,8 @@
 !> a quarter as wide, and the area is inverse to the slope (Persson, J. Chem. Phys. 115 (2001)
 !> 3840).
 !>
-!> The relative error of the greatest pressure is at least that of the area by straight rims, as
-!> crests lie between the pixels of all grids. It has no estimate where no limit is in sight: on rough
+!> The greatest pressure of a ball is as its radius: half the relative error of the area by straight
+!> rims, which all grids share, adds to that of the differences. It has no estimate where no limit is in sight: on rough
 !> maps, and on others that are not smooth where it falls as fast as at the apex of a cone. That
 !> pressure is the logarithm of the radius over the pixel, and less than that of the number of
 !> pixels N: it falls by more than the share ln 2/ln N with pixels twice as wide (test:
@@ -61,17 +61,17 @@ module asperity_map_error
   real(real64), parameter :: order_of_rims = 1.5_real64
   ! Numbers of the last state that have an estimated error, and the begin of its column. It is the
   ! largest of those of one column, of `xy` relative to `xx`.
-  character(len=*), parameter :: estimated(2, 10) = reshape([character(len=32) :: &
+  character(len=*), parameter :: estimated(2, 8) = reshape([character(len=32) :: &
     'contact_stiffness', 'stiffness', 'interface_stiffness', 'interface', &
     'conductance_length', 'conductance', 'tangential_stiffness_xx', 'sticking', &
     'tangential_stiffness_xy', 'sticking', 'tangential_stiffness_yy', 'sticking', &
-    'tangential_load', 'tangential', 'tangential_displacement', 'tangential', &
-    'tangential_stiffness', 'slip', 'stick_area', 'stick'], [2, 10])
+    'tangential_stiffness', 'slip', 'stick_area', 'stick'], [2, 8])
   ! Safety factor of the error of two grids (Roache 1994; test: rough maps in
   ! test/maps/test_pixel_errors.py).
   real(real64), parameter :: safety = 3.0_real64
-  ! The same of three grids or more (Roache, Annu. Rev. Fluid Mech. 29 (1997) 123; test: kinks there).
-  real(real64), parameter :: safety_of_three = 1.25_real64
+  ! Largest distance of a top from its pixel, over its root mean square (derived: a half of the
+  ! diagonal over the root of 1/6; test: kinks there).
+  real(real64), parameter :: farthest_top = sqrt(3.0_real64)
   ! Student's t of the mean square of five differences, for 98 of 100, and of the three of numbers
   ! whose errors have a lower bound besides, for 95 (Abramowitz and Stegun 1964, table 26.10).
   real(real64), parameter :: of_five = 3.365_real64, of_three = 3.182_real64
@@ -107,7 +107,6 @@ module asperity_map_error
     !> contact area, open area of measured pixels, their error, and that by straight rims
     real(real64), private :: area = 0.0_real64, open_area = 0.0_real64
     real(real64), private :: of_area = 0.0_real64, of_rims = 0.0_real64
-    real(real64), private :: of_level = 0.0_real64  !! relative error of compression or load
     !> numbers of the last state on coarser maps (number, map); not allocated: unknown
     real(real64), allocatable, private :: numbers(:, :)
     integer, allocatable, private :: steps(:)      !! width of their pixels in those of the map
@@ -151,21 +150,18 @@ contains
       if (request%growth > 0.0_real64) row%area_error = area / (row%area + area)
       row%gap_error = error(4) / max(row%mean_gap, error(4), tiny(area))
       if (error(5) > not_computed) then
-        pressure = row%greatest_pressure * max(request%of_rims / row%area, error(5) / &
+        pressure = row%greatest_pressure * hypot(0.5_real64 * request%of_rims / row%area, error(5) / &
                    max(maxval(elastic%answer%pressure), tiny(error)))
         row%pressure_error = max(0.0_real64, pressure) / &
                              max(row%greatest_pressure, pressure, tiny(area))
       end if
       if (request%by_load .and. row%compression > 0.0_real64) then
         row%separation_error = error(1) / row%compression
-        request%of_level = row%separation_error
         row%error_estimate = (error(1) + request%top_error) / row%compression
       end if
-      if (.not. request%by_load .and. abs(answer%load) > 0.0_real64) then
+      if (.not. request%by_load .and. abs(answer%load) > 0.0_real64) &
         row%error_estimate = (error(2) + of_top) * answer%load / elastic%answer%load / &
                              abs(answer%load)
-        request%of_level = row%error_estimate
-      end if
     end associate
   end subroutine estimate_pixel_errors
 
@@ -337,11 +333,9 @@ contains
   end function number_of
 
   !> Adds the errors of numbers of the last state behind its columns. One is `not_computed` where
-  !> the number is, here or on a coarser map. The tangential displacement, the difference of two
-  !> compressions times mu over a ratio of moduli (Ciavarella, J. Appl. Mech. 65 (1998) 998), has at
-  !> least the relative error of one. A stiffness is a length of the contact, and grows without
-  !> limit where the open area is small: its relative error is at least half that of the area, of
-  !> the part that sticks by straight rims.
+  !> the number is, here or on a coarser map. A stiffness is a length of the contact, and grows without limit
+  !> where the open area is small: its relative error is at least half that of the area, of the part
+  !> that sticks by straight rims.
   subroutine add_column_errors(request, columns)
     type(error_request), intent(in) :: request    !! numbers on coarser maps
     type(column_list), intent(inout) :: columns   !! columns of the last state
@@ -362,7 +356,6 @@ contains
         by_rims = share_of(request%of_rims, number_of(columns, 'stick_area'))
         if (estimated(2, i) == 'stick') least = by_rims
         if (estimated(2, i) == 'slip') least = 0.5_real64 * by_rims
-        if (estimated(2, i) == 'tangential') least = request%of_level
         error = share_of(error_by(request%numbers(i, :) - number, request%steps, order_of_rims), &
                          over)
         if (abs(number) > 0.0_real64) error = max(error, least)
@@ -424,7 +417,7 @@ contains
     request%is_smooth = all(difference(3:) * (wide(:3)**2 - 1.0_real64) >= &
                             difference(:3) * (wide(3:)**2 - 1.0_real64))
     request%top_error = max(request%top_error, &
-                            safety_of_three * maxval(difference / (wide - 1.0_real64)))
+                            farthest_top * maxval(difference / (wide - 1.0_real64)))
   end subroutine find_first_contact
 
   !> Share of the load on pixels of contact patches that a free edge or a missing pixel cuts. Their

@@ -93,12 +93,11 @@ contains
   pure function errors_in_words(results) result(text)
     type(scene_results), intent(in) :: results  !! results of a run
     character(len=:), allocatable :: text       !! one line
-    character(len=*), parameter :: columns(6) = [character(len=32) :: &
+    character(len=*), parameter :: columns(5) = [character(len=32) :: &
       'separation_error_estimate', 'area_error_estimate', 'pressure_error_estimate', &
-      'tangential_error_estimate', 'slip_error_estimate', 'stick_error_estimate']
-    character(len=*), parameter :: names(6) = [character(len=31) :: 'separation', 'contact area', &
-      'greatest pressure', 'tangential load or displacement', 'tangential stiffness', &
-      'area that sticks']
+      'slip_error_estimate', 'stick_error_estimate']
+    character(len=*), parameter :: names(5) = [character(len=20) :: 'separation', 'contact area', &
+      'greatest pressure', 'tangential stiffness', 'area that sticks']
     real(real64) :: error
     integer :: at, k, m
 

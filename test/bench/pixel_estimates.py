@@ -34,7 +34,6 @@ QUANTITIES = {"separation": "separation_error_estimate", "compression": "error_e
               "conductance_length": "conductance_error_estimate",
               "tangential_stiffness_xx": "sticking_error_estimate",
               "tangential_stiffness_yy": "sticking_error_estimate",
-              "tangential_displacement": "tangential_error_estimate",
               "tangential_stiffness": "slip_error_estimate", "stick_area": "stick_error_estimate",
               "load": "error_estimate", "load at a compression": "error_estimate"}
 
