@@ -224,7 +224,7 @@ contains
     if (row%method%is_original) then
       ! It is timed without its contacts, which have the greatest pressure.
       call run_in_arithmetic(row%method%arithmetic, scene_in%deck, &
-                             request_of(row%method, .true.), records, failure)
+                             request_of(row%method, .true.), records, row%left_out)
       totals = original_totals(records)
     end if
     row%seconds = 0.5_real64 * (samples((size(samples) + 1) / 2) + samples(size(samples) / 2 + 1))
