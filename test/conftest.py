@@ -21,6 +21,8 @@ from builds import ROOT, build  # noqa: E402
 stand_in()
 
 os.environ.setdefault("MPLBACKEND", "Agg")
+# Tests run side by side: threads of numpy would spin for cores that they do not get.
+os.environ.setdefault("OPENBLAS_NUM_THREADS", "1")
 
 # Tests that share what takes long to make: all of such a file run in one process.
 TOGETHER = ("test_accuracy.py", "test_effects.py", "test_python.py", "test_python_arguments.py",
