@@ -22,7 +22,8 @@ class HalfSpace:
     Args:
         shape: Rows and columns.
         spacing: Distance of pixels, or along x and y.
-        modulus, poisson: Young's modulus, 0 for a rigid base under a layer, and Poisson's ratio.
+        modulus: Young's modulus, 0 for a rigid base under a layer.
+        poisson: Poisson's ratio.
         periodic: Whether the body repeats itself, or along x and y; else there is no load beyond.
         layer: Thickness, Young's modulus, Poisson's ratio of a bonded layer, not on strips.
 
@@ -49,9 +50,8 @@ class HalfSpace:
         displacements along x, y and z by both, of shape (3, rows, columns); not on a layer."""
         table = loaded(self._body, _c.DISPLACEMENTS, self._arrays(pressure, tractions))
         names = "z" if tractions is None else "xyz"
-        found: Any = numpy.stack([numpy.reshape(table[f"displacement_{name}"], self.shape)
-                                    for name in names])
-        return found[0] if tractions is None else found  # type: ignore[no-any-return]
+        found = [numpy.reshape(table[f"displacement_{name}"], self.shape) for name in names]
+        return found[0] if tractions is None else numpy.stack(found)  # type: ignore[no-any-return]
 
     def pressure(self, displacement: Any) -> NDArray[Any]:
         """The pressures, positive and negative ones, that give normal displacements."""
