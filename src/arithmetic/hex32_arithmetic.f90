@@ -57,7 +57,7 @@ module asperity_hex32_arithmetic
 
   !> Product: exact, then cut to 24 bits.
   interface operator(*)
-    module procedure multiply
+    module procedure cut_product
   end interface operator(*)
 
   !> Quotient: exact, then cut to 24 bits.
@@ -140,13 +140,13 @@ contains
     opposite = hex32(-x%mantissa, x%power)
   end function opposite_of
 
-  elemental type(hex32) function multiply(x, y) result(xy)
+  elemental type(hex32) function cut_product(x, y) result(xy)
     type(hex32), intent(in) :: x, y
 
     xy = cut_number((x%mantissa < 0_int32) .neqv. (y%mantissa < 0_int32), &
                     int(abs(x%mantissa), int64)*int(abs(y%mantissa), int64), &
                     x%power + y%power - int(2*fraction_digits, int32))
-  end function multiply
+  end function cut_product
 
   elemental type(hex32) function divide(x, y) result(quotient)
     type(hex32), intent(in) :: x, y
