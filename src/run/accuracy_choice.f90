@@ -144,7 +144,7 @@ contains
   !> changed by more from the pixels before than their error was: they did not resolve the map.
   pure subroutine compare_pixels(scene_in, results, goal, method, error)
     type(scene), intent(in) :: scene_in            !! scene with a map that was solved
-    type(scene_results), intent(in) :: results     !! its results
+    type(scene_results), intent(in) :: results     !! results of these pixels
     real(real64), intent(in) :: goal               !! accuracy of the load
     type(method_choice), intent(inout) :: method   !! method that was used; gets these results
     real(real64), intent(inout) :: error           !! estimated error of the load
