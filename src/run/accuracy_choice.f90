@@ -140,8 +140,8 @@ contains
   end subroutine take_next
 
   !> Replaces an error of pixels that is within the accuracy by that of two grids (Roache, J. Fluids
-  !> Eng. 116 (1994) 405), where the latter is not and the load, or the compression under a load, has
-  !> changed by more from the pixels before than their error was: they did not resolve the map.
+  !> Eng. 116 (1994) 405), where the latter is not, and the load, or the compression under a load,
+  !> has changed from the pixels before by more than their error: they did not resolve the map.
   pure subroutine compare_pixels(scene_in, results, goal, method, error)
     type(scene), intent(in) :: scene_in            !! scene with a map that was solved
     type(scene_results), intent(in) :: results     !! results of these pixels
