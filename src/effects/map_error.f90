@@ -29,11 +29,11 @@
 !> 3840).
 !>
 !> The greatest pressure of a ball is as its radius: half the relative error of the area by straight
-!> rims, which all grids share, adds to that of the differences. It has no estimate where no limit is in sight: on rough
-!> maps, and on others that are not smooth where it falls as fast as at the apex of a cone. That
-!> pressure is the logarithm of the radius over the pixel, and less than that of the number of
-!> pixels N: it falls by more than the share ln 2/ln N with pixels twice as wide (test:
-!> test/maps/test_pixel_errors.py; record: reference_output/bench/pixel_estimates.csv).
+!> rims, which all grids share, adds to that of the differences. It has no estimate where no limit
+!> is in sight: on rough maps, and on others that are not smooth where it falls as fast as at the
+!> apex of a cone. That pressure is the logarithm of the radius over the pixel, and less than that
+!> of the number of pixels N: it falls by more than the share ln 2/ln N with pixels twice as wide
+!> (test: test/maps/test_pixel_errors.py; record: reference_output/bench/pixel_estimates.csv).
 !>
 !> With creep they are those of the elastic state of the same displacements, with its own load (Lee
 !> and Radok 1960), which holds as long as no pixel has left the contact.
@@ -150,8 +150,9 @@ contains
       if (request%growth > 0.0_real64) row%area_error = area / (row%area + area)
       row%gap_error = error(4) / max(row%mean_gap, error(4), tiny(area))
       if (error(5) > not_computed) then
-        pressure = row%greatest_pressure * hypot(0.5_real64 * request%of_rims / row%area, error(5) / &
-                   max(maxval(elastic%answer%pressure), tiny(error)))
+        pressure = row%greatest_pressure * &
+                   hypot(0.5_real64 * request%of_rims / row%area, &
+                         error(5) / max(maxval(elastic%answer%pressure), tiny(error)))
         row%pressure_error = max(0.0_real64, pressure) / &
                              max(row%greatest_pressure, pressure, tiny(area))
       end if
@@ -236,7 +237,8 @@ contains
       if (n == 2) then
         error = safety * sqrt(sum(differences**2) / n) / (steps(1)**order - 1.0_real64)
       else
-        error = merge(of_five, of_three, n == 5) * sqrt(sum(differences**2 / (1.0_real64 + steps**(2 * order))) / n)
+        error = merge(of_five, of_three, n == 5) * &
+                sqrt(sum(differences**2 / (1.0_real64 + steps**(2 * order))) / n)
       end if
     end associate
   end function error_by
@@ -333,9 +335,9 @@ contains
   end function number_of
 
   !> Adds the errors of numbers of the last state behind its columns. One is `not_computed` where
-  !> the number is, here or on a coarser map. A stiffness is a length of the contact, and grows without limit
-  !> where the open area is small: its relative error is at least half that of the area, of the part
-  !> that sticks by straight rims.
+  !> the number is, here or on a coarser map. A stiffness is a length of the contact, and grows
+  !> without limit where the open area is small: its relative error is at least half that of the
+  !> area, of the part that sticks by straight rims.
   subroutine add_column_errors(request, columns)
     type(error_request), intent(in) :: request    !! numbers on coarser maps
     type(column_list), intent(inout) :: columns   !! columns of the last state
