@@ -12,15 +12,12 @@ module asperity_element_influence
   implicit none
   private
 
-  public :: centre_influence, mean_influence, strip_influence
+  public :: centre_influence, mean_influence
 
   ! Offset, in sides, from which on the mean is computed by a series: there the rounding error of
   ! the closed form and the truncation error of the series are both 1.4e-10 of it (derived; test:
   ! influence by quadrature in test/unit/elements_suite.f90).
   integer, parameter :: far_offset = 20
-  ! Periods of a strip on each side that are summed (derived: the next correction of Euler and
-  ! Maclaurin is 7 (6/5760) (images_along + 1/2)**-4 = 1.4e-6 of a period).
-  integer, parameter :: images_along = 8
 
 contains
 
@@ -46,69 +43,6 @@ contains
     table = (corner(1:, 1:) - corner(:columns - 1, 1:)) - &
             (corner(1:, :rows - 1) - corner(:columns - 1, :rows - 1))
   end function centre_influence
-
-  !> Displacement times the modulus by unit pressure on one element of each period of a strip, which
-  !> repeats itself along one axis with the period L: Love's rectangles of `images_along` periods on
-  !> both sides, and the integral of 1/r beyond them by the midpoint rule with its first correction
-  !> (Euler and Maclaurin: L**2/24 times the change of the slope). The sum grows as the logarithm of
-  !> the number of periods. The displacement by a line of pressure is 0 at the distance of a period
-  !> or of the width, whichever is larger: the energy of pressures is then positive, as -log(r/w) is
-  !> positive definite on a width below 4 w (logarithmic capacity, Ransford 1995, corollary 5.2.4).
-  pure function strip_influence(elements, side_ratio, strip_axis) result(table)
-    integer, intent(in) :: elements(2)      !! numbers of columns and rows of the lattice
-    real(real64), intent(in) :: side_ratio  !! side of an element along y, over that along x
-    integer, intent(in) :: strip_axis       !! axis of the period: 1 or 2
-    real(real64), allocatable :: table(:, :)  !! (columns, rows): by offset, over a whole period
-    real(real64), allocatable :: corner(:, :)  ! sums over the periods; along the strip, across it
-    real(real64) :: displacement, length, side(2), u, v
-    integer :: across, half, i, j, k, n
-
-    across = 3 - strip_axis
-    side = [1.0_real64, side_ratio]
-    n = elements(strip_axis)
-    half = n / 2
-    length = n * side(strip_axis)
-    allocate (corner(0:half + 1, 0:elements(across)), source=0.0_real64)
-    do j = 0, ubound(corner, 2)
-      v = side(across) * (j - 0.5_real64)
-      do i = 0, ubound(corner, 1)
-        do k = -images_along, images_along
-          u = side(strip_axis) * (i - 0.5_real64 + real(k, real64) * n)
-          corner(i, j) = corner(i, j) + (u * asinh(v / abs(u)) + v * asinh(u / abs(v))) / pi
-        end do
-      end do
-    end do
-    allocate (table(elements(1), elements(2)))
-    do j = 1, elements(across)
-      do i = 0, half
-        displacement = (corner(i + 1, j) - corner(i, j)) - &
-          (corner(i + 1, j - 1) - corner(i, j - 1)) + side_ratio / (pi * length) * &
-          far_periods(i * side(strip_axis), (j - 1) * side(across), length, &
-                      max(length, elements(across) * side(across)))
-        do k = i, mod(n - i, n), max(1, mod(n - i, n) - i)
-          if (strip_axis == 1) table(1 + k, j) = displacement
-          if (strip_axis == 2) table(j, 1 + k) = displacement
-        end do
-      end do
-    end do
-  end function strip_influence
-
-  ! Sum of L/r over the periods beyond those of `images_along`, less its value of a line at the
-  ! distance without displacement.
-  pure real(real64) function far_periods(x, y, length, reference)
-    real(real64), intent(in) :: x, y    ! offset along the strip, at most half of L, and across it
-    real(real64), intent(in) :: length  ! period L
-    real(real64), intent(in) :: reference  ! distance without displacement
-    real(real64) :: r, z
-    integer :: side
-
-    far_periods = 2.0_real64 * log(reference)
-    do side = -1, 1, 2
-      z = (images_along + 0.5_real64) * length + side * x
-      r = hypot(z, y)
-      far_periods = far_periods - log(z + r) - length**2 / 24.0_real64 * z / r**3
-    end do
-  end function far_periods
 
   !> Mean displacement times the modulus of square elements of side 1 by a unit force on one
   !> element: the mean of 1/r over both elements, over pi. For elements of side h it is divided by

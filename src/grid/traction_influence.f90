@@ -17,7 +17,8 @@ module asperity_traction_influence
   !> Numbers of the integrands x**2/r**3, x y/r**3, y**2/r**3, x/r**2, y/r**2 (chosen).
   integer, parameter :: of_xx = 1, of_xy = 2, of_yy = 3, of_x = 4, of_y = 5
 
-  ! Periods of a strip on each side that are summed (derived in `element_influence`).
+  ! Periods of a strip on each side that are summed (derived: the next correction of Euler and
+  ! Maclaurin is 7 (6/5760) (images_along + 1/2)**-4 = 1.4e-6 of a period).
   integer, parameter :: images_along = 8
 
 contains
@@ -25,10 +26,13 @@ contains
   !> Integrals over elements with the sides 1 and `side_ratio`, by the offset of their centres.
   !>
   !> On a strip they are summed over all periods L: those beyond `images_along` by the midpoint rule
-  !> with its first correction (Euler and Maclaurin). The sum of (across)**2/r**3 is 2/L far from a
-  !> line of elements. That constant is moved to the other half of 1/r: the displacement by a line
-  !> of tractions is then 0 at the same distance as by pressures, in both directions, and tractions
-  !> across a strip have exactly the displacements of plane strain.
+  !> with its first correction (Euler and Maclaurin: L**2/24 times the change of the slope). The sum
+  !> of 1/r grows as the logarithm of their number: the displacement by a line of pressure is 0 at
+  !> the distance of a period or of the width, whichever is larger. The energy is then positive, as
+  !> -log(r/w) is positive definite on a width below 4 w (logarithmic capacity, Ransford 1995,
+  !> corollary 5.2.4). The sum of (across)**2/r**3 is 2/L far from a line of elements. That constant
+  !> is moved to the other half of 1/r: lines of tractions have then no displacement at the same
+  !> distance, and those across a strip exactly the displacements of plane strain.
   pure function integral_over_element(integrand, elements, side_ratio, strip_axis) result(table)
     integer, intent(in) :: integrand             !! one of the five integrands
     integer, intent(in) :: elements(2)      !! numbers of columns and rows of the lattice

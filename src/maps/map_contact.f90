@@ -9,7 +9,7 @@ module asperity_map_contact
   use asperity_constants, only: pi
   use asperity_lattice_convolution, only: lattice_convolution, padded_length
   use asperity_layer_compliance, only: add_layers, layer_factor, mean_displacement
-  use asperity_element_influence, only: centre_influence, strip_influence
+  use asperity_element_influence, only: centre_influence
   use asperity_element_forces, only: find_forces, force_bounds, missing_gap
   use asperity_height_map, only: height_map, is_measured, no_height
   use asperity_interruption, only: interruption
@@ -18,6 +18,7 @@ module asperity_map_contact
   use asperity_map_resolution, only: take_heights
   use asperity_process, only: check_memory
   use asperity_solve_ending, only: solve_ending
+  use asperity_traction_influence, only: integral_over_element, of_xx, of_yy
   implicit none
   private
 
@@ -251,8 +252,11 @@ contains
       else if (map%periodic) then
         call influence%prepare_periodic(size(gap, 1), size(gap, 2), side_ratio)
       else if (map%strip_axis > 0) then
-        call influence%prepare(strip_influence(shape(gap), side_ratio, map%strip_axis), &
-                               side_ratio, map%strip_axis)
+        ! Both halves of Love's integral.
+        allocate (table, source=( &
+          integral_over_element(of_xx, shape(gap), side_ratio, map%strip_axis) + &
+          integral_over_element(of_yy, shape(gap), side_ratio, map%strip_axis)) / pi)
+        call influence%prepare(table, side_ratio, map%strip_axis)
       else
         allocate (table, source=centre_influence(size(gap, 1), size(gap, 2), side_ratio))
         if (layered) call add_layers(map%bodies, map%pixel_spacing, table)
