@@ -159,18 +159,18 @@ contains
     real(real64) :: c(2), even, number, of_along
 
     associate (g => of_bodies(1), m => of_bodies(2), beta => of_bodies(3))
-    number = max(hypot(q(1), q(2)), tiny(number))
-    c = q / number
-    even = g / number
-    of_along = -m / number
-    if (operation == inverse_of_tractions) then
-      even = number / g
-      of_along = number * m / (g * (g - m))
-    end if
-    term(xx) = even + of_along * c(1)**2
-    term(xy) = shortest * of_along * c(1) * c(2)
-    term(yy) = even + of_along * c(2)**2
-    if (size(term) > yy) term([normal_x, normal_y]) = -shortest * 2.0_real64 * beta * c / number
+      number = max(hypot(q(1), q(2)), tiny(number))
+      c = q / number
+      even = g / number
+      of_along = -m / number
+      if (operation == inverse_of_tractions) then
+        even = number / g
+        of_along = number * m / (g * (g - m))
+      end if
+      term(xx) = even + of_along * c(1)**2
+      term(xy) = shortest * of_along * c(1) * c(2)
+      term(yy) = even + of_along * c(2)**2
+      if (size(term) > yy) term([normal_x, normal_y]) = -shortest * 2.0_real64 * beta * c / number
     end associate
   end subroutine set_wave
 
@@ -182,17 +182,17 @@ contains
     real(real64), allocatable, dimension(:, :) :: half_x, half_y
 
     associate (g => of_bodies(1), m => of_bodies(2), beta => of_bodies(3))
-    allocate (half_x, source=integral_over_element(of_xx, elements, side_ratio, strip_axis))
-    allocate (half_y, source=integral_over_element(of_yy, elements, side_ratio, strip_axis))
-    call take_table(lattice, xx, ((g - m) * half_y + g * half_x) / (2.0_real64 * pi))
-    call take_table(lattice, yy, ((g - m) * half_x + g * half_y) / (2.0_real64 * pi))
-    half_x = integral_over_element(of_xy, elements, side_ratio, strip_axis)
-    call take_table(lattice, xy, m / (2.0_real64 * pi) * half_x)
-    if (size(lattice%spectrum, 3) == yy) return
-    half_x = integral_over_element(of_x, elements, side_ratio, strip_axis)
-    call take_table(lattice, normal_x, beta / pi * half_x)
-    half_x = integral_over_element(of_y, elements, side_ratio, strip_axis)
-    call take_table(lattice, normal_y, beta / pi * half_x)
+      allocate (half_x, source=integral_over_element(of_xx, elements, side_ratio, strip_axis))
+      allocate (half_y, source=integral_over_element(of_yy, elements, side_ratio, strip_axis))
+      call take_table(lattice, xx, ((g - m) * half_y + g * half_x) / (2.0_real64 * pi))
+      call take_table(lattice, yy, ((g - m) * half_x + g * half_y) / (2.0_real64 * pi))
+      half_x = integral_over_element(of_xy, elements, side_ratio, strip_axis)
+      call take_table(lattice, xy, m / (2.0_real64 * pi) * half_x)
+      if (size(lattice%spectrum, 3) == yy) return
+      half_x = integral_over_element(of_x, elements, side_ratio, strip_axis)
+      call take_table(lattice, normal_x, beta / pi * half_x)
+      half_x = integral_over_element(of_y, elements, side_ratio, strip_axis)
+      call take_table(lattice, normal_y, beta / pi * half_x)
     end associate
   end subroutine set_elements
 
@@ -256,19 +256,19 @@ contains
   subroutine apply_at_elements(self, set, from, to, operation)
     class(traction_convolution), intent(inout), target :: self  !! convolution with its plans
     type(element_set), intent(in) :: set        !! elements of the lattice
-    real(real64), intent(in) :: from(:, :)      !! (element, component)
-    real(real64), intent(out) :: to(:, :)       !! (element, component)
+    real(real64), intent(in) :: from(:, :)      !! (element, component along x and y)
+    real(real64), intent(out) :: to(:, :)       !! (element, component along x and y)
     integer, intent(in) :: operation            !! what is computed
 
     if (operation == inverse_of_tractions) then
-      call convolve(self%inverse, self%transform, set, from, to, operation)
+      call convolve_elements(self%inverse, self%transform, set, from, to, operation)
     else
-      call convolve(self%compliance, self%transform, set, from, to, operation)
+      call convolve_elements(self%compliance, self%transform, set, from, to, operation)
     end if
   end subroutine apply_at_elements
 
   ! Convolves values on some elements with a spectrum.
-  subroutine convolve(lattice, transform, set, from, to, operation)
+  subroutine convolve_elements(lattice, transform, set, from, to, operation)
     type(wave_lattice), intent(in) :: lattice
     complex(c_double_complex), intent(inout), target :: transform(0:, :, :)
     type(element_set), intent(in) :: set
@@ -313,7 +313,7 @@ contains
       !$omp end do
     end do
     !$omp end parallel
-  end subroutine convolve
+  end subroutine convolve_elements
 
   !> Lists the marked elements of a lattice.
   pure subroutine list_elements(marks, set)

@@ -31,14 +31,15 @@ def pressed(asperity, folder, loads, material=SPENCE, **effects):
 
 
 @pytest.mark.parametrize("steps, greatest, approach, sticks", [
-    (18, "1.220e-02", "2.610e-02", 61), (35, "2.392e-02", "9.874e-02", 225)])
+    (6, "3.941e-03", "2.901e-03", 5), (18, "1.220e-02", "2.610e-02", 61), (35, "2.392e-02", "9.874e-02", 225)])
 def test_compression_of_spence(asperity, tmp_path, steps, greatest, approach, sticks):
     """examples/spence35.ref_out of CONTACT (E. A. H. Vollebregt), revision 2707: greatest pressure,
-    approach and elements of adhesion after so many steps of (k/45)**3."""
+    approach and elements of adhesion after so many steps of (k/45)**3. Its iteration ends at 1e-4:
+    the approach of step 6 is 2.9017e-3 in a dense solution of the same equations."""
     loads = tuple((k / 45)**3 for k in range(1, steps + 1))
     found, row, fields = pressed(asperity, tmp_path, loads, loading_steps=1)
     assert fields["pressure"].max() == pytest.approx(float(greatest), rel=3e-4)
-    assert f"{-float(row['separation']):.3e}" == approach
+    assert -float(row["separation"]) == pytest.approx(float(approach), rel=3e-4)
     assert (fields["stick"] > 0).sum() == sticks
     assert "Dundurs" not in found.stderr
     traction = np.hypot(fields["traction_x"], fields["traction_y"])
@@ -46,7 +47,7 @@ def test_compression_of_spence(asperity, tmp_path, steps, greatest, approach, st
     assert float(row["tangential_load"]) < 1e-12
     # The few steps of one load are within 0.1 % of it.
     _, once, other = pressed(asperity, tmp_path, loads[-1])
-    assert other["pressure"].max() == pytest.approx(float(greatest), rel=1e-3)
+    assert other["pressure"].max() == pytest.approx(float(greatest), rel=1e-3 if steps > 6 else 2e-3)
     # Without friction the pressures are lower by a fifth.
     note, _, without = pressed(asperity, tmp_path, loads[-1], coupling="off")
     assert without["pressure"].max() < 0.85 * float(greatest) and "Dundurs" in note.stderr
