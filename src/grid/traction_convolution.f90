@@ -48,8 +48,8 @@ module asperity_traction_convolution
   ! A padded lattice: its spectrum, over its number of elements, and the plans of its lines.
   type :: wave_lattice
     integer :: columns = 0, rows = 0
-    ! (wave number in y, in x, term). A term is even or odd along each axis: half of the wave numbers
-    ! are kept in each direction.
+    ! (wave number in y, in x, term). A term is even or odd along each axis: half of the wave
+    ! numbers are kept in each direction.
     real(c_double), allocatable :: spectrum(:, :, :)
     type(line_transform) :: row_forward, column_forward, column_back, row_back
   end type wave_lattice
@@ -109,8 +109,8 @@ contains
     call prepare_lattice(self%inverse, padded, side_ratio, inverse_of_tractions, of_bodies)
   end subroutine prepare_tractions
 
-  ! Least length from n on that is 5, 7 or 8 times a power of 2 (measured: with factors of 3, plans of
-  ! FFTW that are not measured take twice the time).
+  ! Least length from n on that is 5, 7 or 8 times a power of 2 (measured: with factors of 3, plans
+  ! of FFTW that are not measured take twice the time).
   elemental integer function inverse_length(n)
     integer, intent(in) :: n
     integer :: step

@@ -32,6 +32,8 @@ contains
     type(tangent_space) :: space
     character(len=:), allocatable :: failure
     real(real64) :: compliance(2, 2)
+    real(real64), parameter :: along_axes(2, 2) = &
+      reshape([1.0_real64, 0.0_real64, 0.0_real64, 1.0_real64], [2, 2])
 
     stiffness = 0.0_real64
     if (.not. any(sticks)) return
@@ -42,8 +44,7 @@ contains
     call prepare_for_map(map, poisson_ratio, 0.0_real64, operator)
     call list_elements(sticks, set)
     call set_sticking(set, space)
-    call find_compliance(operator, space, reshape([1.0_real64, 0.0_real64, 0.0_real64, 1.0_real64], &
-                                                  [2, 2]), compliance)
+    call find_compliance(operator, space, along_axes, compliance)
     associate (determinant => compliance(1, 1) * compliance(2, 2) - compliance(1, 2)**2)
       ! Lengths across are over the side of a pixel.
       if (determinant > 0.0_real64) stiffness = modulus * map%pixel_spacing(2) / determinant * &

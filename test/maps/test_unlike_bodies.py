@@ -31,7 +31,8 @@ def pressed(asperity, folder, loads, material=SPENCE, **effects):
 
 
 @pytest.mark.parametrize("steps, greatest, approach, sticks", [
-    (6, "3.941e-03", "2.901e-03", 5), (18, "1.220e-02", "2.610e-02", 61), (35, "2.392e-02", "9.874e-02", 225)])
+    (6, "3.941e-03", "2.901e-03", 5), (18, "1.220e-02", "2.610e-02", 61),
+    (35, "2.392e-02", "9.874e-02", 225)])
 def test_compression_of_spence(asperity, tmp_path, steps, greatest, approach, sticks):
     """examples/spence35.ref_out of CONTACT (E. A. H. Vollebregt), revision 2707: greatest pressure,
     approach and elements of adhesion after so many steps of (k/45)**3. Its iteration ends at 1e-4:
@@ -45,9 +46,10 @@ def test_compression_of_spence(asperity, tmp_path, steps, greatest, approach, st
     traction = np.hypot(fields["traction_x"], fields["traction_y"])
     assert (traction <= FRICTION * fields["pressure"] * (1 + 1e-12)).all()
     assert float(row["tangential_load"]) < 1e-12
-    # The few steps of one load are within 0.1 % of it.
+    # The few steps of one load are within 0.1 % of it, 0.2 % on so few pixels.
     _, once, other = pressed(asperity, tmp_path, loads[-1])
-    assert other["pressure"].max() == pytest.approx(float(greatest), rel=1e-3 if steps > 6 else 2e-3)
+    assert other["pressure"].max() == pytest.approx(float(greatest),
+                                                    rel=2e-3 if steps == 6 else 1e-3)
     # Without friction the pressures are lower by a fifth.
     note, _, without = pressed(asperity, tmp_path, loads[-1], coupling="off")
     assert without["pressure"].max() < 0.85 * float(greatest) and "Dundurs" in note.stderr

@@ -201,7 +201,8 @@ contains
                          of_corner(j, k, 0.4999_real64, -0.5002_real64) + &
                          of_corner(j, k, -0.5001_real64, -0.5002_real64), j=1, 2)]) / (2 * pi)
       end do
-      call check(maxval(abs(found - 1.0e-6_real64 * points(4:, i))), 0.0_real64, 6.0e-6_real64, 'stress')
+      call check(maxval(abs(found - 1.0e-6_real64 * points(4:, i))), 0.0_real64, 6.0e-6_real64, &
+                 'stress')
     end do
 
   contains
