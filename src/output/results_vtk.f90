@@ -71,78 +71,25 @@ contains
     real(real64), intent(in) :: time            !! of the state; `not_computed`: there is none
     integer(c_int), intent(in) :: descriptor    !! of the open file, which gets the bytes by rows
     character(len=:), allocatable, intent(out) :: failure   !! why it was not written
-    character(len=*), parameter :: number = 'NumberOfTuples="1" format="ascii">'
-    character(len=*), parameter :: names(7) = [character(len=12) :: 'pressure', 'gap', &
-      'displacement', 'traction_x', 'traction_y', 'slip_x', 'slip_y']
     type(text_buffer) :: buffer
-    integer(int64) :: offset, pixels
-    character(len=80) :: numbers
-    character(len=:), allocatable :: extent
-    integer :: i, kinds
-    logical :: has_numbers
 
-    pixels = int(field%columns, int64) * field%rows
-    kinds = merge(size(names), 3, allocated(field%traction))
-    extent = '"0 ' // decimal_text(field%columns) // ' 0 ' // decimal_text(field%rows) // ' 0 0"'
-    call buffer%line('<?xml version="1.0"?>')
-    call buffer%line('<VTKFile type="ImageData" version="1.0" byte_order="' // &
-                     trim(merge('LittleEndian', 'BigEndian   ', &
-                                transfer(1, 'a') == achar(1))) // '" header_type="UInt64">')
-    write (numbers, '(2es25.16e3)') field%origin - 0.5_real64 * field%pixel_spacing
-    call buffer%append('<ImageData WholeExtent=' // extent // ' Origin="' // &
-                       trim(adjustl(numbers)) // ' 0"')
-    write (numbers, '(2es25.16e3)') field%pixel_spacing
-    call buffer%line(' Spacing="' // trim(adjustl(numbers)) // ' 1">')
-    has_numbers = time > not_computed .or. field%hertz_contacts >= 0
-    if (has_numbers) call buffer%line('<FieldData>')
-    if (time > not_computed) then
-      write (numbers, '(es25.16e3)') time
-      call buffer%line(array_tag('Float64', 'TimeValue', number // trim(adjustl(numbers)) // &
-                                 '</DataArray>'))
-    end if
-    if (field%hertz_contacts >= 0) then
-      call buffer%line(array_tag('Int32', 'boundary_element_contacts', number // &
-                                 decimal_text(field%boundary_contacts) // '</DataArray>'))
-      call buffer%line(array_tag('Int32', 'hertz_contacts', number // &
-                                 decimal_text(field%hertz_contacts) // '</DataArray>'))
-    end if
-    if (has_numbers) call buffer%line('</FieldData>')
-    call buffer%line('<Piece Extent=' // extent // '>')
-    call buffer%line('<CellData Scalars="pressure">')
-    offset = 0_int64
-    do i = 1, kinds
-      call put_head('Float64', trim(names(i)))
-      offset = offset + count_bytes + real_bytes * pixels
-    end do
-    call put_head('UInt8', 'contact')
-    offset = offset + count_bytes + pixels
-    if (kinds > 3) call put_head('UInt8', 'stick')
-    call buffer%append('</CellData>' // new_line('a') // '</Piece>' // new_line('a'))
-    call buffer%line('</ImageData>')
-    call buffer%append('<AppendedData encoding="raw">_')
+    call put_head(field, time, buffer)
     call put_reals(field%pressure)
     call put_reals(field%gap)
     call put_reals(field%displacement)
-    if (kinds > 3) then
+    if (allocated(field%traction)) then
       call put_reals(field%traction)
       call put_reals(field%traction_y)
       call put_reals(field%slip_x)
       call put_reals(field%slip_y)
     end if
     call put_marks(contact_marks(field))
-    if (kinds > 3) call put_marks(field%sticks)
+    if (allocated(field%traction)) call put_marks(field%sticks)
     call buffer%line(new_line('a') // '</AppendedData>')
     call buffer%line('</VTKFile>')
     call write_block(0_int64)
 
   contains
-
-    subroutine put_head(type_name, name)
-      character(len=*), intent(in) :: type_name, name
-
-      call buffer%line(array_tag(type_name, name, 'format="appended" offset="' // &
-                                 decimal_text(offset) // '"/>'))
-    end subroutine put_head
 
     ! Numbers of all pixels with the count of their bytes; NaN where one was not computed.
     subroutine put_reals(values)
@@ -184,6 +131,71 @@ contains
     end subroutine write_block
 
   end subroutine write_vti
+
+  ! All before the values: numbers of the file and of its arrays, whose places follow from their sizes.
+  subroutine put_head(field, time, buffer)
+    type(contact_field), intent(in) :: field
+    real(real64), intent(in) :: time
+    type(text_buffer), intent(inout) :: buffer
+    character(len=*), parameter :: number = 'NumberOfTuples="1" format="ascii">'
+    character(len=*), parameter :: names(7) = [character(len=12) :: 'pressure', 'gap', &
+      'displacement', 'traction_x', 'traction_y', 'slip_x', 'slip_y']
+    integer(int64) :: offset, pixels
+    character(len=80) :: numbers
+    character(len=:), allocatable :: extent
+    integer :: i, kinds
+    logical :: has_numbers
+
+    pixels = int(field%columns, int64) * field%rows
+    kinds = merge(size(names), 3, allocated(field%traction))
+    extent = '"0 ' // decimal_text(field%columns) // ' 0 ' // decimal_text(field%rows) // ' 0 0"'
+    call buffer%line('<?xml version="1.0"?>')
+    call buffer%line('<VTKFile type="ImageData" version="1.0" byte_order="' // &
+                     trim(merge('LittleEndian', 'BigEndian   ', &
+                                transfer(1, 'a') == achar(1))) // '" header_type="UInt64">')
+    write (numbers, '(2es25.16e3)') field%origin - 0.5_real64 * field%pixel_spacing
+    call buffer%append('<ImageData WholeExtent=' // extent // ' Origin="' // &
+                       trim(adjustl(numbers)) // ' 0"')
+    write (numbers, '(2es25.16e3)') field%pixel_spacing
+    call buffer%line(' Spacing="' // trim(adjustl(numbers)) // ' 1">')
+    has_numbers = time > not_computed .or. field%hertz_contacts >= 0
+    if (has_numbers) call buffer%line('<FieldData>')
+    if (time > not_computed) then
+      write (numbers, '(es25.16e3)') time
+      call buffer%line(array_tag('Float64', 'TimeValue', number // trim(adjustl(numbers)) // &
+                                 '</DataArray>'))
+    end if
+    if (field%hertz_contacts >= 0) then
+      call buffer%line(array_tag('Int32', 'boundary_element_contacts', number // &
+                                 decimal_text(field%boundary_contacts) // '</DataArray>'))
+      call buffer%line(array_tag('Int32', 'hertz_contacts', number // &
+                                 decimal_text(field%hertz_contacts) // '</DataArray>'))
+    end if
+    if (has_numbers) call buffer%line('</FieldData>')
+    call buffer%line('<Piece Extent=' // extent // '>')
+    call buffer%line('<CellData Scalars="pressure">')
+    offset = 0_int64
+    do i = 1, kinds
+      call put_array('Float64', trim(names(i)))
+      offset = offset + count_bytes + real_bytes * pixels
+    end do
+    call put_array('UInt8', 'contact')
+    offset = offset + count_bytes + pixels
+    if (kinds > 3) call put_array('UInt8', 'stick')
+    call buffer%append('</CellData>' // new_line('a') // '</Piece>' // new_line('a'))
+    call buffer%line('</ImageData>')
+    call buffer%append('<AppendedData encoding="raw">_')
+
+  contains
+
+    subroutine put_array(type_name, name)
+      character(len=*), intent(in) :: type_name, name
+
+      call buffer%line(array_tag(type_name, name, 'format="appended" offset="' // &
+                                 decimal_text(offset) // '"/>'))
+    end subroutine put_array
+
+  end subroutine put_head
 
   ! The tag of an array: its type, its name and what follows.
   pure function array_tag(type_name, name, rest) result(tag)
