@@ -72,60 +72,53 @@ contains
     type(solve_state), intent(in) :: state             !! gradient and residual of it
     real(real64), intent(out) :: change                !! of the potential
     real(real64), intent(out) :: noise                 !! rounding and summation error of the change
-    real(real64), dimension(size(before%penetration), 2) :: load, gradient
-    real(real64) :: part(size(before%penetration))
-    real(real64) :: penetration(2), relative
-    integer :: circle(size(before%penetration), 2), i, n
+    integer :: circle(size(before%penetration), 2), i, k
+    integer, allocatable :: loaded(:)   ! pairs with a circle in one of the states
+    real(real64), allocatable :: load(:, :), part(:)
+    real(real64) :: gradient(2), penetration(2), relative
 
-    n = size(part)
-    load = 0.0_real64
-    gradient = 0.0_real64
     circle = 0
-    call expand_by_pair(before%set, before%state%load_gradient, load(:, 1), gradient(:, 1), &
-                        circle(:, 1))
-    call expand_by_pair(solution%set, state%load_gradient + &
-                        (solution%compression - before%compression), &
-                        load(:, 2), &
-                        gradient(:, 2), circle(:, 2))
-    !$omp parallel do schedule(static) private(penetration) if(n > large_set)
-    do i = 1, n
-      part(i) = 0.0_real64
-      if (all(circle(i, :) == 0)) cycle
+    circle(before%set%contact, 1) = [(k, k=1, size(before%set%contact))]
+    circle(solution%set%contact, 2) = [(k, k=1, size(solution%set%contact))]
+    loaded = pack([(i, i=1, size(circle, 1))], circle(:, 1) + circle(:, 2) > 0)
+    allocate (load(2, size(loaded)), part(size(loaded)))
+    load = 0.0_real64
+    !$omp parallel do schedule(static) private(i, gradient, penetration) &
+    !$omp   if(size(loaded) > large_set)
+    do k = 1, size(loaded)
+      i = loaded(k)
+      gradient = 0.0_real64
       penetration = [before%penetration(i), solution%penetration(i)]
+      if (circle(i, 1) > 0) then
+        load(1, k) = before%set%load(circle(i, 1))
+        gradient(1) = before%state%load_gradient(circle(i, 1))
+      end if
+      if (circle(i, 2) > 0) then
+        load(2, k) = solution%set%load(circle(i, 2))
+        gradient(2) = state%load_gradient(circle(i, 2)) + &
+                      (solution%compression - before%compression)
+      end if
       ! No field is known at an open contact: that of the other state is taken.
       if (circle(i, 1) == 0) then
         penetration(1) = penetration_without_load(pairs, law, i, penetration(2))
-        gradient(i, 1) = gradient(i, 2) - penetration(2) + penetration(1)
+        gradient(1) = gradient(2) - penetration(2) + penetration(1)
       else if (circle(i, 2) == 0) then
         penetration(2) = penetration_without_load(pairs, law, i, penetration(1))
-        gradient(i, 2) = gradient(i, 1) - penetration(1) + penetration(2)
+        gradient(2) = gradient(1) - penetration(1) + penetration(2)
       end if
-      part(i) = 0.5_real64 * sum(gradient(i, :)) * (load(i, 2) - load(i, 1)) + &
+      part(k) = 0.5_real64 * sum(gradient) * (load(2, k) - load(1, k)) + &
                 excess_work(pairs, law, i, penetration(1), penetration(2))
-      if (all(circle(i, :) > 0)) part(i) = part(i) + 0.5_real64 * dot_product( &
-        load(i, 1) * before%state%shift_gradient(:, circle(i, 1)) + &
-        load(i, 2) * state%shift_gradient(:, circle(i, 2)), solution%shift(:, i) - &
+      if (all(circle(i, :) > 0)) part(k) = part(k) + 0.5_real64 * dot_product( &
+        load(1, k) * before%state%shift_gradient(:, circle(i, 1)) + &
+        load(2, k) * state%shift_gradient(:, circle(i, 2)), solution%shift(:, i) - &
           before%shift(:, i))
     end do
     !$omp end parallel do
     change = sum(part)
     relative = merge(sum_error, rounding_error, size(before%set%x) > large_set)
     noise = relative * max(abs(before%compression), abs(solution%compression)) * &
-            sum(abs(load(:, 2) - load(:, 1)))
+            sum(abs(load(2, :) - load(1, :)))
   end subroutine potential_change
-
-  ! Expands loads, gradients by load, and indices of circles from circles to pairs.
-  pure subroutine expand_by_pair(set, gradient_by_circle, load, gradient, circle)
-    type(circle_set), intent(in) :: set
-    real(real64), intent(in) :: gradient_by_circle(:)
-    real(real64), intent(inout) :: load(:), gradient(:)
-    integer, intent(inout) :: circle(:)
-    integer :: k
-
-    load(set%contact) = set%load
-    gradient(set%contact) = gradient_by_circle
-    circle(set%contact) = [(k, k=1, size(set%contact))]
-  end subroutine expand_by_pair
 
   ! Change of p times the mean load of both ends, less the integral of the load over p by Simpson's
   ! rule, which is exact to third order as the mean gradient is.

@@ -132,7 +132,7 @@ contains
 
   end subroutine write_vti
 
-  ! All before the values: numbers of the file and of its arrays, whose places follow from their sizes.
+  ! All before the values: numbers of the file and of its arrays, whose sizes give their places.
   subroutine put_head(field, time, buffer)
     type(contact_field), intent(in) :: field
     real(real64), intent(in) :: time
