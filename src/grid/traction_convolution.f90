@@ -103,10 +103,11 @@ contains
                           merge(1, 2, j == 0 .or. 2 * j == lattice%rows)
         end do
       end do
-      allocate (self%transform(0:lattice%columns / 2, elements(2), 2))
     end associate
     padded = merge(elements, inverse_length(elements + elements / 8), repeats)
     call prepare_lattice(self%inverse, padded, side_ratio, inverse_of_tractions, of_bodies)
+    allocate (self%transform(0:max(self%compliance%columns, self%inverse%columns) / 2, &
+                             elements(2), 2))
   end subroutine prepare_tractions
 
   ! Least length from n on that is 5, 7 or 8 times a power of 2 (measured: with factors of 3, plans
