@@ -44,7 +44,6 @@ module asperity_map_error
   use asperity_kinds, only: not_computed, real64
   use asperity_map_contact, only: most_load
   use asperity_map_fields, only: measure_fields
-  use asperity_map_patches, only: map_patch
   use asperity_map_resolution, only: every_pixel
   use asperity_map_statistics, only: rms_slope_over
   use asperity_map_top, only: find_top
@@ -75,6 +74,9 @@ module asperity_map_error
   ! Student's t of the mean square of five differences, for 98 of 100, and of the three of numbers
   ! whose errors have a lower bound besides, for 95 (Abramowitz and Stegun 1964, table 26.10).
   real(real64), parameter :: of_five = 3.365_real64, of_three = 3.182_real64
+  ! Share of the largest difference that mirror images differ by, at most (chosen: coarser maps are
+  ! solved to less).
+  real(real64), parameter :: of_mirrors = 0.01_real64
   ! Tolerance of the gaps over the range of heights, or of the attraction (chosen: the differences
   ! are larger by far).
   real(real64), parameter :: closed_halves = 1.0e-4_real64
@@ -232,15 +234,20 @@ contains
   pure real(real64) function error_by(differences, steps, order) result(error)
     real(real64), intent(in) :: differences(:), order
     integer, intent(in) :: steps(:)
+    integer :: n
 
-    associate (n => size(steps))
-      if (n == 2) then
-        error = safety * sqrt(sum(differences**2) / n) / (steps(1)**order - 1.0_real64)
-      else
-        error = merge(of_five, of_three, n == 5) * &
-                sqrt(sum(differences**2 / (1.0_real64 + steps**(2 * order))) / n)
-      end if
-    end associate
+    if (size(steps) == 2) then
+      error = safety * sqrt(sum(differences**2) / 2) / (steps(1)**order - 1.0_real64)
+      return
+    end if
+    n = size(steps)
+    error = merge(of_five, of_three, n == 5) * &
+            sqrt(sum(differences**2 / (1.0_real64 + steps**(2 * order))) / n)
+    ! Mirror images are one difference: the larger of both estimates from two grids.
+    if (n == 5 .and. abs(differences(1) - differences(2)) <= &
+        of_mirrors * maxval(abs(differences))) &
+      error = max(error, safety * abs(differences(1)) / (2**order - 1.0_real64), &
+                  safety * sqrt(sum(differences(3:)**2) / 3) / (steps(5)**order - 1.0_real64))
   end function error_by
 
   ! The first of the steps 3, 4 and 5 with which a map keeps its lengths; 0: none, or the map is too
@@ -266,7 +273,6 @@ contains
     character(len=:), allocatable, intent(out) :: unsolved  ! why there is none
     type(pixel_law_box) :: own(size(laws))
     type(pixel_state) :: coarse
-    type(map_patch), allocatable :: patches(:)
     type(state_row) :: found
     integer :: i
 
@@ -294,9 +300,9 @@ contains
         unsolved = answer%failure
         return
       end if
-      call patches_in_contact(coarse%deformed, answer, patches, coarse%hardness)
+      call patches_in_contact(coarse%deformed, answer, coarse%patches, coarse%hardness)
       call measure_fields(coarse%deformed, answer, found)
-      total = [answer%level, answer%load, sum(patches%area), found%mean_gap, &
+      total = [answer%level, answer%load, sum(coarse%patches%area), found%mean_gap, &
                maxval(answer%pressure)]
     end associate
     if (request%is_last) call list_numbers(own, coarse, request)

@@ -78,7 +78,7 @@ def test_influence_of_creep(asperity, tmp_path):
 def test_yield_of_pixels(asperity, tmp_path):
     """A yield stress on a map: the greatest pressure of Hertz over that of first yield, 1.295 of
     the stress (Jackson and Green 2005, Poisson's ratio 0), in both models to the digits printed; of
-    pixels to the printed error of their greatest pressure."""
+    pixels to 1.6 times the printed error of their greatest pressure."""
     load = 20.0
     stress = (6 * load * MODULUS**2 / (np.pi**3 * RADIUS**2))**(1 / 3) / 1.295 / 2
     found = []
@@ -87,7 +87,7 @@ def test_yield_of_pixels(asperity, tmp_path):
         line, = (line for line in done.stderr.splitlines() if "loaded beyond yield" in line)
         found.append(float(re.search(r", ([\d.]+) times the average pressure", line)[1]))
     error = float(done.positions[0]["pressure_error_estimate"])
-    assert abs(found[0] - 2) <= 0.005 and abs(found[1] - 2) <= 0.005 + 2 * error
+    assert abs(found[0] - 2) <= 0.005 and abs(found[1] - 2) <= 0.005 + 3.2 * error
 
 
 def test_conductances_have_a_line(asperity, tmp_path):
