@@ -6,6 +6,7 @@ import functools
 import html
 import importlib
 import operator
+import warnings
 from collections.abc import Callable, Iterator, Sequence
 from types import ModuleType
 from typing import TYPE_CHECKING, Any, TypeAlias, cast
@@ -23,6 +24,8 @@ if TYPE_CHECKING:
 else:
     pandas = xarray = Axes = ArrayLike = NDArray = Column = Any
 
+# Names of columns in version 0.2.0, and their names since.
+EARLIER_NAMES = {"approach": "separation", "decrease": "compression"}
 # Rows of a table that a notebook shows, and columns that `repr` lists.
 SHOWN_ROWS, SHOWN_COLUMNS = 12, 8
 SHOWN_VALUES = 6
@@ -174,12 +177,6 @@ class Table(dict[str, "Column"]):
     Attributes:
         name: Kind of the rows, for instance `states`.
         units: The unit of each column, "" where it is not known or has none.
-
-    Examples:
-        >>> upper, lower = asperity.generate({"surfaces": {"number": 3, "length": 1, "width": 1},
-        ...     "heights": {"mean": 0.01, "deviation": 0.001}, "radii": {"mean": 0.5}})
-        >>> len(upper), list(upper)
-        (3, ['x', 'y', 'height', 'radius'])
     """
 
     def __init__(self, columns: dict[str, Column] | None = None,
@@ -200,6 +197,9 @@ class Table(dict[str, "Column"]):
         return len(next(iter(self.values()), ()))
 
     def __missing__(self, name: str) -> Column:
+        if (now := EARLIER_NAMES.get(name)) in self:
+            warnings.warn(f"column {name!r} is now {now!r}", DeprecationWarning, stacklevel=2)
+            return self[cast("str", now)]
         import difflib  # takes long
         near = difflib.get_close_matches(str(name), list(self), 1)
         raise KeyError(f"no column {name!r} in the table of {self.name}" +

@@ -52,8 +52,6 @@ class HeightMap(Conditioning):
         >>> tilted = asperity.HeightMap([[0, 1, 2], [0, 1, 2], [0, 1, 2]], spacing=0.5, unit="um")
         >>> tilted
         <asperity.HeightMap of 3 x 3 pixels: 1.5 x 1.5 um, heights 0 to 2 um, free>
-        >>> tilted.shape, tilted.spacing
-        ((3, 3), (0.5, 0.5))
     """
 
     is_profile: bool = False
@@ -360,11 +358,6 @@ def generate_map(specification: _a.Path | Mapping[str, Mapping[str, Any]] | None
     the names of the group: `pixels`, `spacing`, `hurst` and `rms_height` or `rms_slope` are needed;
     `roll_off`, `cut_off`, `below_roll_off`, `seed`, `periodic` and `unit` are not. Maps of two
     machines agree to 1e-12 of the rms height.
-
-    Examples:
-        >>> asperity.generate_map(pixels=(256, 128), spacing=0.1, unit="um", hurst=0.8, roll_off=8,
-        ...                       rms_slope=0.1, seed=2, periodic=False).shape
-        (128, 256)
     """
     if specification is not None and names:
         raise TypeError(f"generate_map takes a specification or names: found both, {min(names)}")

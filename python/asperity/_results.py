@@ -16,7 +16,7 @@ from . import _arguments as _a
 from . import _fields
 from . import _library as _c
 from ._columns import Axes, Column, Table, needed, pandas, shown, xarray
-from ._errors import ComputeError
+from ._errors import ComputeError, warn_caller
 from ._fields import Fields, Stress
 from ._half_space import stresses
 from ._maps import HeightMap, map_of_file
@@ -47,10 +47,6 @@ class Results:
         notes: Notes on the deck, the scene or the map.
         scene: `text` without arrays, `file`, `units` of length and force where they are known, and
             `provenance`: version, arithmetic, effects, checksums of files.
-
-    Examples:
-        >>> print(f'{asperity.solve("data/examples/one_pair.scene").states["area"][-1]:.5f}')
-        0.10472
     """
 
     def __init__(self, outcome: _c.Outcome, kept: int = _fields.NONE):
@@ -191,23 +187,25 @@ class Results:
         found = re.search(r"\bcontrol\s*=\s*['\"](\w+)", self.scene.get("text", ""))
         return found[1].lower() if found else ""
 
-    def plot_contacts(self, position: int = 1, ax: Axes | None = None, *, step: int = -1) -> Axes:
+    def plot_contacts(self, position: int = 1, state: int | None = None, ax: Axes | None = None, *,
+                      step: int = -1) -> Axes:
         """Draw the contacts in plan, coloured by pressure: circles with the area of the contacts of
         asperities; of a height map the pressure where fields were kept, otherwise the centres of
-        the contact patches. `position` and `step` as for `fields`.
+        the contact patches. `position`, `state` and `step` as for `fields`.
         """
-        step = self._step(position, step)
+        step = self._step(position, step, state)
         table = self.contacts
         if "samples" in table and self._keeps(position, step):
             return self.fields(position, step=step).plot("pressure", ax)
         rows = (table["position"] == position) & (table["step"] == step) & (table["load"] != 0)
         return draw_contacts(table, rows, ax)
 
-    def fields(self, position: int = 1, *, step: int = -1) -> Fields:
+    def fields(self, position: int = 1, state: int | None = None, *, step: int = -1) -> Fields:
         """Pressure, gap and displacement on the pixels of a height map or of asperities.
 
         Args:
             position: A value of the column `position`.
+            state: Deprecated, use `step`: the index among the states of the position, from 0.
             step: A value of the column `step` of the states; -1, the default, is the last state.
 
         Raises:
@@ -215,7 +213,7 @@ class Results:
             ComputeError: `solve(..., fields=True)` did not request fields, or the scene is neither
                 a height map on its pixels nor one position of asperities with `field_spacing`.
         """
-        step = self._step(position, step)
+        step = self._step(position, step, state)
         if self._kept == _fields.LAST and not self._keeps(position, step):
             raise IndexError(f"step: found {step}, expected -1: the last state alone was kept; "
                              "solve(..., fields='all') keeps all")
@@ -278,18 +276,26 @@ class Results:
         return _c.Body(fields.shape[1], fields.shape[0], fields.spacing, edges, modulus, ratio,
                        layers[0])
 
-    def pressure_histogram(self, position: int = 1, bins: int = 100, *,
+    def pressure_histogram(self, position: int = 1, state: int | None = None, bins: int = 100, *,
                            step: int = -1) -> tuple[Column, Column]:
         """Distribution of the pressure on the pixels in contact: the pressure in the middle of each
         of the `bins` of equal width up to the greatest one, and the area per pressure over the
         measured area, whose integral is the contact area fraction. Other arguments as for `fields`.
         """
         number = _a.whole("bins", bins, "a number from 1", range(1, 2**31))
-        return _fields.histogram(self.fields(position, step=step), number)
+        return _fields.histogram(self.fields(position, state, step=step), number)
 
-    def _step(self, position: int, step: int = -1) -> int:
+    def _step(self, position: int, step: int = -1, state: int | None = None) -> int:
         """The number of a state, from 1, which a public function was given."""
         number = _a.whole("step", step, "a whole number")
+        if state is not None:
+            if number != -1:
+                raise TypeError("found state and step, expected one of them")
+            number = _a.whole("state", state, "a whole number")
+            if number >= 0:
+                number += 1
+                warn_caller(f"state={state} counts from 0: use step={number}, which counts from 1 "
+                            "as the column does", DeprecationWarning)
         last = sum(place == position for place in self.states["position"].tolist())
         if not last:
             raise IndexError(f"position: found {position}, expected one of the results")

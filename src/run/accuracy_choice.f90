@@ -142,6 +142,7 @@ contains
   !> Replaces an error of pixels that is within the accuracy by that of two grids (Roache, J. Fluids
   !> Eng. 116 (1994) 405), where the latter is not, and the load, or the compression under a load,
   !> has changed from the pixels before by more than their error: they did not resolve the map.
+  !> The pixels of the map keep the error that a solve of the scene prints.
   pure subroutine compare_pixels(scene_in, results, goal, method, error)
     type(scene), intent(in) :: scene_in            !! scene with a map that was solved
     type(scene_results), intent(in) :: results     !! results of these pixels
@@ -158,7 +159,8 @@ contains
     if (method%before(2) > 0.0_real64 .and. change > method%before(2) * abs(total)) then
       of_grids = safety * change / abs(total) / &
                  ((method%resolution / method%before(3))**order_of_load - 1.0_real64)
-      if (of_grids > goal) error = max(error, of_grids)
+      if (of_grids > goal .and. abs(method%resolution - 1.0_real64) > 0.0_real64) &
+        error = max(error, of_grids)
     end if
     method%before = [total, error, method%resolution]
   end subroutine compare_pixels

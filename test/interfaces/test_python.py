@@ -249,3 +249,17 @@ def test_header_and_python_agree(package):
     functions["get_version"].remove("NoneType")
     assert functions == {name: [getattr(kind, "__name__", "NoneType") for kind in kinds]
                          for name, *kinds in _library._FUNCTIONS}
+
+
+def test_earlier_names_of_columns(package):
+    """`approach` and `decrease` answer with a warning that points at the caller."""
+    results = package.solve(scene_as_dict(BALL, BUMPS, loading=CURVE,
+                                          effects={"interaction": "off"}))
+    for table in (results.positions, results.states, results.contacts):
+        assert "approach" not in list(table)
+        for earlier, name in (("approach", "separation"), ("decrease", "compression")):
+            with pytest.warns(DeprecationWarning, match=name) as reported:
+                assert list(table[earlier]) == list(table[name])
+            assert reported[0].filename == __file__
+    with pytest.raises(KeyError):
+        results.states["penetrations"]

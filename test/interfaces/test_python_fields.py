@@ -61,7 +61,7 @@ def test_all_states_are_those_of_the_files(solved, path, asperity):
         assert np.nanmean(fields.gap) == pytest.approx(solved.states["mean_gap"][number])
     steps = solved.states["step"]
     assert [solved.fields(step=step).step for step in steps] == steps.tolist() == [1, 2, 3, 4]
-    assert solved.fields() is solved.fields(1, step=-1) is solved.fields(step=4)
+    assert solved.fields() is solved.fields(1, -1) is solved.fields(step=4)
     assert solved.fields(1, step=-4).step == solved.fields(step=-4).step == 1
 
 
@@ -292,3 +292,16 @@ def test_stress_below(package, tmp_path):
         package.solve(scene, fields=True).stress(0.1)
     assert results.positions.units["conductance_length"] == "mm"
     assert package.solve(scene).positions.units["thermal_conductance"] == "W/K"
+
+
+def test_index_of_a_state(solved):
+    """Earlier scripts count states from 0: the same fields, with a warning at their line."""
+    for call, expected in ((lambda: solved.fields(1, 2).step, 3),
+                           (lambda: solved.fields(state=0).step, 1),
+                           (lambda: solved.pressure_histogram(state=3)[0][0],
+                            solved.pressure_histogram()[0][0])):
+        with pytest.warns(DeprecationWarning, match=r"counts from 0: use step=\d, which") as found:
+            assert call() == expected
+        assert found[0].filename == __file__
+    with pytest.raises(TypeError, match="found state and step"):
+        solved.fields(state=-1, step=1)
