@@ -139,7 +139,7 @@ def test_names_that_differ_by_a_blank(run, tmp_path):
 
 # ---------------------------------------------------------------- little memory
 
-@pytest.mark.parametrize("room", [16, 64, 128, 1023])
+@pytest.mark.parametrize("room", [64, 128, 1023])
 def test_small_stack(run, room):
     """Beyond its stack (`room`, kB) the system ends a program by a signal."""
     done = run("t.deck", *LONG, preexec_fn=lambda: resource.setrlimit(
