@@ -45,12 +45,9 @@ module asperity_traction_convolution
     integer, allocatable :: first(:)   !! index of the first one of each row, and of one row more
   end type element_set
 
-  ! A padded lattice: its spectrum, over its number of elements, and the plans of its lines.
+  ! A padded lattice, and the plans of its lines.
   type :: wave_lattice
     integer :: columns = 0, rows = 0
-    ! (wave number in y, in x, term). A term is even or odd along each axis: half of the wave
-    ! numbers are kept in each direction.
-    real(c_double), allocatable :: spectrum(:, :, :)
     type(line_transform) :: row_forward, column_forward, column_back, row_back
   end type wave_lattice
 
@@ -59,6 +56,9 @@ module asperity_traction_convolution
     private
     real(real64), public :: diagonal = 0.0_real64  !! displacement of an element by its own traction
     type(wave_lattice) :: compliance, inverse
+    ! Spectra of both over their numbers of elements, (wave number in y, in x, term). A term is even or odd along each axis: half of the
+    ! wave numbers are kept in each direction.
+    real(c_double), allocatable, dimension(:, :, :) :: compliances, inverses
     complex(c_double_complex), allocatable :: transform(:, :, :)  ! (wave in x, row, component)
   contains
     procedure :: prepare => prepare_tractions
@@ -92,20 +92,21 @@ contains
     associate (g => 2.0_real64 / (1.0_real64 - poisson_ratio), lattice => self%compliance)
       of_bodies = [g, poisson_ratio * g, beta]
       padded = merge(elements, padded_length(2 * elements - 1), repeats)
-      call prepare_lattice(lattice, padded, side_ratio, by_tractions, of_bodies)
-      if (.not. all(repeats)) call set_elements(lattice, elements, side_ratio, &
+      call prepare_lattice(lattice, self%compliances, padded, side_ratio, by_tractions, of_bodies)
+      if (.not. all(repeats)) call set_elements(lattice, self%compliances, elements, side_ratio, &
                                                 findloc(repeats, .true., 1), of_bodies)
       self%diagonal = 0.0_real64
       do i = 0, lattice%columns / 2
         do j = 0, lattice%rows / 2
-          self%diagonal = self%diagonal + 0.5_real64 * sum(lattice%spectrum(j, i, [xx, yy])) * &
+          self%diagonal = self%diagonal + 0.5_real64 * sum(self%compliances(j, i, [xx, yy])) * &
                           merge(1, 2, i == 0 .or. 2 * i == lattice%columns) * &
                           merge(1, 2, j == 0 .or. 2 * j == lattice%rows)
         end do
       end do
     end associate
     padded = merge(elements, inverse_length(elements + elements / 8), repeats)
-    call prepare_lattice(self%inverse, padded, side_ratio, inverse_of_tractions, of_bodies)
+    call prepare_lattice(self%inverse, self%inverses, padded, side_ratio, inverse_of_tractions, &
+                         of_bodies)
     allocate (self%transform(0:max(self%compliance%columns, self%inverse%columns) / 2, &
                              elements(2), 2))
   end subroutine prepare_tractions
@@ -122,8 +123,9 @@ contains
   end function inverse_length
 
   ! Makes the plans of a lattice, and its spectrum of waves.
-  subroutine prepare_lattice(lattice, padded, side_ratio, operation, of_bodies)
+  subroutine prepare_lattice(lattice, spectrum, padded, side_ratio, operation, of_bodies)
     type(wave_lattice), intent(inout) :: lattice
+    real(c_double), allocatable, intent(out) :: spectrum(:, :, :)
     integer, intent(in) :: padded(2), operation   ! numbers of elements; displacements or inverse
     real(real64), intent(in) :: side_ratio, of_bodies(3)  ! sides; g, m and beta
     real(real64) :: q(2), shortest
@@ -131,7 +133,7 @@ contains
 
     lattice%columns = padded(1)
     lattice%rows = padded(2)
-    allocate (lattice%spectrum(0:padded(2) / 2, 0:padded(1) / 2, merge( &
+    allocate (spectrum(0:padded(2) / 2, 0:padded(1) / 2, merge( &
       normal_y, yy, abs(of_bodies(3)) > 0.0_real64 .and. operation == by_tractions)))
     call lattice%row_forward%prepare(real_to_waves, padded(1))
     call lattice%column_forward%prepare(waves_forward, padded(2))
@@ -141,13 +143,13 @@ contains
       do j = 0, padded(2) / 2
         q = 2.0_real64 * pi * [i / real(padded(1), real64), j / (padded(2) * side_ratio)]
         shortest = merge(0.0_real64, 1.0_real64, 2 * i == padded(1) .or. 2 * j == padded(2))
-        call set_wave(lattice%spectrum(j, i, :), operation, q, shortest, of_bodies)
+        call set_wave(spectrum(j, i, :), operation, q, shortest, of_bodies)
       end do
     end do
-    lattice%spectrum(0, 0, :) = 0.0_real64
-    if (operation == inverse_of_tractions) lattice%spectrum(0, 0, [xx, yy]) = 2.0_real64 * pi / &
+    spectrum(0, 0, :) = 0.0_real64
+    if (operation == inverse_of_tractions) spectrum(0, 0, [xx, yy]) = 2.0_real64 * pi / &
       (max(real(padded(1), real64), padded(2) * side_ratio) * of_bodies(1))
-    lattice%spectrum = lattice%spectrum / (real(padded(1), c_double) * padded(2))
+    spectrum = spectrum / (real(padded(1), c_double) * padded(2))
   end subroutine prepare_lattice
 
   ! Sets the terms of one wave, which is not the mean.
@@ -176,8 +178,9 @@ contains
   end subroutine set_wave
 
   ! Sets the compliance to that of elements, transformed from all offsets.
-  subroutine set_elements(lattice, elements, side_ratio, strip_axis, of_bodies)
+  subroutine set_elements(lattice, spectrum, elements, side_ratio, strip_axis, of_bodies)
     type(wave_lattice), intent(inout) :: lattice
+    real(c_double), intent(inout) :: spectrum(0:, 0:, :)
     integer, intent(in) :: elements(2), strip_axis
     real(real64), intent(in) :: side_ratio, of_bodies(3)  ! g, m and beta
     real(real64), allocatable, dimension(:, :) :: half_x, half_y
@@ -185,22 +188,23 @@ contains
     associate (g => of_bodies(1), m => of_bodies(2), beta => of_bodies(3))
       allocate (half_x, source=integral_over_element(of_xx, elements, side_ratio, strip_axis))
       allocate (half_y, source=integral_over_element(of_yy, elements, side_ratio, strip_axis))
-      call take_table(lattice, xx, ((g - m) * half_y + g * half_x) / (2.0_real64 * pi))
-      call take_table(lattice, yy, ((g - m) * half_x + g * half_y) / (2.0_real64 * pi))
+      call take_table(lattice, spectrum(:, :, xx), xx, ((g - m) * half_y + g * half_x) / (2.0_real64 * pi))
+      call take_table(lattice, spectrum(:, :, yy), yy, ((g - m) * half_x + g * half_y) / (2.0_real64 * pi))
       half_x = integral_over_element(of_xy, elements, side_ratio, strip_axis)
-      call take_table(lattice, xy, m / (2.0_real64 * pi) * half_x)
-      if (size(lattice%spectrum, 3) == yy) return
+      call take_table(lattice, spectrum(:, :, xy), xy, m / (2.0_real64 * pi) * half_x)
+      if (size(spectrum, 3) == yy) return
       half_x = integral_over_element(of_x, elements, side_ratio, strip_axis)
-      call take_table(lattice, normal_x, beta / pi * half_x)
+      call take_table(lattice, spectrum(:, :, normal_x), normal_x, beta / pi * half_x)
       half_x = integral_over_element(of_y, elements, side_ratio, strip_axis)
-      call take_table(lattice, normal_y, beta / pi * half_x)
+      call take_table(lattice, spectrum(:, :, normal_y), normal_y, beta / pi * half_x)
     end associate
   end subroutine set_elements
 
   ! Transforms a table by offset, with its parity. A term that is odd along one axis has an
   ! imaginary transform, of which the factor of i is kept.
-  subroutine take_table(lattice, term, table)
+  subroutine take_table(lattice, spectrum, term, table)
     type(wave_lattice), intent(inout) :: lattice
+    real(c_double), intent(inout) :: spectrum(0:, 0:)
     integer, intent(in) :: term
     real(real64), intent(in) :: table(0:, 0:)
     real(c_double), allocatable, target :: row(:)
@@ -224,8 +228,8 @@ contains
       if (lattice%rows > n(2)) column(lattice%rows - n(2) + 1:) = sign_of(2) * column(n(2) - 1:1:-1)
       call lattice%column_forward%apply(c_loc(column), c_loc(other))
       if (sum(odd(:, term)) == 1) other = -i_unit * other
-      lattice%spectrum(:, i, term) = real(other(:lattice%rows / 2), c_double) / &
-                                     (real(lattice%columns, c_double) * lattice%rows)
+      spectrum(:, i) = real(other(:lattice%rows / 2), c_double) / &
+                       (real(lattice%columns, c_double) * lattice%rows)
     end do
   end subroutine take_table
 
@@ -262,15 +266,17 @@ contains
     integer, intent(in) :: operation            !! what is computed
 
     if (operation == inverse_of_tractions) then
-      call convolve_elements(self%inverse, self%transform, set, from, to, operation)
+      call convolve_elements(self%inverse, self%inverses, self%transform, set, from, to, operation)
     else
-      call convolve_elements(self%compliance, self%transform, set, from, to, operation)
+      call convolve_elements(self%compliance, self%compliances, self%transform, set, from, to, &
+                             operation)
     end if
   end subroutine apply_at_elements
 
   ! Convolves values on some elements with a spectrum.
-  subroutine convolve_elements(lattice, transform, set, from, to, operation)
+  subroutine convolve_elements(lattice, spectrum, transform, set, from, to, operation)
     type(wave_lattice), intent(in) :: lattice
+    real(c_double), intent(in) :: spectrum(0:, 0:, :)
     complex(c_double_complex), intent(inout), target :: transform(0:, :, :)
     type(element_set), intent(in) :: set
     real(real64), intent(in) :: from(:, :)
@@ -298,7 +304,7 @@ contains
       !$omp end do
     end do
     !$omp end parallel
-    call convolve_columns(lattice, transform, size(from, 2), size(to, 2), operation)
+    call convolve_columns(lattice, spectrum, transform, size(from, 2), size(to, 2), operation)
     !$omp parallel private(row, c) if(size(transform) > thread_threshold)
     allocate (row(lattice%columns))
     do c = 1, size(to, 2)
@@ -337,8 +343,10 @@ contains
 
   ! Transforms the rows' waves along the columns, multiplies, and transforms them back. The bytes of
   ! the result do not depend on the number of threads: each column belongs to one of them.
-  subroutine convolve_columns(lattice, transform, components_from, components_to, operation)
+  subroutine convolve_columns(lattice, spectrum, transform, components_from, components_to, &
+                              operation)
     type(wave_lattice), intent(in) :: lattice
+    real(c_double), intent(in) :: spectrum(0:, 0:, :)
     complex(c_double_complex), intent(inout) :: transform(0:, :, :)  ! (wave in x, row, component)
     integer, intent(in) :: components_from, components_to, operation
     complex(c_double_complex), allocatable, target :: column(:, :, :), waves(:, :)
@@ -361,7 +369,7 @@ contains
           column(n:, k, c) = (0.0_c_double, 0.0_c_double)
           call lattice%column_forward%apply(c_loc(column(0, k, c)), c_loc(waves(0, c)))
         end do
-        call multiply_waves(lattice, i + k, operation, waves)
+        call multiply_waves(spectrum, i + k, operation, waves)
         do c = 1, components_to
           call lattice%column_back%apply(c_loc(waves(0, c)), c_loc(column(0, k, c)))
         end do
@@ -377,42 +385,40 @@ contains
   end subroutine convolve_columns
 
   ! Multiplies the waves of one column: the upper half mirrors the lower one.
-  pure subroutine multiply_waves(lattice, i, operation, waves)
-    type(wave_lattice), intent(in) :: lattice
+  pure subroutine multiply_waves(term, i, operation, waves)
+    real(c_double), intent(in) :: term(0:, 0:, :)
     integer, intent(in) :: i, operation
     complex(c_double_complex), intent(inout), contiguous :: waves(0:, :)
     complex(c_double_complex) :: first
     integer :: j, k, rows
 
-    rows = lattice%rows
-    associate (term => lattice%spectrum)
-      select case (operation)
-      case (normal_by_tractions)
-        do j = 0, rows - 1
-          k = min(j, rows - j)
-          waves(j, 1) = i_unit * (term(k, i, normal_x) * waves(j, 1) + &
-                                  sign(1, k - j) * term(k, i, normal_y) * waves(j, 2))
-        end do
-      case (tangential_by_pressures)
-        do j = 0, rows - 1
-          k = min(j, rows - j)
-          waves(j, 2) = -i_unit * (sign(1, k - j) * term(k, i, normal_y)) * waves(j, 1)
-          waves(j, 1) = -i_unit * term(k, i, normal_x) * waves(j, 1)
-        end do
-      case default
-        do k = 0, rows / 2
-          first = waves(k, 1)
-          waves(k, 1) = term(k, i, xx) * first + term(k, i, xy) * waves(k, 2)
-          waves(k, 2) = term(k, i, xy) * first + term(k, i, yy) * waves(k, 2)
-        end do
-        do k = 1, (rows - 1) / 2
-          j = rows - k
-          first = waves(j, 1)
-          waves(j, 1) = term(k, i, xx) * first - term(k, i, xy) * waves(j, 2)
-          waves(j, 2) = term(k, i, yy) * waves(j, 2) - term(k, i, xy) * first
-        end do
-      end select
-    end associate
+    rows = size(waves, 1)
+    select case (operation)
+    case (normal_by_tractions)
+      do j = 0, rows - 1
+        k = min(j, rows - j)
+        waves(j, 1) = i_unit * (term(k, i, normal_x) * waves(j, 1) + &
+                                sign(1, k - j) * term(k, i, normal_y) * waves(j, 2))
+      end do
+    case (tangential_by_pressures)
+      do j = 0, rows - 1
+        k = min(j, rows - j)
+        waves(j, 2) = -i_unit * (sign(1, k - j) * term(k, i, normal_y)) * waves(j, 1)
+        waves(j, 1) = -i_unit * term(k, i, normal_x) * waves(j, 1)
+      end do
+    case default
+      do k = 0, rows / 2
+        first = waves(k, 1)
+        waves(k, 1) = term(k, i, xx) * first + term(k, i, xy) * waves(k, 2)
+        waves(k, 2) = term(k, i, xy) * first + term(k, i, yy) * waves(k, 2)
+      end do
+      do k = 1, (rows - 1) / 2
+        j = rows - k
+        first = waves(j, 1)
+        waves(j, 1) = term(k, i, xx) * first - term(k, i, xy) * waves(j, 2)
+        waves(j, 2) = term(k, i, yy) * waves(j, 2) - term(k, i, xy) * first
+      end do
+    end select
   end subroutine multiply_waves
 
 end module asperity_traction_convolution

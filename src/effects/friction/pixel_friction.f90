@@ -156,6 +156,7 @@ contains
     associate (i => first(1), j => first(2), memory => self%memory)
       memory%uplift = memory%uplift(i::2, j::2)
       memory%traction = memory%traction(i::2, j::2, :)
+      memory%change = memory%change(i::2, j::2, :)
       memory%sticks = memory%sticks(i::2, j::2)
       ! Lengths are over the side of a pixel.
       memory%moved = 0.5_real64 * memory%moved(i::2, j::2, :)
