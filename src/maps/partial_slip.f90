@@ -20,7 +20,7 @@ module asperity_partial_slip
                                       slip_request, take_increment
   use asperity_slip_solver, only: find_compliance, set_sticking
   use asperity_tangential_stiffness, only: room_for_tractions
-  use asperity_traction_convolution, only: element_set, list_elements
+  use asperity_traction_convolution, only: element_set, list_elements, traction_convolution
   implicit none
   private
 
@@ -63,6 +63,7 @@ contains
     type(map_answer), intent(inout) :: loaded  !! solution at the normal load
     type(slip_answer), intent(out) :: slip     !! tractions, displacement, area that sticks
     character(len=:), allocatable, intent(out) :: failure  !! reason, when it is not solved
+    type(traction_convolution), target :: operator
     type(rubbed_map) :: surface
     type(slip_answer) :: coarser
     type(map_patch), allocatable :: patches(:)
@@ -91,7 +92,7 @@ contains
     end if
     memory = pressed
     start = loaded
-    call begin_rubbing(map, modulus, request, surface, memory)
+    call begin_rubbing(map, modulus, request, operator, surface, memory)
     call follow_path(surface, request, turn_steps, memory, loaded, slip, failure)
     if (allocated(failure)) return
     if (count_straight(request%path) < points) then

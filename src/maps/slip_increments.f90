@@ -44,7 +44,7 @@ module asperity_slip_increments
     real(real64) :: energy = 0.0_real64             !! work of friction
   end type slip_memory
 
-  !> Map of the increments with its operator. It must not be copied.
+  !> Map of the increments. It must not outlive its operator, which would not be freed with it.
   type :: rubbed_map
     type(height_map) :: map                  !! heights less the uplift
     real(real64), allocatable :: height(:, :)  !! heights
@@ -52,7 +52,7 @@ module asperity_slip_increments
     real(real64) :: coefficient = 0.0_real64  !! coefficient of friction
     logical :: is_coupled = .false.          !! unlike bodies
     real(real64) :: tolerance = 1.0e-7_real64  !! largest residual of an increment
-    type(traction_convolution) :: operator   !! displacements by tractions
+    type(traction_convolution), pointer :: operator => null()  !! displacements by tractions
     type(tangent_space) :: space             !! pixels that stick and slide
   end type rubbed_map
 
@@ -64,11 +64,12 @@ module asperity_slip_increments
 contains
 
   !> Prepares the operator of a map, and a memory without tractions where there is none.
-  subroutine begin_rubbing(map, modulus, request, surface, memory)
+  subroutine begin_rubbing(map, modulus, request, operator, surface, memory)
     type(height_map), intent(in) :: map            !! map with its edges
     real(real64), intent(in) :: modulus            !! combined modulus, more than 0
     type(slip_request), intent(in) :: request      !! friction, and the materials
-    type(rubbed_map), intent(inout) :: surface     !! map without plans
+    type(traction_convolution), intent(inout), target :: operator  !! without plans; gets them
+    type(rubbed_map), intent(inout) :: surface     !! gets the map and the operator
     type(slip_memory), intent(inout) :: memory     !! state before this one
 
     surface%map = map
@@ -76,7 +77,8 @@ contains
     surface%modulus = modulus
     surface%coefficient = request%coefficient
     surface%is_coupled = abs(request%beta) > 0.0_real64
-    call prepare_for_map(map, request%poisson_ratio, request%beta, surface%operator)
+    call prepare_for_map(map, request%poisson_ratio, request%beta, operator)
+    surface%operator => operator
     if (.not. allocated(memory%traction)) call forget_tractions(map, memory)
   end subroutine begin_rubbing
 

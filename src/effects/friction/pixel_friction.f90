@@ -19,6 +19,7 @@ module asperity_pixel_friction
   use asperity_scene_values, only: coupling_influence, dundurs_beta, is_coupled, scene
   use asperity_slip_increments, only: begin_rubbing, forget_tractions, rubbed_map, slip_memory, &
                                       slip_request, take_increment
+  use asperity_traction_convolution, only: traction_convolution
   implicit none
   private
 
@@ -94,6 +95,7 @@ contains
   subroutine press_with_friction(self, state)
     class(pixel_friction), intent(inout) :: self
     type(pixel_state), intent(inout) :: state
+    type(traction_convolution), target :: operator
     type(rubbed_map) :: surface
     real(real64) :: aim, first_touch, share, unused
     integer :: i
@@ -104,7 +106,7 @@ contains
       if (allocated(state%load)) aim = merge(aim, first_touch, state%load > 0.0_real64)
       if (.not. aim < first_touch .and. .not. allocated(state%load)) self%load = 0.0_real64
       if (allocated(state%load)) self%load = merge(self%load, 0.0_real64, state%load > 0.0_real64)
-      call begin_rubbing(map, modulus, self%request, surface, self%memory)
+      call begin_rubbing(map, modulus, self%request, operator, surface, self%memory)
       if (.not. self%load > 0.0_real64) then
         self%level = first_touch
         call forget_tractions(map, self%memory)
