@@ -47,6 +47,10 @@ class Results:
         notes: Notes on the deck, the scene or the map.
         scene: `text` without arrays, `file`, `units` of length and force where they are known, and
             `provenance`: version, arithmetic, effects, checksums of files.
+
+    Examples:
+        >>> print(f'{asperity.solve("data/examples/one_pair.scene").states["area"][-1]:.5f}')
+        0.10472
     """
 
     def __init__(self, outcome: _c.Outcome, kept: int = _fields.NONE):
@@ -210,8 +214,7 @@ class Results:
 
         Raises:
             IndexError: The results do not have this state, or did not keep it.
-            ComputeError: `solve(..., fields=True)` did not request fields, or the scene is neither
-                a height map on its pixels nor one position of asperities with `field_spacing`.
+            ComputeError: `solve` did not request fields, or the scene has none (`field_spacing`).
         """
         step = self._step(position, step, state)
         if self._kept == _fields.LAST and not self._keeps(position, step):

@@ -56,8 +56,8 @@ module asperity_traction_convolution
     private
     real(real64), public :: diagonal = 0.0_real64  !! displacement of an element by its own traction
     type(wave_lattice) :: compliance, inverse
-    ! Spectra of both over their numbers of elements, (wave number in y, in x, term). A term is even or odd along each axis: half of the
-    ! wave numbers are kept in each direction.
+    ! Spectra of both over their numbers of elements, (wave number in y, in x, term). A term is even
+    ! or odd along each axis: half of the wave numbers are kept in each direction.
     real(c_double), allocatable, dimension(:, :, :) :: compliances, inverses
     complex(c_double_complex), allocatable :: transform(:, :, :)  ! (wave in x, row, component)
   contains
@@ -188,8 +188,10 @@ contains
     associate (g => of_bodies(1), m => of_bodies(2), beta => of_bodies(3))
       allocate (half_x, source=integral_over_element(of_xx, elements, side_ratio, strip_axis))
       allocate (half_y, source=integral_over_element(of_yy, elements, side_ratio, strip_axis))
-      call take_table(lattice, spectrum(:, :, xx), xx, ((g - m) * half_y + g * half_x) / (2.0_real64 * pi))
-      call take_table(lattice, spectrum(:, :, yy), yy, ((g - m) * half_x + g * half_y) / (2.0_real64 * pi))
+      call take_table(lattice, spectrum(:, :, xx), xx, &
+                      ((g - m) * half_y + g * half_x) / (2.0_real64 * pi))
+      call take_table(lattice, spectrum(:, :, yy), yy, &
+                      ((g - m) * half_x + g * half_y) / (2.0_real64 * pi))
       half_x = integral_over_element(of_xy, elements, side_ratio, strip_axis)
       call take_table(lattice, spectrum(:, :, xy), xy, m / (2.0_real64 * pi) * half_x)
       if (size(spectrum, 3) == yy) return
