@@ -177,6 +177,10 @@ class Table(dict[str, "Column"]):
     Attributes:
         name: Kind of the rows, for instance `states`.
         units: The unit of each column, "" where it is not known or has none.
+
+    Examples:
+        >>> len(asperity.solve("data/examples/one_pair.scene").contacts)
+        1
     """
 
     def __init__(self, columns: dict[str, Column] | None = None,

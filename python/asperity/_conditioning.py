@@ -139,8 +139,7 @@ class Conditioning:
         `rms_slope` of `asperity.summits`, Sdr, a share, by triangles of three neighbouring pixels.
 
         Examples:
-            >>> ridges = asperity.HeightMap([[0.0, 1.0, 0.0, -1.0]] * 4, spacing=1, periodic=True)
-            >>> found = ridges.parameters()
+            >>> found = asperity.HeightMap([[0, 1, 0, -1]] * 4, 1, periodic=True).parameters()
             >>> print(f"{found['Sa']:.4f} {found['Sq']:.4f} {found['Sdq']:.4f} {found['Sdr']:.4f}")
             0.5000 0.7071 1.0000 0.4142
         """
