@@ -84,10 +84,10 @@ class Accuracy:
     def plot(self, ax: Axes | None = None) -> Axes:
         """Draw the errors against the run time, a curve a quantity through the methods with the
         least error in their time. Each has a vertical line with a number, and below what to type.
-        Dots are other methods, open markers bounds by the reference, dotted lines the goals. Errors
-        in the grey band are below the digits of the heights."""
+        Dots: other methods; open: bounds; dotted: goals; grey: digits of the heights."""
         axes: Axes = new_axes(ax, size=(6.0, 5.5))
         axes.set(xscale="log", yscale="log")
+        axes.tick_params("x", which="minor", labelbottom=False)
         rows, listed = self._fastest_first(), set[int]()
         seconds = numpy.array([row["seconds"] for row in rows])
         for number, (of, own) in enumerate(self._own.items()):
