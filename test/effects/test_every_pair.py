@@ -9,7 +9,7 @@ from surfaces_csv import solve
 
 NUMBERS = range(len(pair_scenes.PAIRS))
 NAMES = [" ".join(pair) for pair in pair_scenes.PAIRS]
-FEW, MANY, PARTS = 3, 200, 4
+FEW, MANY, PARTS = 3, 100, 2
 
 
 def check(asperity, folder, number, seeds, tally):

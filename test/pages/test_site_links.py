@@ -1,5 +1,6 @@
-"""The check of the links of a built site (.ci/site_links.py), which `make docs` ends with."""
+"""The pages of the site, and the check of its links (.ci/site_links.py)."""
 
+import re
 import sys
 
 import pytest
@@ -23,3 +24,11 @@ def test_links(tmp_path, link, is_broken):
     done = run_program(sys.executable, ROOT / ".ci/site_links.py", tmp_path, status=None)
     assert done.returncode == is_broken
     assert done.stderr == (f"index.html: {link} leads nowhere\n" if is_broken else "")
+
+
+def test_the_pages_become_a_site():
+    """Without a warning: a broken link or anchor, a page that no menu has, a name without text."""
+    done = run_program("bash", ROOT / ".ci/site", "--pages", status=None)
+    if re.search("No matching distribution|Connection", done.stderr):
+        pytest.skip("mkdocs cannot be installed here")
+    assert not done.returncode, done.stderr
