@@ -1,4 +1,4 @@
-"""What all tests of the harness share: the executable, the root folder, the count of cells.
+"""What all tests of the harness share: the executable, the root folder, the cells of the thesis.
 
 Tests run side by side (pytest-xdist), in any order: each writes in its own `tmp_path` alone.
 """
@@ -100,22 +100,6 @@ def pytest_collection_modifyitems(config, items):
     return result
 
 
-def name_of(item):
-    """File, function and parameters of a test, without a comma."""
-    return item.path.relative_to(ROOT).as_posix() + "::" + item.name.replace(",", ";")
-
-
-@pytest.hookimpl(wrapper=True)
-def pytest_runtest_protocol(item):
-    """Processor time of each test and of its programs, appended to ASPERITY_TEST_TIMES."""
-    before = sum(os.times()[:4])
-    result = yield
-    if path := os.environ.get("ASPERITY_TEST_TIMES"):
-        with open(path, "a", encoding="utf-8") as file:
-            file.write(f"{name_of(item)},{sum(os.times()[:4]) - before:.2f}\n")
-    return result
-
-
 @pytest.hookimpl(optionalhook=True)
 def pytest_xdist_make_scheduler(config, log):
     """One test after the other to the process that is free; the files of TOGETHER come first."""
@@ -168,7 +152,7 @@ def checkout(tmp_path):
 
 @pytest.fixture(scope="session")
 def tally(request):
-    """Where a test counts the cells it compared; printed at the end of the run."""
+    """Where the report of the thesis counts its cells; printed at the end of the run."""
     return request.config.stash[TALLY]
 
 

@@ -140,7 +140,7 @@ def test_the_study_finds_the_known_errors(whole):
 
 
 @pytest.mark.truth
-def test_the_levels_are_those_of_the_solver(part, runs, tally):
+def test_the_levels_are_those_of_the_solver(part, runs):
     """Errors of the levels of interaction, from the loads of runs of their own. The reference is
     the method with the least estimated error."""
     table, _, rows = part
@@ -156,7 +156,6 @@ def test_the_levels_are_those_of_the_solver(part, runs, tally):
                                                          abs=1e-15)
         assert int(row["error_position"]) == errors.index(max(errors)) + 1
         print(f"{method}: {max(errors):.1e} at most")
-    tally.add("levels of interaction", 3 * len(LADDER), 3 * len(LADDER))
     assert f"Reference: {reference.replace(';', ',')}" in table
 
 

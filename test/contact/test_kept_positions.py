@@ -73,7 +73,7 @@ def thesis_scene(name, root, folder):
 
 @pytest.mark.parametrize("name", [
     pytest.param(name, marks=[pytest.mark.long] * (name == "thesis")) for name in SCENES])
-def test_continued_anywhere(name, asperity, root, tmp_path, tally):
+def test_continued_anywhere(name, asperity, root, tmp_path):
     """A file cut anywhere is continued to the same outputs and records, and so is a damaged one."""
     scene = thesis_scene(name, root, tmp_path)
     none = run([asperity], scene, tmp_path / "none")
@@ -90,7 +90,6 @@ def test_continued_anywhere(name, asperity, root, tmp_path, tally):
         again = run([asperity], scene, tmp_path / str(number), "--keep", "../part.keep")
         assert again == none
         assert kept_records(tmp_path / "part.keep") == kept_records(tmp_path / "whole.keep")
-    tally.add("solve: continued runs", len(versions), len(versions))
 
 
 def test_records_stand_in_any_order(asperity, root, tmp_path):
@@ -229,7 +228,7 @@ def test_kill_and_continue(number, asperity, tmp_path):
 
 @several_images
 @pytest.mark.parametrize("name", SCENES)
-def test_images_leave_the_same_bytes(name, asperity, root, tmp_path, tally):
+def test_images_leave_the_same_bytes(name, asperity, root, tmp_path):
     scene = thesis_scene(name, root, tmp_path)
     one = run([asperity], scene, tmp_path / "one", "--keep", "../one.keep")
     several = run(IMAGES, scene, tmp_path / "several")
@@ -239,7 +238,6 @@ def test_images_leave_the_same_bytes(name, asperity, root, tmp_path, tally):
     assert len(one[3]) >= 2
     assert kept_records(tmp_path / "several.keep") == kept_records(tmp_path / "one.keep")
     assert not list(tmp_path.rglob(".asperity*"))
-    tally.add("files of several images", 2 * len(one[3]) + 1, 2 * len(one[3]) + 1)
 
 
 @several_images

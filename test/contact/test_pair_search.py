@@ -137,7 +137,7 @@ def write_surface(path, surface):
 
 @pytest.mark.truth
 @pytest.mark.parametrize("name", CASES)
-def test_contacts_are_those_of_all_pairs_in_the_order_of_touch(name, asperity, tmp_path, tally):
+def test_contacts_are_those_of_all_pairs_in_the_order_of_touch(name, asperity, tmp_path):
     """`asperity solve` has the contacts of all pairs down to an approach, in the order of touch:
     by gap, equal gaps by distance, sum of radii, combined radius, indices."""
     make, shift, height = CASES[name]
@@ -178,7 +178,6 @@ def test_contacts_are_those_of_all_pairs_in_the_order_of_touch(name, asperity, t
     assert np.isin(key, truth[touch >= level - allowed]).all()
     at = np.searchsorted(truth, key)
     met = np.abs(touch[at] - level - penetration) <= 2.0 * allowed[at]
-    tally.add(f"contacts: {name}", len(key), int(met.sum()))
     assert met.all()
 
     s, d = s[at], np.sqrt(squared[at])

@@ -23,7 +23,7 @@ def files(folder):
 
 @pytest.mark.parametrize("parts", [2, pytest.param(7, marks=pytest.mark.long)])
 @pytest.mark.parametrize("name", SCENES)
-def test_parts_are_the_whole(name, parts, asperity, root, tmp_path, tally):
+def test_parts_are_the_whole(name, parts, asperity, root, tmp_path):
     scene = thesis_scene(name, root, tmp_path)
     words = ["solve", scene, *outputs(scene)]
     whole, joined = tmp_path / "whole", tmp_path / "joined"
@@ -47,7 +47,6 @@ def test_parts_are_the_whole(name, parts, asperity, root, tmp_path, tally):
     assert files(joined) == expected and expected
     assert (together.stdout, together.stderr) == (at_once.stdout, at_once.stderr)
     assert kept == {name: (joined / name).read_bytes() for name in kept}
-    tally.add("shares: positions", positions, positions)
 
 
 def test_an_interrupted_part_continues(asperity, root, tmp_path):

@@ -30,15 +30,14 @@ def outcome(asperity, scene, threads, folder):
             {path.name: path.read_bytes() for path in sorted(folder.iterdir())})
 
 
-def compare_threads(asperity, scene, folder, tally):
+def compare_threads(asperity, scene, folder):
     one = outcome(asperity, scene, 1, folder / "1")
     for threads in (2, 3):
         assert outcome(asperity, scene, threads, folder / str(threads)) == one
-        tally.add("runs that do not depend on threads", 1, 1)
     return one
 
 
-def test_a_large_sweep_does_not_depend_on_threads(asperity, tmp_path, tally):
+def test_a_large_sweep_does_not_depend_on_threads(asperity, tmp_path):
     rng = np.random.default_rng(2000)
     scene = write_csv_scene(
         tmp_path, rough(rng, 2000), rough(rng, 2000), modulus=(275760.0, 275760.0),
@@ -50,24 +49,23 @@ def test_a_large_sweep_does_not_depend_on_threads(asperity, tmp_path, tally):
     assert [run.returncode for run in one] == [0, 0, 0]
     assert one[0].stdout.count(b"\n") > 100
     assert one[0].stdout == one[1].stdout == one[2].stdout
-    tally.add("runs that do not depend on threads", 2, 2)
 
 
 @pytest.mark.parametrize("effects", [
     {"interaction": "coupled", "plasticity": "on", "plastic_yield_stress": 8000.0},
     {"interaction": "auto", "friction": "on", "friction_coefficient": 0.1}])
-def test_effects_do_not_depend_on_threads(effects, asperity, root, tmp_path, tally):
+def test_effects_do_not_depend_on_threads(effects, asperity, root, tmp_path):
     scene = write_scene(
         tmp_path / "effects.scene", surfaces={"deck": str(root / "data" / "thesis.deck")},
         motion={"x_first": 0.1, "x_step": 0.1, "positions": 30},
         loading={"control": "load", "value": (50.0, 400.0, 100.0) if "plasticity" in effects
                  else (50.0, 400.0)}, effects=effects)
-    status, _, err, files = compare_threads(asperity, scene, tmp_path, tally)
+    status, _, err, files = compare_threads(asperity, scene, tmp_path)
     assert status == 0, err
     assert files["curve.csv"].count(b"\n") >= 60
 
 
-def test_a_map_does_not_depend_on_threads(asperity, tmp_path, tally):
+def test_a_map_does_not_depend_on_threads(asperity, tmp_path):
     """So large that threads share its transforms."""
     height = made_maps.self_affine((160, 160), 21, shortest=4)[0]
     made_maps.write_bytes(tmp_path / "map.sdf", 1e-7 * height, 1e-6, 1e-6)
@@ -75,12 +73,12 @@ def test_a_map_does_not_depend_on_threads(asperity, tmp_path, tally):
         tmp_path / "map.scene", surfaces={"upper": "plane", "lower": str(tmp_path / "map.sdf")},
         material={"contact_modulus": 1e5}, effects={"interaction": "boundary"},
         loading={"control": "pressure", "value": 500.0})
-    status, out, err, _ = compare_threads(asperity, scene, tmp_path, tally)
+    status, out, err, _ = compare_threads(asperity, scene, tmp_path)
     assert status == 0, err
     assert b"area fraction" in out
 
 
-def test_first_failure_is_returned(asperity, tmp_path, tally):
+def test_first_failure_is_returned(asperity, tmp_path):
     """Past 1.5 no pair is left to carry the load: of all positions the first is reported."""
     rng = np.random.default_rng(5)
     upper = rough(rng, 60)
@@ -88,7 +86,7 @@ def test_first_failure_is_returned(asperity, tmp_path, tally):
     scene = write_csv_scene(
         tmp_path, upper, lower, motion={"positions": 60, "x_step": 0.7},
         loading={"control": "load", "value": 20000.0}, limit={"criterion": "load", "value": 288.0})
-    status, _, err, files = compare_threads(asperity, scene, tmp_path, tally)
+    status, _, err, files = compare_threads(asperity, scene, tmp_path)
     shown = re.search(rb"position (\d+): .* they carry no load|position (\d+): the load", err)
     assert status == 1 and shown and not files
     first = int(shown[1] or shown[2])

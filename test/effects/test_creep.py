@@ -45,37 +45,35 @@ def relaxed(ratio, tau, times):
 
 
 @pytest.mark.parametrize("ratio, tau, hold_time", SOLIDS)
-def test_held_separation(ratio, tau, hold_time, asperity, tmp_path, tally):
+def test_held_separation(ratio, tau, hold_time, asperity, tmp_path):
     """The load relaxes as the modulus, in every state."""
     run = held(asperity, tmp_path, solid(ratio, tau, hold_time, "approach"), path((0.01,)))
     times, loads = column(run.curve, "time"), column(run.curve, "load")
     assert times[0] == 0 and times[-1] == hold_time and len(times) == 30
     assert (np.diff(times) >= 0).all()
     elastic = 4 / 3 * MODULUS * math.sqrt(RADIUS) * 0.01**1.5
-    compare(tally, "creep: held approach",
-            relative(loads, elastic * relaxed(ratio, tau, times)), 2e-14)
-    compare(tally, "creep: elastic load at a held approach",
+    compare("creep: held approach", relative(loads, elastic * relaxed(ratio, tau, times)), 2e-14)
+    compare("creep: elastic load at a held approach",
             relative(column(run.contacts, "elastic_load"), [elastic] * 30), 2e-14)
     assert column(run.positions, "time") == hold_time
     assert relative(column(run.positions, "elastic_load"), [elastic]) < 2e-14
     assert len(set(row["area"] for row in run.curve)) == 1
     peak = 2 * MODULUS / math.pi * math.sqrt(0.01 / RADIUS)
-    compare(tally, "creep: pressure at a held approach",
+    compare("creep: pressure at a held approach",
             relative(column(run.contacts, "maximum_pressure"),
                      peak * relaxed(ratio, tau, times)), 2e-14)
 
 
 @pytest.mark.parametrize("ratio, tau, hold_time", SOLIDS)
-def test_held_load(ratio, tau, hold_time, asperity, tmp_path, tally):
+def test_held_load(ratio, tau, hold_time, asperity, tmp_path):
     """Lee and Radok: a**3 = 3/4 P R J(t); approach and area grow, the pressure falls."""
     run = held(asperity, tmp_path, solid(ratio, tau, hold_time, points=200))
     times, area = column(run.curve, "time"), column(run.curve, "area")
     closing = column(run.curve, "compression")
-    compare(tally, "creep: load held", relative(column(run.curve, "load"), [LOAD] * 200), MET)
+    compare("creep: load held", relative(column(run.curve, "load"), [LOAD] * 200), MET)
     cube = 0.75 * LOAD * RADIUS / MODULUS * compliance(ratio, tau, times)
-    compare(tally, "creep: area of Lee and Radok", relative(area, math.pi * cube ** (2 / 3)), MET)
-    compare(tally, "creep: closing of Lee and Radok",
-            relative(closing, cube ** (2 / 3) / RADIUS), MET)
+    compare("creep: area of Lee and Radok", relative(area, math.pi * cube ** (2 / 3)), MET)
+    compare("creep: closing of Lee and Radok", relative(closing, cube ** (2 / 3) / RADIUS), MET)
     peak = column(run.contacts, "maximum_pressure")
     assert (np.diff(area) > 0).all() and (np.diff(closing) > 0).all() and (np.diff(peak) < 0).all()
     # The middle pressure is the hereditary integral of the elastic one, which goes with a.
@@ -85,11 +83,11 @@ def test_held_load(ratio, tau, hold_time, asperity, tmp_path, tally):
         rate = lambda s: ((1 - r) / tau * mpmath.exp(-r * s / tau) / 3
                           * j(s) ** (-mpmath.mpf(2) / 3))
         true = truth.hereditary(r, tau, end, lambda s: mpmath.cbrt(j(s)), rate)
-    compare(tally, "creep: pressure, 200 states, quadrature",
+    compare("creep: pressure, 200 states, quadrature",
             abs(peak[-1] / peak[0] / float(true) - 1), 1e-6 if ratio > 0.1 else 1e-3)
 
 
-def test_no_time_and_all_time(asperity, tmp_path, tally):
+def test_no_time_and_all_time(asperity, tmp_path):
     """No hold and a short one are elastic, an endless one is the relaxed solid."""
     elastic = held(asperity, tmp_path, {"creep": "off"}, name="elastic")
     for name, effects, compliant in (
@@ -101,18 +99,18 @@ def test_no_time_and_all_time(asperity, tmp_path, tally):
         run = held(asperity, tmp_path, effects, name="limit")
         closing = column(run.curve, "compression")
         start = float(elastic.curve[-1]["compression"])
-        compare(tally, f"creep: limits, {name}",
+        compare(f"creep: limits, {name}",
                 abs(closing[-1] / (start * compliant ** (2 / 3)) - 1), MET)
-        compare(tally, "creep: limits, load",
+        compare("creep: limits, load",
                 relative(column(run.curve, "load"), [LOAD] * len(closing)), MET)
     for tau, share in ((0.0, 0.5), (1e-300, 0.5), (1e300, 1.0)):
         run = held(asperity, tmp_path, solid(0.5, tau, 1.0, "approach"), path((0.01,)))
         loads = column(run.curve, "load")
-        compare(tally, "creep: limits, held approach",
+        compare("creep: limits, held approach",
                 relative(loads[1:], [share * loads[0]] * (len(loads) - 1)), 1e-15)
 
 
-def test_thesis_model_at_a_separation(asperity, tmp_path, tally):
+def test_thesis_model_at_a_separation(asperity, tmp_path):
     """With neighbours every load relaxes by the same factor; the contact circles stay."""
     effects = solid(0.8, 100.0, 600.0, "approach", 12, interaction="coupled")
     run = solved(asperity, write_scene(
@@ -133,11 +131,11 @@ def test_thesis_model_at_a_separation(asperity, tmp_path, tally):
             errors += list(relative(column(now, "load"), factor * column(start, "load")))
             assert (column(now, "area") == column(start, "area")).all()
     assert len(errors) > 100
-    compare(tally, "creep: neighbours at a held approach", errors, 1e-12)
+    compare("creep: neighbours at a held approach", errors, 1e-12)
 
 
 @pytest.mark.truth
-def test_three_balls(asperity, tmp_path, tally):
+def test_three_balls(asperity, tmp_path):
     """The last one touches during the hold: shares of the load as the truth's march has them."""
     gaps, radii, load, ratio, tau, hold_time = (0, 0.01, 0.03), (1, 2, 0.5), 0.008, 0.4, 1.0, 3.0
     (elastic, loads), moved = truth.extrapolated(gaps, radii, load, ratio, tau, hold_time,
@@ -148,14 +146,14 @@ def test_three_balls(asperity, tmp_path, tally):
     last = [row for row in run.contacts if row["step"] == run.curve[-1]["step"]]
     assert run.curve[0]["contacts"] == "2" and len(last) == 3
     found = {int(row["upper"]): row for row in last}
-    compare(tally, "creep: loads of three balls, shares",
+    compare("creep: loads of three balls, shares",
             [abs(float(found[i + 1]["load"]) - loads[i]) / load for i in range(3)], 2e-6)
-    compare(tally, "creep: elastic loads of three balls",
+    compare("creep: elastic loads of three balls",
             [abs(float(found[i + 1]["elastic_load"]) - elastic[i]) / load for i in range(3)], 2e-6)
 
 
 @pytest.mark.parametrize("control", ("load", "approach"))
-def test_hold_after_a_path(control, asperity, tmp_path, tally):
+def test_hold_after_a_path(control, asperity, tmp_path):
     """What is held is where the path ended, not its deepest point."""
     values = (0.4, 0.9, 0.5) if control == "load" else (-0.005, -0.009, -0.006)
     for hold, points in product(("load", "approach"), (0, 5)):
@@ -168,13 +166,13 @@ def test_hold_after_a_path(control, asperity, tmp_path, tally):
         end = -values[-1] if control == "approach" else None
         if hold == "approach":
             end = end or float(held_rows[0]["compression"])
-            compare(tally, "creep: approach held after a path",
+            compare("creep: approach held after a path",
                     relative(column(held_rows, "compression"), [end] * 10), 1e-15)
-            compare(tally, "creep: load relaxing after a path", relative(
+            compare("creep: load relaxing after a path", relative(
                 column(held_rows, "load"),
                 float(held_rows[0]["load"]) * relaxed(0.5, 1.0, times[start:])), 1e-13)
         else:
-            compare(tally, "creep: load held after a path",
+            compare("creep: load held after a path",
                     relative(column(held_rows, "load"), [float(held_rows[0]["load"])] * 10), MET)
         if control == "load":
             assert float(held_rows[0]["load"]) == pytest.approx(0.5, rel=1e-10)
@@ -200,7 +198,7 @@ def many_times(ratios, times, at):
     return np.array(found).T
 
 
-def test_three_relaxation_times(asperity, tmp_path, tally):
+def test_three_relaxation_times(asperity, tmp_path):
     """A held load after fast loading, also in three states; loading in time at a rate of the load,
     whose elastic load is the integral of the compliance, with errors of second order."""
     ratios, times, end = (0.8, 0.5, 0.2), (0.1, 1.0, 10.0), 6.0
@@ -208,7 +206,7 @@ def test_three_relaxation_times(asperity, tmp_path, tally):
         run = held(asperity, tmp_path, solid(ratios, times, end, points=points), name="hold")
         true = 0.75 * LOAD * RADIUS / MODULUS * many_times(
             ratios, times, column(run.curve, "time"))[0]
-        compare(tally, "creep: three relaxation times, held", relative(
+        compare("creep: three relaxation times, held", relative(
             column(run.curve, "compression"), true**(2 / 3) / RADIUS), 1e-9)
     errors = []
     for points in (0, 40):
@@ -218,7 +216,7 @@ def test_three_relaxation_times(asperity, tmp_path, tally):
             ratios, times, column(run.curve, "time"))[1]
         assert len(true) == (points or 20) + 1
         errors.append(relative(column(run.curve, "compression")[1:], true[1:]**(2 / 3) / RADIUS))
-    compare(tally, "creep: three relaxation times, loading", np.concatenate(errors), 5e-3)
+    compare("creep: three relaxation times, loading", np.concatenate(errors), 5e-3)
     assert errors[1][-1] < 0.3 * errors[0][-1]
 
 
@@ -253,7 +251,7 @@ def ball_in_time(turns, ratios, times, points, gap=0.0):
 
 
 @pytest.mark.parametrize("ratios, times", [(0.3, 1.0), ((0.7, 0.5, 0.3), (0.1, 1.0, 5.0))])
-def test_ball_up_and_down(asperity, tmp_path, tally, ratios, times):
+def test_ball_up_and_down(asperity, tmp_path, ratios, times):
     """Loads and squared radii to 0.1 % of the largest against Ting (1966); the ball leaves
     the surface before it is back. In a second cycle, where the surface has not recovered, against
     flat punches. The contact of a second ball, which touches later, is its own."""
@@ -278,15 +276,15 @@ def test_ball_up_and_down(asperity, tmp_path, tally, ratios, times):
             assert np.abs(true[0] - exact[0]).max() < 1e-4 * true[0].max()
             exact = true / np.array([[1], [np.pi]])
             assert loads[-2] == 0 and rims[-2] == 0
-        compare(tally, "creep: loads of a ball up and down",
+        compare("creep: loads of a ball up and down",
                 np.abs(loads - exact[0]) / exact[0].max(), 1e-3)
-        compare(tally, "creep: areas of a ball up and down",
+        compare("creep: areas of a ball up and down",
                 np.abs(rims - exact[1]) / exact[1].max(), 1e-3)
     run = held(asperity, tmp_path, effects, path(values, points), radii=(1.0, 1.0),
                gaps=(0.0, gap), modulus=1.0)
     late = column(run.curve, "load")[1:] - loads
     exact = ball_in_time(values, ratios, times, points, gap)[0]
-    compare(tally, "creep: loads of a ball that is later", np.abs(late - exact) / exact.max(), 1e-3)
+    compare("creep: loads of a ball that is later", np.abs(late - exact) / exact.max(), 1e-3)
 
 
 def test_cycle_in_time(asperity, tmp_path):

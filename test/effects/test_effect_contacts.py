@@ -25,7 +25,7 @@ def one_pair(folder, penetration, **effects):
 
 
 @pytest.mark.parametrize("circle", (0.01, 0.03, 0.0937))
-def test_one_aligned_pair_on_boundary_elements(circle, asperity, tmp_path, tally):
+def test_one_aligned_pair_on_boundary_elements(circle, asperity, tmp_path):
     """Hertz: together over alone is 1, the load is the law's, both to the discretisation error of
     elements. The last circle is as large as the thesis' contacts."""
     penetration, _ = sneddon(CAP, circle)
@@ -33,7 +33,7 @@ def test_one_aligned_pair_on_boundary_elements(circle, asperity, tmp_path, tally
     found = float(run.positions[0]["load"])
     hertz = 4 / 3 * COMBINED * np.sqrt(CAP / 2) * penetration ** 1.5
     allowed = min(0.1 * CELLS, float(run.positions[0]["error_estimate"]))
-    compare(tally, "effects: one pair, boundary against Hertz", [abs(found / hertz - 1)], allowed)
+    compare("effects: one pair, boundary against Hertz", [abs(found / hertz - 1)], allowed)
     assert float(run.positions[0]["factor"]) == pytest.approx(found / hertz, abs=1e-12)
     assert float(run.contacts[0]["area"]) == pytest.approx(np.pi * circle ** 2, rel=0.05)
     alone = solved(asperity, one_pair(tmp_path, penetration, interaction="coupled"))
@@ -46,7 +46,7 @@ def compression_of(run):
 
 
 @pytest.mark.truth
-def test_deep_contact_opens_a_shallow_one(asperity, tmp_path, tally):
+def test_deep_contact_opens_a_shallow_one(asperity, tmp_path):
     """A cap that touched alone stands free beside one that is pressed deep; a little higher, it
     touches. Against cells, and the truth of the cells."""
     for height, is_open in ((0.9895, True), (0.9925, False), (0.9995, False)):
@@ -63,7 +63,7 @@ def test_deep_contact_opens_a_shallow_one(asperity, tmp_path, tally):
         assert (found["loads"][1] == 0.0) == is_open and found["loads_alone"][1] > 1.0
         for mode, run in runs.items():
             assert int(run.positions[0]["contacts"]) == sum(v > 0 for v in found["loads"]), mode
-            compare(tally, f"effects: factor beside a deep contact, {mode}",
+            compare(f"effects: factor beside a deep contact, {mode}",
                    [abs(float(run.positions[0]["factor"]) - found["factor"])], COUPLED_APART)
 
 
@@ -93,7 +93,7 @@ def with_one_that_flows(places, heights):
     return np.append(places, [[30.0, 0.0]], axis=0), np.append(heights, 1.02)
 
 
-def check_caps(run, caps, tally, name):
+def check_caps(run, caps, name):
     """A surface of caps at a compression: its equations, and the open contacts."""
     assert "plastic" in run.contacts[0]
     row = run.positions[0]
@@ -112,7 +112,7 @@ def check_caps(run, caps, tally, name):
           f"{row['overlapping_circles']} pairs of circles overlap, {row['interaction_iterations']} "
           f"iterations, open ones stay {-closed:.1e} apart")
     # Where circles overlap the quadrature is coarse: that holds the worst, not the many.
-    compare(tally, f"effects: {name}, equations", np.abs(rest), 1e-3)
+    compare(f"effects: {name}, equations", np.abs(rest), 1e-3)
     assert np.median(np.abs(rest)) < 1e-5
     assert closed < 1e-3
     return opened
@@ -122,16 +122,16 @@ def check_caps(run, caps, tally, name):
 @pytest.mark.parametrize("count, sides, seed, compression, least", [
     (400, (3.4, 4.5), 7, 0.0288, 50), (400, (3.4, 4.5), 8, 0.0288, 50),
     (400, (3.4, 4.5), 9, 0.0288, 50), (2000, (7.6, 10.0), 7, 0.036, 500)])
-def test_many_caps(count, sides, seed, compression, least, asperity, tmp_path, tally):
+def test_many_caps(count, sides, seed, compression, least, asperity, tmp_path):
     """Caps of 1.27 cm anywhere on the plane, many nearly coincident; 20 kN on 2000 of them."""
     caps = write_caps(tmp_path, *with_one_that_flows(*random_caps(count, *sides, seed)),
                       loading={"control": "compression", "value": compression}, effects=FLOWS)
     run = solved(asperity, caps.scene)
-    assert len(check_caps(run, caps, tally, f"{count} caps")) > least
+    assert len(check_caps(run, caps, f"{count} caps")) > least
 
 
 @pytest.mark.truth
-def test_some_caps_against_the_truth(asperity, tmp_path, tally):
+def test_some_caps_against_the_truth(asperity, tmp_path):
     """The sum of loads that the truth of the cells finds at the compression the program found."""
     places, heights = random_caps(8, 1.2, 1.2, 3)
     found, closing = None, None
@@ -143,6 +143,5 @@ def test_some_caps_against_the_truth(asperity, tmp_path, tally):
             closing = compression_of(run)
             found = evaluate(caps.contacts(closing), COMBINED, ("4",))
         assert sum(v > 0 for v in found["loads"]) == len(run.contacts) < len(found["loads"])
-        compare(tally, f"effects: load of 8 caps, {mode}", [abs(found["together"] / 2000.0 - 1)],
-               bound)
+        compare(f"effects: load of 8 caps, {mode}", [abs(found["together"] / 2000.0 - 1)], bound)
         assert found["factor"] < 0.6

@@ -49,7 +49,7 @@ def run(asperity, folder, **groups):
                                        motion={"x_first": 5.6}, **groups))
 
 
-def test_every_pair_of_effects_is_computed_or_refused(asperity, tmp_path, tally):
+def test_every_pair_of_effects_is_computed_or_refused(asperity, tmp_path):
     """Every pair: refused with its sentence, or computed."""
     pairs = [(a, b, wa, wb) for i, a in enumerate(ON) for b in list(ON)[:i]
              for wa, wb in product(ON[a], ON[b])]
@@ -69,7 +69,6 @@ def test_every_pair_of_effects_is_computed_or_refused(asperity, tmp_path, tally)
             assert done.status == 0, (first, second, done.stderr)
             assert done.positions[0][first] == first_word
             assert done.positions[0][second] == second_word
-    tally.add("effects: pairs refused or computed", len(pairs), len(pairs))
     # Adhesion with any other, creep with flow and friction, flow with cells.
     assert len(pairs) == 14 and refused == 8, refused
 
@@ -168,7 +167,7 @@ BAD = [
 ]
 
 
-def test_bad_input(asperity, tmp_path, tally):
+def test_bad_input(asperity, tmp_path):
     """A bad value of each name: exit status 2, the place, what was found and expected."""
     for name, value, words in BAD:
         scene = tmp_path / "bad.scene"
@@ -178,7 +177,6 @@ def test_bad_input(asperity, tmp_path, tally):
         line = done.stderr.splitlines()[-1]
         assert line.startswith(f"{scene}:2:") and words in line, line
         assert name in line and not done.positions
-    tally.add("effects: bad values refused", len(BAD), len(BAD))
 
 
 MISSING = [
@@ -190,7 +188,7 @@ MISSING = [
 ]
 
 
-def test_missing_numbers(asperity, tmp_path, tally):
+def test_missing_numbers(asperity, tmp_path):
     """What an effect needs must be there; with CSV surfaces and no limit a yield stress, too."""
     for effects, name in MISSING:
         done = run(asperity, tmp_path, effects=effects)
@@ -200,7 +198,6 @@ def test_missing_numbers(asperity, tmp_path, tally):
                                  {"control": "load", "value": 1.0}))
     assert done.status == 2
     assert "plasticity needs plastic_yield_stress in &effects, or a &limit" in done.stderr
-    tally.add("effects: missing numbers", len(MISSING) + 1, len(MISSING) + 1)
 
 
 def test_bad_paths(asperity, tmp_path):
@@ -211,7 +208,7 @@ def test_bad_paths(asperity, tmp_path):
         assert done.status == 2 and words in done.stderr, done.stderr
 
 
-def test_auto_changes_no_result_of_the_thesis(asperity, tmp_path, tally):
+def test_auto_changes_no_result_of_the_thesis(asperity, tmp_path):
     """Elastic, no hold, no work of adhesion: byte for byte the sweep without effects."""
     sweep = {"surfaces": {"deck": str(DECK)},
              "motion": {"x_first": 0.1, "x_step": 0.1, "positions": 100}}
@@ -222,7 +219,6 @@ def test_auto_changes_no_result_of_the_thesis(asperity, tmp_path, tally):
     for kind in ("positions", "contacts", "curve"):
         rows = list(zip(getattr(auto, kind), getattr(plain, kind), strict=True))
         same = [all(a[name] == b[name] for name in b if name not in SHOWN) for a, b in rows]
-        tally.add(f"auto: thesis sweep, bytes of {kind}", len(same), sum(same))
         assert same and all(same), kind
     every = solved(asperity, write_scene(tmp_path / "every.scene", **sweep,
                                          effects={**quiet, "interaction": "auto"}))
@@ -235,7 +231,6 @@ def test_auto_changes_no_result_of_the_thesis(asperity, tmp_path, tally):
     # Where `auto` leaves interaction out, too, nothing differs.
     left = [all(a[name] == b[name] for name in b if name not in SHOWN) for a, b in
             zip(every.positions, plain.positions) if a["interaction"] == "off"]
-    tally.add("auto: positions without interaction, bytes", len(left), sum(left))
     assert len(left) > 40 and all(left)
 
 
@@ -246,7 +241,7 @@ def test_auto_changes_no_result_of_the_thesis(asperity, tmp_path, tally):
     ({"criterion": "pressure", "value": 9000.0}, {}, 0.75 * math.pi * 9000.0),
     ({"criterion": "hardy", "yield_stress": 5000.0}, {},
      math.pi / 2 * 2.76 * 5000.0 * math.sqrt(1.9))))
-def test_plasticity_index(limit, effects, hardness, asperity, tmp_path, tally):
+def test_plasticity_index(limit, effects, hardness, asperity, tmp_path):
     """(E/H) sqrt(sigma/R) of the deck's summits, as the summary prints it."""
     done = run(asperity, tmp_path, limit=limit, effects={"plasticity": "auto", **effects})
     assert done.status == 0, done.stderr
@@ -259,7 +254,7 @@ def test_plasticity_index(limit, effects, hardness, asperity, tmp_path, tally):
     if hardness is None:  # by the limit load: E sqrt(w/R)
         hardness = modulus * (0.75 * 65 * 9.8 / 2.205 / (modulus * 0.635**2)) ** (1 / 3)
     index = modulus / hardness * math.sqrt(sigma / 0.25)
-    compare(tally, "plasticity index", abs(float(printed) / index - 1), 5e-3)
+    compare("plasticity index", abs(float(printed) / index - 1), 5e-3)
 
 
 # What each example is about: what `auto` simulates there, at the last state.
@@ -270,7 +265,7 @@ ABOUT = {"beyond_limit": {"plasticity": "on"}, "ten_minutes": {"creep": "on"},
 
 
 @pytest.mark.parametrize("name", sorted(path.stem for path in EXAMPLES.glob("*.scene")))
-def test_an_example_simulates_its_effect(name, asperity, tmp_path, tally):
+def test_an_example_simulates_its_effect(name, asperity, tmp_path):
     """Only what an example is about is simulated; its output beside it is still what comes out."""
     done = solved(asperity, EXAMPLES / f"{name}.scene", folder=tmp_path, contacts=False)
     row = done.positions[0]
@@ -281,8 +276,7 @@ def test_an_example_simulates_its_effect(name, asperity, tmp_path, tally):
     for column_name in ("separation", "load", "area", "time"):
         found, true = column(done.curve, column_name), column(kept, column_name)
         scale = np.abs(true).max() or 1.0
-        compare(tally, f"examples: {column_name} of the curves", np.abs(found - true) / scale,
-                1e-9)
+        compare(f"examples: {column_name} of the curves", np.abs(found - true) / scale, 1e-9)
     if name.startswith(("beyond_limit", "ten", "index")) and "hertz" not in name:
         # All five effects were asked for.
         assert all(row[effect + "_estimate"] for effect in ON)

@@ -47,34 +47,34 @@ def test_truth_has_the_positions_that_overlap(truth):
     assert tuple(np.flatnonzero(overlapping(truth)) + 1) == OVERLAPPING
 
 
-def test_factor_of_coupled(sweeps, truth, tally):
+def test_factor_of_coupled(sweeps, truth):
     run = sweeps.solve(interaction="coupled")
     errors = np.abs(column(run.positions, "factor") - column(truth, "factor"))
     apart = ~overlapping(truth)
-    compare(tally, "effects: factor, coupled, circles apart", errors[apart], COUPLED_APART)
-    compare(tally, "effects: factor, coupled, overlapping", errors[~apart], COUPLED_OVERLAPPING)
+    compare("effects: factor, coupled, circles apart", errors[apart], COUPLED_APART)
+    compare("effects: factor, coupled, overlapping", errors[~apart], COUPLED_OVERLAPPING)
 
 
-def test_isolated_loads(sweeps, truth, tally):
+def test_isolated_loads(sweeps, truth):
     """The contacts each alone are those of Hertz, and those of the solver without effects."""
     for mode in ("coupled", "off"):
         run = sweeps.solve(interaction=mode)
         alone = column(run.positions, "alone_load" if mode == "coupled" else "vertical_load")
         errors = np.abs(alone / column(truth, "hertz") - 1)
-        compare(tally, f"effects: load alone, {mode}", errors, 5e-10)  # the truth's printed digits
+        compare(f"effects: load alone, {mode}", errors, 5e-10)  # the truth's printed digits
 
 
 @pytest.mark.truth
-def test_contacts_that_open(sweeps, truth, tally):
+def test_contacts_that_open(sweeps, truth):
     """As many contacts are left as in the truth."""
     want = column(truth, "contacts") - column(truth, "open")
     for mode in ("coupled", "boundary"):
         have = column(sweeps.solve(interaction=mode).positions, "contacts")
-        compare(tally, f"effects: contacts left, {mode}", np.abs(have - want), 0.5)
+        compare(f"effects: contacts left, {mode}", np.abs(have - want), 0.5)
     assert column(truth, "open").sum() > 3
 
 
-def test_displacement_by_neighbours(sweeps, tally):
+def test_displacement_by_neighbours(sweeps):
     """Row by row: the penetration without effects is the one that is left and what was lowered; the
     loads are Hertz's at the penetration left."""
     off = {(r["position"], r["upper"], r["lower"]): r
@@ -92,43 +92,43 @@ def test_displacement_by_neighbours(sweeps, tally):
         load.append(abs(float(row["load"]) / hertz - 1))
     assert max(float(row["lowered"]) for row in rows) > 1e-3
     # The loads' residual is of the largest penetration: a lone contact, too, has it.
-    compare(tally, "effects: penetration and lowering", depth, CONVERGED)
-    compare(tally, "effects: load alone of a contact", alone, 1e-12)
-    compare(tally, "effects: load of a lowered contact", load, 1e-12)
+    compare("effects: penetration and lowering", depth, CONVERGED)
+    compare("effects: load alone of a contact", alone, 1e-12)
+    compare("effects: load of a lowered contact", load, 1e-12)
 
 
-def test_load_of_boundary_is_converged(sweeps, truth, tally):
+def test_load_of_boundary_is_converged(sweeps, truth):
     """Within 0.1 % of the truth at every position, together and alone."""
     run = sweeps.solve(interaction="boundary")
     for ours, theirs in (("vertical_load", "by_contact"), ("alone_load", "hertz")):
         errors = np.abs(column(run.positions, ours) / column(truth, theirs) - 1)
-        compare(tally, f"effects: load {theirs}, boundary", errors, CELLS)
+        compare(f"effects: load {theirs}, boundary", errors, CELLS)
 
 
 @pytest.mark.parametrize("position", (8, 18, 19, 38, 57))
-def test_finer_elements_change_loads_within_the_tolerance(position, sweeps, truth, tally):
+def test_finer_elements_change_loads_within_the_tolerance(position, sweeps, truth):
     coarse, fine = (sweeps.solve(positions=1, x_first=position / 10, interaction="boundary",
                                  boundary_tolerance=bound).positions[0]
                     for bound in (CELLS, 1e-4))
     assert float(fine["cells"]) >= float(coarse["cells"])
     load = float(fine["vertical_load"])
-    compare(tally, "effects: load, default cells against finer",
+    compare("effects: load, default cells against finer",
            [abs(float(coarse["vertical_load"]) / load - 1)], CELLS)
-    compare(tally, "effects: load, finer cells",
+    compare("effects: load, finer cells",
            [abs(load / float(truth[position - 1]["by_contact"]) - 1)], 2e-4)
 
 
-def test_auto_is_within_its_tolerance(sweeps, truth, tally):
+def test_auto_is_within_its_tolerance(sweeps, truth):
     """Factor against that of cells, like with like: what was left out counts as factor 1."""
     auto = sweeps.solve(interaction="auto", tolerance=0.01).positions
     cells = column(sweeps.solve(interaction="boundary").positions, "factor")
     factor = np.array([float(r["factor"]) if r["interaction"] != "off" else 1.0 for r in auto])
-    compare(tally, "effects: factor, auto against boundary", np.abs(factor - cells), 0.01)
-    compare(tally, "effects: factor, auto", np.abs(factor - column(truth, "factor")), 0.01)
+    compare("effects: factor, auto against boundary", np.abs(factor - cells), 0.01)
+    compare("effects: factor, auto", np.abs(factor - column(truth, "factor")), 0.01)
 
 
 @pytest.mark.parametrize("tolerance", (0.001, 0.01, 0.1))
-def test_auto_simulates_effects_above_the_tolerance(tolerance, sweeps, truth, tally):
+def test_auto_simulates_effects_above_the_tolerance(tolerance, sweeps, truth):
     rows = sweeps.solve(interaction="auto", tolerance=tolerance).positions
     estimate = column(rows, "interaction_estimate")
     simulated = np.array([row["interaction"] != "off" for row in rows])
@@ -136,10 +136,10 @@ def test_auto_simulates_effects_above_the_tolerance(tolerance, sweeps, truth, ta
     assert 0 < simulated.sum() < 100
     # First order, with stiffnesses of contacts alone: together they carry less than that takes.
     ours = 1 - column(sweeps.solve(interaction="coupled").positions, "factor")
-    compare(tally, "effects: influence of coupled above the estimate",
+    compare("effects: influence of coupled above the estimate",
            np.maximum(ours - estimate, 0), 1e-9)
     lost = 1 - column(truth, "factor")
-    compare(tally, "effects: influence above the estimate", np.maximum(lost - estimate, 0), 2e-4)
+    compare("effects: influence above the estimate", np.maximum(lost - estimate, 0), 2e-4)
     measured = column(rows, "interaction_influence")[simulated]
     assert np.allclose(measured, column(rows, "factor")[simulated] - 1, rtol=0, atol=1e-15)
     ways = [row["interaction"] for row in rows]
@@ -186,7 +186,7 @@ def test_summary_has_the_numbers_of_the_columns(sweeps):
 
 @pytest.mark.parametrize("mode", (
     "coupled", pytest.param("boundary", marks=pytest.mark.long), "auto"))
-def test_curve_is_made_of_states(mode, sweeps, tally):
+def test_curve_is_made_of_states(mode, sweeps):
     """Every state of a curve is what the same approach gives by itself."""
     points = 5
     run = sweeps.solve(positions=1, x_first=5.6, curve=True, interaction=mode,
@@ -208,7 +208,7 @@ def test_curve_is_made_of_states(mode, sweeps, tally):
                            loading={"control": "approach", "value": float(state["separation"])})
         errors.append(abs(float(one.positions[0]["load"]) - float(state["load"])) / full)
     # The approach of a state is rounded where it is written.
-    compare(tally, f"effects: states of a curve, {mode}", errors, 1e-9)
+    compare(f"effects: states of a curve, {mode}", errors, 1e-9)
     loads = column(run.curve, "load")
     assert (np.diff(loads) > 0).all()
 
@@ -224,7 +224,7 @@ def caps_on_a_plane(folder, loading, modulus=1.0, length=1.0, **effects):
                        effects={"interaction": "coupled", **effects})
 
 
-def test_influence_is_the_load_over_that_of_isolated_contacts(asperity, tmp_path, tally):
+def test_influence_is_the_load_over_that_of_isolated_contacts(asperity, tmp_path):
     """Hertz' load of two isolated contacts at the same separation, in closed form."""
     for compression in (0.01, 0.05):
         found = solved(asperity, caps_on_a_plane(
@@ -234,7 +234,6 @@ def test_influence_is_the_load_over_that_of_isolated_contacts(asperity, tmp_path
         assert float(row["interaction_influence"]) == pytest.approx(
             float(row["load"]) / isolated - 1, abs=1e-12)
         assert -0.5 < float(row["interaction_influence"]) < -0.01
-        tally.add("influence of interaction", 1, 1)
 
 
 @pytest.mark.parametrize("modulus, length", [(1.0, 1.0), (1e6, 1e-6), (1e-6, 1e3)])

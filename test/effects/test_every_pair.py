@@ -12,23 +12,22 @@ NAMES = [" ".join(pair) for pair in pair_scenes.PAIRS]
 FEW, MANY, PARTS = 3, 100, 2
 
 
-def check(asperity, folder, number, seeds, tally):
+def check(asperity, folder, number, seeds):
     wrong = {seed: found for seed in seeds if (found := pair_scenes.faults(
         asperity, folder, pair_scenes.scene_of(number, seed)))}
     assert not wrong, wrong
-    tally.add(f"{NAMES[number]}: scenes solved", 4 * len(seeds), 4 * len(seeds))
 
 
 @pytest.mark.parametrize("number", NUMBERS, ids=NAMES)
-def test_few_scenes(number, asperity, tmp_path, tally):
-    check(asperity, tmp_path, number, range(FEW), tally)
+def test_few_scenes(number, asperity, tmp_path):
+    check(asperity, tmp_path, number, range(FEW))
 
 
 @pytest.mark.long
 @pytest.mark.parametrize("part", range(PARTS))
 @pytest.mark.parametrize("number", NUMBERS, ids=NAMES)
-def test_many_scenes(number, part, asperity, tmp_path, tally):
-    check(asperity, tmp_path, number, range(part, MANY, PARTS), tally)
+def test_many_scenes(number, part, asperity, tmp_path):
+    check(asperity, tmp_path, number, range(part, MANY, PARTS))
 
 
 @pytest.mark.parametrize("number, seed, was", [

@@ -32,7 +32,7 @@ def overlaps(run):
     return [mpf(float(row["compression"])) / STEEL.critical_overlap for row in run.curve]
 
 
-def test_published_curve(asperity, tmp_path, tally):
+def test_published_curve(asperity, tmp_path):
     """Ten points of Jackson and Green; below x = 6 the join that docs/theory/plasticity.md has."""
     wanted = sorted(map(float, (*BETWEEN, *POINTS)))
     run = pressed(asperity, tmp_path, [x * ONSET / 1.9 for x in wanted])
@@ -43,31 +43,30 @@ def test_published_curve(asperity, tmp_path, tally):
     area = relative(column(run.curve, "area"), [STEEL.area(v) * STEEL.critical_area for v in x])
     published = relative(column(run.curve, "load")[joined:],
                     [STEEL.published(v) * STEEL.critical_load for v in x[joined:]])
-    compare(tally, "plasticity: published load, ten points", published, 1e-13)
-    compare(tally, "plasticity: load, joined", load[:joined], 1e-13)
-    compare(tally, "plasticity: area", area, 1e-13)
+    compare("plasticity: published load, ten points", published, 1e-13)
+    compare("plasticity: load, joined", load[:joined], 1e-13)
+    compare("plasticity: area", area, 1e-13)
     # Kogut and Etsion 2002, J. Appl. Mech. 69, 657: another finite element study, up to 110.
     other = [1.40 * float(v) ** 1.263 * float(STEEL.critical_load) for v in x[joined:-1]]
-    compare(tally, "plasticity: load of another study",
+    compare("plasticity: load of another study",
             relative(column(run.curve, "load")[joined:-1], other), 0.043)
     assert [row["plastic"] for row in run.contacts] == ["1.0000000000000000E+000"] * 15
 
 
-def test_hertz_below_onset(asperity, tmp_path, tally):
+def test_hertz_below_onset(asperity, tmp_path):
     """A hair below the onset every common column is that without plasticity; a hair above not."""
     below, above = ONSET * (1 - 1e-12), ONSET * (1 + 1e-9)
     on, without = (pressed(asperity, tmp_path, (0.3 * ONSET, 0.7 * ONSET, below, above),
                            effects=effects, name=name)
                    for effects, name in ((ON, "on"), ({"plasticity": "off"}, "off")))
     same = [all(a[key] == b[key] for key in b) for a, b in zip(on.contacts, without.contacts)]
-    tally.add("plasticity: Hertz below the onset, bytes", 3, sum(same[:3]))
     assert same == [True, True, True, False]
     assert [float(row["plastic"]) for row in on.contacts] == [0, 0, 0, 1]
     change = abs(float(on.contacts[3]["load"]) / float(without.contacts[3]["load"]) - 1)
     assert 1e-13 < change < 1e-8
 
 
-def test_limit_is_onset(asperity, tmp_path, tally):
+def test_limit_is_onset(asperity, tmp_path):
     """The limit of the scene as onset: the load at it is the limit, past it the law of Sy."""
     limit = 1.9**1.5 * float(STEEL.critical_load)
     effects = {"plasticity": "on"}
@@ -75,14 +74,14 @@ def test_limit_is_onset(asperity, tmp_path, tally):
                        name="limit", limit={"criterion": "load", "value": limit})
     by_stress = pressed(asperity, tmp_path, np.array([1.0, 1.5, 3, 10]) * ONSET)
     for name in ("load", "area"):
-        compare(tally, f"plasticity: onset by limit, {name}",
+        compare(f"plasticity: onset by limit, {name}",
                 relative(column(by_limit.curve, name), column(by_stress.curve, name)), 1e-12)
     assert [row["limit_exceeded"] for row in by_limit.contacts] == ["1"] * 4
     # First yield by Hardy is 1.9 times earlier in overlap: C Sy = 2.76 times the shear stress.
     shear = float(STEEL.c * STEEL.yield_stress) / 2.76
     hardy = pressed(asperity, tmp_path, np.array([1.0, 1.5, 3, 10]) * ONSET, effects=effects,
                     name="hardy", limit={"criterion": "hardy", "yield_stress": shear})
-    compare(tally, "plasticity: onset by Hardy's yield",
+    compare("plasticity: onset by Hardy's yield",
             relative(column(hardy.curve, "load"), column(by_stress.curve, "load")), 1e-12)
 
 
@@ -95,17 +94,17 @@ def onsets(asperity, folder):
                 name="turn")]
 
 
-def test_load_and_area_do_not_jump(asperity, tmp_path, tally):
+def test_load_and_area_do_not_jump(asperity, tmp_path):
     """Load and area do not jump, seen with steps of 1e-13."""
     for place, run in zip(("onset", "end of the join", "turn"), onsets(asperity, tmp_path)):
         for name in ("load", "area"):
             values = column(run.curve, name)
             jumps = np.abs(np.diff(values)) / values[:-1]
-            compare(tally, f"plasticity: jump of {name}, {place}", jumps, 1e-12)
+            compare(f"plasticity: jump of {name}, {place}", jumps, 1e-12)
 
 
 @pytest.mark.parametrize("tops", [(2.5, 3), (3, 5), (10, 20), (50, 100)])
-def test_unloading_is_the_published_curve(asperity, tmp_path, tally, tops):
+def test_unloading_is_the_published_curve(asperity, tmp_path, tops):
     """Down and up again on the curve of Etsion, Kligerman and Kadin, then on by the first one: just
     past the onset, too."""
     top, further = (x * ONSET / 1.9 for x in tops)
@@ -125,17 +124,17 @@ def test_unloading_is_the_published_curve(asperity, tmp_path, tally, tops):
             # Near the residual overlap the share itself cancels.
             errors = [e * min(1.0, float(s)) for e, s in
                       zip(relative(column(curve, column_name), true), share)]
-            compare(tally, f"plasticity: {name}, {column_name}", errors, 1e-13)
+            compare(f"plasticity: {name}, {column_name}", errors, 1e-13)
         flat = [row for row, s in zip(curve, share) if s == 0]
         assert flat and all(float(row["load"]) == 0 == float(row["area"]) for row in flat)
     x = [mpf(float(row["compression"])) / STEEL.critical_overlap for row in on]
-    compare(tally, "plasticity: loading on",
+    compare("plasticity: loading on",
             relative(column(on, "load"), [STEEL.joined(v) * STEEL.critical_load for v in x]), 1e-13)
     assert again[-1]["load"] == up[-1]["load"]
 
 
 @pytest.mark.truth
-def test_the_work_of_a_cycle_is_that_of_the_column(asperity, tmp_path, tally):
+def test_the_work_of_a_cycle_is_that_of_the_column(asperity, tmp_path):
     """Work of a cycle by the trapezoidal rule against the column and against quadrature."""
     tops = (3.0, 6.0, 12.0, 40.0)
     lost, errors = [], []
@@ -147,15 +146,15 @@ def test_the_work_of_a_cycle_is_that_of_the_column(asperity, tmp_path, tally):
         lost.append(took)
         errors.append(abs(took / shown - 1))
         assert took > 0
-    compare(tally, "plasticity: work of a cycle against its column", errors, 1e-6)
+    compare("plasticity: work of a cycle against its column", errors, 1e-6)
     unit = STEEL.critical_load * STEEL.critical_overlap
     true = [float(STEEL.lost(top) * unit) for top in tops[1:]]
-    compare(tally, "plasticity: work of a cycle against quadrature", relative(lost[1:], true), 1e-6)
+    compare("plasticity: work of a cycle against quadrature", relative(lost[1:], true), 1e-6)
     assert (np.diff(lost) >= 0).all()
 
 
 @pytest.mark.parametrize("interaction", ("off", "coupled"))
-def test_closed_elastic_cycle(interaction, asperity, tmp_path, tally):
+def test_closed_elastic_cycle(interaction, asperity, tmp_path):
     """The thesis model up, down, part up, down: the same loads at the same compressions."""
     effects = {"interaction": interaction}
     scene = write_scene(tmp_path / "cycle.scene", surfaces={"deck": str(DECK)},
@@ -171,13 +170,13 @@ def test_closed_elastic_cycle(interaction, asperity, tmp_path, tally):
     assert (loads["last"] > 0).sum() > 45 and column(last, "contacts").max() >= 5
     errors = [relative(loads["last"], loads["down"]),
               relative(loads["up"][:-1], loads["down"][-2::-1])]
-    compare(tally, f"elastic cycle, {interaction}: same loads", np.concatenate(errors), 1e-10)
+    compare(f"elastic cycle, {interaction}: same loads", np.concatenate(errors), 1e-10)
     gained = work(run.curve)
-    compare(tally, f"elastic cycle, {interaction}: work left",
+    compare(f"elastic cycle, {interaction}: work left",
             abs(gained[240] - gained[120]) / gained[60], 1e-10)
 
 
-def test_a_path_of_loads(asperity, tmp_path, tally):
+def test_a_path_of_loads(asperity, tmp_path):
     """Loads up and down are met, with hysteresis, by many contacts of the thesis model."""
     scene = write_scene(tmp_path / "loads.scene", surfaces={"deck": str(DECK)},
                         motion={"x_first": 5.6}, effects={"plasticity": "on"},
@@ -188,19 +187,18 @@ def test_a_path_of_loads(asperity, tmp_path, tally):
     assert len(loads) == 151
     asked = np.concatenate([np.linspace(a, b, 31)[1:] for a, b in (
         (0, 4000), (4000, 500), (500, 4000), (4000, 6000), (6000, 0))])
-    compare(tally, "plasticity: loads asked for", relative(loads[1:-1], asked[:-1]), 1e-10)
+    compare("plasticity: loads asked for", relative(loads[1:-1], asked[:-1]), 1e-10)
     assert loads[-1] <= 1e-9 and closing[-1] > 0.003
     up, down, again = closing[1:31], closing[31:61], closing[61:91]
-    compare(tally, "plasticity: reloading by the same curve",
-            relative(again[:-1], down[-2::-1]), 1e-9)
+    compare("plasticity: reloading by the same curve", relative(again[:-1], down[-2::-1]), 1e-9)
     assert (np.interp(asked[31:60], asked[:30], up) < down[1:]).all()
     assert work(run.curve)[-1] > 0
 
 
 @pytest.mark.truth
-def test_a_cycle_returns_no_more_work(asperity, tmp_path, tally):
+def test_a_cycle_returns_no_more_work(asperity, tmp_path):
     """Random ways over the thesis model: whenever the load is gone, work was taken."""
-    rng, ends = random.Random(6), 0
+    rng = random.Random(6)
     for criterion, number in (("load", "value"), ("hardy", "yield_stress")):
         limit = {"criterion": criterion, number: {"load": 120.0, "hardy": 4000.0}[criterion]}
         for turn in range(4):
@@ -219,11 +217,9 @@ def test_a_cycle_returns_no_more_work(asperity, tmp_path, tally):
             assert done.max() > 0 and (np.diff(np.concatenate([[0.0], apart])) > -slack).all()
             shown = float(run.positions[0]["dissipated_work"])
             assert abs(apart[-1] / shown - 1) < 5e-3, (apart[-1], shown)
-            ends += len(apart)
-    tally.add("plasticity: ways that return no more", ends, ends)
 
 
-def test_with_friction(asperity, tmp_path, tally):
+def test_with_friction(asperity, tmp_path):
     """The tangential load is mu times the plastic one where a contact slides, else less."""
     groups = {"surfaces": {"deck": str(DECK)}, "motion": {"x_first": 5.6},
               "loading": {"control": "approach", "value": 0.23}}
@@ -234,17 +230,16 @@ def test_with_friction(asperity, tmp_path, tally):
     names = ("load", "area", "plastic", "largest_overlap", "maximum_pressure")
     same = [[a[name] for name in names] == [b[name] for name in names]
             for a, b in zip(plastic.contacts, both.contacts, strict=True)]
-    tally.add("plasticity: normal columns with friction", len(same), sum(same))
     assert all(same) and sum(float(row["plastic"]) for row in both.contacts) >= 3
     load, tangential = column(both.contacts, "load"), column(both.contacts, "tangential_load")
     sliding = column(both.contacts, "sliding") == 1
     assert sliding.any()
-    compare(tally, "plasticity: friction of sliding contacts",
+    compare("plasticity: friction of sliding contacts",
             relative(tangential[sliding], 0.1 * load[sliding]), 1e-14)
     assert (tangential <= 0.1 * load * (1 + 1e-14)).all()
     slope = column(both.contacts, "slope")
     cosine = 1 / np.sqrt(1 + slope**2)
-    compare(tally, "plasticity: vertical load with friction",
+    compare("plasticity: vertical load with friction",
             relative(column(both.contacts, "vertical_load"),
                 cosine * (load + tangential * slope)), 1e-12)
 
@@ -268,18 +263,18 @@ def model(asperity, folder, name, approaches, points=None, **effects):
         loading=loading, effects={"plastic_yield_stress": 6000.0, **effects}))
 
 
-def test_with_interaction(asperity, tmp_path, tally):
+def test_with_interaction(asperity, tmp_path):
     """With neighbours each contact still follows its own curve, at its own overlap."""
     run = model(asperity, tmp_path, "both", 0.23, plasticity="on", interaction="coupled")
     sphere = plastic_of_the_thesis()
     rows = [row for row in run.contacts if float(row["load"]) > 0]
     x = [mpf(float(row["overlap"])) / sphere.critical_overlap for row in rows]
     assert max(x) > 6 and max(column(rows, "lowered")) > 1e-4
-    compare(tally, "plasticity: loads with neighbours",
+    compare("plasticity: loads with neighbours",
             relative(column(rows, "load"),
                      [sphere.joined(v) * sphere.critical_load for v in x]), 1e-11)
     # The curvature of the field of neighbours changes areas of elastic contacts only.
-    compare(tally, "plasticity: areas with neighbours",
+    compare("plasticity: areas with neighbours",
             relative(column(rows, "area"),
                      [sphere.area(v) * sphere.critical_area for v in x]), 1e-11)
     alone = model(asperity, tmp_path, "alone", 0.23, plasticity="on")
@@ -289,7 +284,7 @@ def test_with_interaction(asperity, tmp_path, tally):
     assert total < lonely and total < stiff
 
 
-def test_unloading_with_interaction(asperity, tmp_path, tally):
+def test_unloading_with_interaction(asperity, tmp_path):
     """Flattened contacts open one after the other; those left follow their own curves."""
     run = model(asperity, tmp_path, "cycle", (0.215, 0.29), 80, plasticity="on",
                 interaction="coupled")
@@ -309,7 +304,7 @@ def test_unloading_with_interaction(asperity, tmp_path, tally):
         errors.append(float(abs(float(row["load"]) - true) / (
             sphere.published(x_top) * sphere.critical_load)))
     assert len(errors) > 300
-    compare(tally, "plasticity: unloading with neighbours", errors, 1e-12)
+    compare("plasticity: unloading with neighbours", errors, 1e-12)
     taken, left = work(run.curve)[80], work(run.curve)[-1]
     assert 0 < left < taken
 

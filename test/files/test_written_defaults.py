@@ -178,7 +178,7 @@ def test_written_defaults_of_a_deck(asperity, tmp_path):
     assert plain[0] == 0 and outcome(asperity, tmp_path) == plain
 
 
-def test_written_defaults(asperity, defaults, tmp_path, tally):
+def test_written_defaults(asperity, defaults, tmp_path):
     """All names at once, or one of them, in turn: the outputs have the same bytes."""
     rng = random.Random(20261126)
     names, solved = set(), 0
@@ -196,4 +196,3 @@ def test_written_defaults(asperity, defaults, tmp_path, tally):
     of_tables = {(group, name) for group, texts in defaults.items() for name, values in
                  texts.items() if written(values[0]) or "with its numbers" in values[0]}
     assert names == of_tables and solved > SCENES // 2
-    tally.add("scenes with defaults written out: same bytes", SCENES, SCENES)

@@ -10,7 +10,7 @@ SAMPLE = 24
 
 
 @pytest.mark.parametrize("part", solved_cases.OF_SEEDS)
-def test_sample(part, asperity, tally):
+def test_sample(part, asperity):
     """All are solved, in 4 to 9 steps on average; a single scene may take some tens."""
     steps = []
     for seed in range(1, SAMPLE + 1):
@@ -18,7 +18,6 @@ def test_sample(part, asperity, tally):
         assert outcome.status == 0, (seed, outcome.message)
         steps.append(outcome.steps)
     assert sum(steps) <= 12 * SAMPLE, steps
-    tally.add(f"{part} scenes solved", SAMPLE, SAMPLE)
 
 
 @pytest.mark.parametrize("part, seed, most, was", [

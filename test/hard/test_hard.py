@@ -69,7 +69,7 @@ def test_condition_of_a_small_penetration(name):
 
 
 @pytest.mark.parametrize("seed, position", [(20, 2), (26, 2), (146, 2)])
-def test_errors_of_random_decks_are_their_condition(seed, position, asperity, tmp_path, tally):
+def test_errors_of_random_decks_are_their_condition(seed, position, asperity, tmp_path):
     """The positions of 200 random decks that are farthest from the truth, up to 1.8e-13: they end
     soon after first touch. Each is nearer than their condition times half a unit of a double."""
     deck, motion, solved = solve_deck(asperity, tmp_path, seed)
@@ -77,7 +77,6 @@ def test_errors_of_random_decks_are_their_condition(seed, position, asperity, tm
     state, row = truth.state(position), solved.positions[position - 1]
     error = max(relative(row[name], getattr(state, name)) for name in TOTALS)
     assert 5e-14 < error < float(condition(truth.scene, [position])) * 2.0**-53
-    tally.add("random decks: worst positions", len(TOTALS), len(TOTALS))
 
 
 # Power of the length in a dimension, at the same moduli.

@@ -14,12 +14,11 @@ CASES = {case.name: case for case in model_cases()}
     pytest.param(name, marks=[pytest.mark.truth] * (
         name.startswith("dense_") and name != "dense_pair_auto"))
     for name in CASES])
-def test_model_case(name, asperity, root, tmp_path, tally):
+def test_model_case(name, asperity, root, tmp_path):
     run = solved(asperity, root / "data/hard/models" / f"{name}.scene", folder=tmp_path)
     for value in CASES[name].values:
         figure = value.figure(run)
         assert not missed([figure], value.tolerance), figure
-        tally.add("hard cases of models", 1, 1)
         if value.tolerance:
             # A truth twice the tolerance away is seen.
             other = replace(figure, true=figure.true + 2 * value.tolerance * figure.scale)

@@ -28,7 +28,7 @@ def program():
 
 
 @pytest.mark.parametrize("kind", BODIES)
-def test_archived_pairs(kind, program, tally):
+def test_archived_pairs(kind, program):
     """What the machine gave for 200 pairs of each kind."""
     pairs, left = kept()
     assert len(pairs[kind]) == KEPT and pairs[kind] == operands(kind, KEPT)
@@ -37,8 +37,6 @@ def test_archived_pairs(kind, program, tally):
     differ = [row for row in rows if not agrees(kind, *row)]
     assert kind not in NORMAL or not differ, shown((kind, "0", *differ[0]))
     assert all(explained(kind, operand, machines) for operand, machines, _ in differ)
-    if kind in NORMAL:
-        tally.add("System/370, archived", KEPT, KEPT)
 
 
 def test_a_wrong_digit_is_seen():
@@ -85,17 +83,16 @@ def unit(number):
 
 
 @pytest.mark.parametrize("kind", ["AE", "SE", "ME", "DE", "CE"])
-def test_random_pairs(kind, program, tally):
+def test_random_pairs(kind, program):
     """Sums keep one guard digit, products and quotients are cut; over- and underflow."""
     pairs = operands(kind, NUMBER)
     for operand, found in zip(pairs, arithmetic(program, kind, pairs), strict=True):
         result, condition = machine_result(kind, *operand)
         assert agrees(kind, operand, (result, condition, 0), found), \
             shown((kind, "none", operand, (result, condition, 0), found))
-    tally.add("hexadecimal arithmetic, exact", NUMBER, NUMBER)
 
 
-def test_random_roots(program, tally):
+def test_random_roots(program):
     """Within one unit of the exact root, and not always the nearest number: the method of the
     FORTRAN library misses it in about 36 of 1000, by a model of the method in exact fractions."""
     rng = random.Random("SQRT")
@@ -107,10 +104,9 @@ def test_random_roots(program, tally):
         assert max(low, 0) ** 2 < exact < (value(root) + unit(root)) ** 2, f"{operand:08X}"
         missed += not (value(root) - half) ** 2 <= exact < (value(root) + half) ** 2
     assert 0.032 < missed / NUMBER < 0.041
-    tally.add("hexadecimal arithmetic, exact", NUMBER, NUMBER)
 
 
-def test_random_powers(program, tally):
+def test_random_powers(program):
     """x**1.5 is the nearest number, ties upwards; 64 times an odd square makes ties."""
     rng = random.Random("POWER")
     words = [word(0, rng.randrange(23, 106), fraction(rng)) for _ in range(NUMBER)]
@@ -123,11 +119,10 @@ def test_random_powers(program, tally):
         assert (result - below) ** 2 <= cube < (result + half) ** 2, f"{operand:08X}"
         ties += (result - half) ** 2 == cube
     assert ties > 10
-    tally.add("hexadecimal arithmetic, exact", len(words), len(words))
 
 
 @pytest.mark.parametrize("kind, function", [("SIN", mpmath.sin), ("COS", mpmath.cos)])
-def test_random_angles(kind, function, program, tally):
+def test_random_angles(kind, function, program):
     """Sine and cosine of 1e-6 rad to the largest number are the nearest numbers."""
     rng = random.Random(kind)
     words = [word(rng.getrandbits(1), rng.randrange(60, 128), fraction(rng))
@@ -142,10 +137,9 @@ def test_random_angles(kind, function, program, tally):
             size = unit(found)
             assert abs(off) * 2 * below <= mpmath.mpf(size.numerator) / size.denominator, \
                 f"{operand:08X}"
-    tally.add("hexadecimal arithmetic, exact", NUMBER, NUMBER)
 
 
-def test_random_decimals(program, tally):
+def test_random_decimals(program):
     """A decimal number is cut to six digits; beyond the range it is the largest number or zero."""
     rng = random.Random("DECIMAL")
     pairs = [(rng.getrandbits(31) >> rng.randrange(31), rng.randrange(-120, 121) // (1 + i % 3))
@@ -160,11 +154,10 @@ def test_random_decimals(program, tally):
         else:
             assert value(found) <= exact, f"{digits}e{power}"
             assert found == LARGEST or exact < value(found) + unit(found), f"{digits}e{power}"
-    tally.add("hexadecimal arithmetic, exact", NUMBER, NUMBER)
 
 
 @pytest.mark.skipif(not s370_machine.is_here(), reason=s370_machine.MISSING)
-def test_on_the_machine(program, tally):
+def test_on_the_machine(program):
     """Fewer pairs than are archived, as they take a second."""
     number = 1000
     lines, _, strange = compare(program, number)
@@ -173,7 +166,6 @@ def test_on_the_machine(program, tally):
     assert all(line["differences"] == 0 for line in lines if not line["kind"].endswith(ROUGH))
     assert all(sum(line[name] for line in lines) > 100
                for name in ("overflows", "underflows", "divisions_by_zero"))
-    tally.add("System/370, on the machine", 2 * number * len(NORMAL), 2 * number * len(NORMAL))
 
 
 @pytest.mark.skipif(not s370_machine.is_here(), reason=s370_machine.MISSING)

@@ -9,7 +9,6 @@ import pytest
 from adhesive_radial import largest_pull
 from map_press_truth import rough
 from map_scenes import map_scene, solve_map
-from programs import run_program
 
 WORK = 2e-5
 RANGE = 9 * 3**0.5 / 16  # of the exponential law over the equilibrium distance
@@ -49,7 +48,7 @@ def law_of(name, distance, work=WORK):
         ("exponential", 0.5, 0.18), ("exponential", 1.0, 0.14), ("exponential", 2.0, 0.12),
         ("exponential", 3.0, 0.11),
         ("van_der_waals", 1.0, 0.16)))])
-def test_pull_off_of_a_sphere(asperity, tmp_path, tally, law, tabor, side):
+def test_pull_off_of_a_sphere(asperity, tmp_path, law, tabor, side):
     """The largest pull on a path of separations, against rings to 1 %."""
     distance = WORK**(2 / 3) / tabor
     unit = WORK**(2 / 3)
@@ -62,7 +61,6 @@ def test_pull_off_of_a_sphere(asperity, tmp_path, tally, law, tabor, side):
     pull = -(least - (right - left)**2 / (8 * (left - 2 * least + right)))
     exact = largest_pull(*law_of(law, distance), side / 2, -0.5 * unit, 2.2 * unit, 40, rings=140)
     assert abs(pull / exact - 1) < 0.01, (pull / np.pi / WORK, exact / np.pi / WORK)
-    tally.add("adhesion on pixels: pull-off of a sphere", 1, 1)
 
 
 def test_a_pull_that_is_not_carried(asperity, tmp_path):
@@ -111,7 +109,7 @@ def tamaas_solution(height, mean_gap, work, rho):
 @pytest.mark.parametrize("n, share", [
     (64, 0.2), (64, 0.6), pytest.param(128, 0.2, marks=pytest.mark.long),
     pytest.param(128, 0.6, marks=pytest.mark.long)])
-def test_rough_maps_against_tamaas(asperity, tmp_path, tally, n, share):
+def test_rough_maps_against_tamaas(asperity, tmp_path, n, share):
     """A periodic map at a mean gap: five digits of mean traction, area and gaps."""
     height = 0.01 * rough(n, shortest=8, seed=3)
     height -= height.mean()
@@ -129,12 +127,11 @@ def test_rough_maps_against_tamaas(asperity, tmp_path, tally, n, share):
     # the slope and the pressures, beyond the theory of both.
     expected = "estimated error", "is its rms slope", "pressures are near"
     assert all(any(words in line for words in expected) for line in lines.splitlines()), lines
-    tally.add("adhesion on pixels: tamaas", 3, 3)
 
 
 @pytest.mark.parametrize("edge, control", [("free", "separation"), ("free", "load"),
                                            ("periodic", "load")])
-def test_number_of_states(asperity, tmp_path, tally, edge, control):
+def test_number_of_states(asperity, tmp_path, edge, control):
     """Loading, then unloading, in one state and in eight: the same state to 1e-8."""
     n = 32
     height = 0.01 * rough(n, shortest=8, seed=5)
@@ -151,7 +148,6 @@ def test_number_of_states(asperity, tmp_path, tally, edge, control):
     for one, other in (fields[:2], fields[2:]):
         assert np.abs(one["gap"] - other["gap"]).max() < 1e-8 * rms
         assert np.abs(one["pressure"] - other["pressure"]).max() < 1e-6 * work / rho
-    tally.add("adhesion on pixels: states of one and of eight steps", 2, 2)
 
 
 def test_hardness_bounds_the_net_traction(asperity, tmp_path):

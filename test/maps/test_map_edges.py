@@ -136,7 +136,7 @@ def test_a_flat_map_is_in_full_contact_without_summits(asperity, tmp_path, perio
 
 @pytest.mark.truth
 @pytest.mark.long
-def test_from_first_touch_to_far_beyond_full_contact(asperity, tmp_path, tally):
+def test_from_first_touch_to_far_beyond_full_contact(asperity, tmp_path):
     """100 maps from 4 x 4 to 150 x 100 pixels at 20 pressures from 1e-6 to 10 times full contact:
     all are solved, area and load grow, and full contact has the area of the map exactly."""
     random = np.random.default_rng(7)
@@ -164,7 +164,6 @@ def test_from_first_touch_to_far_beyond_full_contact(asperity, tmp_path, tally):
                                                  > -1e-12)
         if of.periodic:
             assert area[-1] == pytest.approx(1.0, abs=1e-12), number
-        tally.add("map pressures", 20, 20, 0)
 
 
 def test_area_of_a_punch_and_of_full_contact(asperity, tmp_path):
@@ -213,7 +212,7 @@ def westergaard(share):
 
 @pytest.mark.truth
 @pytest.mark.long
-def test_a_cosine_of_any_phase(asperity, tmp_path, tally):
+def test_a_cosine_of_any_phase(asperity, tmp_path):
     """Westergaard (1939), over eight phases: the greatest pressure within 1 % at 256 pixels, the
     width of the contact within half a pixel on each side (and 5 % of that), both better with each
     doubling in the root mean square, which is within 1 % at 256 pixels."""
@@ -237,7 +236,6 @@ def test_a_cosine_of_any_phase(asperity, tmp_path, tally):
             if before is not None:
                 assert np.all((mean < before) | (mean < 1e-6)), (share, n, mean, before)
             before = mean
-            tally.add("Westergaard", errors.size, errors.size, 0)
 
 
 def test_a_plane_is_refused_for_a_periodic_map(asperity, tmp_path):

@@ -25,7 +25,7 @@ def press(asperity, folder, height, edge, sides=SIDES, effects=None, level="mean
 @pytest.mark.parametrize("edge, share, seed", [
     ("periodic", 0.02, 1), ("free", 0.05, 2), (("periodic", "free"), 0.1, 3),
     ("periodic", 0.2, 4)])
-def test_stiffness_against_differences(asperity, tmp_path, tally, edge, share, seed):
+def test_stiffness_against_differences(asperity, tmp_path, edge, share, seed):
     """Central differences over 1e-4 of the load."""
     height = 1e-3 * rough(64, shortest=8, seed=seed)
     load = load_for(height, SIDES, share)
@@ -38,10 +38,9 @@ def test_stiffness_against_differences(asperity, tmp_path, tally, edge, share, s
     for length, stiffness in names.items():
         change = float(less[length]) - float(more[length])
         assert abs(2e-4 * load / change / float(at[stiffness]) - 1) < 1e-6, length
-    tally.add("stiffness of maps against differences", len(names), len(names))
 
 
-def test_a_circle_has_the_closed_stiffness_and_conductance(asperity, tmp_path, tally):
+def test_a_circle_has_the_closed_stiffness_and_conductance(asperity, tmp_path):
     """A ball of the contact radius a: dP/d(compression) = 2 E a (Johnson 1985, section 4.2), the
     conductance 4 a over the conductivity (Holm 1967), to the width of a pixel."""
     n, radius, a = 129, 1.0, 0.25
@@ -52,7 +51,6 @@ def test_a_circle_has_the_closed_stiffness_and_conductance(asperity, tmp_path, t
     assert float(row["conductance_length"]) == pytest.approx(4 * a, rel=3e-3)
     # By the definition of the mean gap the interface of a free map is stiffer.
     assert float(row["interface_stiffness"]) > float(row["contact_stiffness"])
-    tally.add("stiffness and conductance of a circle", 2, 2)
 
 
 def test_full_contact_of_a_free_map(asperity, tmp_path):

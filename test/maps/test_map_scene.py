@@ -15,7 +15,7 @@ from surfaces_csv import solve
 
 @pytest.mark.parametrize("edge", ["free", "periodic"])
 @pytest.mark.parametrize("share", [0.003, 0.05, 0.2])
-def test_pixels_against_numpy(asperity, tmp_path, tally, edge, share):
+def test_pixels_against_numpy(asperity, tmp_path, edge, share):
     sides = (0.01, 0.017)
     height = 1e-3 * rough(56, 41, shortest=5, seed=11)
     load = load_for(height, sides, share)
@@ -33,7 +33,6 @@ def test_pixels_against_numpy(asperity, tmp_path, tally, edge, share):
               sum(float(c["load"]) for c in found.contacts) / load - 1,
               sum(float(c["area"]) for c in found.contacts) / float(row["area"]) - 1]
     assert max(map(abs, errors)) < 1e-6, errors
-    tally.add("a map's samples against numpy", len(errors), len(errors))
     # The same at the separation that was found.
     there = map_scene(tmp_path, height, sides, name="there", surfaces={"map_edge": edge},
                       loading={"control": "approach", "value": float(row["separation"])})

@@ -50,7 +50,7 @@ def solve_ball(asperity, folder, surfaces, effects, **loading):
     ({"friction": "on", "friction_coefficient": 0.3}, {"tangential_load": 0.8}, SLIP),
     ({"plasticity": "on"}, {}, ())],
     ids=["elastic", "creep", "slip", "below yield"])
-def test_a_ball_as_asperity_and_as_pixels(asperity, tmp_path, tally, effects, loading, more):
+def test_a_ball_as_asperity_and_as_pixels(asperity, tmp_path, effects, loading, more):
     """Beyond yield the theories of plasticity differ: docs/theory/plasticity.md."""
     found = []
     for surfaces in (as_pixels, over_a_map, as_asperity):
@@ -63,7 +63,6 @@ def test_a_ball_as_asperity_and_as_pixels(asperity, tmp_path, tally, effects, lo
     pixels, over, cap = map(np.array, found)
     assert np.abs(pixels / cap - 1).max() < 0.01, found
     assert np.allclose(over, pixels, rtol=1e-9, atol=0)
-    tally.add("a ball as asperity and as pixels", len(pixels), len(pixels))
 
 
 def test_errors_of_a_ball_are_estimated(asperity, tmp_path):

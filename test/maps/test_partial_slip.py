@@ -58,7 +58,7 @@ def cattaneo(place, side, contact, stick, parts=8):
 
 
 @pytest.mark.parametrize("ratio", [0.2, 0.5, 0.8])
-def test_sphere_of_cattaneo_and_mindlin(asperity, tmp_path, tally, ratio):
+def test_sphere_of_cattaneo_and_mindlin(asperity, tmp_path, ratio):
     contact, pixels = 0.1, 128
     side = 2.1 * contact / pixels
     height, place = sphere(pixels, side)
@@ -78,7 +78,6 @@ def test_sphere_of_cattaneo_and_mindlin(asperity, tmp_path, tally, ratio):
             MU * 2 * COMBINED * contact / np.pi)}
     print(errors)
     for name, error in errors.items():
-        tally.add(f"partial slip: {name} of a sphere", 1, int(abs(error) < 5e-3))
         assert abs(error) < 5e-3, errors
     assert abs(errors["load"]) < 1e-12
     assert found["slides"] == 0

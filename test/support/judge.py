@@ -130,19 +130,16 @@ def check(what, found, true, tolerance, bound=0.0, scale=np.nan):
     assert not wrong, wrong
 
 
-def compare(tally, name, errors, tolerance):
-    """Errors that must be within a tolerance, or each within its own; each is a cell of the
-    tally. Prints the worst."""
+def compare(name, errors, tolerance):
+    """Errors that must be within a tolerance, or each within its own. Prints the worst."""
     errors = np.atleast_1d(np.asarray(errors, float))
     assert errors.size, f"{name}: nothing compared"
     tolerance = np.broadcast_to(tolerance, errors.shape)
-    met = is_met(errors, tolerance)
-    tally.add(name, errors.size, int(met.sum()))
     worst = int(np.argmax(np.abs(errors) - tolerance))
     text = (f"{name}: {errors.size} compared, worst {errors[worst]:.2e} (number {worst + 1}), "
             f"allowed {tolerance[worst]:.2g}")
     print(text)
-    assert met.all(), text
+    assert is_met(errors, tolerance).all(), text
 
 
 def column(rows, name):
