@@ -1,20 +1,19 @@
-"""Some of the random scenes that `coupled` must solve (everything_solved.py), by fixed seeds."""
+"""Some of the random scenes that `coupled` must solve (solved_cases.py), by fixed seeds."""
 
-import everything_solved
 import pytest
-import solved_cases
+from solved_cases import OF_SEEDS, rough_case, run
 
 pytestmark = pytest.mark.truth
 
 SAMPLE = 24
 
 
-@pytest.mark.parametrize("part", solved_cases.OF_SEEDS)
+@pytest.mark.parametrize("part", OF_SEEDS)
 def test_sample(part, asperity):
     """All are solved, in 4 to 9 steps on average; a single scene may take some tens."""
     steps = []
     for seed in range(1, SAMPLE + 1):
-        outcome = everything_solved.run_seed(asperity, "coupled", 60, seed, part)
+        outcome = run(asperity, "coupled", OF_SEEDS[part](seed))
         assert outcome.status == 0, (seed, outcome.message)
         steps.append(outcome.steps)
     assert sum(steps) <= 12 * SAMPLE, steps
@@ -33,49 +32,35 @@ def test_sample(part, asperity):
     ("stepped", 12741, 40, "63 steps: a circle around another hardly larger"),
 ])
 def test_found_steps(part, seed, most, was, asperity):
-    outcome = everything_solved.run_seed(asperity, "coupled", 60, seed, part)
+    outcome = run(asperity, "coupled", OF_SEEDS[part](seed))
     assert outcome.status == 0 and outcome.steps <= most, was
 
 
 def test_many_contacts_that_open_each_other(asperity):
     """Did not end: all open ones that would touch joined at a time, and opened each other."""
-    case = next(c for c in solved_cases.rough_cases("blunt", solved_cases.blunt_caps())
-                if "20 %, load" in c.name)
-    outcome = everything_solved.run(asperity, "coupled", 60, case)
-    assert outcome.status == 0 and int(outcome.positions[0]["contacts"]) > 500, \
-        outcome.message
+    outcome = run(asperity, "coupled", rough_case())
+    assert outcome.status == 0 and int(outcome.positions[0]["contacts"]) > 500, outcome.message
 
 
-@pytest.mark.parametrize("seed, was", [
-    (12709, "one near pair far from its solution kept the steps of all contacts short"),
-    (30977, "a pair of overlapping circles: 400 steps with a residual of 1e-6"),
-    (704345, "a cap went to and fro between two places, each shown from the other as one of touch"),
-    (708618, "the same, 4023 caps"),
-    (809716, "a step cut to a small circle at a large one's rim did not go down, and was cut on"),
-    (807001, "the same, among 2115 caps"),
-    (905849, "a small circle crept around a large one, as its shift was stiffened too much"),
+# Rings and circles that did not settle with cells: the message was `circles and cells do not
+# settle`. Caps on caps: a load above that of the isolated contact, as the correction's step took
+# more from the cap below than that carries.
+@pytest.mark.parametrize("mode, part, seed, was", [
+    ("coupled", "random", 12709, "one near pair far from its solution kept all steps short"),
+    ("coupled", "random", 30977, "two overlapping circles: 400 steps at a residual of 1e-6"),
+    ("coupled", "random", 704345, "a cap went to and fro between two places of touch"),
+    ("coupled", "random", 708618, "the same, 4023 caps"),
+    ("coupled", "random", 809716, "a step cut to a circle at another's rim went up"),
+    ("coupled", "random", 807001, "the same, among 2115 caps"),
+    ("coupled", "random", 905849, "a circle crept around a large one, its shift was too stiff"),
+    ("auto", "stepped", 9750100, "a ring stiffer than its circle: rounds alternated"),
+    ("auto", "stepped", 9750063, "a ring on cells, without the contact that it is around"),
+    ("auto", "stepped", 9750137, "two circles for a contact and the wider ring around it"),
+    ("auto", "stepped", 9850296, "two circles nearly in one place, by turns"),
+    ("auto", "stepped", 9800246, "circles of a cluster were one, then two, by turns"),
+    *(("coupled", "stepped", seed, "a load above that of the isolated contact, 0.03 to 2 of it")
+      for seed in (770008, 770021, 770037, 770055)),
 ])
-def test_found_seed(seed, was, asperity):
-    outcome = everything_solved.run_seed(asperity, "coupled", 60, seed)
+def test_found_seed(mode, part, seed, was, asperity):
+    outcome = run(asperity, mode, OF_SEEDS[part](seed))
     assert outcome.status == 0, (was, outcome.message)
-
-
-@pytest.mark.parametrize("seed, was", [
-    (9750100, "a ring stiffer than its circle: rounds alternated"),
-    (9750063, "a ring on cells, without the contact that it is around"),
-    (9750137, "two circles for a contact and the wider ring around it"),
-    (9850296, "two circles nearly in one place found one solution, then the other, by turns"),
-    (9800246, "circles of a cluster were one, then two, by turns"),
-])
-def test_rings_on_boundary_elements(seed, was, asperity):
-    """`circles and cells do not settle`."""
-    outcome = everything_solved.run_seed(asperity, "auto", 60, seed, "stepped")
-    assert outcome.status == 0, (was, outcome.message)
-
-
-@pytest.mark.parametrize("seed", [770008, 770021, 770037, 770055])
-def test_corrected_loads_of_caps_on_caps(seed, asperity):
-    """No load above that of the isolated contact: the correction's step gave 0.03 to 2 of it more,
-    where it took more from the cap below than that carries."""
-    outcome = everything_solved.run_seed(asperity, "coupled", 60, seed, "stepped")
-    assert outcome.status == 0, outcome.message
