@@ -14,7 +14,7 @@ module asperity_contact_slip
   use asperity_scene_results, only: name_columns, scene_results
   use asperity_scene_values, only: control_load, control_separation, effect_off, has_tangential, &
                                    scene
-  use asperity_surface_solve, only: solve_effects
+  use asperity_model_solve, only: solve_effects
   implicit none
   private
 

@@ -6,7 +6,7 @@ module asperity_solve
   use asperity_height_map, only: height_map
   use asperity_kinds, only: int64, real64
   use asperity_map_contact, only: room_to_solve
-  use asperity_map_solve, only: solve_map
+  use asperity_model_solve, only: has_effects, solve_map
   use asperity_numeral, only: rounded_decimal
   use asperity_problems, only: problem_list
   use asperity_process, only: bytes_of_thread, check_memory, is_given
@@ -14,7 +14,6 @@ module asperity_solve
   use asperity_scene_results, only: scene_results
   use asperity_scene_values, only: by_default, by_word, effect_off, scene, scene_effects
   use asperity_surface_fields, only: solve_with_fields
-  use asperity_surface_solve, only: has_effects
   !$ use omp_lib, only: omp_get_max_threads, omp_set_num_threads
   implicit none
   private

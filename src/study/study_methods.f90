@@ -21,7 +21,7 @@ module asperity_study_methods
   use asperity_scene_values, only: criterion_load, effect_auto, effect_boundary, effect_coupled, &
                                    effect_off, is_limit, is_thesis_sweep, scene, scene_effects
   use asperity_solve, only: solve
-  use asperity_surface_solve, only: solve_effects
+  use asperity_model_solve, only: solve_effects
   implicit none
   private
 

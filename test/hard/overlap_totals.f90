@@ -11,7 +11,7 @@ program overlap_totals
   use asperity_scene_reader, only: read_scene
   use asperity_scene_results, only: last_state, scene_results
   use asperity_scene_values, only: scene
-  use asperity_surface_solve, only: solve_effects
+  use asperity_model_solve, only: solve_effects
   implicit none
 
   character(len=4096) :: words(2)
