@@ -119,7 +119,7 @@ contains
 
   !> The i-th word of the command line, whole.
   function word_at(i) result(word)
-    integer, intent(in) :: i               !! place of the word on the command line, from 1
+    integer, intent(in) :: i               !! place of the word on the command line; 0: the program
     character(len=:), allocatable :: word  !! as given
     integer :: length
 

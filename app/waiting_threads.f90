@@ -2,6 +2,7 @@
 !> machine the run takes ten times the processor time.
 module asperity_waiting_threads
   use, intrinsic :: iso_c_binding, only: c_char, c_int, c_loc, c_null_char, c_null_ptr, c_ptr
+  use asperity_arguments, only: word_at
   use asperity_images, only: is_image_build
   use asperity_system_calls, only: posix_execv, posix_setenv
   !$ use omp_lib, only: omp_get_max_threads
@@ -24,7 +25,7 @@ contains
     type(c_ptr), allocatable :: arguments(:)
     character(len=:), allocatable :: word
     integer(c_int) :: status
-    integer :: i, last, length, set
+    integer :: i, last, set
 
     !$ if (omp_get_max_threads() == 1) return
     if (is_image_build()) return
@@ -34,20 +35,16 @@ contains
     end do
     last = 0
     do i = 0, command_argument_count()
-      call get_command_argument(i, length=length)
-      last = last + length + 1
+      last = last + len(word_at(i)) + 1
     end do
     allocate (bytes(last))
     allocate (arguments(0:command_argument_count() + 1))
     last = 0
     do i = 0, command_argument_count()
-      call get_command_argument(i, length=length)
-      allocate (character(len=length) :: word)
-      call get_command_argument(i, word)
-      bytes(last + 1:last + length + 1) = transfer(word // c_null_char, bytes)
+      word = word_at(i) // c_null_char
+      bytes(last + 1:last + len(word)) = transfer(word, bytes)
       arguments(i) = c_loc(bytes(last + 1))
-      last = last + length + 1
-      deallocate (word)
+      last = last + len(word)
     end do
     arguments(ubound(arguments, 1)) = c_null_ptr
     status = posix_setenv(policy // c_null_char, 'passive' // c_null_char, 0_c_int)

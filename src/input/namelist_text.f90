@@ -282,13 +282,8 @@ contains
   pure subroutine add_item(self, item)
     class(namelist_text), intent(inout) :: self
     type(namelist_item), intent(in) :: item
-    type(namelist_item), allocatable :: larger(:)
 
-    if (self%item_count == size(self%items)) then
-      allocate (larger(2 * self%item_count))
-      larger(:self%item_count) = self%items
-      call move_alloc(larger, self%items)
-    end if
+    if (self%item_count == size(self%items)) self%items = [self%items, self%items]
     self%item_count = self%item_count + 1
     self%items(self%item_count) = item
   end subroutine add_item

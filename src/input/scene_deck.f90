@@ -9,7 +9,8 @@ module asperity_scene_deck
   use asperity_kinds, only: int64, real64
   use asperity_numeral, only: is_a_double
   use asperity_problems, only: decimal_text, problem_list
-  use asperity_scene_values, only: scene, scene_motion, scene_surface, thesis_limit_load
+  use asperity_scene_values, only: scene, scene_motion, scene_surface, thesis_limit_load, &
+                                   thesis_positions
   implicit none
   private
 
@@ -19,13 +20,11 @@ module asperity_scene_deck
   type(decimal_value), parameter :: inch = decimal_value(254_int64, -2)
   type(decimal_value), parameter :: psi = decimal_value(6894_int64, -4)
 
-  ! Gap of 0.5 in before the models close; slopes of the support plates along x and y.
-  real(real64), parameter :: thesis_gap = 1.27_real64
+  ! Slopes of the support plates along x and y.
   real(real64), parameter :: upper_slope(2) = [0.00400_real64, -0.00058_real64]
   real(real64), parameter :: lower_slope(2) = [-0.00067_real64, -0.00045_real64]
 
-  ! The thesis' sweep: 100 positions, 0.1 cm apart in x.
-  integer, parameter :: thesis_positions = 100
+  ! Distance of the positions of the thesis' sweep along x, cm.
   type(decimal_value), parameter :: thesis_step = decimal_value(1_int64, -1)
 
   integer, parameter :: header_cards = 4  ! cards before the first asperity
@@ -59,7 +58,6 @@ contains
       target_scene%deck = deck
       target_scene%notes = deck%notes
       target_scene%lower_is_mirrored = .true.
-      target_scene%starting_gap = thesis_gap
       target_scene%units = [character(len=16) :: 'cm', 'N']
       target_scene%limit%value = thesis_limit_load
       target_scene%limit%from_thesis = .true.

@@ -10,7 +10,7 @@ module asperity_scene_effects
   use asperity_scene_values, only: by_default, by_numbers, by_word, criterion_none, effect_auto, &
                                    effect_off, effect_on, effect_words, has_tangential, &
                                    is_limit, is_load, most_relaxations, scene, scene_effects, &
-                                   scene_loading, solves_pixels
+                                   scene_loading
   implicit none
   private
 
@@ -229,7 +229,7 @@ contains
   pure logical function flows_on_pixels(checked)
     type(scene), intent(in) :: checked
 
-    flows_on_pixels = checked%effects%mode('plasticity') /= effect_off .and. solves_pixels(checked)
+    flows_on_pixels = checked%effects%mode('plasticity') /= effect_off .and. allocated(checked%map)
   end function flows_on_pixels
 
   ! Whether a scene with a map names a hardness.
@@ -326,7 +326,7 @@ contains
     logical :: on_pixels
     integer :: automatic, i, j
 
-    on_pixels = solves_pixels(checked)
+    on_pixels = allocated(checked%map)
     associate (modes => checked%effects%modes)
       do i = 1, size(modes)
         do j = 1, i - 1

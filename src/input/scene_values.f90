@@ -29,7 +29,7 @@ module asperity_scene_values
   public :: by_default, by_numbers, by_word
   public :: effect_off, effect_on, effect_auto, effect_coupled, effect_boundary, effect_words
   public :: thesis_limit_load, is_thesis_sweep, body_compliance, combined_modulus, has_hardness, &
-            coupling_influence, dundurs_beta, has_caps, has_tangential, is_coupled, solves_pixels
+            coupling_influence, dundurs_beta, has_caps, has_tangential, is_coupled, thesis_positions
 
   !> No limit is looked for. Only with surfaces from CSV files and a control other than the limit.
   integer, parameter :: criterion_none = 0
@@ -42,7 +42,7 @@ module asperity_scene_values
   !> Limit load of the thesis, 65*9.8/2.205 = 288.888... N, to 18 digits.
   real(real64), parameter :: thesis_limit_load = 288.888888888888889_real64
 
-  integer, parameter :: thesis_positions = 100  ! positions of the original's sweep
+  integer, parameter :: thesis_positions = 100  !! positions of the original's sweep
 
   !> One surface, as it lies in its file: not rotated, mirrored, tilted or moved.
   type :: scene_surface
@@ -152,7 +152,6 @@ module asperity_scene_values
     real(real64) :: conductivity(2, 2) = 0.0_real64
     real(real64) :: nominal_area = 0.0_real64  !! of the surfaces in plan; 0: not given
     character(len=16) :: units(2) = ''            !! names of length and force; blank: not given
-    real(real64) :: starting_gap = 0.0_real64  !! at the start: 1.27 cm for a deck, else 0
     type(scene_motion) :: motion                  !! where the upper surface stands
     type(scene_loading) :: loading                !! how far the surfaces close
     type(scene_limit) :: limit                    !! when a contact is at its limit
@@ -331,13 +330,6 @@ contains
     has_tangential = allocated(loading%tangential_path) .or. &
       any(abs([loading%tangential_load, loading%tangential_displacement]) > 0.0_real64)
   end function has_tangential
-
-  !> Whether a scene has a map, which is solved on its pixels.
-  pure logical function solves_pixels(scene_in)
-    type(scene), intent(in) :: scene_in  !! scene with checked values
-
-    solves_pixels = allocated(scene_in%map)
-  end function solves_pixels
 
   !> Whether the other body of a scene with a map is a table of asperities.
   pure logical function has_caps(scene_in)

@@ -16,9 +16,9 @@ module asperity_totals_table
   implicit none
   private
 
-  public :: total_line, list_totals, write_totals
+  public :: write_totals
 
-  !> One quantity over all positions.
+  ! One quantity over all positions.
   type :: total_line
     character(len=40) :: name = ''            !! of the quantity, with its unit where that is known
     character(len=40) :: remark = ''       !! its reference; blank: the name is enough
@@ -112,12 +112,12 @@ contains
     end do
   end subroutine write_totals
 
-  !> The totals as values. A quantity that was computed at no position has no line, and none has one
-  !> without memory for the table of positions.
+  ! The totals as values. A quantity that was computed at no position has no line, and none has one
+  ! without memory for the table of positions.
   subroutine list_totals(scene_in, results, lines)
-    type(scene), intent(in) :: scene_in                       !! the scene, for its units
-    type(scene_results), intent(in) :: results                !! results of a run
-    type(total_line), allocatable, intent(out) :: lines(:)    !! in the order of the summary
+    type(scene), intent(in) :: scene_in
+    type(scene_results), intent(in) :: results
+    type(total_line), allocatable, intent(out) :: lines(:)  ! in the order of the summary
     type(array_table) :: table
     character(len=:), allocatable :: failure
     integer :: i

@@ -68,13 +68,11 @@ contains
   end subroutine check_field_request
 
   !> Solves the one position of a scene and adds its fields to the results, where they are kept.
-  subroutine solve_with_fields(scene_in, options, results, failure, corners)
+  subroutine solve_with_fields(scene_in, options, results, failure)
     type(scene), intent(in) :: scene_in                    !! surfaces of asperities
     type(run_options), intent(in) :: options               !! options of the run
     type(scene_results), intent(inout) :: results          !! results of the one position
     character(len=:), allocatable, intent(out) :: failure  !! reason, when it is not solved
-    !> low and high corner of the grid in plan; absent: those of the common area of both surfaces
-    real(real64), intent(in), optional :: corners(2, 2)
     type(run_options) :: with_contacts  ! or without fields
     type(placed_surface) :: upper, lower
     type(field_grid) :: grid
@@ -95,8 +93,7 @@ contains
     upper = place_surface(scene_in%upper, -1, [scene_in%motion%x_first, scene_in%motion%y_first])
     if (scene_in%lower_is_mirrored) mirror = scene_in%lower_mirror_width
     lower = place_surface(scene_in%lower, 1, mirror=mirror)
-    call lay_grid(upper, lower, scene_in%number('surfaces', 'field_spacing'), grid, failure, &
-                  corners)
+    call lay_grid(upper, lower, scene_in%number('surfaces', 'field_spacing'), grid, failure)
     if (allocated(failure)) return
     with_contacts = options
     with_contacts%keep_contacts = .true.
@@ -170,22 +167,17 @@ contains
   end subroutine take_fields
 
   ! Sets a grid of whole pixels around the common rectangle of both surfaces.
-  subroutine lay_grid(upper, lower, side, grid, failure, corners)
+  subroutine lay_grid(upper, lower, side, grid, failure)
     type(placed_surface), intent(in) :: upper, lower
     real(real64), intent(in) :: side
     type(field_grid), intent(out) :: grid
     character(len=:), allocatable, intent(inout) :: failure
-    real(real64), intent(in), optional :: corners(2, 2)
     real(real64) :: high(2), numbers(2)
 
     grid%low = -huge(side)
     high = huge(side)
     call narrow_grid(upper)
     call narrow_grid(lower)
-    if (present(corners)) then
-      grid%low = corners(:, 1)
-      high = corners(:, 2)
-    end if
     if (any(high < grid%low)) then
       failure = 'fields: the surfaces have no area in common in plan'
       return
