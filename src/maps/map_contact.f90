@@ -23,7 +23,7 @@ module asperity_map_contact
   private
 
   public :: check_level, displacement_by, half_map, map_answer, most_load, prepare_influence, &
-            press_map, room_to_press, room_to_solve
+            press_map, reach_hardness, room_to_press, room_to_solve
 
   !> Request and solution of the contact of a map with a rigid flat.
   type :: map_answer
@@ -140,9 +140,7 @@ contains
     if (present(hardness)) bounds%limit = hardness / unit
     if (present(load)) bounds%load = load / (unit * product(map%pixel_spacing))
     call find_pressures(map, gap, bounds, unit, answer)
-    if (present(hardness)) where (.not. answer%pressure < hardness - &
-      min(error_of_residual * closed_fully * unit, hardness_rounding * hardness)) &
-      answer%pressure = hardness
+    if (present(hardness)) call reach_hardness(hardness, closed_fully * unit, answer%pressure)
     answer%displacement = answer%displacement * heights
     if (present(load)) then
       answer%level = top - heights * answer%level
@@ -152,6 +150,16 @@ contains
       answer%failure = 'the pressures on the map did not converge'
     if (allocated(answer%failure) .and. answer%interrupt%is_asked()) answer%failure = 'interrupted'
   end subroutine press_map
+
+  !> Sets pressures that differ from the hardness by their error to the hardness.
+  elemental subroutine reach_hardness(hardness, closing, pressure)
+    real(real64), intent(in) :: hardness     !! largest pressure, > 0
+    real(real64), intent(in) :: closing      !! pressure on a pixel that closes the residual gap
+    real(real64), intent(inout) :: pressure  !! of a pixel
+
+    if (.not. pressure < hardness - min(error_of_residual * closing, hardness_rounding * hardness)) &
+      pressure = hardness
+  end subroutine reach_hardness
 
   !> Sets the failure where an elastic map has no solution at the level of `answer`: the mean
   !> displacement of a periodic map is 0, but on a rigid base, so that its mean gap would be

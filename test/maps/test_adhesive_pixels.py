@@ -172,6 +172,18 @@ def test_hardness_bounds_the_net_traction(asperity, tmp_path):
     assert pulls[1] > 1.05 * pulls[0]
 
 
+def test_plastic_area_of_equal_loads(asperity, tmp_path):
+    """The area at the hardness is the same at every equal largest load, and so are the pixels that
+    do not carry more of the next load."""
+    height, side = rough(24, 24, shortest=4, seed=5), 1 / 24
+    load = float(0.05 * np.ptp(height))
+    rows, *_ = run(asperity, tmp_path, height, side, (load, load, load / 3, load, load),
+                   edge="periodic", distance=0.1 * np.ptp(height), work=1e-3 * np.ptp(height)**2,
+                   plasticity="on", plastic_hardness=4 * load)
+    areas = [row["plastic_area"] for row in rows]
+    assert areas[0] > 0.01 and areas == [areas[0], areas[0], 0, areas[0], areas[0]]
+
+
 def test_wide_pixels(asperity, tmp_path):
     """Pixels wider than the range are warned of, with the spacing that resolves it, or refused;
     states of a periodic map at held separations are warned of; a law has a name."""

@@ -44,7 +44,7 @@ module asperity_map_adhesion
   use asperity_kinds, only: real64
   use asperity_lattice_convolution, only: lattice_convolution
   use asperity_map_contact, only: check_level, map_answer, prepare_influence, press_map, &
-                                  room_to_press
+                                  reach_hardness, room_to_press
   use asperity_process, only: check_memory
   implicit none
   private
@@ -176,20 +176,19 @@ contains
     history%attraction = pull * unit
     answer%displacement = displacement * law%reach
     if (present(load)) answer%level = top - law%reach * level
-    call take_pressures(history, force < bounds%limit, product(map%pixel_spacing), answer, load, &
-                        hardness)
+    call take_pressures(history, allowed * unit, product(map%pixel_spacing), answer, load, hardness)
   end subroutine adhere_map
 
   ! Takes net pressures and their load from a solution.
-  subroutine take_pressures(history, is_elastic, area, answer, load, hardness)
+  subroutine take_pressures(history, closing, area, answer, load, hardness)
     type(adhesion_history), intent(in) :: history  ! pressures of contact and attraction
-    logical, intent(in) :: is_elastic(:, :)        ! pressures below the hardness
+    real(real64), intent(in) :: closing            ! pressure on a pixel for the residual gap
     real(real64), intent(in) :: area               ! of a pixel
     type(map_answer), intent(inout) :: answer      ! gets pressures, contact and load
     real(real64), intent(in), optional :: load, hardness  ! as in adhere_map
 
     answer%pressure = history%contact_pressure - history%attraction
-    if (present(hardness)) where (.not. is_elastic) answer%pressure = hardness
+    if (present(hardness)) call reach_hardness(hardness, closing, answer%pressure)
     answer%touches = history%contact_pressure > 0.0_real64
     answer%load = sum(answer%pressure) * area
     if (present(load)) answer%load = load
