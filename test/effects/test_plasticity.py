@@ -376,3 +376,15 @@ def test_load_with_interaction(stress, asperity, tmp_path):
         loading={"control": "load", "value": float(first["load"])}, effects=effects)).positions[0]
     for name in ("separation", "vertical_load", "area"):
         assert float(again[name]) == pytest.approx(float(first[name]), rel=1e-9), name
+
+
+@pytest.mark.parametrize("interaction", ["off", "coupled"])
+def test_contacts_flow_at_every_equal_load(interaction, asperity, tmp_path):
+    """Loads are met to 1e-6: a contact that is that near to its largest overlap flows."""
+    flowing = [float(solved(asperity, write_scene(
+        tmp_path / "equal.scene", surfaces={"deck": str(DECK)}, motion={"x_first": 5.6},
+        loading={"control": "load", "value": values},
+        effects={"plasticity": "on", "interaction": interaction})).positions[0]["contacts_flowing"])
+               for values in ((4000.0,), (4000.0, 4000.0), (4000.0, 500.0, 4000.0),
+                              (4000.0, 3999.9))]
+    assert flowing[0] > 5 and flowing == [*3 * flowing[:1], 0]

@@ -22,6 +22,11 @@ module asperity_plasticity
 
   public :: new_plasticity
 
+  ! Overlaps of a contact in states of the same load differ by less, over the overlap (derived: a
+  ! requested load is met to 1e-6, and it grows at least with the overlap; test: equal loads in
+  ! test/effects/test_plasticity.py).
+  real(real64), parameter :: of_equal_loads = 1.0e-6_real64
+
   !> Plastic flow.
   type, extends(contact_effect) :: plasticity_effect
     real(real64) :: yield_stress = 0.0_real64    !! in tension, in the scene's unit; 0: see limit
@@ -154,7 +159,7 @@ contains
                                                                     self%law%constraint)
       call warn_above(outcome%warnings, of_yield_strain, strain, 1)
       if (.not. past%flowed) cycle
-      if (overlap >= self%law%largest(i)) then
+      if (overlap >= (1.0_real64 - of_equal_loads) * self%law%largest(i)) then
         flowing = flowing + 1
         call warn_above(outcome%warnings, of_flow_depth, overlap / self%law%critical(i), 1)
       else
