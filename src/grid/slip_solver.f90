@@ -56,8 +56,9 @@ module asperity_slip_solver
   ! needs as many steps, 1 alternates between both sides of a disc; test: random problems in
   ! test/unit/traction_suite.f90).
   real(real64), parameter :: projection_step = 0.3_real64
-  ! Largest numbers of steps, of their conjugate gradients, and of steps of the level (chosen).
-  integer, parameter :: turns_allowed = 60, inner_allowed = 80, level_steps = 60
+  ! Largest numbers of steps, of their conjugate gradients, of steps of the level, and of lengths of
+  ! a step (chosen).
+  integer, parameter :: turns_allowed = 60, inner_allowed = 80, level_steps = 60, line_steps = 10
   ! Largest and least residual of a step over that of the turn (chosen; over that of its own start,
   ! which sliding elements raise as they are put on their circles, a step could leave the turn's).
   real(real64), parameter :: inner_residual = 0.1_real64, least_inner = 0.03_real64
@@ -130,6 +131,8 @@ contains
                            2 * sum_error * max(before, sum(hypot(traction(:, 1), traction(:, 2))))
         call set_sliding(problem, aimed, c, operator%diagonal, space)
         if (ending%converged .or. interrupt%is_asked()) exit
+        if (.not. (problem%by_load .or. any(space%stiffening > 0.0_real64))) &
+          call raise_tractions(operator, problem, displacement, traction)
         ! All elements stick at the beginning of a first load.
         if (turn == 1 .and. .not. before > 0.0_real64) call set_sticking(problem%set, space)
         call take_newton_step(operator, problem, space, displacement, &
@@ -142,24 +145,53 @@ contains
     end associate
   end subroutine find_tractions
 
-  ! Moves the tractions by a step, or by the part of it at which the energy is least.
+  ! Adds equal tractions along the displacement, up to the first circle, where they displace nothing,
+  ! as in full contact of a periodic lattice: the energy falls in proportion to them.
+  subroutine raise_tractions(operator, problem, displacement, traction)
+    type(traction_convolution), intent(inout) :: operator
+    type(slip_problem), intent(in) :: problem
+    real(real64), intent(in) :: displacement(2)
+    real(real64), intent(inout) :: traction(:, :)
+    real(real64) :: along(size(traction, 1)), direction(2), equal(size(traction, 1), 2), &
+                    image(size(traction, 1), 2)
+
+    direction = displacement / hypot(displacement(1), displacement(2))
+    equal = spread(direction, 1, size(traction, 1))
+    call operator%apply_at(problem%set, equal, image, by_tractions)
+    if (maxval(abs(image)) > sqrt(epsilon(along)) * operator%diagonal) return
+    along = matmul(traction, direction)
+    traction = traction + equal * minval(sqrt(max(0.0_real64, along**2 + problem%limit**2 - &
+                                                  sum(traction**2, 2))) - along)
+  end subroutine raise_tractions
+
+  ! Moves the tractions by a step, projected on discs and sum, or by the part of it at which the
+  ! energy is least. At a given displacement nothing bounds the step before it is projected: shorter
+  ! ones are tried.
   subroutine search_line(operator, problem, displacement, projected, slip, change, traction, &
                          applications)
     type(traction_convolution), intent(inout) :: operator
     type(slip_problem), intent(in) :: problem
     real(real64), intent(in) :: displacement(2), projected(:, :)
-    real(real64), intent(inout) :: slip(:, :), change(:, :), traction(:, :)
+    real(real64), intent(inout) :: slip(:, :), traction(:, :)
+    real(real64), intent(inout) :: change(:, :)  ! tractions after the step; becomes their change
     integer, intent(inout) :: applications
-    real(real64), allocatable :: image(:, :)
-    real(real64) :: curvature, length, rounding, slope
-    integer :: turn
+    real(real64), allocatable, dimension(:, :) :: image, newton
+    real(real64) :: curvature, length, part, rounding, slope
+    integer :: tries, turn
 
     allocate (image, mold=change)
-    length = 1.0_real64
+    allocate (newton, source=change - traction)
+    tries = merge(2, line_steps, problem%by_load)
+    part = 1.0_real64
     ! Work of the errors of tractions on their circles: 2 epsilon of g each, in the old and new one.
     rounding = 4 * epsilon(length) * sum(problem%limit * hypot(slip(:, 1) + displacement(1), &
                                                                slip(:, 2) + displacement(2)))
-    do turn = 1, 2
+    do turn = 1, tries
+      if (turn > 1) change = traction + part * newton
+      call project_tractions(problem, change)
+      if (turn == tries .or. .not. part > 0.0_real64) change = projected
+      change = change - traction
+      length = 1.0_real64
       call operator%apply_at(problem%set, change, image, by_tractions)
       applications = applications + 1
       slope = -sum(change * slip) - sum([sum(change(:, 1)), sum(change(:, 2))] * displacement)
@@ -167,16 +199,15 @@ contains
       if (slope + 0.5_real64 * curvature < least_decrease * slope + rounding) exit
       length = 0.0_real64
       if (curvature > 0.0_real64) length = min(1.0_real64, -slope / curvature)
-      if (length >= least_length .or. turn == 2) exit
-      change = projected - traction
-      length = 1.0_real64
+      if (problem%by_load .and. length >= least_length) exit
+      part = part * min(length, 0.5_real64)
     end do
     length = max(length, 0.0_real64)
     slip = slip - length * image
     traction = traction + length * change
   end subroutine search_line
 
-  ! Finds the change of the tractions by a Newton step, projected on discs and sum.
+  ! Finds the tractions after a Newton step, which may be outside their discs.
   subroutine take_newton_step(operator, problem, space, displacement, residual, traction, change, &
                               applications)
     type(traction_convolution), intent(inout) :: operator
@@ -211,8 +242,6 @@ contains
                             0.5_real64 * problem%tolerance), 0.0_real64], moved, gradient, &
                         applications)
     change = aim + moved
-    call project_tractions(problem, change)
-    change = change - traction
   end subroutine take_newton_step
 
   !> Finds the displacements of the bodies along and by small loads, while no element begins or

@@ -359,6 +359,33 @@ def test_full_contact(asperity, tmp_path):
         assert fields["traction_x"] == pytest.approx(load / height.size / 0.01, abs=1e-12)
 
 
+@pytest.mark.parametrize("shift", [1e-12, 1e-7, 1e-5, 1e-3])
+def test_displacement_in_full_contact(asperity, tmp_path, shift):
+    """Equal tractions displace nothing: some pixel slips at any displacement. Where a pixel sticks
+    the displacement by the waves of the tractions is that of the bodies, else the rest of it is the
+    slip, along the traction; no traction is above mu p."""
+    height = 1e-4 * np.random.default_rng(1).normal(size=(9, 13))
+    found, _, fields = map_slip(asperity, tmp_path, height, (0.1, 0.1), {
+        "control": "pressure", "value": 900.0, "tangential_displacement": (shift, 0.3 * shift)},
+        map_edge="periodic")
+    tractions = np.array([fields["traction_x"], fields["traction_y"]])
+    waves = [2 * np.pi * np.fft.fftfreq(n, 0.1) for n in fields["gap"].shape]
+    q = np.array(np.meshgrid(*waves, indexing="ij"))
+    size = np.hypot(*q)
+    size[0, 0] = np.inf
+    spectrum = np.fft.fft2(tractions)
+    moved = np.fft.ifft2(2 / (1 - RATIO) / COMBINED / size * (
+        spectrum - RATIO * q * (q * spectrum).sum(0) / size**2)).real
+    slip = np.array([shift, 0.3 * shift])[:, None, None] - moved
+    room = MU * fields["pressure"] - fields["traction"]
+    sticks = room > 1e-9 * MU * fields["pressure"]
+    assert (room > -1e-12 * MU * fields["pressure"]).all()
+    assert 0 < (~sticks).sum() and found["slides"] == (not sticks.any())
+    assert np.abs(slip[:, sticks]).max(initial=0) < 1e-6 * shift
+    assert ((slip * tractions).sum(0) > (1 - 1e-6) * np.hypot(*slip) * fields["traction"])[
+        ~sticks & (np.hypot(*slip) > 1e-4 * shift)].all()
+
+
 def test_strips(asperity, tmp_path):
     """A cylinder that repeats itself along its axis: the displacements by loads along and across it
     are 1/(1 - nu) and 1 of those of plane strain, from the same distance without displacement."""
