@@ -145,7 +145,7 @@ contains
     end associate
   end subroutine find_tractions
 
-  ! Adds equal tractions along the displacement, up to the first circle, where they displace nothing,
+  ! Adds equal tractions along the displacement, up to the first circle, if they displace nothing,
   ! as in full contact of a periodic lattice: the energy falls in proportion to them.
   subroutine raise_tractions(operator, problem, displacement, traction)
     type(traction_convolution), intent(inout) :: operator

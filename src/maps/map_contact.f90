@@ -157,8 +157,8 @@ contains
     real(real64), intent(in) :: closing      !! pressure on a pixel that closes the residual gap
     real(real64), intent(inout) :: pressure  !! of a pixel
 
-    if (.not. pressure < hardness - min(error_of_residual * closing, hardness_rounding * hardness)) &
-      pressure = hardness
+    if (.not. pressure < hardness - min(error_of_residual * closing, &
+                                        hardness_rounding * hardness)) pressure = hardness
   end subroutine reach_hardness
 
   !> Sets the failure where an elastic map has no solution at the level of `answer`: the mean
