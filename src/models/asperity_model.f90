@@ -254,6 +254,7 @@ contains
     call move_alloc(columns%state_values, result%state_values)
     call move_alloc(columns%contact_columns, result%contact_columns)
     call move_alloc(columns%state_columns, result%state_columns)
+    result%states%dissipated_work = columns%states%dissipated_work
     result%states%error_estimate = columns%states%error_estimate
     result%states%area_error = columns%states%area_error
   end subroutine move_values

@@ -76,10 +76,8 @@ contains
     end if
     do i = 1, size(outcomes)
       call take_worse(result%warnings, outcomes(i)%warnings, number)
-      if (outcomes(i)%dissipated_work > not_computed) result%states(number)%dissipated_work = &
-        in_scene_units(pairs, outcomes(i)%dissipated_work, moment(1), moment(2))
     end do
-    call add_errors(scene_in, outcomes, result%states(number))
+    call add_errors(scene_in, pairs, outcomes, result%states(number))
     if (number == size(result%states)) &
       call close_position(scene_in, pairs, outcomes, result)
   end subroutine add_contacts
@@ -105,15 +103,16 @@ contains
       result%rows_used = result%rows_used + count([(in_contact(state, i), i=1, size(pairs%list))])
       call add_contact_values(pairs, state, outcomes, result)
     end if
-    call add_errors(scene_in, outcomes, result%states(number))
+    call add_errors(scene_in, pairs, outcomes, result%states(number))
     if (number == size(result%states)) &
       call close_position(scene_in, pairs, outcomes, result)
   end subroutine add_without_effects
 
-  ! Adds the errors of a state: estimates of the effects that `auto` left out, and errors of the
-  ! simulated ones.
-  subroutine add_errors(scene_in, outcomes, state)
+  ! Adds the dissipated work of a state, and its errors: estimates of the effects that `auto` left
+  ! out, and errors of the simulated ones.
+  subroutine add_errors(scene_in, pairs, outcomes, state)
     type(scene), intent(in) :: scene_in
+    type(contact_pairs), intent(in) :: pairs
     type(effect_outcome), intent(in) :: outcomes(:)
     type(state_row), intent(inout) :: state
     integer :: at, i
@@ -121,6 +120,8 @@ contains
     associate (total => state%error_estimate)
       do i = 1, size(outcomes)
         associate (outcome => outcomes(i))
+          if (outcome%dissipated_work > not_computed) state%dissipated_work = &
+            in_scene_units(pairs, outcome%dissipated_work, moment(1), moment(2))
           if (outcome%simulated == 'off' .and. outcome%estimate > not_computed) then
             total = max(total, 0.0_real64) + error_of_share(scene_in, outcome%estimate)
           else if (outcome%error > not_computed) then

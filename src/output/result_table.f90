@@ -380,7 +380,7 @@ contains
     call add_column(table, name)
     table%rows = size(values)
     associate (new => table%columns(size(table%columns)))
-      new%reals = values
+      new%reals = values + 0.0_real64  ! no sign of 0
       where (.not. values > not_computed) new%reals = ieee_value(1.0_real64, ieee_quiet_nan)
       new%is_count = present(is_count)
       if (present(unit)) new%unit = trim(unit)

@@ -319,6 +319,8 @@ def time(scene, row):
 
 def work(scene, row):
     value = row["dissipated_work"]
+    if "step" not in row and scene.last(row)["dissipated_work"] != value:
+        return False
     if value is EMPTY:
         return scene.simulates(row, "plasticity") is not True
     past = [state["dissipated_work"] or 0 for state in scene.states[row["position"]]
@@ -490,6 +492,7 @@ LAWS = {
 
 def values_of(row):
     """The cells as numbers, where they are; None where they are empty."""
+    assert not any(cell.startswith("-0.0") and not float(cell) for cell in row.values()), row
     return {name: EMPTY if cell == "" else cell if name in EFFECTS else float(cell)
             for name, cell in row.items()}
 
