@@ -11,7 +11,7 @@ module asperity
   use asperity_scene_values, only: scene, scene_map, scene_side, scene_surface
   ! Measured maps and their summits.
   use asperity_height_map, only: edge_names, height_map, is_measured, length_units, level_mean, &
-                                 level_names, level_none, level_plane, most_samples, no_height, &
+                                 level_names, level_none, level_plane, longest_side, no_height, &
                                  periodic_edge, plain_unit, put_in_unit, usual_level
   use asperity_height_map_reader, only: read_height_map, take_map
   use asperity_map_despiking, only: despike_map

@@ -1,8 +1,7 @@
 !> The library for C: checks and copies of its arguments.
 module asperity_c_arguments
   use, intrinsic :: iso_c_binding, only: c_associated, c_double, c_f_pointer, c_int, c_ptr
-  use, intrinsic :: iso_fortran_env, only: int64
-  use asperity, only: decimal_text, generation_spec, height_map, most_samples, &
+  use asperity, only: decimal_text, generation_spec, height_map, longest_side, &
                       parse_generation_spec, plain_unit, plane_surface, problem_list, &
                       read_generation_spec, scene_surface, take_map, take_surface
   use asperity_c_outcome, only: text_of
@@ -95,10 +94,10 @@ contains
                         ', expected 1, 0, or -1 where it is not known')
     call require_numbers(which // '.height', numbers%height, problems)
     if (problems%count() > before) return
-    if (int(numbers%columns, int64) * numbers%rows > most_samples) then
+    if (max(numbers%columns, numbers%rows) > longest_side) then
       call problems%add(which // ': found ' // decimal_text(numbers%columns) // ' x ' // &
                         decimal_text(numbers%rows) // ' pixels, expected at most ' // &
-                        decimal_text(most_samples))
+                        decimal_text(longest_side) // ' a side')
       return
     end if
     call c_f_pointer(numbers%height, height, [numbers%columns, numbers%rows])

@@ -5,8 +5,8 @@ module asperity_c_half_space
   use asperity, only: add_reals, contact_field, decimal_text
   use asperity_c_outcome, only: begin_outcome, finish_outcome, outcome, table_fields
   use asperity_csv_tables, only: first_stress, stress_cells, stress_columns, stress_names
-  use asperity_height_map, only: height_map, layered_body, most_samples
-  use asperity_kinds, only: real64
+  use asperity_height_map, only: height_map, layered_body, longest_side
+  use asperity_kinds, only: int64, real64
   use asperity_library_turn, only: library_turn
   use asperity_map_contact, only: displacement_by, room_to_press
   use asperity_map_stress, only: check_stress, stress_solver
@@ -81,7 +81,7 @@ contains
           names(1) = 'pressure'
           call find_pressure(map, modulus, field%pressure, pressure, new%failure)
           if (.not. allocated(new%failure)) &
-            allocate (cells, source=reshape(pressure, [size(pressure), 1]))
+            allocate (cells, source=reshape(pressure, [size(pressure, kind=int64), 1_int64]))
         case default
           first = first_stress
           call solver%prepare(field, map%bodies(1), .false.)
@@ -107,11 +107,12 @@ contains
     real(real64), allocatable, intent(out) :: cells(:, :)  ! (pixel, direction)
     type(traction_convolution) :: tangential
     real(real64), dimension(map%columns, map%rows, 3) :: coupled, direct
-    integer :: n
+    integer(int64) :: n
 
-    n = size(map%height)
+    n = size(map%height, kind=int64)
     if (.not. allocated(field%traction)) then
-      allocate (cells, source=reshape(displacement_by(map, modulus, field%pressure), [n, 1]))
+      allocate (cells, source=reshape(displacement_by(map, modulus, field%pressure), &
+                                      [n, 1_int64]))
       return
     end if
     associate (nu => map%bodies(1)%ratio(1), sides => map%pixel_spacing, &
@@ -125,7 +126,8 @@ contains
                             coupled(:, :, 2:), tangential_by_pressures)
       direct(:, :, 2:) = direct(:, :, 2:) * (sides(1) / modulus)
       direct(:, :, 1) = displacement_by(map, modulus, field%pressure)
-      allocate (cells, source=reshape(direct + coupled * (sides(1) / modulus), [n, 3]))
+      allocate (cells, source=reshape(direct + coupled * (sides(1) / modulus), &
+                                      [n, 3_int64]))
     end associate
   end subroutine find_displacements
 
@@ -160,9 +162,9 @@ contains
     if (problems%count() > 0) return
     call c_f_pointer(given, numbers)
     call require_fact(min(numbers%columns, numbers%rows) > 0_c_int .and. &
-                 real(numbers%columns, real64) * numbers%rows < most_samples, 'body: found ' // &
+                 max(numbers%columns, numbers%rows) <= longest_side, 'body: found ' // &
                  decimal_text(numbers%columns) // ' x ' // decimal_text(numbers%rows) // &
-                 ' pixels, expected 1 to ' // decimal_text(most_samples))
+                 ' pixels, expected 1 to ' // decimal_text(longest_side) // ' a side')
     call require_fact(all([(in_range(numbers%pixel_spacing(i), above_zero), i=1, 2)]), &
                  'body.spacing: found ' // real_text(minval(numbers%pixel_spacing)) // ', ' // &
                  'expected numbers more than 0')

@@ -5,8 +5,8 @@
 !> `asperity_library_turn` has the reason.
 module asperity_c_outcome
   use, intrinsic :: ieee_arithmetic, only: ieee_quiet_nan, ieee_value
-  use, intrinsic :: iso_c_binding, only: c_associated, c_char, c_f_pointer, c_int, c_loc, &
-                                         c_null_char, c_null_ptr, c_ptr
+  use, intrinsic :: iso_c_binding, only: c_associated, c_char, c_f_pointer, c_int, c_int64_t, &
+                                         c_loc, c_null_char, c_null_ptr, c_ptr
   use, intrinsic :: iso_fortran_env, only: int64, real64
   use asperity, only: add_reals, array_table, contact_field, is_measured, list_groups, &
                       not_enough_memory, problem_list, problem_place, scene, version
@@ -185,19 +185,21 @@ contains
     character(len=*), intent(in) :: unit        !! of the values; empty: none
     character(len=:), allocatable, intent(inout) :: failure  !! reason, when memory is short
     real(real64), allocatable :: cells(:)
+    integer(int64) :: before
     integer :: j
 
     if (allocated(failure)) return
     ! The cells, their column, and one copy more.
-    call check_memory('the pixels as arrays', failure, bytes=24_int64 * size(values))
+    call check_memory('the pixels as arrays', failure, bytes=24_int64 * size(values, kind=int64))
     if (allocated(failure)) then
       if (allocated(table%columns)) deallocate (table%columns)
-      table%rows = 0
+      table%rows = 0_int64
       return
     end if
-    allocate (cells(size(values)))
+    allocate (cells(size(values, kind=int64)))
     do j = 1, size(values, 2)
-      cells((j - 1) * size(values, 1) + 1:j * size(values, 1)) = &
+      before = (j - 1_int64) * size(values, 1)
+      cells(before + 1_int64:before + size(values, 1)) = &
         merge(values(:, j), ieee_value(0.0_real64, ieee_quiet_nan), is_measured(values(:, j)))
     end do
     call add_reals(table, name, cells, unit)
@@ -280,14 +282,14 @@ contains
   end subroutine c_get_problem
 
   !> `asperity_rows`.
-  integer(c_int) function c_rows(handle, table) bind(c, name='asperity_rows') result(number)
+  integer(c_int64_t) function c_rows(handle, table) bind(c, name='asperity_rows') result(number)
     type(c_ptr), value :: handle    !! outcome
     integer(c_int), value :: table  !! one of the tables
     type(outcome), pointer :: it
 
     call find_column(handle, table, 0_c_int, it)
-    number = 0_c_int
-    if (associated(it)) number = int(it%tables(table)%rows, c_int)
+    number = 0_c_int64_t
+    if (associated(it)) number = it%tables(table)%rows
   end function c_rows
 
   !> `asperity_columns`.
@@ -354,7 +356,7 @@ contains
     call find_column(handle, table, column, it)
     cells = c_null_ptr
     if (.not. associated(it)) return
-    if (it%tables(table)%rows == 0) return
+    if (it%tables(table)%rows == 0_int64) return
     if (allocated(it%tables(table)%columns(column + 1)%reals)) then
       cells = c_loc(it%tables(table)%columns(column + 1)%reals)
     else if (allocated(it%tables(table)%columns(column + 1)%wholes)) then

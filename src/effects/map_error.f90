@@ -41,7 +41,7 @@ module asperity_map_error
   use asperity_contact_records, only: state_row
   use asperity_effect_header, only: column_list, plain
   use asperity_height_map, only: height_map, is_measured
-  use asperity_kinds, only: not_computed, real64
+  use asperity_kinds, only: int64, not_computed, real64
   use asperity_map_contact, only: most_load
   use asperity_map_fields, only: measure_fields
   use asperity_map_resolution, only: every_pixel
@@ -147,7 +147,8 @@ contains
                  request%growth * row%area)
       request%area = row%area
       request%of_area = max(request%of_rims, error(3))
-      request%open_area = count(is_measured(map%height)) * product(map%pixel_spacing) - row%area
+      request%open_area = count(is_measured(map%height), kind=int64) * product(map%pixel_spacing) - &
+                          row%area
       row%area_error = area / row%area
       if (request%growth > 0.0_real64) row%area_error = area / (row%area + area)
       row%gap_error = error(4) / max(row%mean_gap, error(4), tiny(area))
@@ -225,7 +226,7 @@ contains
     errors = [(error_by(coarser(i, :grids) - total(i), steps(:grids), order(i)), i=1, 5)]
     fall = total(5) - 0.5_real64 * sum(coarser(5, :2))
     if (request%growth > 0.0_real64 .or. (.not. request%is_smooth .and. &
-        2 * fall * log(real(size(map%height), real64)) > log(2.0_real64) * total(5))) &
+        2 * fall * log(real(size(map%height, kind=int64), real64)) > log(2.0_real64) * total(5))) &
       errors(5) = not_computed
   end subroutine compare_coarser
 
@@ -456,10 +457,11 @@ contains
     type(height_map), intent(in) :: map
     real(real64), intent(in) :: pressure(:, :)
     logical, allocatable :: beyond(:, :), rim(:, :), line(:)
-    integer :: along, grooves, i, length, side
+    integer(int64) :: grooves
+    integer :: along, i, length, side
 
     error = 0.0_real64
-    grooves = 0
+    grooves = 0_int64
     do side = -2, 2
       if (side == 0) cycle
       beyond = pressure > 0.0_real64 .or. .not. is_measured(map%height)

@@ -223,7 +223,8 @@ contains
     type(force_iterate), intent(inout) :: state
     real(real64), allocatable :: displaced(:, :)
 
-    if (.not. (all(state%force > 0.0_real64) .and. sum(state%gradient) / size(state%gradient) > &
+    if (.not. (all(state%force > 0.0_real64) .and. sum(state%gradient) / &
+               size(state%gradient, kind=int64) > &
                max(bounds%tolerance, state%rounding_error))) return
     allocate (displaced, mold=state%force)
     call influence%apply(0.0_real64 * state%force + 1.0_real64, displaced)
@@ -331,16 +332,17 @@ contains
     real(real64), intent(in) :: gap(:, :), force(:, :), gradient(:, :)
     type(force_bounds), intent(in) :: bounds
     real(real64) :: highest, lowest
-    integer :: free, i, j
+    integer(int64) :: free
+    integer :: i, j
 
-    free = 0
+    free = 0_int64
     level = 0.0_real64
     highest = -huge(highest)
     lowest = huge(lowest)
     do j = 1, size(gap, 2)
       do i = 1, size(gap, 1)
         if (is_free(force(i, j), bounds%limit)) then
-          free = free + 1
+          free = free + 1_int64
           level = level + gradient(i, j)
         end if
         if (force(i, j) > 0.0_real64) then
@@ -350,8 +352,8 @@ contains
         end if
       end do
     end do
-    if (free > 0 .or. .not. bounds%limit < huge(1.0_real64)) then
-      level = level / max(1, free)
+    if (free > 0_int64 .or. .not. bounds%limit < huge(1.0_real64)) then
+      level = level / max(1_int64, free)
     else
       level = highest
       if (lowest < huge(lowest)) level = 0.5_real64 * (highest + lowest)
@@ -389,8 +391,8 @@ contains
     end if
     allocate (free(size(force, 1), size(force, 2)), source=is_free(force, bounds%limit))
     free_sum = sum(force, mask=free)
-    free_load = bounds%load - bounds%limit * count(.not. force < bounds%limit)
-    capacity = count(free) * bounds%limit
+    free_load = bounds%load - bounds%limit * count(.not. force < bounds%limit, kind=int64)
+    capacity = count(free, kind=int64) * bounds%limit
     is_scaled = any(free) .and. free_load > 0.0_real64 .and. free_load < capacity
     if (.not. is_scaled) return
     if (free_load < free_sum) then
@@ -410,7 +412,7 @@ contains
     real(real64), intent(inout) :: force(:, :)
     real(real64) :: excess, high, level, low
     logical :: is_scaled
-    integer :: moving_count
+    integer(int64) :: moving_count
 
     ! A missing pixel has no force at any level.
     where (.not. is_element(gap)) force = -missing_gap
@@ -424,9 +426,9 @@ contains
         if (.not. abs(excess) > rounding * bounds%load) exit
         if (excess > 0.0_real64) low = level
         if (excess < 0.0_real64) high = level
-        moving_count = count(force > level .and. force - level < bounds%limit)
-        level = level + excess / max(1, moving_count)
-        if (moving_count == 0 .or. .not. (level > low .and. level < high)) &
+        moving_count = count(force > level .and. force - level < bounds%limit, kind=int64)
+        level = level + excess / max(1_int64, moving_count)
+        if (moving_count == 0_int64 .or. .not. (level > low .and. level < high)) &
           level = low + 0.5_real64 * (high - low)
         if (.not. (level > low .and. level < high)) exit
       end do

@@ -22,7 +22,7 @@
 !> all sticks; not converged, after `turns_allowed` steps or where the run is interrupted.
 module asperity_slip_solver
   use asperity_interruption, only: interruption
-  use asperity_kinds, only: real64
+  use asperity_kinds, only: int64, real64
   use asperity_solve_ending, only: solve_ending
   use asperity_traction_convolution, only: by_tractions, element_set, inverse_of_tractions, &
                                            traction_convolution
@@ -127,7 +127,7 @@ contains
         reference = max(problem%reference, maxval(abs(displacement)), tiny(reference))
         ending%residual = residual / reference
         ending%converged = ending%residual <= problem%tolerance .or. &
-                           c * residual * size(limit) <= &
+                           c * residual * size(limit, kind=int64) <= &
                            2 * sum_error * max(before, sum(hypot(traction(:, 1), traction(:, 2))))
         call set_sliding(problem, aimed, c, operator%diagonal, space)
         if (ending%converged .or. interrupt%is_asked()) exit
@@ -255,10 +255,10 @@ contains
     integer :: applications, i, k
 
     applications = 0
-    allocate (x(size(space%stiffening), 2, size(loads, 2)))
-    allocate (gradient(size(x, 1), 2))
+    allocate (x(size(space%stiffening, kind=int64), 2, size(loads, 2)))
+    allocate (gradient(size(x, 1, kind=int64), 2))
     do k = 1, size(loads, 2)
-      x(:, :, k) = spread(loads(:, k), 1, size(x, 1))
+      x(:, :, k) = spread(loads(:, k), 1, size(x, 1, kind=int64))
       call spread_sum(space, x(:, :, k))
       call operator%apply_at(space%set, x(:, :, k), gradient, by_tractions)
       do i = 1, 2
@@ -268,8 +268,8 @@ contains
                           abs(sum(x(:, :, k) * gradient))], x(:, :, k), gradient, applications)
       do i = 1, k
         compliance(i, k) = sum(x(:, :, i) * gradient)
-        if (abs(compliance(i, k)) <= sqrt(epsilon(1.0_real64)) * operator%diagonal / size(x, 1)) &
-          compliance(i, k) = 0.0_real64
+        if (abs(compliance(i, k)) <= sqrt(epsilon(1.0_real64)) * operator%diagonal / &
+            size(x, 1, kind=int64)) compliance(i, k) = 0.0_real64
         compliance(k, i) = compliance(i, k)
       end do
     end do
@@ -290,7 +290,7 @@ contains
     real(real64), intent(inout) :: gradient(:, :)   ! (A + stiffening) x + f
     integer, intent(inout) :: applications       ! of A or its inverse; is increased
     real(real64), allocatable, dimension(:, :) :: direction, image, residual, scaled
-    real(real64) :: curvature, step, product_before, product_now, weight(size(x, 1))
+    real(real64) :: curvature, step, product_before, product_now, weight(size(x, 1, kind=int64))
     integer :: k, turn
 
     weight = 1.0_real64 + projection_step / operator%diagonal * space%stiffening
@@ -336,9 +336,9 @@ contains
     type(tangent_space), intent(out) :: space    !! both directions of each
 
     space%set = set
-    allocate (space%normal(size(set%column), 2), source=0.0_real64)
-    allocate (space%stiffening(size(set%column)), source=0.0_real64)
-    allocate (space%conditioning(size(set%column)), source=1.0_real64)
+    allocate (space%normal(size(set%column, kind=int64), 2), source=0.0_real64)
+    allocate (space%stiffening(size(set%column, kind=int64)), source=0.0_real64)
+    allocate (space%conditioning(size(set%column, kind=int64)), source=1.0_real64)
     call invert_sum(space)
   end subroutine set_sticking
 
@@ -349,11 +349,11 @@ contains
     real(real64), intent(in) :: c, diagonal       ! step; displacement of an element by itself
     type(tangent_space), intent(inout) :: space
     real(real64) :: distance
-    integer :: i
+    integer(int64) :: i
 
     space%normal = 0.0_real64
     space%stiffening = 0.0_real64
-    do i = 1, size(aim, 1)
+    do i = 1, size(aim, 1, kind=int64)
       distance = hypot(aim(i, 1), aim(i, 2))
       if (.not. distance > problem%limit(i)) cycle
       space%normal(i, :) = aim(i, :) / distance
@@ -371,8 +371,8 @@ contains
 
     do k = 1, 2
       do i = 1, 2
-        total(i, k) = merge(real(size(space%stiffening), real64), 0.0_real64, i == k) - &
-                      sum(space%normal(:, i) * space%normal(:, k))
+        total(i, k) = merge(real(size(space%stiffening, kind=int64), real64), 0.0_real64, &
+                            i == k) - sum(space%normal(:, i) * space%normal(:, k))
       end do
     end do
     ! Where all elements slide in one direction, no sum is free in it.
@@ -413,9 +413,9 @@ contains
     real(real64), intent(in) :: constant(2)
     real(real64), intent(inout) :: field(:, :)
     real(real64) :: along, x, y
-    integer :: i
+    integer(int64) :: i
 
-    do i = 1, size(field, 1)
+    do i = 1, size(field, 1, kind=int64)
       x = field(i, 1) - constant(1)
       y = field(i, 2) - constant(2)
       along = space%normal(i, 1) * x + space%normal(i, 2) * y
@@ -446,9 +446,9 @@ contains
     real(real64), intent(in) :: limit(:)
     real(real64), intent(inout) :: traction(:, :)
     real(real64) :: size_of
-    integer :: i
+    integer(int64) :: i
 
-    do i = 1, size(limit)
+    do i = 1, size(limit, kind=int64)
       size_of = hypot(traction(i, 1), traction(i, 2))
       if (size_of > limit(i)) traction(i, :) = traction(i, :) * (limit(i) / size_of)
     end do
@@ -494,11 +494,11 @@ contains
     real(real64), intent(in) :: v(:, :), limit(:), level(2)
     real(real64), intent(out) :: total(2), slope(2, 2)
     real(real64) :: at(2), share, size_of
-    integer :: i
+    integer(int64) :: i
 
     total = 0.0_real64
     slope = 0.0_real64
-    do i = 1, size(limit)
+    do i = 1, size(limit, kind=int64)
       at = v(i, :) - level
       size_of = hypot(at(1), at(2))
       share = 1.0_real64

@@ -21,7 +21,7 @@
 module asperity_traction_convolution
   use, intrinsic :: iso_c_binding, only: c_double, c_double_complex, c_loc
   use asperity_constants, only: pi
-  use asperity_kinds, only: real64
+  use asperity_kinds, only: int64, real64
   use asperity_lattice_convolution, only: padded_length
   use asperity_line_transform, only: line_transform, real_to_waves, waves_back, waves_forward, &
                                      waves_to_real
@@ -42,7 +42,8 @@ module asperity_traction_convolution
   !> Elements of a lattice, row by row.
   type :: element_set
     integer, allocatable :: column(:)  !! of each element
-    integer, allocatable :: first(:)   !! index of the first one of each row, and of one row more
+    !> index of the first one of each row, and of one row more
+    integer(int64), allocatable :: first(:)
   end type element_set
 
   ! A padded lattice, and the plans of its lines.
@@ -249,7 +250,7 @@ contains
 
     allocate (marks(size(to, 1), size(to, 2)), source=.true.)
     call list_elements(marks, every)
-    allocate (values(size(marks), size(to, 3)), given(size(marks), size(from, 3)))
+    allocate (values(size(marks, kind=int64), size(to, 3)), given(size(marks, kind=int64), size(from, 3)))
     do c = 1, size(from, 3)
       given(:, c) = pack(from(:, :, c), marks)
     end do
@@ -288,7 +289,7 @@ contains
     integer :: c, j, rows
 
     rows = size(set%first) - 1
-    !$omp parallel private(row, c) if(size(transform) > thread_threshold)
+    !$omp parallel private(row, c) if(size(transform, kind=int64) > thread_threshold)
     allocate (row(lattice%columns))
     do c = 1, size(from, 2)
       !$omp do schedule(static)
@@ -307,7 +308,7 @@ contains
     end do
     !$omp end parallel
     call convolve_columns(lattice, spectrum, transform, size(from, 2), size(to, 2), operation)
-    !$omp parallel private(row, c) if(size(transform) > thread_threshold)
+    !$omp parallel private(row, c) if(size(transform, kind=int64) > thread_threshold)
     allocate (row(lattice%columns))
     do c = 1, size(to, 2)
       !$omp do schedule(static)
@@ -328,19 +329,20 @@ contains
   pure subroutine list_elements(marks, set)
     logical, intent(in) :: marks(:, :)       !! (column, row) of the lattice
     type(element_set), intent(out) :: set    !! the marked elements
-    integer :: i, j, number
+    integer(int64) :: number
+    integer :: i, j
 
-    allocate (set%column(count(marks)), set%first(size(marks, 2) + 1))
-    number = 0
+    allocate (set%column(count(marks, kind=int64)), set%first(size(marks, 2) + 1))
+    number = 0_int64
     do j = 1, size(marks, 2)
-      set%first(j) = number + 1
+      set%first(j) = number + 1_int64
       do i = 1, size(marks, 1)
         if (.not. marks(i, j)) cycle
-        number = number + 1
+        number = number + 1_int64
         set%column(number) = i
       end do
     end do
-    set%first(size(set%first)) = number + 1
+    set%first(size(set%first)) = number + 1_int64
   end subroutine list_elements
 
   ! Transforms the rows' waves along the columns, multiplies, and transforms them back. The bytes of
@@ -356,7 +358,7 @@ contains
 
     n = size(transform, 2)
     !$omp parallel private(column, waves, c, j, k, last) &
-    !$omp if(size(transform) > thread_threshold)
+    !$omp if(size(transform, kind=int64) > thread_threshold)
     allocate (column(0:lattice%rows - 1, 0:block_columns - 1, 2), waves(0:lattice%rows - 1, 2))
     !$omp do schedule(static)
     do i = 0, lattice%columns / 2, block_columns

@@ -6,9 +6,8 @@ module asperity_generation_spec
   use asperity_file_kind, only: a_specification
   use asperity_generation_values, only: below_none, exact_value, gaussian_spec, generation_spec, &
                                         map_spec, most_asperities, period_of, side_names
-  use asperity_height_map, only: most_samples
   use asperity_input_text, only: read_text
-  use asperity_kinds, only: int64, real128, real64
+  use asperity_kinds, only: real128, real64
   use asperity_library_turn, only: library_turn
   use asperity_problems, only: decimal_text, problem_list
   use asperity_scene_fields, only: read_fields, scene_fields
@@ -304,7 +303,6 @@ contains
     real(real64) :: hurst, rms
     character(len=:), allocatable :: name
     integer :: before, switch
-    integer(int64) :: number
     logical :: good
 
     before = fields%problems%count()
@@ -312,10 +310,6 @@ contains
     rms = 0.0_real64
     call fields%take('map', 'pixels', spec%pixels)
     call fields%take('map', 'spacing', spec%pixel_spacing)
-    number = product(int(spec%pixels, int64))
-    if (number > most_samples) &
-      call fields%complain_of('map', 'pixels', 'found ' // decimal_text(number) // &
-                              ' pixels, expected at most ' // decimal_text(most_samples))
     good = fields%problems%count() == before
     call fields%take('map', 'hurst', hurst)
     spec%hurst = exact_value(hurst)

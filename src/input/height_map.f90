@@ -13,7 +13,7 @@ module asperity_height_map
             give_spacing, check_heights, check_spacing, known_units, length_units, unit_number, &
             unit_ratio, plain_unit, no_height, is_measured, is_length, make_room, read_height, &
             expected_length, expected_height, highest, largest_height, &
-            most_samples, digit_of, no_power, edge_names, index_beside, level_mean, level_names, &
+            longest_side, digit_of, no_power, edge_names, index_beside, level_mean, level_names, &
             level_none, level_plane, free_edge, note_repeated_line, periodic_edge, usual_level
 
   !> Edges: the half-space goes on without load beyond a free map; a periodic map repeats itself.
@@ -36,8 +36,9 @@ module asperity_height_map
   real(real64), parameter :: metre_in(6) = [1.0_real64, 1.0e3_real64, 1.0e6_real64, &
     1.0e9_real64, 1.0e2_real64, 1.0_real64 / 0.0254_real64]
 
-  !> More samples than a whole number of 32 bits can count are refused.
-  integer(int64), parameter :: most_samples = 2147483647_int64
+  !> Most columns or rows. Derived: a padded side, up to 9/4 of it, fits in 32 bits, and the bytes of
+  !> a map of such sides in 64.
+  integer, parameter :: longest_side = 2**29
   real(real64), parameter :: highest = 1.0e30_real64  !! larger heights are refused
   !> Heights that are accepted, for a message.
   character(len=*), parameter :: expected_height = 'a height of at most 1e30, or NaN where missing'
@@ -311,9 +312,11 @@ contains
     type(height_map), intent(inout) :: map                 !! its numbers of columns and rows set
     character(len=:), allocatable, intent(out) :: failure  !! why there is no memory for it
 
-    call check_memory('the map, ' // decimal_text(map%columns) // ' x ' // &
-                      decimal_text(map%rows) // ' pixels', failure, &
-                      bytes=8_int64 * int(map%columns, int64) * int(map%rows, int64))
+    integer(int64) :: bytes
+
+    bytes = 8_int64 * map%columns * map%rows
+    call check_memory('the map, ' // decimal_text(map%columns) // ' x ' // decimal_text(map%rows) &
+                      // ' pixels of ' // decimal_text(bytes) // ' bytes', failure, bytes=bytes)
     if (.not. allocated(failure)) allocate (map%height(map%columns, map%rows))
   end subroutine make_room
 

@@ -6,8 +6,8 @@
 module asperity_npy_map
   use asperity_byte_reader, only: finite, not_a_number, whole_bits
   use asperity_delimited_text, only: cells_of, line_cells, line_reader
-  use asperity_height_map, only: expected_height, height_map, highest, largest_height, make_room, &
-                                 most_samples, no_height
+  use asperity_height_map, only: expected_height, height_map, highest, largest_height, &
+                                 longest_side, make_room, no_height
   use asperity_input_text, only: in_quotes, without_blanks
   use asperity_kinds, only: int64, real32, real64
   use asperity_numeral, only: read_number
@@ -48,10 +48,9 @@ contains
     call take_header(file, magic, text)
     if (file%problems%count() == 0) call read_header(text, header, file%problems)
     if (file%problems%count() > 0) return
-    if (any(header%rows_columns > most_samples) .or. &
-        product(min(header%rows_columns, most_samples)) > most_samples) then
+    if (any(header%rows_columns > longest_side)) then
       call file%problems%add_in_file('header: found ' // shape_text(header) // ', expected at ' // &
-                                     'most ' // decimal_text(most_samples) // ' pixels')
+                                     'most ' // decimal_text(longest_side) // ' pixels a side')
       return
     end if
     needed = product(header%rows_columns) * header%wide

@@ -6,7 +6,7 @@
 module asperity_point_map
   use asperity_delimited_text, only: cells_of, line_cells, line_reader, separator_of
   use asperity_height_map, only: digit_of, expected_length, height_map, highest, is_length, &
-                                 is_measured, make_room, map_request, most_samples, no_power, &
+                                 is_measured, longest_side, make_room, map_request, no_power, &
                                  read_height
   use asperity_input_text, only: in_quotes, lower_case
   use asperity_kinds, only: int64, real64
@@ -64,7 +64,7 @@ contains
                             'spacing, expected none')
     if (file%problems%count() > 0) return
     call measure_grid(file, grid)
-    call file%problems%shorten(int(min(grid%points, most_samples)))
+    call file%problems%shorten(int(min(grid%points, int(huge(1), int64))))
     if (file%problems%count() > 0) return
     map%columns = int(grid%counts(1))
     map%rows = int(grid%counts(2))
@@ -120,10 +120,10 @@ contains
         grid%step(slow) = (before(slow) - grid%origin(slow)) / &
                           max(1_int64, grid%counts(slow) - 1_int64)
     end if
-    if (.not. all(is_length(abs(grid%step))) .or. product(grid%counts) > most_samples) &
+    if (.not. all(is_length(abs(grid%step))) .or. any(grid%counts > longest_side)) &
       call file%refuse_cell(1, 'found ' // decimal_text(grid%points) // ' points in no order of ' &
            // 'columns and rows, expected a full regular grid, each spacing ' // expected_length &
-           // ', of at most ' // decimal_text(most_samples) // ' pixels')
+           // ', of at most ' // decimal_text(longest_side) // ' pixels a side')
   end subroutine measure_grid
 
   ! Reads all points into their pixels, up to the first one that is not at its place.
@@ -139,7 +139,7 @@ contains
     logical :: good
 
     power = no_power
-    call shown%begin(progress, 'points read', int(grid%points), 0)
+    call shown%begin(progress, 'profiles read', int(grid%counts(3 - grid%fast)), 0)
     call file%begin_text()
     call file%next_cells()
     do done = 0_int64, product(grid%counts) - 1_int64
@@ -157,7 +157,7 @@ contains
       end if
       place = merge(along + 1, int(grid%counts) - along, grid%step > 0.0_real64)
       map%height(place(1), place(2)) = values(3)
-      call shown%reach(int(done) + 1)
+      call shown%reach(along(3 - grid%fast))
     end do
     call shown%finish()
     map%digit = digit_of(power)

@@ -12,8 +12,8 @@ module asperity_sdf_map
   use asperity_byte_reader, only: above_all, finite, not_a_number, whole_bits
   use asperity_delimited_text, only: column_of, line_cells, line_reader
   use asperity_height_map, only: digit_of, expected_length, height_map, highest, is_length, &
-                                 is_measured, largest_height, length_units, make_room, &
-                                 most_samples, no_height, no_power, read_height, unit_ratio
+                                 is_measured, largest_height, length_units, longest_side, &
+                                 make_room, no_height, no_power, read_height, unit_ratio
   use asperity_input_text, only: blanks, in_quotes, lower_case, without_blanks
   use asperity_kinds, only: int64, real32, real64
   use asperity_numeral, only: read_number, read_whole_number
@@ -185,7 +185,7 @@ contains
 
     select case (field)
     case (1, 2)
-      good = value >= 1.0_real64
+      good = value >= 1.0_real64 .and. value <= real(longest_side, real64)
       if (field == 1) header%points = nint(value, int64)
       if (field == 2) header%profiles = nint(value, int64)
     case (3:5)
@@ -209,7 +209,7 @@ contains
 
     text = '0: neither compression nor checks are read'
     if (field < type_field) text = expected_length
-    if (field < 3) text = 'a whole number from 1'
+    if (field < 3) text = 'a whole number from 1 to ' // decimal_text(longest_side)
     if (field /= type_field) return
     text = 'one of'
     do i = first_type(max(1, header%revision)), ubound(type_names, 1)
@@ -274,15 +274,8 @@ contains
     integer(int64) :: least, others
     integer :: i, unit
 
-    ! Here every count has at most 32 bits.
-    least = header%points * header%profiles
-    if (least > most_samples .or. least / header%points /= header%profiles) then
-      call file%problems%add_in_file('found ' // grid_text(header) // ' pixels, expected at most ' &
-                                     // decimal_text(most_samples))
-      return
-    end if
     ! A sample of a text takes two bytes at least.
-    least = least * merge(int(type_bytes(header%data_type), int64), 2_int64, header%binary)
+    least = header%points * header%profiles * merge(int(type_bytes(header%data_type), int64), 2_int64, header%binary)
     if (file%length >= 0_int64 .and. least > file%length - file%next_byte() + 1_int64) then
       call file%problems%add_in_file('found ' // decimal_text(file%length) // ' bytes, expected ' &
            // grid_text(header) // ' pixels of ' // trim(type_names(header%data_type)) // &

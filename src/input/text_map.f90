@@ -7,8 +7,8 @@
 !> two ways: numbers of columns or rows beside heights, commas that may stand before decimals.
 module asperity_text_map
   use asperity_delimited_text, only: cells_of, line_cells, line_reader, separator_of
-  use asperity_height_map, only: digit_of, height_map, is_measured, make_room, &
-                                 map_request, most_samples, no_power, read_height
+  use asperity_height_map, only: digit_of, height_map, is_measured, longest_side, &
+                                 make_room, map_request, no_power, read_height
   use asperity_input_text, only: blanks, in_quotes, lower_case, without_blanks
   use asperity_kinds, only: int64, real64
   use asperity_point_map, only: is_point_header, read_height_cell, read_point_map
@@ -118,9 +118,9 @@ contains
     call file%begin_text()
     call file%next_cells()
     map%columns = pixel_count(file%cells)
-    if (rows * map%columns > most_samples) then
-      call file%problems%add_in_file('found more than ' // decimal_text(most_samples) // &
-                                     ' pixels, expected at most so many')
+    if (rows > longest_side) then
+      call file%problems%add_in_file('found ' // decimal_text(rows) // ' profiles, expected at ' &
+                                     // 'most ' // decimal_text(longest_side))
       return
     end if
     map%rows = int(rows)

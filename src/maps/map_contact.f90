@@ -128,7 +128,7 @@ contains
     end where
     if (.not. present(load)) gap = gap - (top - answer%level) / heights
     if (.not. allocated(answer%pressure)) then
-      if (size(gap) >= worth_halving) then
+      if (size(gap, kind=int64) >= worth_halving) then
         call start_from_half(map, modulus, answer, load, hardness)
         if (allocated(answer%failure)) return
       else
@@ -179,7 +179,7 @@ contains
     if (allocated(start)) then
       if (all(start > 0.0_real64 .or. .not. is_measured(map%height))) lowered = error
     end if
-    if (.not. (answer%level + lowered) * count(is_measured(map%height)) > &
+    if (.not. (answer%level + lowered) * count(is_measured(map%height), kind=int64) > &
         sum(map%height, mask=is_measured(map%height))) &
       answer%failure = 'the flat is not above the mean height of a map that repeats itself'
   end subroutine check_level
@@ -292,7 +292,8 @@ contains
     type(height_map), intent(in) :: map    !! height map with at least one pixel measured
     real(real64), intent(in) :: hardness   !! hardness, largest pressure a body bears [pressure]
 
-    most_load = hardness * product(map%pixel_spacing) * count(is_measured(map%height))
+    most_load = hardness * product(map%pixel_spacing) * &
+               count(is_measured(map%height), kind=int64)
   end function most_load
 
   !> Memory that `press_map` takes beside the map, bytes.
@@ -303,7 +304,8 @@ contains
     padded = shape(map%height)
     where (.not. [map%repeats(1), map%repeats(2)]) padded = padded_length(2 * shape(map%height) - 1)
     bytes = nint(bytes_padded * product(padded) + bytes_across * padded(1) * &
-                 size(map%height, 2) + bytes_plain * size(map%height), int64) + bytes_of_plans
+                 size(map%height, 2) + bytes_plain * size(map%height, kind=int64), int64) + &
+            bytes_of_plans
   end function room_to_press
 
   !> Memory of a solve of a map beside the map, bytes: that of `press_map`, copies of the scene, the

@@ -46,7 +46,8 @@ contains
       if (maxval(map%height, mask=measured) - minval(map%height, mask=measured) > &
           flat_units * epsilon(largest) * largest) return
       mean = 0.0_real64
-      if (how == level_none) mean = sum(map%height, mask=measured) / count(measured)
+      if (how == level_none) mean = sum(map%height, mask=measured) / &
+                                               count(measured, kind=int64)
       where (measured) map%height = mean
     end associate
   end subroutine level_map

@@ -2,7 +2,7 @@
 module asperity_map_patches
   use asperity_constants, only: pi
   use asperity_height_map, only: height_map, is_measured
-  use asperity_kinds, only: not_computed, real64
+  use asperity_kinds, only: int64, not_computed, real64
   implicit none
   private
 
@@ -20,7 +20,7 @@ module asperity_map_patches
     real(real64) :: highest = 0.0_real64           !! of its pressures, mean over a sample
     real(real64) :: mean = 0.0_real64              !! load over area, at most the highest
     real(real64) :: top = -huge(1.0_real64)        !! its highest sample
-    integer :: samples = 0                         !! how many
+    integer(int64) :: samples = 0_int64            !! how many
     integer :: across(2) = 0                       !! first and last column; beyond the end where
     integer :: along(2) = 0                        !! it goes on there; first and last row
   end type map_patch
@@ -53,10 +53,11 @@ contains
     integer, allocatable :: windings(:, :, :)
     type(map_patch), allocatable :: larger(:)
     logical :: repeats(2), spans(2)
-    integer :: deep, i, j, n
+    integer(int64) :: deep
+    integer :: i, j, n
 
     allocate (label(size(pressure, 1), size(pressure, 2)), source=0)
-    allocate (stack(2, count(pressure > 0.0_real64)), patches(16))
+    allocate (stack(2, count(pressure > 0.0_real64, kind=int64)), patches(16))
     repeats = [map%repeats(1), map%repeats(2)]
     if (any(repeats)) allocate (windings(2, map%columns, map%rows), source=0)
     n = 0
@@ -64,17 +65,17 @@ contains
       do i = 1, size(pressure, 1)
         if (label(i, j) > 0 .or. .not. pressure(i, j) > 0.0_real64) cycle
         if (n == size(patches)) then
-          allocate (larger(2 * n))
+          allocate (larger(2_int64 * n))
           larger(:n) = patches
           call move_alloc(larger, patches)
         end if
         n = n + 1
         patches(n) = map_patch(across=[i, i], along=[j, j])
-        deep = 1
+        deep = 1_int64
         stack(:, 1) = [i, j]
         label(i, j) = n
         spans = .false.
-        do while (deep > 0)
+        do while (deep > 0_int64)
           call take_pixel(stack(1, deep), stack(2, deep), patches(n))
         end do
         associate (patch => patches(n))
@@ -103,13 +104,13 @@ contains
       real(real64) :: least, rim
       integer :: beside(2), k, next(2), place(2), winding(2)
 
-      deep = deep - 1
+      deep = deep - 1_int64
       place = wrapped_pixel(across, along)
       rim = 0.0_real64
       least = 0.0_real64
       if (present(hardness)) least = pressure(place(1), place(2)) / hardness
       associate (p => pressure(place(1), place(2)))
-        patch%samples = patch%samples + 1
+        patch%samples = patch%samples + 1_int64
         patch%load = patch%load + p
         patch%x = patch%x + p * (across - 1)
         patch%y = patch%y + p * (along - 1)
@@ -127,7 +128,7 @@ contains
         if (.not. pressure(next(1), next(2)) > 0.0_real64) then
           if (is_measured(map%height(next(1), next(2)))) rim = rim + rim_of_samples
         else if (label(next(1), next(2)) == 0) then
-          deep = deep + 1
+          deep = deep + 1_int64
           stack(:, deep) = beside
           label(next(1), next(2)) = n
           if (any(repeats)) windings(:, next(1), next(2)) = winding

@@ -1,7 +1,7 @@
 !> A height map on fewer or more pixels.
 module asperity_map_resolution
   use asperity_height_map, only: height_map, is_measured, no_height
-  use asperity_kinds, only: real64
+  use asperity_kinds, only: int64, real64
   use asperity_plane_transform, only: plane_transform
   implicit none
   private
@@ -69,8 +69,8 @@ contains
     if (.not. is_known) return
     call refined%prepare(m(1), m(2))
     call refined%sum_waves(same, height)
-    height = height * (product(real(m, real64)) / size(map%height)) + &
-             sum(map%height) / size(map%height)
+    height = height * (product(real(m, real64)) / size(map%height, kind=int64)) + &
+             sum(map%height) / size(map%height, kind=int64)
     call take_heights(map, shape(map%height) / real(m, real64), height, fine)
   end subroutine refine_waves
 

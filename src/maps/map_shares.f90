@@ -3,7 +3,7 @@
 module asperity_map_shares
   use asperity_constants, only: pi
   use asperity_height_map, only: height_map, is_measured
-  use asperity_kinds, only: real64
+  use asperity_kinds, only: int64, real64
   use asperity_map_despiking, only: is_spike, limit_of_spikes
   use asperity_map_patches, only: map_patch
   use asperity_map_statistics, only: rms_slope_over
@@ -117,7 +117,8 @@ contains
     real(real64) :: missing
     integer :: axis
 
-    missing = count(.not. is_measured(map%height)) / real(size(map%height), real64)
+    missing = count(.not. is_measured(map%height), kind=int64) / &
+              real(size(map%height, kind=int64), real64)
     if (missing > tolerance) call add_warning(warnings, of_missing, missing)
     if (has_form) return
     if (.not. has_caps) call warn_above(warnings, of_map_slope, rms_slope_over(map, 1))

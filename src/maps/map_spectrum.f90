@@ -38,7 +38,8 @@ module asperity_map_spectrum
   type :: power_spectrum
     real(real64), allocatable :: q(:)  !! wave number, 2 pi over the wavelength; mean of a ring
     real(real64), allocatable :: c(:)  !! density, length**4 of the area, length**3 of lines
-    integer, allocatable :: number(:)  !! how many values were averaged: wave vectors, or lines
+    !> how many values were averaged: wave vectors, or lines; 2147483647: so many, or more
+    integer, allocatable :: number(:)
   end type power_spectrum
 
   ! Edges for each decade, and decades beyond the ends (SurfaceTopography 1.27, make_grid).
@@ -182,7 +183,7 @@ contains
     complex(real64), intent(in) :: waves(0:, 0:)
     type(power_spectrum), intent(out) :: spectrum
     real(real64), allocatable :: edges(:), places(:), squares(:)
-    integer, allocatable :: numbers(:)
+    integer(int64), allocatable :: numbers(:)
     real(real64) :: step(2), low, width, q
     integer :: i, j, k, number, twice
 
@@ -196,7 +197,7 @@ contains
     edges(:) = [(10.0_real64**(low + k * width), k=0, number)]
     places = 0.0_real64
     squares = 0.0_real64
-    numbers = 0
+    numbers = 0_int64
     do j = 0, map%rows - 1
       do i = merge(1, 0, j == 0), map%columns / 2
         q = hypot(step(1) * i, step(2) * min(j, map%rows - j))
@@ -211,10 +212,10 @@ contains
         squares(k) = squares(k) + twice * (real(waves(i, j))**2 + aimag(waves(i, j))**2)
       end do
     end do
-    associate (filled => numbers > 0)
-      spectrum%number = pack(numbers, filled)
-      spectrum%q = pack(places, filled) / spectrum%number
-      spectrum%c = pack(squares, filled) / spectrum%number
+    associate (filled => numbers > 0_int64)
+      spectrum%number = int(min(pack(numbers, filled), int(huge(1), int64)))
+      spectrum%q = pack(places / max(1_int64, numbers), filled)
+      spectrum%c = pack(squares / max(1_int64, numbers), filled)
     end associate
   end subroutine average_rings
 

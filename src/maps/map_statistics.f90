@@ -160,13 +160,14 @@ contains
   pure real(real64) function rms_slope_over(map, distance) result(slope)
     type(height_map), intent(in) :: map  !! levelled height map
     integer, intent(in) :: distance      !! of two pixels, in pixels
-    integer :: axis, i, j, k, n, number
+    integer(int64) :: number
+    integer :: axis, i, j, k, n
     real(real64) :: line(map%columns), square
 
     slope = 0.0_real64
     do axis = 1, 2
       square = 0.0_real64
-      number = 0
+      number = 0_int64
       do j = 1, map%rows
         n = map%columns
         if (axis == 1) then
@@ -179,11 +180,11 @@ contains
         end if
         do i = 1, n
           if (.not. min(map%height(i, j), line(i)) > 0.5_real64 * no_height) cycle
-          number = number + 1
+          number = number + 1_int64
           square = square + (line(i) - map%height(i, j))**2
         end do
       end do
-      slope = hypot(slope, sqrt(square / max(1, number)) / (distance * map%pixel_spacing(axis)))
+      slope = hypot(slope, sqrt(square / max(1_int64, number)) / (distance * map%pixel_spacing(axis)))
     end do
   end function rms_slope_over
 

@@ -14,6 +14,7 @@ module asperity_map_summits
   use asperity_height_map, only: height_map, index_beside, is_measured
   use asperity_key_sort, only: sort_keys
   use asperity_kinds, only: int32, int64, real64
+  use asperity_problems, only: decimal_text
   use asperity_process, only: check_memory
   use asperity_summit_spheres, only: find_top, heights_around, mean_curvature, radius_geometric, &
                                      radius_neighbours
@@ -42,8 +43,8 @@ module asperity_map_summits
 
   ! Places of pixels, counted row by row from 1.
   type :: place_list
-    integer(int32), allocatable :: place(:)
-    integer :: number = 0
+    integer(int64), allocatable :: place(:)
+    integer(int64) :: number = 0_int64
   end type place_list
 
   ! Least squared distance of two spheres on a ridge [pixels**2]. Limit of the radius of a sphere on
@@ -65,7 +66,7 @@ contains
     type(map_summits), intent(out) :: summits               !! summits, those on ridges last
     character(len=:), allocatable, intent(out) :: failure   !! reason, when memory is short
     type(place_list) :: places
-    integer :: plain
+    integer(int64) :: plain
 
     call find_places(map, rule, places, summits%possible, failure)
     if (allocated(failure)) return
@@ -166,9 +167,9 @@ contains
     is_summit = .true.
     seen(column, row) = .true._c_bool
     call add_place(map, column, row, pending, failure)
-    do while (pending%number > 0 .and. .not. allocated(failure))
+    do while (pending%number > 0_int64 .and. .not. allocated(failure))
       call place_of(map, pending%place(pending%number), i, j)
-      pending%number = pending%number - 1
+      pending%number = pending%number - 1_int64
       near = heights_around(map, i, j)
       if (any(near > near(0, 0))) is_summit = .false.
       if (rule == rule_eight) is_summit = is_summit .and. is_inner(map, i, j)
@@ -193,7 +194,8 @@ contains
     real(real64), allocatable :: depth(:)
     integer(int32), allocatable :: order(:)
     real(real64) :: near(-1:1, -1:1)
-    integer :: i, j, k, number
+    integer(int64) :: k
+    integer :: i, j, number
 
     do j = 1, map%rows
       do i = 1, map%columns
@@ -205,23 +207,25 @@ contains
         if (allocated(failure)) return
       end do
     end do
-    if (ridges%number == 0) return
+    if (ridges%number == 0_int64) return
+    call check_number(ridges, failure)
+    if (allocated(failure)) return
     ! The sort takes 16 bytes for each beside these.
-    call check_memory('the ridges of the map', failure, bytes=40_int64 * ridges%number + &
+    call check_memory('the ridges of the map', failure, bytes=44_int64 * ridges%number + &
                       int(map%columns, int64) * map%rows)
     if (allocated(failure)) return
     allocate (taken(map%columns, map%rows), depth(ridges%number), order(ridges%number))
     taken(:, :) = .false._c_bool
-    do k = 1, places%number
+    do k = 1_int64, places%number
       call place_of(map, places%place(k), i, j)
       taken(i, j) = .true._c_bool
     end do
-    do k = 1, ridges%number
+    do k = 1_int64, ridges%number
       call place_of(map, ridges%place(k), i, j)
       depth(k) = -map%height(i, j)
     end do
     call sort_keys(depth, order)
-    do k = 1, ridges%number
+    do k = 1_int64, ridges%number
       call place_of(map, ridges%place(order(k)), i, j)
       if (has_near_summit(i, j)) cycle
       taken(i, j) = .true._c_bool
@@ -254,21 +258,25 @@ contains
   ! Computes radii and tops. A summit surrounded by missing pixels has no sphere and is left out.
   subroutine make_spheres(map, rule, radius_rule, places, plain, summits, failure)
     type(height_map), intent(in) :: map
-    integer, intent(in) :: rule, radius_rule, plain
+    integer, intent(in) :: rule, radius_rule
+    integer(int64), intent(in) :: plain
     type(place_list), intent(inout) :: places
     type(map_summits), intent(inout) :: summits
     character(len=:), allocatable, intent(out) :: failure
     real(real64) :: near(-1:1, -1:1), step(2), rise, curvature, usual, flattest, sharpest
-    integer :: i, j, k, kept
+    integer(int64) :: k, kept
+    integer :: i, j
 
+    call check_number(places, failure)
+    if (allocated(failure)) return
     call check_memory('the summits of the map', failure, bytes=56_int64 * places%number)
     if (allocated(failure)) return
     allocate (summits%x(places%number), summits%y(places%number), summits%height(places%number), &
               summits%radius(places%number))
-    kept = 0
+    kept = 0_int64
     flattest = 0.0_real64
-    do k = 1, places%number
-      if (k == plain + 1 .and. kept > 0) &
+    do k = 1_int64, places%number
+      if (k == plain + 1_int64 .and. kept > 0_int64) &
         flattest = 1.0_real64 / (most_radius * median_value(summits%radius(:kept)))
       call place_of(map, places%place(k), i, j)
       near = heights_around(map, i, j)
@@ -278,7 +286,7 @@ contains
       if (k > plain) curvature = max(flattest, usual)
       if (.not. curvature > rounding * usual) curvature = usual
       if (.not. curvature > no_curvature) cycle
-      kept = kept + 1
+      kept = kept + 1_int64
       places%place(kept) = places%place(k)
       summits%radius(kept) = 1.0_real64 / curvature
       if (k > plain) summits%on_ridges = summits%on_ridges + 1
@@ -288,7 +296,7 @@ contains
     sharpest = sqrt(huge(1.0_real64))
     if (kept > summits%on_ridges) &
       sharpest = most_radius / median_value(summits%radius(:kept - summits%on_ridges))
-    do k = 1, kept
+    do k = 1_int64, kept
       call place_of(map, places%place(k), i, j)
       if (rule == rule_contact) &
         call find_top(heights_around(map, i, j), sharpest * map%pixel_spacing**2, step, rise)
@@ -318,35 +326,44 @@ contains
     median_value = 0.5_real64 * (values(order(half)) + values(order(size(values) + 1 - half)))
   end function median_value
 
+  ! Refuses more places than the numbers of 32 bits by which they are sorted.
+  pure subroutine check_number(list, failure)
+    type(place_list), intent(in) :: list
+    character(len=:), allocatable, intent(inout) :: failure
+
+    if (list%number > int(huge(1), int64)) &
+      failure = 'summits: found more than ' // decimal_text(huge(1)) // ', expected fewer'
+  end subroutine check_number
+
   ! Adds a pixel to a list.
   subroutine add_place(map, i, j, list, failure)
     type(height_map), intent(in) :: map
     integer, intent(in) :: i, j
     type(place_list), intent(inout) :: list
     character(len=:), allocatable, intent(out) :: failure
-    integer(int32), allocatable :: larger(:)
+    integer(int64), allocatable :: larger(:)
     integer :: status
 
     if (.not. allocated(list%place)) allocate (list%place(1024))
-    if (list%number == size(list%place)) then
-      allocate (larger(int(min(2_int64 * list%number, int(huge(1), int64)))), stat=status)
+    if (list%number == size(list%place, kind=int64)) then
+      allocate (larger(2_int64 * list%number), stat=status)
       call check_memory('the summits of the map', failure, status)
       if (allocated(failure)) return
       larger(:list%number) = list%place
       call move_alloc(larger, list%place)
     end if
-    list%number = list%number + 1
-    list%place(list%number) = int((j - 1) * int(map%columns, int64) + i, int32)
+    list%number = list%number + 1_int64
+    list%place(list%number) = (j - 1_int64) * map%columns + i
   end subroutine add_place
 
   ! Computes the column and row of a pixel.
   pure subroutine place_of(map, place, i, j)
     type(height_map), intent(in) :: map
-    integer(int32), intent(in) :: place
+    integer(int64), intent(in) :: place
     integer, intent(out) :: i, j
 
-    j = (place - 1) / map%columns + 1
-    i = place - (j - 1) * map%columns
+    j = int((place - 1_int64) / map%columns) + 1
+    i = int(place - (j - 1_int64) * map%columns)
   end subroutine place_of
 
 end module asperity_map_summits

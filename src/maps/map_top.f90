@@ -14,7 +14,7 @@
 !> x**2 y**2/4 times the mixed ones.
 module asperity_map_top
   use asperity_height_map, only: height_map, is_measured, no_height
-  use asperity_kinds, only: real64
+  use asperity_kinds, only: int64, real64
   implicit none
   private
 
@@ -33,10 +33,11 @@ contains
     real(real64), intent(out) :: top          !! height of the top [length]
     real(real64), intent(out) :: error        !! estimated error of it, 0 or more [length]
     real(real64) :: least, mean, near(-2:2, -2:2), highest, step, vertex_error
-    integer :: i, j, n
+    integer(int64) :: n
+    integer :: i, j
 
     top = maxval(map%height)
-    n = count(is_measured(map%height))
+    n = count(is_measured(map%height), kind=int64)
     mean = sum(map%height, mask=is_measured(map%height)) / n
     least = top - search_depth * sqrt(sum((map%height - mean)**2, is_measured(map%height)) / n)
     highest = top

@@ -11,7 +11,7 @@
 module asperity_partial_slip
   use asperity_contact_field, only: contact_field
   use asperity_height_map, only: height_map, is_measured
-  use asperity_kinds, only: not_computed, real64
+  use asperity_kinds, only: int64, not_computed, real64
   use asperity_map_contact, only: map_answer
   use asperity_map_patches, only: find_patches, map_patch
   use asperity_problems, only: real_text
@@ -81,7 +81,7 @@ contains
     allocate (size_of, source=hypot(request%path(1, :), request%path(2, :)))
     ! A sum is rounded by at most epsilon a term.
     if (request%by_load .and. points == 1 .and. &
-        size_of(points) >= most * (1.0_real64 - count(limit > 0.0_real64) * epsilon(most))) then
+        size_of(points) >= most * (1.0_real64 - count(limit > 0.0_real64, kind=int64) * epsilon(most))) then
       call slide_along(request%path(:, 1), most, limit, slip)
       return
     end if

@@ -9,7 +9,7 @@
 !> With complete stick the set of pixels in contact can alternate: the increment is refused then.
 module asperity_slip_increments
   use asperity_height_map, only: height_map, is_measured
-  use asperity_kinds, only: real64
+  use asperity_kinds, only: int64, real64
   use asperity_map_contact, only: map_answer, press_map
   use asperity_problems, only: real_text
   use asperity_slip_solver, only: find_tractions, slip_problem, tangent_space
@@ -180,7 +180,7 @@ contains
     logical, intent(in) :: in_contact(:, :)
     real(real64), allocatable :: values(:, :)
 
-    allocate (values(count(in_contact), 2))
+    allocate (values(count(in_contact, kind=int64), 2))
     values(:, 1) = pack(field(:, :, 1), in_contact)
     values(:, 2) = pack(field(:, :, 2), in_contact)
   end function pack_components

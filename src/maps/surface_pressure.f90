@@ -5,7 +5,7 @@
 !> with the approximate inverse of `lattice_convolution`.
 module asperity_surface_pressure
   use asperity_height_map, only: height_map
-  use asperity_kinds, only: real64
+  use asperity_kinds, only: int64, real64
   use asperity_lattice_convolution, only: lattice_convolution
   use asperity_layer_compliance, only: mean_displacement
   use asperity_map_contact, only: prepare_influence
@@ -36,7 +36,7 @@ contains
     call prepare_influence(map, influence)
     allocate (residual, source=displacement * (modulus / map%pixel_spacing(1)))
     if (map%periodic .and. .not. mean_displacement(map%bodies) > 0.0_real64) &
-      residual = residual - sum(residual) / size(residual)
+      residual = residual - sum(residual) / size(residual, kind=int64)
     allocate (pressure, direction, image, mold=residual)
     pressure = 0.0_real64
     direction = 0.0_real64

@@ -71,7 +71,7 @@ contains
     padded = shape(map%height)
     where (.not. [map%repeats(1), map%repeats(2)]) padded = padded_length(2 * shape(map%height) - 1)
     bytes = nint(16 * (product(padded) + padded(1) * map%rows) + &
-                 8 * 34 * real(size(map%height), real64), int64) + bytes_of_plans
+                 8 * 34 * real(size(map%height, kind=int64), real64), int64) + bytes_of_plans
   end function room_for_tractions
 
 end module asperity_tangential_stiffness

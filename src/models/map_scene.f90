@@ -149,7 +149,7 @@ contains
   pure real(real64) function area_of_map(map) result(area)
     type(height_map), intent(in) :: map  !! height map, levelled or not
 
-    area = product(map%pixel_spacing) * count(is_measured(map%height))
+    area = product(map%pixel_spacing) * count(is_measured(map%height), kind=int64)
   end function area_of_map
 
   !> Plans the states of a map: loads, or levels of the plane above the mean plane.
@@ -181,7 +181,8 @@ contains
       end if
     else
       call find_top(map, from, error)
-      ends = separation_of(scene_in%loading%control, ends, from, sum(map%height) / size(map%height))
+      ends = separation_of(scene_in%loading%control, ends, from, &
+                           sum(map%height) / size(map%height, kind=int64))
     end if
     call plan_path(from, ends, scene_in%loading%points, is_load(scene_in%loading%control), &
                    duration, steps)

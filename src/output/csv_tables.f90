@@ -2,7 +2,7 @@
 !> map; contacts and positions of the original program.
 module asperity_csv_tables
   use asperity_contact_field, only: contact_field, pressure_histogram
-  use asperity_kinds, only: not_computed, real64
+  use asperity_kinds, only: int64, not_computed, real64
   use asperity_map_spectrum, only: power_spectrum, spectrum_names
   use asperity_map_stress, only: component_names, largest_shear, von_mises
   use asperity_original_records, only: contact_record, original_positions, original_records
@@ -29,14 +29,15 @@ contains
     type(array_table), intent(in) :: table      !! table with columns
     type(text_buffer), intent(inout) :: buffer  !! gets the text
     character(len=*), intent(in), optional :: comment  !! a line before the names
-    integer :: i, row
+    integer(int64) :: row
+    integer :: i
 
     if (present(comment)) call buffer%line('# ' // comment)
-    do row = 0, table%rows
+    do row = 0_int64, table%rows
       do i = 1, size(table%columns)
         if (i > 1) call buffer%append(',')
-        if (row == 0) call buffer%append(table%columns(i)%name)
-        if (row > 0) call put_cell(table%columns(i), row, '', buffer)
+        if (row == 0_int64) call buffer%append(table%columns(i)%name)
+        if (row > 0_int64) call put_cell(table%columns(i), row, '', buffer)
       end do
       call buffer%line('')
     end do
@@ -91,12 +92,15 @@ contains
     type(contact_field), intent(in) :: field     !! with the places of its pixels
     real(real64), intent(in) :: depth            !! depth below the surface [length]
     real(real64), intent(in) :: stress(:, :, :)  !! (column, row, component)
-    real(real64) :: cells(field%columns * field%rows, stress_columns)
+    real(real64) :: cells(int(field%columns, int64) * field%rows, stress_columns)
+    integer(int64) :: pixel
     integer :: i, j
 
+    pixel = 0_int64
     do j = 1, field%rows
       do i = 1, field%columns
-        cells((j - 1) * field%columns + i, :) = &
+        pixel = pixel + 1_int64
+        cells(pixel, :) = &
           [depth, field%origin + ([i, j] - 1) * field%pixel_spacing, stress(i, j, :), &
            von_mises(stress(i, j, :)), largest_shear(stress(i, j, :))]
       end do

@@ -48,7 +48,7 @@ module asperity_result_table
 
   !> A table.
   type :: array_table
-    integer :: rows = 0                           !! length of every column
+    integer(int64) :: rows = 0_int64              !! length of every column
     type(array_column), allocatable :: columns(:) !! not allocated: there is no such table
   end type array_table
 
@@ -327,7 +327,7 @@ contains
   !> Appends a cell as files have it: a number with 17 digits, a whole number, a word.
   subroutine put_cell(column, row, empty, buffer)
     type(array_column), intent(in) :: column    !! column of a table
-    integer, intent(in) :: row                  !! row of the cell, from 1
+    integer(int64), intent(in) :: row           !! row of the cell, from 1
     character(len=*), intent(in) :: empty       !! text of an empty cell
     type(text_buffer), intent(inout) :: buffer  !! gets the cell, without blanks around it
     character(len=25) :: cell
@@ -341,7 +341,7 @@ contains
                                        repeat('a', size(column%letters, 1)))))
       return
     else if (.not. ieee_is_nan(column%reals(row))) then
-      if (column%is_count) write (cell, '(i0)') nint(column%reals(row))
+      if (column%is_count) write (cell, '(i0)') nint(column%reals(row), int64)
       if (.not. column%is_count) then
         last = c_strfromd(cell, len(cell, c_size_t), '%.16E' // c_null_char, column%reals(row))
         ! Exponents have three digits, as those of Fortran's formats.
@@ -378,7 +378,7 @@ contains
     type(unit_powers), intent(in), optional :: dimension  !! powers in its unit; absent: a number
 
     call add_column(table, name)
-    table%rows = size(values)
+    table%rows = size(values, kind=int64)
     associate (new => table%columns(size(table%columns)))
       new%reals = values + 0.0_real64  ! no sign of 0
       where (.not. values > not_computed) new%reals = ieee_value(1.0_real64, ieee_quiet_nan)
@@ -408,7 +408,7 @@ contains
     integer(int32), intent(in) :: values(:)    !! cells of the column
 
     call add_column(table, name)
-    table%rows = size(values)
+    table%rows = size(values, kind=int64)
     table%columns(size(table%columns))%wholes = values
   end subroutine add_wholes
 
@@ -419,9 +419,9 @@ contains
     character(len=*), intent(in) :: words(:)   !! cells of the column
 
     call add_column(table, name)
-    table%rows = size(words)
+    table%rows = size(words, kind=int64)
     table%columns(size(table%columns))%letters = &
-      reshape(transfer(words, ['a']), [len(words), size(words)])
+      reshape(transfer(words, ['a']), [len(words, int64), size(words, kind=int64)])
   end subroutine add_words
 
   ! Adds a column without cells.

@@ -2,6 +2,7 @@
 !> with their units, under the names of the CSV files. `docs/results.schema.json` is its schema.
 module asperity_results_json
   use asperity_printable, only: printable_text
+  use asperity_kinds, only: int64
   use asperity_problems, only: problem_list, real_text
   use asperity_result_table, only: array_table, of_contacts, put_cell, table_names
   use asperity_scene_inputs, only: input_file
@@ -158,16 +159,17 @@ contains
     character(len=*), intent(in) :: name
     type(array_table), intent(in) :: table
     type(text_buffer), intent(inout) :: buffer
-    integer :: i, row
+    integer(int64) :: row
+    integer :: i
 
     call buffer%line('"' // name // '": {')
     do i = 1, size(table%columns)
       associate (column => table%columns(i))
         call buffer%append('"' // column%name // '": [')
-        do row = 1, table%rows
-          if (row > 1) call buffer%append(',')
+        do row = 1_int64, table%rows
+          if (row > 1_int64) call buffer%append(',')
           ! A line of bearable length, for editors.
-          if (row > 1 .and. mod(row, 8) == 1) call buffer%append(new_line('a'))
+          if (row > 1_int64 .and. mod(row, 8_int64) == 1_int64) call buffer%append(new_line('a'))
           if (allocated(column%letters)) then
             call buffer%append(json_text(trim(transfer(column%letters(:, row), &
                                                        repeat('a', size(column%letters, 1))))))

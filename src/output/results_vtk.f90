@@ -27,6 +27,7 @@ contains
     integer, intent(in) :: points(3)            !! along x, y and of depths; the first is fastest
     type(text_buffer), intent(inout) :: buffer  !! gets the text
     character(len=:), allocatable :: extent
+    integer(int64) :: row
     integer :: at(3), i, k
 
     at = [place_of(table, 'x'), place_of(table, 'y'), place_of(table, 'depth')]
@@ -38,9 +39,9 @@ contains
     call buffer%line('<Piece ' // extent)
     call buffer%line('<Points>')
     call buffer%line('<DataArray type="Float64" NumberOfComponents="3" format="ascii">')
-    do i = 1, table%rows
+    do row = 1_int64, table%rows
       do k = 1, size(at)
-        call put_cell(table%columns(at(k)), i, 'nan', buffer)
+        call put_cell(table%columns(at(k)), row, 'nan', buffer)
         call buffer%append(merge(' ', new_line('a'), k < size(at)))
       end do
     end do
@@ -50,8 +51,8 @@ contains
     do i = 1, size(table%columns)
       if (any(i == at)) cycle
       call buffer%line(array_tag('Float64', table%columns(i)%name, 'format="ascii">'))
-      do k = 1, table%rows
-        call put_cell(table%columns(i), k, 'nan', buffer)
+      do row = 1_int64, table%rows
+        call put_cell(table%columns(i), row, 'nan', buffer)
         call buffer%line('')
       end do
       call buffer%line('</DataArray>')

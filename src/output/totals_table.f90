@@ -192,7 +192,7 @@ contains
 
     mean = not_computed
     greatest = not_computed
-    do m = 1, table%rows
+    do m = 1, size(results%positions)
       last = last_state(results%positions(m))
       if (last%area > 0.0_real64) mean(m) = last%load / last%area
       if (last%greatest_pressure > not_computed) then

@@ -41,7 +41,7 @@ module asperity_map_adhesion
   use asperity_attraction_law, only: attraction_at, attraction_law, share_of_work
   use asperity_element_forces, only: displacement_error, find_forces, force_bounds, missing_gap
   use asperity_height_map, only: height_map, is_measured
-  use asperity_kinds, only: real64
+  use asperity_kinds, only: int64, real64
   use asperity_lattice_convolution, only: lattice_convolution
   use asperity_map_contact, only: check_level, map_answer, prepare_influence, press_map, &
                                   reach_hardness, room_to_press
@@ -153,8 +153,9 @@ contains
                    0.0_real64, is_measured(map%height))
       call influence%apply(next, moved)
       moved = moved - pulled
-      change = maxval(abs(moved - merge(sum(moved) / size(moved), 0.0_real64, present(load))))
-      noise = displacement_error(influence%norm, sum(next**2) / size(next), &
+      change = maxval(abs(moved - merge(sum(moved) / size(moved, kind=int64), 0.0_real64, &
+                                        present(load))))
+      noise = displacement_error(influence%norm, sum(next**2) / size(next, kind=int64), &
                                  maxval(abs(pulled + moved)))
       call watch_changes(change, last)
       call extrapolate_step(pull, pulled, change, last, next, moved, error)
@@ -353,6 +354,7 @@ contains
     real(real64), intent(in) :: attraction(:, :)   !! attraction of each pixel [pressure]
     logical, dimension(map%columns, map%rows) :: at_edge, measured
     real(real64) :: above(map%columns, map%rows)  ! the mean height
+    integer(int64) :: number
     integer :: i, j, last
 
     share = 0.0_real64
@@ -370,8 +372,9 @@ contains
     end do
     if (.not. any(at_edge)) return
     above = merge(map%height, 0.0_real64, measured)
-    above = merge(above - sum(above) / count(measured), 0.0_real64, measured)
-    if (-sum(above, at_edge) > count(at_edge) * sqrt(sum(above**2) / count(measured))) &
+    number = count(measured, kind=int64)
+    above = merge(above - sum(above) / number, 0.0_real64, measured)
+    if (-sum(above, at_edge) > count(at_edge) * sqrt(sum(above**2) / number)) &
       share = sum(share_of_work(law, attraction), at_edge) / count(at_edge)
   end function work_at_edge
 

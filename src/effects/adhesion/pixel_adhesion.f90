@@ -17,7 +17,7 @@ module asperity_pixel_adhesion
   use asperity_contact_effect, only: relative_influence
   use asperity_effect_header, only: column_list, force, plain
   use asperity_height_map, only: is_measured
-  use asperity_kinds, only: real64
+  use asperity_kinds, only: int64, real64
   use asperity_map_adhesion, only: adhere_map, adhesion_history, find_pull_off, work_at_edge
   use asperity_map_contact, only: displacement_by
   use asperity_pixel_law, only: pixel_law, pixel_state, unknown_influence
@@ -80,7 +80,8 @@ contains
     real(real64), allocatable, dimension(:, :) :: closer, gap, pull
     logical, allocatable :: is_open(:, :)
     real(real64) :: begin, growth, load, lowered, rate, total
-    integer :: closed, turn
+    integer(int64) :: closed
+    integer :: turn
     integer, parameter :: turns = 60  ! S/S0 to a rounding error below y = 0.36 (derived: y S < 1)
     ! Displacement of the middle of a square by a uniform traction, over the side and the traction
     ! over the modulus (derived: Love 1929).
@@ -127,9 +128,9 @@ contains
         growth = exp(rate * growth)
       end do
       share = relative_influence(growth * begin, load, load - growth * begin)
-      closed = count(is_open .and. gap < growth * closer)
+      closed = count(is_open .and. gap < growth * closer, kind=int64)
       share = max(share, real(closed, real64) / &
-                  max(1, closed + count(state%answer%pressure > 0.0_real64)))
+                  max(1_int64, closed + count(state%answer%pressure > 0.0_real64, kind=int64)))
     end subroutine follow_pull
 
   end function estimate_adhesion
@@ -179,7 +180,7 @@ contains
       if (allocated(answer%failure)) return
       answer%failure = 'the pull is larger than the contacts carry: ' // real_text(-carried) // &
                        ' at most, a nominal pressure of ' // real_text(-carried / &
-                       (count(is_measured(map%height)) * product(map%pixel_spacing)))
+                       (count(is_measured(map%height), kind=int64) * product(map%pixel_spacing)))
       if (begins_open) answer%failure = answer%failure // ' from first contact; after loading ' // &
                        'they may carry more: expected a path, value = LOAD, PULL'
     end associate

@@ -8,7 +8,7 @@ module asperity_pixel_plasticity
   use asperity_contact_records, only: state_row
   use asperity_effect_header, only: area, column_list, moment
   use asperity_first_yield, only: yield_pressure
-  use asperity_kinds, only: real64
+  use asperity_kinds, only: int64, real64
   use asperity_pixel_law, only: pixel_law, pixel_state, unknown_influence
   use asperity_scene_values, only: scene
   implicit none
@@ -63,8 +63,8 @@ contains
       if (.not. maxval(pressure) > 0.0_real64) return
       if (self%hardness > 0.0_real64) then
         share = max(sum(max(0.0_real64, pressure - self%hardness)) / &
-                    sum(max(0.0_real64, pressure)), real(count(pressure > self%hardness), real64) &
-                    / count(pressure > 0.0_real64))
+                    sum(max(0.0_real64, pressure)), real(count(pressure > self%hardness, &
+                    kind=int64), real64) / count(pressure > 0.0_real64, kind=int64))
       else if (maxval(pressure) > self%yields_at) then
         share = unknown_influence
       end if
@@ -121,7 +121,7 @@ contains
         end do
       end do
       self%plastic_area = product(map%pixel_spacing) * &
-                          count(.not. answer%pressure < self%hardness)
+                          count(.not. answer%pressure < self%hardness, kind=int64)
     end associate
   end subroutine lower_pixels
 
