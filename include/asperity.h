@@ -27,6 +27,8 @@
 #ifndef ASPERITY_H
 #define ASPERITY_H
 
+#include <stdint.h>
+
 #ifdef __cplusplus
 extern "C" {
 #endif
@@ -274,7 +276,7 @@ int asperity_problem_count(const asperity_outcome *outcome);
 void asperity_get_problem(const asperity_outcome *outcome, int number, asperity_problem *problem);
 
 /* Rows and columns of a table; 0 where it is not there. */
-int asperity_rows(const asperity_outcome *outcome, int table);
+int64_t asperity_rows(const asperity_outcome *outcome, int table);
 int asperity_columns(const asperity_outcome *outcome, int table);
 
 /* A column, counted from 0: its name, what its cells are, and the cells themselves, as many as the

@@ -7,7 +7,7 @@ import os
 import threading
 import time
 from collections.abc import Callable
-from ctypes import POINTER, Structure, byref, c_char, c_char_p, c_double, c_int, c_void_p
+from ctypes import POINTER, Structure, byref, c_char, c_char_p, c_double, c_int, c_int64, c_void_p
 from pathlib import Path
 from typing import Any
 
@@ -79,14 +79,14 @@ def _loaded(path: Path) -> ctypes.CDLL:
 _C = _loaded(next(Path(__file__).parent.glob("libasperity.so*")))
 # Result and arguments of each function by these letters.
 LETTERS: dict[str, Any] = {
-    "p": c_void_p, "s": c_char_p, "i": c_int, "d": c_double, "-": None, "I": POINTER(c_int),
-    "D": POINTER(c_double), "S": POINTER(Side), "M": POINTER(Map), "O": POINTER(Options),
-    "R": POINTER(SummitsOptions), "P": POINTER(CProblem), "B": POINTER(Body)}
+    "p": c_void_p, "s": c_char_p, "i": c_int, "d": c_double, "l": c_int64, "-": None,
+    "I": POINTER(c_int), "D": POINTER(c_double), "S": POINTER(Side), "M": POINTER(Map),
+    "O": POINTER(Options), "R": POINTER(SummitsOptions), "P": POINTER(CProblem), "B": POINTER(Body)}
 _FUNCTIONS = [(name, *map(LETTERS.get, letters)) for name, letters in map(str.split, """
     get_version s, read_scene ps, build_scene psSS, rebuild_scene pps, solve_scene ppO,
     study_scene ppdi, fields ppii, loaded pBiDDDd, make_report pssIi, summits psMR, read_map
     psDs, write_map pMs, generate pssi, generate_map pss, power_spectrum pMs, status ip, text
-    spi, problem_count ip, get_problem -piP, rows ipi, columns ipi, column_name spii,
+    spi, problem_count ip, get_problem -piP, rows lpi, columns ipi, column_name spii,
     column_type ipii, column_unit spii, column ppii, free -p""".split(","))]
 for _name, _result, *_arguments in _FUNCTIONS:
     _function = getattr(_C, f"asperity_{_name}")

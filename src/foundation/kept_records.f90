@@ -251,7 +251,7 @@ contains
     end do files
     work%is_done(piece) = .true.
     work%done = work%done + 1
-    allocate (words(len(body) / word_digits))
+    allocate (words(len(body, int64) / word_digits))
     read (body, '(*(z16))') words
   end subroutine next_record
 
@@ -274,7 +274,7 @@ contains
     character(len=:), allocatable, intent(out) :: failure  !! reason, when it cannot be written
     character(len=:), allocatable :: body  ! may be larger than a stack
 
-    allocate (character(len=word_digits * size(words)) :: body)
+    allocate (character(len=word_digits * size(words, kind=int64)) :: body)
     write (body, '(*(z16.16))') words
     call write_bytes(work%descriptor, heading_of(work%piece, piece, body) // new_line('a') // &
                      body // new_line('a'), failure)
@@ -329,7 +329,7 @@ contains
     character(len=:), allocatable :: line
 
     line = name // ' ' // decimal_text(piece) // ', words ' // &
-           decimal_text(len(body) / word_digits) // ', checksum ' // checksum(body)
+           decimal_text(len(body, int64) / word_digits) // ', checksum ' // checksum(body)
   end function heading_of
 
   !> FNV-1a of 32 bits (Fowler, Noll, Vo), as 8 hexadecimal digits.
@@ -337,11 +337,10 @@ contains
     character(len=*), intent(in) :: text  !! text of any bytes
     character(len=8) :: word
     integer(int64), parameter :: prime = 16777619_int64, low_32 = int(z'FFFFFFFF', int64)
-    integer(int64) :: state
-    integer :: i
+    integer(int64) :: i, state
 
     state = 2166136261_int64
-    do i = 1, len(text)
+    do i = 1_int64, len(text, int64)
       state = iand(ieor(state, int(iachar(text(i:i)), int64)) * prime, low_32)
     end do
     write (word, '(z8.8)') state

@@ -106,7 +106,7 @@ contains
       else
         call cut_line(text, at, cells)
       end if
-      if (at <= len(text) + 1) line = line + 1
+      if (at <= len(text) + 1) line = min(line, huge(line) - 1) + 1
     end do
   end subroutine read_cells
 
@@ -243,6 +243,8 @@ contains
       last = index(self%rest, feed, back=.true.)
       if (last > 0) exit
       length = len(self%rest)
+      if (length > huge(length) / 2) self%failure = 'cannot be read: a line of more than 1 GiB'
+      if (allocated(self%failure)) return
     end do
     if (last == 0) return
     self%lines = self%rest(:last)

@@ -316,7 +316,7 @@ contains
 
     bytes = 8_int64 * map%columns * map%rows
     call check_memory('the map, ' // decimal_text(map%columns) // ' x ' // decimal_text(map%rows) &
-                      // ' pixels of ' // decimal_text(bytes) // ' bytes', failure, bytes=bytes)
+                      // ' pixels, ' // decimal_text(bytes) // ' bytes', failure, bytes=bytes)
     if (.not. allocated(failure)) allocate (map%height(map%columns, map%rows))
   end subroutine make_room
 

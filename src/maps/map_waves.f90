@@ -73,7 +73,8 @@ contains
     waves%power = real(1 + spec%hurst, real64) / 2
     call prepare_normal(-real(farthest, real128), real(farthest, real128), waves%gaussian)
     do i = 0, waves%most(1)
-      waves%empty = waves%empty .and. .not. any(amplitudes_of(waves, i) > 0.0_real64)
+      waves%empty = .not. any(amplitudes_of(waves, i) > 0.0_real64)
+      if (.not. waves%empty) exit
     end do
   end subroutine plan_waves
 

@@ -16,7 +16,7 @@ module asperity_position_packet
   integer(int64), parameter :: word(1) = 0_int64  ! mold of `transfer` to words
   ! Numbers of words: a position without its lists, a state, a contact, an effect, a warning, a
   ! column. These records are copied whole.
-  integer, parameter :: of_head = 34 + size(known_effects), &
+  integer(int64), parameter :: of_head = 34 + size(known_effects), &
     of_state = storage_size(state_row()) / storage_size(word), &
     of_row = storage_size(contact_row()) / storage_size(word), &
     of_effect = storage_size(effect_record()) / storage_size(word), &
@@ -29,14 +29,15 @@ contains
   pure subroutine pack_position(result, words)
     type(position_result), intent(in) :: result             !! result of a position
     integer(int64), allocatable, intent(out) :: words(:)    !! words, at least those of the head
-    integer :: values(2), effects, columns, of_contacts, warnings
+    integer(int64) :: values(2)
+    integer :: effects, columns, of_contacts, warnings
 
     warnings = 0
     if (allocated(result%warnings)) warnings = size(result%warnings)
     effects = -1
     columns = 0
     of_contacts = 0
-    values = 0
+    values = 0_int64
     if (allocated(result%effects)) then
       effects = size(result%effects)
       columns = size(result%state_values)
@@ -47,8 +48,8 @@ contains
     words = [transfer([result%x_displacement, result%y_displacement, result%error_estimate, &
                        result%nominal_area], word), &
              int([merge(1, 0, result%limit_reached), result%overlapping_circles, &
-                  size(result%states), result%rows_used, effects, columns, values, &
-                  warnings, of_contacts], int64), &
+                  size(result%states), result%rows_used, effects, columns], int64), values, &
+             int([warnings, of_contacts], int64), &
              transfer(result%no_estimate, word), &
              transfer(result%left_out, word), &
              transfer(result%states, word)]
@@ -57,14 +58,15 @@ contains
     if (effects < 0) return
     words = [words, transfer(result%effects, word), transfer(result%state_values, word), &
              transfer(result%state_columns, word), transfer(result%contact_columns, word)]
-    if (product(values) > 0) words = [words, transfer(pack(result%contact_values, .true.), word)]
+    if (product(values) > 0_int64) words = [words, transfer(pack(result%contact_values, .true.), word)]
   end subroutine pack_position
 
   !> Converts words to the result.
   pure subroutine unpack_position(words, result)
     integer(int64), intent(in) :: words(:)         !! words of pack_position
     type(position_result), intent(out) :: result   !! result of the position
-    integer :: at, states, effects, columns, of_contacts, values(2), warnings
+    integer(int64) :: at, values(2)
+    integer :: states, effects, columns, of_contacts, warnings
 
     result%x_displacement = transfer(words(1), result%x_displacement)
     result%y_displacement = transfer(words(2), result%y_displacement)
@@ -76,7 +78,7 @@ contains
     result%rows_used = int(words(8))
     effects = int(words(9))
     columns = int(words(10))
-    values = int(words(11:12))
+    values = words(11:12)
     warnings = int(words(13))
     of_contacts = int(words(14))
     result%no_estimate = transfer(words(15:34), result%no_estimate)

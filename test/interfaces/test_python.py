@@ -219,7 +219,7 @@ def test_header_and_python_agree(package):
     from asperity import _library
     types = {"int": "c_int", "double": "c_double", "char *": "c_char_p", "int *": "LP_c_int",
              "double *": "LP_c_double", "asperity_outcome *": "c_void_p", "void *": "c_void_p",
-             "void": "NoneType"}
+             "int64_t": "c_long", "void": "NoneType"}
     for name, own in (("surface", "Surface"), ("height_map", "Map"), ("side", "Side"),
                       ("options", "Options"), ("summits_options", "SummitsOptions"),
                       ("problem", "CProblem"), ("half_space", "Body")):

@@ -283,8 +283,8 @@ def array_bytes(descr="'<f8'", order="False", shape="(3, 4)", pixels=96, version
     (array_bytes(shape="(1, 3, 4)"), "shape of the array: found '(1, 3, 4)'"),
     (array_bytes(shape="(3.0, 4)"), "shape of the array: found '(3.0, 4)'"),
     (array_bytes(shape="(0, 4)", pixels=0), "found 4 x 0 pixels, expected at least 3 x 3"),
-    (array_bytes(shape="(4294967296, 4294967296)"), ", expected at most 2147483647 pixels"),
-    (array_bytes(shape="(99999999999999999999999, 3)"), ", expected at most 2147483647 pixels"),
+    (array_bytes(shape="(4294967296, 4294967296)"), ", expected at most 536870912 pixels a side"),
+    (array_bytes(shape="(99999999999999999999999, 3)"), ", expected at most 536870912 pixels a side"),
     (array_bytes(pixels=95), "found 95 bytes behind the header, expected 96 for shape (3, 4) of 8 "
                              "bytes a pixel"),
     (array_bytes(pixels=97), "found 97 bytes behind the header, expected 96"),
@@ -313,6 +313,22 @@ def test_refused_arrays(asperity, tmp_path, data, expected):
     assert done.stderr.count("\n") == 1 and "expected" in done.stderr
     done = run_program(asperity, "summits", "-", "--spacing=1,1", status=2, input=data, text=False)
     assert done.stderr.count(b"\n") == 1, done.stderr
+
+
+@pytest.mark.parametrize("rows, columns", [(65536, 65536), (46341, 46342), (3, 2**29)])
+@pytest.mark.parametrize("ending", ["npy", "sdf"])
+def test_more_pixels_than_32_bits_count(asperity, tmp_path, ending, rows, columns):
+    """Memory is their one limit, in its right number of bytes: whole sparse files."""
+    head = array_bytes(shape=f"({rows}, {columns})", pixels=0) if ending == "npy" else (
+        b"bISO-2.0asperity  " + b"0" * 24 + np.array([columns, rows], "<u4").tobytes() +
+        np.array([1e-6, 1e-6, 1.0, -1.0]).tobytes() + bytes([0, 7, 0]))
+    with open(tmp_path / "m", "wb") as file:
+        file.write(head)
+        file.truncate(len(head) + 8 * rows * columns)
+    done = run_program("bash", "-c", f"ulimit -v 2000000; {asperity} summits m " +
+                       "--spacing=1,1" * (ending == "npy"), status=1, cwd=tmp_path)
+    assert done.stderr == (f"m: not enough memory for the map, {columns} x {rows} pixels, "
+                           f"{8 * rows * columns} bytes\n")
 
 
 # ---------------------------------------------------------------- files that are written
