@@ -31,11 +31,12 @@
 !> the allowed set at both exits. A limit H of at least the load is no bound, as forces of 0 or more
 !> with this sum are not larger: such a problem is solved without a limit.
 module asperity_element_forces
-  use asperity_lattice_convolution, only: lattice_convolution, thread_threshold
-  use asperity_force_rows, only: direction_row, gradient_row, product_row, residual_row, step_row, &
-                                 working_row
+  use asperity_lattice_convolution, only: lattice_convolution
+  use asperity_force_rows, only: direction_row, gradient_row, image_row, product_row, residual_row, &
+                                 step_row, working_row
   use asperity_interruption, only: interruption
-  use asperity_kinds, only: int64, real64
+  use asperity_kinds, only: int64, real32, real64
+  use asperity_line_transform, only: thread_threshold
   use asperity_solve_ending, only: solve_ending
   implicit none
   private
@@ -54,6 +55,11 @@ module asperity_element_forces
   ! beyond full contact; four times that is allowed (chosen). Without it loads whose displacements
   ! are 1e6 times the heights do not end.
   real(real64), parameter :: rounding = 4096 * epsilon(1.0_real64)
+  ! Error of a displacement by transforms of single precision over the largest one (measured: XX).
+  real(real64), parameter :: single_error = 16 * epsilon(1.0_real32)
+  ! Largest error of the gradient by steps over the residual, beyond which it is computed from the
+  ! forces (chosen).
+  real(real64), parameter :: drift_allowed = 0.01_real64
   !> Largest number of iterations, of a method that converges (chosen).
   integer, parameter, public :: iterations_allowed = 2000
 
@@ -68,16 +74,17 @@ module asperity_element_forces
   type :: force_iterate
     real(real64), allocatable, dimension(:, :) :: force, gradient            ! f, r
     real(real64), allocatable, dimension(:, :) :: next_force, next_gradient  ! f, r after the step
-    !> d; forces by the inverse, A d, and A f where that was computed last
-    real(real64), allocatable, dimension(:, :) :: direction, image
+    !> gradient in W, or the change of f; d; forces by the inverse, A d, or that by the change of f
+    real(real32), allocatable, dimension(:, :) :: working, direction, image
     real(real64), allocatable :: row_sums(:, :)    ! sums or maxima of each row of a loop
     real(real64) :: level = 0.0_real64             ! still to be subtracted from the next gradient
     real(real64) :: gradient_product = 0.0_real64  ! r times its preconditioned r; 0: restart
     real(real64) :: rounding_error = 0.0_real64    ! of the displacements
+    real(real64) :: drift = 0.0_real64     ! error of r by the steps since it was computed from f
     real(real64) :: residual = 0.0_real64  ! after the step, as in the header
     real(real64) :: decrease = 0.0_real64  ! of the energy by the step; below 0: there is no step
     real(real64) :: enough = 0.0_real64    ! upper bound of the decrease that is asked of a step
-    logical :: is_recomputed = .true.      ! r is computed from f, not updated by the step
+    logical :: is_recomputed = .true.      ! r is computed from f, not updated by a step
   end type force_iterate
 
 contains
@@ -105,11 +112,12 @@ contains
     call move_alloc(force, state%next_force)
     if (bounds%limit < huge(1.0_real64)) call project_forces(gap, bounds, state%next_force)
     allocate (state%force, source=state%next_force)
-    allocate (state%next_gradient, state%image, mold=gap)
+    allocate (state%next_gradient, mold=gap)
     allocate (state%row_sums(5, size(gap, 2)))
     allocate (state%gradient(size(gap, 1), size(gap, 2)), source=0.0_real64)
-    allocate (state%direction, source=state%gradient)
-    call find_gradient(influence, gap, bounds, state)
+    allocate (state%direction(size(gap, 1), size(gap, 2)), source=0.0_real32)
+    allocate (state%working, state%image, mold=state%direction)
+    call find_gradient(influence, gap, bounds, .true., state)
     do
       call swap_arrays(state%force, state%next_force)
       call swap_arrays(state%gradient, state%next_gradient)
@@ -119,9 +127,10 @@ contains
       if (ending%iterations == iterations_allowed .or. interrupt%is_asked()) exit
       if (ending%converged) then
         ! The gradient was updated step by step: its rounding errors are removed.
+        call scale_to_load(gap, bounds, state%force, sum(state%force))
         state%next_force = state%force
         state%gradient_product = 0.0_real64
-        call find_gradient(influence, gap, bounds, state)
+        call find_gradient(influence, gap, bounds, .true., state)
         cycle
       end if
       ending%iterations = ending%iterations + 1
@@ -136,7 +145,10 @@ contains
     end do
     if (present(level)) level = state%level
     call move_alloc(state%force, force)
-    if (present(displacement)) call move_alloc(state%image, displacement)
+    if (present(displacement)) then
+      call move_alloc(state%next_gradient, displacement)
+      call influence%apply(force, displacement)
+    end if
   end subroutine find_forces
 
   !> Rounding error of displacements by FFT (see `rounding`).
@@ -154,21 +166,21 @@ contains
     real(real64), intent(in) :: gap(:, :)
     type(force_bounds), intent(in) :: bounds
     type(force_iterate), intent(inout) :: state
-    real(real64) :: curvature, mean, step, sums(5)
+    real(real64) :: curvature, drift, mean, step, sums(5)
+    logical :: is_exact
     integer :: j
 
     associate (f => state%force, r => state%gradient, next => state%next_force, &
                d => state%direction, gradient => state%next_gradient, image => state%image, &
-               limit => bounds%limit)
+               limit => bounds%limit, w => state%working)
       !$omp parallel do if(size(gap, kind=int64) > thread_threshold)
       do j = 1, size(gap, 2)
-        call working_row(limit, f(:, j), r(:, j), next(:, j))
+        call working_row(limit, f(:, j), r(:, j), w(:, j))
       end do
-      call influence%invert_on(next, image)
+      call influence%invert_on(w, image)
       !$omp parallel do if(size(gap, kind=int64) > thread_threshold)
       do j = 1, size(gap, 2)
-        call product_row(next(:, j), image(:, j), r(:, j), gradient(:, j), d(:, j), &
-                         state%row_sums(:, j))
+        call product_row(w(:, j), image(:, j), gradient(:, j), d(:, j), state%row_sums(:, j))
       end do
       sums = sum(state%row_sums, 2)
       ! W changes at nearly every step: the formula of Polak and Ribiere (1969), with the change of
@@ -182,33 +194,37 @@ contains
       if (bounds%load > 0.0_real64) mean = (sums(3) + step * sums(4)) / max(1.0_real64, sums(5))
       !$omp parallel do if(size(gap, kind=int64) > thread_threshold)
       do j = 1, size(gap, 2)
-        call direction_row(step, mean, next(:, j), image(:, j), d(:, j), state%row_sums(1, j))
+        call direction_row(real(step, real32), real(mean, real32), w(:, j), image(:, j), d(:, j), &
+                           state%row_sums(1, j))
       end do
       step = sum(state%row_sums(1, :))
       call influence%apply(d, image)
       !$omp parallel do if(size(gap, kind=int64) > thread_threshold)
       do j = 1, size(gap, 2)
-        state%row_sums(1, j) = dot_product(image(:, j), d(:, j))
+        call image_row(d(:, j), image(:, j), state%row_sums(:2, j))
       end do
       curvature = sum(state%row_sums(1, :))
       state%decrease = -1.0_real64
       if (.not. (step > 0.0_real64 .and. curvature > 0.0_real64)) return
       step = step / curvature
+      drift = state%drift + single_error * step * maxval(state%row_sums(2, :))
       !$omp parallel do if(size(gap, kind=int64) > thread_threshold)
       do j = 1, size(gap, 2)
         call step_row([step, limit], f(:, j), d(:, j), r(:, j), image(:, j), next(:, j), &
                       gradient(:, j), state%row_sums(:4, j))
       end do
       sums = sum(state%row_sums, 2)
-      ! The gradient is exact where no force is cut. A direction of rounding errors alone, where W
+      ! The gradient is known where no force is cut. A direction of rounding errors alone, where W
       ! has next to equal forces by the inverse, does not keep the load.
-      if (sums(2) > 0.0_real64 .or. bounds%load > 0.0_real64 .and. &
-          abs(sums(1) - bounds%load) > rounding * bounds%load) then
+      is_exact = drift > drift_allowed * state%residual
+      if (is_exact .or. sums(2) > 0.0_real64 .or. bounds%load > 0.0_real64 .and. &
+          abs(sums(1) - bounds%load) > single_error * bounds%load) then
         call scale_to_load(gap, bounds, next, sums(1))
-        call find_gradient(influence, gap, bounds, state)
+        call find_gradient(influence, gap, bounds, is_exact, state)
         return
       end if
     end associate
+    state%drift = drift
     state%is_recomputed = .false.
     state%level = 0.0_real64
     if (bounds%load > 0.0_real64) state%level = sums(4) / max(1.0_real64, sums(3))
@@ -249,8 +265,8 @@ contains
         call working_row(bounds%limit, f(:, j), r(:, j), state%direction(:, j))
       end do
       call influence%apply(state%direction, state%image)
-      squares = sum(state%direction**2)
-      curvature = sum(state%direction * state%image)
+      squares = sum(real(state%direction, real64)**2)
+      curvature = sum(real(state%direction, real64) * state%image)
       least = 1.0_real64 / influence%norm
       length = least
       if (curvature > epsilon(least) * influence%norm * squares) length = squares / curvature
@@ -258,7 +274,7 @@ contains
         state%next_force = f - length * r
         call project_forces(gap, bounds, state%next_force)
         enough = 0.5_real64 * sum(r * (f - state%next_force))
-        call find_gradient(influence, gap, bounds, state)
+        call find_gradient(influence, gap, bounds, .true., state)
         if (state%decrease >= enough .or. .not. length > least) exit
         length = max(least, 0.5_real64 * length)
       end do
@@ -266,25 +282,48 @@ contains
     state%gradient_product = 0.0_real64
   end subroutine take_projected_step
 
-  ! Computes the gradient from the forces after a step, and the rounding error of displacements.
-  subroutine find_gradient(influence, gap, bounds, state)
+  ! Computes the gradient after a step: from the forces, and the rounding error of displacements, or
+  ! its change from theirs.
+  subroutine find_gradient(influence, gap, bounds, is_exact, state)
     type(lattice_convolution), intent(inout) :: influence
     real(real64), intent(in) :: gap(:, :)
     type(force_bounds), intent(in) :: bounds
+    logical, intent(in) :: is_exact  ! from the forces
     type(force_iterate), intent(inout) :: state
     real(real64) :: sums(3)
     integer :: j
 
-    call influence%apply(state%next_force, state%image)
-    !$omp parallel do if(size(gap, kind=int64) > thread_threshold)
-    do j = 1, size(gap, 2)
-      call gradient_row(bounds%limit, state%next_force(:, j), state%image(:, j), gap(:, j), &
-                        state%next_gradient(:, j), state%row_sums(:4, j))
-    end do
+    associate (next => state%next_force, gradient => state%next_gradient, image => state%image, &
+               rows => state%row_sums)
+      if (is_exact) then
+        call influence%apply(next, gradient)
+        !$omp parallel do if(size(gap, kind=int64) > thread_threshold)
+        do j = 1, size(gap, 2)
+          call gradient_row(bounds%limit, next(:, j), gap(:, j), gradient(:, j), rows(:4, j))
+        end do
+      else
+        !$omp parallel do if(size(gap, kind=int64) > thread_threshold)
+        do j = 1, size(gap, 2)
+          state%working(:, j) = real(next(:, j) - state%force(:, j), real32)
+        end do
+        call influence%apply(state%working, image)
+        !$omp parallel do if(size(gap, kind=int64) > thread_threshold)
+        do j = 1, size(gap, 2)
+          gradient(:, j) = image(:, j)
+          call gradient_row(bounds%limit, next(:, j), state%gradient(:, j), gradient(:, j), &
+                            rows(:4, j))
+        end do
+      end if
+    end associate
     sums = sum(state%row_sums(:3, :), 2)
-    state%rounding_error = displacement_error(influence%norm, sums(3) / size(gap, kind=int64), &
-                                              maxval(state%row_sums(4, :)))
-    state%is_recomputed = .true.
+    if (is_exact) then
+      state%rounding_error = displacement_error(influence%norm, &
+        sums(3) / size(gap, kind=int64), maxval(state%row_sums(4, :)))
+      state%drift = 0.0_real64
+    else
+      state%drift = state%drift + single_error * maxval(state%row_sums(4, :))
+    end if
+    state%is_recomputed = is_exact
     state%level = 0.0_real64
     if (bounds%load > 0.0_real64) then
       state%level = sums(2) / max(1.0_real64, sums(1))

@@ -4,11 +4,11 @@
 !> threads. The loops have no branches and their arrays do not overlap, so that they are vectorised.
 !> Symbols are those of `asperity_element_forces`.
 module asperity_force_rows
-  use asperity_kinds, only: real64
+  use asperity_kinds, only: real32, real64
   implicit none
   private
 
-  public :: direction_row, gradient_row, one_where, product_row, residual_row, step_row, working_row
+  public :: direction_row, gradient_row, image_row, one_where, product_row, residual_row, step_row, working_row
 
 contains
 
@@ -16,22 +16,23 @@ contains
   pure subroutine working_row(limit, f, r, w)
     real(real64), intent(in) :: limit                 !! largest force H
     real(real64), intent(in), contiguous :: f(:), r(:)  !! forces and their gradient
-    real(real64), intent(out), contiguous :: w(:)     !! gradient in W
+    real(real32), intent(out), contiguous :: w(:)     !! gradient in W
     integer :: i
 
     !$omp simd
     do i = 1, size(f)
-      w(i) = max(-one_where(f(i) < limit) * huge(limit), &
-                 min(one_where(f(i) > 0.0_real64) * huge(limit), r(i)))
+      w(i) = real(max(-one_where(f(i) < limit) * huge(limit), &
+                      min(one_where(f(i) > 0.0_real64) * huge(limit), r(i))), real32)
     end do
   end subroutine working_row
 
   !> Sums in W of z.r, z.(r - r before), z, d and 1, with z = B r.
-  pure subroutine product_row(w, z, r, before, d, sums)
-    !> gradient in W; B r; gradient; gradient before; direction
-    real(real64), intent(in), contiguous :: w(:), z(:), r(:), before(:), d(:)
+  pure subroutine product_row(w, z, before, d, sums)
+    !> gradient r in W; B r; direction
+    real(real32), intent(in), contiguous :: w(:), z(:), d(:)
+    real(real64), intent(in), contiguous :: before(:)  !! gradient before
     real(real64), intent(out) :: sums(5)
-    real(real64) :: changes, number, others, products, total, value
+    real(real64) :: changes, number, one, others, products, total, value
     integer :: i
 
     changes = 0.0_real64
@@ -39,39 +40,59 @@ contains
     others = 0.0_real64
     products = 0.0_real64
     total = 0.0_real64
-    !$omp simd private(value) reduction(+:changes, number, others, products, total)
+    !$omp simd private(one, value) reduction(+:changes, number, others, products, total)
     do i = 1, size(w)
-      value = one_where(abs(w(i)) > 0.0_real64) * z(i)
-      products = products + z(i) * w(i)
-      changes = changes + value * (r(i) - before(i))
+      one = one_where(abs(w(i)) > 0.0_real32)
+      value = one * z(i)
+      products = products + value * w(i)
+      changes = changes + value * (w(i) - before(i))
       total = total + value
-      others = others + one_where(abs(w(i)) > 0.0_real64) * d(i)
-      number = number + one_where(abs(w(i)) > 0.0_real64)
+      others = others + one * d(i)
+      number = number + one
     end do
     sums = [products, changes, total, others, number]
   end subroutine product_row
 
   !> Direction z + step d less a mean in W, else 0, and its product with the gradient.
   pure subroutine direction_row(step, mean, w, z, d, total)
-    real(real64), intent(in) :: step, mean             !! share of the direction before; mean
-    real(real64), intent(in), contiguous :: w(:), z(:)   !! gradient in W; B r
-    real(real64), intent(inout), contiguous :: d(:)    !! direction of the step
+    real(real32), intent(in) :: step, mean             !! share of the direction before; mean
+    real(real32), intent(in), contiguous :: w(:), z(:)   !! gradient in W; B r
+    real(real32), intent(inout), contiguous :: d(:)    !! direction of the step
     real(real64), intent(out) :: total                 !! sum of the products
     integer :: i
 
     total = 0.0_real64
     !$omp simd reduction(+:total)
     do i = 1, size(w)
-      d(i) = one_where(abs(w(i)) > 0.0_real64) * (z(i) + step * d(i) - mean)
-      total = total + d(i) * w(i)
+      d(i) = merge(z(i) + step * d(i) - mean, 0.0_real32, abs(w(i)) > 0.0_real32)
+      total = total + real(d(i), real64) * w(i)
     end do
   end subroutine direction_row
+
+  !> Sum of the products of a direction with its displacements, and the largest of those.
+  pure subroutine image_row(d, image, sums)
+    real(real32), intent(in), contiguous :: d(:), image(:)  !! direction d and A d
+    real(real64), intent(out) :: sums(2)
+    real(real32) :: largest
+    real(real64) :: total
+    integer :: i
+
+    largest = 0.0_real32
+    total = 0.0_real64
+    !$omp simd reduction(+:total) reduction(max:largest)
+    do i = 1, size(d)
+      total = total + real(d(i), real64) * image(i)
+      largest = max(largest, abs(image(i)))
+    end do
+    sums = [total, real(largest, real64)]
+  end subroutine image_row
 
   !> Forces after a step along the direction, cut at 0 and H, and the gradient without the cuts;
   !> sums of the forces, of the cuts, of 1 and the gradient where forces are free.
   pure subroutine step_row(step_limit, f, d, r, image, next, gradient, sums)
     real(real64), intent(in) :: step_limit(2)         !! length of the step, largest force
-    real(real64), intent(in), contiguous :: f(:), d(:), r(:), image(:)  !! with A d
+    real(real64), intent(in), contiguous :: f(:), r(:)
+    real(real32), intent(in), contiguous :: d(:), image(:)              !! d and A d
     real(real64), intent(out), contiguous :: next(:), gradient(:)       !! f and r after the step
     real(real64), intent(out) :: sums(4)
     real(real64) :: cuts, force, free, level, limit, number, step, total
@@ -97,12 +118,12 @@ contains
     sums = [total, cuts, number, level]
   end subroutine step_row
 
-  !> Gradient from displacements and gaps; sums of 1 and the gradient where forces are free, of the
-  !> squares of the forces, and the largest displacement.
-  pure subroutine gradient_row(limit, f, displacement, gap, r, sums)
+  !> Adds gaps, or a gradient, to displacements; sums of 1 and the gradient where forces are free,
+  !> of the squares of the forces, and the largest displacement.
+  pure subroutine gradient_row(limit, f, gap, r, sums)
     real(real64), intent(in) :: limit                 !! largest force of an element
-    real(real64), intent(in), contiguous :: f(:), displacement(:), gap(:)
-    real(real64), intent(out), contiguous :: r(:)     !! gradient by the forces
+    real(real64), intent(in), contiguous :: f(:), gap(:)  !! forces; gaps, or gradient before
+    real(real64), intent(inout), contiguous :: r(:)   !! displacements; then gradient by the forces
     real(real64), intent(out) :: sums(4)
     real(real64) :: free, largest, level, number, squares
     integer :: i
@@ -113,12 +134,12 @@ contains
     squares = 0.0_real64
     !$omp simd private(free) reduction(+:level, number, squares) reduction(max:largest)
     do i = 1, size(f)
-      r(i) = displacement(i) + gap(i)
+      largest = max(largest, abs(r(i)))
+      r(i) = r(i) + gap(i)
       free = one_where(f(i) > 0.0_real64) * one_where(f(i) < limit)
       number = number + free
       level = level + free * r(i)
       squares = squares + f(i)**2
-      largest = max(largest, abs(displacement(i)))
     end do
     sums = [number, level, squares, largest]
   end subroutine gradient_row

@@ -11,8 +11,9 @@
 !> fixed as a strip is known up to a constant displacement, which A need not be definite with.
 module asperity_contact_stiffness
   use asperity_height_map, only: height_map, is_measured
-  use asperity_kinds, only: int64, not_computed, real64
-  use asperity_lattice_convolution, only: lattice_convolution, thread_threshold
+  use asperity_kinds, only: int64, not_computed, real32, real64
+  use asperity_lattice_convolution, only: lattice_convolution
+  use asperity_line_transform, only: thread_threshold
   use asperity_map_contact, only: prepare_influence
   implicit none
   private
@@ -44,7 +45,7 @@ contains
     !> load by a decrease of the mean gap over the measured pixels [force/length], 0 or more
     real(real64), intent(out), optional :: gap_stiffness
     type(lattice_convolution) :: influence
-    real(real64), allocatable, dimension(:, :) :: direction, image, residual
+    real(real32), allocatable, dimension(:, :) :: direction, image, residual
     real(real64) :: displacement, gap, mean, product_before, step, totals(2)
     integer(int64) :: number
     integer :: i, j, turn
@@ -59,17 +60,17 @@ contains
     has_mean = present(gap_stiffness) .and. any(is_measured(map%height) .and. .not. carries) &
                .and. .not. (map%periodic .and. all(is_measured(map%height)))
     call prepare_influence(map, influence)
-    allocate (image, residual, mold=map%height)
-    allocate (direction(size(image, 1), size(image, 2)), source=0.0_real64)
-    where (carries) direction = 1.0_real64 / number
+    allocate (direction(map%columns, map%rows), source=0.0_real32)
+    allocate (image, residual, mold=direction)
+    where (carries) direction = 1.0_real32 / number
     call influence%apply(direction, image)
     totals = sums_on(carries, image, direction)
     displacement = totals(2)
     gap = displacement
     if (has_mean) gap = displacement - measured_mean(map, image)
-    residual = 0.0_real64
-    where (carries) residual = displacement - image
-    direction = 0.0_real64
+    residual = 0.0_real32
+    where (carries) residual = real(displacement, real32) - image
+    direction = 0.0_real32
     product_before = 0.0_real64
     is_met = .false.
     do turn = 1, iterations_allowed
@@ -87,8 +88,8 @@ contains
       !$omp parallel do if(size(image, kind=int64) > thread_threshold)
       do j = 1, size(image, 2)
         do i = 1, size(image, 1)
-          direction(i, j) = merge(image(i, j) - mean + step * direction(i, j), 0.0_real64, &
-                                  carries(i, j))
+          direction(i, j) = merge(image(i, j) - real(mean, real32) + &
+                                  real(step, real32) * direction(i, j), 0.0_real32, carries(i, j))
         end do
       end do
       call influence%apply(direction, image)
@@ -103,8 +104,8 @@ contains
       !$omp parallel do if(size(image, kind=int64) > thread_threshold)
       do j = 1, size(image, 2)
         do i = 1, size(image, 1)
-          residual(i, j) = residual(i, j) - merge(step * (image(i, j) - mean), 0.0_real64, &
-                                                  carries(i, j))
+          residual(i, j) = residual(i, j) - merge(real(step, real32) * (image(i, j) - &
+                                                  real(mean, real32)), 0.0_real32, carries(i, j))
         end do
       end do
     end do
@@ -119,7 +120,7 @@ contains
   ! Mean of displacements over the measured pixels.
   real(real64) function measured_mean(map, displacement) result(mean)
     type(height_map), intent(in) :: map
-    real(real64), intent(in), contiguous :: displacement(:, :)
+    real(real32), intent(in), contiguous :: displacement(:, :)
     real(real64) :: totals(2)
 
     totals = sums_on(is_measured(map%height), displacement, displacement)
@@ -129,18 +130,19 @@ contains
   ! Sum of an array over a part of the pixels, and that of its product with another one, by rows.
   function sums_on(part, image, other) result(totals)
     logical, intent(in) :: part(:, :)
-    real(real64), intent(in), contiguous :: image(:, :), other(:, :)
-    real(real64) :: row_sums(2, size(part, 2)), total, product_sum, totals(2)
+    real(real32), intent(in), contiguous :: image(:, :), other(:, :)
+    real(real64) :: row_sums(2, size(part, 2)), total, product_sum, totals(2), value
     integer :: i, j
 
-    !$omp parallel do private(total, product_sum) if(size(image, kind=int64) > thread_threshold)
+    !$omp parallel do private(total, product_sum, value) if(size(image, kind=int64) > thread_threshold)
     do j = 1, size(image, 2)
       total = 0.0_real64
       product_sum = 0.0_real64
-      !$omp simd reduction(+:total, product_sum)
+      !$omp simd private(value) reduction(+:total, product_sum)
       do i = 1, size(image, 1)
-        total = total + merge(image(i, j), 0.0_real64, part(i, j))
-        product_sum = product_sum + merge(image(i, j) * other(i, j), 0.0_real64, part(i, j))
+        value = merge(image(i, j), 0.0_real32, part(i, j))
+        total = total + value
+        product_sum = product_sum + value * other(i, j)
       end do
       row_sums(:, j) = [total, product_sum]
     end do

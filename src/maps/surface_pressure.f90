@@ -5,7 +5,7 @@
 !> with the approximate inverse of `lattice_convolution`.
 module asperity_surface_pressure
   use asperity_height_map, only: height_map
-  use asperity_kinds, only: int64, real64
+  use asperity_kinds, only: int64, real32, real64
   use asperity_lattice_convolution, only: lattice_convolution
   use asperity_layer_compliance, only: mean_displacement
   use asperity_map_contact, only: prepare_influence
@@ -30,6 +30,7 @@ contains
     character(len=:), allocatable, intent(out) :: failure      !! reason, when it is not solved
     type(lattice_convolution) :: influence
     real(real64), allocatable, dimension(:, :) :: direction, image, residual
+    real(real32), allocatable :: inverse(:, :)
     real(real64) :: product_before, residual_product, step
     integer :: turn
 
@@ -38,13 +39,15 @@ contains
     if (map%periodic .and. .not. mean_displacement(map%bodies) > 0.0_real64) &
       residual = residual - sum(residual) / size(residual, kind=int64)
     allocate (pressure, direction, image, mold=residual)
+    allocate (inverse(size(residual, 1), size(residual, 2)))
     pressure = 0.0_real64
     direction = 0.0_real64
     product_before = 0.0_real64
     associate (least => residual_left * maxval(abs(residual)))
       do turn = 1, iterations_allowed
         if (.not. maxval(abs(residual)) > least) return
-        call influence%invert_on(residual, image)
+        call influence%invert_on(real(residual, real32), inverse)
+        image = inverse
         residual_product = sum(image * residual)
         step = 0.0_real64
         if (product_before > 0.0_real64) step = residual_product / product_before
