@@ -59,7 +59,7 @@ contains
     allocate (label(size(pressure, 1), size(pressure, 2)), source=0)
     allocate (stack(2, count(pressure > 0.0_real64, kind=int64)), patches(16))
     repeats = [map%repeats(1), map%repeats(2)]
-    if (any(repeats)) allocate (windings(2, map%columns, map%rows), source=0)
+    if (any(repeats)) allocate (windings(2, map%columns, map%rows))
     n = 0
     do j = 1, size(pressure, 2)
       do i = 1, size(pressure, 1)
@@ -74,6 +74,7 @@ contains
         deep = 1_int64
         stack(:, 1) = [i, j]
         label(i, j) = n
+        if (any(repeats)) windings(:, i, j) = 0
         spans = .false.
         do while (deep > 0_int64)
           call take_pixel(stack(1, deep), stack(2, deep), patches(n))
@@ -100,7 +101,7 @@ contains
     subroutine take_pixel(across, along, patch)
       integer, value :: across, along
       type(map_patch), intent(inout) :: patch
-      integer, parameter :: step(2, 4) = reshape([1, 0, -1, 0, 0, 1, 0, -1], [2, 4])
+      integer, parameter :: step(2, 4) = reshape([0, 1, 0, -1, -1, 0, 1, 0], [2, 4])
       real(real64) :: least, rim
       integer :: beside(2), k, next(2), place(2), winding(2)
 

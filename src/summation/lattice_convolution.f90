@@ -184,48 +184,60 @@ contains
     class(lattice_convolution), intent(inout) :: self  !! convolution with its plans
     real(real32), intent(in), contiguous :: displacement(:, :)  !! displacements w of W
     real(real32), intent(out), contiguous :: force(:, :)  !! E^T B E w in W; elsewhere undefined
-    real(real32) :: beside(size(force, 1), 0:block_rows + 1), line(size(force, 1))
-    integer :: first, j, k, n
+    real(real32), allocatable :: across(:), beside(:, :), line(:), row(:)
+    complex(real32), allocatable :: scratch(:)
+    integer :: first, j, k, m, n
 
+    m = size(force, 1)
     n = size(force, 2)
-    !$omp parallel do private(line) schedule(static) if(size(force, kind=int64) > thread_threshold)
+    !$omp parallel private(across, j, line, row) if(size(force, kind=int64) > thread_threshold)
+    allocate (across(0:m + 1), line(m))
+    allocate (row(self%single%columns), source=0.0_real32)
+    !$omp do schedule(static)
     do j = 1, n
-      call share_line(self, j, n, displacement(:, 1 + modulo(j - 2, n)), displacement(:, j), &
-                      displacement(:, 1 + modulo(j, n)), line)
-      call self%single%put_row(j, displacement(:, j) + one_beside(displacement(:, j)) * line)
+      call share_row(self, j, n, displacement(:, 1 + modulo(j - 2, n)), displacement(:, j), &
+                     displacement(:, 1 + modulo(j, n)), across, line)
+      row(:m) = displacement(:, j) + one_beside(displacement(:, j)) * line
+      call self%single%put_row(j, row)
     end do
+    !$omp end do
+    !$omp end parallel
     call self%single%multiply_waves(self%inverse)
     ! The forces beside W, which do not change, are shared by their neighbours in W.
-    !$omp parallel do private(beside, j, k, line) schedule(static) &
+    !$omp parallel private(across, beside, first, j, k, line, row, scratch) &
     !$omp if(size(force, kind=int64) > thread_threshold)
+    allocate (across(0:m + 1), beside(m, 0:block_rows + 1), line(m), row(self%single%columns))
+    !$omp do schedule(static)
     do first = 0, n - 1, block_rows
       do j = 0, min(block_rows, n - first) + 1
         k = 1 + modulo(first + j - 1, n)
-        call self%single%get_row(k, line)
-        beside(:, j) = one_beside(displacement(:, k)) * line
-        if (k == first + j .and. j > 0 .and. j <= block_rows) force(:, k) = line
+        call self%single%get_row(k, scratch, row)
+        beside(:, j) = one_beside(displacement(:, k)) * row(:m)
+        if (k == first + j .and. j > 0 .and. j <= block_rows) force(:, k) = row(:m)
       end do
       do j = 1, min(block_rows, n - first)
         k = first + j
-        call share_line(self, k, n, beside(:, j - 1), beside(:, j), beside(:, j + 1), line)
+        call share_row(self, k, n, beside(:, j - 1), beside(:, j), beside(:, j + 1), across, line)
         force(:, k) = force(:, k) + (1.0_real32 - one_beside(displacement(:, k))) * line
       end do
     end do
+    !$omp end do
+    !$omp end parallel
   end subroutine invert_on
 
   ! Shares of the elements of a row in the values of their neighbours, in three rows.
-  pure subroutine share_line(self, j, n, below, values, above, line)
+  pure subroutine share_row(self, j, n, below, values, above, across, line)
     class(lattice_convolution), intent(in) :: self
     integer, intent(in) :: j, n                          ! number of the row, and of all rows
     real(real32), intent(in), contiguous :: below(:), values(:), above(:)
+    real(real32), intent(inout), contiguous :: across(0:)  ! two more: overwritten
     real(real32), intent(out), contiguous :: line(:)
-    real(real32) :: across(0:size(values) + 1), diagonal, weight(2)
+    real(real32) :: diagonal, weight(2)
     integer :: i, m
 
     m = size(values)
     weight = real(self%shares(2), real32)
-    if (.not. self%repeats(2)) weight = weight * merge(1.0_real32, 0.0_real32, &
-                                                       [j > 1, j < n])
+    if (.not. self%repeats(2)) weight = weight * merge(1.0_real32, 0.0_real32, [j > 1, j < n])
     diagonal = real(self%shares(1) / share, real32)
     across([0, m + 1]) = 0.0_real32
     !$omp simd
@@ -237,7 +249,7 @@ contains
     do i = 1, m
       line(i) = across(i) + diagonal * (across(i - 1) + across(i + 1))
     end do
-  end subroutine share_line
+  end subroutine share_row
 
   ! Share of an element in the displacement of the next one outside a straight rim of W. There is no
   ! force: its displacement is the integral over W of that in W and the Poisson kernel
