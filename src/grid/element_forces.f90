@@ -116,7 +116,8 @@ contains
     allocate (state%row_sums(5, size(gap, 2)))
     allocate (state%gradient(size(gap, 1), size(gap, 2)), source=0.0_real64)
     allocate (state%direction(size(gap, 1), size(gap, 2)), source=0.0_real32)
-    allocate (state%working, state%image, mold=state%direction)
+    allocate (state%working, mold=state%direction)
+    allocate (state%image, source=state%direction)
     call find_gradient(influence, gap, bounds, .true., state)
     do
       call swap_arrays(state%force, state%next_force)
@@ -211,7 +212,7 @@ contains
       !$omp parallel do if(size(gap, kind=int64) > thread_threshold)
       do j = 1, size(gap, 2)
         call step_row([step, limit], f(:, j), d(:, j), r(:, j), image(:, j), next(:, j), &
-                      gradient(:, j), state%row_sums(:4, j))
+                      state%row_sums(:4, j))
       end do
       sums = sum(state%row_sums, 2)
       ! The gradient is known where no force is cut. A direction of rounding errors alone, where W
@@ -228,7 +229,7 @@ contains
     state%is_recomputed = .false.
     state%level = 0.0_real64
     if (bounds%load > 0.0_real64) state%level = sums(4) / max(1.0_real64, sums(3))
-    call finish_step(influence%norm, bounds, state)
+    call finish_step(influence%norm, -step, bounds, state)
   end subroutine take_conjugate_step
 
   ! Takes the least force from all where equal forces have no displacements and cost energy. The
@@ -283,8 +284,8 @@ contains
   end subroutine take_projected_step
 
   ! Computes the gradient after a step: from the forces, and the rounding error of displacements, or
-  ! its change from theirs.
-  subroutine find_gradient(influence, gap, bounds, is_exact, state)
+  ! from that before by the displacements of the change of the forces.
+  recursive subroutine find_gradient(influence, gap, bounds, is_exact, state)
     type(lattice_convolution), intent(inout) :: influence
     real(real64), intent(in) :: gap(:, :)
     type(force_bounds), intent(in) :: bounds
@@ -294,12 +295,13 @@ contains
     integer :: j
 
     associate (next => state%next_force, gradient => state%next_gradient, image => state%image, &
-               rows => state%row_sums)
+               limit => bounds%limit, rows => state%row_sums)
       if (is_exact) then
         call influence%apply(next, gradient)
         !$omp parallel do if(size(gap, kind=int64) > thread_threshold)
         do j = 1, size(gap, 2)
-          call gradient_row(bounds%limit, next(:, j), gap(:, j), gradient(:, j), rows(:4, j))
+          call gradient_row(limit, next(:, j), gradient(:, j), gap(:, j), rows(:4, j))
+          gradient(:, j) = gradient(:, j) + gap(:, j)
         end do
       else
         !$omp parallel do if(size(gap, kind=int64) > thread_threshold)
@@ -309,19 +311,20 @@ contains
         call influence%apply(state%working, image)
         !$omp parallel do if(size(gap, kind=int64) > thread_threshold)
         do j = 1, size(gap, 2)
-          gradient(:, j) = image(:, j)
-          call gradient_row(bounds%limit, next(:, j), state%gradient(:, j), gradient(:, j), &
+          call gradient_row(limit, next(:, j), real(image(:, j), real64), state%gradient(:, j), &
                             rows(:4, j))
         end do
       end if
     end associate
     sums = sum(state%row_sums(:3, :), 2)
+    state%drift = state%drift + single_error * maxval(state%row_sums(4, :))
     if (is_exact) then
-      state%rounding_error = displacement_error(influence%norm, &
-        sums(3) / size(gap, kind=int64), maxval(state%row_sums(4, :)))
+      state%rounding_error = displacement_error(influence%norm, sums(3) / size(gap, kind=int64), &
+                                                maxval(state%row_sums(4, :)))
       state%drift = 0.0_real64
-    else
-      state%drift = state%drift + single_error * maxval(state%row_sums(4, :))
+    else if (bounds%load > 0.0_real64 .and. .not. sums(1) > 0.0_real64) then
+      call find_gradient(influence, gap, bounds, .true., state)
+      return
     end if
     state%is_recomputed = is_exact
     state%level = 0.0_real64
@@ -330,25 +333,28 @@ contains
       if (.not. sums(1) > 0.0_real64) &
         state%level = free_level(gap, bounds, state%next_force, state%next_gradient)
     end if
-    call finish_step(influence%norm, bounds, state)
+    call finish_step(influence%norm, 1.0_real64, bounds, state)
   end subroutine find_gradient
 
-  ! Subtracts the level from the gradient after a step. Finds the decrease of the energy, the
-  ! residual, the gradient of the free forces, and an upper bound of the decrease that is asked of
-  ! the next step. That is half of D = r.(f - P(f - r/|A|)), where P(f - r/|A|) has the greatest
-  ! r.(f - g) - |A|/2 (f - g)**2 of all allowed forces g, at least D/2: it is largest without the
-  ! load.
-  subroutine finish_step(norm, bounds, state)
-    real(real64), intent(in) :: norm  ! |A|
+  ! Computes the gradient after a step from that before, if not from the forces, and subtracts its
+  ! level. Finds the decrease of the energy, the residual, the gradient of the free forces, and an
+  ! upper bound of the decrease that is asked of the next step. That is half of
+  ! D = r.(f - P(f - r/|A|)), where P(f - r/|A|) has the greatest r.(f - g) - |A|/2 (f - g)**2 of all
+  ! allowed forces g, at least D/2: it is largest without the load.
+  subroutine finish_step(norm, multiple, bounds, state)
+    real(real64), intent(in) :: norm      ! |A|
+    real(real64), intent(in) :: multiple  ! change of the gradient over `image`
     type(force_bounds), intent(in) :: bounds
     type(force_iterate), intent(inout) :: state
+    real(real64) :: numbers(4)
     integer :: j
 
+    numbers = [state%level, norm, bounds%limit, merge(0.0_real64, multiple, state%is_recomputed)]
     !$omp parallel do if(size(state%force, kind=int64) > thread_threshold)
     do j = 1, size(state%force, 2)
-      call residual_row([state%level, norm, bounds%limit], state%force(:, j), &
-                        state%gradient(:, j), state%next_force(:, j), state%next_gradient(:, j), &
-                        state%row_sums(:3, j))
+      if (.not. state%is_recomputed) state%next_gradient(:, j) = state%gradient(:, j)
+      call residual_row(numbers, state%force(:, j), state%gradient(:, j), state%image(:, j), &
+                        state%next_force(:, j), state%next_gradient(:, j), state%row_sums(:3, j))
     end do
     state%decrease = 0.5_real64 * sum(state%row_sums(1, :))
     state%enough = sum(state%row_sums(2, :))

@@ -87,13 +87,13 @@ contains
     sums = [total, real(largest, real64)]
   end subroutine image_row
 
-  !> Forces after a step along the direction, cut at 0 and H, and the gradient without the cuts;
-  !> sums of the forces, of the cuts, of 1 and the gradient where forces are free.
-  pure subroutine step_row(step_limit, f, d, r, image, next, gradient, sums)
+  !> Forces after a step along the direction, cut at 0 and H; sums of the forces, of the cuts, of 1
+  !> and the gradient without the cuts where forces are free.
+  pure subroutine step_row(step_limit, f, d, r, image, next, sums)
     real(real64), intent(in) :: step_limit(2)         !! length of the step, largest force
     real(real64), intent(in), contiguous :: f(:), r(:)
-    real(real32), intent(in), contiguous :: d(:), image(:)              !! d and A d
-    real(real64), intent(out), contiguous :: next(:), gradient(:)       !! f and r after the step
+    real(real32), intent(in), contiguous :: d(:), image(:)  !! d and A d
+    real(real64), intent(out), contiguous :: next(:)  !! f after the step
     real(real64), intent(out) :: sums(4)
     real(real64) :: cuts, force, free, level, limit, number, step, total
     integer :: i
@@ -108,22 +108,22 @@ contains
     do i = 1, size(f)
       force = f(i) - step * d(i)
       next(i) = min(limit, max(0.0_real64, force))
-      gradient(i) = r(i) - step * image(i)
       total = total + next(i)
       cuts = cuts + abs(force - next(i))
       free = one_where(next(i) > 0.0_real64) * one_where(next(i) < limit)
       number = number + free
-      level = level + free * gradient(i)
+      level = level + free * (r(i) - step * image(i))
     end do
     sums = [total, cuts, number, level]
   end subroutine step_row
 
-  !> Adds gaps, or a gradient, to displacements; sums of 1 and the gradient where forces are free,
-  !> of the squares of the forces, and the largest displacement.
-  pure subroutine gradient_row(limit, f, gap, r, sums)
+  !> Sums of 1 and the gradient where forces are free, of the squares of the forces, and the largest
+  !> displacement.
+  pure subroutine gradient_row(limit, f, displacement, gap, sums)
     real(real64), intent(in) :: limit                 !! largest force of an element
-    real(real64), intent(in), contiguous :: f(:), gap(:)  !! forces; gaps, or gradient before
-    real(real64), intent(inout), contiguous :: r(:)   !! displacements; then gradient by the forces
+    real(real64), intent(in), contiguous :: f(:)      !! forces
+    !> displacements and gaps, or their changes and the gradient before
+    real(real64), intent(in), contiguous :: displacement(:), gap(:)
     real(real64), intent(out) :: sums(4)
     real(real64) :: free, largest, level, number, squares
     integer :: i
@@ -134,37 +134,38 @@ contains
     squares = 0.0_real64
     !$omp simd private(free) reduction(+:level, number, squares) reduction(max:largest)
     do i = 1, size(f)
-      largest = max(largest, abs(r(i)))
-      r(i) = r(i) + gap(i)
       free = one_where(f(i) > 0.0_real64) * one_where(f(i) < limit)
       number = number + free
-      level = level + free * r(i)
+      level = level + free * (displacement(i) + gap(i))
       squares = squares + f(i)**2
+      largest = max(largest, abs(displacement(i)))
     end do
     sums = [number, level, squares, largest]
   end subroutine gradient_row
 
-  !> Subtracts the level from the gradient; sums of the decrease of the energy, twice, and of the
-  !> bound of the next one, and the residual.
-  pure subroutine residual_row(numbers, before, gradient, f, r, sums)
-    real(real64), intent(in) :: numbers(3)            !! level, |A|, largest force
+  !> Adds a multiple of displacements to the gradient, and subtracts its level; sums of the decrease
+  !> of the energy, twice, and of the bound of the next one, and the residual.
+  pure subroutine residual_row(numbers, before, gradient, image, f, r, sums)
+    real(real64), intent(in) :: numbers(4)            !! level, |A|, largest force, multiple
     real(real64), intent(in), contiguous :: before(:), gradient(:)  !! f and r before the step
+    real(real32), intent(in), contiguous :: image(:)  !! displacements
     real(real64), intent(in), contiguous :: f(:)      !! f after the step
-    real(real64), intent(inout), contiguous :: r(:)   !! gradient without its level
+    real(real64), intent(inout), contiguous :: r(:)   !! gradient; then that after the step
     real(real64), intent(out) :: sums(3)
-    real(real64) :: change, decrease, enough, half, inverse, level, limit, residual
+    real(real64) :: change, decrease, enough, half, inverse, level, limit, multiple, residual
     integer :: i
 
     level = numbers(1)
     half = 0.5_real64 * numbers(2)
     inverse = 1.0_real64 / numbers(2)
     limit = numbers(3)
+    multiple = numbers(4)
     decrease = 0.0_real64
     enough = 0.0_real64
     residual = 0.0_real64
     !$omp simd private(change) reduction(+:decrease, enough) reduction(max:residual)
     do i = 1, size(f)
-      r(i) = r(i) - level
+      r(i) = r(i) + multiple * image(i) - level
       decrease = decrease + (before(i) - f(i)) * (gradient(i) + r(i))
       residual = max(residual, min(r(i), one_where(f(i) > 0.0_real64) * huge(level)), &
                      min(-r(i), one_where(f(i) < limit) * huge(level)))

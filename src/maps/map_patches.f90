@@ -76,8 +76,8 @@ contains
         label(i, j) = n
         if (any(repeats)) windings(:, i, j) = 0
         spans = .false.
-        do while (deep > 0_int64)
-          call take_pixel(stack(1, deep), stack(2, deep), patches(n))
+        do while (deep > 0)
+          call take_pixel(stack(:, deep), patches(n))
         end do
         associate (patch => patches(n))
           patch%x = centre_of(1, patch%x / patch%load)
@@ -94,43 +94,47 @@ contains
 
   contains
 
-    ! Adds the topmost pixel of the stack to its patch and puts its neighbours on the stack. Indices
-    ! on the stack are unwrapped: a patch that goes on beyond an end of a periodic map is in one
-    ! piece. A pixel that is reached by two paths of different windings lies on a closed path
-    ! around the map.
-    subroutine take_pixel(across, along, patch)
-      integer, value :: across, along
+    ! Adds the topmost pixel of the stack to its patch and puts its neighbours on the stack. Where a
+    ! patch goes on beyond an end of a periodic map, it is in one piece by its windings. A pixel that
+    ! is reached by two paths of different windings lies on a closed path around the map.
+    subroutine take_pixel(place, patch)
+      integer, intent(in) :: place(2)
       type(map_patch), intent(inout) :: patch
       integer, parameter :: step(2, 4) = reshape([0, 1, 0, -1, -1, 0, 1, 0], [2, 4])
+      integer, parameter :: axis(4) = [2, 2, 1, 1]
       real(real64) :: least, rim
-      integer :: beside(2), k, next(2), place(2), winding(2)
+      integer :: k, lengths(2), next(2), unwrapped(2), winding(2)
 
-      deep = deep - 1_int64
-      place = wrapped_pixel(across, along)
+      deep = deep - 1
+      lengths = 0
+      if (any(repeats)) lengths = windings(:, place(1), place(2))
+      unwrapped = place + lengths * shape(pressure)
       rim = 0.0_real64
       least = 0.0_real64
       if (present(hardness)) least = pressure(place(1), place(2)) / hardness
       associate (p => pressure(place(1), place(2)))
         patch%samples = patch%samples + 1_int64
         patch%load = patch%load + p
-        patch%x = patch%x + p * (across - 1)
-        patch%y = patch%y + p * (along - 1)
+        patch%x = patch%x + p * (unwrapped(1) - 1)
+        patch%y = patch%y + p * (unwrapped(2) - 1)
         patch%highest = max(patch%highest, p)
         patch%top = max(patch%top, map%height(place(1), place(2)))
-        patch%across = [min(patch%across(1), across), max(patch%across(2), across)]
-        patch%along = [min(patch%along(1), along), max(patch%along(2), along)]
+        patch%across = [min(patch%across(1), unwrapped(1)), max(patch%across(2), unwrapped(1))]
+        patch%along = [min(patch%along(1), unwrapped(2)), max(patch%along(2), unwrapped(2))]
       end associate
       do k = 1, 4
-        beside = [across, along] + step(:, k)
-        next = wrapped_pixel(beside(1), beside(2))
-        if (any(next < 1 .or. next > shape(pressure))) cycle
-        winding = 0
-        if (any(beside /= next)) winding = (beside - next) / shape(pressure)
+        next = place + step(:, k)
+        winding = lengths
+        if (next(axis(k)) < 1 .or. next(axis(k)) > size(pressure, axis(k))) then
+          if (.not. repeats(axis(k))) cycle
+          winding = lengths + step(:, k)
+          next = next - step(:, k) * shape(pressure)
+        end if
         if (.not. pressure(next(1), next(2)) > 0.0_real64) then
           if (is_measured(map%height(next(1), next(2)))) rim = rim + rim_of_samples
         else if (label(next(1), next(2)) == 0) then
-          deep = deep + 1_int64
-          stack(:, deep) = beside
+          deep = deep + 1
+          stack(:, deep) = next
           label(next(1), next(2)) = n
           if (any(repeats)) windings(:, next(1), next(2)) = winding
         else if (any(repeats)) then
@@ -140,15 +144,6 @@ contains
       patch%area = patch%area + max(1.0_real64 - rim, least)
       patch%rim = patch%rim + rim
     end subroutine take_pixel
-
-    pure function wrapped_pixel(across, along) result(place)
-      integer, intent(in) :: across, along
-      integer :: place(2)
-
-      place = [across, along]
-      if (all(place > 0 .and. place <= shape(pressure))) return
-      where (repeats) place = 1 + modulo(place - 1, shape(pressure))
-    end function wrapped_pixel
 
     ! Length from the first pixel, of an unwrapped centre in pixels.
     pure real(real64) function centre_of(axis, centre) result(place)
