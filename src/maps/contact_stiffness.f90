@@ -62,7 +62,7 @@ contains
     call prepare_influence(map, influence)
     allocate (direction(map%columns, map%rows), source=0.0_real32)
     allocate (image, residual, mold=direction)
-    where (carries) direction = 1.0_real32 / number
+    where (carries) direction = 1.0_real32 / real(number, real32)
     call influence%apply(direction, image)
     totals = sums_on(carries, image, direction)
     displacement = totals(2)
