@@ -16,10 +16,8 @@
 !> greatest pressure, stiffness, the area that sticks, and all where an edge cuts patches, along
 !> which the load of pixels does not vanish.
 !>
-!> The error of first contact is that of a vertex (`map_top`) where the map is smooth. Where it is
-!> not, it is that of a kink: the distance from the nearest pixel, at most 3**(1/2) times its root
-!> mean square, which the tops of every second, third and fourth pixel show as d/(m - 1). The error
-!> of the compression is at most the sum of both.
+!> The error of the compression is at most the sum of those of the separation and of first contact
+!> (`map_top`).
 !>
 !> The error of the area is at least half of the correction of the rim, and at least that of
 !> straight rims: each straight piece of a rim along the pixels lies up to half a pixel from its
@@ -44,9 +42,8 @@ module asperity_map_error
   use asperity_kinds, only: int64, not_computed, real64
   use asperity_map_contact, only: most_load
   use asperity_map_fields, only: measure_fields
-  use asperity_map_resolution, only: every_pixel
-  use asperity_map_statistics, only: rms_slope_over
-  use asperity_map_top, only: find_top
+  use asperity_map_resolution, only: take_heights
+  use asperity_map_top, only: find_top, first_contact
   use asperity_pixel_law, only: patches_in_contact, pixel_law_box, pixel_state
   use asperity_pixel_sequence, only: add_state_interface, solve_pixel_state
   implicit none
@@ -68,9 +65,6 @@ module asperity_map_error
   ! Safety factor of the error of two grids (Roache 1994; test: rough maps in
   ! test/maps/test_pixel_errors.py).
   real(real64), parameter :: safety = 3.0_real64
-  ! Largest distance of a top from its pixel, over its root mean square (derived: a half of the
-  ! diagonal over the root of 1/6; test: kinks there).
-  real(real64), parameter :: farthest_top = sqrt(3.0_real64)
   ! Student's t of the mean square of five differences, for 98 of 100, and of the three of numbers
   ! whose errors have a lower bound besides, for 95 (Abramowitz and Stegun 1964, table 26.10).
   real(real64), parameter :: of_five = 3.365_real64, of_three = 3.182_real64
@@ -80,15 +74,6 @@ module asperity_map_error
   ! Tolerance of the gaps over the range of heights, or of the attraction (chosen: the differences
   ! are larger by far).
   real(real64), parameter :: closed_halves = 1.0e-4_real64
-  ! Growth of the slope by the last halving of the pixel over that by the one before, above which a
-  ! map is rough at the size of its pixels: 1/4 where it is smooth, 1/2 with kinks, 2**(1 - H) of a
-  ! self-affine surface, at least 0.63 where that ends at two pixels (chosen; test: waves and random
-  ! maps in test/maps/test_pixel_errors.py).
-  real(real64), parameter :: rough_growth = 0.6_real64
-  ! The same, below which it is smooth (derived: between 1/4 and 1/2; test: kinks there).
-  real(real64), parameter :: smooth_growth = 1.0_real64 / 3.0_real64
-  ! The same of independent heights (derived: their slope is inverse to the size of the pixel).
-  real(real64), parameter :: fastest_growth = 2.0_real64
   ! Least number of pixels along a side (chosen: halves of two are no maps).
   integer, parameter :: least_side = 4
 
@@ -113,6 +98,12 @@ module asperity_map_error
     real(real64), allocatable, private :: numbers(:, :)
     integer, allocatable, private :: steps(:)      !! width of their pixels in those of the map
   end type error_request
+
+  ! Every `step`th pixel of a map.
+  type :: coarse_grid
+    integer :: step
+    integer, allocatable :: columns(:), rows(:)
+  end type coarse_grid
 
 contains
 
@@ -184,12 +175,13 @@ contains
     character(len=:), allocatable, intent(out) :: unsolved  ! why one is not
     type(error_request) :: lowering
     real(real64) :: coarser(5, 5), fall, lower(5), order(5), total(5)
-    integer :: grids, i, place(2), steps(5)
+    type(coarse_grid) :: grid
+    integer :: grids, i, offset, place(2), steps(5), turn
     logical :: has_solver, is_last
 
     of_top = 0.0_real64
     if (any(shape(map%height) < least_side)) return
-    place = maxloc(map%height)
+    call find_centre(map, full%answer%pressure, place, turn)
     has_solver = any([(laws(i)%law%solves .and. laws(i)%law%is_simulated, i=1, size(laws))])
     steps(:2) = 2
     steps(3:) = merge(0, step_beside_two(map), has_solver)
@@ -197,8 +189,9 @@ contains
     is_last = request%is_last
     do i = 1, grids
       request%is_last = is_last .and. i > grids - 3
-      call solve_coarser(map, laws, request, steps(i), 1 + mod(place + i, steps(i)), full, &
-                         coarser(:, i), unsolved)
+      offset = merge(i - 1, i - 4, i <= 2)
+      grid = grid_around(map, place, steps(i), [turn * offset, offset])
+      call solve_coarser(map, laws, request, grid, full, coarser(:, i), unsolved)
       if (allocated(unsolved)) exit
     end do
     if (allocated(unsolved) .and. i <= 2) return
@@ -212,7 +205,8 @@ contains
       lowering = request
       lowering%lowered = request%top_error
       lowering%is_last = .false.
-      call solve_coarser(map, laws, lowering, 2, 1 + mod(place + 1, 2), full, lower, unsolved)
+      grid = grid_around(map, place, 2, [0, 0])
+      call solve_coarser(map, laws, lowering, grid, full, lower, unsolved)
       if (allocated(unsolved)) return
       of_top = abs(lower(2) - coarser(2, 1))
     end if
@@ -263,12 +257,85 @@ contains
     step = 0
   end function step_beside_two
 
-  ! Solves the map on every `step`th pixel.
-  subroutine solve_coarser(map, laws, request, step, first, full, total, unsolved)
+  ! Finds the pixel and the diagonal that coarser grids follow: the same ones on maps that are
+  ! mirrored, transposed, in other units, or begin elsewhere. Equal tops differ by their pressures,
+  ! or by their distance from the middle between free edges, both diagonals by the twist of squared
+  ! heights about the top, as a sum of lines along both sides has no twist. Where rounding decides, the map is symmetric, and so are its grids.
+  pure subroutine find_centre(map, pressure, place, turn)
+    type(height_map), intent(in) :: map
+    real(real64), intent(in) :: pressure(:, :)  ! with a value above 0
+    integer, intent(out) :: place(2), turn      ! 1 or -1: columns times rows along the diagonal
+    type(coarse_grid) :: all
+    real(real64), allocatable :: along(:), across(:)
+    real(real64) :: from_middle(2), greatest, highest, lowest, most, rank
+    integer :: i, j
+
+    highest = maxval(map%height)
+    lowest = minval(map%height, is_measured(map%height))
+    greatest = maxval(pressure)
+    most = -huge(most)
+    do j = 1, size(pressure, 2)
+      do i = 1, size(pressure, 1)
+        from_middle = abs(2 * [i, j] - 1 - shape(pressure)) / real(shape(pressure), real64)
+        rank = pressure(i, j) / greatest + &
+               (max(map%height(i, j), lowest) - highest) / max(highest - lowest, tiny(highest)) - &
+               closed_halves * sum(from_middle**2, .not. [map%repeats(1), map%repeats(2)])
+        if (.not. rank > most) cycle
+        place = [i, j]
+        most = rank
+      end do
+    end do
+    all = grid_around(map, place, 1, [0, 0])
+    along = distances(place(1), size(pressure, 1), map%repeats(1))
+    across = distances(place(2), size(pressure, 2), map%repeats(2))
+    ! Half a period away is on both sides.
+    where (abs(2 * along) >= size(along)) along = 0.0_real64
+    where (abs(2 * across) >= size(across)) across = 0.0_real64
+    turn = 1
+    if (dot_product(along, matmul((max(map%height(all%columns, all%rows), lowest) - &
+                                   lowest)**2, across)) < 0.0_real64) turn = -1
+  end subroutine find_centre
+
+  ! Distances of the pixels along a side from one of them, the nearer way round.
+  pure function distances(place, number, repeats)
+    integer, intent(in) :: place, number
+    logical, intent(in) :: repeats
+    integer, allocatable :: distances(:)
+    integer :: i
+
+    distances = [(i, i=merge((1 - number) / 2, 1 - place, repeats), &
+                  merge(number / 2, number - place, repeats))]
+  end function distances
+
+  ! The grid of every `step`th pixel at an offset from a place. On a side that repeats itself, and
+  ! that the step does not divide, it ends where it is farthest from the place.
+  pure type(coarse_grid) function grid_around(map, place, step, offset) result(grid)
+    type(height_map), intent(in) :: map
+    integer, intent(in) :: place(2), step, offset(2)
+
+    grid%step = step
+    grid%columns = pixels_at(1)
+    grid%rows = pixels_at(2)
+
+  contains
+
+    pure function pixels_at(side) result(pixels)
+      integer, intent(in) :: side
+      integer, allocatable :: pixels(:)
+
+      pixels = distances(place(side), size(map%height, side), map%repeats(side))
+      pixels = pack(pixels, modulo(pixels - offset(side), step) == 0)
+      pixels = 1 + modulo(place(side) - 1 + pixels, size(map%height, side))
+    end function pixels_at
+
+  end function grid_around
+
+  ! Solves the map on a coarser grid.
+  subroutine solve_coarser(map, laws, request, grid, full, total, unsolved)
     type(height_map), intent(in) :: map
     type(pixel_law_box), intent(in) :: laws(:)
     type(error_request), intent(inout) :: request  ! gets numbers of the last state
-    integer, intent(in) :: step, first(2)       ! first column and row
+    type(coarse_grid), intent(in) :: grid
     type(pixel_state), intent(inout) :: full    ! solution on all pixels; gets the elastic one
     real(real64), intent(out) :: total(5)       ! level, load, area, mean gap, greatest pressure
     character(len=:), allocatable, intent(out) :: unsolved  ! why there is none
@@ -278,20 +345,21 @@ contains
     integer :: i
 
     total = 0.0_real64
-    coarse%deformed = every_pixel(map, step, first)
+    call take_heights(map, real([grid%step, grid%step], real64), &
+                      map%height(grid%columns, grid%rows), coarse%deformed)
     if (.not. any(is_measured(coarse%deformed%height))) then
       unsolved = 'it has no measured pixel'
       return
     end if
     do i = 1, size(laws)
       allocate (own(i)%law, source=laws(i)%law)
-      if (own(i)%law%is_simulated) call own(i)%law%coarsen(first, full)
+      if (own(i)%law%is_simulated) call own(i)%law%coarsen(grid%columns, grid%rows, full)
     end do
     coarse%modulus = full%modulus
     coarse%tolerance = closed_halves
     coarse%answer%level = full%answer%level - request%lowered
     coarse%answer%interrupt = full%answer%interrupt
-    coarse%answer%pressure = full%answer%pressure(first(1)::step, first(2)::step)
+    coarse%answer%pressure = full%answer%pressure(grid%columns, grid%rows)
     if (request%by_load) coarse%load = full%answer%load
     if (request%by_load .and. allocated(full%hardness)) &
       coarse%load = min(coarse%load, most_load(coarse%deformed, full%hardness))
@@ -400,33 +468,16 @@ contains
     type(height_map), intent(in) :: map            !! levelled height map
     real(real64), intent(out) :: top               !! height of the top [length]
     type(error_request), intent(out) :: request    !! gets the properties of the map
-    real(real64), parameter :: wide(2:4) = [2.0_real64, 3.0_real64, 4.0_real64]
-    real(real64) :: difference(2:4), lower, ratio, unused
-    type(height_map) :: coarse
-    integer :: k, step
+    type(first_contact) :: found
 
-    call find_top(map, top, request%top_error)
-    call measure_growth(map, ratio, request%growth)
-    request%is_smooth = ratio < smooth_growth
-    if (request%is_smooth .and. map%repeats(1) .and. map%repeats(2) .and. &
+    found = find_top(map)
+    top = found%height
+    request%top_error = found%error
+    request%growth = found%growth
+    request%is_smooth = found%is_smooth .or. found%is_vertex
+    if (found%is_smooth .and. map%repeats(1) .and. map%repeats(2) .and. &
         all(is_measured(map%height))) request%order = 2.5_real64
     if (request%growth > 0.0_real64) request%order = 1.5_real64
-    if (request%is_smooth .or. any(shape(map%height) < least_side)) return
-    do step = 2, 4
-      difference(step) = 0.0_real64
-      do k = 0, step**2 - 1
-        coarse = every_pixel(map, step, [1 + mod(k, step), 1 + k / step])
-        if (.not. any(is_measured(coarse%height))) cycle
-        call find_top(coarse, lower, unused)
-        difference(step) = difference(step) + (lower - top)**2
-      end do
-      difference(step) = sqrt(difference(step)) / step
-    end do
-    ! A quadratic has the same top on all pixels: its differences have the order 2.
-    request%is_smooth = all(difference(3:) * (wide(:3)**2 - 1.0_real64) >= &
-                            difference(:3) * (wide(3:)**2 - 1.0_real64))
-    request%top_error = max(request%top_error, &
-                            farthest_top * maxval(difference / (wide - 1.0_real64)))
   end subroutine find_first_contact
 
   !> Share of the load on pixels of contact patches that a free edge or a missing pixel cuts. Their
@@ -490,25 +541,5 @@ contains
     end do
     error = 0.5_real64 * (sqrt(error) + grooves) * product(map%pixel_spacing)
   end function error_of_rims
-
-  ! Finds the growth of the slope of a map from differences over 2 pixels to those over 1, over that
-  ! from 4 to 2; at most `fastest_growth`.
-  pure subroutine measure_growth(map, ratio, growth)
-    type(height_map), intent(in) :: map       ! levelled
-    real(real64), intent(out) :: ratio
-    ! Relative, to pixels a quarter as wide; 0: the map is not rough at the size of its pixels.
-    real(real64), intent(out) :: growth
-    real(real64) :: slope(0:2)
-    integer :: k
-
-    growth = 0.0_real64
-    ratio = fastest_growth
-    if (any(shape(map%height) <= 4)) return
-    slope = [(rms_slope_over(map, 2**k), k=0, 2)]
-    if (slope(1) > slope(2)) &
-      ratio = min(ratio, (slope(0) - slope(1)) / (slope(1) - slope(2)))
-    if (slope(0) > slope(1) .and. ratio > rough_growth) &
-      growth = (1.0_real64 - slope(1) / slope(0)) * (ratio + ratio**2)
-  end subroutine measure_growth
 
 end module asperity_map_error

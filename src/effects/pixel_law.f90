@@ -197,12 +197,12 @@ contains
 
   !> Prepares a copy of the law for every second pixel of the last state, or removes its part from
   !> the state where the elastic problem has the same errors. This default keeps the law.
-  subroutine coarsen_pixels(self, first, state)
+  subroutine coarsen_pixels(self, columns, rows, state)
     class(pixel_law), intent(inout) :: self     !! simulated law; not simulated: it is removed
-    integer, intent(in) :: first(2)             !! first column and row, 1 or 2
+    integer, intent(in) :: columns(:), rows(:)  !! those of every second pixel
     type(pixel_state), intent(inout) :: state   !! solution on all pixels
 
-    associate (unused => self, unused_too => first, as_it_is => state)
+    associate (unused => self, unused_too => columns, unused_also => rows, as_it_is => state)
     end associate
   end subroutine coarsen_pixels
 

@@ -9,7 +9,7 @@ module asperity_pixel_sequence
   use asperity_kinds, only: real64
   use asperity_map_contact, only: press_map
   use asperity_map_interface, only: add_interface
-  use asperity_map_top, only: find_top
+  use asperity_map_top, only: find_top, first_contact
   use asperity_pixel_law, only: pixel_law_box, pixel_state
   use asperity_scene_values, only: effect_auto
   implicit none
@@ -67,7 +67,7 @@ contains
   ! that the hardness has lowered touch.
   subroutine press_state(state)
     type(pixel_state), intent(inout) :: state
-    real(real64) :: error
+    type(first_contact) :: found
     logical :: is_loaded
 
     is_loaded = allocated(state%load)
@@ -76,7 +76,10 @@ contains
       if (is_loaded) then
         call press_map(map, modulus, state%answer, state%load, state%tolerance, state%hardness)
       else
-        if (allocated(state%load)) call find_top(map, state%answer%level, error)
+        if (allocated(state%load)) then
+          found = find_top(map)
+          state%answer%level = found%height
+        end if
         if (allocated(state%load) .and. allocated(state%hardness) .and. &
             state%largest_load > 0.0_real64) state%answer%level = maxval(map%height)
         call press_map(map, modulus, state%answer, tolerance=state%tolerance, &

@@ -17,16 +17,11 @@ contains
 
   !> The map on every second pixel or fewer. A periodic map keeps its lengths: where the step does
   !> not divide its number of pixels, they are a little narrower.
-  pure type(height_map) function every_pixel(map, step, first) result(coarse)
+  pure type(height_map) function every_pixel(map, step) result(coarse)
     type(height_map), intent(in) :: map       !! map of any size
     integer, intent(in) :: step               !! pixels along both sides to the next one
-    integer, intent(in), optional :: first(2)  !! column and row of the first; absent: 1, 1
-    integer :: begin(2)
 
-    begin = 1
-    if (present(first)) begin = first
-    call take_heights(map, real([step, step], real64), map%height(begin(1)::step, begin(2)::step), &
-                      coarse)
+    call take_heights(map, real([step, step], real64), map%height(::step, ::step), coarse)
   end function every_pixel
 
   !> The map on pixels half as wide along both sides: between two pixels the cubic through the four

@@ -10,7 +10,7 @@ module asperity_map_scene
   use asperity_map_levelling, only: level_map
   use asperity_map_motion, only: overlay_maps
   use asperity_map_resolution, only: doubled_map, every_pixel, refine_waves
-  use asperity_map_top, only: find_top
+  use asperity_map_top, only: find_top, first_contact
   use asperity_path_steps, only: plan_path
   use asperity_problems, only: decimal_text
   use asperity_scene_values, only: is_load, scene, scene_map, scene_motion
@@ -161,7 +161,8 @@ contains
     character(len=:), allocatable, intent(out) :: failure  !! reason, when a load underflows
     real(real64), allocatable :: given(:)
     real(real64), allocatable :: ends(:)
-    real(real64) :: area, duration, error, from
+    real(real64) :: area, duration, from
+    type(first_contact) :: found
 
     if (allocated(scene_in%loading%path)) then
       allocate (given, source=scene_in%loading%path)
@@ -180,7 +181,8 @@ contains
         return
       end if
     else
-      call find_top(map, from, error)
+      found = find_top(map)
+      from = found%height
       ends = separation_of(scene_in%loading%control, ends, from, &
                            sum(map%height) / size(map%height, kind=int64))
     end if

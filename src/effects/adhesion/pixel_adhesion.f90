@@ -204,16 +204,16 @@ contains
   end subroutine warn_of_adhesion
 
   !> Keeps the attraction of every second pixel.
-  subroutine coarsen_adhesion(self, first, state)
+  subroutine coarsen_adhesion(self, columns, rows, state)
     class(pixel_adhesion), intent(inout) :: self
-    integer, intent(in) :: first(2)
+    integer, intent(in) :: columns(:), rows(:)
     type(pixel_state), intent(inout) :: state
 
     associate (unused => state)
     end associate
     if (.not. self%solves) return
-    self%history%attraction = self%history%attraction(first(1)::2, first(2)::2)
-    self%history%contact_pressure = self%history%contact_pressure(first(1)::2, first(2)::2)
+    self%history%attraction = self%history%attraction(columns, rows)
+    self%history%contact_pressure = self%history%contact_pressure(columns, rows)
   end subroutine coarsen_adhesion
 
   !> Pixels twice as wide must resolve the attraction and carry the load: not a pull that is

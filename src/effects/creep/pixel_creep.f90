@@ -166,12 +166,12 @@ contains
 
   !> Makes the state elastic, with the tractions pe: its errors are those of the state of the same
   !> displacements (Lee and Radok 1960).
-  subroutine take_elastic(self, first, state)
+  subroutine take_elastic(self, columns, rows, state)
     class(pixel_creep), intent(inout) :: self
-    integer, intent(in) :: first(2)
+    integer, intent(in) :: columns(:), rows(:)
     type(pixel_state), intent(inout) :: state
 
-    associate (unused => first)
+    associate (unused => columns, unused_too => rows)
     end associate
     self%is_simulated = .false.
     state%answer%pressure = self%elastic

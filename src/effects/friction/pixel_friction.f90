@@ -13,7 +13,7 @@ module asperity_pixel_friction
   use asperity_kinds, only: not_computed, real64
   use asperity_map_contact, only: map_answer
   use asperity_map_fields, only: take_field
-  use asperity_map_top, only: find_top
+  use asperity_map_top, only: find_top, first_contact
   use asperity_partial_slip, only: slip_answer, slip_of_patches, solve_partial_slip, take_traction
   use asperity_pixel_law, only: pixel_law, pixel_state
   use asperity_scene_values, only: coupling_influence, dundurs_beta, is_coupled, scene
@@ -97,11 +97,13 @@ contains
     type(pixel_state), intent(inout) :: state
     type(traction_convolution), target :: operator
     type(rubbed_map) :: surface
-    real(real64) :: aim, first_touch, share, unused
+    real(real64) :: aim, first_touch, share
+    type(first_contact) :: found
     integer :: i
 
     associate (map => state%problem_map, modulus => state%problem_modulus, answer => state%answer)
-      call find_top(map, first_touch, unused)
+      found = find_top(map)
+      first_touch = found%height
       aim = answer%level
       if (allocated(state%load)) aim = merge(aim, first_touch, state%load > 0.0_real64)
       if (.not. aim < first_touch .and. .not. allocated(state%load)) self%load = 0.0_real64
@@ -146,23 +148,23 @@ contains
   end subroutine add_lift
 
   !> Keeps the tractions and displacements on every second pixel.
-  subroutine keep_lift(self, first, state)
+  subroutine keep_lift(self, columns, rows, state)
     class(pixel_friction), intent(inout) :: self
-    integer, intent(in) :: first(2)
+    integer, intent(in) :: columns(:), rows(:)
     type(pixel_state), intent(inout) :: state
 
     associate (as_it_is => state)
     end associate
     if (.not. self%solves) return
     self%solves = .false.
-    associate (i => first(1), j => first(2), memory => self%memory)
-      memory%uplift = memory%uplift(i::2, j::2)
-      memory%traction = memory%traction(i::2, j::2, :)
-      memory%change = memory%change(i::2, j::2, :)
-      memory%sticks = memory%sticks(i::2, j::2)
+    associate (memory => self%memory)
+      memory%uplift = memory%uplift(columns, rows)
+      memory%traction = memory%traction(columns, rows, :)
+      memory%change = memory%change(columns, rows, :)
+      memory%sticks = memory%sticks(columns, rows)
       ! Lengths are over the side of a pixel.
-      memory%moved = 0.5_real64 * memory%moved(i::2, j::2, :)
-      memory%slip = 0.5_real64 * memory%slip(i::2, j::2, :)
+      memory%moved = 0.5_real64 * memory%moved(columns, rows, :)
+      memory%slip = 0.5_real64 * memory%slip(columns, rows, :)
       memory%displacement = 0.5_real64 * memory%displacement
     end associate
   end subroutine keep_lift
