@@ -24,7 +24,8 @@ module asperity_accuracy_choice
   private
 
   public :: check_accuracy, check_left_out, choose_model, compare_pixels, errors_of_run, &
-            first_method, method_choice, report_errors, report_method, take_next, typed_number
+            first_method, method_choice, proposed_accuracy, report_errors, report_method, &
+            take_next, typed_number
 
   ! Relative error of the solvers of effects: docs/reference/exit-status.md.
   real(real64), parameter :: effect_error = 1.0e-9_real64
@@ -246,7 +247,7 @@ contains
     if (results%error_bound <= accuracy) return
     failure = 'no method has this accuracy; the most accurate one, real64, has an error of ' // &
               real_text(results%error_bound, 'es7.1')
-    call add_proposal(results%error_bound, 'load', failure)
+    call add_proposal(proposed_accuracy(results%error_bound), 'load', failure)
   end subroutine check_accuracy
 
   !> Checks that no effect that is off has an estimated influence on the load above the accuracy;
@@ -439,11 +440,12 @@ contains
   end function typed_number
 
   !> Adds the errors of the most accurate run and an option that is met.
-  subroutine report_errors(errors, on_pixels, accuracy, total, text)
+  subroutine report_errors(errors, on_pixels, accuracy, total, proposal, text)
     real(real64), intent(in) :: errors(:)      !! errors of the run, by `totals_of_accuracy`
     logical, intent(in) :: on_pixels           !! whether the pixels of a map are solved
     real(real64), intent(in) :: accuracy       !! requested relative error
     character(len=*), intent(in) :: total      !! of which, as `totals_of_accuracy`
+    real(real64), intent(in) :: proposal       !! accuracy that is met; 1 or more: there is none
     character(len=:), allocatable, intent(inout) :: text  !! begin of the sentence
     integer :: k
 
@@ -456,20 +458,31 @@ contains
     else
       text = text // trim(quantities(k)) // ' of ' // real_text(errors(k), 'es7.1')
     end if
-    call add_proposal(errors(k), total, text)
+    call add_proposal(proposal, total, text)
     if (on_pixels) text = text // ', or take a map of finer pixels'
     if (total == 'all' .and. errors(1) <= accuracy) &
       text = text // ', or take --of load where areas do not matter'
   end subroutine report_errors
 
-  ! Adds the option for an error, where one is possible.
-  pure subroutine add_proposal(error, total, text)
-    real(real64), intent(in) :: error        ! relative error that a run had
+  !> An accuracy of two digits that an error is within; 1: there is none.
+  pure real(real64) function proposed_accuracy(error) result(accuracy)
+    real(real64), intent(in) :: error  !! relative error that a run had
+    character(len=7) :: digits
+
+    accuracy = 1.0_real64
+    if (.not. error < possible_share) return
+    digits = real_text(error / possible_share, 'es7.1')
+    read (digits, *) accuracy
+  end function proposed_accuracy
+
+  ! Adds the option for an accuracy, where there is one.
+  pure subroutine add_proposal(accuracy, total, text)
+    real(real64), intent(in) :: accuracy     ! 1 or more: there is none
     character(len=*), intent(in) :: total    ! of which, as `totals_of_accuracy`
     character(len=:), allocatable, intent(inout) :: text  ! begin of the sentence
 
-    if (.not. error < possible_share) return
-    text = text // ': set --accuracy ' // real_text(error / possible_share, 'es7.1')
+    if (.not. accuracy < 1.0_real64) return
+    text = text // ': set --accuracy ' // real_text(accuracy, 'es7.1')
     if (total /= 'load') text = text // ' --of ' // trim(total)
   end subroutine add_proposal
 

@@ -2,7 +2,7 @@
 module asperity_solve
   use asperity_accuracy_choice, only: check_accuracy, check_left_out, choose_model, &
                                       compare_pixels, errors_of_run, first_method, method_choice, &
-                                      report_errors, report_method, take_next
+                                      proposed_accuracy, report_errors, report_method, take_next
   use asperity_height_map, only: height_map
   use asperity_kinds, only: int64, real64
   use asperity_map_contact, only: room_to_solve
@@ -103,22 +103,59 @@ contains
     if (map%columns > 0) bytes = room_to_solve(map, relaxations)
   end function room_of
 
-  ! Solves a scene with its effects by the first method whose estimated error is within the
-  ! requested accuracy. Hertzian contacts are a part of any solution on boundary elements, and
-  ! coarser pixels take a third of the time of the next.
+  ! Solves a scene with its effects to the requested accuracy. A refusal proposes one that is met:
+  ! other tolerances and pixels are tried for it, which may all have larger errors than the best of
+  ! those for a smaller accuracy, so that the methods are tried for each proposal.
   recursive subroutine solve_model_to_accuracy(scene_in, options, results, failure)
     type(scene), intent(in) :: scene_in
     type(run_options), intent(in) :: options
     type(scene_results), intent(inout) :: results
     character(len=:), allocatable, intent(out) :: failure
-    type(run_options) :: method_options
+    type(run_options) :: wanted
     type(method_choice) :: method
-    type(scene) :: chosen
     real(real64), dimension(size(totals_of_accuracy)) :: errors, least
-    character(len=:), allocatable :: unsolved
+    character(len=:), allocatable :: unsolved, reason
     integer :: total
 
     total = findloc(totals_of_accuracy == options%accuracy_of, .true., 1)
+    wanted = options
+    call try_methods(scene_in, wanted, total, results, least, method, unsolved, failure)
+    if (allocated(failure) .or. least(total) <= options%accuracy) return
+    if (.not. any(least < huge(least))) then
+      ! A scene that cannot be solved at all fails with its own reason.
+      call move_alloc(unsolved, failure)
+      return
+    end if
+    errors = least
+    do
+      wanted%accuracy = proposed_accuracy(errors(total))
+      if (.not. wanted%accuracy < 1.0_real64) exit
+      call try_methods(scene_in, wanted, total, results, errors, method, reason, failure)
+      if (allocated(failure) .or. errors(total) <= wanted%accuracy) exit
+    end do
+    failure = 'no method has this accuracy; '
+    call report_errors(least, allocated(scene_in%map) .and. method%finest <= 1.0_real64, &
+                       options%accuracy, options%accuracy_of, wanted%accuracy, failure)
+    if (allocated(unsolved)) failure = failure // ' (' // unsolved // ')'
+  end subroutine solve_model_to_accuracy
+
+  ! Tries methods until the estimated error is within the requested accuracy. Hertzian contacts are
+  ! a part of any solution on boundary elements, and coarser pixels take a third of the time of the
+  ! next.
+  recursive subroutine try_methods(scene_in, options, total, results, least, method, unsolved, &
+                                   failure)
+    type(scene), intent(in) :: scene_in
+    type(run_options), intent(in) :: options
+    integer, intent(in) :: total                    ! of `totals_of_accuracy`
+    type(scene_results), intent(inout) :: results
+    real(real64), intent(out) :: least(:)           ! errors of the most accurate method
+    type(method_choice), intent(out) :: method      ! the last one
+    character(len=:), allocatable, intent(out) :: unsolved  ! why that is not solved
+    character(len=:), allocatable, intent(out) :: failure   ! an effect has to be turned on
+    type(run_options) :: method_options
+    type(scene) :: chosen
+    real(real64) :: errors(size(least))
+
     method_options = options
     method_options%accuracy = 0.0_real64
     if (options%accuracy_of == 'load') method_options%largest_error = options%accuracy
@@ -135,25 +172,16 @@ contains
         if (allocated(scene_in%map)) call compare_pixels( &
           scene_in, results, options%accuracy, method, errors(1))
         results%error_bound = errors(total)
+        if (errors(total) < least(total)) least = errors
         if (errors(total) <= options%accuracy) then
           call report_method(chosen, method, results)
           return
         end if
-        if (errors(total) < least(total)) least = errors
       else if (.not. method%resolution < 1.0_real64) then
-        exit
+        return
       end if
       call take_next(scene_in, options, results, errors(total), method)
     end do
-    if (.not. any(least < huge(least))) then
-      ! A scene that cannot be solved at all fails with its own reason.
-      call move_alloc(unsolved, failure)
-      return
-    end if
-    failure = 'no method has this accuracy; '
-    call report_errors(least, allocated(scene_in%map) .and. method%finest <= 1.0_real64, &
-                       options%accuracy, options%accuracy_of, failure)
-    if (allocated(unsolved)) failure = failure // ' (' // unsolved // ')'
-  end subroutine solve_model_to_accuracy
+  end subroutine try_methods
 
 end module asperity_solve
