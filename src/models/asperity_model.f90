@@ -4,15 +4,14 @@
 !> of the solver without effects, byte for byte. The influence on the load is estimated for every
 !> effect that is off.
 module asperity_asperity_model
-  use asperity_asperity_position, only: asperity_bodies, begin_asperities
+  use asperity_asperity_position, only: asperity_bodies, begin_asperities, estimate_shares
   use asperity_asperity_records, only: add_nothing, add_without_effects, error_of_share, &
                                        name_effects
   use asperity_contact_effect, only: effect_box
   use asperity_contact_field, only: fields_all, fields_none
-  use asperity_contact_law, only: contact_law
   use asperity_contact_model, only: contact_model, path_step, placed_bodies
   use asperity_contact_pairs, only: contact_pairs
-  use asperity_contact_records, only: position_result, solve_method
+  use asperity_contact_records, only: position_result, prescribed_nothing, solve_method
   use asperity_contact_state, only: contact_state, start_state
   use asperity_effect_list, only: list_effects, list_left_out
   use asperity_effect_names, only: effect_on, effect_words, go_together, known_effects, &
@@ -121,7 +120,7 @@ contains
     type(position_result), intent(out) :: result
     character(len=:), allocatable, intent(out) :: failure
     type(placed_asperities), allocatable :: placed
-    class(contact_law), allocatable :: law
+    real(real64) :: shares(size(self%left_out), 1)
     logical :: is_needed
 
     if (allocated(bodies)) deallocate (bodies)
@@ -141,13 +140,15 @@ contains
     call list_pairs(self%placed, m, is_repeat, placed%pairs, failure, self%method)
     if (allocated(failure)) return
     call copy_effects(self%effects, placed%effects)
+    call copy_effects(self%left_out, placed%left_out)
     result%x_displacement = placed%pairs%x_displacement
     result%y_displacement = placed%pairs%y_displacement
     if (size(placed%pairs%list) == 0) then
       call empty_state(self%placed, result, failure)
       if (allocated(failure)) return
       call add_nothing(self%scene_in, placed%pairs, placed%effects, result)
-      call estimate_left_out(self, placed%pairs, law, result)
+      shares = 0.0_real64
+      call estimate_left_out(self, shares, result)
       return
     end if
     placed%pairs%interrupt = self%interrupt
@@ -178,7 +179,7 @@ contains
       if (allocated(failure)) return
       call move_values(columns, result)
     end if
-    call estimate_left_out(self%model, self%pairs, self%law, result)
+    call estimate_left_out(self%model, self%shares, result)
   end subroutine add_left_out
 
   ! Frees the pressures on boundary elements.
@@ -200,7 +201,7 @@ contains
     type(effect_box), allocatable :: effects(:)
     type(contact_state) :: state
     type(effect_choice), allocatable :: choices(:)
-    class(contact_law), allocatable :: law
+    real(real64), allocatable :: shares(:, :)
     integer :: i, number
 
     is_needed = .false.
@@ -214,6 +215,7 @@ contains
       end do
       number = size(result%states)
       allocate (columns%states(number), choices(merge(number, 0, size(pairs%list) > 0)))
+      columns%states%prescribed = result%states%prescribed
       if (size(pairs%list) == 0) call add_nothing(self%scene_in, pairs, effects, columns)
       ! The last state comes first: most effects are simulated there.
       do i = size(choices), 1, -1
@@ -229,7 +231,16 @@ contains
       end do
       call move_values(columns, result)
     end if
-    call estimate_left_out(self, pairs, law, result)
+    allocate (shares(size(self%left_out), size(result%states)))
+    call copy_effects(self%left_out, effects)
+    do i = 1, size(effects)
+      call effects(i)%effect%begin(pairs)
+    end do
+    do i = 1, size(result%states)
+      call estimate_shares(pairs, effects, hertz_law(modulus=pairs%modulus), &
+                           scale(result%states(i)%compression, -pairs%length_power), shares(:, i))
+    end do
+    call estimate_left_out(self, shares, result)
     result%error_estimate = result%states(size(result%states))%error_estimate
 
   contains
@@ -259,35 +270,28 @@ contains
     result%states%area_error = columns%states%area_error
   end subroutine move_values
 
-  ! Estimates the influence of every effect that is off, in the state of the largest compression.
-  subroutine estimate_left_out(self, pairs, law, result)
+  ! Adds the influence of every effect that is off to the error of each state. That in the state of
+  ! the largest compression is reported.
+  subroutine estimate_left_out(self, shares, result)
     class(asperity_model), intent(in) :: self
-    type(contact_pairs), intent(in) :: pairs
-    class(contact_law), allocatable, intent(inout) :: law  ! contact law there; not allocated: Hertz
+    real(real64), intent(in) :: shares(:, :)  ! of the load, by effect and state
     type(position_result), intent(inout) :: result
-    type(effect_box), allocatable :: effects(:)
-    type(contact_state) :: state
     type(theory_warning), allocatable :: warnings(:)
     real(real64) :: share
     integer :: deepest, i, k, warned
 
     if (size(self%left_out) == 0) return
-    associate (error => result%states%error_estimate)
-      error = max(error, 0.0_real64)
+    associate (states => result%states)
+      states%error_estimate = max(states%error_estimate, 0.0_real64)
+      ! Without a load there is no share.
+      where (abs(states%load) > 0.0_real64) states%error_estimate = states%error_estimate + &
+        error_of_share(states%prescribed /= prescribed_nothing, sum(shares, 1))
     end associate
-    call copy_effects(self%left_out, effects)
-    if (.not. allocated(law)) allocate (law, source=hertz_law(modulus=pairs%modulus))
     deepest = maxloc(result%states%compression, 1)
-    call start_state(pairs, law, &
-                     scale(result%states(deepest)%compression, -pairs%length_power), state)
-    do i = 1, size(effects)
-      associate (effect => effects(i)%effect, effects_of_scene => self%scene_in%effects)
-        call effect%begin(pairs)
-        share = 0.0_real64
-        if (size(pairs%list) > 0) share = effect%estimate(pairs, state)
+    do i = 1, size(self%left_out)
+      associate (effect => self%left_out(i)%effect, effects_of_scene => self%scene_in%effects)
+        share = shares(i, deepest)
         result%left_out(findloc(known_effects%name, effect%name, 1)) = share
-        result%states%error_estimate = result%states%error_estimate + &
-                                       error_of_share(self%scene_in, share)
         if (.not. share > effect%tolerance) cycle
         warned = of_off
         ! It has no common theory with an effect that is on, or `auto`.

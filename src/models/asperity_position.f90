@@ -24,7 +24,7 @@ module asperity_asperity_position
   implicit none
   private
 
-  public :: asperity_bodies, begin_asperities
+  public :: asperity_bodies, begin_asperities, estimate_shares
 
   !> Asperities at one position, in their last state.
   type, extends(placed_bodies) :: asperity_bodies
@@ -34,10 +34,9 @@ module asperity_asperity_position
     type(found_state) :: found                   !! the last state
     !> whether there was a path or a simulated effect; else the solver without effects suffices
     logical :: simulated = .false.
-    real(real64) :: deepest = -1.0_real64        !! largest compression so far
     real(real64) :: held = 0.0_real64            !! load of the last state of loading
-    !> contact law in the state of the largest compression; not allocated: one with attraction
-    class(contact_law), allocatable :: law
+    type(effect_box), allocatable :: left_out(:)  !! effects that are off
+    real(real64), allocatable :: shares(:, :)    !! their shares of the load (effect, state)
   contains
     procedure :: list_steps => list_asperity_steps
     procedure :: solve_step => solve_asperity_step
@@ -55,7 +54,28 @@ contains
     do i = 1, size(bodies%effects)
       call bodies%effects(i)%effect%begin(bodies%pairs)
     end do
+    do i = 1, size(bodies%left_out)
+      call bodies%left_out(i)%effect%begin(bodies%pairs)
+    end do
   end subroutine begin_asperities
+
+  !> Estimates the shares of the load of effects that are off, in a state of isolated contacts.
+  subroutine estimate_shares(pairs, effects, law, compression, shares)
+    type(contact_pairs), intent(in) :: pairs     !! pairs of the position
+    type(effect_box), intent(in) :: effects(:)   !! effects that have begun
+    class(contact_law), intent(in) :: law        !! law of each contact
+    real(real64), intent(in) :: compression      !! of the state, length, 0 or more
+    real(real64), intent(out) :: shares(:)       !! of each effect
+    type(contact_state) :: state
+    integer :: i
+
+    shares = 0.0_real64
+    if (size(pairs%list) == 0 .or. size(effects) == 0) return
+    call start_state(pairs, law, compression, state)
+    do i = 1, size(effects)
+      shares(i) = effects(i)%effect%estimate(pairs, state)
+    end do
+  end subroutine estimate_shares
 
   ! Lists the states: loading, or the path, then the hold.
   subroutine list_asperity_steps(self, steps, failure)
@@ -89,6 +109,7 @@ contains
       call plan_hold(self%scene_in, hold)
       steps = [steps, hold]
     end if
+    allocate (self%shares(size(self%left_out), size(steps)))
     self%found%compression = 0.0_real64
   end subroutine list_asperity_steps
 
@@ -276,12 +297,14 @@ contains
       end do
       call drop_choice(found%choice)
       call add_contacts(self%scene_in, pairs, found%state, found%outcomes, number, &
-                        self%keep_rows, result)
-      if (found%compression > self%deepest) then
-        self%deepest = found%compression
-        if (allocated(self%law)) deallocate (self%law)
-        if (all(found%state%answers%load >= 0.0_real64)) &
-          allocate (self%law, source=found%state%law)
+                        found%prescribed_load < no_load, self%keep_rows, result)
+      ! Estimates are for contacts without attraction.
+      if (all(found%state%answers%load >= 0.0_real64)) then
+        call estimate_shares(pairs, self%left_out, found%state%law, found%compression, &
+                             self%shares(:, number))
+      else
+        call estimate_shares(pairs, self%left_out, hertz_law(modulus=pairs%modulus), &
+                             found%compression, self%shares(:, number))
       end if
       if (found%prescribed_load < no_load) then
         result%states(number)%prescribed = &

@@ -3,16 +3,16 @@ module asperity_asperity_records
   use asperity_constants, only: pi
   use asperity_contact_effect, only: column_name, effect_box, effect_outcome, moment
   use asperity_contact_pairs, only: contact_pairs, in_scene_units
-  use asperity_contact_records, only: contact_row, position_result, state_row
+  use asperity_contact_records, only: contact_row, position_result, prescribed_nothing, state_row
   use asperity_contact_state, only: contact_state, in_contact, start_state
   use asperity_contact_law, only: contact_response
   use asperity_hertz_law, only: hertz_law
   use asperity_kinds, only: not_computed, real64
   use asperity_effect_header, only: add_effect, begin_header, effect_header
-  use asperity_scene_values, only: criterion_load, criterion_none, is_load, scene
+  use asperity_scene_values, only: criterion_load, criterion_none, scene
   use asperity_state_tally, only: add_contact, begin_tally, finish_tally, state_tally
   use asperity_theory_limits, only: seen_contact
-  use asperity_theory_warnings, only: of_error, of_together, take_worse, theory_warning, add_warning
+  use asperity_theory_warnings, only: of_error, take_worse, theory_warning, add_warning
   implicit none
   private
 
@@ -37,12 +37,13 @@ contains
   end subroutine name_effects
 
   !> Adds a state to its position: totals, and the rows of contacts when they are kept.
-  subroutine add_contacts(scene_in, pairs, state, outcomes, number, keep_rows, result)
+  subroutine add_contacts(scene_in, pairs, state, outcomes, number, by_load, keep_rows, result)
     type(scene), intent(in) :: scene_in                !! scene that is solved
     type(contact_pairs), intent(in) :: pairs           !! pairs of the position
     type(contact_state), intent(in) :: state           !! contacts with the effects
     type(effect_outcome), intent(in) :: outcomes(:)    !! results of each effect
     integer, intent(in) :: number                      !! number of the state, from 1
+    logical, intent(in) :: by_load                     !! whether the load is prescribed
     logical, intent(in) :: keep_rows                   !! whether contacts are kept
     type(position_result), intent(inout) :: result     !! result of the position
     type(state_tally) :: tally
@@ -77,7 +78,7 @@ contains
     do i = 1, size(outcomes)
       call take_worse(result%warnings, outcomes(i)%warnings, number)
     end do
-    call add_errors(scene_in, pairs, outcomes, result%states(number))
+    call add_errors(pairs, by_load, outcomes, result%states(number))
     if (number == size(result%states)) &
       call close_position(scene_in, pairs, outcomes, result)
   end subroutine add_contacts
@@ -92,7 +93,8 @@ contains
     type(effect_outcome), intent(inout) :: outcomes(:)   !! results with the estimates
     integer, intent(in) :: number                        !! number of the state, from 1
     logical, intent(in) :: keep_rows                     !! whether contacts are kept
-    type(position_result), intent(inout) :: result  !! result with allocated states; gets values
+    !> Result with states, and whether they are under a prescribed load; gets values.
+    type(position_result), intent(inout) :: result
     integer :: i
 
     do i = 1, size(effects)
@@ -103,16 +105,17 @@ contains
       result%rows_used = result%rows_used + count([(in_contact(state, i), i=1, size(pairs%list))])
       call add_contact_values(pairs, state, outcomes, result)
     end if
-    call add_errors(scene_in, pairs, outcomes, result%states(number))
+    call add_errors(pairs, result%states(number)%prescribed /= prescribed_nothing, outcomes, &
+                    result%states(number))
     if (number == size(result%states)) &
       call close_position(scene_in, pairs, outcomes, result)
   end subroutine add_without_effects
 
   ! Adds the dissipated work of a state, and its errors: estimates of the effects that `auto` left
   ! out, and errors of the simulated ones.
-  subroutine add_errors(scene_in, pairs, outcomes, state)
-    type(scene), intent(in) :: scene_in
+  subroutine add_errors(pairs, by_load, outcomes, state)
     type(contact_pairs), intent(in) :: pairs
+    logical, intent(in) :: by_load  ! the load is prescribed
     type(effect_outcome), intent(in) :: outcomes(:)
     type(state_row), intent(inout) :: state
     integer :: at, i
@@ -123,7 +126,7 @@ contains
           if (outcome%dissipated_work > not_computed) state%dissipated_work = &
             in_scene_units(pairs, outcome%dissipated_work, moment(1), moment(2))
           if (outcome%simulated == 'off' .and. outcome%estimate > not_computed) then
-            total = max(total, 0.0_real64) + error_of_share(scene_in, outcome%estimate)
+            total = max(total, 0.0_real64) + error_of_share(by_load, outcome%estimate)
           else if (outcome%error > not_computed) then
             total = max(total, 0.0_real64) + outcome%error
           end if
@@ -137,11 +140,11 @@ contains
 
   !> Relative error by a share of the load that is left out: of the load or, under a prescribed one,
   !> of the compression.
-  pure real(real64) function error_of_share(scene_in, share)
-    type(scene), intent(in) :: scene_in  !! scene that is solved
+  elemental real(real64) function error_of_share(by_load, share)
+    logical, intent(in) :: by_load       !! the load is prescribed
     real(real64), intent(in) :: share    !! of the load
 
-    error_of_share = merge(of_compression, 1.0_real64, is_load(scene_in%loading%control)) * share
+    error_of_share = merge(of_compression, 1.0_real64, by_load) * share
   end function error_of_share
 
   ! Sets the results of the effects for a position, from its last state.
@@ -164,15 +167,6 @@ contains
                                in_units(columns%names, pairs, columns%values(1, :))]
       end associate
     end do
-    ! The largest estimate, over the states, of an effect that is left out because it has no common
-    ! theory with another one.
-    if (allocated(result%warnings)) then
-      do i = 1, size(result%warnings)
-        if (result%warnings(i)%number == of_together) &
-          result%states%error_estimate = max(result%states%error_estimate, &
-                                             error_of_share(scene_in, result%warnings(i)%magnitude))
-      end do
-    end if
     result%error_estimate = result%states(size(result%states))%error_estimate
     if (result%error_estimate > scene_in%effects%number('tolerance')) &
       call add_warning(warnings, of_error, result%error_estimate)

@@ -458,7 +458,7 @@ contains
           of_barred, of_off, self%model%scene_in%effects%is_barred(law%name)), estimate)
       end associate
     end do
-    share = error_of_share(self%model%scene_in, share)
+    share = error_of_share(is_load(self%model%scene_in%loading%control), share)
     associate (error => result%states%error_estimate)
       if (is_unknown) error = not_computed
       where (error > not_computed) error = error + share
