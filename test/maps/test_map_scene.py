@@ -178,6 +178,25 @@ def test_loads_near_zero(asperity, tmp_path, control, value, said):
     assert sum(float(row["load"]) for row in found.contacts) == pytest.approx(smallest, rel=1e-6)
 
 
+def test_paths_start_from_the_better_of_two_starts(asperity, tmp_path):
+    """A state that is far from the one before it is that of its load alone, from coarser maps; near
+    ones start along the path, in fewer steps."""
+    height, sides = 1e-3 * rough(96, 88, shortest=6, seed=21), (0.01, 0.01)
+    load = load_for(height, sides, 0.1)
+
+    def last(name, *shares):
+        row = dict(solve(asperity, map_scene(tmp_path, height, sides, name=name, loading={
+            "control": "load", "value": [load * share for share in shares]})).positions[0])
+        return int(row["interaction_iterations"]), {n: row[n] for n in row if n != "steps"}
+
+    cold, alone = last("alone", 1)
+    assert last("far", 0.7, 1) == (cold, alone) and last("beside", 0.81, 1)[1] != alone
+    (extrapolated, row), (near, _) = last("two", 0.86, 0.93, 1), last("one", 0.93, 1)
+    assert extrapolated < near < cold
+    for name in ("separation", "area", "contact_stiffness"):
+        assert abs(float(row[name]) / float(alone[name]) - 1) < 1e-8
+
+
 def test_egg_crates_on_a_path_meet_their_loads(asperity, tmp_path):
     """Pixels at equal gaps leave a direction of rounding errors alone, which once lost the load."""
     for rows, columns in itertools.product(range(14, 20), (16, 17)):
