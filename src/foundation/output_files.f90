@@ -7,8 +7,8 @@
 module asperity_output_files
   use, intrinsic :: iso_c_binding, only: c_funptr, c_int, c_intptr_t, c_null_char
   use asperity_files, only: same_name, standard_error, standard_output, write_bytes
-  use asperity_system_calls, only: canonical_path, file_owner, posix_chmod, posix_chown, &
-                                   posix_close, posix_fsync, posix_mkstemps, posix_open, &
+  use asperity_system_calls, only: canonical_path, file_owner, is_regular_file, posix_chmod, &
+                                   posix_chown, posix_close, posix_mkstemps, posix_open, &
                                    posix_rename, posix_signal, posix_umask, posix_unlink, &
                                    system_error, system_reason
   implicit none
@@ -183,8 +183,7 @@ contains
       if (system_error() /= no_such_file) failure = system_reason()
       return
     end if
-    ! Files can be synchronised with the disk; devices and pipes cannot.
-    if (posix_fsync(descriptor) /= 0) return
+    if (.not. is_regular_file(path)) return
     status = posix_close(descriptor)
     descriptor = -1
   end subroutine open_special

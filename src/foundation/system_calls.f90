@@ -7,14 +7,15 @@ module asperity_system_calls
 
   public :: posix_open, posix_mkstemps, posix_umask, posix_lseek, posix_read, posix_write
   public :: posix_close
-  public :: file_owner, posix_chmod, posix_chown
-  public :: posix_fsync, posix_rename, posix_unlink, posix_usleep, posix_signal
+  public :: file_owner, is_regular_file, posix_chmod, posix_chown
+  public :: posix_rename, posix_unlink, posix_usleep, posix_signal
   public :: posix_isatty, posix_getpid, posix_exit
   public :: posix_execv, posix_setenv, posix_getrlimit, c_strfromd
   public :: system_error, system_reason, canonical_path, text_of
 
   ! PATH_MAX of Linux, with the null character.
   integer, parameter :: longest_path = 4096
+  integer(c_int), parameter :: this_folder = -100_c_int  ! AT_FDCWD
 
   interface
     !> Opens a file or device; -1 when refused.
@@ -99,13 +100,6 @@ module asperity_system_calls
       implicit none
       integer(c_int), value :: descriptor
     end function posix_close
-
-    !> Synchronises a file with the disk; -1 for a device or a pipe.
-    integer(c_int) function posix_fsync(descriptor) bind(c, name='fsync')
-      import :: c_int
-      implicit none
-      integer(c_int), value :: descriptor
-    end function posix_fsync
 
     !> Renames a file, and replaces a file of that name.
     integer(c_int) function posix_rename(from, to) bind(c, name='rename')
@@ -226,7 +220,7 @@ contains
     character(len=*), intent(in) :: path              !! path of the file
     integer(c_int), intent(out) :: mode               !! permission bits; -1: there is no file
     integer(c_int), intent(out) :: owner, group       !! numbers of the user and of the group
-    integer(c_int), parameter :: this_folder = -100_c_int, mode_and_owners = 26_c_int
+    integer(c_int), parameter :: mode_and_owners = 26_c_int
     integer(c_int32_t) :: found(64)
 
     mode = posix_statx(this_folder, path // c_null_char, 0_c_int, mode_and_owners, found)
@@ -234,6 +228,17 @@ contains
     owner = found(6)
     group = found(7)
   end subroutine file_owner
+
+  !> Whether a path leads to a file that is no device, pipe or folder.
+  logical function is_regular_file(path)
+    character(len=*), intent(in) :: path  !! path of the file
+    integer(c_int), parameter :: kind_of_file = 1_c_int
+    integer(c_int32_t) :: found(64)
+
+    is_regular_file = .false.
+    if (posix_statx(this_folder, path // c_null_char, 0_c_int, kind_of_file, found) == 0) &
+      is_regular_file = iand(found(8), int(o'170000', c_int32_t)) == int(o'100000', c_int32_t)
+  end function is_regular_file
 
   !> Number of the last error of the C library.
   function system_error() result(number)

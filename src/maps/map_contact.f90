@@ -65,7 +65,7 @@ module asperity_map_contact
   ! The most of that, over the hardness (chosen: the share that a load gains is as small).
   real(real64), parameter :: hardness_rounding = 1.0e-4_real64
 
-  ! Change of a load over the load, above which coarser maps are a better start than the state before
+  ! Change of a load over the load, above which coarser maps are a better start than the last state
   ! (measured: 0.2 to 0.3 on random maps of 128 to 512 pixels a side; test: paths in
   ! test/maps/test_map_scene.py).
   real(real64), parameter :: far_load = 0.25_real64
@@ -192,8 +192,8 @@ contains
       answer%failure = 'the flat is not above the mean height of a map that repeats itself'
   end subroutine check_level
 
-  ! Moves the pressures of the state before to a sum, as a start: along the line from an earlier one,
-  ! at most to twice its length. None are left where the sum changes by more than `far_load`. The
+  ! Moves the pressures of the last state to a sum, as a start: along the line from an earlier one,
+  ! by at most twice its length. None are left where the sum changes by more than `far_load`. The
   ! solution is unique (`asperity_element_forces`): the start changes the number of steps alone.
   pure subroutine move_start(total, answer)
     real(real64), intent(in) :: total          ! sum of the pressures, more than 0
