@@ -3,7 +3,8 @@
 !> An open contact is at the shift s that minimises s**2/(2 R) + u(x + s), with u the displacement
 !> by the loaded contacts. It touches where this minimum and its gap are less than the compression.
 module asperity_open_contacts
-  use asperity_circle_field, only: circle_set, hertz_spread, large_set, near_factor, sum_error
+  use asperity_circle_field, only: circle_set, hertz_spread, large_set, linear_residual, &
+                                   near_factor, sum_error
   use asperity_circle_products, only: lowest_shift
   use asperity_constants, only: pi
   use asperity_contact_law, only: contact_law, contact_response
@@ -49,7 +50,12 @@ contains
       is_open = is_open .and. (solution%stays_open .or. &
                                state%examined > -largest_change(solution, state))
     allocate (touches(size(is_open)), source=.false.)
-    number = pack([(i, i=1, size(is_open))], is_open)
+    if (size(solution%set%x) > large_set) then
+      number = pack(state%order, is_open(state%order))
+      call leave_out_far(pairs, state, solution, number)
+    else
+      number = pack([(i, i=1, size(is_open))], is_open)
+    end if
     do pass = 1, digits(lowest)
       if (size(number) == 0) exit
       call minimise_gaps(pairs, number, state, lowest, solution, touches)
@@ -90,6 +96,53 @@ contains
     end associate
   end function largest_change
 
+  ! Sets the penetrations of open contacts to upper bounds by sums of low order over the circles that
+  ! are not near, and leaves out the indices of those that do not touch by more than the error of
+  ! the sums.
+  subroutine leave_out_far(pairs, state, solution, number)
+    type(contact_pairs), intent(in) :: pairs
+    type(solve_state), intent(in) :: state
+    type(coupled_solution), intent(inout) :: solution
+    integer, allocatable, intent(inout) :: number(:)
+    real(real64), allocatable :: field(:, :), places(:, :), most(:)
+    integer :: i, k
+
+    allocate (field(6, size(number)), places(2, size(number)), most(size(number)))
+    do k = 1, size(number)
+      places(:, k) = [pairs%list(number(k))%x, pairs%list(number(k))%y] + &
+                     solution%shift(:, number(k))
+    end do
+    associate (set => solution%set)
+      call sum_sources(set%tree, set%load / pi, hertz_spread(set%radius), field, set%shift_since, &
+                       low_order=.true., places=places)
+    end associate
+    !$omp parallel do schedule(static) private(i)
+    do k = 1, size(number)
+      i = number(k)
+      call bound_penetration(pairs, state, field([1, 3, 4], k), solution, i, most(k))
+    end do
+    !$omp end parallel do
+    number = pack(number, most > -linear_residual * solution%compression)
+  end subroutine leave_out_far
+
+  ! Bounds the penetration of an open contact by the field of the circles that are not near: near
+  ! circles only displace the surface downwards.
+  pure subroutine bound_penetration(pairs, state, far, solution, i, most)
+    type(contact_pairs), intent(in) :: pairs
+    type(solve_state), intent(in) :: state
+    real(real64), intent(in) :: far(3)             ! field and slopes at the present shift
+    type(coupled_solution), intent(inout) :: solution  ! gets the penetration
+    integer, intent(in) :: i
+    real(real64), intent(out) :: most              ! bound of the penetration at any shift
+
+    associate (gain => 0.5_real64 * plan_radius(pairs%list(i)) * sum(far(2:)**2))
+      solution%penetration(i) = solution%compression - state%gap(i) - far(1) + gain + &
+                                dot_product(far(2:), solution%shift(:, i))
+      solution%stays_open(i) = .false.
+      most = solution%penetration(i) + gain
+    end associate
+  end subroutine bound_penetration
+
   ! Finds for each open contact the shift that minimises s**2/(2 R) + u(x + s), and its penetration
   ! there: near circles act exactly, the others by value and slope. The far field is curved, so its
   ! linear extrapolation holds only near the place of its evaluation: a contact that penetrates at
@@ -103,7 +156,7 @@ contains
     logical, intent(inout) :: touches(:)           ! by pair
     type(source_tree) :: tree                      ! circles, and open contacts as targets
     real(real64), allocatable :: field(:, :)
-    real(real64) :: height_after, height_before, far(3), shift(2)
+    real(real64) :: height_after, height_before, far(3), most, shift(2)
     integer :: i, k, n
 
     n = size(number)
@@ -121,27 +174,23 @@ contains
       tree%translation = set%tree%translation
       call sum_sources(tree, set%load / pi, hertz_spread(set%radius), field)
       !$omp parallel do schedule(dynamic, 64) if(n > large_set) &
-      !$omp   private(i, height_after, height_before, far, shift)
+      !$omp   private(i, height_after, height_before, far, most, shift)
       do k = 1, n
         i = number(k)
         far = field([1, 3, 4], k)
         shift = solution%shift(:, i)
         associate (near => tree%near(tree%first(k):tree%first(k + 1) - 1), &
-                   p => solution%penetration(i), reach => solution%compression - state%gap(i), &
-                   radius => plan_radius(pairs%list(i)), &
-                   shift_gain => 0.5_real64 * plan_radius(pairs%list(i)) * sum(far(2:)**2))
-          ! Near circles only displace the surface downwards: without them an upper bound.
-          p = reach - far(1) + shift_gain + dot_product(far(2:), shift)
-          solution%stays_open(i) = .false.
-          if (p + shift_gain < 0.0_real64) cycle
+                   p => solution%penetration(i), reach => solution%compression - state%gap(i))
+          call bound_penetration(pairs, state, far, solution, i, most)
+          if (most < 0.0_real64) cycle
           solution%stays_open(i) = is_hidden(pairs, set, near, i)
           if (solution%stays_open(i)) then
             p = 0.0_real64
             cycle
           end if
-          call find_lowest_place(pairs%list(i)%x, pairs%list(i)%y, radius, set, &
-                                 near, far, &
-                      0.1_real64 * lowest, shift, height_before, height_after)
+          call find_lowest_place(pairs%list(i)%x, pairs%list(i)%y, plan_radius(pairs%list(i)), &
+                                 set, near, far, 0.1_real64 * lowest, shift, height_before, &
+                                 height_after)
           touches(i) = reach - height_before > lowest
           p = reach - height_after
           solution%shift(:, i) = shift

@@ -10,7 +10,7 @@ module asperity_source_tree
                                      lanes, m2m, prepare_translations, translations
   use asperity_box_tree, only: as_source, as_target, build_boxes, first_point, last_own_point, &
                                last_point, square_box
-  use asperity_kinds, only: int64, real64
+  use asperity_kinds, only: int64, real32, real64
   use asperity_process, only: check_memory
   implicit none
   private
@@ -29,6 +29,11 @@ module asperity_source_tree
   integer, parameter :: listed_x = 1, listed_y = 2, listed_reach = 3, point_index = 4
   integer, parameter :: shifted_x = 4, shifted_y = 5, point_charge = 6, point_moment = 7, &
                         dipole_x = 8, dipole_y = 9
+
+  ! Sources near the targets of a box, target by target.
+  type :: near_list
+    integer, allocatable :: near(:)
+  end type near_list
 
   !> Sources and targets, sorted into boxes.
   type :: source_tree
@@ -89,78 +94,80 @@ contains
     call list_near(tree)
   end subroutine build_tree
 
-  ! Sets `first` and `near`: counts the near sources of every target, then lists them.
+  ! Sets `first` and `near` by lists of the targets of each box.
   subroutine list_near(tree)
     type(source_tree), intent(inout) :: tree
-    integer :: a, i
+    type(near_list), allocatable :: lists(:)
+    integer :: a, i, k, n
     integer(int64) :: pairs
-    logical :: is_listing
 
     tree%points(:, point_index) = tree%order
-    is_listing = .false.
-    do
-      if (size(tree%boxes) == 1) then
-        call list_box(1)
-      else
-        !$omp parallel do schedule(dynamic, 16) if(size(tree%first) > thread_threshold)
-        do a = 1, size(tree%boxes)
-          call list_box(a)
-        end do
-        !$omp end parallel do
-      end if
-      if (is_listing) exit
-      pairs = sum(int(tree%first(2:), int64))
-      call check_memory(purpose, tree%failure, merge(0, 1, pairs < huge(i)), 4_int64 * pairs)
-      if (allocated(tree%failure)) return
-      deallocate (tree%near)
-      allocate (tree%near(pairs))
-      do i = 2, size(tree%first)
-        tree%first(i) = tree%first(i) + tree%first(i - 1)
+    allocate (lists(size(tree%boxes)))
+    !$omp parallel do schedule(dynamic, 16) &
+    !$omp   if(size(tree%first) > thread_threshold .and. size(lists) > 1)
+    do a = 1, size(lists)
+      call list_box(a, lists(a)%near)
+    end do
+    !$omp end parallel do
+    pairs = sum(int(tree%first(2:), int64))
+    call check_memory(purpose, tree%failure, merge(0, 1, pairs < huge(i)), 4_int64 * pairs)
+    if (allocated(tree%failure)) return
+    deallocate (tree%near)
+    allocate (tree%near(pairs))
+    do i = 2, size(tree%first)
+      tree%first(i) = tree%first(i) + tree%first(i - 1)
+    end do
+    do a = 1, size(lists)
+      n = 0
+      do i = tree%boxes(a)%points(first_point, as_target), &
+             tree%boxes(a)%points(last_own_point, as_target)
+        k = tree%order(i) - tree%target_offset
+        tree%near(tree%first(k):tree%first(k + 1) - 1) = &
+          lists(a)%near(n + 1:n + tree%first(k + 1) - tree%first(k))
+        n = n + tree%first(k + 1) - tree%first(k)
       end do
-      is_listing = .true.
     end do
 
   contains
 
-    ! Counts, or lists, the near sources of the targets of a box.
-    subroutine list_box(a)
+    ! Lists the near sources of the targets of a box, target by target, and counts them.
+    subroutine list_box(a, near)
       integer, intent(in) :: a
+      integer, allocatable, intent(out) :: near(:)
       real(real64), allocatable :: source(:, :)
       integer, allocatable :: is_near(:)
-      integer :: i, j, k, n
+      integer :: first, i, j, last, listed, n
 
+      first = tree%boxes(a)%points(first_point, as_target)
+      last = tree%boxes(a)%points(last_own_point, as_target)
+      if (last < first) return
       allocate (source, source=touching_sources(tree, a, point_index))
-      if (size(source) == 0) return
       allocate (is_near(size(source, 1)))
-      do i = tree%boxes(a)%points(first_point, as_target), &
-             tree%boxes(a)%points(last_own_point, as_target)
-        k = tree%order(i) - tree%target_offset
-        if (is_listing .and. tree%first(k + 1) == tree%first(k)) cycle
-        n = 0
-        !$omp simd reduction(+:n)
+      allocate (near(size(source, 1)))
+      n = 0
+      do i = first, last
+        listed = n
+        !$omp simd
         do j = 1, size(source, 1)
           is_near(j) = merge(1, 0, (source(j, listed_x) - tree%points(i, listed_x))**2 + &
                              (source(j, listed_y) - tree%points(i, listed_y))**2 < &
                              (source(j, listed_reach) + tree%points(i, listed_reach))**2 .and. &
                              abs(source(j, point_index) - tree%order(i)) > 0.5_real64)
+        end do
+        if (n + size(is_near) > size(near)) near = [near, spread(0, 1, size(near) + size(is_near))]
+        do j = 1, size(is_near)
+          near(n + 1) = int(source(j, point_index))
           n = n + is_near(j)
         end do
-        tree%first(k + 1) = merge(tree%first(k + 1), n, is_listing)
-        if (.not. is_listing) cycle
-        n = tree%first(k)
-        do j = 1, size(is_near)
-          if (is_near(j) == 0) cycle
-          tree%near(n) = int(source(j, point_index))
-          n = n + 1
-        end do
+        tree%first(tree%order(i) - tree%target_offset + 1) = n - listed
       end do
+      near = near(:n)
     end subroutine list_box
 
   end subroutine list_near
 
   ! The first columns of the sources that are summed directly for the targets that belong to a box
-  ! and to none of its children: those in the boxes that touch it or one of its ancestors. Without
-  ! such targets there is none.
+  ! and to none of its children: those in the boxes that touch it or one of its ancestors.
   pure function touching_sources(tree, box, columns) result(source)
     type(source_tree), intent(in) :: tree
     integer, intent(in) :: box, columns  ! index of the box; number of columns
@@ -170,8 +177,6 @@ contains
     n = 0
     a = box
     last = last_point
-    if (tree%boxes(a)%points(last_own_point, as_target) < &
-        tree%boxes(a)%points(first_point, as_target)) a = 0
     do while (a > 0)
       do row = -1, 1
         do column = -1, 1
@@ -201,7 +206,7 @@ contains
   !> are smooth functions of charges and shifts. Shifts must be small against the reaches. Targets
   !> that are the sources are shifted with them. The Laplacian, the slopes and the second
   !> derivatives include the second moments. Without expansions all sums are exact.
-  subroutine sum_sources(tree, charge, second_moment, value, shift, low_order, dipole)
+  subroutine sum_sources(tree, charge, second_moment, value, shift, low_order, dipole, places)
     type(source_tree), intent(inout) :: tree           !! tree of the sources
     real(real64), intent(in) :: charge(:)              !! charges q of the sources
     real(real64), intent(in) :: second_moment(:)       !! w of the sources, at most reach**2
@@ -215,6 +220,9 @@ contains
     !> (2, source), only with `low_order`: dipoles d of the sources, with the potential
     !! d * (x - x_j)/r**3
     real(real64), intent(in), optional :: dipole(:, :)
+    !> (2, target), only with `low_order` and several boxes: targets in place of those of the tree
+    !! [length]; where no source is, the values are those of far boxes alone, or none
+    real(real64), intent(in), optional :: places(:, :)
     real(real64), allocatable :: source(:, :)
     integer :: a, columns, i, k, terms
     logical :: is_low_order
@@ -255,28 +263,118 @@ contains
     do i = 3, size(tree%level_start) - 1
       call distribute_fields(tree, i, terms)
     end do
-    !$omp do schedule(dynamic, 16)
-    do a = 1, size(tree%boxes)
-      source = touching_sources(tree, a, columns)
-      do i = tree%boxes(a)%points(first_point, as_target), &
-             tree%boxes(a)%points(last_own_point, as_target)
-        k = tree%order(i) - tree%target_offset
-        if (is_low_order .or. present(dipole)) then
-          value(:, k) = dipole_sum(source, tree%points(i, :))
-        else
-          value(:, k) = direct_sum(source, tree%points(i, :))
-        end if
-        ! All boxes of the first two levels touch: they have no far field.
-        if (a >= tree%level_start(min(3, size(tree%level_start)))) call add_field( &
-          tree%translation, &
-          (tree%points(i, shifted_x:shifted_y) - tree%boxes(a)%centre) / &
-          tree%boxes(a)%half_width, tree%boxes(a)%half_width, tree%field(:terms, a), value(:, k))
+    if (present(places)) then
+      call sum_at_places(tree, places, terms, value)
+    else
+      !$omp do schedule(dynamic, 16)
+      do a = 1, size(tree%boxes)
+        associate (own => tree%boxes(a)%points(:, as_target))
+          if (own(last_own_point) < own(first_point)) cycle
+          source = touching_sources(tree, a, columns)
+          do i = own(first_point), own(last_own_point)
+            k = tree%order(i) - tree%target_offset
+            if (is_low_order .or. present(dipole)) then
+              value(:, k) = dipole_sum(source, tree%points(i, :))
+            else
+              value(:, k) = direct_sum(source, tree%points(i, :))
+            end if
+            call add_far_field(tree, a, terms, tree%points(i, shifted_x:shifted_y), value(:, k))
+          end do
+        end associate
       end do
-    end do
-    !$omp end do
+      !$omp end do
+    end if
     !$omp end parallel
 
   end subroutine sum_sources
+
+  ! Adds the field of a box at a place in it.
+  pure subroutine add_far_field(tree, a, terms, place, value)
+    type(source_tree), intent(in) :: tree
+    integer, intent(in) :: a, terms   ! box, terms of its field
+    real(real64), intent(in) :: place(2)
+    real(real64), intent(inout) :: value(:)
+
+    ! All boxes of the first two levels touch: they have no far field.
+    if (a < tree%level_start(min(3, size(tree%level_start)))) return
+    associate (box => tree%boxes(a))
+      call add_field(tree%translation, (place - box%centre) / box%half_width, box%half_width, &
+                     tree%field(:terms, a), value)
+    end associate
+  end subroutine add_far_field
+
+  ! Sums of low order at any places, lower bounds of potentials of positive charges but for the error
+  ! of the expansions: beside the boxes, and in a box where none of its children is, sources that are
+  ! summed directly are left out; others count less within a hundredth of the box. All threads call
+  ! it together.
+  subroutine sum_at_places(tree, places, terms, value)
+    type(source_tree), intent(in) :: tree
+    real(real64), intent(in) :: places(:, :)
+    integer, intent(in) :: terms
+    real(real64), intent(inout) :: value(:, :)
+    real(real64), allocatable :: source(:, :)
+    real(real32), allocatable :: near_box(:, :)
+    integer :: a, b, last, k
+
+    last = 0
+    !$omp do schedule(dynamic, 64)
+    do k = 1, size(places, 2)
+      value(:, k) = 0.0_real64
+      a = 1
+      if (any(abs(places(:, k) - tree%boxes(a)%centre) > tree%boxes(a)%half_width)) cycle
+      do
+        do b = tree%boxes(a)%children(1), tree%boxes(a)%children(2)
+          if (all(abs(places(:, k) - tree%boxes(b)%centre) <= tree%boxes(b)%half_width)) exit
+        end do
+        if (b > tree%boxes(a)%children(2)) exit
+        a = b
+      end do
+      associate (box => tree%boxes(a))
+        if (box%children(2) == 0) then
+          if (a /= last) then
+            source = touching_sources(tree, a, point_charge)
+            near_box = real(reshape([(source(:, shifted_x) - box%centre(1)) / box%half_width, &
+                                     (source(:, shifted_y) - box%centre(2)) / box%half_width, &
+                                     (source(:, listed_reach) / box%half_width)**2, &
+                                     source(:, point_charge) / box%half_width], &
+                                    [size(source, 1), 4]), real32)
+          end if
+          last = a
+          value([1, 3, 4], k) = rough_sum(near_box, real((places(:, k) - box%centre) / &
+                                                         box%half_width, real32))
+          value(3:4, k) = value(3:4, k) / box%half_width
+        end if
+      end associate
+      call add_far_field(tree, a, terms, places(:, k), value(:, k))
+    end do
+    !$omp end do
+  end subroutine sum_at_places
+
+  ! Potential and slopes by sources that are not near; positions over the half width of a box.
+  pure function rough_sum(source, place) result(value)
+    real(real32), contiguous, intent(in) :: source(:, :)  ! x, y, reach**2, charge
+    real(real32), intent(in) :: place(2)
+    real(real32) :: value(3), phi, slope_x, slope_y, dx, dy, charge, root, square
+    integer :: k
+
+    phi = 0.0_real32
+    slope_x = 0.0_real32
+    slope_y = 0.0_real32
+    !$omp simd reduction(+:phi, slope_x, slope_y) private(dx, dy, charge, root, square)
+    do k = 1, size(source, 1)
+      dx = place(1) - source(k, 1)
+      dy = place(2) - source(k, 2)
+      square = dx**2 + dy**2
+      charge = source(k, 4) * (0.5_real32 + sign(0.5_real32, square - source(k, 3)))
+      square = 1.0_real32 / (square + 1.0e-4_real32)
+      root = charge * sqrt(square)
+      phi = phi + root
+      root = root * square
+      slope_x = slope_x - root * dx
+      slope_y = slope_y - root * dy
+    end do
+    value = [phi, slope_x, slope_y]
+  end function rough_sum
 
   ! Sums over the points of one box, for which a team of threads, and boxes, take longer. It is no
   ! internal procedure: an absent array that such a one names has no bounds in its host.
