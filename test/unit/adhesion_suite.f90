@@ -11,7 +11,7 @@ module asperity_adhesion_suite
   use asperity_contact_law, only: contact_response
   use asperity_contact_pairs, only: contact_pairs
   use asperity_contact_state, only: contact_state, start_state
-  use asperity_effect_helpers, only: act, pair_of, set_number, values_of
+  use asperity_effect_helpers, only: act, pair_of, values_of
   use asperity_hertz_law, only: hertz_law
   use asperity_kinds, only: real64
   use asperity_scene_values, only: effect_on, scene
@@ -200,8 +200,8 @@ contains
     type(scene) :: scene_in
 
     call scene_in%effects%call_for('adhesion', effect_on)
-    call set_number(scene_in, 'work_of_adhesion', work)
-    call set_number(scene_in, 'equilibrium_distance', distance)
+    call scene_in%effects%set('work_of_adhesion', work)
+    call scene_in%effects%set('equilibrium_distance', distance)
     call new_adhesion(scene_in, effect)
   end subroutine adhesion_of
 

@@ -7,7 +7,7 @@ module asperity_creep_suite
   use asperity_contact_pairs, only: contact_pairs
   use asperity_contact_state, only: contact_state, start_state
   use asperity_creep, only: new_creep
-  use asperity_effect_helpers, only: near, pair_of, set_number
+  use asperity_effect_helpers, only: near, pair_of
   use asperity_hertz_law, only: hertz_law
   use asperity_kinds, only: real64
   use asperity_scene_values, only: effect_on, scene
@@ -150,9 +150,9 @@ contains
     type(scene) :: scene_in
 
     call scene_in%effects%call_for('creep', effect_on)
-    call set_number(scene_in, 'relaxed_modulus_ratio', 0.5_real64)
-    call set_number(scene_in, 'relaxation_time', 1.0_real64)
-    call set_number(scene_in, 'hold_time', 1.0_real64)
+    call scene_in%effects%set('relaxed_modulus_ratio', 0.5_real64)
+    call scene_in%effects%set('relaxation_time', 1.0_real64)
+    call scene_in%effects%set('hold_time', 1.0_real64)
     call new_creep(scene_in, creep)
     call creep%begin(pairs)
   end subroutine start

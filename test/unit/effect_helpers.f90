@@ -9,21 +9,19 @@ module asperity_effect_helpers
   use asperity_kinds, only: real64
   use asperity_first_yield, only: constraint_factor
   use asperity_plastic_law, only: plastic_law
-  use asperity_scene_values, only: scene
   use asperity_testing, only: check
   implicit none
   private
 
   public :: pair_of, penetration_of, plastic_law_with
   public :: near, values_of
-  public :: act, set_number
+  public :: act
 
 contains
 
   !> Lower centre at the origin, upper one at a distance in plan, first touch at zero.
   function pair_of(upper, lower, d, direction) result(pair)
-    !> radii of the spheres, positive
-    real(real64), intent(in) :: upper, lower
+    real(real64), intent(in) :: upper, lower  !! radii of the spheres, positive
     !> distance of the centres in plan, from 0 to less than the sum of the radii
     real(real64), intent(in) :: d
     !> unit vector from the lower centre to the upper one; (1, 0) without it
@@ -45,10 +43,8 @@ contains
 
   !> The penetration of an overlap.
   function penetration_of(pair, overlap) result(p)
-    !> the pair
-    type(contact_pair), intent(in) :: pair
-    !> sum of the radii less the distance of the centres
-    real(real64), intent(in) :: overlap
+    type(contact_pair), intent(in) :: pair  !! the pair
+    real(real64), intent(in) :: overlap     !! sum of the radii less the distance of the centres
     real(real64) :: p, z
 
     z = sqrt((pair%s - overlap - pair%d) * (pair%s - overlap + pair%d))
@@ -70,45 +66,27 @@ contains
 
   !> One effect on one state, as the solver calls it.
   subroutine act(effect, pairs, state, outcome)
-    !> the effect
-    class(contact_effect), intent(in) :: effect
-    !> the position
-    type(contact_pairs), intent(in) :: pairs
-    !> without, then with the effect
-    type(contact_state), intent(inout) :: state
-    !> what it did
-    type(effect_outcome), intent(out) :: outcome
+    class(contact_effect), intent(in) :: effect   !! the effect
+    type(contact_pairs), intent(in) :: pairs      !! the position
+    type(contact_state), intent(inout) :: state   !! without, then with the effect
+    type(effect_outcome), intent(out) :: outcome  !! what it did
 
     call effect%apply(pairs, state, outcome)
     call effect%finish(pairs, state, outcome)
   end subroutine act
 
-  !> Gives a scene a number of an effect.
-  subroutine set_number(scene_in, name, value)
-    !> the scene
-    type(scene), intent(inout) :: scene_in
-    !> as in &effects
-    character(len=*), intent(in) :: name
-    !> the number
-    real(real64), intent(in) :: value
-
-    call scene_in%effects%set(name, value)
-  end subroutine set_number
-
   !> Notes a failure unless a number is the expected one within a relative tolerance.
   subroutine near(found, expected, tolerance, message)
     !> the two numbers, and the largest difference as a share of the expected one
     real(real64), intent(in) :: found, expected, tolerance
-    !> what is compared
-    character(*), intent(in) :: message
+    character(*), intent(in) :: message  !! what is compared
 
     call check(found, expected, tolerance * abs(expected), message)
   end subroutine near
 
   !> All numbers of an answer.
   pure function values_of(response) result(values)
-    !> the answer
-    type(contact_response), intent(in) :: response
+    type(contact_response), intent(in) :: response  !! the answer
     real(real64) :: values(7)
 
     values = [response%overlap, response%contact_radius, response%load, response%cosine, &

@@ -107,40 +107,23 @@ contains
   end subroutine test_machine
 
   subroutine test_power_ends
-    call power_is('00000000', '00000000', '0')
-    call power_is('C1400000', '41800000', '-4, the power of the magnitude')
-    call power_is('7F100000', '7FFFFFFF', 'overflow')
-    call power_is('00100000', '00000000', 'underflow')
+    call check_word(three_halves_power(x('00000000')), '00000000', '0')
+    call check_word(three_halves_power(x('C1400000')), '41800000', '-4, the power of the magnitude')
+    call check_word(three_halves_power(x('7F100000')), '7FFFFFFF', 'overflow')
+    call check_word(three_halves_power(x('00100000')), '00000000', 'underflow')
     ! (1 - e)**1.5 = 1 - 1.5*e + 0.375*e**2 lies just above the tie.
-    call power_is('16FFFFFF', '01FFFFFF', '16**(-42)*(1 - e), e = 2**(-24)')
-
-  contains
-
-    subroutine power_is(a, power, message)
-      character(*), intent(in) :: a, power, message
-
-      call check_word(three_halves_power(x(a)), power, 'x**1.5 of '//message)
-    end subroutine power_is
-
+    call check_word(three_halves_power(x('16FFFFFF')), '01FFFFFF', &
+                    '16**(-42)*(1 - e), e = 2**(-24)')
   end subroutine test_power_ends
 
   subroutine test_decimal_ends
-    call decimal_is(1_int64, 2000000000, '7FFFFFFF', 'overflow, any exponent')
-    call decimal_is(-1_int64, -2000000000, '00000000', 'underflow, any exponent')
-    call decimal_is(huge(1_int64), 0, '507FFFFF', 'largest digits')
-    call decimal_is(-huge(1_int64) - 1_int64, 0, 'D0800000', 'smallest digits')
-    call decimal_is(-huge(1_int64) - 1_int64, -120, '00000000', 'smallest digits, underflow')
-
-  contains
-
-    subroutine decimal_is(digits, exponent10, word, message)
-      integer(int64), intent(in) :: digits
-      integer, intent(in) :: exponent10
-      character(*), intent(in) :: word, message
-
-      call check_word(hex32_from_decimal(digits, exponent10), word, message)
-    end subroutine decimal_is
-
+    call check_word(hex32_from_decimal(1_int64, 2000000000), '7FFFFFFF', 'overflow, any exponent')
+    call check_word(hex32_from_decimal(-1_int64, -2000000000), '00000000', &
+                    'underflow, any exponent')
+    call check_word(hex32_from_decimal(huge(1_int64), 0), '507FFFFF', 'largest digits')
+    call check_word(hex32_from_decimal(-huge(1_int64) - 1_int64, 0), 'D0800000', 'smallest digits')
+    call check_word(hex32_from_decimal(-huge(1_int64) - 1_int64, -120), '00000000', &
+                    'smallest digits, underflow')
   end subroutine test_decimal_ends
 
   subroutine test_binary

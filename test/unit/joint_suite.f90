@@ -172,8 +172,7 @@ contains
   end subroutine load_met
 
   ! L/(c dL/dc) by differences: the share reported is within a tenth above, and not below by more
-  ! than
-  ! its conjugate gradients leave.
+  ! than its conjugate gradients leave.
   subroutine error_of_compression
     real(real64), parameter :: aside = 1.0e-4_real64
     type(known_scene) :: scenes(18)

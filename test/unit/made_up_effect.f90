@@ -1,7 +1,7 @@
 !> An effect that no release has: what it takes to write one, through the public interface alone.
 !>
 !> Every contact carries a share more than its law states, and that share again for each state kept
-!> before. Where it acts in time, all loads fall by exp(-t).
+!> before.
 module asperity_made_up_effect
   use asperity_contact_effect, only: contact_effect, effect_outcome, force, length, plain
   use asperity_contact_pairs, only: contact_pairs
@@ -12,7 +12,7 @@ module asperity_made_up_effect
 
   public :: made_up_effect, make_up
 
-  !> It overrides what remembers and what acts in time; `finish` stays.
+  !> It overrides what remembers; `finish` stays.
   type, extends(contact_effect) :: made_up_effect
     real(real64) :: share = 0.0_real64  !! more load, once and for each state kept
     integer :: kept = 0                 !! states since the position began
@@ -22,39 +22,29 @@ module asperity_made_up_effect
     procedure :: leave_out
     procedure :: begin
     procedure :: keep
-    procedure :: held_share
   end type made_up_effect
 
 contains
 
   !> The effect, ready for a list.
-  subroutine make_up(mode, share, tolerance, in_time, effect)
-    !> one of the `effect_` numbers
-    integer, intent(in) :: mode
-    !> more load, and what may be left out of it
-    real(real64), intent(in) :: share, tolerance
-    !> acts in time
-    logical, intent(in) :: in_time
-    !> the effect
-    class(contact_effect), allocatable, intent(out) :: effect
+  subroutine make_up(mode, share, tolerance, effect)
+    integer, intent(in) :: mode  !! one of the `effect_` numbers
+    real(real64), intent(in) :: share, tolerance  !! more load, and what may be left out of it
+    class(contact_effect), allocatable, intent(out) :: effect  !! the effect
     type(made_up_effect) :: new
 
     new%name = 'made_up'
     new%mode = mode
     new%tolerance = tolerance
     new%share = share
-    new%acts_in_time = in_time
     allocate (effect, source=new)
   end subroutine make_up
 
   !> The share itself.
   function estimate(self, pairs, state) result(share)
-    !> the effect
-    class(made_up_effect), intent(in) :: self
-    !> the position
-    type(contact_pairs), intent(in) :: pairs
-    !> without this effect
-    type(contact_state), intent(in) :: state
+    class(made_up_effect), intent(in) :: self  !! the effect
+    type(contact_pairs), intent(in) :: pairs   !! the position
+    type(contact_state), intent(in) :: state   !! without this effect
     real(real64) :: share
 
     share = 0.0_real64
@@ -64,18 +54,13 @@ contains
   !> Multiplies the loads. Columns: what is added to each, and its penetration; the vertical load
   !> before, and how many states were kept.
   subroutine apply(self, pairs, state, outcome)
-    !> the effect
-    class(made_up_effect), intent(in) :: self
-    !> the position
-    type(contact_pairs), intent(in) :: pairs
-    !> without, then with this effect
-    type(contact_state), intent(inout) :: state
-    !> what it did
-    type(effect_outcome), intent(inout) :: outcome
+    class(made_up_effect), intent(in) :: self       !! the effect
+    type(contact_pairs), intent(in) :: pairs        !! the position
+    type(contact_state), intent(inout) :: state     !! without, then with this effect
+    type(effect_outcome), intent(inout) :: outcome  !! what it did
     real(real64) :: factor
 
     factor = 1.0_real64 + self%estimate(pairs, state)
-    if (self%acts_in_time) factor = factor * exp(-state%time)
     call add_columns(outcome, (factor - 1.0_real64) * state%answers%load, state%penetration, &
                      sum(state%answers%vertical_load), real(self%kept, real64))
     state%answers%load = factor * state%answers%load
@@ -85,14 +70,10 @@ contains
 
   !> Columns without values.
   subroutine leave_out(self, pairs, state, outcome)
-    !> the effect
-    class(made_up_effect), intent(in) :: self
-    !> the position
-    type(contact_pairs), intent(in) :: pairs
-    !> without this effect
-    type(contact_state), intent(in) :: state
-    !> gets the columns
-    type(effect_outcome), intent(inout) :: outcome
+    class(made_up_effect), intent(in) :: self       !! the effect
+    type(contact_pairs), intent(in) :: pairs        !! the position
+    type(contact_state), intent(in) :: state        !! without this effect
+    type(effect_outcome), intent(inout) :: outcome  !! gets the columns
 
     associate (unused => self, unused_too => state, &
                none => spread(not_computed, 1, size(pairs%list)))
@@ -113,36 +94,19 @@ contains
 
   !> Nothing was kept yet.
   subroutine begin(self, pairs)
-    !> the effect
-    class(made_up_effect), intent(inout) :: self
-    !> the position
-    type(contact_pairs), intent(in) :: pairs
+    class(made_up_effect), intent(inout) :: self  !! the effect
+    type(contact_pairs), intent(in) :: pairs      !! the position
 
     self%kept = 0 * size(pairs%list)
   end subroutine begin
 
   !> Counts a state.
   subroutine keep(self, pairs, state)
-    !> the effect
-    class(made_up_effect), intent(inout) :: self
-    !> the position
-    type(contact_pairs), intent(in) :: pairs
-    !> all effects applied
-    type(contact_state), intent(in) :: state
+    class(made_up_effect), intent(inout) :: self  !! the effect
+    type(contact_pairs), intent(in) :: pairs      !! the position
+    type(contact_state), intent(in) :: state      !! all effects applied
 
     if (size(state%answers) == size(pairs%list)) self%kept = self%kept + 1
   end subroutine keep
-
-  !> What is left of a load that is held.
-  function held_share(self, time) result(share)
-    !> the effect
-    class(made_up_effect), intent(in) :: self
-    !> since the end of loading
-    real(real64), intent(in) :: time
-    real(real64) :: share
-
-    share = 1.0_real64
-    if (self%acts_in_time) share = exp(-time)
-  end function held_share
 
 end module asperity_made_up_effect

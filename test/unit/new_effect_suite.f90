@@ -8,7 +8,7 @@ module asperity_new_effect_suite
   use asperity_contact_pairs, only: contact_pairs
   use asperity_contact_records, only: position_result
   use asperity_contact_state, only: contact_state, start_state, total_load, total_vertical_load
-  use asperity_effect_helpers, only: near, pair_of, set_number
+  use asperity_effect_helpers, only: near, pair_of
   use asperity_effect_list, only: list_effects
   use asperity_hertz_law, only: hertz_law
   use asperity_kinds, only: not_computed, real64
@@ -91,12 +91,12 @@ contains
 
     call two_pairs(pairs, hertz)
     call scene_in%effects%call_for('friction', effect_on)
-    call set_number(scene_in, 'friction_coefficient', 0.1_real64)
+    call scene_in%effects%set('friction_coefficient', 0.1_real64)
     scene_in%upper%elastic_modulus = 1.0_real64
     scene_in%lower%elastic_modulus = 1.0_real64
     scene_in%loading%control = control_separation
     call list_effects(scene_in, listed)
-    call make_up(effect_on, 0.25_real64, 0.0_real64, .false., effects(1)%effect)
+    call make_up(effect_on, 0.25_real64, 0.0_real64, effects(1)%effect)
     call move_alloc(listed(1)%effect, effects(2)%effect)
     call run_position(scene_in, pairs, effects, result, run, failure)
     call check(run%simulated .and. .not. run%too_far .and. .not. allocated(failure), 'simulated')
@@ -129,8 +129,8 @@ contains
 
     call two_pairs(pairs, hertz)
     do i = 1, 2
-      call run_one(pairs, effect_auto, 0.02_real64 * i, 0.03_real64, .false., &
-                   by_approach(), result, simulated)
+      call run_one(pairs, effect_auto, 0.02_real64 * i, 0.03_real64, by_approach(), &
+                   result, simulated)
       if (has_failed()) return
       call check(simulated .eqv. i == 2, 'called for')
       call near(result%effects(1)%estimate, 0.02_real64 * i, rounding, 'estimate')
@@ -171,7 +171,7 @@ contains
       scene_in%loading%path(i) = (1.0_real64 - merge(0.02_real64, 0.05_real64, i == 2)) / &
                                    16.0_real64
     end do
-    call make_up(effect_on, 0.1_real64, 0.0_real64, .false., effects(1)%effect)
+    call make_up(effect_on, 0.1_real64, 0.0_real64, effects(1)%effect)
     do turn = 1, 2
       run%keep_rows = .false.
       call run_position(scene_in, pairs, effects, result, run, failure)
@@ -200,7 +200,7 @@ contains
     do i = 1, 2
       scene_in%loading%path(i) = total_load(hertz) / 16.0_real64
     end do
-    call run_one(pairs, effect_on, 0.1_real64, 0.0_real64, .false., scene_in, result, simulated)
+    call run_one(pairs, effect_on, 0.1_real64, 0.0_real64, scene_in, result, simulated)
     if (has_failed()) return
     do i = 1, 2
       call near(result%states(i)%load * 16.0_real64, total_load(hertz), met, 'load')
@@ -257,11 +257,10 @@ contains
   end subroutine apply_jumping
 
   ! A position with the made-up effect alone.
-  subroutine run_one(pairs, mode, share, tolerance, in_time, scene_in, result, simulated)
+  subroutine run_one(pairs, mode, share, tolerance, scene_in, result, simulated)
     type(contact_pairs), intent(in) :: pairs
     integer, intent(in) :: mode
     real(real64), intent(in) :: share, tolerance
-    logical, intent(in) :: in_time
     type(scene), intent(in) :: scene_in
     type(position_result), intent(out) :: result
     logical, intent(out) :: simulated
@@ -269,7 +268,7 @@ contains
     type(position_run) :: run
     character(len=:), allocatable :: failure
 
-    call make_up(mode, share, tolerance, in_time, effects(1)%effect)
+    call make_up(mode, share, tolerance, effects(1)%effect)
     call run_position(scene_in, pairs, effects, result, run, failure)
     simulated = run%simulated
     call check(.not. (run%too_far .or. allocated(failure)), 'a position with the effect alone')

@@ -35,10 +35,8 @@ contains
 
   !> Runs the tests of a suite, if it is named on the command line or none is named there.
   subroutine run_suite(name, suite)
-    !> the suite's name
-    character(*), intent(in) :: name
-    !> runs its tests
-    procedure(test_interface) :: suite
+    character(*), intent(in) :: name    !! the suite's name
+    procedure(test_interface) :: suite  !! runs its tests
     integer :: before
 
     if (.not. is_chosen(name)) return
@@ -53,9 +51,7 @@ contains
 
   !> Runs a test, prints its first failure and adds to the count.
   subroutine run_test(name, test)
-    !> what the test shows
-    character(*), intent(in) :: name
-    !> the test
+    character(*), intent(in) :: name  !! what the test shows
     procedure(test_interface) :: test
 
     if (allocated(failure)) deallocate (failure)
@@ -128,8 +124,7 @@ contains
 
   subroutine check_real64(found, expected, tolerance, message)
     real(real64), intent(in) :: found, expected
-    !> largest difference allowed, in the unit of the values
-    real(real64), intent(in) :: tolerance
+    real(real64), intent(in) :: tolerance  !! largest difference allowed, in the unit of the values
     character(*), intent(in) :: message
     character(120) :: values
 
