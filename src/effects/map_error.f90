@@ -194,11 +194,11 @@ contains
       call solve_coarser(map, laws, request, grid, full, coarser(:, i), unsolved)
       if (allocated(unsolved)) exit
     end do
-    if (allocated(unsolved) .and. i <= 2) return
     if (allocated(unsolved)) then
+      if (allocated(request%numbers)) deallocate (request%numbers)
+      if (i <= 2) return
       grids = 2
       deallocate (unsolved)
-      if (allocated(request%numbers)) deallocate (request%numbers)
     end if
     request%steps = steps(max(1, grids - 2):grids)
     if (request%by_top .and. request%top_error > 0.0_real64 .and. .not. request%by_load) then
