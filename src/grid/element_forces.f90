@@ -74,7 +74,7 @@ module asperity_element_forces
   type :: force_iterate
     real(real64), allocatable, dimension(:, :) :: force, gradient            ! f, r
     real(real64), allocatable, dimension(:, :) :: next_force, next_gradient  ! f, r after the step
-    !> gradient in W, or the change of f; d; forces by the inverse, A d, or that by the change of f
+    !> gradient in W, before that the change of f; d; forces by the inverse, A d, or that by the change of f
     real(real32), allocatable, dimension(:, :) :: working, direction, image
     real(real64), allocatable :: row_sums(:, :)    ! sums or maxima of each row of a loop
     real(real64) :: level = 0.0_real64             ! still to be subtracted from the next gradient
@@ -174,10 +174,6 @@ contains
     associate (f => state%force, r => state%gradient, next => state%next_force, &
                d => state%direction, gradient => state%next_gradient, image => state%image, &
                limit => bounds%limit, w => state%working)
-      !$omp parallel do if(size(gap, kind=int64) > thread_threshold)
-      do j = 1, size(gap, 2)
-        call working_row(limit, f(:, j), r(:, j), w(:, j))
-      end do
       call influence%invert_on(w, image)
       !$omp parallel do if(size(gap, kind=int64) > thread_threshold)
       do j = 1, size(gap, 2)
@@ -248,7 +244,19 @@ contains
     if (maxval(abs(displaced)) > rounding * influence%norm) return
     state%force = state%force - minval(state%force)
     state%gradient_product = 0.0_real64
+    call find_working(bounds, state)
   end subroutine take_least_force
+
+  ! Finds the gradient in W.
+  subroutine find_working(bounds, state)
+    type(force_bounds), intent(in) :: bounds
+    type(force_iterate), intent(inout) :: state
+    integer :: j
+
+    do j = 1, size(state%force, 2)
+      call working_row(bounds%limit, state%force(:, j), state%gradient(:, j), state%working(:, j))
+    end do
+  end subroutine find_working
 
   ! Takes a projected gradient step P(f - t r), after which conjugate gradients begin again: t is
   ! that of steepest descent in the forces that can move, halved until the energy decreases by half
@@ -259,15 +267,12 @@ contains
     type(force_bounds), intent(in) :: bounds
     type(force_iterate), intent(inout) :: state
     real(real64) :: curvature, enough, least, length, squares
-    integer :: j
 
     associate (f => state%force, r => state%gradient)
-      do j = 1, size(gap, 2)
-        call working_row(bounds%limit, f(:, j), r(:, j), state%direction(:, j))
-      end do
-      call influence%apply(state%direction, state%image)
-      squares = sum(real(state%direction, real64)**2)
-      curvature = sum(real(state%direction, real64) * state%image)
+      call find_working(bounds, state)
+      call influence%apply(state%working, state%image)
+      squares = sum(real(state%working, real64)**2)
+      curvature = sum(real(state%working, real64) * state%image)
       least = 1.0_real64 / influence%norm
       length = least
       if (curvature > epsilon(least) * influence%norm * squares) length = squares / curvature
@@ -354,7 +359,8 @@ contains
     do j = 1, size(state%force, 2)
       if (.not. state%is_recomputed) state%next_gradient(:, j) = state%gradient(:, j)
       call residual_row(numbers, state%force(:, j), state%gradient(:, j), state%image(:, j), &
-                        state%next_force(:, j), state%next_gradient(:, j), state%row_sums(:3, j))
+                        state%next_force(:, j), state%next_gradient(:, j), state%working(:, j), &
+                        state%row_sums(:3, j))
     end do
     state%decrease = 0.5_real64 * sum(state%row_sums(1, :))
     state%enough = sum(state%row_sums(2, :))

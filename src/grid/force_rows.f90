@@ -64,7 +64,7 @@ contains
     total = 0.0_real64
     !$omp simd reduction(+:total)
     do i = 1, size(w)
-      d(i) = merge(z(i) + step * d(i) - mean, 0.0_real32, abs(w(i)) > 0.0_real32)
+      d(i) = merge(1.0_real32, 0.0_real32, abs(w(i)) > 0.0_real32) * (z(i) + step * d(i) - mean)
       total = total + real(d(i), real64) * w(i)
     end do
   end subroutine direction_row
@@ -145,14 +145,16 @@ contains
 
   !> Adds a multiple of displacements to the gradient, and subtracts its level; sums of the decrease
   !> of the energy, twice, and of the bound of the next one, and the residual.
-  pure subroutine residual_row(numbers, before, gradient, image, f, r, sums)
+  pure subroutine residual_row(numbers, before, gradient, image, f, r, w, sums)
     real(real64), intent(in) :: numbers(4)            !! level, |A|, largest force, multiple
     real(real64), intent(in), contiguous :: before(:), gradient(:)  !! f and r before the step
     real(real32), intent(in), contiguous :: image(:)  !! displacements
     real(real64), intent(in), contiguous :: f(:)      !! f after the step
     real(real64), intent(inout), contiguous :: r(:)   !! gradient; then that after the step
+    real(real32), intent(out), contiguous :: w(:)     !! that in W
     real(real64), intent(out) :: sums(3)
-    real(real64) :: change, decrease, enough, half, inverse, level, limit, multiple, residual
+    real(real64) :: above, change, decrease, enough, half, inverse, least, level, limit, multiple, &
+                    residual
     integer :: i
 
     level = numbers(1)
@@ -163,12 +165,14 @@ contains
     decrease = 0.0_real64
     enough = 0.0_real64
     residual = 0.0_real64
-    !$omp simd private(change) reduction(+:decrease, enough) reduction(max:residual)
+    !$omp simd private(above, change, least) reduction(+:decrease, enough) reduction(max:residual)
     do i = 1, size(f)
       r(i) = r(i) + multiple * image(i) - level
       decrease = decrease + (before(i) - f(i)) * (gradient(i) + r(i))
-      residual = max(residual, min(r(i), one_where(f(i) > 0.0_real64) * huge(level)), &
-                     min(-r(i), one_where(f(i) < limit) * huge(level)))
+      above = min(r(i), one_where(f(i) > 0.0_real64) * huge(level))
+      least = -one_where(f(i) < limit) * huge(level)
+      w(i) = real(max(least, above), real32)
+      residual = max(residual, above, min(-r(i), -least))
       change = f(i) - min(limit, max(0.0_real64, f(i) - inverse * r(i)))
       enough = enough + change * (r(i) - half * change)
     end do

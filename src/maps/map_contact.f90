@@ -79,11 +79,11 @@ module asperity_map_contact
   ! and width w (2/pi) ln(2 w/l) more: 28 where both ratios are 1e9 (test: a flat with missing
   ! pixels in test_creep_pixels.py).
   real(real64), parameter :: displacement_reach = 64.0_real64
-  ! Bytes of the two spectra for a padded pixel, of the transform for one in the rows of the map,
+  ! Bytes of the spectra for a padded pixel, of the transforms for one in the rows of the map,
   ! and of a plain one: pressures, gaps and the vectors of the method (derived; test: memory in
   ! test/contact/test_cost.py).
-  real(real64), parameter :: bytes_padded = 4.0_real64, bytes_across = 8.0_real64, &
-                             bytes_plain = 72.0_real64
+  real(real64), parameter :: bytes_padded = 4.0_real64, bytes_across = 12.0_real64, &
+                             bytes_plain = 68.0_real64
 
 contains
 

@@ -11,7 +11,7 @@ module asperity_elements_suite
   use asperity_element_solver, only: cluster_lattice, cluster_extent, solve_elements
   use asperity_chebyshev_basis, only: chebyshev_nodes
   use asperity_contact_pairs, only: contact_pair, contact_pairs
-  use asperity_kinds, only: real64
+  use asperity_kinds, only: real32, real64
   use asperity_testing, only: check, run_test
   implicit none
   private
@@ -403,7 +403,8 @@ contains
   ! An influence that falls as 1/r, on lattices of even, odd and prime sides.
   subroutine sum_over_cells
     integer, parameter :: sides(2, 4) = reshape([1, 1, 7, 4, 13, 16, 1, 9], [2, 4])
-    real(real64), allocatable :: influence(:, :), force(:, :), found(:, :), back(:, :)
+    real(real64), allocatable :: influence(:, :), force(:, :), found(:, :)
+    real(real32), allocatable :: back(:, :)
     type(lattice_convolution), allocatable :: cells
     real(real64) :: direct, worst
     integer :: i, j, k, l, n
@@ -435,8 +436,11 @@ contains
       call check(worst, 0.0_real64, 1.0e-13_real64 * sum(abs(force)), 'a sum')
       ! The energy of forces is within the norm; that of the rough inverse is more than 0.
       call check(sum(force * found) <= cells%norm * sum(force**2), 'norm')
-      allocate (back, mold=force)
-      call cells%invert_on(force, back)
+      allocate (back(sides(1, n), sides(2, n)))
+      call cells%apply(real(force, real32), back)
+      call check(maxval(abs(back - found)), 0.0_real64, 16 * epsilon(1.0_real32) * &
+                 maxval(abs(found)), 'a sum of single precision')
+      call cells%invert_on(real(force, real32), back)
       call check(sum(force * back) > 0.0_real64, 'rough inverse')
       deallocate (cells, influence, force, found, back)
     end do
@@ -447,7 +451,8 @@ contains
   ! With y = A x on a part, the energy x.y is that of the inverse of A there: y.By is at least that
   ! where B is the inverse on the whole, and E^T B E is symmetric.
   subroutine inverse_on_part
-    real(real64), dimension(12, 10) :: x, y, back, other, other_back
+    real(real64), dimension(12, 10) :: x, y, other
+    real(real32), dimension(12, 10) :: back, other_back
     type(lattice_convolution) :: cells
     integer :: i, j
 
@@ -463,10 +468,10 @@ contains
     where (abs(other) > 0.0_real64) x = x - sum(x) / count(abs(other) > 0.0_real64)
     call cells%apply(x, y)
     where (.not. abs(other) > 0.0_real64) y = 0.0_real64
-    call cells%invert_on(y, back)
-    call cells%invert_on(other, other_back)
+    call cells%invert_on(real(y, real32), back)
+    call cells%invert_on(real(other, real32), other_back)
     call check(sum(x * y) <= sum(y * back), 'bound of the energy')
-    call check(sum(y * other_back), sum(other * back), 1.0e-12_real64, 'symmetry')
+    call check(sum(y * other_back), sum(other * back), 1.0e-5_real64, 'symmetry')
     call check(sum(other * other_back) > 0.0_real64, 'positive definite')
   end subroutine inverse_on_part
 
