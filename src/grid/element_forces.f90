@@ -146,8 +146,11 @@ contains
     end do
     if (present(level)) level = state%level
     call move_alloc(state%force, force)
-    if (present(displacement)) then
-      call move_alloc(state%next_gradient, displacement)
+    if (.not. present(displacement)) return
+    call move_alloc(state%gradient, displacement)
+    if (state%is_recomputed .and. epsilon(enough) * maxval(gap) < state%rounding_error) then
+      displacement = displacement + (state%level - gap)
+    else
       call influence%apply(force, displacement)
     end if
   end subroutine find_forces

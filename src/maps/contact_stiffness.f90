@@ -8,7 +8,8 @@
 !>
 !> Method: conjugate gradients on these pixels with a fixed sum, preconditioned with the approximate
 !> inverse of `lattice_convolution`, which is symmetric and positive definite on them. The sum is
-!> fixed as a strip is known up to a constant displacement, which A need not be definite with.
+!> fixed as a strip is known up to a constant displacement, which A need not be definite with. All
+!> but the first displacements are of single precision, whose error is 1e-6 of the displacement.
 module asperity_contact_stiffness
   use asperity_height_map, only: height_map, is_measured
   use asperity_kinds, only: int64, not_computed, real32, real64
@@ -40,13 +41,14 @@ contains
   subroutine find_stiffness(map, modulus, carries, stiffness, gap_stiffness)
     type(height_map), intent(in) :: map          !! map with its edges
     real(real64), intent(in) :: modulus          !! combined modulus, more than 0
-    logical, intent(in) :: carries(:, :)         !! pixels in contact, below the hardness
+    logical, intent(in), contiguous :: carries(:, :)  !! pixels in contact, below the hardness
     real(real64), intent(out) :: stiffness       !! dP/d(compression) [force/length], 0 or more
     !> load by a decrease of the mean gap over the measured pixels [force/length], 0 or more
     real(real64), intent(out), optional :: gap_stiffness
     type(lattice_convolution) :: influence
     real(real32), allocatable, dimension(:, :) :: direction, image, residual
-    real(real64) :: displacement, gap, mean, product_before, step, totals(2)
+    real(real64), allocatable :: moved(:, :)
+    real(real64) :: displacement, gap, product_before, step, totals(2)
     integer(int64) :: number
     integer :: i, j, turn
     logical :: has_mean, is_met(2)
@@ -61,16 +63,14 @@ contains
                .and. .not. (map%periodic .and. all(is_measured(map%height)))
     call prepare_influence(map, influence)
     allocate (direction(map%columns, map%rows), source=0.0_real32)
-    allocate (image, residual, mold=direction)
-    where (carries) direction = 1.0_real32 / real(number, real32)
-    call influence%apply(direction, image)
-    totals = sums_on(carries, image, direction)
-    displacement = totals(2)
+    allocate (image, mold=direction)
+    allocate (moved, mold=map%height)
+    call influence%apply(merge(1.0_real64 / number, 0.0_real64, carries), moved)
+    displacement = sum(moved, mask=carries) / number
     gap = displacement
-    if (has_mean) gap = displacement - measured_mean(map, image)
-    residual = 0.0_real32
-    where (carries) residual = real(displacement, real32) - image
-    direction = 0.0_real32
+    if (has_mean) gap = gap - sum(moved, is_measured(map%height)) / count(is_measured(map%height))
+    residual = real(merge(displacement - moved, 0.0_real64, carries), real32)
+    deallocate (moved)
     product_before = 0.0_real64
     is_met = .false.
     do turn = 1, iterations_allowed
@@ -81,33 +81,19 @@ contains
       if (has_mean) is_met(2) = totals(2) * displacement <= (gap_error_left * gap)**2
       ! The gap is a difference with an error of rounding: less is not asked for.
       if (all(is_met) .or. totals(2) <= epsilon(gap)**2 * displacement) exit
-      mean = totals(1) / number
       step = 0.0_real64
       if (product_before > 0.0_real64) step = totals(2) / product_before
       product_before = totals(2)
-      !$omp parallel do if(size(image, kind=int64) > thread_threshold)
-      do j = 1, size(image, 2)
-        do i = 1, size(image, 1)
-          direction(i, j) = merge(image(i, j) - real(mean, real32) + &
-                                  real(step, real32) * direction(i, j), 0.0_real32, carries(i, j))
-        end do
-      end do
+      call add_on(carries, [step, 1.0_real64, totals(1) / number], image, direction)
       call influence%apply(direction, image)
       totals = sums_on(carries, image, direction)
-      mean = totals(1) / number
       if (.not. (totals(2) > 0.0_real64 .and. product_before > 0.0_real64)) exit
       step = product_before / totals(2)
       ! x.Ax decreases by the product of the step and the residual.
       displacement = displacement - step * product_before
       gap = gap - step * product_before
       if (has_mean) gap = gap - step * measured_mean(map, image)
-      !$omp parallel do if(size(image, kind=int64) > thread_threshold)
-      do j = 1, size(image, 2)
-        do i = 1, size(image, 1)
-          residual(i, j) = residual(i, j) - merge(real(step, real32) * (image(i, j) - &
-                                                  real(mean, real32)), 0.0_real32, carries(i, j))
-        end do
-      end do
+      call add_on(carries, [1.0_real64, -step, totals(1) / number], image, residual)
     end do
     ! Lengths across are over the side of a pixel.
     if (is_met(1) .and. map%strip_axis == 0) &
@@ -116,6 +102,28 @@ contains
         any(is_measured(map%height) .and. .not. carries)) &
       gap_stiffness = modulus * map%pixel_spacing(2) / gap
   end subroutine find_stiffness
+
+  ! Multiplies values by the first factor and adds, on a part of the pixels, an image less a mean,
+  ! times the second.
+  subroutine add_on(part, factors_mean, image, values)
+    logical, intent(in), contiguous :: part(:, :)
+    real(real64), intent(in) :: factors_mean(3)
+    real(real32), intent(in), contiguous :: image(:, :)
+    real(real32), intent(inout), contiguous :: values(:, :)
+    real(real32) :: factor(2), mean
+    integer :: i, j
+
+    factor = real(factors_mean(:2), real32)
+    mean = real(factors_mean(3), real32)
+    !$omp parallel do if(size(image, kind=int64) > thread_threshold)
+    do j = 1, size(image, 2)
+      !$omp simd
+      do i = 1, size(image, 1)
+        values(i, j) = factor(1) * values(i, j) + &
+                       merge(factor(2), 0.0_real32, part(i, j)) * (image(i, j) - mean)
+      end do
+    end do
+  end subroutine add_on
 
   ! Mean of displacements over the measured pixels.
   real(real64) function measured_mean(map, displacement) result(mean)
@@ -129,7 +137,7 @@ contains
 
   ! Sum of an array over a part of the pixels, and that of its product with another one, by rows.
   function sums_on(part, image, other) result(totals)
-    logical, intent(in) :: part(:, :)
+    logical, intent(in), contiguous :: part(:, :)
     real(real32), intent(in), contiguous :: image(:, :), other(:, :)
     real(real64) :: row_sums(2, size(part, 2)), total, product_sum, totals(2), value
     integer :: i, j
