@@ -50,7 +50,7 @@ contains
     real(real64), allocatable :: moved(:, :)
     real(real64) :: displacement, gap, product_before, step, totals(2)
     integer(int64) :: number
-    integer :: i, j, turn
+    integer :: turn
     logical :: has_mean, is_met(2)
 
     stiffness = 0.0_real64
