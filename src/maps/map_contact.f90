@@ -339,13 +339,14 @@ contains
             bytes_of_plans
   end function room_to_press
 
-  !> Memory of a solve of a map beside the map, bytes: that of `press_map`, copies of the scene, the
-  !> map of the sum, the state, and of a relaxing body its history.
+  !> Memory of a solve of a map beside the map, bytes: that of `press_map`, the map of the sum, that
+  !> of the state, and of a relaxing body its history.
   pure integer(int64) function room_to_solve(map, relaxations) result(bytes)
     type(height_map), intent(in) :: map  !! height map, periodic or free
     integer, intent(in) :: relaxations   !! relaxation times; 0: no creep
-    ! Arrays of the map (measured: 3, and 9 with one time; test: limits in test_outside_faults.py).
-    integer, parameter :: arrays = 6, creep_arrays = 6
+    ! Arrays of the map: both maps, and of creep (measured: 9 with one time; test: limits in
+    ! test_outside_faults.py).
+    integer, parameter :: arrays = 2, creep_arrays = 10
 
     bytes = room_to_press(map) + 8 * size(map%height, kind=int64) * &
             (arrays + merge(creep_arrays, 0, relaxations > 0) + 2 * relaxations)

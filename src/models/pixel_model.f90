@@ -230,8 +230,9 @@ contains
       self%states = size(steps)
       kept = merge(self%states, 1, model%fields == fields_all)
       if (model%fields == fields_none) return
+      ! The fields of a state are made where vectors of its solution were.
       call check_memory('the fields of ' // decimal_text(kept) // ' state', failure, &
-                        bytes=room_to_press(model%first_map) + &
+                        bytes=room_to_press(model%first_map) - room_of_fields(model%work, 1) + &
                         room_of_fields(model%positions * model%work, kept))
       if (allocated(failure) .and. kept > 1) &
         failure = failure // 's, expected those of the last state alone'

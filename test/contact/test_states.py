@@ -5,6 +5,7 @@ below the highest, at which its isolated contact begins; Johnson's closed form o
 beside a Hertzian contact (Contact Mechanics, 1985, eq. 3.42a), by which a contact begins later.
 """
 
+import re
 import sys
 
 import numpy as np
@@ -177,8 +178,9 @@ def test_memory_out_of_reach(asperity, tmp_path):
 
 @pytest.mark.once
 @pytest.mark.parametrize(("edge", "bytes_a_pixel"), [("periodic", 110), ("free", 130)])
-def test_memory_of_a_map(edge, bytes_a_pixel, asperity, tmp_path):
-    """Bytes a pixel at the largest stage, beside 12 MB of the program."""
+def test_memory_of_a_map(edge, bytes_a_pixel, asperity, root, tmp_path):
+    """Bytes a pixel at the largest stage, with fields, beside 12 MB of the program; sides of maps
+    that fill the memories of the page."""
     n = 512
     waves = 0.1 * np.cos(2 * np.pi * np.arange(n) * 3 / n)
     np.save(tmp_path / "map.npy", waves[:, None] + waves)
@@ -188,8 +190,14 @@ def test_memory_of_a_map(edge, bytes_a_pixel, asperity, tmp_path):
         material={"contact_modulus": 1.0}, loading={"control": "pressure", "value": 5e-4},
         effects={"interaction": "boundary"})
     peak = peak_kilobytes(asperity, "solve", scene, "--quiet", "--threads", "1",
-                          "--positions", tmp_path / "positions.csv")
+                          "--positions", tmp_path / "positions.csv",
+                          "--fields", tmp_path / "fields.vti")
     assert 1024 * peak < 12e6 + bytes_a_pixel * n**2, 1024 * peak / n**2
+    page = (root / "docs/reference/maps.md").read_text(encoding="utf-8").replace(",", "")
+    rows = [map(int, re.search(rf"^\| {name} \| ([\d |]+) \|$", page, re.M)[1].split(" | "))
+            for name in ("free memory GiB", edge)]
+    for memory, side in zip(*rows, strict=True):
+        assert 0.95 < bytes_a_pixel * side**2 / (memory * 2**30) <= 1, side
 
 
 # The memory of a build with sanitizers is another.
