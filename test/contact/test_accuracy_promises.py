@@ -6,6 +6,8 @@ from functools import partial
 import numpy as np
 import pytest
 from accuracy_promises import asperities, heights_of, judged, map_scene, maps, rows_of, waves
+from programs import run_program
+from surfaces_csv import write_plane_scene
 
 
 @pytest.mark.parametrize("kind, goal, least", [("asperities", 1e-2, 6), ("asperities", 1e-3, 6),
@@ -51,6 +53,33 @@ def test_more_pixels_need_known_waves(surface, asperity):
     want, _, _ = rows_of(asperity, partial(scene, heights=fine, spacing=0.5))
     for name, bound in (("compression", 1e-3), ("contact_stiffness", 0.05)):
         assert float(row[name]) == pytest.approx(float(want[name]), rel=bound)
+
+
+def refused_scene(folder, kind):
+    """Caps of many sizes, or a random map."""
+    if kind == "map":
+        n = 96
+        height = heights_of(waves(np.random.default_rng(4), n), n)
+        return map_scene(folder, height / np.ptp(height), 1, 1.0, "free", "pressure", 0.3)
+    random = np.random.default_rng(kind)
+    n = random.integers(100, 300)
+    radii = 10 ** random.uniform(-2, -1, n)
+    caps = np.column_stack([random.uniform(0, 1, (n, 2)),
+                            0.02 * radii.mean() * random.standard_normal(n), radii])
+    return write_plane_scene(folder / "caps", caps.tolist(), modulus=1e3, by_default=True, loading={
+        "control": "compression", "value": float(radii.mean() * 10 ** random.uniform(-2.5, -1))})
+
+
+@pytest.mark.parametrize("kind", [3, 24, "map"])
+@pytest.mark.parametrize("of", [(), ("--of", "area")])
+def test_a_refusal_proposes_what_is_met(kind, of, asperity, tmp_path):
+    """The option of a refusal, as it is typed, is accepted, and its printed error is within it."""
+    scene = refused_scene(tmp_path, kind)
+    shown = run_program(asperity, "solve", scene, *of, "--accuracy", "1e-6", status=1).stderr
+    option = re.search(r"set --accuracy (\S+?)(?: |,|\n)", shown)[1]
+    met = run_program(asperity, "solve", scene, *of, "--accuracy", option).stdout
+    printed = re.search(r"^accuracy .* error (\S+)$", met, re.M)
+    assert printed and float(printed[1]) <= float(option), met
 
 
 def test_the_residual_is_a_part_of_the_accuracy(asperity):
