@@ -36,6 +36,8 @@
 !> With creep they are those of the elastic state of the same displacements, with its own load (Lee
 !> and Radok 1960), which holds as long as no pixel has left the contact.
 module asperity_map_error
+  use asperity_coarse_grid, only: coarse_grid, find_centre, grid_around, least_side, &
+                                  step_beside_two
   use asperity_contact_records, only: state_row
   use asperity_effect_header, only: column_list, plain
   use asperity_height_map, only: height_map, is_measured
@@ -43,14 +45,14 @@ module asperity_map_error
   use asperity_map_contact, only: most_load
   use asperity_map_fields, only: measure_fields
   use asperity_map_resolution, only: take_heights
+  use asperity_map_rims, only: error_of_rims
   use asperity_map_top, only: find_top, first_contact
   use asperity_pixel_law, only: patches_in_contact, pixel_law_box, pixel_state
   use asperity_pixel_sequence, only: add_state_interface, solve_pixel_state
   implicit none
   private
 
-  public :: add_column_errors, error_request, estimate_pixel_errors, find_first_contact, &
-            share_at_ends
+  public :: add_column_errors, error_request, estimate_pixel_errors, find_first_contact
 
   ! Order of the errors of what depends on the rims of patches (derived: above; test: stiffness and
   ! area in test/maps/test_pixel_errors.py).
@@ -74,8 +76,6 @@ module asperity_map_error
   ! Tolerance of the gaps over the range of heights, or of the attraction (chosen: the differences
   ! are larger by far).
   real(real64), parameter :: closed_halves = 1.0e-4_real64
-  ! Least number of pixels along a side (chosen: halves of two are no maps).
-  integer, parameter :: least_side = 4
 
   !> The map between its pixels, and the quantity that is prescribed.
   type :: error_request
@@ -98,12 +98,6 @@ module asperity_map_error
     real(real64), allocatable, private :: numbers(:, :)
     integer, allocatable, private :: steps(:)      !! width of their pixels in those of the map
   end type error_request
-
-  ! Every `step`th pixel of a map.
-  type :: coarse_grid
-    integer :: step
-    integer, allocatable :: columns(:), rows(:)
-  end type coarse_grid
 
 contains
 
@@ -244,91 +238,6 @@ contains
       error = max(error, safety * abs(differences(1)) / (2**order - 1.0_real64), &
                   safety * sqrt(sum(differences(3:)**2) / 3) / (steps(5)**order - 1.0_real64))
   end function error_by
-
-  ! The first of the steps 3, 4 and 5 with which a map keeps its lengths; 0: none, or the map is too
-  ! small.
-  pure integer function step_beside_two(map) result(step)
-    type(height_map), intent(in) :: map
-
-    do step = 3, 5
-      if (any(shape(map%height) < step * least_side / 2)) exit
-      if (.not. any(mod(shape(map%height), step) > 0 .and. [map%repeats(1), map%repeats(2)])) return
-    end do
-    step = 0
-  end function step_beside_two
-
-  ! Finds the pixel and the diagonal that coarser grids follow: the same ones on maps that are
-  ! mirrored, transposed, in other units, or begin elsewhere. Equal tops differ by their pressures,
-  ! or by their distance from the middle between free edges, both diagonals by the twist of squared
-  ! heights about the top, as a sum of lines along both sides has no twist. Where rounding decides, the map is symmetric, and so are its grids.
-  pure subroutine find_centre(map, pressure, place, turn)
-    type(height_map), intent(in) :: map
-    real(real64), intent(in) :: pressure(:, :)  ! with a value above 0
-    integer, intent(out) :: place(2), turn      ! 1 or -1: columns times rows along the diagonal
-    type(coarse_grid) :: all
-    real(real64), allocatable :: along(:), across(:)
-    real(real64) :: from_middle(2), greatest, highest, lowest, most, rank
-    integer :: i, j
-
-    highest = maxval(map%height)
-    lowest = minval(map%height, is_measured(map%height))
-    greatest = maxval(pressure)
-    most = -huge(most)
-    do j = 1, size(pressure, 2)
-      do i = 1, size(pressure, 1)
-        from_middle = abs(2 * [i, j] - 1 - shape(pressure)) / real(shape(pressure), real64)
-        rank = pressure(i, j) / greatest + &
-               (max(map%height(i, j), lowest) - highest) / max(highest - lowest, tiny(highest)) - &
-               closed_halves * sum(from_middle**2, .not. [map%repeats(1), map%repeats(2)])
-        if (.not. rank > most) cycle
-        place = [i, j]
-        most = rank
-      end do
-    end do
-    all = grid_around(map, place, 1, [0, 0])
-    along = distances(place(1), size(pressure, 1), map%repeats(1))
-    across = distances(place(2), size(pressure, 2), map%repeats(2))
-    ! Half a period away is on both sides.
-    where (abs(2 * along) >= size(along)) along = 0.0_real64
-    where (abs(2 * across) >= size(across)) across = 0.0_real64
-    turn = 1
-    if (dot_product(along, matmul((max(map%height(all%columns, all%rows), lowest) - &
-                                   lowest)**2, across)) < 0.0_real64) turn = -1
-  end subroutine find_centre
-
-  ! Distances of the pixels along a side from one of them, the nearer way round.
-  pure function distances(place, number, repeats)
-    integer, intent(in) :: place, number
-    logical, intent(in) :: repeats
-    integer, allocatable :: distances(:)
-    integer :: i
-
-    distances = [(i, i=merge((1 - number) / 2, 1 - place, repeats), &
-                  merge(number / 2, number - place, repeats))]
-  end function distances
-
-  ! The grid of every `step`th pixel at an offset from a place. On a side that repeats itself, and
-  ! that the step does not divide, it ends where it is farthest from the place.
-  pure type(coarse_grid) function grid_around(map, place, step, offset) result(grid)
-    type(height_map), intent(in) :: map
-    integer, intent(in) :: place(2), step, offset(2)
-
-    grid%step = step
-    grid%columns = pixels_at(1)
-    grid%rows = pixels_at(2)
-
-  contains
-
-    pure function pixels_at(side) result(pixels)
-      integer, intent(in) :: side
-      integer, allocatable :: pixels(:)
-
-      pixels = distances(place(side), size(map%height, side), map%repeats(side))
-      pixels = pack(pixels, modulo(pixels - offset(side), step) == 0)
-      pixels = 1 + modulo(place(side) - 1 + pixels, size(map%height, side))
-    end function pixels_at
-
-  end function grid_around
 
   ! Solves the map on a coarser grid.
   subroutine solve_coarser(map, laws, request, grid, full, total, unsolved)
@@ -479,67 +388,5 @@ contains
         all(is_measured(map%height))) request%order = 2.5_real64
     if (request%growth > 0.0_real64) request%order = 1.5_real64
   end subroutine find_first_contact
-
-  !> Share of the load on pixels of contact patches that a free edge or a missing pixel cuts. Their
-  !> pressure grows without limit with finer pixels, as at the edge of a punch.
-  pure real(real64) function share_at_ends(map, pressure) result(share)
-    type(height_map), intent(in) :: map           !! height map that is pressed
-    real(real64), intent(in) :: pressure(:, :)    !! contact pressure, its sum > 0
-    logical, allocatable :: ends(:, :)
-    integer :: side
-
-    allocate (ends, source=.not. is_measured(map%height))
-    do side = -2, 2
-      if (side == 0) cycle
-      if (map%repeats(abs(side))) then
-        ends = ends .or. cshift(.not. is_measured(map%height), sign(1, side), abs(side))
-      else
-        ends = ends .or. eoshift(.not. is_measured(map%height), sign(1, side), .true., abs(side))
-      end if
-    end do
-    share = sum(pressure, mask=ends) / sum(pressure)
-  end function share_at_ends
-
-  ! Error of the area by the straight pieces of rims: of each half a pixel over its length; the
-  ! root of the sum of squares, and the sum of those from end to end of the map, as grooves at
-  ! equal distances have the same error. Where the body ends, at an edge or a missing pixel, is no
-  ! rim.
-  pure real(real64) function error_of_rims(map, pressure) result(error)
-    type(height_map), intent(in) :: map
-    real(real64), intent(in) :: pressure(:, :)
-    logical, allocatable :: beyond(:, :), rim(:, :), line(:)
-    integer(int64) :: grooves
-    integer :: along, i, length, side
-
-    error = 0.0_real64
-    grooves = 0_int64
-    do side = -2, 2
-      if (side == 0) cycle
-      beyond = pressure > 0.0_real64 .or. .not. is_measured(map%height)
-      if (map%repeats(abs(side))) then
-        beyond = cshift(beyond, sign(1, side), abs(side))
-      else
-        beyond = eoshift(beyond, sign(1, side), .true., abs(side))
-      end if
-      rim = pressure > 0.0_real64 .and. .not. beyond
-      if (abs(side) == 1) rim = transpose(rim)
-      do i = 1, size(rim, 2)
-        line = rim(:, i)
-        if (all(line)) then
-          grooves = grooves + size(line)
-          cycle
-        end if
-        ! A piece that goes on beyond the end of a periodic map is in one piece.
-        if (map%repeats(3 - abs(side))) line = cshift(line, findloc(line, .false., 1))
-        length = 0
-        do along = 1, size(line)
-          length = merge(length + 1, 0, line(along))
-          ! The squares 1, 3, 5, ... of a piece add up to that of its length.
-          if (length > 0) error = error + 2 * length - 1
-        end do
-      end do
-    end do
-    error = 0.5_real64 * (sqrt(error) + grooves) * product(map%pixel_spacing)
-  end function error_of_rims
 
 end module asperity_map_error

@@ -19,10 +19,11 @@ module asperity_pixel_model
   use asperity_map_caps, only: placed_caps
   use asperity_map_contact, only: most_load, room_to_press
   use asperity_map_error, only: add_column_errors, error_request, estimate_pixel_errors, &
-                                find_first_contact, share_at_ends
+                                find_first_contact
   use asperity_map_fields, only: measure_fields, take_field
   use asperity_map_form, only: find_form_contact
   use asperity_map_levelling, only: is_flat
+  use asperity_map_rims, only: share_at_ends
   use asperity_map_scene, only: area_of_map, displacement_of, join_maps, plan_map_path
   use asperity_map_shares, only: find_shares, map_shares, warn_of_map, warn_of_shares
   use asperity_path_steps, only: plan_hold
