@@ -283,11 +283,12 @@ contains
     if (size(self%left_out) == 0) return
     associate (states => result%states)
       states%error_estimate = max(states%error_estimate, 0.0_real64)
-      ! Without a load there is no share.
+      ! Without a load there is no share; contacts in tension have that of the deepest state.
+      deepest = maxloc(states%compression, 1)
       where (abs(states%load) > 0.0_real64) states%error_estimate = states%error_estimate + &
-        error_of_share(states%prescribed /= prescribed_nothing, sum(shares, 1))
+        error_of_share(states%prescribed /= prescribed_nothing, &
+                       merge(sum(shares, 1), sum(shares(:, deepest)), states%load > 0.0_real64))
     end associate
-    deepest = maxloc(result%states%compression, 1)
     do i = 1, size(self%left_out)
       associate (effect => self%left_out(i)%effect, effects_of_scene => self%scene_in%effects)
         share = shares(i, deepest)

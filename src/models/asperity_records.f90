@@ -9,10 +9,10 @@ module asperity_asperity_records
   use asperity_hertz_law, only: hertz_law
   use asperity_kinds, only: not_computed, real64
   use asperity_effect_header, only: add_effect, begin_header, effect_header
-  use asperity_scene_values, only: criterion_load, criterion_none, scene
+  use asperity_scene_values, only: criterion_load, criterion_none, is_load, scene
   use asperity_state_tally, only: add_contact, begin_tally, finish_tally, state_tally
   use asperity_theory_limits, only: seen_contact
-  use asperity_theory_warnings, only: of_error, take_worse, theory_warning, add_warning
+  use asperity_theory_warnings, only: of_error, of_together, take_worse, theory_warning, add_warning
   implicit none
   private
 
@@ -167,6 +167,18 @@ contains
                                in_units(columns%names, pairs, columns%values(1, :))]
       end associate
     end do
+    ! Contacts in tension have no estimate of an effect that has no common theory with another one:
+    ! the largest over the states.
+    if (allocated(result%warnings)) then
+      do i = 1, size(result%warnings)
+        associate (states => result%states, warning => result%warnings(i))
+          if (warning%number == of_together) &
+            where (states%load < 0.0_real64) states%error_estimate = max( &
+              states%error_estimate, error_of_share(is_load(scene_in%loading%control), &
+                                                    warning%magnitude))
+        end associate
+      end do
+    end if
     result%error_estimate = result%states(size(result%states))%error_estimate
     if (result%error_estimate > scene_in%effects%number('tolerance')) &
       call add_warning(warnings, of_error, result%error_estimate)
