@@ -11,7 +11,7 @@ from ball_scenes import balls, path, work
 from effect_runs import DECK
 from judge import column, compare, relative, solved
 from plastic_truth import BETWEEN, POINTS, STEEL, Sphere, unloading
-from surfaces_csv import write_plane_scene, write_scene
+from surfaces_csv import write_csv_scene, write_plane_scene, write_scene
 
 ONSET = 1.9 * float(STEEL.critical_overlap)
 # The steel of Jackson and Green: on a rigid flat, or on its like with twice the modulus.
@@ -388,3 +388,19 @@ def test_contacts_flow_at_every_equal_load(interaction, asperity, tmp_path):
                for values in ((4000.0,), (4000.0, 4000.0), (4000.0, 500.0, 4000.0),
                               (4000.0, 3999.9))]
     assert flowing[0] > 5 and flowing == [*3 * flowing[:1], 0]
+
+
+@pytest.mark.parametrize("upper, lower, values, points", [
+    (((2.38, 2.06, 0.11, 2.73), (2.36, 2.11, 0.1, 1.42)),
+     ((1.34, 1.42, 0.1, 1.61), (1.41, 1.77, 0.1, 1.5), (1.71, 1.81, 0.1, 1.84)),
+     (29.6, 0.116, 0.905), 0),
+    (((0.365, 1.678, 0.086, 2.877), (0.354, 1.004, 0.1, 1.568)),
+     ((1.409, 1.504, 0.098, 2.203), (0.552, 1.685, 0.087, 1.81)), (12.51, 4.492, 0.102), 3)])
+def test_a_step_releases_flattened_contacts(upper, lower, values, points, asperity, tmp_path):
+    """Flattened contacts open at their residual penetration, not at 0: with the energy from 0 the
+    trust region shrinks to nothing about a state that is no solution."""
+    loading = {"control": "load", "value": values, "points": points}
+    run = solved(asperity, write_csv_scene(
+        tmp_path, upper, lower, modulus=(1e3, 3e3), ratio=(0.3, 0.2), loading=loading,
+        effects={"interaction": "coupled", "plasticity": "on", "plastic_yield_stress": 3.0}))
+    assert float(run.positions[0]["load"]) == pytest.approx(values[-1], rel=1e-9)
