@@ -43,7 +43,7 @@ def names(row):
     return int(row["upper"]), int(row["lower"])
 
 
-def compare_with_truth(run, truth, worst, bound=TOTALS_BOUND):
+def compare_with_truth(run, truth, worst):
     """Every total of every position, every penetration; true ties are counted."""
     ulp, ties = np.spacing(truth.size()), 0
     rows = {}
@@ -54,7 +54,7 @@ def compare_with_truth(run, truth, worst, bound=TOTALS_BOUND):
         for name in (*TOTALS, "separation"):
             error = relative(row[name], getattr(state, name))
             worst.see(name, error)
-            assert error <= bound, f"position {m} {name}: off by {error:.2g}"
+            assert error <= TOTALS_BOUND, f"position {m} {name}: off by {error:.2g}"
         found = rows[m]
         assert int(row["contacts"]) == len(found)
         for pair in found.keys() | state.contacts.keys():
@@ -124,9 +124,9 @@ def test_random_decks(asperity, tmp_path):
     exact.show("10 decks against many digits")
 
 
-def random_surface(rng, count, length=8.0, radii=(0.8, 1.5), heights=(0.1, 0.3)):
-    return [(rng.uniform(0, length), rng.uniform(0, length), rng.uniform(*heights),
-             rng.uniform(*radii)) for _ in range(count)]
+def random_surface(rng, count, radii=(0.8, 1.5)):
+    return [(rng.uniform(0, 8), rng.uniform(0, 8), rng.uniform(0.1, 0.3), rng.uniform(*radii))
+            for _ in range(count)]
 
 
 TILTED = {"motion": {"x_first": -0.15, "x_step": 0.3, "y_first": 0.2, "y_step": -0.11,

@@ -21,10 +21,10 @@ def row_of(done):
     return done.positions[0]
 
 
-def influence_warned_of(done, effect="interaction", what="is off"):
+def influence_warned_of(done):
     """The share that a warning states; None: there is none."""
-    shown = re.search(rf"position \d+: {effect} {what}, (\S+) % is its estimated influence on "
-                     r"the load, (.*)", done.stderr)
+    shown = re.search(r"position \d+: interaction is off, (\S+) % is its estimated influence on "
+                      r"the load, ", done.stderr)
     return shown and float(shown.group(1)) / 100
 
 

@@ -33,14 +33,14 @@ def sphere(side, n):
     return np.where(r < side / 2, -r**2 / 2, np.nan)
 
 
-def law_of(name, distance, work=WORK):
+def law_of(name, distance):
     """Attraction and its slope."""
     if name == "exponential":
         rho = RANGE * distance
-        return (lambda g: work / rho * np.exp(-np.maximum(g, 0) / rho),
-                lambda g: -work / rho**2 * np.exp(-np.maximum(g, 0) / rho))
-    return (lambda g: 2 * work / distance * (1 + np.maximum(g, 0) / distance)**-3,
-            lambda g: -6 * work / distance**2 * (1 + np.maximum(g, 0) / distance)**-4)
+        return (lambda g: WORK / rho * np.exp(-np.maximum(g, 0) / rho),
+                lambda g: -WORK / rho**2 * np.exp(-np.maximum(g, 0) / rho))
+    return (lambda g: 2 * WORK / distance * (1 + np.maximum(g, 0) / distance)**-3,
+            lambda g: -6 * WORK / distance**2 * (1 + np.maximum(g, 0) / distance)**-4)
 
 
 @pytest.mark.parametrize("law, tabor, side", [

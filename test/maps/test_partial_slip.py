@@ -47,8 +47,9 @@ def sphere(pixels, side, radius=1.0):
     return -(place[:, None] ** 2 + place[None, :] ** 2) / (2 * radius), place
 
 
-def cattaneo(place, side, contact, stick, parts=8):
-    """Traction of a sphere of radius 1, the mean over each pixel."""
+def cattaneo(place, side, contact, stick):
+    """Traction of a sphere of radius 1, the mean over each pixel of points within it."""
+    parts = 8
     offset = ((np.arange(parts) + 0.5) / parts - 0.5) * side
     fine = (place[:, None] + offset).ravel()
     square = fine[:, None] ** 2 + fine[None, :] ** 2

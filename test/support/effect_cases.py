@@ -108,15 +108,13 @@ def load(value, **other):
 
 
 FLAT = [(0.0, 0.0, 0.0, 1.0e6)]
+# Combined radius of a cap of radius 1 on it.
+FLAT_RADIUS = FLAT[0][3] / (1.0 + FLAT[0][3])
 
 
 def caps(places, radius=1.0, height=0.5):
     """Caps on the upper surface over a sphere as good as flat."""
     return [(x, y, height, radius) for x, y in places]
-
-
-def flat_radius(radius=1.0):
-    return radius * FLAT[0][3] / (radius + FLAT[0][3])
 
 
 ONE = [(0.0, 0.0, 0.5, 1.0)], [(0.0, 0.0, 0.5, 1.0)]
@@ -130,7 +128,7 @@ def in_one_place():
         groups = approach(0.499)
         for way in WAYS:
             exact = 1e-9 if way == COUPLED else 2e-3
-            one = (factor(1.0 / n, exact), total(hertz(flat_radius(), 1e-3), exact))
+            one = (factor(1.0 / n, exact), total(hertz(FLAT_RADIUS, 1e-3), exact))
             yield EffectCase(
                 f"coincident_{n}_{way}", f"{n} equal contacts in one place are one contact.",
                 upper, FLAT, {**groups, **effects(interaction=way)}, (*one, count(1)),
@@ -179,7 +177,7 @@ def how_deep():
         yield EffectCase(
             f"penetration_1e-12_{way}", "Two contacts 1e-12 deep, 1e-6 wide, 1e-4 apart.", *pair,
             {**approach(0.5 - 1e-12), **effects(interaction=way)},
-            (total(2 * hertz(flat_radius(), 0.5 - (0.5 - 1e-12)) , 1.2e-2),
+            (total(2 * hertz(FLAT_RADIUS, 0.5 - (0.5 - 1e-12)) , 1.2e-2),
              count(2)), "Hertz. They take 0.6 % from each other.")
     tiny = {"tiny": 1e-30, "hardly_any": 1e-300}
     for name, value in tiny.items():
@@ -221,7 +219,7 @@ def how_unlike():
         yield EffectCase(
             f"opened_{way}", "A contact that its neighbour's displacement opens.", *OPENED,
             {**approach(0.499), **effects(interaction=way)},
-            (count(1), total(hertz(flat_radius(), 0.5 - 0.499), 2e-3)),
+            (count(1), total(hertz(FLAT_RADIUS, 0.5 - 0.499), 2e-3)),
             "At 0.04 the neighbour, circle 0.0316, moves the surface by more than the 5e-5 that "
             "the second contact has: Hertz's load of the first alone.")
 

@@ -55,11 +55,11 @@ def assemble(contacts, patches, modulus, level):
     return vector, matrix, size
 
 
-def newton(contacts, patches, modulus, level, steps=25):
+def newton(contacts, patches, modulus, level):
     """Patches in equilibrium at one level."""
     patches = [p.raised(level[0]) for p in patches]
     vector, matrix, size = assemble(contacts, patches, modulus, level)
-    for _ in range(steps):
+    for _ in range(25):
         # Rows and columns are scaled: loads differ by powers of ten.
         d = 1 / np.sqrt(np.abs(np.diag(matrix)))
         step = -d * np.linalg.solve(matrix * d[:, None] * d[None], d * vector)
@@ -113,21 +113,21 @@ def outside(points, patches, modulus):
     return total / (np.pi * modulus)
 
 
-def is_inside(points, patch, margin=1.03):
-    """Inside the area widened by a margin: sums are too coarse for points at its edge."""
+def is_inside(points, patch):
+    """Inside the area widened by 3 %: sums are too coarse for points at its edge."""
     local = (points - patch.centre) / patch.scale
     r = np.hypot(local[:, 0], local[:, 1])
     theta = 2 * np.pi * np.arange(720) / 720
     direction = np.stack([np.cos(theta), np.sin(theta)], -1)
     edge = patch.roots(np.zeros_like(direction), direction)
     angle = np.mod(np.arctan2(local[:, 1], local[:, 0]), 2 * np.pi)
-    return r < margin * np.interp(angle, np.append(theta, 2 * np.pi), np.append(edge, edge[0]))
+    return r < 1.03 * np.interp(angle, np.append(theta, 2 * np.pi), np.append(edge, edge[0]))
 
 
-def clearance(contact, contacts, closed, modulus, steps=40):
+def clearance(contact, contacts, closed, modulus):
     """Where, in a contact's undeformed overlap and outside the areas, the gap left is least, and
     that gap; None when the areas cover the overlap."""
-    axis = np.linspace(-1.6 * contact.circle, 1.6 * contact.circle, steps)
+    axis = np.linspace(-1.6 * contact.circle, 1.6 * contact.circle, 40)
     points = contact.place + np.stack(np.meshgrid(axis, axis), -1).reshape(-1, 2)
     gap = np.min([c.gap(points) for c in contacts], axis=0)
     points, gap = points[gap < 0], gap[gap < 0]
