@@ -1,4 +1,4 @@
-"""Run time and memory: arithmetics, effects, large surfaces, threads, interaction.
+"""Run time and memory: large surfaces, threads, interaction.
 
     python test/bench/run_bench.py [--parts NAMES] [--most N] [--rounds R] [--small] [--save]
         [--beside EXE]
@@ -7,9 +7,6 @@ The least time of runs that take turns counts, so that a slow moment of the mach
 them. Ratios carry over to another machine, seconds do not. With --save the lines go to
 reference_output/bench/.
 
-arithmetic   the original program; ratio, time and memory of the whole process
-effects      position 56 of the thesis: the difference of two runs, of one position and of many at
-             the same place, on one core
 phases       one position, N on N asperities read from CSV, one core. All from outside, by what runs
              of the whole process differ in: one that is refused when all is read (its scene has no
              limit load), one position, some more positions, one position with its contacts written
@@ -34,16 +31,6 @@ from whole_runs import (ENVIRONMENT, ROOT, Failed, Work, machine, peak_of, relea
                         same_output, save, surfaces, take_turns, write_csv, write_scene)
 
 DECK = "data/thesis.deck"
-ARITHMETICS = ("real64", "real32", "ibm370", "real128")
-POSITION = ("&surfaces deck = '{deck}' /\n&motion x_first = 5.6, x_step = 0., "
-            "positions = {number} /\n&effects {effects} /\n")
-# Effects at position 56, and how many positions more show their time.
-EFFECTS = {
-    "no effect": ("interaction = 'off'", 5000),
-    "interaction coupled": ("interaction = 'coupled'", 1000),
-    "interaction boundary, 0.001": ("interaction = 'boundary'", 10),
-    "friction": ("friction = 'on', friction_coefficient = 0.2", 1000),
-    "plasticity": ("plasticity = 'on', plastic_yield_stress = 8000.", 1000)}
 # Controls of one position, and how many positions more show what one costs, at 1e6 asperities: to
 # the limit load; to a separation [cm], as near as in the thesis; to 1 N an upper asperity.
 CONTROLS = {"limit": ("", 100), "approach": (", value = 0.28", 10), "load": (", value = {n}.", 3)}
@@ -61,33 +48,6 @@ DENSE_POSITIONS = 6
 
 def aligned(first, *cells):
     return f"{first:<40}" + "".join(f"{cell:>12}" for cell in cells)
-
-
-def arithmetic_part(exe, folder, words):
-    """Ratios to the first arithmetic, least milliseconds and MiB of the whole process."""
-    works = {name: Work(exe, DECK, "--arithmetic", name) for name in ARITHMETICS}
-    take_turns(works.values(), 5 * words.rounds)
-    yield aligned(f"asperity {DECK} --arithmetic", "ratio", "ms", "MiB")
-    for name, work in works.items():
-        yield aligned(f"  {name}", f"{work.least / works[ARITHMETICS[0]].least:.2f}",
-                      f"{1e3 * work.least:.2f}", f"{work.peak() / 2**20:.1f}")
-
-
-def effects_part(exe, folder, words):
-    """Milliseconds a position."""
-    def work(number, effects):
-        path = folder / f"{len(list(folder.iterdir()))}.scene"
-        path.write_text(POSITION.format(deck=ROOT / DECK, number=number, effects=effects))
-        return Work(exe, "solve", path, "--quiet")
-
-    pairs = {}
-    for name, (effects, more) in EFFECTS.items():
-        more //= 10 if words.small else 1
-        pairs[name] = work(1, effects), work(1 + more, effects), more
-    take_turns([work for one, many, _ in pairs.values() for work in (one, many)], words.rounds)
-    yield aligned("position 56 of the thesis, to the limit", "ms")
-    for name, (one, many, more) in pairs.items():
-        yield aligned(f"  {name}", f"{1e3 * (many.least - one.least) / more:.4f}")
 
 
 def write_surfaces(folder, n):
@@ -205,8 +165,7 @@ def interaction_part(exe, folder, words):
                           f"{(many - one) / (DENSE_POSITIONS - 1):.4f}")
 
 
-PARTS = {"arithmetic": arithmetic_part, "effects": effects_part, "phases": phases_part,
-         "threads": threads_part, "interaction": interaction_part}
+PARTS = {"phases": phases_part, "threads": threads_part, "interaction": interaction_part}
 
 
 def main():
