@@ -10,7 +10,7 @@ module asperity_coupled_scenes
   implicit none
   private
 
-  public :: known_scene, known_scenes, lay_known, random, lay_contacts, share_of, solve_at
+  public :: known_scene, known_scenes, random, lay_contacts, share_of, solve_at
 
   !> Penetration of a contact alone, so small that the sphere is a paraboloid.
   real(real64), parameter, public :: depth = 1.0e-12_real64
@@ -26,6 +26,8 @@ module asperity_coupled_scenes
     real(real64) :: radius(5) = 1.0_real64                      !! of the spheres together
     real(real64) :: truth = 1.0_real64                          !! load together over load alone
     logical :: overlapping = .false.                            !! the circles do
+    type(contact_pairs) :: pairs                                !! its contacts
+    type(hertz_law) :: law                                      !! of all
   end type known_scene
 
 contains
@@ -112,6 +114,12 @@ contains
     scenes(17:18)%radius(2) = 0.25_real64
     scenes(13)%overlapping = .true.
     scenes(18)%overlapping = .true.
+    do i = 1, size(scenes)
+      associate (scene => scenes(i), n => scenes(i)%contacts)
+        call lay_contacts(scene%x(:n), scene%y(:n), scene%gap(:n), scene%pairs, scene%law, &
+                          scene%radius(:n))
+      end associate
+    end do
 
   contains
 
@@ -128,17 +136,6 @@ contains
     end subroutine put
 
   end function known_scenes
-
-  !> The contacts of such a scene.
-  subroutine lay_known(scene, pairs, law)
-    type(known_scene), intent(in) :: scene                  !! whose
-    type(contact_pairs), intent(out) :: pairs               !! its contacts
-    type(hertz_law), intent(out) :: law                     !! of all
-
-    associate (n => scene%contacts)
-      call lay_contacts(scene%x(:n), scene%y(:n), scene%gap(:n), pairs, law, scene%radius(:n))
-    end associate
-  end subroutine lay_known
 
   !> A number from 0 to 1 (Marsaglia's xorshift).
   function random(seed) result(number)

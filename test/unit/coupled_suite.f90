@@ -8,7 +8,7 @@ module asperity_coupled_suite
   use asperity_circle_field, only: large_set
   use asperity_contact_pairs, only: contact_pairs
   use asperity_coupled_contacts, only: coupled_solution, solve_coupled
-  use asperity_coupled_scenes, only: depth, known_scene, known_scenes, lay_known, random, &
+  use asperity_coupled_scenes, only: depth, known_scene, known_scenes, random, &
                                      lay_contacts, share_of, solve_at
   use asperity_hertz_law, only: hertz_law
   use asperity_interaction_estimate, only: estimate_of_interaction
@@ -43,19 +43,17 @@ contains
   end subroutine run_coupled
 
   subroutine groups
-    type(known_scene) :: scenes(18)
-    type(contact_pairs) :: pairs
-    type(hertz_law) :: law
+    type(known_scene) :: scenes(18), scene
     type(coupled_solution) :: solution
     integer :: i
 
     scenes = known_scenes()
     do i = 1, size(scenes)
-      call lay_known(scenes(i), pairs, law)
-      call solve_at(pairs, law, solution)
-      call expect_solved(solution, scenes(i)%name)
-      call check(share_of(pairs, solution), scenes(i)%truth, &
-                 merge(overlapping, apart, scenes(i)%overlapping), scenes(i)%name)
+      scene = scenes(i)
+      call solve_at(scene%pairs, scene%law, solution)
+      call expect_solved(solution, scene%name)
+      call check(share_of(scene%pairs, solution), scene%truth, &
+                 merge(overlapping, apart, scene%overlapping), scene%name)
     end do
   end subroutine groups
 

@@ -7,7 +7,7 @@ module asperity_joint_suite
   use asperity_element_solver, only: cluster_lattice, solve_elements
   use asperity_contact_pairs, only: contact_pairs
   use asperity_coupled_contacts, only: coupled_solution
-  use asperity_coupled_scenes, only: depth, known_scene, known_scenes, lay_known, lay_contacts, &
+  use asperity_coupled_scenes, only: depth, known_scene, known_scenes, lay_contacts, &
                                      share_of, solve_at, truth_noise
   use asperity_hertz_law, only: hertz_law
   use asperity_joint_contacts, only: joint_solution, resolve_all, resolve_called_for, &
@@ -56,9 +56,7 @@ contains
   ! Where circles are apart the correction takes most of the error, and its size is the estimate:
   ! above the error that is left, and about that without a correction.
   subroutine circles
-    type(known_scene) :: scenes(18)
-    type(contact_pairs) :: pairs
-    type(hertz_law) :: law
+    type(known_scene) :: scenes(18), scene
     type(joint_solution) :: solution
     type(coupled_solution) :: uncorrected
     real(real64) :: before, off
@@ -66,44 +64,40 @@ contains
 
     scenes = known_scenes()
     do i = 1, size(scenes)
-      call lay_known(scenes(i), pairs, law)
-      call solve_at(pairs, law, uncorrected)
-      before = abs(share_of(pairs, uncorrected) / scenes(i)%truth - 1)
-      call solve(pairs, law, resolve_none, 0.01_real64, solution, scenes(i)%name)
-      off = abs(share_of(pairs, solution%coupled) / scenes(i)%truth - 1)
+      scene = scenes(i)
+      call solve_at(scene%pairs, scene%law, uncorrected)
+      before = abs(share_of(scene%pairs, uncorrected) / scene%truth - 1)
+      call solve(scene%pairs, scene%law, resolve_none, 0.01_real64, solution, scene%name)
+      off = abs(share_of(scene%pairs, solution%coupled) / scene%truth - 1)
       call check(.not. any(solution%is_resolved) .and. solution%elements == 0, 'cells')
-      call check(solution%error >= seen * off - truth_noise, trim(scenes(i)%name) // ': below')
-      call check(off <= before + truth_noise, trim(scenes(i)%name) // ': worse')
-      if (scenes(i)%overlapping) cycle
+      call check(solution%error >= seen * off - truth_noise, trim(scene%name) // ': below')
+      call check(off <= before + truth_noise, trim(scene%name) // ': worse')
+      if (scene%overlapping) cycle
       call check(off <= 0.2_real64 * before + truth_noise, &
-                 trim(scenes(i)%name) // ': hardly better')
+                 trim(scene%name) // ': hardly better')
       call check(solution%error <= 1.5_real64 * (before + truth_noise), &
-                 trim(scenes(i)%name) // ': far above')
+                 trim(scene%name) // ': far above')
     end do
   end subroutine circles
 
   subroutine cells
-    type(known_scene) :: scenes(18)
-    type(contact_pairs) :: pairs
-    type(hertz_law) :: law
+    type(known_scene) :: scenes(18), scene
     type(joint_solution) :: solution
     integer :: i
 
     scenes = known_scenes()
     do i = 1, size(scenes)
-      call lay_known(scenes(i), pairs, law)
-      call solve(pairs, law, resolve_all, 0.005_real64, solution, scenes(i)%name)
+      scene = scenes(i)
+      call solve(scene%pairs, scene%law, resolve_all, 0.005_real64, solution, scene%name)
       call check(all(solution%is_resolved), 'not all')
-      call check(share_of(pairs, solution%coupled) / scenes(i)%truth, 1.0_real64, &
-                 0.001_real64, scenes(i)%name)
+      call check(share_of(scene%pairs, solution%coupled) / scene%truth, 1.0_real64, &
+                 0.001_real64, scene%name)
     end do
   end subroutine cells
 
   subroutine called_for
     real(real64), parameter :: tolerances(3) = [0.01_real64, 0.003_real64, 0.001_real64]
-    type(known_scene) :: scenes(18)
-    type(contact_pairs) :: pairs
-    type(hertz_law) :: law
+    type(known_scene) :: scenes(18), scene
     type(joint_solution) :: solution
     real(real64) :: off
     integer :: i, k, with_cells(3)
@@ -112,14 +106,14 @@ contains
     with_cells = 0
     do k = 1, 3
       do i = 1, size(scenes)
-        call lay_known(scenes(i), pairs, law)
-        call solve(pairs, law, resolve_called_for, tolerances(k), solution, scenes(i)%name)
-        off = abs(share_of(pairs, solution%coupled) / scenes(i)%truth - 1)
-        call check(off, 0.0_real64, tolerances(k), scenes(i)%name)
-        call check(solution%error >= seen * off - truth_noise, trim(scenes(i)%name) // ': below')
+        scene = scenes(i)
+        call solve(scene%pairs, scene%law, resolve_called_for, tolerances(k), solution, scene%name)
+        off = abs(share_of(scene%pairs, solution%coupled) / scene%truth - 1)
+        call check(off, 0.0_real64, tolerances(k), scene%name)
+        call check(solution%error >= seen * off - truth_noise, trim(scene%name) // ': below')
         ! On cells alone they are far better than asked.
         if (all(solution%is_resolved)) call check(solution%error < 0.5_real64 * &
-                                                  tolerances(k), trim(scenes(i)%name) // ': above')
+                                                  tolerances(k), trim(scene%name) // ': above')
         if (any(solution%is_resolved)) with_cells(k) = with_cells(k) + 1
       end do
     end do
@@ -144,28 +138,26 @@ contains
   end subroutine small_share
 
   subroutine load_met
-    type(known_scene) :: scenes(18)
-    type(contact_pairs) :: pairs
-    type(hertz_law) :: law
+    type(known_scene) :: scenes(18), scene
     type(joint_solution) :: solution
     real(real64) :: target, alone
     integer :: i, which
 
     scenes = known_scenes()
     do i = 1, size(scenes)
-      call lay_known(scenes(i), pairs, law)
-      alone = law%modulus * 4.0_real64 / 3.0_real64 * sum(sqrt(pairs%list%radius) * &
-              (depth - pairs%list%gap)**1.5_real64)
-      target = scenes(i)%truth * alone
+      scene = scenes(i)
+      alone = scene%law%modulus * 4.0_real64 / 3.0_real64 * sum(sqrt(scene%pairs%list%radius) * &
+              (depth - scene%pairs%list%gap)**1.5_real64)
+      target = scene%truth * alone
       do which = resolve_none, resolve_called_for
-        call solve(pairs, law, which, 0.003_real64, solution, scenes(i)%name, target)
+        call solve(scene%pairs, scene%law, which, 0.003_real64, solution, scene%name, target)
         associate (coupled => solution%coupled)
-          call check(law%modulus * sum(coupled%set%load) / target, 1.0_real64, &
-                     1.0e-10_real64, trim(scenes(i)%name) // ': load')
+          call check(scene%law%modulus * sum(coupled%set%load) / target, 1.0_real64, &
+                     1.0e-10_real64, trim(scene%name) // ': load')
           ! Two thirds of the error of a load.
           if (which /= resolve_none) &
             call check(coupled%compression / depth, 1.0_real64, 0.003_real64, &
-                       trim(scenes(i)%name) // ': compression')
+                       trim(scene%name) // ': compression')
         end associate
       end do
     end do
@@ -175,29 +167,27 @@ contains
   ! than its conjugate gradients leave.
   subroutine error_of_compression
     real(real64), parameter :: aside = 1.0e-4_real64
-    type(known_scene) :: scenes(18)
-    type(contact_pairs) :: pairs
-    type(hertz_law) :: law
+    type(known_scene) :: scenes(18), scene
     type(joint_solution) :: here, at_load, nearby(2)
     real(real64) :: load, share, tangent
     integer :: i, k
 
     scenes = known_scenes()
     do i = 1, size(scenes)
-      call lay_known(scenes(i), pairs, law)
-      call solve(pairs, law, resolve_none, 0.01_real64, here, scenes(i)%name)
+      scene = scenes(i)
+      call solve(scene%pairs, scene%law, resolve_none, 0.01_real64, here, scene%name)
       ! One contact has none, but for rounding.
-      load = law%modulus * sum(here%coupled%set%load)
+      load = scene%law%modulus * sum(here%coupled%set%load)
       if (.not. here%error > 1.0e-12_real64) cycle
       do k = 1, 2
-        call solve(pairs, law, resolve_none, 0.01_real64, nearby(k), scenes(i)%name, &
+        call solve(scene%pairs, scene%law, resolve_none, 0.01_real64, nearby(k), scene%name, &
                    compression=depth * (1 + (2 * k - 3) * aside))
       end do
-      tangent = law%modulus * (sum(nearby(2)%coupled%set%load) - &
+      tangent = scene%law%modulus * (sum(nearby(2)%coupled%set%load) - &
                 sum(nearby(1)%coupled%set%load)) / (2 * aside)
-      call solve(pairs, law, resolve_none, 0.01_real64, at_load, scenes(i)%name, load)
+      call solve(scene%pairs, scene%law, resolve_none, 0.01_real64, at_load, scene%name, load)
       share = at_load%error / here%error * tangent / load
-      call check(share, 1.045_real64, 0.055_real64, scenes(i)%name)
+      call check(share, 1.045_real64, 0.055_real64, scene%name)
     end do
   end subroutine error_of_compression
 

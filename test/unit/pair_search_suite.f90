@@ -1,6 +1,7 @@
 !> Tests of the pair search against a search that compares all with all.
 module asperity_pair_search_suite
   use asperity_cell_layer, only: any_height, margin_of_arithmetic, squared_reach
+  use asperity_coupled_scenes, only: random
   use asperity_key_sort, only: sort_keys
   use asperity_kinds, only: int32, int64, real64
   use asperity_pair_search_layers, only: found_pairs
@@ -213,14 +214,14 @@ contains
 
     select case (kind)
     case (1)
-      draw_key = draw() - 0.5_real64
+      draw_key = random(seed) - 0.5_real64
     case (2)
-      draw_key = 10.0_real64**(400.0_real64 * draw() - 200.0_real64)
+      draw_key = 10.0_real64**(400.0_real64 * random(seed) - 200.0_real64)
     case (3)
-      draw_key = real(int(4.0_real64 * draw()), real64)
+      draw_key = real(int(4.0_real64 * random(seed)), real64)
     case (4)
       draw_key = 1.0_real64 + merge(1.0e12_real64, 0.0_real64, i == 3)
-      if (modulo(i, 3) == 1) draw_key = draw_key + draw() * 1.0e-9_real64
+      if (modulo(i, 3) == 1) draw_key = draw_key + random(seed) * 1.0e-9_real64
     case default
       draw_key = real(modulo(-7 * i, 1000), real64) * tiny(1.0_real64)
     end select
@@ -236,9 +237,9 @@ contains
     allocate (drawn%x(n), drawn%y(n), drawn%height(n), drawn%radius(n))
     centre = 0.0_real64
     do i = 1, n
-      drawn%x(i) = 20.0_real64 * draw()
-      drawn%y(i) = 20.0_real64 * draw() - 10.0_real64
-      drawn%height(i) = 0.1_real64 * draw()
+      drawn%x(i) = 20.0_real64 * random(seed)
+      drawn%y(i) = 20.0_real64 * random(seed) - 10.0_real64
+      drawn%height(i) = 0.1_real64 * random(seed)
       drawn%radius(i) = 1.25_real64
       select case (kind)
       case (clustered)
@@ -247,7 +248,7 @@ contains
         drawn%x(i) = centre(1) + 0.1_real64 * drawn%x(i)
         drawn%y(i) = centre(2) + 0.1_real64 * drawn%y(i)
       case (mixed)
-        drawn%radius(i) = 10.0_real64**(4.0_real64 * draw() - 3.0_real64)
+        drawn%radius(i) = 10.0_real64**(4.0_real64 * random(seed) - 3.0_real64)
       case (lattice)
         drawn%x(i) = 0.5_real64 * real(modulo(i, 17), real64)
         drawn%y(i) = 0.5_real64 * real(i / 17, real64)
@@ -266,13 +267,5 @@ contains
       end select
     end do
   end subroutine draw_surface
-
-  ! Uniform from 0 to 1.
-  real(real64) function draw()
-    seed = ieor(seed, ishft(seed, 13))
-    seed = ieor(seed, ishft(seed, -7))
-    seed = ieor(seed, ishft(seed, 17))
-    draw = real(ishft(seed, -11), real64) * 2.0_real64**(-53)
-  end function draw
 
 end module asperity_pair_search_suite
