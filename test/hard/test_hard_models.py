@@ -4,7 +4,6 @@ from dataclasses import replace
 
 import pytest
 from judge import missed, solved
-from make_cases import write_models
 from model_cases import PLACES, WAYS, dense_load, model_cases
 
 CASES = {case.name: case for case in model_cases()}
@@ -36,12 +35,3 @@ def test_auto_is_not_worse_than_coupled(name, asperity, root, tmp_path):
         errors[way] = abs(float(run.positions[0]["load"]) / dense_load(name) - 1)
     assert errors["auto"] <= errors["coupled"] + 1e-5
     assert errors["boundary"] < errors["coupled"]
-
-
-def test_files_are_those_of_the_catalogue(root, tmp_path):
-    """Names, groups and reasons; heights to the last digit of a library's cosine."""
-    write_models(tmp_path)
-    kept = root / "data/hard/models"
-    assert {path.name for path in kept.iterdir()} == {path.name for path in tmp_path.iterdir()}
-    for path in tmp_path.glob("*.scene"):
-        assert path.read_text() == (kept / path.name).read_text(), path.name

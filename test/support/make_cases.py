@@ -25,12 +25,10 @@ def comment(label, text):
     return "\n".join([*lines, line]) + "\n"
 
 
-def write_case(folder, case):
+def write_case(folder, case, _):
     """One scene and its two surfaces."""
-    path = write_csv_scene(folder, case.upper, case.lower, case.name, case.modulus, case.ratio,
+    return write_csv_scene(folder, case.upper, case.lower, case.name, case.modulus, case.ratio,
                            **case.groups)
-    path.write_text(comment("Hard", case.why) + comment("Truth", case.truth) + path.read_text())
-    return path
 
 
 def surface_writer(folder):
@@ -48,13 +46,23 @@ def surface_writer(folder):
 
 def write_effect_case(folder, case, surface):
     """One scene with effects, and its surfaces if no case before has them."""
-    path = write_scene(
+    return write_scene(
         folder / f"{case.name}.scene",
         surfaces={"upper": surface(case.upper, f"{case.name}_upper"),
                   "lower": surface(case.lower, f"{case.name}_lower")},
         material={"elastic_modulus": case.modulus, "poisson_ratio": case.ratio}, **case.groups)
-    path.write_text(comment("Hard", case.why) + comment("Truth", case.truth) + path.read_text())
-    return path
+
+
+def write_model_case(folder, case, surface):
+    """One scene of caps or of heights under a plane."""
+    if case.heights is None:
+        lower = surface(case.caps, f"{case.name}_lower")
+    else:
+        lower = f"{case.name}.txt"
+        np.savetxt(folder / lower, case.heights, fmt="%.17g")
+    return write_scene(folder / f"{case.name}.scene", **{
+        **case.groups,
+        "surfaces": {"upper": "plane", "lower": lower, **case.groups.get("surfaces", {})}})
 
 
 def field(value, width):
@@ -84,46 +92,21 @@ def write_deck(path, upper, lower, width=3.455, angles=(0.0, 0.0), displacement=
     return path
 
 
-def write_effects(folder):
-    folder.mkdir(parents=True, exist_ok=True)
-    surface = surface_writer(folder)
-    for case in effect_cases():
-        write_effect_case(folder, case, surface)
-
-
-def write_model_case(folder, case, surface):
-    """One scene of caps or of heights under a plane."""
-    groups = dict(case.groups)
-    if case.heights is None:
-        lower = surface(case.caps, f"{case.name}_lower")
-    else:
-        lower = f"{case.name}.txt"
-        np.savetxt(folder / lower, case.heights, fmt="%.17g")
-    path = write_scene(
-        folder / f"{case.name}.scene", **{
-            **groups, "surfaces": {"upper": "plane", "lower": lower, **groups.get("surfaces", {})}})
-    path.write_text(comment("Hard", case.why) + comment("Truth", case.truth) + path.read_text())
-    return path
-
-
-def write_models(folder):
-    folder.mkdir(parents=True, exist_ok=True)
-    surface = surface_writer(folder)
-    for case in model_cases():
-        write_model_case(folder, case, surface)
-
-
 def write_all(folder):
-    folder.mkdir(parents=True, exist_ok=True)
-    for case in scenes():
-        write_case(folder, case)
+    for part, cases, write in (("", scenes, write_case),
+                               ("effects", effect_cases, write_effect_case),
+                               ("models", model_cases, write_model_case)):
+        (folder / part).mkdir(parents=True, exist_ok=True)
+        surface = surface_writer(folder / part)
+        for case in cases():
+            path = write(folder / part, case, surface)
+            path.write_text(comment("Hard", case.why) + comment("Truth", case.truth)
+                            + path.read_text())
     index = ["# Decks\n\nWhy each deck is hard and where its truth comes from; a deck has no room "
              "for comments.\n"]
     for deck in decks():
         write_deck(folder / f"{deck.name}.deck", **deck.deck)
         index.append(f"- `{deck.name}.deck`\n  - Hard: {deck.why}\n  - Truth: {deck.truth}\n")
-    write_effects(folder / "effects")
-    write_models(folder / "models")
     (folder / "decks.md").write_text("\n".join(index))
 
 
