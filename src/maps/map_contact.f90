@@ -133,8 +133,7 @@ contains
       gap = missing_gap
     end where
     if (.not. present(load)) gap = gap - (top - answer%level) / heights
-    if (allocated(answer%pressure) .and. present(load)) &
-      call move_start(load / product(map%pixel_spacing), answer)
+    if (allocated(answer%pressure) .and. present(load)) call move_start(load, answer)
     if (.not. allocated(answer%pressure)) then
       if (size(gap, kind=int64) >= worth_halving) then
         call start_from_half(map, modulus, answer, load, hardness)
@@ -192,23 +191,22 @@ contains
       answer%failure = 'the flat is not above the mean height of a map that repeats itself'
   end subroutine check_level
 
-  ! Moves the pressures of the last state to a sum, as a start: along the line from an earlier one,
-  ! by at most twice its length. None are left where the sum changes by more than `far_load`. The
+  ! Moves the pressures of the last state to a load, as a start: along the line from an earlier one,
+  ! by at most twice its length. None are left where the load changes by more than `far_load`. The
   ! solution is unique (`asperity_element_forces`): the start changes the number of steps alone.
-  pure subroutine move_start(total, answer)
-    real(real64), intent(in) :: total          ! sum of the pressures, more than 0
-    type(map_answer), intent(inout) :: answer  ! pressures of the states before
+  pure subroutine move_start(load, answer)
+    real(real64), intent(in) :: load           ! normal load, more than 0
+    type(map_answer), intent(inout) :: answer  ! pressures, and their load if they are of a state
     real(real32), allocatable :: pressure(:, :)
     real(real64) :: step, way
 
-    way = total - sum(answer%pressure)
-    if (.not. abs(way) <= far_load * total) then
-      deallocate (answer%pressure)
-      return
-    end if
+    way = load - answer%load
+    if (.not. any(answer%pressure > 0.0_real64) .or. &
+        answer%load > 0.0_real64 .and. abs(way) > far_load * load) deallocate (answer%pressure)
+    if (.not. (allocated(answer%pressure) .and. answer%load > 0.0_real64)) return
     pressure = real(answer%pressure, real32)
     if (allocated(answer%earlier)) then
-      step = total - way - sum(real(answer%earlier, real64))
+      step = answer%load * (1.0_real64 - sum(real(answer%earlier, real64)) / sum(answer%pressure))
       if (2 * abs(step) > abs(way)) answer%pressure = &
         max(0.0_real64, answer%pressure + (way / step) * (answer%pressure - answer%earlier))
     end if
