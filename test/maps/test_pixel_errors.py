@@ -528,3 +528,12 @@ def test_record_of_other_kinds(root):
         assert float(row["largest_error_over_estimate"]) < 3
         assert float(row["median_estimate_over_error"]) <= (6.5 if row["quantity"] == "pressure"
                                                             else 6)
+
+
+def test_coarser_maps_without_heights(asperity, tmp_path):
+    """Two pixels on every second row: one half of the map is solved, the other has no heights.
+    Numbers of the first half without the others ended the program."""
+    height = np.full((5, 4), np.nan)
+    height[2, [1, 3]] = -0.0125
+    found = solve(asperity, tmp_path, height, 1.0, control="load", value=0.2)
+    assert found["load"] == pytest.approx(0.2) and "stiffness_error_estimate" not in found
