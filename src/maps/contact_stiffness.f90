@@ -8,8 +8,8 @@
 !>
 !> Method: conjugate gradients on these pixels with a fixed sum, preconditioned with the approximate
 !> inverse of `lattice_convolution`, which is symmetric and positive definite on them. The sum is
-!> fixed as a strip is known up to a constant displacement, which A need not be definite with. All
-!> but the first displacements are of single precision, whose error is 1e-6 of the displacement.
+!> fixed as a strip is known up to a constant displacement, which A need not be definite with. Products
+!> have single precision where their error of 1e-6 is enough: not so for the mean gap, a difference.
 module asperity_contact_stiffness
   use asperity_height_map, only: height_map, is_measured
   use asperity_kinds, only: int64, not_computed, real32, real64
@@ -46,8 +46,8 @@ contains
     !> load by a decrease of the mean gap over the measured pixels [force/length], 0 or more
     real(real64), intent(out), optional :: gap_stiffness
     type(lattice_convolution) :: influence
-    real(real32), allocatable, dimension(:, :) :: direction, image, residual
-    real(real64), allocatable :: moved(:, :)
+    real(real64), allocatable, dimension(:, :) :: direction, image, residual
+    real(real32), allocatable, dimension(:, :) :: given, found
     real(real64) :: displacement, gap, product_before, step, totals(2)
     integer(int64) :: number
     integer :: turn
@@ -62,20 +62,25 @@ contains
     has_mean = present(gap_stiffness) .and. any(is_measured(map%height) .and. .not. carries) &
                .and. .not. (map%periodic .and. all(is_measured(map%height)))
     call prepare_influence(map, influence)
-    allocate (direction(map%columns, map%rows), source=0.0_real32)
-    allocate (image, mold=direction)
-    allocate (moved, mold=map%height)
-    call influence%apply(merge(1.0_real64 / number, 0.0_real64, carries), moved)
-    displacement = sum(moved, mask=carries) / number
+    allocate (image, residual, mold=map%height)
+    allocate (given(map%columns, map%rows), found(map%columns, map%rows))
+    allocate (direction(map%columns, map%rows), source=0.0_real64)
+    where (carries) direction = 1.0_real64 / number
+    call influence%apply(direction, image)
+    totals = sums_on(carries, image, direction)
+    displacement = totals(2)
     gap = displacement
-    if (has_mean) gap = gap - sum(moved, is_measured(map%height)) / count(is_measured(map%height))
-    residual = real(merge(displacement - moved, 0.0_real64, carries), real32)
-    deallocate (moved)
+    if (has_mean) gap = displacement - measured_mean(map, image)
+    residual = 0.0_real64
+    where (carries) residual = displacement - image
+    direction = 0.0_real64
     product_before = 0.0_real64
     is_met = .false.
     do turn = 1, iterations_allowed
       if (.not. displacement > epsilon(displacement) * influence%norm) return
-      call influence%invert_on(residual, image)
+      given = real(residual, real32)
+      call influence%invert_on(given, found)
+      image = found
       totals = sums_on(carries, image, residual)
       is_met = totals(2) <= error_left * displacement
       if (has_mean) is_met(2) = totals(2) * displacement <= (gap_error_left * gap)**2
@@ -85,7 +90,13 @@ contains
       if (product_before > 0.0_real64) step = totals(2) / product_before
       product_before = totals(2)
       call add_on(carries, [step, 1.0_real64, totals(1) / number], image, direction)
-      call influence%apply(direction, image)
+      if (has_mean) then
+        call influence%apply(direction, image)
+      else
+        given = real(direction, real32)
+        call influence%apply(given, found)
+        image = found
+      end if
       totals = sums_on(carries, image, direction)
       if (.not. (totals(2) > 0.0_real64 .and. product_before > 0.0_real64)) exit
       step = product_before / totals(2)
@@ -108,19 +119,16 @@ contains
   subroutine add_on(part, factors_mean, image, values)
     logical, intent(in), contiguous :: part(:, :)
     real(real64), intent(in) :: factors_mean(3)
-    real(real32), intent(in), contiguous :: image(:, :)
-    real(real32), intent(inout), contiguous :: values(:, :)
-    real(real32) :: factor(2), mean
+    real(real64), intent(in), contiguous :: image(:, :)
+    real(real64), intent(inout), contiguous :: values(:, :)
     integer :: i, j
 
-    factor = real(factors_mean(:2), real32)
-    mean = real(factors_mean(3), real32)
     !$omp parallel do if(size(image, kind=int64) > thread_threshold)
     do j = 1, size(image, 2)
       !$omp simd
       do i = 1, size(image, 1)
-        values(i, j) = factor(1) * values(i, j) + &
-                       merge(factor(2), 0.0_real32, part(i, j)) * (image(i, j) - mean)
+        values(i, j) = factors_mean(1) * values(i, j) + factors_mean(2) * &
+                       merge(image(i, j) - factors_mean(3), 0.0_real64, part(i, j))
       end do
     end do
   end subroutine add_on
@@ -128,7 +136,7 @@ contains
   ! Mean of displacements over the measured pixels.
   real(real64) function measured_mean(map, displacement) result(mean)
     type(height_map), intent(in) :: map
-    real(real32), intent(in), contiguous :: displacement(:, :)
+    real(real64), intent(in), contiguous :: displacement(:, :)
     real(real64) :: totals(2)
 
     totals = sums_on(is_measured(map%height), displacement, displacement)
@@ -138,7 +146,7 @@ contains
   ! Sum of an array over a part of the pixels, and that of its product with another one, by rows.
   function sums_on(part, image, other) result(totals)
     logical, intent(in), contiguous :: part(:, :)
-    real(real32), intent(in), contiguous :: image(:, :), other(:, :)
+    real(real64), intent(in), contiguous :: image(:, :), other(:, :)
     real(real64) :: row_sums(2, size(part, 2)), total, product_sum, totals(2), value
     integer :: i, j
 
@@ -148,7 +156,7 @@ contains
       product_sum = 0.0_real64
       !$omp simd private(value) reduction(+:total, product_sum)
       do i = 1, size(image, 1)
-        value = merge(image(i, j), 0.0_real32, part(i, j))
+        value = merge(image(i, j), 0.0_real64, part(i, j))
         total = total + value
         product_sum = product_sum + value * other(i, j)
       end do
