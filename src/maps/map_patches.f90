@@ -77,7 +77,7 @@ contains
         if (any(repeats)) windings(:, i, j) = 0
         spans = .false.
         do while (deep > 0)
-          call take_pixel(stack(:, deep), patches(n))
+          call take_pixel(patches(n))
         end do
         associate (patch => patches(n))
           patch%x = centre_of(1, patch%x / patch%load)
@@ -97,14 +97,14 @@ contains
     ! Adds the topmost pixel of the stack to its patch and puts its neighbours on the stack. Where a
     ! patch goes on beyond an end of a periodic map, it is in one piece by its windings. A pixel that
     ! is reached by two paths of different windings lies on a closed path around the map.
-    subroutine take_pixel(place, patch)
-      integer, intent(in) :: place(2)
+    subroutine take_pixel(patch)
       type(map_patch), intent(inout) :: patch
       integer, parameter :: step(2, 4) = reshape([0, 1, 0, -1, -1, 0, 1, 0], [2, 4])
       integer, parameter :: axis(4) = [2, 2, 1, 1]
       real(real64) :: least, rim
-      integer :: k, lengths(2), next(2), unwrapped(2), winding(2)
+      integer :: k, lengths(2), next(2), place(2), unwrapped(2), winding(2)
 
+      place = stack(:, deep)
       deep = deep - 1
       lengths = 0
       if (any(repeats)) lengths = windings(:, place(1), place(2))
