@@ -243,7 +243,7 @@ contains
       last = index(self%rest, feed, back=.true.)
       if (last > 0) exit
       length = len(self%rest)
-      if (length > shiftr(huge(length), 1)) self%failure = 'cannot be read: a line of more than 1 GiB'
+      if (length >= 2**30) self%failure = 'cannot be read: a line of more than 1 GiB'
       if (allocated(self%failure)) return
     end do
     if (last == 0) return
