@@ -132,8 +132,8 @@ contains
                  request%growth * row%area)
       request%area = row%area
       request%of_area = max(request%of_rims, error(3))
-      request%open_area = count(is_measured(map%height), kind=int64) * product(map%pixel_spacing) - &
-                          row%area
+      request%open_area = product(map%pixel_spacing) * &
+                          count(is_measured(map%height), kind=int64) - row%area
       row%area_error = area / row%area
       if (request%growth > 0.0_real64) row%area_error = area / (row%area + area)
       row%gap_error = error(4) / max(row%mean_gap, error(4), tiny(area))

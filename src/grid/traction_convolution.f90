@@ -250,7 +250,8 @@ contains
 
     allocate (marks(size(to, 1), size(to, 2)), source=.true.)
     call list_elements(marks, every)
-    allocate (values(size(marks, kind=int64), size(to, 3)), given(size(marks, kind=int64), size(from, 3)))
+    allocate (values(size(marks, kind=int64), size(to, 3)), &
+              given(size(marks, kind=int64), size(from, 3)))
     do c = 1, size(from, 3)
       given(:, c) = pack(from(:, :, c), marks)
     end do

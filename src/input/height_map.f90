@@ -36,8 +36,8 @@ module asperity_height_map
   real(real64), parameter :: metre_in(6) = [1.0_real64, 1.0e3_real64, 1.0e6_real64, &
     1.0e9_real64, 1.0e2_real64, 1.0_real64 / 0.0254_real64]
 
-  !> Most columns or rows. Derived: a padded side, up to 9/4 of it, fits in 32 bits, and the bytes of
-  !> a map of such sides in 64.
+  !> Most columns or rows. Derived: a padded side, up to 9/4 of it, is counted in 32 bits, and the
+  !> bytes of a map of such sides in 64.
   integer, parameter :: longest_side = 2**29
   real(real64), parameter :: highest = 1.0e30_real64  !! larger heights are refused
   !> Heights that are accepted, for a message.

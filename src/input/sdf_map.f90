@@ -275,7 +275,8 @@ contains
     integer :: i, unit
 
     ! A sample of a text takes two bytes at least.
-    least = header%points * header%profiles * merge(int(type_bytes(header%data_type), int64), 2_int64, header%binary)
+    least = header%points * header%profiles * &
+            merge(int(type_bytes(header%data_type), int64), 2_int64, header%binary)
     if (file%length >= 0_int64 .and. least > file%length - file%next_byte() + 1_int64) then
       call file%problems%add_in_file('found ' // decimal_text(file%length) // ' bytes, expected ' &
            // grid_text(header) // ' pixels of ' // trim(type_names(header%data_type)) // &

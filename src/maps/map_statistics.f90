@@ -184,7 +184,8 @@ contains
           square = square + (line(i) - map%height(i, j))**2
         end do
       end do
-      slope = hypot(slope, sqrt(square / max(1_int64, number)) / (distance * map%pixel_spacing(axis)))
+      slope = hypot(slope, sqrt(square / max(1_int64, number)) / &
+                    (distance * map%pixel_spacing(axis)))
     end do
   end function rms_slope_over
 

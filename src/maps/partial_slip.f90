@@ -80,8 +80,8 @@ contains
     most = sum(limit) * product(map%pixel_spacing)
     allocate (size_of, source=hypot(request%path(1, :), request%path(2, :)))
     ! A sum is rounded by at most epsilon a term.
-    if (request%by_load .and. points == 1 .and. &
-        size_of(points) >= most * (1.0_real64 - count(limit > 0.0_real64, kind=int64) * epsilon(most))) then
+    if (request%by_load .and. points == 1 .and. size_of(points) >= most * &
+        (1.0_real64 - count(limit > 0.0_real64, kind=int64) * epsilon(most))) then
       call slide_along(request%path(:, 1), most, limit, slip)
       return
     end if

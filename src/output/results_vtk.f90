@@ -102,7 +102,8 @@ contains
       do j = 1, size(values, 2)
         associate (row => values(:, j))
           call buffer%append(transfer(merge(row, ieee_value(row(1), ieee_quiet_nan), &
-                                            row > not_computed), repeat('a', real_bytes * size(row))))
+                                            row > not_computed), &
+                                      repeat('a', real_bytes * size(row))))
         end associate
         call write_block(block_size)
       end do

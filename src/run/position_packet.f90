@@ -58,7 +58,8 @@ contains
     if (effects < 0) return
     words = [words, transfer(result%effects, word), transfer(result%state_values, word), &
              transfer(result%state_columns, word), transfer(result%contact_columns, word)]
-    if (product(values) > 0_int64) words = [words, transfer(pack(result%contact_values, .true.), word)]
+    if (product(values) > 0_int64) &
+      words = [words, transfer(pack(result%contact_values, .true.), word)]
   end subroutine pack_position
 
   !> Converts words to the result.

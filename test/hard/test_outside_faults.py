@@ -262,7 +262,8 @@ def test_a_map_that_does_not_fit(run, tmp_path):
     room += 3_000_000
     done = run("solve", "s.scene", *OUTPUTS, preexec_fn=limit)
     assert done.returncode == 1 and done.stdout == b""
-    assert one_line(done) == "m.txt: not enough memory for the map, 4 x 200000 pixels, 6400000 bytes"
+    assert one_line(done) == ("m.txt: not enough memory for the map, 4 x 200000 pixels, "
+                              "6400000 bytes")
 
 
 def test_little_memory(run, tmp_path):

@@ -115,7 +115,7 @@ contains
     type(earlier_step) :: last
     real(real64), allocatable, dimension(:, :) :: force, gap, moved, next, pull, pulled, &
                                                   displacement
-    real(real64) :: allowed, change, error, level, noise, top, unit
+    real(real64) :: allowed, change, error, level, noise, pixels, top, unit
     integer :: steps
     logical :: is_solved
 
@@ -136,6 +136,7 @@ contains
     bounds%tolerance = first_tolerance
     if (present(hardness)) bounds%limit = (hardness + attraction_at(law, 0.0_real64)) / unit
     level = 0.0_real64
+    pixels = real(size(gap, kind=int64), real64)
     is_solved = .false.
     do steps = 1, steps_allowed
       if (present(load)) then
@@ -153,10 +154,8 @@ contains
                    0.0_real64, is_measured(map%height))
       call influence%apply(next, moved)
       moved = moved - pulled
-      change = maxval(abs(moved - merge(sum(moved) / size(moved, kind=int64), 0.0_real64, &
-                                        present(load))))
-      noise = displacement_error(influence%norm, sum(next**2) / size(next, kind=int64), &
-                                 maxval(abs(pulled + moved)))
+      change = maxval(abs(moved - merge(sum(moved) / pixels, 0.0_real64, present(load))))
+      noise = displacement_error(influence%norm, sum(next**2) / pixels, maxval(abs(pulled + moved)))
       call watch_changes(change, last)
       call extrapolate_step(pull, pulled, change, last, next, moved, error)
       if (change <= noise) error = 0.0_real64
