@@ -30,7 +30,7 @@ contains
     real(real64), intent(in) :: pressure(:, :)    !! contact pressure, with a value above 0
     integer, intent(out) :: place(2)              !! column and row of the top
     integer, intent(out) :: turn                  !! 1 or -1: columns over rows of the diagonal
-    type(coarse_grid) :: all
+    type(coarse_grid) :: whole
     real(real64), allocatable :: along(:), across(:)
     real(real64) :: from_middle(2), greatest, highest, lowest, most, rank
     integer :: i, j
@@ -50,27 +50,27 @@ contains
         most = rank
       end do
     end do
-    all = grid_around(map, place, 1, [0, 0])
-    along = distances(place(1), size(pressure, 1), map%repeats(1))
-    across = distances(place(2), size(pressure, 2), map%repeats(2))
+    whole = grid_around(map, place, 1, [0, 0])
+    along = pixel_distances(place(1), size(pressure, 1), map%repeats(1))
+    across = pixel_distances(place(2), size(pressure, 2), map%repeats(2))
     ! Half a period away is on both sides.
     where (abs(2 * along) >= size(along)) along = 0.0_real64
     where (abs(2 * across) >= size(across)) across = 0.0_real64
     turn = 1
-    if (dot_product(along, matmul((max(map%height(all%columns, all%rows), lowest) - &
+    if (dot_product(along, matmul((max(map%height(whole%columns, whole%rows), lowest) - &
                                    lowest)**2, across)) < 0.0_real64) turn = -1
   end subroutine find_centre
 
   ! Distances of the pixels along a side from one of them, the nearer way round.
-  pure function distances(place, number, repeats)
+  pure function pixel_distances(place, number, repeats)
     integer, intent(in) :: place, number
     logical, intent(in) :: repeats
-    integer, allocatable :: distances(:)
+    integer, allocatable :: pixel_distances(:)
     integer :: i
 
-    distances = [(i, i=merge((1 - number) / 2, 1 - place, repeats), &
+    pixel_distances = [(i, i=merge((1 - number) / 2, 1 - place, repeats), &
                   merge(number / 2, number - place, repeats))]
-  end function distances
+  end function pixel_distances
 
   !> The grid of every `step`th pixel at an offset from a place. On a side that repeats itself, and
   !> that the step does not divide, it ends where it is farthest from the place.
@@ -90,7 +90,7 @@ contains
       integer, intent(in) :: side
       integer, allocatable :: pixels(:)
 
-      pixels = distances(place(side), size(map%height, side), map%repeats(side))
+      pixels = pixel_distances(place(side), size(map%height, side), map%repeats(side))
       pixels = pack(pixels, modulo(pixels - offset(side), step) == 0)
       pixels = 1 + modulo(place(side) - 1 + pixels, size(map%height, side))
     end function pixels_at

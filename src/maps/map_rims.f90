@@ -35,7 +35,7 @@ contains
   !> rim.
   pure real(real64) function error_of_rims(map, pressure) result(error)
     type(height_map), intent(in) :: map           !! height map that is pressed
-    real(real64), intent(in) :: pressure(:, :)    !! contact pressure
+    real(real64), intent(in) :: pressure(:, :)    !! contact pressure of each pixel
     logical, allocatable :: beyond(:, :), rim(:, :), line(:)
     integer(int64) :: grooves
     integer :: along, i, length, side

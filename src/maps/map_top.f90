@@ -66,7 +66,7 @@ contains
   !> Finds the top of a map and its estimated error.
   pure type(first_contact) function find_top(map) result(found)
     type(height_map), intent(in) :: map  !! height map with at least one pixel measured
-    real(real64) :: chords, close, highest, largest, least, mean, near(-2:2, -2:2), ratio
+    real(real64) :: chords, rounding, highest, largest, least, mean, near(-2:2, -2:2), ratio
     real(real64) :: rise, step, top
     logical :: has_kink
     integer(int64) :: n
@@ -81,7 +81,7 @@ contains
     found%is_smooth = ratio < smooth_growth
     found%is_vertex = .true.
     ! Tops that are equal but for rounding.
-    close = sqrt(epsilon(close)) * (top - mean)
+    rounding = sqrt(epsilon(rounding)) * (top - mean)
     largest = (top - mean) * (2.0_real64 * log(4.0_real64) + gumbel) / &
               (2.0_real64 * log(max(2.0_real64, real(n, real64))))
     do j = 1, size(map%height, 2)
@@ -98,8 +98,8 @@ contains
           step = min(step, chords)
           rise = min(rise, largest) - step
         end if
-        if (near(0, 0) + step > top + close) found%is_vertex = .true.
-        if (near(0, 0) + step >= top - close) found%is_vertex = found%is_vertex .and. .not. has_kink
+        if (near(0, 0) + step > top + rounding) found%is_vertex = .true.
+        if (near(0, 0) + step >= top - rounding) found%is_vertex = found%is_vertex .and. .not. has_kink
         top = max(top, near(0, 0) + step)
         highest = max(highest, near(0, 0) + step + rise)
       end do

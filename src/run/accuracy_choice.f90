@@ -467,12 +467,12 @@ contains
   !> An accuracy of two digits that an error is within; 1: there is none.
   pure real(real64) function proposed_accuracy(error) result(accuracy)
     real(real64), intent(in) :: error  !! relative error that a run had
-    character(len=7) :: digits
+    character(len=7) :: text
 
     accuracy = 1.0_real64
     if (.not. error < possible_share) return
-    digits = real_text(error / possible_share, 'es7.1')
-    read (digits, *) accuracy
+    text = real_text(error / possible_share, 'es7.1')
+    read (text, *) accuracy
   end function proposed_accuracy
 
   ! Adds the option for an accuracy, where there is one.
