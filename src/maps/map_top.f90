@@ -99,7 +99,7 @@ contains
           rise = min(rise, largest) - step
         end if
         if (near(0, 0) + step > top + rounding) found%is_vertex = .true.
-        if (near(0, 0) + step >= top - rounding) found%is_vertex = found%is_vertex .and. .not. has_kink
+        if (has_kink .and. near(0, 0) + step >= top - rounding) found%is_vertex = .false.
         top = max(top, near(0, 0) + step)
         highest = max(highest, near(0, 0) + step + rise)
       end do
